@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstring>
 #include <exception>
-#include <map>
 #include <new>
 #include <optional>
 
@@ -19,19 +18,50 @@
 #include <assimp/Importer.hpp>
 
 #include "voxtone/base/error.h"
-#include "voxtone/io/codecs/mtl_library.h"
 #include "voxtone/io/codecs/ply_faces.h"
 #include "voxtone/io/codecs/ply_header.h"
-#include "voxtone/io/codecs/stl_header.h"
 
 namespace voxtone::io {
 
 namespace {
 
+/// Whether the declared size of an STL file can be true, and whether its attribute words look like colour, which STL
+/// has no standard for and which is not carried: those of VisCAM (bit 15 set wherever a word is not zero, more than one
+/// word) or Magics ("COLOR=" in the header). Words that are all the same, such as 0x2020 (blanks), are no colour.
+void check_stl(std::span<const std::byte> bytes, const std::string& name, std::vector<std::string>& lost_colours) {
+    constexpr std::size_t header = 84, facet = 50;
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    std::uint32_t count = 0;
+    if (bytes.size() >= header) std::memcpy(&count, bytes.data() + 80, 4);
+    const bool fits = bytes.size() >= header && std::uint64_t{count} * facet + header <= bytes.size();
+    const bool ascii =
+        text.substr(0, 512).find("solid") != std::string_view::npos && text.find("facet") != std::string_view::npos;
+    if (ascii && (!fits || count == 0)) return;
+    if (!fits)
+        throw InputError(fmt::format(
+            "{} is no STL file, or it is cut short: it declares {} triangles, which need {} bytes, and has {}", name,
+            count, std::uint64_t{count} * facet + header, bytes.size()));
+    std::uint32_t coloured = 0, plain = 0, first = 0x10000;
+    bool differ = false;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        std::uint16_t word = 0;
+        std::memcpy(&word, bytes.data() + header + i * facet + 48, 2);
+        if (word == 0) continue;
+        ++(word & 0x8000 ? coloured : plain);
+        if (first == 0x10000) first = word;
+        differ |= word != first;
+    }
+    const bool of_magics = text.substr(0, 80).find("COLOR=") != std::string_view::npos;
+    if (of_magics || (coloured && !plain && (differ || coloured < count)))
+        lost_colours.push_back(fmt::format(
+            "{} seems to hold facet colours ({} style); STL has no standard for them and they are LOST. Export the "
+            "model as 3MF, OBJ, PLY or GLB to keep its colours.",
+            name, of_magics ? "Magics" : "VisCAM"));
+}
+
 class MemoryStream : public Assimp::IOStream {
 public:
     explicit MemoryStream(std::span<const std::byte> bytes) : bytes_(bytes) {}
-    explicit MemoryStream(std::string text) : text_(std::move(text)), bytes_(std::as_bytes(std::span(text_))) {}
 
     std::size_t Read(void* buffer, std::size_t size, std::size_t count) override {
         if (size == 0) return 0;
@@ -52,59 +82,25 @@ public:
     void Flush() override {}
 
 private:
-    std::string text_;
     std::span<const std::byte> bytes_;
     std::size_t at_ = 0;
 };
 
-/// All that assimp sees: the model under a made-up name, and for each material library one that only names the
-/// materials.
-class ModelFiles : public Assimp::IOSystem {
+/// All that assimp sees: the model under a made-up name.
+class OneFile : public Assimp::IOSystem {
 public:
-    ModelFiles(ParseContext& context, ModelParts& parts, std::string model)
-        : context_(context), parts_(parts), model_(std::move(model)) {}
+    OneFile(const ParseContext& context, std::string model) : context_(context), model_(std::move(model)) {}
 
     bool Exists(const char* file) const override { return file == model_; }
     char getOsSeparator() const override { return '/'; }
     Assimp::IOStream* Open(const char* file, const char*) override {
-        if (file == model_) return new MemoryStream(context_.bytes());
-        return open_library(file);
+        return file == model_ ? new MemoryStream(context_.bytes()) : nullptr;
     }
     void Close(Assimp::IOStream* stream) override { delete stream; }
 
-    std::map<std::string, MtlMaterial> materials;
-
 private:
-    Assimp::IOStream* open_library(const std::string& file) {
-        // assimp tries MODEL.mtl when a library is missing; its made-up name leads nowhere.
-        if (file.starts_with(model_.substr(0, model_.rfind('.')))) return nullptr;
-        const auto bytes = context_.read_side_file(file);
-        if (!bytes) {
-            parts_.lose_texture(
-                fmt::format("The material library '{}' that {} names was not found beside the model: its colours "
-                            "and textures are LOST. Put the file into the model's folder.",
-                            file, context_.name()));
-            return nullptr;
-        }
-        std::string names;
-        for (MtlMaterial& material : parse_mtl({reinterpret_cast<const char*>(bytes->data()), bytes->size()})) {
-            names += "newmtl " + material.name + "\n";
-            materials.emplace(material.name, std::move(material));
-        }
-        return new MemoryStream(std::move(names));
-    }
-
-    ParseContext& context_;
-    ModelParts& parts_;
+    const ParseContext& context_;
     std::string model_;
-};
-
-bool has_colour(const MtlMaterial& m) { return !m.map_kd.empty() || (m.kd && m.kd->minCoeff() < 0.9f); }
-float spread(const Eigen::Vector3f& rgb) { return rgb.maxCoeff() - rgb.minCoeff(); }
-
-/// How the texture coordinates of a material are moved: uv * scale + offset.
-struct AssimpUv {
-    Eigen::Vector2f scale = Eigen::Vector2f::Ones(), offset = Eigen::Vector2f::Zero();
 };
 
 /// assimp makes words of all that it catches; for lack of memory the file is not to blame.
@@ -123,14 +119,14 @@ public:
     AssimpParser(ParseContext& context, const std::string& extension) : context_(context), extension_(extension) {}
 
     ModelParts parse() {
-        parts_.format = extension_ == "obj" ? "OBJ" : extension_ == "ply" ? "PLY" : "STL";
+        parts_.format = extension_ == "ply" ? "PLY" : "STL";
         if (extension_ == "ply") ply_ = read_ply_header(context_.bytes(), context_.name());
         if (ply_ && (ply_->face_colours || ply_->corner_coordinates))
             faces_ = read_ply_faces(context_.bytes(), *ply_, context_.name());
         if (ply_) expect_lists_to_fit(context_.bytes(), *ply_, context_.name());
         if (extension_ == "stl") check_stl(context_.bytes(), context_.name(), parts_.lost_colours);
         const std::string virtual_name = "voxtone model." + extension_;
-        auto* files = new ModelFiles(context_, parts_, virtual_name);  // owned by the importer
+        auto* files = new OneFile(context_, virtual_name);  // owned by the importer
         Assimp::Importer importer;
         importer.SetIOHandler(files);
         const aiScene* scene = importer.ReadFile(virtual_name, 0);
@@ -142,8 +138,7 @@ public:
         scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
         rethrow_lack_of_memory(importer);
         if (!scene) throw InputError(fmt::format("the polygons of {} cannot be triangulated", context_.name()));
-        make_materials(*scene, files->materials);
-        look_for_library(*scene, files->materials);
+        make_materials(*scene);
         for (unsigned m = 0; m < scene->mNumMeshes; ++m) add_mesh(*scene->mMeshes[m]);
         if (scene->mNumMeshes == 1) lay_ply_faces();
         if (parts_.triangles.size() < expected)
@@ -185,15 +180,8 @@ private:
         return expected;
     }
 
-    void make_materials(const aiScene& scene, const std::map<std::string, MtlMaterial>& library) {
+    void make_materials(const aiScene& scene) {
         parts_.materials.resize(std::max(scene.mNumMaterials, 1u));
-        transforms_.resize(parts_.materials.size());
-        for (unsigned m = 0; m < scene.mNumMaterials; ++m) {
-            aiString name;
-            scene.mMaterials[m]->Get(AI_MATKEY_NAME, name);
-            parts_.materials[m].name = name.C_Str();
-            if (const auto found = library.find(name.C_Str()); found != library.end()) use(found->second, m);
-        }
         if (ply_ && !ply_->texture_file.empty()) {
             parts_.has_colour = true;
             parts_.materials[0].image = context_.add_image_file(parts_, ply_->texture_file, context_.decode_options());
@@ -201,49 +189,10 @@ private:
         }
     }
 
-    /// A library of which nothing is used: its colours were meant for something.
-    void look_for_library(const aiScene& scene, const std::map<std::string, MtlMaterial>& library) {
-        for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
-            aiString name;
-            scene.mMaterials[scene.mMeshes[m]->mMaterialIndex]->Get(AI_MATKEY_NAME, name);
-            if (library.contains(name.C_Str())) return;
-        }
-        if (std::any_of(library.begin(), library.end(), [](const auto& m) { return has_colour(m.second); }))
-            parts_.lose_colour(fmt::format(
-                "{} uses none of the materials in its library: their colours are LOST. Look at the names behind usemtl "
-                "and newmtl, or export it again.",
-                context_.name()));
-    }
-
-    void use(const MtlMaterial& mtl, std::size_t m) {
-        PartMaterial& material = parts_.materials[m];
-        material.alpha = mtl.opacity;
-        if (mtl.kd) parts_.has_colour = true;
-        if (mtl.has_opacity_map)
-            parts_.warnings.push_back(fmt::format(
-                "The material '{}' has an opacity map; prints are opaque here, it is left aside.", mtl.name));
-        if (!mtl.map_kd.empty()) {
-            parts_.has_colour = true;
-            material.image = context_.add_image_file(parts_, mtl.map_kd, context_.decode_options());
-            material.wrap_u = material.wrap_v = mtl.map_clamp ? Wrap::decal : Wrap::repeat;
-            transforms_[m] = {mtl.map_scale, mtl.map_offset};
-        }
-        if (!mtl.kd) return;
-        if (material.image < 0)
-            material.rgb = srgb_to_linear(*mtl.kd);
-        else if (spread(*mtl.kd) > 0.01f)
-            parts_.warnings.push_back(fmt::format(
-                "The material '{}' has both a texture and a coloured Kd ({:.2f} {:.2f} {:.2f}); the texture "
-                "is printed as it is, Kd is left aside.",
-                mtl.name, mtl.kd->x(), mtl.kd->y(), mtl.kd->z()));
-    }
-
     void add_mesh(const aiMesh& mesh) {
         const auto first = static_cast<std::uint32_t>(parts_.positions.size());
         for (unsigned v = 0; v < mesh.mNumVertices; ++v)
             parts_.positions.emplace_back(mesh.mVertices[v].x, mesh.mVertices[v].y, mesh.mVertices[v].z);
-        const AssimpUv transform =
-            mesh.mMaterialIndex < transforms_.size() ? transforms_[mesh.mMaterialIndex] : AssimpUv{};
         const bool decode_colours = !ply_ || ply_->integer_colours;
         for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
             const aiFace& face = mesh.mFaces[f];
@@ -254,8 +203,7 @@ private:
                 std::array<Eigen::Vector2f, 3> uv;
                 for (int c = 0; c < 3; ++c) {
                     const aiVector3D& coordinate = mesh.mTextureCoords[0][i[c]];
-                    uv[c] =
-                        Eigen::Vector2f(coordinate.x, coordinate.y).cwiseProduct(transform.scale) + transform.offset;
+                    uv[c] = Eigen::Vector2f(coordinate.x, coordinate.y);
                 }
                 parts_.set_uv(t, uv);
             }
@@ -313,7 +261,6 @@ private:
     ModelParts parts_;
     std::optional<PlyHeader> ply_;
     PlyFaces faces_;  // of a PLY file where they have more to say than assimp hands on
-    std::vector<AssimpUv> transforms_;
     std::size_t points_and_lines_ = 0;
 };
 

@@ -8,6 +8,7 @@
 #include "voxtone/io/codecs/given_texture.h"
 #include "voxtone/io/codecs/parse_3mf.h"
 #include "voxtone/io/codecs/parse_gltf.h"
+#include "voxtone/io/codecs/parse_obj.h"
 #include "voxtone/io/codecs/parse_with_assimp.h"
 #include "voxtone/io/files/file_reader.h"
 #include "voxtone/io/files/read_bytes.h"
@@ -23,6 +24,7 @@ ModelParts parse_model(const std::filesystem::path& path, const ReadOptions& opt
     ParseContext context(path, options);
     ModelParts parts = extension == "3mf"                          ? parse_3mf(context)
                        : extension == "gltf" || extension == "glb" ? parse_gltf(context)
+                       : extension == "obj"                        ? parse_obj(context)
                                                                    : parse_with_assimp(context, extension);
     if (!options.texture.empty()) lay_given_texture(parts, context, options.texture);
     parts.side_files = context.side_files();

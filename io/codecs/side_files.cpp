@@ -2,21 +2,20 @@
 #include "voxtone/io/codecs/side_files.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <system_error>
 
 #include <fmt/format.h>
+
+#include "voxtone/base/printable.h"
+#include "voxtone/io/models/model_text.h"
 
 namespace voxtone::io {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-std::string lower(std::string text) {
-    for (char& c : text)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return text;
-}
 
 bool is_file(const fs::path& path) {
     std::error_code error;
@@ -52,9 +51,49 @@ std::optional<fs::path> entry(const fs::path& folder, const std::string& part) {
     std::optional<fs::path> best;
     for (fs::directory_iterator item(folder, error), end; !error && item != end; item.increment(error)) {
         const fs::path& path = item->path();
-        if (lower(path.filename().string()) == lower(part) && (!best || path < *best)) best = path;
+        if (lower_case(path.filename().string()) == lower_case(part) && (!best || path < *best)) best = path;
     }
     return best;
+}
+
+/// Windows-1252 to UTF-8, where the text is no UTF-8 already; what that page has no letter for stays away.
+std::string from_windows_1252(std::string_view text) {
+    static constexpr std::array<std::uint16_t, 32> special{
+        0x20ac, 0,      0x201a, 0x0192, 0x201e, 0x2026, 0x2020, 0x2021, 0x02c6, 0x2030, 0x0160,
+        0x2039, 0x0152, 0,      0x017d, 0,      0,      0x2018, 0x2019, 0x201c, 0x201d, 0x2022,
+        0x2013, 0x2014, 0x02dc, 0x2122, 0x0161, 0x203a, 0x0153, 0,      0x017e, 0x0178};
+    std::string out;
+    for (const char c : text) {
+        const auto byte = static_cast<std::uint8_t>(c);
+        const std::uint32_t code = byte >= 0x80 && byte < 0xa0 ? special[byte - 0x80] : byte;
+        if (code == 0) continue;
+        if (code < 0x80) {
+            out += static_cast<char>(code);
+        } else if (code < 0x800) {
+            out += static_cast<char>(0xc0 | code >> 6);
+            out += static_cast<char>(0x80 | (code & 0x3f));
+        } else {
+            out += static_cast<char>(0xe0 | code >> 12);
+            out += static_cast<char>(0x80 | (code >> 6 & 0x3f));
+            out += static_cast<char>(0x80 | (code & 0x3f));
+        }
+    }
+    return out;
+}
+
+std::vector<std::string> other_readings(std::string_view name) {
+    const auto trim = [](std::string_view text) {
+        const std::size_t first = text.find_first_not_of(" \t\r\n");
+        return first == text.npos ? std::string_view()
+                                  : text.substr(first, text.find_last_not_of(" \t\r\n") + 1 - first);
+    };
+    std::string_view plain = trim(name);
+    if (plain.size() > 1 && (plain.front() == '"' || plain.front() == '\'') && plain.back() == plain.front())
+        plain = trim(plain.substr(1, plain.size() - 2));
+    std::string unescaped;
+    for (std::size_t i = 0; i < plain.size(); ++i)
+        if (!(plain[i] == '\\' && i + 1 < plain.size() && plain[i + 1] == ' ')) unescaped += plain[i];
+    return {std::string(plain), unescaped, decode_uri(plain), from_windows_1252(plain)};
 }
 
 /// Where links lead in the end.
@@ -74,7 +113,18 @@ SideFiles::SideFiles(const fs::path& model) : folder_(model.parent_path()), mode
 
 std::optional<fs::path> SideFiles::find(std::string_view name) {
     if (const auto known = found_.find(name); known != found_.end()) return known->second;
-    std::optional<fs::path>& result = found_[std::string(name)];
+    std::optional<fs::path> result = find_as_written(name);
+    for (const std::string& other : other_readings(name)) {
+        if (result) break;
+        if (other == name || !(result = find_as_written(other))) continue;
+        warnings_.push_back(
+            fmt::format("{} names the file '{}'; '{}' was taken for it.", model_, printable(name), printable(other)));
+    }
+    return found_[std::string(name)] = result;
+}
+
+std::optional<fs::path> SideFiles::find_as_written(std::string_view name) {
+    std::optional<fs::path> result;
     std::vector<std::string> parts = parts_of(name);
     if (parts.empty() || parts.back() == ".." || name.find('\0') != std::string_view::npos) return result;
 

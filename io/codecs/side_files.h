@@ -5,7 +5,8 @@
 // A model comes from anywhere, so a name in it is not trusted: absolute paths, drive letters and `..` are not followed;
 // only the last part of such a name is looked for, in the model's own folder. A link that leads out of it is not
 // followed. Backslashes count as slashes. Where the
-// exact name does not exist, a name that differs only in upper and lower case is taken. What was done instead of what
+// exact name does not exist, a name that differs only in upper and lower case is taken, then what the name is without
+// blanks and quotes around it, with %XX decoded, or out of Windows-1252. What was done instead of what
 // the file asked for is said in a warning.
 #pragma once
 
@@ -29,6 +30,8 @@ public:
     [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
 
 private:
+    [[nodiscard]] std::optional<std::filesystem::path> find_as_written(std::string_view name);
+
     std::filesystem::path folder_;
     std::string model_;
     std::map<std::string, std::optional<std::filesystem::path>, std::less<>> found_;

@@ -3,10 +3,9 @@
 // Models from files: OBJ + MTL, PLY, STL, glTF 2.0 / GLB and 3MF.
 //
 // Colour, as io/models/mesh.h combines it (linear sRGB):
-// - OBJ: `map_Kd` with -o, -s and -clamp; Kd, taken as sRGB, where there is no map. Kd does NOT multiply the map, as
-//   the MTL note would have it: exporters leave grey defaults there (0.64, 0.8) beside finished photographs, and people
-//   expect the colours of the picture. A Kd that is no grey and was not applied is reported. Vertex colours
-//   (v x y z r g b) are sRGB.
+// - OBJ: texture over vertex colours over Kd (io/codecs/parse_obj.h): Kd does NOT multiply the map, as the MTL note
+//   would have it: exporters leave grey defaults there (0.64, 0.8) beside finished photographs, and people expect the
+//   colours of the picture. A Kd that is no grey and was not applied is reported. Vertex colours are sRGB, as Kd is.
 // - PLY: vertex colours of integers are sRGB codes, of floats linear; face colours in the same way, where vertices have
 //   none or are all alike; `comment TextureFile`, coordinates of vertices or of each face's corners.
 // - STL: none. Attribute words that look like the colours of VisCAM or Magics are lost, which is said.

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Polygons of any shape cut into triangles, without new corners: convex ones as fans, others by a constrained Delaunay
+// triangulation of their outline (CGAL), in the plane that lies nearest to them (M. E. Newell's normal). Holes that are
+// joined to the outline by a bridge come out as holes. Where an outline crosses itself a fan is made of it, which
+// closes a surface as well as any: what lies doubly within it cancels.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace voxtone::io {
+
+/// Triangles by corners of the polygon, in its sense of turning; at least three corners.
+[[nodiscard]] std::vector<std::array<std::uint32_t, 3>> polygon_triangles(std::span<const Eigen::Vector3d> corners);
+
+}  // namespace voxtone::io
