@@ -13,7 +13,8 @@ if(BUILD_TESTING)
   find_package(Catch2 2.13 CONFIG REQUIRED)
   include(Catch)
   find_package(valijson REQUIRED)  # proves data/schema
-  pkg_check_modules(LIB3MF REQUIRED IMPORTED_TARGET lib3MF)  # a second opinion on 3MF files
+  find_package(assimp CONFIG REQUIRED)  # a second opinion on GLB, glTF and PLY files
+  pkg_check_modules(LIB3MF REQUIRED IMPORTED_TARGET lib3MF)  # and on 3MF
 endif()
 if(VOXTONE_BENCHMARKS)
   find_package(benchmark REQUIRED)

@@ -5,9 +5,10 @@
 // Cells that touch and look the same way belong together while each is within 0.008 of its neighbour and 0.012 of the
 // first in Oklab; a piece is one thing where at least half of what lies three cells around it is 0.05 or farther from
 // it: the smooth grounds of photographs are not. Pieces from 1 mm2 on are solids; smaller ones of one colour together
-// are strokes, wherever they lie; those nowhere wider than two cells only in a colour that something wider has, for they
-// may be the blurred edges of others. Of less than 0.2 mm2 in all nothing is made. What is white (paper.h) is one region, paper, in however many pieces. The interior of
-// a region are the cells that lie 0.6 mm from its border or farther, or all where those are less than a fifth.
+// are strokes, wherever they lie; those nowhere wider than two cells only in a colour that something wider has, for
+// they may be the blurred edges of others. Of less than 0.2 mm2 in all nothing is made. What is white (paper.h) is one
+// region, paper, in however many pieces. The interior of a region are the cells that lie 0.6 mm from its border or
+// farther, or all where those are less than a fifth.
 //
 // A region is judged as a region, by its interior: the CIEDE2000 between the mean colours of target and print, and its
 // unevenness, the root mean square distance of the differences from their mean, in Lab. Both are of what the eye's

@@ -14,9 +14,9 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/printable.h"
-#include "voxtone/io/codecs/mtl_library.h"
 #include "voxtone/io/codecs/polygon_triangles.h"
 #include "voxtone/io/models/model_text.h"
+#include "voxtone/io/models/mtl_library.h"
 #include "voxtone/io/pictures/srgb_code.h"
 
 namespace voxtone::io {

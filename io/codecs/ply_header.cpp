@@ -11,6 +11,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/printable.h"
+#include "voxtone/io/models/model_text.h"
 
 namespace voxtone::io {
 
@@ -46,14 +47,6 @@ PlyProperty property_of(std::istringstream& words, const std::string& type, cons
     return property;
 }
 
-void note_colour(PlyHeader& header, const PlyElement& element, const PlyProperty& property) {
-    if (ply_colour_channel(property.name) == 0 && element.name == "vertex")
-        header.integer_colours = !is_float(property.type);
-    if (element.name != "face") return;
-    header.face_colours |= ply_colour_channel(property.name) == 0 && !property.is_list;
-    header.corner_coordinates |= property.name == "texcoord" && property.is_list;
-}
-
 /// Of one item, with empty lists.
 std::uint64_t least_bytes(const PlyElement& element, bool ascii) {
     if (ascii) return 2 * element.properties.size();  // a digit and a blank each
@@ -64,18 +57,29 @@ std::uint64_t least_bytes(const PlyElement& element, bool ascii) {
 
 /// Where the line "end_header" begins: not a comment or a longer word, behind which a parser would read on.
 std::size_t end_of_header(std::string_view text) {
-    constexpr std::string_view last = "\nend_header";
+    constexpr std::string_view last = "end_header";
     for (std::size_t at = text.find(last); at != std::string_view::npos; at = text.find(last, at + 1)) {
         const std::size_t behind = at + last.size();
-        if (behind == text.size() || std::string_view(" \t\r\n").find(text[behind]) != std::string_view::npos)
-            return at + 1;
+        const bool begins = at > 0 && (text[at - 1] == '\n' || text[at - 1] == '\r');
+        if (begins &&
+            (behind == text.size() || std::string_view(" \t\r\n").find(text[behind]) != std::string_view::npos))
+            return at;
     }
     return std::string_view::npos;
 }
 
+/// Behind the end of the line that begins at `from`; lines end as the first one of the header does.
+std::size_t end_of_line(std::string_view text, std::size_t from) {
+    const std::size_t first = std::min(text.find_first_of("\r\n"), text.size());
+    const bool returns_alone = first + 1 < text.size() && text[first] == '\r' && text[first + 1] != '\n';
+    const std::size_t end = text.find(returns_alone ? '\r' : '\n', from);
+    return end == std::string_view::npos ? text.size() : end + 1;
+}
+
 }  // namespace
 
-int ply_colour_channel(const std::string& property) {
+int ply_colour_channel(const std::string& spelled) {
+    const std::string property = lower_case(spelled);
     static constexpr std::string_view names[4][3] = {{"red", "diffuse_red", "r"},
                                                      {"green", "diffuse_green", "g"},
                                                      {"blue", "diffuse_blue", "b"},
@@ -89,14 +93,15 @@ int ply_colour_channel(const std::string& property) {
 PlyHeader read_ply_header(std::span<const std::byte> bytes, const std::string& name) {
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()),
                                 std::min<std::size_t>(bytes.size(), 1 << 20));
-    const std::size_t end = end_of_header(text);
-    if (!text.starts_with("ply") || end == std::string_view::npos)
+    const std::string_view mark = "\xEF\xBB\xBF";
+    const std::size_t begin = text.starts_with(mark) ? mark.size() : 0, end = end_of_header(text);
+    if (!text.substr(begin).starts_with("ply") || end == std::string_view::npos)
         throw InputError(fmt::format("{} is no PLY file or its header is cut short", name));
-    std::istringstream lines{std::string(text.substr(0, end))};
     PlyHeader header;
-    header.bytes = std::min(text.find('\n', end), text.size() - 1) + 1;
-    for (std::string line; std::getline(lines, line);) {
-        if (!line.empty() && line.back() == '\r') line.pop_back();
+    header.bytes = end_of_line(text, end);
+    TextLines lines(text.substr(begin, end - begin), false);
+    while (const auto statement = lines.next()) {
+        const std::string line(*statement);
         std::istringstream words(line);
         std::string key, second;
         words >> key >> second;
@@ -105,8 +110,9 @@ PlyHeader read_ply_header(std::span<const std::byte> bytes, const std::string& n
                               : second == "binary_big_endian" ? PlyHeader::Encoding::big_endian
                                                               : PlyHeader::Encoding::little_endian;
         } else if (key == "comment" && second == "TextureFile") {
-            std::getline(words >> std::ws, header.texture_file);
-            header.texture_file.erase(header.texture_file.find_last_not_of(" \t") + 1);  // some leave one there
+            std::string file;
+            std::getline(words >> std::ws, file);
+            header.texture_files.emplace_back(trimmed(file));  // some leave blanks there
         } else if (key == "element") {
             PlyElement element{second, 0, {}};
             if (!(words >> element.count))
@@ -115,7 +121,6 @@ PlyHeader read_ply_header(std::span<const std::byte> bytes, const std::string& n
         } else if (key == "property" && !header.elements.empty()) {
             PlyElement& element = header.elements.back();
             element.properties.push_back(property_of(words, second, name));
-            note_colour(header, element, element.properties.back());
         } else if (!key.empty() && key != "ply" && key != "comment" && key != "obj_info") {
             throw InputError(fmt::format("{}: the header has the line '{}', which PLY does not know; export it again",
                                          name, printable(line)));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The header of a PLY file: declared sizes are checked against the file's length before a parser believes them, and
-// what carries colour is noted.
+// The header of a PLY file: declared sizes are checked against the file's length before a parser believes them. Lines
+// may end in LF, CRLF or CR, and a byte order mark may come first.
 #pragma once
 
 #include <cstddef>
@@ -37,17 +37,14 @@ struct PlyHeader {
     enum class Encoding { ascii, little_endian, big_endian };
     Encoding encoding = Encoding::ascii;
     std::vector<PlyElement> elements;
-    std::size_t bytes = 0;        ///< of the header; items begin behind it
-    bool integer_colours = true;  ///< vertex colours are sRGB codes; false: floats, linear
-    bool face_colours = false;
-    bool corner_coordinates = false;  ///< texture coordinates of each face's corners
-    std::string texture_file;         ///< `comment TextureFile NAME`
+    std::size_t bytes = 0;                   ///< of the header; items begin behind it
+    std::vector<std::string> texture_files;  ///< `comment TextureFile NAME`, in their order
 };
 
 /// Throws InputError on a header that is no PLY or declares more than the file can hold.
 [[nodiscard]] PlyHeader read_ply_header(std::span<const std::byte> bytes, const std::string& name);
 
-/// 0 to 3 for red, green, blue, alpha by the names that programs give them; -1: no colour.
-[[nodiscard]] int ply_colour_channel(const std::string& property);
+/// 0 to 3 for red, green, blue, alpha by the names that programs give them, in any case; -1: no colour.
+[[nodiscard]] int ply_colour_channel(const std::string& spelled);
 
 }  // namespace voxtone::io

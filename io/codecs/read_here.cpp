@@ -9,7 +9,8 @@
 #include "voxtone/io/codecs/parse_3mf.h"
 #include "voxtone/io/codecs/parse_gltf.h"
 #include "voxtone/io/codecs/parse_obj.h"
-#include "voxtone/io/codecs/parse_with_assimp.h"
+#include "voxtone/io/codecs/parse_ply.h"
+#include "voxtone/io/codecs/parse_stl.h"
 #include "voxtone/io/files/file_reader.h"
 #include "voxtone/io/files/read_bytes.h"
 #include "voxtone/io/models/finish_model.h"
@@ -25,7 +26,8 @@ ModelParts parse_model(const std::filesystem::path& path, const ReadOptions& opt
     ModelParts parts = extension == "3mf"                          ? parse_3mf(context)
                        : extension == "gltf" || extension == "glb" ? parse_gltf(context)
                        : extension == "obj"                        ? parse_obj(context)
-                                                                   : parse_with_assimp(context, extension);
+                       : extension == "ply"                        ? parse_ply(context)
+                                                                   : parse_stl(context);
     if (!options.texture.empty()) lay_given_texture(parts, context, options.texture);
     parts.side_files = context.side_files();
     return parts;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The program `voxtone-read`, in which every model, picture, photograph and ICC profile is parsed (io/codecs): how it
-// is asked. Libraries of formats (assimp, OpenImageIO and what they load, Little CMS) are linked into it alone.
+// is asked. Libraries of formats (OpenImageIO and what it loads, Little CMS) are linked into it alone.
 #pragma once
 
 #include <cstddef>

@@ -6,8 +6,10 @@
 // - OBJ: texture over vertex colours over Kd (io/codecs/parse_obj.h): Kd does NOT multiply the map, as the MTL note
 //   would have it: exporters leave grey defaults there (0.64, 0.8) beside finished photographs, and people expect the
 //   colours of the picture. A Kd that is no grey and was not applied is reported. Vertex colours are sRGB, as Kd is.
-// - PLY: vertex colours of integers are sRGB codes, of floats linear; face colours in the same way, where vertices have
-//   none or are all alike; `comment TextureFile`, coordinates of vertices or of each face's corners.
+// - PLY: colours of vertices, or of faces where those of vertices are all alike, are sRGB codes whose range goes by
+// type
+//   and by what occurs (io/codecs/parse_ply.h); textures by `comment TextureFile` and `texnumber`, with coordinates of
+//   vertices or of each face's corners.
 // - STL: none. Attribute words that look like the colours of VisCAM or Magics are lost, which is said.
 // - glTF: baseColorFactor (linear) * COLOR_0 (linear) * baseColorTexture (sRGB) with KHR_texture_transform; nothing
 //   else of the material is colour. Alpha counts only where alphaMode is MASK or BLEND. Node transforms are applied;

@@ -95,7 +95,7 @@ std::optional<std::string_view> TextLines::next() {
         std::string_view line = cut();
         number_ = lines_;
         if (line.empty()) continue;
-        if (line.back() != '\\' || line.front() == '#') return line;
+        if (!joins_ || line.back() != '\\' || line.front() == '#') return line;
         joined_.clear();
         while (!line.empty() && line.back() == '\\') {
             joined_ += trimmed(line.substr(0, line.size() - 1));

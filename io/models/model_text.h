@@ -25,7 +25,8 @@ namespace voxtone::io {
 /// Statements of a line-based format, one after the other.
 class TextLines {
 public:
-    explicit TextLines(std::string_view text) : left_(text) {}
+    /// `joins`: a backslash at a line's end, blanks behind it or not, takes the next line to it.
+    explicit TextLines(std::string_view text, bool joins = true) : left_(text), joins_(joins) {}
     /// The next line that is not blank, trimmed; nothing at the end. CR, LF and CRLF end a line; a backslash at its
     /// end, blanks behind it or not, joins the next one to it. Stays valid until the next call.
     [[nodiscard]] std::optional<std::string_view> next();
@@ -34,6 +35,7 @@ public:
 
 private:
     std::string_view left_;
+    bool joins_;
     std::size_t number_ = 0, lines_ = 0;
     std::string joined_;
 };

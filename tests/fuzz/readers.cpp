@@ -13,7 +13,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/calibration/patches/patch_file.h"
 #include "voxtone/io/codecs/decode_image.h"
-#include "voxtone/io/codecs/mtl_library.h"
+#include "voxtone/io/models/mtl_library.h"
 #include "voxtone/io/codecs/read_here.h"
 #include "voxtone/io/layers/stack_service.h"
 #include "voxtone/io/models/model_parts.h"

@@ -11,8 +11,8 @@
 
 #include "model_samples.h"
 #include "voxtone/base/error.h"
-#include "voxtone/io/codecs/mtl_library.h"
 #include "voxtone/io/codecs/read_here.h"
+#include "voxtone/io/models/mtl_library.h"
 #include "voxtone/io/pictures/texture.h"
 #include "voxtone/optics/colour/colour.h"
 
@@ -281,11 +281,12 @@ TEST_CASE("PLY and STL models") {
                " blue\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 " + colour +
                "\n1 0 0 " + colour + "\n0 1 0 " + colour + "\n3 0 1 2\n";
     };
-    SECTION("bytes are sRGB, floats are linear") {
+    SECTION("bytes and floats are sRGB codes") {
         const ModelFile bytes = read(folder, {{"a.ply", ply("uchar", "128 0 255")}});
         CHECK(bytes.has_colour);
         CHECK(near(corner_colour(bytes.mesh, 0, 0), {linear(128 / 255.0), 0, 1}, 1e-5f));
-        CHECK(near(corner_colour(read(folder, {{"a.ply", ply("float", "0.5 0 1")}}).mesh, 0, 2), {0.5f, 0, 1}, 1e-5f));
+        CHECK(near(corner_colour(read(folder, {{"a.ply", ply("float", "0.5 0 1")}}).mesh, 0, 2), {linear(0.5), 0, 1},
+                   1e-5f));
     }
     SECTION("sizes that the file cannot hold are refused before they are believed") {
         std::string text = ply("uchar", "1 2 3");
@@ -332,6 +333,191 @@ TEST_CASE("PLY and STL models") {
     }
 }
 
+TEST_CASE("OBJ as the world writes it") {
+    const Folder folder;
+    const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    const auto first = [&](const Files& files) { return corner_colour(read(folder, files).mesh, 0, 0); };
+    const Vector3f red(linear(200 / 255.0), linear(40 / 255.0), linear(40 / 255.0));
+    SECTION("colours of vertices, in every form, stay with their vertices") {
+        for (const std::string line : {"v 0 0 0 0.784314 0.156863 0.156863", "v 0 0 0 200 40 40",
+                                       "v 0 0 0 0.784314 0.156863 0.156863 1", "v 0 0 0 1 0.784314 0.156863 0.156863",
+                                       "v 0 0 0 1 0.784314 0.156863 0.156863 1", "v 0 0 0 51400 10280 10280"}) {
+            CAPTURE(line);
+            CHECK(near(first({{"a.obj", line + "\n" + line + "\n" + line + "\nf 1 2 3\n"}}), red, 2e-3f));
+        }
+        // Only the second has one.
+        const ModelFile mixed = read(folder, {{"b.obj", "v 0 0 0\nv 1 0 0 1 0 0\nv 0 1 0\nf 1 2 3\n"}});
+        CHECK(near(corner_colour(mixed.mesh, 0, 0), {1, 1, 1}));
+        CHECK(near(corner_colour(mixed.mesh, 0, 1), {1, 0, 0}));
+        const ModelFile painted =
+            read(folder, {{"c.obj", triangle + "f 1 2 3\n#MRGB ffc82828ff00ff00\n#MRGB ff0000ff\n"}});
+        CHECK(near(corner_colour(painted.mesh, 0, 0), red));
+        CHECK(near(corner_colour(painted.mesh, 0, 1), {0, 1, 0}));
+        CHECK(near(corner_colour(painted.mesh, 0, 2), {0, 0, 1}));
+    }
+    SECTION("vertex colours come before Kd, and a texture before both") {
+        const std::string grey = "v 0 0 0 0.5 0.5 0.5\nv 1 0 0 0.5 0.5 0.5\nv 0 1 0 0.5 0.5 0.5\n";
+        const Files mtl{{"a.mtl", "newmtl m\nKd 0 0 0\n"}};
+        CHECK(near(first({{"a.obj", "mtllib a.mtl\n" + grey + "usemtl m\nf 1 2 3\n"}, mtl[0]}),
+                   Vector3f::Constant(linear(0.5))));
+        const ModelFile both =
+            read(folder, {{"a.obj", "mtllib a.mtl\n" + grey + "vt 0.25 0.25\nusemtl m\nf 1/1 2/1 3/1\n"},
+                          {"a.mtl", "newmtl m\nmap_Kd t.png\n"},
+                          {"t.png", four_colours()}});
+        CHECK(near(corner_colour(both.mesh, 0, 0), {0, 0, 1}));
+        CHECK_THAT(warnings(both), Contains("the textures are printed"));
+    }
+    SECTION("text with marks, in UTF-16, joined, indented, with comments, commas and any line end") {
+        const std::string mtl = "newmtl m # first\r\n\tKd 0,784314 0,156863 0,156863 # red\r\n";
+        const auto with = [&](const std::string& obj, const std::string& library = "") {
+            return first({{"a.obj", obj}, {"a.mtl", library.empty() ? mtl : library}});
+        };
+        const std::string body = "mtllib a.mtl\n" + triangle + "usemtl m\nf 1 2 3\n";
+        CHECK(near(with("\xEF\xBB\xBF" + body), red, 1e-3f));
+        CHECK(near(with(body, "\xEF\xBB\xBF" + mtl), red, 1e-3f));
+        CHECK(near(with("mtllib a.mtl # colours\n  v 0,0 0 0\n\tv 1 0 0\nv 0 1 0\nusemtl m\nf 1 \\\n2 \\ \n3\n"), red,
+                   1e-3f));
+        std::string carriage = body;
+        std::ranges::replace(carriage, '\n', '\r');
+        CHECK(near(with(carriage), red, 1e-3f));
+        for (const bool big : {false, true}) {
+            std::string wide = big ? "\xFE\xFF" : "\xFF\xFE";
+            for (const char c : body) wide += big ? std::string{'\0', c} : std::string{c, '\0'};
+            CHECK(near(with(wide), red, 1e-3f));
+        }
+    }
+    SECTION("libraries by names that are not quite theirs, several in a line") {
+        const std::string faces = triangle + "usemtl M\nf 1 2 3\n";
+        for (const std::string name :
+             {"my%20own.mtl", "\"my own.mtl\"", "my own.mtl ", "my\\ own.mtl", "my own.mtl other.mtl"}) {
+            CAPTURE(name);
+            CHECK(near(first({{"a.obj", "mtllib " + name + "\n" + faces},
+                              {"my own.mtl", "newmtl m\nKd 1 0 0\n"},
+                              {"own.mtl", "newmtl m\nKd 1 0 0\n"}}),
+                       {1, 0, 0}));
+        }
+        CHECK(near(first({{"a.obj", "mtllib n\xE4he.mtl\n" + faces}, {"n\xC3\xA4he.mtl", "newmtl m\nKd 1 0 0\n"}}),
+                   {1, 0, 0}));
+    }
+    SECTION("colours that unlit exporters put elsewhere") {
+        const auto of = [&](const std::string& material) {
+            return first({{"a.obj", "mtllib a.mtl\n" + square + "usemtl m\nf 1/1 2/2 3/3\n"},
+                          {"a.mtl", "newmtl m\n" + material},
+                          {"t.png", four_colours()}});
+        };
+        CHECK(near(of("Ka 1 1 1\nKd 0.8 0.8 0.8\nmap_Ka t.png\n"), {0, 0, 1}));
+        CHECK(near(of("Kd 0 0 0\nKe 1 1 1\nmap_Ke t.png\n"), {0, 0, 1}));
+        CHECK(near(of("Kd 0 0 0\nKa 1 0 0\n"), {1, 0, 0}));
+        CHECK(near(of("Kd 0 0 0\nKe 0 1 0\n"), {0, 1, 0}));
+        CHECK(near(of("Kd 0 0 0\nKa 1 1 1\nKe 0 0 0\n"), {0, 0, 0}));  // black, as most write it
+        CHECK(near(of("Kd 255 0 0\n"), {1, 0, 0}));
+    }
+    SECTION("what some faces lack is said") {
+        const ModelFile half =
+            read(folder, {{"a.obj", "mtllib a.mtl\n" + square + "usemtl m\nf 1/1 2/2 3/3\nf 1 3 4\n"},
+                          {"a.mtl", "newmtl m\nKd 1 0 0\nmap_Kd t.png\n"},
+                          {"t.png", four_colours()}});
+        CHECK(near(corner_colour(half.mesh, 0, 0), {0, 0, 1}));
+        CHECK(near(corner_colour(half.mesh, 1, 0), {1, 0, 0}));
+        CHECK_THAT(half.lost_colour, Contains("1 faces") && Contains("'m'"));
+        const ModelFile unknown =
+            read(folder, {{"a.obj", "mtllib a.mtl\n" + square + "usemtl m\nf 1 2 3\nusemtl blue\nf 1 3 4\n"},
+                          {"a.mtl", "newmtl m\nKd 1 0 0\n"}});
+        CHECK_THAT(unknown.lost_colour, Contains("'blue'"));
+    }
+    SECTION("a ball far from its origin stays a ball") {
+        const ModelFile far = read(folder, {{"a.obj",
+                                             "v 500000.1 5400000.1 200.3\nv 500000.2 5400000.1 200.3\n"
+                                             "v 500000.1 5400000.2 200.3\nf 1 2 3\n"}});
+        CHECK((far.mesh.positions[far.mesh.triangles[0][1]] - far.mesh.positions[far.mesh.triangles[0][0]] -
+               Vector3d(0.1, 0, 0))
+                  .norm() < 1e-8);
+    }
+    SECTION("concave polygons, and holes that are joined by a bridge") {
+        const auto area = [&](const std::string& text) {
+            const ModelFile file = read(folder, {{"a.obj", text}});
+            double sum = 0;
+            for (const auto& t : file.mesh.triangles)
+                sum += 0.5 * (file.mesh.positions[t[1]] - file.mesh.positions[t[0]])
+                                 .cross(file.mesh.positions[t[2]] - file.mesh.positions[t[0]])
+                                 .norm();
+            return sum;
+        };
+        CHECK(area("v 0 0 0\nv 4 0 0\nv 4 4 0\nv 2 1 0\nv 0 4 0\nf 1 2 3 4 5\n") == Approx(10));
+        CHECK(area("v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nv 1 1 0\nv 3 1 0\nv 3 3 0\nv 1 3 0\nf 1 2 3 4 1 5 8 7 6 5\n") ==
+              Approx(12));
+    }
+}
+
+TEST_CASE("PLY and STL as the world writes them") {
+    const Folder folder;
+    const Vector3f red(linear(200 / 255.0), linear(40 / 255.0), linear(40 / 255.0));
+    const auto ply = [](const std::string& type, const std::string& colour, const std::string& prefix = "") {
+        std::string text =
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\n";
+        for (const char* name : {"red", "green", "blue"}) text += "property " + type + " " + prefix + name + "\n";
+        text += "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+        for (const char* place : {"0 0 0 ", "1 0 0 ", "0 1 0 "}) text += place + colour + "\n";
+        return text + "3 0 1 2\n";
+    };
+    SECTION("colours of every type") {
+        for (const auto& [type, colour] : {std::pair{"uchar", "200 40 40"},
+                                           {"char", "-56 40 40"},
+                                           {"ushort", "200 40 40"},
+                                           {"ushort", "51400 10280 10280"},
+                                           {"short", "-14136 10280 10280"},
+                                           {"int", "200 40 40"},
+                                           {"uint", "200 40 40"},
+                                           {"float", "0.784314 0.156863 0.156863"},
+                                           {"double", "200 40 40"}}) {
+            CAPTURE(type, colour);
+            CHECK(near(corner_colour(read(folder, {{"a.ply", ply(type, colour)}}).mesh, 0, 0), red, 2e-3f));
+        }
+        CHECK(near(corner_colour(read(folder, {{"a.ply", ply("uchar", "200 40 40", "diffuse_")}}).mesh, 0, 0), red));
+        CHECK_THAT(read(folder, {{"a.ply", ply("uchar", "200 40 40", "specular_")}}).lost_colour,
+                   Contains("specular_red"));
+    }
+    SECTION("line ends, a mark, strips and pages") {
+        std::string carriage = ply("uchar", "200 40 40");
+        std::ranges::replace(carriage, '\n', '\r');
+        CHECK(near(corner_colour(read(folder, {{"a.ply", carriage}}).mesh, 0, 0), red));
+        CHECK(
+            near(corner_colour(read(folder, {{"a.ply", "\xEF\xBB\xBF" + ply("uchar", "200 40 40")}}).mesh, 0, 0), red));
+        const std::string vertices = "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n";
+        const ModelFile strips =
+            read(folder,
+                 {{"s.ply", "ply\nformat ascii 1.0\n" + vertices +
+                                "element tristrips 1\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n"
+                                "0 1 0\n1 1 0\n8 0 1 2 3 -1 3 2 1\n"}});
+        REQUIRE(strips.mesh.triangles.size() == 3);
+        for (const std::size_t t : {0, 1}) {
+            const auto& c = strips.mesh.triangles[t];
+            CHECK((strips.mesh.positions[c[1]] - strips.mesh.positions[c[0]])
+                      .cross(strips.mesh.positions[c[2]] - strips.mesh.positions[c[0]])
+                      .z() > 0);
+        }
+        const ModelFile pages = read(
+            folder, {{"p.ply",
+                      "ply\nformat ascii 1.0\ncomment TextureFile r.png\ncomment TextureFile t.png\n" + vertices +
+                          "element face 2\nproperty list uchar int vertex_indices\nproperty list uchar float texcoord\n"
+                          "property int texnumber\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n"
+                          "3 0 1 2 6 0.25 0.25 0.25 0.25 0.25 0.25 1\n3 1 3 2 6 0.25 0.25 0.25 0.25 0.25 0.25 0\n"},
+                     {"r.png", png(1, 1, {255, 0, 0, 255})},
+                     {"t.png", four_colours()}});
+        CHECK(near(corner_colour(pages.mesh, 0, 0), {0, 0, 1}));
+        CHECK(near(corner_colour(pages.mesh, 1, 0), {1, 0, 0}));
+    }
+    SECTION("STL in capitals, behind blanks, with commas and without line ends") {
+        const std::string text =
+            "  SOLID facet\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 0 0\nVERTEX 1,5 0 0\nVERTEX 0 1 "
+            "0\nENDLOOP\nENDFACET\nENDSOLID";
+        const ModelFile file = read(folder, {{"a.stl", text}});
+        REQUIRE(file.mesh.triangles.size() == 1);
+        CHECK(file.mesh.positions[file.mesh.triangles[0][1]].x() == 1.5);
+        CHECK_THROWS_WITH(read(folder, {{"a.stl", text.substr(0, text.find("VERTEX 0 1 0"))}}), Contains("cut short"));
+    }
+}
+
 TEST_CASE("PLY faces have colours and texture coordinates of their own") {
     const Folder folder;
     const std::string vertices = "property float x\nproperty float y\nproperty float z\n",
@@ -368,7 +554,8 @@ TEST_CASE("PLY faces have colours and texture coordinates of their own") {
             for (const std::int32_t v : {0, 1, 2}) text += bytes(v, big);
             for (const float x : {0.25f, 0.5f, 0.f}) text += bytes(x, big);
             const ModelFile file = read(folder, {{"b.ply", text}});
-            for (std::size_t c = 0; c < 3; ++c) CHECK(near(corner_colour(file.mesh, 0, c), {0.25f, 0.5f, 0}));
+            for (std::size_t c = 0; c < 3; ++c)
+                CHECK(near(corner_colour(file.mesh, 0, c), {linear(0.25), linear(0.5), 0}));
         }
     }
     SECTION("colours of vertices stay where they differ, and give way where they are all alike") {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/codecs/mtl_library.h"
+#include "voxtone/io/models/mtl_library.h"
 
 #include <algorithm>
 #include <cmath>
