@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 #include <span>
@@ -13,9 +14,11 @@
 #include <fmt/format.h>
 
 #include "voxtone/base/error.h"
+#include "voxtone/base/printable.h"
 #include "voxtone/io/codecs/texture_baker.h"
 #include "voxtone/io/codecs/threemf_part.h"
 #include "voxtone/io/files/zip_reader.h"
+#include "voxtone/io/models/slicer_roles.h"
 
 namespace voxtone::io {
 
@@ -23,6 +26,8 @@ namespace {
 
 constexpr int deepest_component = 64;
 constexpr std::size_t most_instances = 1'000'000, most_triangles = std::size_t{1} << 28;
+
+constexpr std::size_t no_triangle = std::numeric_limits<std::size_t>::max();
 
 std::string_view text_of(const std::vector<std::byte>& bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -52,6 +57,7 @@ public:
         std::string root = "/3D/3dmodel.model";
         if (const auto relationships = archive_.read("_rels/.rels"))
             root = threemf_root_part(text_of(*relationships), context_.name() + ":_rels/.rels");
+        read_slicer_files();
         const ThreemfPart& part = load(root);
         parts_.mm_per_file_unit = part.mm_per_unit;
         if (part.items.empty()) {
@@ -65,7 +71,21 @@ public:
                 if (!used.contains(id))
                     add_object(root, {id, {}, Eigen::Affine3d::Identity()}, Eigen::Affine3d::Identity(), 0);
         }
-        for (const ThreemfReference& item : part.items) add_object(root, item, Eigen::Affine3d::Identity(), 0);
+        std::size_t off = 0;
+        for (const ThreemfReference& item : part.items) {
+            if (item.printable)
+                add_object(root, item, Eigen::Affine3d::Identity(), 0);
+            else
+                ++off;
+        }
+        if (off > 0 && off == part.items.size())
+            throw InputError(
+                fmt::format("all {} items of {} are switched off (printable=\"0\"); switch on in the slicer "
+                            "what is to be printed",
+                            off, context_.name()));
+        if (off > 0)
+            warn(fmt::format("{} items of {} are switched off (printable=\"0\"); they are left aside.", off,
+                             context_.name()));
         lay_baked();
         report();
         return std::move(parts_);
@@ -81,6 +101,38 @@ private:
         throw InputError(fmt::format("{} is no valid 3MF file: {}; export it again", context_.name(), what));
     }
 
+    void read_slicer_files() {
+        for (const char* file : {"Metadata/Slic3r_PE_model.config", "Metadata/model_settings.config"}) try {
+                if (const auto bytes = archive_.read(file))
+                    read_slicer_volumes(text_of(*bytes), context_.name() + ":" + file, roles_);
+            } catch (const InputError& error) {
+                warn(fmt::format("What a slicer says of its parts could not be read ({}); all are taken for bodies.",
+                                 error.what()));
+            }
+        for (const char* file : {"Metadata/Slic3r_PE.config", "Metadata/project_settings.config"})
+            if (const auto bytes = archive_.read(file)) read_slicer_colours(text_of(*bytes), roles_);
+        by_extruder_ = roles_.tells_colours();
+        if (by_extruder_ && roles_.colours.empty())
+            lose_colour(
+                fmt::format("{} tells its parts apart by extruder and does not say what colours these have: "
+                            "their colours are LOST. Export the model with colour groups or as OBJ or GLB",
+                            context_.name()));
+    }
+
+    /// Whether a part of this role is a body. Refuses what would have to be cut out.
+    bool is_body(SlicerRole role) {
+        if (role == SlicerRole::negative)
+            throw InputError(
+                fmt::format("{} has a negative volume, which is to be cut out of the others and cannot be cut "
+                            "here; let the slicer do it (boolean difference) and export the mesh",
+                            context_.name()));
+        if (role == SlicerRole::modifier)
+            lose(fmt::format(
+                "{} has modifiers or blockers of support, which are no part of the body; they are left aside",
+                context_.name()));
+        return role == SlicerRole::part;
+    }
+
     const ThreemfPart& load(const std::string& path) {
         if (const auto known = model_parts_.find(path); known != model_parts_.end()) return known->second;
         const auto bytes = archive_.read(path);
@@ -89,16 +141,20 @@ private:
             parse_threemf_part(text_of(*bytes), context_.name() + ":" + path);
         for (const std::string& extension : part.required_extensions) {
             if (extension.find("/material/") != std::string::npos ||
-                extension.find("/production/") != std::string::npos)
+                extension.find("/production/") != std::string::npos ||
+                extension.find("/trianglesets/") != std::string::npos)
                 continue;
             if (extension.find("/securecontent/") != std::string::npos)
                 throw InputError(fmt::format("{} is encrypted; export it without protection", context_.name()));
-            lose(fmt::format("{} requires the extension {}, which cannot be read: what it adds is LOST",
-                             context_.name(), extension));
+            throw InputError(
+                fmt::format("{} cannot be read without the extension {}, which is not known here: what would "
+                            "be printed is not what is meant. Export it as a plain mesh",
+                            context_.name(), printable(extension)));
         }
         if (part.has_beams)
-            lose(fmt::format("{} has a beam lattice, which cannot be read: its beams are LOST. Export it as a mesh",
-                             context_.name()));
+            lose_colour(
+                fmt::format("{} has a beam lattice, which cannot be read: its beams are LOST. Export it as a mesh",
+                            context_.name()));
         if (part.has_painting)
             lose_colour(
                 fmt::format("{} has colours painted in a slicer, in a form of that program's own: they are LOST. "
@@ -108,8 +164,9 @@ private:
         return part;
     }
 
+    /// `parent_object`: of which it is a component.
     void add_object(const std::string& part_path, const ThreemfReference& reference, const Eigen::Affine3d& parent,
-                    int depth) {
+                    int depth, std::uint32_t parent_object = no_property) {
         if (depth > deepest_component) fail("its components are nested too deep, or hold themselves");
         if (++instances_ > most_instances) fail(fmt::format("it has more than {} components", most_instances));
         const std::string& path = reference.path.empty() ? part_path : reference.path;
@@ -124,19 +181,25 @@ private:
                              context_.name(), object.type));
             return;
         }
-        for (const ThreemfReference& component : object.components) add_object(path, component, transform, depth + 1);
-        if (!object.triangles.empty()) add_mesh(path, part, object, transform);
+        for (const ThreemfReference& component : object.components)
+            if (is_body(roles_.of(reference.object, component.object, no_triangle).role))
+                add_object(path, component, transform, depth + 1, reference.object);
+        if (!object.triangles.empty()) add_mesh(path, part, object, transform, {parent_object, reference.object});
     }
 
     void add_mesh(const std::string& path, const ThreemfPart& part, const ThreemfObject& object,
-                  const Eigen::Affine3d& transform) {
+                  const Eigen::Affine3d& transform, const std::pair<std::uint32_t, std::uint32_t>& ids) {
         if (parts_.triangles.size() + object.triangles.size() > most_triangles ||
             parts_.positions.size() + object.vertices.size() > std::size_t{no_property})
             fail(fmt::format("its components add up to more than {} triangles", most_triangles));
         const auto first = static_cast<std::uint32_t>(parts_.positions.size());
         for (const Eigen::Vector3d& vertex : object.vertices) parts_.positions.push_back(transform * vertex);
         const bool mirrored = transform.linear().determinant() < 0;
-        for (const ThreemfTriangle& triangle : object.triangles) {
+        for (std::size_t number = 0; number < object.triangles.size(); ++number) {
+            const ThreemfTriangle& triangle = object.triangles[number];
+            SlicerVolume volume;
+            if (!roles_.empty()) volume = roles_.of(ids.first, ids.second, number);
+            if (!is_body(volume.role)) continue;
             std::array<std::uint32_t, 3> corners = triangle.corners;
             for (const std::uint32_t corner : corners)
                 if (corner >= object.vertices.size())
@@ -155,8 +218,21 @@ private:
                 std::swap(p[1], p[2]);
             }
             const std::size_t t = parts_.add_triangle({first + corners[0], first + corners[1], first + corners[2]}, 0);
-            if (pid != no_property && p[0] != no_property) colour_triangle(path, part, t, pid, p);
+            if (pid != no_property && p[0] != no_property)
+                colour_triangle(path, part, t, pid, p);
+            else if (by_extruder_)
+                colour_by_extruder(t, volume.extruder);
         }
+    }
+
+    /// The colour of its filament; what no extruder is named for is printed by the first.
+    void colour_by_extruder(std::size_t t, int extruder) {
+        const auto index = static_cast<std::size_t>(std::max(extruder, 1) - 1);
+        if (index >= roles_.colours.size()) return;
+        const Eigen::Vector3f rgb = srgb_to_linear(roles_.colours[index]);
+        const Eigen::Vector4f rgba(rgb.x(), rgb.y(), rgb.z(), 1);
+        parts_.set_rgba(t, {rgba, rgba, rgba});
+        parts_.has_colour = true;
     }
 
     void colour_triangle(const std::string& path, const ThreemfPart& part, std::size_t t, std::uint32_t pid,
@@ -434,6 +510,8 @@ private:
     std::vector<std::pair<std::size_t, TextureBaker::Patch>> baked_;  // triangles and their patches
     std::map<std::string, std::size_t> losses_, colour_losses_;
     std::size_t instances_ = 0;
+    SlicerRoles roles_;
+    bool by_extruder_ = false;  ///< parts are told apart by the colours of their filaments
 };
 
 }  // namespace

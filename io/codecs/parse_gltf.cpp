@@ -5,15 +5,18 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <optional>
 #include <set>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
 #include "voxtone/base/error.h"
+#include "voxtone/base/printable.h"
 #include "voxtone/io/codecs/gltf_data.h"
 #include "voxtone/io/files/base64.h"
 
@@ -104,6 +107,7 @@ public:
         default_material_ = static_cast<std::uint32_t>(parts_.materials.size());
         parts_.materials.emplace_back().name = "(none)";
         material_uv_.emplace_back();
+        cutoff_.push_back(-1);
         read_scene();
         report();
         return std::move(parts_);
@@ -157,12 +161,14 @@ private:
             const std::string name = extension.is_string() ? extension.get<std::string>() : "";
             if (name.starts_with("KHR_materials_") || name == "KHR_texture_transform" ||
                 name == "KHR_mesh_quantization" || name == "KHR_lights_punctual" || name == "EXT_texture_webp" ||
-                name == "KHR_texture_basisu" || name.starts_with("KHR_animation"))
+                name == "KHR_texture_basisu" || name == "KHR_node_visibility" || name == "EXT_mesh_gpu_instancing" ||
+                name.starts_with("KHR_animation"))
                 continue;
-            throw InputError(fmt::format(
-                "{} cannot be read without the extension {}, which is not known here; export it without (for Draco or "
-                "meshopt: without mesh compression)",
-                context_.name(), name));
+            const bool compressed =
+                name.find("draco") != std::string::npos || name.find("meshopt") != std::string::npos;
+            throw InputError(fmt::format("{} cannot be read without the extension {}, which is not known here; {}",
+                                         context_.name(), printable(name),
+                                         compressed ? "export it without mesh compression" : "export it without"));
         }
     }
 
@@ -216,6 +222,7 @@ private:
                                   : type == "VEC2" ? 2
                                   : type == "VEC3" ? 3
                                   : type == "VEC4" ? 4
+                                  : type == "MAT4" ? 16
                                                    : 0;
             const auto normalised = a.find("normalized");
             accessor.normalised = normalised != a.end() && normalised->is_boolean() && normalised->get<bool>();
@@ -281,7 +288,9 @@ private:
         material.name = text(json, "name");
         material.opaque = text(json, "alphaMode", "OPAQUE") == "OPAQUE";
         const Json& old_workflow = object(object(json, "extensions"), "KHR_materials_pbrSpecularGlossiness");
-        const bool old = !json.contains("pbrMetallicRoughness") && !old_workflow.empty();
+        // Where the other says nothing, or less than what must be understood, the older one is the material.
+        const bool old = !old_workflow.empty() && !object(json, "pbrMetallicRoughness").contains("baseColorTexture") &&
+                         !object(json, "pbrMetallicRoughness").contains("baseColorFactor");
         const Json& pbr = old ? old_workflow : object(json, "pbrMetallicRoughness");
         Eigen::Vector4f factor = Eigen::Vector4f::Ones();
         numbers(pbr, old ? "diffuseFactor" : "baseColorFactor", factor);
@@ -294,9 +303,77 @@ private:
             parts_.has_colour = true;
             read_texture(info, material, uv);
         }
+        take_emission(json, material, uv);
+        const bool masked = text(json, "alphaMode", "OPAQUE") == "MASK";
+        cutoff_.push_back(masked ? static_cast<float>(real(json, "alphaCutoff", 0.5)) : -1);
+        if (masked) cut(material, cutoff_.back());
+    }
+
+    /// Glow is the colour of a material that has no other: unlit exporters put it there.
+    void take_emission(const Json& json, PartMaterial& material, MaterialUv& uv) {
+        if (material.image >= 0 || material.rgb.maxCoeff() > 0) return;
+        Eigen::Vector3f glow = Eigen::Vector3f::Zero();
+        numbers(json, "emissiveFactor", glow);
+        const Json& info = object(json, "emissiveTexture");
+        if (!glow.allFinite() || (glow.maxCoeff() <= 0 && info.empty())) return;
+        material.rgb = glow.cwiseMax(0).cwiseMin(1);
+        if (!info.empty()) read_texture(info, material, uv);
+        warn(fmt::format("The material '{}' of {} has a black base; its emission was taken for its colour.",
+                         printable(material.name), context_.name()));
+    }
+
+    /// alphaMode MASK: opaque from the cutoff on, nothing below it.
+    void cut(PartMaterial& material, float cutoff) {
+        const float factor = std::exchange(material.alpha, 1.0f);
+        if (material.image < 0) {
+            material.alpha = factor >= cutoff ? 1.0f : 0.0f;
+            return;
+        }
+        DecodedImage image = parts_.images[static_cast<std::size_t>(material.image)];
+        image.has_alpha = false;
+        for (std::size_t i = 0; i < image.texels.pixels(); ++i) {
+            if (image.texels.alpha(i) * factor >= cutoff) {
+                image.texels.set_opaque(i);
+                continue;
+            }
+            image.has_alpha = true;
+            if (image.texels.is_8_bit())
+                image.texels.srgb8[4 * i + 3] = 0;
+            else
+                image.texels.linear16[4 * i + 3] = 0;
+        }
+        parts_.image_names.push_back(parts_.image_names[static_cast<std::size_t>(material.image)]);
+        material.image = static_cast<std::int32_t>(parts_.images.size());
+        parts_.images.push_back(std::move(image));
+    }
+
+    /// Where the nodes of a tree stand, for skins.
+    void place_nodes(std::int64_t root) {
+        std::vector<std::pair<std::int64_t, Eigen::Affine3d>> open{{root, z_up()}};
+        while (!open.empty()) {
+            const auto [index, parent] = open.back();
+            open.pop_back();
+            const Json& node = item("nodes", index);
+            const Eigen::Affine3d here = parent * local_transform(node);
+            if (!placed_.emplace(index, here).second) fail(fmt::format("node {} has two parents", index));
+            for (const Json& child : array(node, "children"))
+                open.emplace_back(child.is_number_integer() ? child.get<std::int64_t>() : absurd, here);
+        }
+    }
+
+    static Eigen::Affine3d z_up() {
+        Eigen::Affine3d turn = Eigen::Affine3d::Identity();
+        turn.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+        return turn;
     }
 
     void read_scene() {
+        for (const std::int64_t root : roots()) place_nodes(root);
+        for (const std::int64_t root : roots()) read_nodes(root);
+    }
+
+    std::vector<std::int64_t> roots() const {
+        std::vector<std::int64_t> found;
         const Json& scenes = array(root_, "scenes");
         if (scenes.empty()) {  // nodes that are nobody's children
             std::set<std::int64_t> children;
@@ -305,38 +382,142 @@ private:
                     for (const Json& child : array(node, "children"))
                         if (child.is_number_integer()) children.insert(child.get<std::int64_t>());
             for (std::int64_t n = 0; n < static_cast<std::int64_t>(array(root_, "nodes").size()); ++n)
-                if (!children.contains(n)) read_nodes(n);
-            return;
+                if (!children.contains(n)) found.push_back(n);
+            return found;
         }
         for (const Json& node : array(item("scenes", integer(root_, "scene", 0)), "nodes"))
-            read_nodes(node.is_number_integer() ? node.get<std::int64_t>() : absurd);
+            found.push_back(node.is_number_integer() ? node.get<std::int64_t>() : absurd);
+        return found;
     }
 
     /// A tree of nodes, with a stack of our own: files may nest deeper than the program's.
     void read_nodes(std::int64_t root) {
-        Eigen::Affine3d z_up = Eigen::Affine3d::Identity();
-        z_up.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
-        std::vector<std::pair<std::int64_t, Eigen::Affine3d>> open{{root, z_up}};
+        std::vector<std::int64_t> open{root};
         while (!open.empty()) {
-            const auto [index, parent] = open.back();
+            const std::int64_t index = open.back();
             open.pop_back();
             const Json& node = item("nodes", index);
-            if (!visited_.insert(index).second) fail(fmt::format("node {} has two parents", index));
-            const Eigen::Affine3d transform = parent * local_transform(node);
+            const Eigen::Affine3d transform = placed_.at(index);
+            if (const Json& visibility = object(object(node, "extensions"), "KHR_node_visibility");
+                visibility.contains("visible") && visibility.at("visible") == false) {
+                ++hidden_;
+                continue;
+            }
             if (const std::int64_t mesh = integer(node, "mesh", -1); mesh != -1) {
-                if (node.contains("skin")) ++skinned_;
-                if (object(node, "extensions").contains("EXT_mesh_gpu_instancing"))
-                    warn(fmt::format(
-                        "Node {} of {} stands for many copies (EXT_mesh_gpu_instancing); only one was read.", index,
-                        context_.name()));
+                const Pose pose = pose_of(node, mesh);
                 const Json& primitives = array(item("meshes", mesh), "primitives");
-                for (std::size_t p = 0; p < primitives.size(); ++p) read_primitive(primitives[p], mesh, p, transform);
+                for (const Eigen::Affine3d& copy : copies_of(node))
+                    for (std::size_t p = 0; p < primitives.size(); ++p)
+                        read_primitive(primitives[p], mesh, p, transform * copy, pose);
             }
             const Json& children = array(node, "children");
             for (std::size_t c = children.size(); c-- > 0;)
-                open.emplace_back(children[c].is_number_integer() ? children[c].get<std::int64_t>() : absurd,
-                                  transform);
+                open.push_back(children[c].is_number_integer() ? children[c].get<std::int64_t>() : absurd);
         }
+    }
+
+    /// The pose of the file: what moves vertices before or instead of the node.
+    struct Pose {
+        std::vector<Eigen::Affine3d> joints;  ///< of the skin, inverse bind applied; empty: the node moves the mesh
+        std::vector<float> morph;             ///< weights of targets
+    };
+
+    Pose pose_of(const Json& node, std::int64_t mesh) {
+        Pose pose;
+        const Json& weights =
+            array(node, "weights").empty() ? array(item("meshes", mesh), "weights") : array(node, "weights");
+        for (const Json& weight : weights) pose.morph.push_back(weight.is_number() ? weight.get<float>() : 0);
+        const std::int64_t index = integer(node, "skin", -1);
+        if (index == -1) return pose;
+        const Json& skin = item("skins", index);
+        const std::int64_t inverse = integer(skin, "inverseBindMatrices", -1);
+        const std::vector<float> bind = inverse == -1 ? std::vector<float>{} : data_.floats(inverse, 16);
+        const Json& joints = array(skin, "joints");
+        for (std::size_t j = 0; j < joints.size(); ++j) {
+            const std::int64_t joint = joints[j].is_number_integer() ? joints[j].get<std::int64_t>() : absurd;
+            (void)item("nodes", joint);
+            const auto placed = placed_.find(joint);
+            Eigen::Affine3d moved = placed == placed_.end() ? z_up() : placed->second;
+            if (16 * (j + 1) <= bind.size()) {
+                Eigen::Affine3d undo = Eigen::Affine3d::Identity();
+                undo.matrix() = Eigen::Map<const Eigen::Matrix4f>(bind.data() + 16 * j).cast<double>();
+                undo.matrix().row(3) << 0, 0, 0, 1;
+                moved = moved * undo;
+            }
+            pose.joints.push_back(moved);
+        }
+        ++skinned_;
+        return pose;
+    }
+
+    /// EXT_mesh_gpu_instancing; one that stays where it is for all else.
+    std::vector<Eigen::Affine3d> copies_of(const Json& node) {
+        const Json& attributes = object(object(object(node, "extensions"), "EXT_mesh_gpu_instancing"), "attributes");
+        std::vector<Eigen::Affine3d> copies;
+        std::array<std::vector<float>, 3> values;
+        std::size_t count = 0;
+        const std::array<std::pair<const char*, std::size_t>, 3> kinds{
+            {{"TRANSLATION", 3}, {"ROTATION", 4}, {"SCALE", 3}}};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::int64_t accessor = integer(attributes, kinds[k].first, -1);
+            if (accessor == -1) continue;
+            values[k] = data_.floats(accessor, kinds[k].second);
+            count = std::max(count, values[k].size() / kinds[k].second);
+        }
+        if (count == 0) return {Eigen::Affine3d::Identity()};
+        for (std::size_t i = 0; i < count; ++i) {
+            Eigen::Affine3d copy = Eigen::Affine3d::Identity();
+            const auto vector = [&](std::size_t k, double otherwise) -> Eigen::Vector3d {
+                if (3 * (i + 1) > values[k].size()) return Eigen::Vector3d::Constant(otherwise);
+                return Eigen::Map<const Eigen::Vector3f>(values[k].data() + 3 * i).cast<double>();
+            };
+            Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
+            if (4 * (i + 1) <= values[1].size()) {
+                const Eigen::Vector4d q = Eigen::Map<const Eigen::Vector4f>(values[1].data() + 4 * i).cast<double>();
+                if (q.norm() > 0) turn = Eigen::Quaterniond(q).normalized();
+            }
+            copy.linear() = turn.toRotationMatrix() * vector(2, 1).asDiagonal();
+            copy.translation() = vector(0, 0);
+            copies.push_back(copy);
+        }
+        return copies;
+    }
+
+    /// Where the vertices of a primitive stand.
+    std::vector<Eigen::Vector3d> placed_vertices(const Json& primitive, const std::vector<float>& xyz,
+                                                 const Eigen::Affine3d& transform, const Pose& pose) {
+        std::vector<Eigen::Vector3d> places;
+        for (std::size_t v = 0; 3 * v + 2 < xyz.size(); ++v)
+            places.emplace_back(xyz[3 * v], xyz[3 * v + 1], xyz[3 * v + 2]);
+        const Json& targets = array(primitive, "targets");
+        for (std::size_t k = 0; k < std::min(targets.size(), pose.morph.size()); ++k) {
+            const std::int64_t accessor = targets[k].is_object() ? integer(targets[k], "POSITION", -1) : -1;
+            if (accessor == -1 || pose.morph[k] == 0) continue;
+            const std::vector<float> by = data_.floats(accessor, 3);
+            for (std::size_t v = 0; v < places.size() && 3 * v + 2 < by.size(); ++v)
+                places[v] +=
+                    static_cast<double>(pose.morph[k]) * Eigen::Vector3d(by[3 * v], by[3 * v + 1], by[3 * v + 2]);
+        }
+        const Json& attributes = object(primitive, "attributes");
+        std::vector<Eigen::Vector3d> moved(places.size(), Eigen::Vector3d::Zero());
+        std::vector<double> sum(places.size(), 0);
+        for (int set = 0; !pose.joints.empty(); ++set) {
+            const std::int64_t joints = integer(attributes, fmt::format("JOINTS_{}", set).c_str(), -1),
+                               weights = integer(attributes, fmt::format("WEIGHTS_{}", set).c_str(), -1);
+            if (joints == -1 || weights == -1) break;
+            const std::vector<float> joint = data_.floats(joints, 4), weight = data_.floats(weights, 4);
+            for (std::size_t i = 0; i < std::min({joint.size(), weight.size(), 4 * places.size()}); ++i) {
+                if (!(weight[i] > 0)) continue;
+                if (!(joint[i] >= 0 && joint[i] < static_cast<float>(pose.joints.size())))
+                    fail(fmt::format("a vertex hangs on joint {}, but its skin has {}", joint[i], pose.joints.size()));
+                moved[i / 4] +=
+                    static_cast<double>(weight[i]) * (pose.joints[static_cast<std::size_t>(joint[i])] * places[i / 4]);
+                sum[i / 4] += static_cast<double>(weight[i]);
+            }
+        }
+        for (std::size_t v = 0; v < places.size(); ++v)
+            places[v] = sum[v] > 0 ? Eigen::Vector3d(moved[v] / sum[v]) : transform * places[v];
+        return places;
     }
 
     static Eigen::Affine3d local_transform(const Json& node) {
@@ -387,11 +568,10 @@ private:
         return triangles;
     }
 
-    void read_primitive(const Json& primitive, std::int64_t mesh, std::size_t number,
-                        const Eigen::Affine3d& transform) {
+    void read_primitive(const Json& primitive, std::int64_t mesh, std::size_t number, const Eigen::Affine3d& transform,
+                        const Pose& pose) {
         const std::string what = fmt::format("primitive {} of mesh {}", number, mesh);
         if (!primitive.is_object()) fail(fmt::format("{} is no object", what));
-        if (!array(primitive, "targets").empty()) morph_targets_ = true;
         const Json& attributes = object(primitive, "attributes");
         const std::int64_t position = integer(attributes, "POSITION", -1);
         if (position == -1) return;
@@ -431,9 +611,10 @@ private:
             fail(fmt::format("{} has fewer texture coordinates or colours than vertices", what));
 
         const auto first = static_cast<std::uint32_t>(parts_.positions.size());
-        for (std::size_t v = 0; v < vertices; ++v)
-            parts_.positions.push_back(transform * Eigen::Vector3d(xyz[3 * v], xyz[3 * v + 1], xyz[3 * v + 2]));
-        const bool mirrored = transform.linear().determinant() < 0;
+        for (const Eigen::Vector3d& place : placed_vertices(primitive, xyz, transform, pose))
+            parts_.positions.push_back(place);
+        const Eigen::Affine3d& turned = pose.joints.empty() ? transform : pose.joints.front();
+        const bool mirrored = turned.linear().determinant() < 0;
         for (std::array<std::uint32_t, 3> corners : triangles_of(primitive, vertices)) {
             if (mirrored) std::swap(corners[1], corners[2]);
             const std::size_t t =
@@ -450,7 +631,8 @@ private:
                 std::array<Eigen::Vector4f, 3> here;
                 for (int c = 0; c < 3; ++c) {
                     const float* colour = rgba.data() + channels * corners[c];
-                    here[c] = {colour[0], colour[1], colour[2], channels == 4 ? colour[3] : 1.0f};
+                    const float alpha = channels == 4 && cutoff_[material] < 0 ? colour[3] : 1.0f;
+                    here[c] = {colour[0], colour[1], colour[2], alpha};
                 }
                 parts_.set_rgba(t, here);
             }
@@ -462,13 +644,15 @@ private:
             warn(fmt::format("{} has points or lines ({} vertices); they have no volume and are left aside.",
                              context_.name(), points_and_lines_));
         if (skinned_)
-            warn(fmt::format("{} has {} meshes with a skeleton; they are taken in the pose in which they are stored.",
+            warn(fmt::format("{} has {} meshes with a skeleton; they are taken in the pose of the file.",
                              context_.name(), skinned_));
+        if (hidden_)
+            warn(
+                fmt::format("{} has {} hidden nodes (KHR_node_visibility); they and what hangs on them are left aside.",
+                            context_.name(), hidden_));
         if (!array(root_, "animations").empty())
             warn(fmt::format("{} has {} animations; they are left aside.", context_.name(),
                              array(root_, "animations").size()));
-        if (morph_targets_)
-            warn(fmt::format("{} has morph targets; the shape without them is taken.", context_.name()));
         for (const std::string& warning : context_.side_file_warnings()) warn(warning);
     }
 
@@ -479,9 +663,9 @@ private:
     ModelParts parts_;
     std::vector<MaterialUv> material_uv_;
     std::uint32_t default_material_ = 0;
-    std::set<std::int64_t> visited_;
-    std::size_t points_and_lines_ = 0, skinned_ = 0;
-    bool morph_targets_ = false;
+    std::vector<float> cutoff_;  ///< per material; negative: alpha is not cut
+    std::map<std::int64_t, Eigen::Affine3d> placed_;
+    std::size_t points_and_lines_ = 0, skinned_ = 0, hidden_ = 0;
 };
 
 }  // namespace

@@ -112,7 +112,7 @@ private:
     }
 
     [[nodiscard]] ThreemfReference reference() const {
-        return {required_index("objectid"), XmlReader::decode(xml_.attribute("path")), transform()};
+        return {required_index("objectid"), XmlReader::decode(xml_.attribute("path")), transform(), true};
     }
 
     [[nodiscard]] Wrap tile_style(std::string_view key) const {
@@ -150,6 +150,7 @@ private:
             object_ = nullptr;
             if (name == "item") {
                 part_.items.push_back(reference());
+                part_.items.back().printable = xml_.attribute("printable") != "0";
             } else if (name == "object") {
                 object_ = &add_resource(part_.objects);
                 if (const auto type = xml_.attribute("type"); type.data()) object_->type = type;

@@ -57,6 +57,7 @@ struct ThreemfReference {
     std::uint32_t object = no_property;
     std::string path;  ///< of the part that holds it (production extension); empty: the same part
     Eigen::Affine3d transform = Eigen::Affine3d::Identity();
+    bool printable = true;  ///< of an item, as PrusaSlicer and its kin say it
 };
 
 struct ThreemfObject {

@@ -11,12 +11,17 @@
 //   and by what occurs (io/codecs/parse_ply.h); textures by `comment TextureFile` and `texnumber`, with coordinates of
 //   vertices or of each face's corners.
 // - STL: none. Attribute words that look like the colours of VisCAM or Magics are lost, which is said.
-// - glTF: baseColorFactor (linear) * COLOR_0 (linear) * baseColorTexture (sRGB) with KHR_texture_transform; nothing
-//   else of the material is colour. Alpha counts only where alphaMode is MASK or BLEND. Node transforms are applied;
-//   skins stay as stored (their bind pose), animations are left aside. The axes are turned from y up to z up:
-//   (x, y, z) -> (x, -z, y).
-// - 3MF: the core specification with materials and properties; see io/codecs/threemf_part.h.
-//   Layers of textures and colours over each other (multiproperties) are made into one picture, triangle by triangle.
+// - glTF: baseColorFactor (linear) * COLOR_0 (linear) * baseColorTexture (sRGB) with KHR_texture_transform; the older
+//   specular-glossiness where it is the material, emission where the base is black. Alpha counts where alphaMode is
+//   BLEND; MASK is opaque from its cutoff on. Node transforms, skins and morph weights in the pose of the file and
+//   copies of EXT_mesh_gpu_instancing are applied, hidden nodes and animations left aside. The axes are turned from y
+//   up to z up: (x, y, z) -> (x, -z, y).
+// - 3MF: the core specification with materials and properties (io/codecs/threemf_part.h), and what slicers write beside
+// it
+//   (io/models/slicer_roles.h): items that are off, modifiers and blockers are left aside, negative volumes refused,
+//   parts of several extruders get the colours of their filaments. A required extension that is not known refuses the
+//   file. Layers of textures and colours over each other (multiproperties) are made into one picture, triangle by
+//   triangle.
 // In all but glTF the axes stay as they are. Where no triangle of the model uses a texture's texel, the nearest used
 // one is put (io/models/texel_coverage.h).
 //

@@ -218,3 +218,78 @@ TEST_CASE("glTF models") {
         CHECK_THAT(error_of(glb(std::string(100000, '['), "")), Contains("JSON"));
     }
 }
+
+TEST_CASE("glTF in the pose of the file, with its copies, and without what it hides") {
+    Builder b;
+    const int p = b.floats(triangle, "VEC3");
+    const auto at = [](const ModelFile& file, std::size_t t, std::size_t c) {
+        return file.mesh.positions[file.mesh.triangles[t][c]];
+    };
+    SECTION("a skin moves its mesh by its joints, and not by the node") {
+        const int joints = b.add(std::string(12, '\0'), 5121, 3, "VEC4"),
+                  weights = b.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
+        // Inverse bind: ten times as small. The joint stands at (0, 5, 0), turned by 90 degrees about z.
+        const int bind =
+            b.add(raw(std::vector<float>{0.1F, 0, 0, 0, 0, 0.1F, 0, 0, 0, 0, 0.1F, 0, 0, 0, 0, 1}), 5126, 1, "MAT4");
+        const ModelFile file = read(b.file(fmt::format(
+            R"("scene":0,"scenes":[{{"nodes":[0,1]}}],"nodes":[{{"mesh":0,"skin":0,"translation":[100,0,0],"scale":[7,7,7]}},)"
+            R"({{"translation":[0,5,0],"rotation":[0,0,0.70710678,0.70710678]}}],"skins":[{{"joints":[1],"inverseBindMatrices":{}}}],)"
+            R"("meshes":[{{"primitives":[{{"attributes":{{"POSITION":{},"JOINTS_0":{},"WEIGHTS_0":{}}}}}]}}])",
+            bind, p, joints, weights)));
+        REQUIRE(file.mesh.triangles.size() == 1);
+        CHECK((at(file, 0, 0) - Vector3d(0, 0, 5)).norm() < 1e-6);
+        CHECK((at(file, 0, 1) - Vector3d(0, 0, 5.1)).norm() < 1e-6);
+        CHECK((at(file, 0, 2) - Vector3d(-0.1, 0, 5)).norm() < 1e-6);
+    }
+    SECTION("morph weights of the node come before those of the mesh") {
+        const int by = b.floats({0, 0, 0, 2, 0, 0, 0, 0, 0}, "VEC3");
+        const auto with = [&](const std::string& node) {
+            return read(b.file(fmt::format(
+                R"("nodes":[{{"mesh":0{}}}],"meshes":[{{"weights":[0.5],"primitives":[{{"attributes":{{"POSITION":{}}},"targets":[{{"POSITION":{}}}]}}]}}])",
+                node, p, by)));
+        };
+        CHECK(at(with(""), 0, 1).x() == Approx(2));
+        CHECK(at(with(R"(,"weights":[1])"), 0, 1).x() == Approx(3));
+    }
+    SECTION("copies, hidden nodes, and extensions that are not known") {
+        const int moved = b.floats({0, 0, 0, 10, 0, 0, 20, 0, 0}, "VEC3");
+        const std::string mesh = fmt::format(R"("meshes":[{{"primitives":[{{"attributes":{{"POSITION":{}}}}}]}}])", p);
+        const ModelFile copies = read(b.file(fmt::format(
+            R"("extensionsRequired":["EXT_mesh_gpu_instancing"],"nodes":[{{"mesh":0,"extensions":{{"EXT_mesh_gpu_instancing":{{"attributes":{{"TRANSLATION":{}}}}}}}}}],{})",
+            moved, mesh)));
+        REQUIRE(copies.mesh.triangles.size() == 3);
+        CHECK(at(copies, 2, 0).x() == Approx(20));
+        const ModelFile hidden = read(b.file(
+            R"("extensionsRequired":["KHR_node_visibility"],"nodes":[{"mesh":0},{"mesh":0,"extensions":{"KHR_node_visibility":{"visible":false}}}],)" +
+            mesh));
+        CHECK(hidden.mesh.triangles.size() == 1);
+        CHECK_THAT(warnings(hidden), Contains("1 hidden nodes"));
+        CHECK_THAT(error_of(b.file(R"("extensionsRequired":["XY_unheard"],"nodes":[{"mesh":0}],)" + mesh)),
+                   Contains("XY_unheard") && !Contains("compression"));
+        CHECK_THAT(
+            error_of(b.file(R"("extensionsRequired":["KHR_draco_mesh_compression"],"nodes":[{"mesh":0}],)" + mesh)),
+            Contains("compression"));
+    }
+    SECTION(
+        "MASK is opaque from its cutoff on; glow is the colour of what is black; the older workflow where it is the "
+        "material") {
+        const auto colour = [&](const std::string& material) {
+            const ModelFile file = read(b.file(fmt::format(
+                R"("nodes":[{{"mesh":0}}],"materials":[{}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":{}}},"material":0}}]}}])",
+                material, p)));
+            return file.mesh.materials[0].rgb;
+        };
+        CHECK(near(colour(R"({"alphaMode":"MASK","pbrMetallicRoughness":{"baseColorFactor":[0.5,0,0,0.63]}})"),
+                   {0.5f, 0, 0}));
+        CHECK(near(colour(R"({"alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorFactor":[0,0,0,0.5]}})"),
+                   {0.5f, 0.5f, 0.5f}));
+        CHECK(near(colour(R"({"emissiveFactor":[0,1,0],"pbrMetallicRoughness":{"baseColorFactor":[0,0,0,1]}})"),
+                   {0, 1, 0}));
+        CHECK(near(colour(R"({"emissiveFactor":[0,1,0],"pbrMetallicRoughness":{"baseColorFactor":[1,0,0,1]}})"),
+                   {1, 0, 0}));
+        CHECK(near(
+            colour(
+                R"({"pbrMetallicRoughness":{},"extensions":{"KHR_materials_pbrSpecularGlossiness":{"diffuseFactor":[0,0,1,1]}}})"),
+            {0, 0, 1}));
+    }
+}

@@ -808,3 +808,89 @@ TEST_CASE("3MF models") {
                           Contains("fill the memory"));
     }
 }
+
+TEST_CASE("What slicers write into 3MF files is heeded") {
+    const Folder folder;
+    const auto object = [](int id) {
+        return fmt::format("<object id=\"{}\">{}</object>", id, threemf_tetrahedron(id, {}));
+    };
+    const auto read3 = [&](const std::string& resources, const std::string& build, const Files& others = {},
+                           const std::string& attributes = "") {
+        return read(folder, {{"a.3mf", threemf(resources, build, others, "millimeter", attributes)}});
+    };
+    const std::string both = R"(<item objectid="1"/><item objectid="2" printable="0"/>)";
+    SECTION("items that are switched off") {
+        const ModelFile one = read3(object(1) + object(2), both);
+        CHECK(one.mesh.triangles.size() == 4);
+        CHECK_THAT(warnings(one), Contains("switched off"));
+        CHECK_THROWS_WITH(read3(object(2), R"(<item objectid="2" printable="0"/>)"), Contains("all 1 items"));
+    }
+    SECTION("roles of volumes and of parts") {
+        const auto prusa = [&](const std::string& type) {
+            return Files{
+                {"Metadata/Slic3r_PE_model.config",
+                 fmt::format(
+                     R"(<config><object id="1"><volume firstid="0" lastid="1"><metadata key="volume_type" value="ModelPart"/></volume>)"
+                     R"(<volume firstid="2" lastid="3"><metadata key="volume_type" value="{}"/></volume></object></config>)",
+                     type)}};
+        };
+        const std::string item = R"(<item objectid="1"/>)";
+        CHECK(read3(object(1), item, prusa("ModelPart")).mesh.triangles.size() == 4);
+        for (const char* type : {"ParameterModifier", "SupportBlocker", "SupportEnforcer"}) {
+            const ModelFile file = read3(object(1), item, prusa(type));
+            CHECK(file.mesh.triangles.size() == 2);
+            CHECK_THAT(warnings(file), Contains("modifiers or blockers"));
+        }
+        CHECK_THROWS_WITH(read3(object(1), item, prusa("NegativeVolume")), Contains("negative volume"));
+        const auto bambu = [&](const std::string& type) {
+            return read3(
+                object(1) + object(2) +
+                    R"(<object id="3"><components><component objectid="1"/><component objectid="2"/></components></object>)",
+                R"(<item objectid="3"/>)",
+                {{"Metadata/model_settings.config",
+                  fmt::format(
+                      R"(<config><object id="3"><part id="1" subtype="normal_part"/><part id="2" subtype="{}"/></object></config>)",
+                      type)}});
+        };
+        CHECK(bambu("normal_part").mesh.triangles.size() == 8);
+        CHECK(bambu("modifier_part").mesh.triangles.size() == 4);
+        CHECK_THROWS_WITH(bambu("negative_part"), Contains("negative volume"));
+        // A file of another's own that is none: said, and all is printed.
+        const ModelFile broken = read3(object(1), item, {{"Metadata/model_settings.config", "<config"}});
+        CHECK(broken.mesh.triangles.size() == 4);
+        CHECK_THAT(warnings(broken), Contains("could not be read"));
+    }
+    SECTION("colours of filaments tell parts apart") {
+        const auto volumes = [](int second) {
+            return fmt::format(
+                R"(<config><object id="1"><volume firstid="0" lastid="1"><metadata key="extruder" value="1"/></volume>)"
+                R"(<volume firstid="2" lastid="3"><metadata key="extruder" value="{}"/></volume></object></config>)",
+                second);
+        };
+        const std::string item = R"(<item objectid="1"/>)";
+        const ModelFile two = read3(object(1), item,
+                                    {{"Metadata/Slic3r_PE_model.config", volumes(2)},
+                                     {"Metadata/Slic3r_PE.config", "; filament_colour = #FF0000;#0000FF\n"}});
+        CHECK(near(corner_colour(two.mesh, 0, 0), {1, 0, 0}));
+        CHECK(near(corner_colour(two.mesh, 3, 0), {0, 0, 1}));
+        CHECK(two.lost_colour.empty());
+        CHECK_THAT(read3(object(1), item, {{"Metadata/Slic3r_PE_model.config", volumes(2)}}).lost_colour,
+                   Contains("by extruder"));
+        // One filament for all is no colour of the model's.
+        CHECK_FALSE(read3(object(1), item,
+                          {{"Metadata/Slic3r_PE_model.config", volumes(1)},
+                           {"Metadata/project_settings.config", R"({"filament_colour": ["#FF0000", "#0000FF"]})"}})
+                        .has_colour);
+    }
+    SECTION("an extension that is required and not known refuses the file; beams are lost") {
+        CHECK_THROWS_WITH(read3(object(1), R"(<item objectid="1"/>)", {},
+                                R"(requiredextensions="z" xmlns:z="http://example.com/booleans")"),
+                          Contains("example.com/booleans"));
+        const ModelFile beams =
+            read3(fmt::format(
+                      "<object id=\"1\">{}<beamlattice><beams><beam v1=\"0\" v2=\"1\"/></beams></beamlattice></object>",
+                      threemf_tetrahedron(1, {})),
+                  R"(<item objectid="1"/>)");
+        CHECK_THAT(beams.lost_colour, Contains("beam lattice"));
+    }
+}

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/models/slicer_roles.h"
+
+#include <algorithm>
+#include <charconv>
+#include <optional>
+#include <set>
+
+#include "voxtone/io/files/xml_reader.h"
+#include "voxtone/io/models/model_text.h"
+
+namespace voxtone::io {
+
+namespace {
+
+std::optional<std::uint32_t> id_of(std::string_view text) {
+    std::uint32_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (text.empty() || error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+    return value;
+}
+
+SlicerRole role_of(std::string_view word) {
+    const std::string name = lower_case(word);
+    if (name.find("negative") != std::string::npos) return SlicerRole::negative;
+    const bool is_part = name.empty() || name == "modelpart" || name == "normal_part";
+    return is_part ? SlicerRole::part : SlicerRole::modifier;
+}
+
+/// "#RRGGBB", or with alpha behind.
+std::optional<Eigen::Vector3f> filament_colour(std::string_view text) {
+    text = trimmed(text);
+    std::uint32_t code = 0;
+    if ((text.size() != 7 && text.size() != 9) || text[0] != '#') return std::nullopt;
+    const auto [end, error] = std::from_chars(text.data() + 1, text.data() + 7, code, 16);
+    if (error != std::errc() || end != text.data() + 7) return std::nullopt;
+    return Eigen::Vector3f(float(code >> 16), float(code >> 8 & 0xff), float(code & 0xff)) / 255;
+}
+
+/// All of "#RRGGBB" that stand behind a key, up to the end of its list.
+std::vector<Eigen::Vector3f> colours_behind(std::string_view text, std::string_view key) {
+    std::vector<Eigen::Vector3f> colours;
+    const std::size_t at = text.find(key);
+    if (at == text.npos) return colours;
+    text.remove_prefix(at + key.size());
+    text = text.substr(0, text.find_first_of("]\r\n"));
+    for (std::size_t mark = text.find('#'); mark != text.npos; mark = text.find('#', mark + 1))
+        if (const auto colour = filament_colour(text.substr(mark, 7))) colours.push_back(*colour);
+    return colours;
+}
+
+}  // namespace
+
+bool SlicerRoles::tells_colours() const {
+    std::set<int> used;
+    std::set<std::uint32_t> told;  // objects whose parts say it themselves
+    for (const auto& [object, list] : runs)
+        for (const Run& run : list)
+            if (run.volume.role == SlicerRole::part) {
+                used.insert(of(object, object, run.first).extruder);
+                told.insert(object);
+            }
+    for (const auto& [ids, volume] : parts)
+        if (volume.role == SlicerRole::part) {
+            used.insert(of(ids.first, ids.second, 0).extruder);
+            told.insert(ids.first);
+        }
+    for (const auto& [object, of_all] : extruder)
+        if (!told.contains(object)) used.insert(of_all);
+    used.erase(0);
+    return used.size() > 1;
+}
+
+SlicerVolume SlicerRoles::of(std::uint32_t parent, std::uint32_t object, std::size_t triangle) const {
+    SlicerVolume volume;
+    for (const std::uint32_t id : {parent, object})
+        if (const auto whole = extruder.find(id); whole != extruder.end()) volume.extruder = whole->second;
+    if (const auto part = parts.find({parent, object}); part != parts.end()) {
+        volume.role = part->second.role;
+        if (part->second.extruder > 0) volume.extruder = part->second.extruder;
+    }
+    if (const auto list = runs.find(object); list != runs.end())
+        for (const Run& run : list->second)
+            if (triangle >= run.first && triangle <= run.last) {
+                volume.role = run.volume.role;
+                if (run.volume.extruder > 0) volume.extruder = run.volume.extruder;
+            }
+    return volume;
+}
+
+void read_slicer_volumes(std::string_view text, const std::string& what, SlicerRoles& roles) {
+    XmlReader xml(text, what);
+    constexpr std::uint32_t none = 0xffffffff;
+    std::uint32_t object = none, part = none;
+    SlicerRoles::Run* run = nullptr;
+    for (XmlReader::Event event; (event = xml.next()) != XmlReader::Event::finished;) {
+        const std::string_view name = xml.name();
+        if (event == XmlReader::Event::end) {
+            if (name == "object") object = none;
+            if (name == "part") part = none;
+            if (name == "volume") run = nullptr;
+            continue;
+        }
+        if (name == "object") {
+            object = id_of(xml.attribute("id")).value_or(none);
+        } else if (name == "part" && object != none) {
+            part = id_of(xml.attribute("id")).value_or(none);
+            if (part != none) roles.parts[{object, part}].role = role_of(xml.attribute("subtype"));
+        } else if (name == "volume" && object != none) {
+            const auto first = id_of(xml.attribute("firstid")), last = id_of(xml.attribute("lastid"));
+            if (first && last) run = &roles.runs[object].emplace_back(SlicerRoles::Run{*first, *last, {}});
+        } else if (name == "metadata" && object != none) {
+            const std::string_view key = xml.attribute("key"), value = xml.attribute("value");
+            SlicerVolume* const volume = run ? &run->volume : part != none ? &roles.parts[{object, part}] : nullptr;
+            if (key == "extruder") {
+                const int of = static_cast<int>(std::min<std::uint32_t>(id_of(value).value_or(0), 1000));
+                if (volume)
+                    volume->extruder = of;
+                else
+                    roles.extruder[object] = of;
+            } else if (key == "volume_type" && run) {
+                run->volume.role = role_of(value);
+            } else if (key == "modifier" && value == "1" && run && run->volume.role == SlicerRole::part) {
+                run->volume.role = SlicerRole::modifier;  // before there were types
+            }
+        }
+    }
+}
+
+void read_slicer_colours(std::string_view text, SlicerRoles& roles) {
+    for (const std::string_view key : {"extruder_colour", "filament_colour"}) {
+        if (!roles.colours.empty()) return;
+        roles.colours = colours_behind(text, key);
+    }
+}
+
+}  // namespace voxtone::io

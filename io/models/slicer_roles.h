@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What slicers say of the parts of a 3MF file in files of their own beside the model: PrusaSlicer and its kin
+// (Metadata/Slic3r_PE_model.config: volumes are runs of an object's triangles; Slic3r_PE.config), Bambu Studio,
+// OrcaSlicer and theirs (Metadata/model_settings.config: parts are components of an object; project_settings.config).
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace voxtone::io {
+
+enum class SlicerRole : std::uint8_t {
+    part,
+    negative,  ///< to be cut out of the others
+    modifier,  ///< changes how others are printed: modifiers, blockers and enforcers of support; no body
+};
+
+struct SlicerVolume {
+    SlicerRole role = SlicerRole::part;
+    int extruder = 0;  ///< from 1; 0: not said
+};
+
+struct SlicerRoles {
+    struct Run {
+        std::size_t first = 0, last = 0;  ///< triangles
+        SlicerVolume volume;
+    };
+    std::map<std::uint32_t, std::vector<Run>> runs;                         ///< by object
+    std::map<std::pair<std::uint32_t, std::uint32_t>, SlicerVolume> parts;  ///< by object and component
+    std::map<std::uint32_t, int> extruder;                                  ///< of whole objects
+    std::vector<Eigen::Vector3f> colours;                                   ///< of extruders, sRGB codes
+
+    [[nodiscard]] bool empty() const { return runs.empty() && parts.empty() && extruder.empty(); }
+    /// More than one extruder is used: their colours tell parts apart.
+    [[nodiscard]] bool tells_colours() const;
+    /// Of a triangle of an object that is a component of `parent` (or of none: itself).
+    [[nodiscard]] SlicerVolume of(std::uint32_t parent, std::uint32_t object, std::size_t triangle) const;
+};
+
+/// Reads one of those files into `roles`; `xml` is its text, `what` names it in messages. Throws InputError where it is
+/// no XML.
+void read_slicer_volumes(std::string_view xml, const std::string& what, SlicerRoles& roles);
+/// Colours of "Metadata/Slic3r_PE.config" or of "Metadata/project_settings.config" (JSON).
+void read_slicer_colours(std::string_view text, SlicerRoles& roles);
+
+}  // namespace voxtone::io
