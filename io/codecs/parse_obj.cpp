@@ -2,6 +2,7 @@
 #include "voxtone/io/codecs/parse_obj.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <limits>

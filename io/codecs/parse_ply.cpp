@@ -2,6 +2,7 @@
 #include "voxtone/io/codecs/parse_ply.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>

@@ -2,6 +2,7 @@
 #include "flip.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
