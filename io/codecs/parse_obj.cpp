@@ -68,6 +68,7 @@ public:
             read(*line);
         }
         settle_vertex_colours();
+        for (const std::string& name : names_) found_.push_back(in_library(name));
         for (const Face& face : faces_) add(face);
         if (parts_.materials.empty()) parts_.materials.emplace_back();
         say_what_was_lost();
@@ -216,9 +217,9 @@ private:
         if (whole.empty() || said_missing_.contains(std::string(whole))) return;
         for (const std::string& name : readings(whole))
             if (read_library(name)) return;
-        std::size_t found = 0, words = 0;
+        std::size_t found = 0;
         std::vector<std::string> missing;
-        for (std::string_view rest = uncommented(whole); !rest.empty(); ++words) {
+        for (std::string_view rest = uncommented(whole); !rest.empty();) {
             const std::string name(unquoted(cut_word(rest)));
             if (read_library(name))
                 ++found;
@@ -309,10 +310,10 @@ private:
         if (!added) return known->second;
         PartMaterial made;
         made.name = names_[name];
-        if (const MtlMaterial* mtl = in_library(names_[name])) use(*mtl, shown, made);
+        if (const MtlMaterial* mtl = found_[name]) use(*mtl, shown, made);
         parts_.materials.push_back(std::move(made));
         transforms_.resize(parts_.materials.size());
-        if (const MtlMaterial* mtl = in_library(names_[name])) transforms_.back() = {mtl->map_scale, mtl->map_offset};
+        if (const MtlMaterial* mtl = found_[name]) transforms_.back() = {mtl->map_scale, mtl->map_offset};
         return known->second;
     }
 
@@ -379,7 +380,7 @@ private:
             painted = painted || (!rgba_.empty() && !std::isnan(rgba_[static_cast<std::size_t>(corner.vertex)][0]));
             outline.push_back(parts_.positions[static_cast<std::size_t>(corner.vertex)]);
         }
-        const MtlMaterial* mtl = in_library(names_[face.material]);
+        const MtlMaterial* mtl = found_[face.material];
         const bool textured = mtl && !mtl->map_kd.empty() && (coordinates || uv_.empty());
         if (mtl && !mtl->map_kd.empty() && !coordinates && !uv_.empty()) ++without_coordinates_[face.material];
         if (textured && painted) paint_left_aside_ = true;
@@ -459,7 +460,8 @@ private:
     std::vector<Eigen::Vector2f> uv_;
     std::vector<Corner> corners_;
     std::vector<Face> faces_;
-    std::vector<std::string> names_{""};  ///< of materials, as faces use them
+    std::vector<std::string> names_{""};     ///< of materials, as faces use them
+    std::vector<const MtlMaterial*> found_;  ///< of the names; null: the library has none
     std::uint32_t material_ = 0;
     std::map<std::string, MtlMaterial> library_;
     std::map<std::string, bool> libraries_;  ///< whether there is one of that name
