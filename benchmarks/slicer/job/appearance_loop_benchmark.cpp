@@ -169,6 +169,18 @@ void run_flat(const Arguments& a) {
     fmt::print("{}", text);
 }
 
+/// The way `v` of printing a body.
+Print print_body(const Arguments& a, const BodyTarget& target, const Variant& way, std::size_t v) {
+    slicer::SliceOptions options;
+    options.resins = a.resins;
+    options.model = target.model.string();
+    options.out = (a.work / fmt::format("{}.{}", target.name, v)).string();
+    options.size_mm = target.size_mm * a.scale;
+    options.threads = static_cast<int>(a.threads);
+    set_options(way.set, options);
+    return make_print(options, a.reuse);
+}
+
 void run_figurines(const Arguments& a) {
     constexpr std::string_view figurines[] = {"kaykit_mage", "exploding_barrel", "ycb_banana"};
     const ThreadLimit limit(a.threads);
@@ -181,14 +193,7 @@ void run_figurines(const Arguments& a) {
         if (std::ranges::find(figurines, target.name) == std::end(figurines)) continue;
         FigurineRow row{target.held_out ? target.name + " (held out)" : target.name, {}, {}};
         for (std::size_t v = 0; v < 2; ++v) {
-            slicer::SliceOptions options;
-            options.resins = a.resins;
-            options.model = target.model.string();
-            options.out = (a.work / fmt::format("{}.{}", target.name, v)).string();
-            options.size_mm = target.size_mm * a.scale;
-            options.threads = static_cast<int>(a.threads);
-            set_options(ways[v].set, options);
-            const Print print = make_print(options, a.reuse);
+            const Print print = print_body(a, target, ways[v], v);
             const BodyJudgement judged = judge_body(print.options, {.paths = a.body_paths, .cache = a.work / "traced"},
                                                     {.windows = a.windows, .solids = 8});
             row.solids = judged.solids;
@@ -215,14 +220,7 @@ void run_bodies(const Arguments& a) {
         BodyRow row;
         row.name = target.held_out ? target.name + " (held out)" : target.name;
         for (std::size_t v = 0; v < 2; ++v) {
-            slicer::SliceOptions options;
-            options.resins = a.resins;
-            options.model = target.model.string();
-            options.out = (a.work / fmt::format("{}.{}", target.name, v)).string();
-            options.size_mm = target.size_mm * a.scale;
-            options.threads = static_cast<int>(a.threads);
-            set_options(ways[v].set, options);
-            row.print[v] = make_print(options, a.reuse);
+            row.print[v] = print_body(a, target, ways[v], v);
             const BodyJudgement judged = judge_body(
                 row.print[v].options, {.paths = a.body_paths, .cache = a.work / "traced"}, {.windows = a.windows});
             const std::array<BodyFigures, 2> figures = body_figures(judged, a.viewing_distance_mm);
