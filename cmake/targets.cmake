@@ -92,7 +92,7 @@ function(voxtone_add_test name)
   target_compile_definitions(${name} PRIVATE VOXTONE_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data"
                                              VOXTONE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   if(ARG_LIBRARIES MATCHES "voxtone::(io|calibration|slicer)")
-    add_dependencies(${name} voxtone-read voxtone-read-stack voxtone-vdb voxtone-layer-surfaces)
+    add_dependencies(${name} voxtone-read voxtone-read-pictures voxtone-read-stack voxtone-vdb voxtone-layer-surfaces)
   endif()
   catch_discover_tests(${name} TEST_PREFIX "${name}: " PROPERTIES LABELS "${ARG_LABELS}" SKIP_RETURN_CODE 77)
 endfunction()

@@ -8,9 +8,9 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/calibration/bench/bench_list.h"
-#include "voxtone/io/codecs/photograph_writer.h"
 #include "voxtone/io/disk/output_files.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/openimageio/photograph_writer.h"
 
 namespace voxtone::calibration {
 namespace {

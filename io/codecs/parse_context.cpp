@@ -8,17 +8,23 @@
 
 namespace voxtone::io {
 
-ParseContext::ParseContext(const std::filesystem::path& path, const ReadOptions& options)
+ParseContext::ParseContext(const std::filesystem::path& path, const ReadOptions& options, const ParseHelp& help)
     : name_(path.filename().string()),
       options_(options),
+      help_(help),
       folder_(path.parent_path().empty() ? "." : path.parent_path()),
       files_(path),
       bytes_(read_bytes(path, options.max_file_bytes)) {
     if (bytes_.empty()) throw InputError(fmt::format("{} is empty", name_));
 }
 
+std::optional<std::filesystem::path> ParseContext::find(const std::string& name) {
+    if (help_.ask_for_folder) help_.ask_for_folder();
+    return files_.find(name);
+}
+
 std::optional<std::vector<std::byte>> ParseContext::read_side_file(const std::string& name) {
-    const auto path = files_.find(name);
+    const auto path = find(name);
     if (!path) {
         side_files_.push_back({name, {}});
         return std::nullopt;

@@ -6,24 +6,31 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "voxtone/io/codecs/decode_image.h"
 #include "voxtone/io/codecs/side_files.h"
+#include "voxtone/io/decoders/decode_image.h"
 #include "voxtone/io/files/read_bytes.h"
 #include "voxtone/io/files/read_options.h"
 #include "voxtone/io/models/model_parts.h"
 
 namespace voxtone::io {
 
+/// What is done elsewhere for the parsers.
+struct ParseHelp {
+    OtherDecoder others = {};                   ///< of pictures that are neither PNG nor JPEG
+    std::function<void()> ask_for_folder = {};  ///< before a file beside the model is read; empty: they can be read
+};
+
 /// What the parsers share: the model's bytes, the files beside it, the pictures read so far.
 class ParseContext {
 public:
-    ParseContext(const std::filesystem::path& path, const ReadOptions& options);
+    ParseContext(const std::filesystem::path& path, const ReadOptions& options, const ParseHelp& help = {});
 
     [[nodiscard]] const std::string& name() const { return name_; }  ///< the file's name, for messages
     [[nodiscard]] std::span<const std::byte> bytes() const { return bytes_; }
@@ -31,7 +38,7 @@ public:
     /// The bytes of a file that the model names; nothing where there is none. Throws FileError, InputError.
     [[nodiscard]] std::optional<std::vector<std::byte>> read_side_file(const std::string& name);
     /// Whether there is such a file.
-    [[nodiscard]] bool finds(const std::string& name) { return files_.find(name).has_value(); }
+    [[nodiscard]] bool finds(const std::string& name) { return find(name).has_value(); }
     /// All that were asked for, with what was read of them.
     [[nodiscard]] const std::vector<SideFile>& side_files() const { return side_files_; }
     /// What was taken instead of what the model named, in whole sentences.
@@ -43,13 +50,17 @@ public:
     std::int32_t add_image_bytes(ModelParts& parts, const std::string& key, std::span<const std::byte> bytes,
                                  const DecodeOptions& decode);
 
-    [[nodiscard]] DecodeOptions decode_options() const { return {.max_pixels = options_.max_pixels}; }
+    [[nodiscard]] DecodeOptions decode_options() const {
+        return {.max_pixels = options_.max_pixels, .others = help_.others};
+    }
 
 private:
+    [[nodiscard]] std::optional<std::filesystem::path> find(const std::string& name);
     std::int32_t add(ModelParts& parts, const std::string& key, DecodedImage image);
 
     std::string name_;
     const ReadOptions& options_;
+    const ParseHelp help_;
     std::filesystem::path folder_;
     SideFiles files_;
     std::vector<SideFile> side_files_;

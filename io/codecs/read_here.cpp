@@ -3,16 +3,16 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/io/codecs/decode_device_profile.h"
-#include "voxtone/io/codecs/decode_image.h"
-#include "voxtone/io/codecs/decode_photograph.h"
 #include "voxtone/io/codecs/given_texture.h"
 #include "voxtone/io/codecs/parse_3mf.h"
 #include "voxtone/io/codecs/parse_gltf.h"
 #include "voxtone/io/codecs/parse_obj.h"
 #include "voxtone/io/codecs/parse_ply.h"
 #include "voxtone/io/codecs/parse_stl.h"
+#include "voxtone/io/decoders/decode_image.h"
 #include "voxtone/io/files/file_reader.h"
 #include "voxtone/io/files/read_bytes.h"
+#include "voxtone/io/files/serve_isolated.h"
 #include "voxtone/io/models/finish_model.h"
 #include "voxtone/io/pictures/packed_image.h"
 
@@ -20,9 +20,9 @@ namespace voxtone::io {
 
 namespace {
 
-ModelParts parse_model(const std::filesystem::path& path, const ReadOptions& options) {
+ModelParts parse_model(const std::filesystem::path& path, const ReadOptions& options, const ParseHelp& help) {
     const std::string extension = extension_of(path);
-    ParseContext context(path, options);
+    ParseContext context(path, options, help);
     ModelParts parts = extension == "3mf"                          ? parse_3mf(context)
                        : extension == "gltf" || extension == "glb" ? parse_gltf(context)
                        : extension == "obj"                        ? parse_obj(context)
@@ -33,19 +33,40 @@ ModelParts parse_model(const std::filesystem::path& path, const ReadOptions& opt
     return parts;
 }
 
-DecodedImage decode_picture(const std::filesystem::path& path, const ReadOptions& options) {
+DecodedImage decode_picture(const std::filesystem::path& path, const ReadOptions& options, const OtherDecoder& others) {
     return decode_image(read_bytes(path, options.max_file_bytes), path.filename().string(),
-                        {.max_pixels = options.max_pixels, .turn_upright = true});
+                        {.max_pixels = options.max_pixels, .turn_upright = true, .others = others});
+}
+
+/// By the program that started this one.
+DecodedImage decode_elsewhere(std::span<const std::byte> bytes, const std::string& format, const std::string& name,
+                              const DecodeOptions& options) {
+    ReadRequest request;
+    request.kind = ReadKind::other_picture;
+    request.path = name;
+    request.max_pixels = options.max_pixels;
+    request.format = format;
+    request.use_profile = options.use_profile;
+    request.turn_upright = options.turn_upright;
+    request.bytes.assign(bytes.begin(), bytes.end());
+    return unpack_image(ask_starter(pack(request)));
+}
+
+/// The answer is another start of this program, with the folder.
+void ask_for_folder() {
+    ReadRequest request;
+    request.kind = ReadKind::folder;
+    (void)ask_starter(pack(request));
 }
 
 }  // namespace
 
-ModelFile read_model_here(const std::filesystem::path& path, const ReadOptions& options) {
-    return finish_model(parse_model(path, options), path.filename().string(), options.fill_gutters);
+ModelFile read_model_here(const std::filesystem::path& path, const ReadOptions& options, const OtherDecoder& others) {
+    return finish_model(parse_model(path, options, {.others = others}), path.filename().string(), options.fill_gutters);
 }
 
-Picture read_picture_here(const std::filesystem::path& path, const ReadOptions& options) {
-    return finish_picture(decode_picture(path, options), path.filename().string());
+Picture read_picture_here(const std::filesystem::path& path, const ReadOptions& options, const OtherDecoder& others) {
+    return finish_picture(decode_picture(path, options, others), path.filename().string());
 }
 
 std::vector<std::byte> answer(std::span<const std::byte> bytes) {
@@ -55,16 +76,18 @@ std::vector<std::byte> answer(std::span<const std::byte> bytes) {
     options.max_file_bytes = request.max_file_bytes;
     options.max_pixels = request.max_pixels;
     options.max_unpacked_bytes = request.max_unpacked_bytes;
+    ParseHelp help{.others = decode_elsewhere};
+    if (!request.sees_folder) help.ask_for_folder = ask_for_folder;
     switch (request.kind) {
         case ReadKind::model:
-            return pack(parse_model(request.path, options));
+            return pack(parse_model(request.path, options, help));
         case ReadKind::picture:
-            return pack(decode_picture(request.path, options));
-        case ReadKind::photograph:
-            return pack(decode_photograph(request.path));
+            return pack(decode_picture(request.path, options, help.others));
         case ReadKind::device_profile:
             return pack(
                 decode_device_profile(read_bytes(request.path, request.max_file_bytes), request.path, request.samples));
+        default:
+            break;
     }
     throw InputError("what is to be read is of an unknown kind");
 }

@@ -9,14 +9,18 @@
 #include <span>
 #include <vector>
 
+#include "voxtone/io/decoders/decode_options.h"
 #include "voxtone/io/models/model_reader.h"
 #include "voxtone/io/pictures/picture.h"
 
 namespace voxtone::io {
 
-/// As read_model and read_picture; limits of memory and time have no effect. Throws FileError, InputError.
-[[nodiscard]] ModelFile read_model_here(const std::filesystem::path& path, const ReadOptions& options = {});
-[[nodiscard]] Picture read_picture_here(const std::filesystem::path& path, const ReadOptions& options = {});
+/// As read_model and read_picture; limits of memory and time have no effect. `others` decodes what is neither PNG nor
+/// JPEG; without it such pictures are refused. Throws FileError, InputError.
+[[nodiscard]] ModelFile read_model_here(const std::filesystem::path& path, const ReadOptions& options = {},
+                                        const OtherDecoder& others = {});
+[[nodiscard]] Picture read_picture_here(const std::filesystem::path& path, const ReadOptions& options = {},
+                                        const OtherDecoder& others = {});
 
 /// Answers a packed ReadRequest (io/files/file_reader.h).
 [[nodiscard]] std::vector<std::byte> answer(std::span<const std::byte> request);

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // voxtone-read: parses one model or picture for another program, which started it under limits of memory and time.
+// Pictures that are neither PNG nor JPEG it has decoded by that program's leave.
 #include <cstdio>
 
-#include "voxtone/io/codecs/no_threads.h"
 #include "voxtone/io/codecs/read_here.h"
 #include "voxtone/io/files/serve_isolated.h"
 
 int main() {
-    voxtone::io::end_threads();
     voxtone::io::serve_isolated(voxtone::io::answer);
     std::fputs("voxtone-read reads models and pictures for voxtone, which starts it; it has no use by hand\n", stderr);
     return 2;

@@ -47,6 +47,7 @@ bool leaves_folder(std::string_view name, const std::vector<std::string>& parts)
 /// The entry of `folder` called `part`, in other upper and lower case if need be; the first in byte order of several.
 std::optional<fs::path> entry(const fs::path& folder, const std::string& part) {
     std::error_code error;
+    if (part.starts_with('.')) return std::nullopt;  // nobody's texture, and shut off (io/files/file_reader.cpp)
     if (fs::exists(folder / part, error)) return folder / part;
     std::optional<fs::path> best;
     for (fs::directory_iterator item(folder, error), end; !error && item != end; item.increment(error)) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/io/files/file_reader.h"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "voxtone/base/error.h"
@@ -12,13 +14,76 @@ namespace voxtone::io {
 
 namespace {
 
-const std::string protocol = "voxtone-read 3, voxtone " VOXTONE_VERSION;
+const std::string protocol = "voxtone-read 4, voxtone " VOXTONE_VERSION;
+
+constexpr const char* pictures_program = "voxtone-read-pictures";
+
+/// Textures, libraries of materials, buffers: what lies beside a model. What begins with a dot is nobody's texture, and
+/// may be a key. The folder itself may be listed: names are found in any case.
+void add_folder(IsolationLimits& limits, const std::filesystem::path& folder) {
+    const std::filesystem::path place = folder.empty() ? "." : folder;
+    std::error_code error;
+    for (auto entry = std::filesystem::directory_iterator(place, error);
+         !error && entry != std::filesystem::directory_iterator(); entry.increment(error))
+        if (!entry->path().filename().string().starts_with('.')) limits.readable.push_back(entry->path().string());
+    limits.listable.push_back(place.string());
+}
+
+/// What voxtone-read may ask for while it works.
+class ReaderAnswers {
+public:
+    ReaderAnswers(std::string what, IsolationLimits limits) : what_(std::move(what)), limits_(std::move(limits)) {
+        limits_.readable.clear();
+        limits_.listable.clear();
+    }
+    std::vector<std::byte> operator()(std::span<const std::byte> question, const Progress* progress,
+                                      std::uint8_t& missing_walls) {
+        switch (unpack_request(question).kind) {
+            case ReadKind::folder:
+                throw NeedsFolder();
+            case ReadKind::other_picture:
+                return decode_picture(question, progress, missing_walls);
+            default:
+                throw InputError(fmt::format("the reader of {} asks for what it may not have", what_));
+        }
+    }
+
+private:
+    std::vector<std::byte> decode_picture(std::span<const std::byte> question, const Progress* progress,
+                                          std::uint8_t& missing_walls) {
+        if (!program_)
+            program_ = std::make_shared<IsolatedProgram>(what_, find_pictures_program(), question, limits_);
+        else
+            program_->ask(question);
+        const std::shared_ptr<IsolatedProgram> program = std::move(program_);  // of no use after most errors
+        std::vector<std::byte> picture = program->result(progress);
+        missing_walls |= program->missing_walls();
+        program_ = program;
+        return picture;
+    }
+
+    static std::filesystem::path find_pictures_program() {
+        try {
+            return find_helper(pictures_program);
+        } catch (const FileError&) {
+            throw InputError(fmt::format(
+                "pictures of other kinds than PNG and JPEG are read by {}, which is not installed here: install it, or "
+                "save the picture as PNG",
+                pictures_program));
+        }
+    }
+
+    std::string what_;
+    IsolationLimits limits_;
+    std::shared_ptr<IsolatedProgram> program_;  ///< waits for the next picture; shared: functions are copied
+};
 
 }  // namespace
 
 std::vector<std::byte> pack(const ReadRequest& r) {
     PackedWriter writer;
-    writer(protocol, r.kind, r.path, r.max_file_bytes, r.max_pixels, r.max_unpacked_bytes, r.texture, r.samples);
+    writer(protocol, r.kind, r.path, r.max_file_bytes, r.max_pixels, r.max_unpacked_bytes, r.texture, r.samples,
+           r.sees_folder, r.format, r.use_profile, r.turn_upright, r.bytes);
     return std::move(writer.bytes);
 }
 
@@ -31,22 +96,23 @@ ReadRequest unpack_request(std::span<const std::byte> bytes) {
             "voxtone-read is of another version ({}) than the program that asks it ({}); install voxtone again",
             protocol, asked));
     ReadRequest r;
-    reader(r.kind, r.path, r.max_file_bytes, r.max_pixels, r.max_unpacked_bytes, r.texture, r.samples);
+    reader(r.kind, r.path, r.max_file_bytes, r.max_pixels, r.max_unpacked_bytes, r.texture, r.samples, r.sees_folder,
+           r.format, r.use_profile, r.turn_upright, r.bytes);
     reader.expect_end();
     return r;
 }
 
 std::unique_ptr<IsolatedProgram> start_reader(ReadKind kind, const std::filesystem::path& path,
-                                              const ReadOptions& options) {
-    return start_reader(path.filename().string(),
-                        {kind,
-                         path.string(),
-                         options.max_file_bytes,
-                         options.max_pixels,
-                         options.max_unpacked_bytes,
-                         options.texture.string(),
-                         {}},
-                        isolation_limits(options));
+                                              const ReadOptions& options, bool sees_folder) {
+    ReadRequest request;
+    request.kind = kind;
+    request.path = path.string();
+    request.max_file_bytes = options.max_file_bytes;
+    request.max_pixels = options.max_pixels;
+    request.max_unpacked_bytes = options.max_unpacked_bytes;
+    request.texture = options.texture.string();
+    request.sees_folder = sees_folder;
+    return start_reader(path.filename().string(), request, isolation_limits(options));
 }
 
 std::unique_ptr<IsolatedProgram> start_reader(const std::string& what, const ReadRequest& request,
@@ -54,10 +120,13 @@ std::unique_ptr<IsolatedProgram> start_reader(const std::string& what, const Rea
     if (built_with_address_sanitizer()) limits.memory_bytes = 0;
     const std::filesystem::path path(request.path);
     limits.readable = {request.path};
-    if (request.kind == ReadKind::model)  // textures, libraries of materials, buffers: beside it
-        limits.readable.push_back(path.has_parent_path() ? path.parent_path().string() : ".");
+    if (request.kind == ReadKind::model && request.sees_folder) add_folder(limits, path.parent_path());
     if (!request.texture.empty()) limits.readable.push_back(request.texture);
-    return std::make_unique<IsolatedProgram>(what, find_helper("voxtone-read"), pack(request), limits);
+    const bool by_openimageio = request.kind == ReadKind::photograph || request.kind == ReadKind::other_picture;
+    auto program = std::make_unique<IsolatedProgram>(
+        what, find_helper(by_openimageio ? pictures_program : "voxtone-read"), pack(request), limits);
+    if (!by_openimageio) program->answer_by(ReaderAnswers(what, limits));
+    return program;
 }
 
 std::vector<std::byte> read_guarded(IsolatedProgram& reader, const Progress* progress,

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The program `voxtone-read`, in which every model, picture, photograph and ICC profile is parsed (io/codecs): how it
-// is asked. Libraries of formats (OpenImageIO and what it loads, Little CMS) are linked into it alone.
+// The programs in which other people's files are parsed, and how they are asked. `voxtone-read` (io/codecs) parses
+// models, ICC profiles, PNG and JPEG; `voxtone-read-pictures` (io/openimageio) pictures of all other kinds, and
+// photographs: OpenImageIO and the hundred libraries that it loads are linked into it alone. It starts when such a
+// picture comes: voxtone-read, behind its walls, asks for it, and it is given the picture's bytes and sees no file.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +22,9 @@ namespace voxtone::io {
 enum class ReadKind : std::uint8_t {
     model,           ///< answered by packed ModelParts (io/models/model_parts.h)
     picture,         ///< by a packed DecodedImage
-    photograph,      ///< by a packed Photograph
+    photograph,      ///< by a packed Photograph; voxtone-read-pictures
+    other_picture,   ///< by a packed DecodedImage; voxtone-read-pictures
+    folder,          ///< asked by voxtone-read: the model names files beside it, which it was not given
     device_profile,  ///< by a packed DeviceProfile (io/profiles/device_profile.h)
 };
 
@@ -30,17 +34,25 @@ struct ReadRequest {
     std::uint64_t max_file_bytes = 0, max_pixels = 0, max_unpacked_bytes = 0;  ///< as ReadOptions has them
     std::string texture{};                                                     ///< given to a model; empty: none
     std::vector<double> samples{};                                             ///< asked of a device profile
+    bool sees_folder = true;  ///< of a model: what lies beside it may be read
+    // of other_picture; its name for messages is `path`
+    std::string format{};  ///< as OpenImageIO names it
+    bool use_profile = true, turn_upright = false;
+    std::vector<std::byte> bytes{};
 };
+
+/// Of a reader that was not given the folder of its model, and asks for it.
+struct NeedsFolder {};
 
 [[nodiscard]] std::vector<std::byte> pack(const ReadRequest& request);
 /// Throws ResourceError when another version of voxtone asks: the two would not understand each other.
 [[nodiscard]] ReadRequest unpack_request(std::span<const std::byte> bytes);
 
-/// Starts the program for a model or picture.
+/// Starts the program for a model or picture. Without `sees_folder` its result may be NeedsFolder, thrown.
 [[nodiscard]] std::unique_ptr<IsolatedProgram> start_reader(ReadKind kind, const std::filesystem::path& path,
-                                                            const ReadOptions& options);
-/// Starts the program, which may read the file and, of a model, what lies in its folder. `what` names the file in
-/// messages. Throws FileError (the program is missing), TryAgain.
+                                                            const ReadOptions& options, bool sees_folder = true);
+/// Starts the program, which may read the file and, of a model, what lies in its folder and does not begin with a dot.
+/// `what` names the file in messages. Throws FileError (the program is missing), TryAgain.
 [[nodiscard]] std::unique_ptr<IsolatedProgram> start_reader(const std::string& what, const ReadRequest& request,
                                                             IsolationLimits limits);
 

@@ -178,8 +178,11 @@ IsolatedProgram::IsolatedProgram(std::string what, const std::filesystem::path& 
       limits_(limits),
       request_(memory_file("request")),
       result_(memory_file("result")) {
-    const isolation::Orders orders{
-        limits.memory_bytes, most_result_bytes(limits), limits.readable, {request.begin(), request.end()}};
+    const isolation::Orders orders{limits.memory_bytes,
+                                   most_result_bytes(limits),
+                                   limits.readable,
+                                   limits.listable,
+                                   {request.begin(), request.end()}};
     int ends[2] = {-1, -1};
     if (request_.get() < 0 || result_.get() < 0 || !fill(request_.get(), packed(orders)) ||
         socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
@@ -220,6 +223,10 @@ void IsolatedProgram::wake() const {
 
 void IsolatedProgram::ask(std::span<const std::byte> request) {
     began_s_ = processor_s();
+    send_request(request);
+}
+
+void IsolatedProgram::send_request(std::span<const std::byte> request) {
     if (!fill(request_.get(), request))
         throw TryAgain(
             fmt::format("{} cannot be read: the system gives no memory ({}); try again", what_, std::strerror(errno)));
@@ -326,7 +333,7 @@ void IsolatedProgram::tell_end() {
                     what_, how, another_copy));
 }
 
-std::vector<std::byte> IsolatedProgram::take_answer() {
+std::vector<std::byte> IsolatedProgram::take_answer(bool& is_question) {
     struct stat about {};
     fstat(result_.get(), &about);
     const auto size = static_cast<std::uint64_t>(about.st_size);
@@ -334,15 +341,17 @@ std::vector<std::byte> IsolatedProgram::take_answer() {
         throw InputError(
             fmt::format("what the reader of {} left ({} bytes) is no answer; {}", what_, size, another_copy));
     const std::vector<std::byte> head = fetch(result_.get(), 0, isolation::head_bytes, what_);
-    missing_walls_ = std::to_integer<std::uint8_t>(head[2]);
+    missing_walls_ |= std::to_integer<std::uint8_t>(head[2]);
     const auto outcome = static_cast<Outcome>(head[0]);
+    is_question = outcome == Outcome::question;
     constexpr std::uint64_t longest_message = 1 << 16;
-    if (outcome != Outcome::result && size > longest_message)
+    if (outcome != Outcome::result && !is_question && size > longest_message)
         throw InputError(fmt::format("what the reader of {} left is no answer; {}", what_, another_copy));
     std::vector<std::byte> bytes = fetch(result_.get(), isolation::head_bytes, size - isolation::head_bytes, what_);
     const auto text = [&] { return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()); };
     switch (outcome) {
         case Outcome::result:
+        case Outcome::question:
             return bytes;
         case Outcome::error:
             throw_again(static_cast<ExitCode>(head[1]), text());
@@ -356,8 +365,24 @@ std::vector<std::byte> IsolatedProgram::take_answer() {
 }
 
 std::vector<std::byte> IsolatedProgram::result(const Progress* progress) {
-    if (!wait_for_answer(progress)) tell_end();
-    return take_answer();
+    for (;;) {
+        if (!wait_for_answer(progress)) tell_end();
+        bool is_question = false;
+        std::vector<std::byte> left = take_answer(is_question);
+        if (!is_question) return left;
+        reply_to(left, progress);
+    }
+}
+
+void IsolatedProgram::reply_to(std::span<const std::byte> question, const Progress* progress) {
+    isolation::Reply reply;
+    try {
+        if (!answerer_) throw InputError(fmt::format("the reader of {} asks for what it may not have", what_));
+        reply.answer = answerer_(question, progress, missing_walls_);
+    } catch (const InputError& error) {
+        reply.refusal = error.what();
+    }
+    send_request(packed(reply));
 }
 
 std::vector<std::byte> run_isolated(const std::string& what, const std::filesystem::path& program,

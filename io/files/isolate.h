@@ -25,8 +25,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "voxtone/base/progress.h"
@@ -37,8 +39,15 @@ struct IsolationLimits {
     std::uint64_t memory_bytes = std::uint64_t{4} << 30;  ///< 0: no limit
     double timeout_s = 120;  ///< of the processor, for one request; > 0. Waiting ends after ten times that.
     std::vector<std::string> readable = {};  ///< files, and folders with all below them, that it may read; no other
+    std::vector<std::string> listable = {};  ///< folders whose names it may list
     std::string more = {};  ///< for messages: how the user allows more ("--read-memory"), if there is a way
 };
+
+/// Answers a question that an isolated program has while it works (ask_starter of io/files/serve_isolated.h). What it
+/// throws as InputError is thrown there; what else it throws ends the program and comes out of `result`. It may add
+/// MissingWall bits of a program that it starts.
+using Answerer = std::function<std::vector<std::byte>(std::span<const std::byte> question, const Progress* progress,
+                                                      std::uint8_t& missing_walls)>;
 
 /// A program at work on requests, one at a time. It works on its own until an answer is asked for; its end is that of
 /// this object.
@@ -55,6 +64,8 @@ public:
     /// Waits for the answer to the request; to be asked once for each. Throws Error, InputError, FileError,
     /// ResourceError, TryAgain, Cancelled; after all but what its work threw the program is of no more use.
     [[nodiscard]] std::vector<std::byte> result(const Progress* progress = nullptr);
+    /// Who answers its questions; without one they are refused.
+    void answer_by(Answerer answerer) { answerer_ = std::move(answerer); }
     /// The next request, when the last one was answered.
     void ask(std::span<const std::byte> request);
 
@@ -75,11 +86,14 @@ private:
         int fd_;
     };
 
+    void send_request(std::span<const std::byte> request);
     void wake() const;
     [[nodiscard]] double processor_s() const;
     /// Whether it has answered; false: it has ended.
     [[nodiscard]] bool wait_for_answer(const Progress* progress) const;
-    std::vector<std::byte> take_answer();
+    /// What was left, and whether it is a question.
+    std::vector<std::byte> take_answer(bool& is_question);
+    void reply_to(std::span<const std::byte> question, const Progress* progress);
     [[noreturn]] void tell_end();
     void tell_of_file_limit() const;
     void tell_of_descriptor_limit() const;
@@ -94,6 +108,7 @@ private:
     pid_t pid_ = -1;
     double began_s_ = 0;  ///< time of the processor that was spent before this request
     std::uint8_t missing_walls_ = 0;
+    Answerer answerer_;
 };
 
 /// The program's whole life: start, wait, result.

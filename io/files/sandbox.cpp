@@ -55,15 +55,16 @@ void set_limits(const WallLimits& limits) {
     if (limits.memory_bytes) limited_outside = limit_to(RLIMIT_AS, mapped_bytes() + limits.memory_bytes);
 }
 
-/// Opening below `path` for reading. A path that is not there needs no leave: the reader finds out by itself.
-void allow_reading(int rules, const std::string& path) {
+/// Opening below `path` for `access`. A path that is not there needs no leave: the reader finds out by itself.
+void allow(int rules, const std::string& path, std::uint64_t access) {
     const int place = open(path.c_str(), O_PATH | O_CLOEXEC);
     if (place < 0) return;
     struct stat about {};
     landlock_path_beneath_attr rule{};
     rule.parent_fd = place;
-    rule.allowed_access = LANDLOCK_ACCESS_FS_READ_FILE;
-    if (fstat(place, &about) == 0 && S_ISDIR(about.st_mode)) rule.allowed_access |= LANDLOCK_ACCESS_FS_READ_DIR;
+    rule.allowed_access = access;
+    if (fstat(place, &about) != 0 || !S_ISDIR(about.st_mode))
+        rule.allowed_access &= ~std::uint64_t{LANDLOCK_ACCESS_FS_READ_DIR};  // of a file it would be refused
     syscall(SYS_landlock_add_rule, rules, LANDLOCK_RULE_PATH_BENEATH, &rule, 0);
     close(place);
 }
@@ -83,12 +84,14 @@ bool is_alone() {
     return false;
 }
 
-bool filter_files(std::span<const std::string> readable) {
+bool filter_files(const WallDoors& doors) {
     landlock_ruleset_attr handled{};
     handled.handled_access_fs = (LANDLOCK_ACCESS_FS_MAKE_SYM << 1) - 1;  // all that its first version knows
     const int rules = static_cast<int>(syscall(SYS_landlock_create_ruleset, &handled, sizeof handled, 0));
     if (rules < 0) return false;
-    for (const std::string& path : readable) allow_reading(rules, path);
+    for (const std::string& path : doors.readable)
+        allow(rules, path, LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR);
+    for (const std::string& path : doors.listable) allow(rules, path, LANDLOCK_ACCESS_FS_READ_DIR);
     const bool stands = syscall(SYS_landlock_restrict_self, rules, 0) == 0;
     close(rules);
     return stands;
@@ -123,9 +126,21 @@ bool allow_where(scmp_filter_ctx filter, int call, unsigned argument, scmp_datum
     return !is_of_this_machine(call) || seccomp_rule_add_array(filter, SCMP_ACT_ALLOW, call, 1, &condition) == 0;
 }
 
+/// Numbers of calls that the list was made without, the same on every machine since Linux 5.1. Libraries ask whether
+/// there is such a call, and know what to do without it.
+bool add_unknown_calls(scmp_filter_ctx filter) {
+    constexpr int first = 424, last = 767;
+    for (int call = first; call <= last; ++call)
+        if (std::ranges::find(allowed_calls, call) == std::end(allowed_calls) &&
+            seccomp_rule_add(filter, SCMP_ACT_ERRNO(ENOSYS), call, 0) != 0)
+            return false;
+    return true;
+}
+
 bool add_rules(scmp_filter_ctx filter) {
     for (const int call : allowed_calls)
         if (is_of_this_machine(call) && seccomp_rule_add(filter, SCMP_ACT_ALLOW, call, 0) != 0) return false;
+    if (!add_unknown_calls(filter)) return false;
     constexpr scmp_datum_t writing = O_ACCMODE | O_CREAT | O_TRUNC | O_APPEND | (O_TMPFILE & ~O_DIRECTORY);
     const auto self = static_cast<scmp_datum_t>(getpid());
     return allow_where(filter, SCMP_SYS(open), 1, writing, O_RDONLY) &&
@@ -143,6 +158,8 @@ bool add_rules(scmp_filter_ctx filter) {
 bool filter_calls() {
     const scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ERRNO(EPERM));
     if (!filter) return false;
+    constexpr std::uint32_t by_halves = 2;
+    seccomp_attr_set(filter, SCMP_FLTATR_CTL_OPTIMIZE, by_halves);  // else a call is held against the list one by one
     const bool stands = seccomp_attr_set(filter, SCMP_FLTATR_CTL_TSYNC, 1) == 0 &&  // in all threads
                         add_rules(filter) && seccomp_load(filter) == 0;
     seccomp_release(filter);
@@ -151,7 +168,7 @@ bool filter_calls() {
 
 }  // namespace
 
-std::uint8_t raise_walls(std::span<const std::string> readable, const WallLimits& limits) {
+std::uint8_t raise_walls(const WallDoors& doors, const WallLimits& limits) {
     prctl(PR_SET_DUMPABLE, 0);  // no other process of the same user looks in, and no core is left
     std::uint8_t missing = 0;
     // The filter of files is one thread's: another one would stay outside. And one that starts late, to end at once,
@@ -159,7 +176,7 @@ std::uint8_t raise_walls(std::span<const std::string> readable, const WallLimits
     const bool alone = is_alone();
     set_limits(limits);  // before the filters: what is mapped already is read from a file
     const bool for_good = prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0;
-    if (!for_good || !alone || !filter_files(readable)) missing |= no_file_filter;
+    if (!for_good || !alone || !filter_files(doors)) missing |= no_file_filter;
     if (!for_good || !filter_calls()) missing |= no_call_filter;
     return missing;
 }

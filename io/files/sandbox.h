@@ -6,7 +6,8 @@
 //
 // - System calls (seccomp): a list of what is allowed, for what is not thought of must be refused: no writing or making
 //   of files, no sockets, no processes or threads, no programs, no tracing, no memory that is both written and run. A
-//   refused call fails with EPERM, so that a library that tries something needless goes on without it.
+//   refused call fails with EPERM, so that a library that tries something needless goes on without it; one that is
+//   newer than the list with ENOSYS, as on an older kernel, so that it takes the older way.
 // - Files (Landlock, Linux 5.13): open and list only below the paths given; the filter of calls cannot see names.
 // - Limits (rlimit): bytes of a file, open files, processes, core dumps, address space.
 #pragma once
@@ -20,14 +21,20 @@ namespace voxtone::io {
 /// Walls that this system has no means for, as bits: what `raise_walls` could not do.
 enum MissingWall : std::uint8_t { no_call_filter = 1, no_file_filter = 2 };
 
+/// Paths that may be opened for reading: files, and folders with all that is below them; and folders whose names, and
+/// those of all folders below, may be listed. Those that are not there are left out.
+struct WallDoors {
+    std::span<const std::string> readable = {};
+    std::span<const std::string> listable = {};
+};
+
 struct WallLimits {
     std::uint64_t memory_bytes = 0;  ///< address space beyond what is mapped already; 0: no limit
     std::uint64_t file_bytes = 0;    ///< the longest file that may be written: the answer
 };
 
-/// `readable`: files, and folders with all that is below them; those that are not there are left out. To be called in a
-/// process of one thread: with several it gets no filter of files. Returns MissingWall bits.
-std::uint8_t raise_walls(std::span<const std::string> readable, const WallLimits& limits);
+/// To be called in a process of one thread: with several it gets no filter of files. Returns MissingWall bits.
+std::uint8_t raise_walls(const WallDoors& doors, const WallLimits& limits);
 
 /// Whether the address space was limited from outside more tightly than `raise_walls` was asked to.
 [[nodiscard]] bool memory_was_limited_outside();

@@ -98,11 +98,21 @@ bool was_started_by_hand() {
 
 }  // namespace
 
+std::vector<std::byte> ask_starter(std::span<const std::byte> question) {
+    leave(Outcome::question, 0, question.data(), question.size());
+    const auto bytes = next_request();
+    if (!bytes) _exit(0);  // nobody waits for this any more
+    auto reply = unpacked<Reply>(*bytes);
+    if (!reply.refusal.empty()) throw InputError(reply.refusal);
+    return std::move(reply.answer);
+}
+
 void serve_isolated(const Work& work) {
     if (was_started_by_hand()) return;
     if (const auto first = next_request()) {
         const auto orders = unpacked<Orders>(*first);
-        missing_walls = raise_walls(orders.readable, {orders.memory_bytes, head_bytes + orders.result_bytes});
+        missing_walls =
+            raise_walls({orders.readable, orders.listable}, {orders.memory_bytes, head_bytes + orders.result_bytes});
         answer_one(work, orders.request);
         while (const auto request = next_request()) answer_one(work, *request);
     }

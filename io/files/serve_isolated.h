@@ -15,4 +15,8 @@ namespace voxtone::io {
 /// hand. The process must have no other thread: it would stay outside the walls.
 void serve_isolated(const std::function<std::vector<std::byte>(std::span<const std::byte> request)>& work);
 
+/// Amid its work: asks the program that started this one (IsolatedProgram::answer_by), and waits. Throws InputError
+/// where it refuses.
+[[nodiscard]] std::vector<std::byte> ask_starter(std::span<const std::byte> question);
+
 }  // namespace voxtone::io

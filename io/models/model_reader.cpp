@@ -33,6 +33,27 @@ bool is_picture_name(const std::filesystem::path& path) {
     return std::ranges::find(extensions, extension_of(path)) != extensions.end();
 }
 
+namespace {
+
+/// Formats that hold all that there is in one file; some name pictures beside it all the same.
+bool is_one_file(const std::filesystem::path& path) {
+    const std::string extension = extension_of(path);
+    return extension == "stl" || extension == "ply" || extension == "3mf" || extension == "glb";
+}
+
+std::vector<std::byte> read_parts(const std::filesystem::path& path, const ReadOptions& options,
+                                  std::vector<std::string>& warnings) {
+    if (is_one_file(path)) {
+        try {
+            return read_guarded(*start_reader(ReadKind::model, path, options, false), options.progress, warnings);
+        } catch (const NeedsFolder&) {  // it names one: once more, with its folder
+        }
+    }
+    return read_guarded(*start_reader(ReadKind::model, path, options), options.progress, warnings);
+}
+
+}  // namespace
+
 ModelFile read_model(const std::filesystem::path& path, const ReadOptions& options) {
     std::vector<SideFile> side_files;
     return read_model(path, options, side_files);
@@ -45,8 +66,7 @@ ModelFile read_model(const std::filesystem::path& path, const ReadOptions& optio
         throw InputError(
             fmt::format("{} is no model of a known kind; OBJ, PLY, STL, glTF, GLB and 3MF can be read", name));
     std::vector<std::string> warnings;
-    ModelParts parts =
-        unpack_model(read_guarded(*start_reader(ReadKind::model, path, options), options.progress, warnings));
+    ModelParts parts = unpack_model(read_parts(path, options, warnings));
     parts.warnings.insert(parts.warnings.begin(), warnings.begin(), warnings.end());
     side_files.insert(side_files.end(), parts.side_files.begin(), parts.side_files.end());
     return finish_model(std::move(parts), name, options.fill_gutters);

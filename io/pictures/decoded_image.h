@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A picture as its decoder leaves it (io/codecs/decode_image.h).
+// A picture as its decoder leaves it (io/decoders/decode_image.h).
 #pragma once
 
 #include <string>

@@ -8,6 +8,21 @@
 
 namespace voxtone::io {
 
+namespace {
+
+/// Has colours, and none would be seen: the fourth byte of some formats is no alpha.
+bool is_invisible(const TexelImage& texels) {
+    constexpr float least_seen_alpha = 1 / 255.0f;
+    bool some_colour = false;
+    for (std::size_t i = 0; i < texels.pixels(); ++i) {
+        if (texels.alpha(i) >= least_seen_alpha) return false;
+        some_colour = some_colour || texels.rgb(i).maxCoeff() > 0;
+    }
+    return some_colour;
+}
+
+}  // namespace
+
 Picture read_picture(const std::filesystem::path& path, const ReadOptions& options) {
     validate(options);
     std::vector<std::string> warnings;
@@ -24,7 +39,11 @@ Picture finish_picture(DecodedImage image, const std::string& name) {
     picture.dpi_x = image.dpi_x;
     picture.dpi_y = image.dpi_y;
     picture.warnings = std::move(image.warnings);
-    if (image.has_alpha) {
+    if (image.has_alpha && is_invisible(image.texels)) {
+        picture.warnings.push_back(
+            fmt::format("All of {} is transparent, which cannot be meant; it was taken as opaque.", name));
+        for (std::size_t i = 0; i < image.texels.pixels(); ++i) image.texels.set_opaque(i);
+    } else if (image.has_alpha) {
         picture.warnings.push_back(fmt::format("{} has transparent pixels; they were laid over white.", name));
         compose_over(image.texels, Eigen::Vector3f::Ones());
     }

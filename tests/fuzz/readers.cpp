@@ -12,11 +12,12 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/calibration/patches/patch_file.h"
-#include "voxtone/io/codecs/decode_image.h"
 #include "voxtone/io/codecs/read_here.h"
+#include "voxtone/io/decoders/decode_image.h"
 #include "voxtone/io/layers/stack_service.h"
 #include "voxtone/io/models/model_parts.h"
 #include "voxtone/io/models/mtl_library.h"
+#include "voxtone/io/openimageio/decode_other.h"
 #include "voxtone/io/pictures/packed_image.h"
 #include "voxtone/io/profiles/layer_sequence_file.h"
 #include "voxtone/io/profiles/profile_file.h"
@@ -118,7 +119,10 @@ constexpr Reader readers[] = {
     {"glb", [](Bytes f) { read_model_named("a.glb", f); }},
     {"3mf", [](Bytes f) { read_model_named("a.3mf", f); }},
     {"picture",
-     [](Bytes f) { (void)io::decode_image(std::as_bytes(f), "a", {.max_pixels = few_pixels, .turn_upright = true}); }},
+     [](Bytes f) {
+         (void)io::decode_image(std::as_bytes(f), "a",
+                                {.max_pixels = few_pixels, .turn_upright = true, .others = io::decode_other});
+     }},
     {"layer", [](Bytes f) { (void)io::scan_layer(f, "a.png", some_palette()); }},
     {"png-stack", [](Bytes f) { read_stack_with("slice_00000.png", f); }},
     {"gcvf", [](Bytes f) { look_into_stack(folder().put("a.gcvf", f)); }},

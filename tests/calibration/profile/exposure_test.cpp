@@ -7,8 +7,8 @@
 #include "voxtone/base/error.h"
 #include "voxtone/calibration/profile/exposure_merge.h"
 #include "voxtone/calibration/profile/exposure_series.h"
-#include "voxtone/io/codecs/photograph_writer.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/openimageio/photograph_writer.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

@@ -11,7 +11,9 @@
 #include "voxtone/base/error.h"
 #include "voxtone/io/files/file_reader.h"
 #include "voxtone/io/files/packed_values.h"
+#include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/models/model_reader.h"
+#include "voxtone/io/pictures/picture_writer.h"
 
 using namespace voxtone;
 using namespace voxtone::io;
@@ -85,8 +87,55 @@ TEST_CASE("a reader that is missing, silent, or of another kind is told") {
     CHECK_THROWS_WITH(read_model(model), Contains("what the reader left"));
 }
 
+TEST_CASE("the reader of other pictures is started when one comes, and what becomes of it costs a texture") {
+    const fs::path built = find_helper("voxtone-read");
+    const TemporaryFolder folder, helpers_folder;
+    const fs::path model = folder.path() / "a.obj";
+    std::ofstream(model)
+        << "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3\n";
+    std::ofstream(folder.path() / "a.mtl") << "newmtl m\nmap_Kd a.tif\n";
+    std::ofstream(folder.path() / "a.tif") << "II*" << '\0' << "and more";
+    const HelpersIn helpers(helpers_folder.path().c_str());
+    fs::create_symlink(built, helpers_folder.path() / "voxtone-read");
+    const auto warnings = [&] {
+        std::string all;
+        for (const std::string& warning : read_model(model).warnings) all += warning + "\n";
+        return all;
+    };
+    CHECK_THAT(warnings(), Contains("voxtone-read-pictures") && Contains("not installed") && Contains("LOST"));
+    const fs::path pictures = helpers_folder.path() / "voxtone-read-pictures";
+    write_program(pictures, "#!/bin/sh\nkill -SEGV $$\n");
+    CHECK_THAT(warnings(), Contains("crash") && Contains("LOST"));
+    write_program(pictures, "#!/bin/sh\nkill -9 $$\n");  // the machine's fault: colours are not lost for that
+    CHECK_THROWS_AS(read_model(model), TryAgain);
+    fs::remove(pictures);
+    fs::create_symlink(built.parent_path() / "voxtone-read-pictures", pictures);
+    CHECK_THAT(warnings(), Contains("a.tif cannot be read") || Contains("'a.tif' cannot be read"));
+}
+
+TEST_CASE("files beside a model are read where it names them, but for those that begin with a dot") {
+    const TemporaryFolder folder;
+    const Picture8 red{1, 1, 3, {200, 40, 40}};
+    for (const char* name : {"a.png", ".hidden.png"}) write_whole_file(folder.path() / name, png_bytes(red));
+    const auto read_with = [&](const std::string& texture) {
+        const fs::path model = folder.path() / "a.ply";
+        std::ofstream(model) << "ply\nformat ascii 1.0\ncomment TextureFile " << texture
+                             << "\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty "
+                                "float s\nproperty float t\nelement face 1\nproperty list uchar int "
+                                "vertex_indices\nend_header\n0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n";
+        return read_model(model);
+    };
+    const ModelFile textured = read_with("a.png");
+    CHECK(textured.warnings.empty());
+    CHECK(textured.mesh.materials.at(textured.mesh.material_of_triangle.at(0)).texture != nullptr);
+    const ModelFile plain = read_with(".hidden.png");
+    REQUIRE_FALSE(plain.warnings.empty());
+    CHECK_THAT(plain.warnings[0], Contains(".hidden.png") && Contains("not found"));
+}
+
 TEST_CASE("requests come through as they were made, from the same version only") {
-    const ReadRequest asked{ReadKind::picture, "a/b c.png", 1, 2, 3, "t.png"};
+    const ReadRequest asked{ReadKind::picture, "a/b c.png", 1, 2, 3, "t.png", {}, false, "tiff", false, true,
+                            {std::byte{9}}};
     const ReadRequest heard = unpack_request(pack(asked));
     CHECK(heard.kind == asked.kind);
     CHECK(heard.path == asked.path);
@@ -94,6 +143,11 @@ TEST_CASE("requests come through as they were made, from the same version only")
     CHECK(heard.max_pixels == 2);
     CHECK(heard.max_unpacked_bytes == 3);
     CHECK(heard.texture == "t.png");
+    CHECK_FALSE(heard.sees_folder);
+    CHECK(heard.format == "tiff");
+    CHECK_FALSE(heard.use_profile);
+    CHECK(heard.turn_upright);
+    CHECK(heard.bytes == asked.bytes);
     CHECK_THROWS_WITH(unpack_request(packed(std::string("voxtone-read 0"))), Contains("another version"));
     const std::vector<std::byte> whole = pack(asked);
     for (std::size_t size = 0; size < whole.size(); ++size)

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <fstream>
+#include <memory>
 #include <thread>
 
 #include <catch2/catch.hpp>
@@ -32,6 +33,42 @@ std::string text_of(const std::vector<std::byte>& bytes) {
 }
 
 }  // namespace
+
+TEST_CASE("amid its work a program asks who started it") {
+    const IsolationLimits limits{.memory_bytes = built_with_address_sanitizer() ? 0 : std::uint64_t{256} << 20};
+    const auto start = [&] {
+        return std::make_unique<IsolatedProgram>("test.obj", MISBEHAVING_PROGRAM, bytes_of("ask a"), limits);
+    };
+    SECTION("as often as it likes, and each time it is answered") {
+        const auto program = start();
+        int questions = 0;
+        program->answer_by([&](std::span<const std::byte> question, const Progress*, std::uint8_t& missing) {
+            ++questions;
+            missing |= 128;
+            std::vector<std::byte> answer(question.begin(), question.end());
+            answer.push_back(std::byte{'b'});
+            return answer;
+        });
+        CHECK(text_of(program->result()) == "abb");
+        CHECK(questions == 2);
+        CHECK((program->missing_walls() & 128) != 0);
+        program->ask(bytes_of("ask x"));
+        CHECK(text_of(program->result()) == "xbb");
+    }
+    SECTION("a refusal is thrown in it") {
+        const auto program = start();
+        program->answer_by([](auto, auto, auto&) -> std::vector<std::byte> { throw InputError("no such thing"); });
+        CHECK_THROWS_WITH(program->result(), "no such thing");
+        program->ask(bytes_of("echo"));  // and it is of use as before
+        CHECK(text_of(program->result()) == "echo");
+    }
+    SECTION("nobody answers") { CHECK_THROWS_WITH(start()->result(), Contains("may not have")); }
+    SECTION("what else is thrown ends it") {
+        const auto program = start();
+        program->answer_by([](auto, auto, auto&) -> std::vector<std::byte> { throw TryAgain("later"); });
+        CHECK_THROWS_AS(program->result(), TryAgain);
+    }
+}
 
 TEST_CASE("work in another program") {
     SECTION("its result comes back, small or large") {

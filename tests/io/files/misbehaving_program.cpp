@@ -86,6 +86,11 @@ Bytes misbehave(std::span<const std::byte> request) {
             std::puts("nobody listens");
             std::fputs("nobody listens\n", stderr);
         }
+    if (wish.starts_with("ask ")) {
+        const Bytes reply = io::ask_starter(bytes_of(wish.substr(4)));
+        const Bytes again = io::ask_starter(reply);
+        return again;
+    }
     if (const std::string outcome = test::attempt(wish); !outcome.empty()) return bytes_of(outcome);
     return bytes_of(wish);
 }

@@ -85,7 +85,7 @@ TEST_CASE("lack of memory is no fault of the file, and no loss of its colours", 
         CHECK_THROWS_WITH(read_model(model, options), Contains("48 MB") && Contains("--read-memory"));
     }
     SECTION("a limit of the machine, of which the reader has enough to start or not even that") {
-        for (const std::uint64_t space : {100 * mib, 488 * mib}) {
+        for (const std::uint64_t space : {100 * mib, 130 * mib}) {
             INFO(space / mib << " MiB");
             CHECK(read_with_address_space(model, space) == static_cast<int>(ExitCode::try_again));
         }

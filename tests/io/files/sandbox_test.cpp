@@ -25,10 +25,11 @@ namespace {
 /// The program that does what it is asked, allowed to read one folder.
 class Taken {
 public:
-    explicit Taken(const fs::path& readable)
+    explicit Taken(const fs::path& readable, const fs::path& listable = {})
         : program_("a.obj", MISBEHAVING_PROGRAM, {},
                    {.memory_bytes = built_with_address_sanitizer() ? 0 : std::uint64_t{256} << 20,
-                    .readable = {readable.string()}}) {
+                    .readable = {readable.string()},
+                    .listable = {listable.string()}}) {
         (void)program_.result();
     }
     std::string answer(const std::string& wish) {
@@ -117,6 +118,25 @@ TEST_CASE("a reader reads what it was given and nothing else", "[sandbox]") {
     }
     CHECK_THAT(taken.answer("list " + files.beside.string()), Contains("refused"));
     CHECK_THAT(taken.answer("list /"), Contains("refused"));
+}
+
+TEST_CASE("a call that is newer than the walls is not there, and one that is refused is refused", "[sandbox]") {
+    Files files;
+    Taken taken(files.inside);
+    if (taken.lacks(no_call_filter, "seccomp")) return;
+    CHECK_THAT(taken.answer("new call"), Contains("not implemented"));
+    CHECK_THAT(taken.answer("io ring"), Contains("not implemented"));
+    CHECK_THAT(taken.answer("connect"), Contains("not permitted"));
+}
+
+TEST_CASE("a folder can be given to be listed and not read", "[sandbox]") {
+    Files files;
+    Taken taken(files.inside / "a.obj", files.inside);
+    CHECK(taken.answer("list " + files.inside.string()) == "done");
+    CHECK(taken.answer("read " + (files.inside / "a.obj").string()) == "done");
+    if (taken.lacks(no_file_filter, "Landlock")) return;
+    CHECK_THAT(taken.answer("read " + (files.inside / "deep" / "b.png").string()), Contains("refused"));
+    CHECK_THAT(taken.answer("list " + files.beside.string()), Contains("refused"));
 }
 
 TEST_CASE("one file alone can be given", "[sandbox]") {

@@ -14,9 +14,10 @@ namespace voxtone::test {
 inline constexpr std::array attempts_on_files = {"write",  "append",    "create", "truncate", "remove",
                                                  "rename", "link",      "folder", "mode",     "owner",
                                                  "times",  "attribute", "mount",  "root",     "node"};
-inline constexpr std::array attempts = {
-    "connect", "listen",   "local socket", "exec",      "fork",    "vfork",   "thread", "trace",  "kill",      "code",
-    "limits",  "priority", "look in",      "namespace", "keyring", "io ring", "events", "module", "new filter"};
+inline constexpr std::array attempts = {"connect", "listen",   "local socket", "exec",       "fork",
+                                        "vfork",   "thread",   "trace",        "kill",       "code",
+                                        "limits",  "priority", "look in",      "namespace",  "keyring",
+                                        "io ring", "events",   "module",       "new filter", "new call"};
 /// "read PATH" and "list PATH" are allowed on what the parent names.
 
 /// "done", "refused (why)", or nothing where the wish is none of these.

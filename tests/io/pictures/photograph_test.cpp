@@ -9,9 +9,9 @@
 
 #include "tests/io/files/temporary_folder.h"
 #include "voxtone/base/error.h"
-#include "voxtone/io/codecs/jpeg_end.h"
-#include "voxtone/io/codecs/photograph_writer.h"
+#include "voxtone/io/decoders/jpeg_end.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/openimageio/photograph_writer.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

@@ -9,9 +9,10 @@
 #include "tests/io/files/in_child.h"
 #include "tests/io/models/model_samples.h"
 #include "voxtone/base/error.h"
-#include "voxtone/io/codecs/decode_image.h"
-#include "voxtone/io/codecs/icc_to_srgb.h"
 #include "voxtone/io/codecs/read_here.h"
+#include "voxtone/io/decoders/decode_image.h"
+#include "voxtone/io/decoders/icc_to_srgb.h"
+#include "voxtone/io/openimageio/decode_other.h"
 #include "voxtone/optics/colour/colour.h"
 
 using namespace voxtone;
@@ -77,11 +78,11 @@ TEST_CASE("pictures") {
         }
     }
     SECTION("floats are linear, too bright ones are said") {
-        const Picture picture = read_picture_here(made_tiff(folder, 1, true, 0.01f));
+        const Picture picture = read_picture_here(made_tiff(folder, 1, true, 0.01f), {}, decode_other);
         CHECK(near(picture.texture->sample(0.5f / 3, 0.75f), {0.1f, 0, 0}, 2e-5f));
         CHECK(picture.dpi_x == Approx(254));
         CHECK(picture.dpi_y == Approx(508));
-        const Picture bright = read_picture_here(made_tiff(folder, 1, true, 0.1f));
+        const Picture bright = read_picture_here(made_tiff(folder, 1, true, 0.1f), {}, decode_other);
         CHECK(near(bright.texture->sample(0.5f, 0.25f), {1, 0, 0}));
         REQUIRE(bright.warnings.size() == 1);
         CHECK_THAT(bright.warnings[0], Contains("clamped"));
@@ -101,7 +102,7 @@ TEST_CASE("pictures") {
                               {6, false, 1, 0, 1, 1},
                               {7, false, 1, 2, 1, 1},
                               {8, false, 0, 2, 0, 1}}) {
-            const Picture picture = read_picture_here(made_tiff(folder, c.orientation, true, 0.01f));
+            const Picture picture = read_picture_here(made_tiff(folder, c.orientation, true, 0.01f), {}, decode_other);
             CHECK(picture.width_px == (c.wide ? 3 : 2));
             const auto at = [&](int x, int y) {
                 return picture.texture
@@ -163,12 +164,13 @@ TEST_CASE("pictures") {
         CHECK_THROWS_WITH(decode_image(bytes_of(bomb), "bomb.png"), Contains("65535 x 65535"));
         CHECK_THROWS_WITH(decode_image(bytes_of(four_colours()), "a.png", {.max_pixels = 3}), Contains("2 x 2"));
         // A GIF's canvas of 17 GB, for which memory would be taken before its size is told.
-        CHECK_THROWS_WITH(decode_image(bytes_of("GIF89a\xff\xff\xff\xff" + std::string(5, '\0')), "bomb.gif"),
+        CHECK_THROWS_WITH(decode_image(bytes_of("GIF89a\xff\xff\xff\xff" + std::string(5, '\0')), "bomb.gif",
+                                       {.others = decode_other}),
                           Contains("65535 x 65535"));
         // An attribute of 2 GB in a file of 20 bytes, for which OpenEXR would take memory.
-        CHECK_THROWS_WITH(
-            decode_image(bytes_of(std::string("\x76\x2f\x31\x01\2\0\0\0a\0int\0\xff\xff\xff\x7f", 18)), "bomb.exr"),
-            Contains("18 bytes"));
+        CHECK_THROWS_WITH(decode_image(bytes_of(std::string("\x76\x2f\x31\x01\2\0\0\0a\0int\0\xff\xff\xff\x7f", 18)),
+                                       "bomb.exr", {.others = decode_other}),
+                          Contains("18 bytes"));
         CHECK_THROWS_WITH(decode_image(bytes_of("nonsense"), "a.png"), Contains("known kind"));
         CHECK_THROWS_AS(read_picture_here(folder.path() / "gone.png"), FileError);
         const std::string whole = png(9, 9, std::vector<std::uint8_t>(9 * 9 * 4, 200));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/codecs/decode_photograph.h"
+#include "voxtone/io/openimageio/decode_photograph.h"
 
 #include <cstring>
 #include <memory>
@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "voxtone/base/error.h"
-#include "voxtone/io/codecs/image_rows.h"
-#include "voxtone/io/codecs/no_threads.h"
+#include "voxtone/io/openimageio/image_rows.h"
+#include "voxtone/io/openimageio/no_threads.h"
 
 namespace voxtone::io {
 

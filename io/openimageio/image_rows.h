@@ -16,11 +16,11 @@ template <class Input, class Type>
 [[nodiscard]] bool read_rows(Input& input, int channels, Type type, void* pixels) {
     const auto& spec = input.spec();
     if (std::string_view(input.format_name()) != "tiff" || spec.tile_width > 0)
-        return input.read_image(0, 0, 0, channels, type, pixels);
+        return input.read_image(input.current_subimage(), 0, 0, channels, type, pixels);
     const std::size_t row_bytes = std::size_t(spec.width) * std::size_t(channels) * type.size();
     for (int row = 0; row < spec.height; ++row) {
         const int y = spec.y + row;
-        if (!input.read_scanlines(0, 0, y, y + 1, spec.z, 0, channels, type,
+        if (!input.read_scanlines(input.current_subimage(), 0, y, y + 1, spec.z, 0, channels, type,
                                   static_cast<std::byte*>(pixels) + std::size_t(row) * row_bytes))
             return false;
     }

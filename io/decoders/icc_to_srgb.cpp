@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/codecs/icc_to_srgb.h"
+#include "voxtone/io/decoders/icc_to_srgb.h"
 
 #include <algorithm>
 #include <array>
@@ -35,6 +35,17 @@ int distance_from_identity(cmsHTRANSFORM transform) {
     return worst;
 }
 
+/// In place, four values a pixel.
+template <class Value>
+void transform_all(const Transform& transform, std::span<Value> values) {
+    constexpr std::size_t chunk = 1 << 16;  // pixels; their number may not fit what the library counts in
+    for (std::size_t first = 0; first < values.size() / 4; first += chunk) {
+        Value* const pixels = values.data() + 4 * first;
+        cmsDoTransform(transform.get(), pixels, pixels,
+                       static_cast<cmsUInt32Number>(std::min(chunk, values.size() / 4 - first)));
+    }
+}
+
 template <class Value>
 std::string convert(std::span<const std::uint8_t> bytes, std::span<Value> rgba, cmsUInt32Number type) {
     const Profile profile(cmsOpenProfileFromMem(bytes.data(), static_cast<cmsUInt32Number>(bytes.size())));
@@ -51,12 +62,21 @@ std::string convert(std::span<const std::uint8_t> bytes, std::span<Value> rgba, 
     if (distance_from_identity(probe.get()) <= 2) return {};
     const Transform transform = make(type);
     if (!transform) return "its ICC profile cannot be converted; its colours were taken as sRGB";
-    constexpr std::size_t chunk = 1 << 16;  // pixels; their number may not fit what the library counts in
-    for (std::size_t first = 0; first < rgba.size() / 4; first += chunk) {
-        Value* const pixels = rgba.data() + 4 * first;
-        cmsDoTransform(transform.get(), pixels, pixels,
-                       static_cast<cmsUInt32Number>(std::min(chunk, rgba.size() / 4 - first)));
-    }
+    transform_all(transform, rgba);
+    return {};
+}
+
+/// As lcms counts: 8 and 16 bits of CMYK are 0 for no ink.
+template <class Value>
+std::string convert_inks(std::span<const std::uint8_t> bytes, std::span<Value> pixels, cmsUInt32Number in,
+                         cmsUInt32Number out) {
+    const Profile profile(cmsOpenProfileFromMem(bytes.data(), static_cast<cmsUInt32Number>(bytes.size())));
+    if (!profile || cmsGetColorSpace(profile.get()) != cmsSigCmykData) return "its ICC profile is not for CMYK";
+    const Profile srgb(cmsCreate_sRGBProfile());
+    const Transform transform(
+        cmsCreateTransform(profile.get(), in, srgb.get(), out, INTENT_RELATIVE_COLORIMETRIC, cmsFLAGS_NOCACHE));
+    if (!transform) return "its ICC profile cannot be converted";
+    transform_all(transform, pixels);
     return {};
 }
 
@@ -68,6 +88,14 @@ std::string convert_icc_to_srgb(std::span<const std::uint8_t> profile, std::span
 
 std::string convert_icc_to_srgb(std::span<const std::uint8_t> profile, std::span<std::uint16_t> rgba) {
     return convert(profile, rgba, TYPE_RGBA_16);
+}
+
+std::string convert_cmyk_icc_to_srgb(std::span<const std::uint8_t> profile, std::span<std::uint8_t> pixels) {
+    return convert_inks(profile, pixels, TYPE_CMYK_8, TYPE_RGBA_8);
+}
+
+std::string convert_cmyk_icc_to_srgb(std::span<const std::uint8_t> profile, std::span<std::uint16_t> pixels) {
+    return convert_inks(profile, pixels, TYPE_CMYK_16, TYPE_RGBA_16);
 }
 
 }  // namespace voxtone::io

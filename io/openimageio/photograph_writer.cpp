@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/codecs/photograph_writer.h"
+#include "voxtone/io/openimageio/photograph_writer.h"
 
 #include <filesystem>
 #include <stdexcept>
@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "voxtone/base/error.h"
-#include "voxtone/io/codecs/no_threads.h"
+#include "voxtone/io/openimageio/no_threads.h"
 #include "voxtone/io/pictures/srgb_code.h"
 
 namespace voxtone::io {

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Pictures of all kinds but PNG and JPEG, by OpenImageIO: TIFF, BMP, TGA, GIF, WebP, OpenEXR, Radiance HDR, PNM, PSD.
+//
+// TIFF of Lab colours (CIELAB, ICCLab; D50, adapted to D65) and of inks (CMYK, with further channels left aside) is
+// taken as it is stored and converted here. Of files with several pictures the first is taken that is not marked as a
+// smaller copy, and it is said how many there are.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "voxtone/io/decoders/decode_options.h"
+
+namespace voxtone::io {
+
+/// `format` as OpenImageIO names it (io/decoders/decode_image.h). Throws InputError.
+[[nodiscard]] DecodedImage decode_other(std::span<const std::byte> bytes, const std::string& format,
+                                        const std::string& name, const DecodeOptions& options);
+
+}  // namespace voxtone::io

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/io/openimageio/decode_other.h"
+
+#include <fmt/format.h>
+#include <tiffio.h>
+#include <catch2/catch.hpp>
+
+#include "tests/io/decoders/picture_bytes.h"
+#include "voxtone/base/error.h"
+#include "voxtone/io/decoders/decode_image.h"
+#include "voxtone/optics/colour/colour.h"
+
+using namespace voxtone;
+using namespace voxtone::io;
+using namespace voxtone::test;
+using Catch::Contains;
+using Eigen::Vector3d;
+
+namespace {
+
+DecodedImage decoded(const Bytes& file) { return decode_image(file, "a.tif", {.others = decode_other}); }
+
+Vector3d codes_of(const DecodedImage& image) {
+    const std::size_t middle = image.texels.pixels() / 2 + image.texels.width_px / 2;
+    return Vector3d(image.texels.rgb(middle).cast<double>()).unaryExpr([](double v) {
+        return 255 * optics::srgb_encode(v);
+    });
+}
+
+bool near(const Vector3d& a, const Vector3d& b, double margin) { return (a - b).cwiseAbs().maxCoeff() < margin; }
+
+/// CIELAB under D50 as one of TIFF's kinds stores it.
+std::vector<std::uint16_t> stored(const Vector3d& lab, int photometric, int bits) {
+    const bool offset = photometric == PHOTOMETRIC_ICCLAB;
+    std::vector<std::uint16_t> values;
+    const double white = bits == 8 ? 255 : offset ? 65280 : 65535;
+    values.push_back(static_cast<std::uint16_t>(std::lround(lab[0] / 100 * white)));
+    for (const double v : {lab[1], lab[2]}) {
+        const long number = std::lround(v * (bits == 8 ? 1 : 256)) + (offset ? (bits == 8 ? 128 : 32768) : 0);
+        values.push_back(static_cast<std::uint16_t>(number & (bits == 8 ? 0xff : 0xffff)));
+    }
+    return values;
+}
+
+}  // namespace
+
+TEST_CASE("TIFF of Lab colours, under D50, has neutral greys and the colours that Lab says") {
+    // (200, 40, 40) in CIELAB under D50, by colour science's own path: Bradford, then Lab.
+    const Vector3d red(200, 40, 40);
+    const Vector3d linear = red.unaryExpr([](double v) { return optics::srgb_decode(v / 255); });
+    const Vector3d lab = optics::lab_from_xyz(
+        optics::adapt_white(optics::xyz_from_linear_srgb(linear), optics::d65_white(), optics::d50_white()),
+        optics::d50_white());
+    CHECK(near(lab, {44.94, 61.61, 42.51}, 0.1));  // as other programs have it
+    for (const int photometric : {PHOTOMETRIC_CIELAB, PHOTOMETRIC_ICCLAB})
+        for (const int bits : {8, 16})
+            for (const int tile : {0, 16}) {
+                INFO(fmt::format("photometric {}, {} bits, tile {}", photometric, bits, tile));
+                const DecodedImage image =
+                    decoded(tiff_of({{photometric, bits, tile, false, stored(lab, photometric, bits)}}));
+                CHECK(near(codes_of(image), red, bits == 8 ? 2 : 0.5));
+                const Vector3d grey = codes_of(
+                    decoded(tiff_of({{photometric, bits, tile, false, stored({75, 0, 0}, photometric, bits)}})));
+                CHECK(grey.maxCoeff() - grey.minCoeff() < 0.5);
+                CHECK(grey[0] == Approx(185).margin(1));
+            }
+}
+
+TEST_CASE("TIFF of inks is taken as inks, whatever channels follow them") {
+    const std::vector<std::uint16_t> inks{55, 215, 215, 0};  // (200, 40, 40) by the plain rule
+    for (std::size_t further = 0; further < 3; ++further)
+        for (const int bits : {8, 16}) {
+            std::vector<std::uint16_t> pixel = inks;
+            pixel.insert(pixel.end(), further, 215);
+            if (bits == 16)
+                for (std::uint16_t& sample : pixel) sample = static_cast<std::uint16_t>(sample * 257);
+            const DecodedImage image = decoded(tiff_of({{PHOTOMETRIC_SEPARATED, bits, 0, false, pixel}}));
+            INFO(fmt::format("{} channels, {} bits", pixel.size(), bits));
+            CHECK(near(codes_of(image), {200, 40, 40}, 1));
+            CHECK_FALSE(image.has_alpha);
+            REQUIRE(image.warnings.size() == (further ? 2 : 1));
+            if (further) CHECK_THAT(image.warnings[0], Contains(fmt::format("{} channels", further)));
+        }
+    const std::vector<std::uint16_t> two{55, 215};
+    CHECK_THROWS_WITH(decoded(tiff_of({{PHOTOMETRIC_SEPARATED, 8, 0, false, two}})), Contains("2 inks"));
+}
+
+TEST_CASE("pages are said, and smaller copies are passed over") {
+    const TiffPage red{.pixel = {200, 40, 40}}, blue{.pixel = {40, 60, 200}};
+    TiffPage thumbnail{.pixel = {1, 2, 3}};
+    thumbnail.smaller_copy = true;
+    CHECK(near(codes_of(decoded(tiff_of({red, blue}))), {200, 40, 40}, 0.5));
+    CHECK_THAT(decoded(tiff_of({red, blue})).warnings.at(0), Contains("2 pages"));
+    for (const auto& pages : {std::vector{thumbnail, blue}, std::vector{thumbnail, thumbnail, blue, thumbnail},
+                              std::vector{blue, thumbnail}}) {
+        const DecodedImage image = decoded(tiff_of(pages));
+        CHECK(near(codes_of(image), {40, 60, 200}, 0.5));
+        CHECK(image.texels.width_px == 20);
+        CHECK(image.warnings.empty());
+    }
+    CHECK(decoded(tiff_of({thumbnail})).texels.width_px == 10);
+    // A page of another kind than the thumbnail's.
+    const TiffPage lab{PHOTOMETRIC_CIELAB, 8, 0, false, stored({75, 0, 0}, PHOTOMETRIC_CIELAB, 8)};
+    CHECK(near(codes_of(decoded(tiff_of({thumbnail, lab}))), {185, 185, 185}, 2));
+}
+
+TEST_CASE("TGA is known by its name, in quotes or not, and by its foot") {
+    // 1 x 1, 24 bits, no palette: blue, green, red
+    const std::string head("\0\0\2\0\0\0\0\0\0\0\0\0\1\0\1\0\x18\0\x28\x28\xc8", 21);
+    const std::string foot = std::string(8, '\0') + "TRUEVISION-XFILE." + std::string(1, '\0');
+    const auto read = [](const std::string& text, const std::string& name) {
+        return decode_image(std::as_bytes(std::span(text)), name, {.others = decode_other});
+    };
+    for (const char* name : {"a.tga", "'a.tga'", "A.TGA"}) CHECK(near(codes_of(read(head, name)), {200, 40, 40}, 0.5));
+    CHECK(near(codes_of(read(head + foot, "image 3")), {200, 40, 40}, 0.5));
+    CHECK_THROWS_WITH(read(head, "image 3"), Contains("known kind"));
+}
