@@ -24,6 +24,7 @@ struct Source {
     char fault[200] = "";
     // chunks that libpng does not know
     int primaries = -1, transfer = -1;
+    bool narrow = false;
     std::uint32_t frames = 0;
 };
 
@@ -47,6 +48,7 @@ int on_chunk(png_structp png, png_unknown_chunkp chunk) {
     if (is("cICP") && chunk->size == 4) {
         source->primaries = chunk->data[0];
         source->transfer = chunk->data[1];
+        source->narrow = chunk->data[3] == 0;
     }
     if (is("acTL") && chunk->size == 8)
         for (int i = 0; i < 4; ++i) source->frames = source->frames << 8 | chunk->data[i];
@@ -179,12 +181,14 @@ void take_meanings(PictureSamples& samples, const Meanings& m, const Source& sou
     samples.dpi_x = m.dpi_x;
     samples.dpi_y = m.dpi_y;
     samples.orientation = m.orientation;
-    if (source.primaries >= 0)
+    if (source.primaries >= 0) {
         samples.colours = colours_of_code_points(source.primaries, source.transfer);
-    else if (m.profile)
+        samples.colours.narrow = source.narrow;
+    } else if (m.profile) {
         samples.icc_profile.assign(m.profile, m.profile + m.profile_bytes);
-    else
+    } else {
         samples.colours = colours_of_chunks(m);
+    }
     if (!samples.colours.known)
         samples.warnings.push_back(fmt::format("The picture {} is coded in {}; sRGB's were taken in their place.", name,
                                                samples.colours.name));

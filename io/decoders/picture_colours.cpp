@@ -120,6 +120,7 @@ ColourConversion::ColourConversion(const PictureColours& colours) : colours_(col
 }
 
 float ColourConversion::decoded(float sample) const {
+    if (colours_.narrow) sample = std::clamp((255 * sample - 16) / 219, 0.0f, 1.0f);
     switch (colours_.curve) {
         case PictureCurve::linear:
             return sample;

@@ -23,9 +23,10 @@ struct PictureColours {
     /// x and y of red, green, blue, white; those of sRGB.
     std::array<double, 8> chromaticities{0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329};
     PictureCurve curve = PictureCurve::srgb;
-    double gamma = 2.2;  ///< PictureCurve::gamma: linear = sample^gamma; > 0
-    std::string name{};  ///< in words, for messages: "Display P3"
-    bool known = true;   ///< false: sRGB's stand for numbers that are not known
+    double gamma = 2.2;   ///< PictureCurve::gamma: linear = sample^gamma; > 0
+    std::string name{};   ///< in words, for messages: "Display P3"
+    bool narrow = false;  ///< black is 16 and white 235 of 255, as in video
+    bool known = true;    ///< false: sRGB's stand for numbers that are not known
 };
 
 /// Of H.273's numbers. Where one of them is not known, sRGB's stand in its place, and `name` says which were not known.

@@ -57,10 +57,10 @@ private:
     void warn(std::string text) { image_.warnings.push_back(std::move(text)); }
 
     [[nodiscard]] bool is_srgb() const {
-        return in_.colours.curve == PictureCurve::srgb && has_srgb_primaries(in_.colours);
+        return in_.colours.curve == PictureCurve::srgb && !in_.colours.narrow && has_srgb_primaries(in_.colours);
     }
     [[nodiscard]] bool is_linear_srgb() const {
-        return in_.colours.curve == PictureCurve::linear && has_srgb_primaries(in_.colours);
+        return in_.colours.curve == PictureCurve::linear && !in_.colours.narrow && has_srgb_primaries(in_.colours);
     }
 
     template <class Value>

@@ -28,8 +28,8 @@ bool is_model_name(const std::filesystem::path& path) {
 }
 
 bool is_picture_name(const std::filesystem::path& path) {
-    static constexpr std::array<std::string_view, 15> extensions{
-        "png", "jpg", "jpeg", "tif", "tiff", "bmp", "tga", "gif", "webp", "exr", "hdr", "ppm", "pgm", "pbm", "pnm"};
+    static constexpr std::array<std::string_view, 16> extensions{
+        "png", "jpg", "jpeg", "tif", "tiff", "bmp", "tga", "gif", "webp", "exr", "hdr", "ppm", "pgm", "pbm", "pnm", "psd"};
     return std::ranges::find(extensions, extension_of(path)) != extensions.end();
 }
 

@@ -105,6 +105,10 @@ Choice choose_page(OpenPicture& file, const std::string& name) {
     if (choice.picture < 0) {  // all are: the first is what there is
         choice.picture = 0;
         choice.raw = file.has(0) && is_converted_here(file.input().spec());
+        choice.warning = fmt::format(
+            "The picture {} holds only what it calls a smaller copy, as cameras' raw files do; that was taken. Develop "
+            "the picture and save it as TIFF or PNG.",
+            name);
     }
     if (pages > 1)
         choice.warning = fmt::format(

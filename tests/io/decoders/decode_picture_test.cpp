@@ -246,6 +246,11 @@ TEST_CASE("PNG says by numbers what its samples mean") {
         const DecodedImage dark = decoded(png_of_colour(codes, {{"gAMA", number(100000 / 3)}}));
         CHECK(dark.texels.rgb(0).x() == Approx(std::pow(30000 / 65535.0, 3)).margin(1e-4));
     }
+    SECTION("the range of video") {
+        const Vector3d codes(16 * 257, 235 * 257, 125.5 * 257);
+        const DecodedImage image = decoded(png_of_colour(codes, {{"cICP", bytes({1, 13, 0, 0})}}));
+        CHECK(near(codes_of(image), {0, 255, 127.5}));
+    }
     SECTION("glTF has them ignored") {
         const Bytes file = png_of_colour({30000, 20000, 10000}, {{"cICP", bytes({9, 16, 0, 1})}});
         const DecodedImage image = decode_image(file, "a.png", {.use_profile = false});

@@ -99,15 +99,25 @@ TEST_CASE("pages are said, and smaller copies are passed over") {
         CHECK(image.warnings.empty());
     }
     CHECK(decoded(tiff_of({thumbnail})).texels.width_px == 10);
+    CHECK_THAT(decoded(tiff_of({thumbnail})).warnings.at(0), Contains("smaller copy"));
     // A page of another kind than the thumbnail's.
     const TiffPage lab{PHOTOMETRIC_CIELAB, 8, 0, false, stored({75, 0, 0}, PHOTOMETRIC_CIELAB, 8)};
     CHECK(near(codes_of(decoded(tiff_of({thumbnail, lab}))), {185, 185, 185}, 2));
 }
 
+TEST_CASE("PSD is read as the picture of all its layers") {
+    // Its head, no palette, resources or layers, then red, green and blue, not packed (Photoshop file formats).
+    std::string psd("8BPS\0\1\0\0\0\0\0\0\0\3\0\0\0\2\0\0\0\2\0\x8\0\3", 26);
+    psd.append(14, '\0').append(4, '\xc8').append(8, '\x28');
+    const DecodedImage image = decode_image(std::as_bytes(std::span(psd)), "a.psd", {.others = decode_other});
+    CHECK(near(codes_of(image), {200, 40, 40}, 0.5));
+    CHECK(image.warnings.empty());
+}
+
 TEST_CASE("TGA is known by its name, in quotes or not, and by its foot") {
     // 1 x 1, 24 bits, no palette: blue, green, red
     const std::string head("\0\0\2\0\0\0\0\0\0\0\0\0\1\0\1\0\x18\0\x28\x28\xc8", 21);
-    const std::string foot = std::string(8, '\0') + "TRUEVISION-XFILE." + std::string(1, '\0');
+    const std::string foot("\0\0\0\0\0\0\0\0TRUEVISION-XFILE.", 26);
     const auto read = [](const std::string& text, const std::string& name) {
         return decode_image(std::as_bytes(std::span(text)), name, {.others = decode_other});
     };
