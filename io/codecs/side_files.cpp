@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstdlib>
+#include <memory>
 #include <system_error>
 
 #include <fmt/format.h>
+#include <utf8proc.h>
 
 #include "voxtone/base/printable.h"
-#include "voxtone/io/models/model_text.h"
 
 namespace voxtone::io {
 
@@ -44,20 +46,7 @@ bool leaves_folder(std::string_view name, const std::vector<std::string>& parts)
     return std::find(parts.begin(), parts.end(), "..") != parts.end();
 }
 
-/// The entry of `folder` called `part`, in other upper and lower case if need be; the first in byte order of several.
-std::optional<fs::path> entry(const fs::path& folder, const std::string& part) {
-    std::error_code error;
-    if (part.starts_with('.')) return std::nullopt;  // nobody's texture, and shut off (io/files/file_reader.cpp)
-    if (fs::exists(folder / part, error)) return folder / part;
-    std::optional<fs::path> best;
-    for (fs::directory_iterator item(folder, error), end; !error && item != end; item.increment(error)) {
-        const fs::path& path = item->path();
-        if (lower_case(path.filename().string()) == lower_case(part) && (!best || path < *best)) best = path;
-    }
-    return best;
-}
-
-/// Windows-1252 to UTF-8, where the text is no UTF-8 already; what that page has no letter for stays away.
+/// Windows-1252 to UTF-8; what that page has no letter for stays away.
 std::string from_windows_1252(std::string_view text) {
     static constexpr std::array<std::uint16_t, 32> special{
         0x20ac, 0,      0x201a, 0x0192, 0x201e, 0x2026, 0x2020, 0x2021, 0x02c6, 0x2030, 0x0160,
@@ -82,6 +71,32 @@ std::string from_windows_1252(std::string_view text) {
     return out;
 }
 
+/// What stays of a name where upper and lower case, the ways to write an accent (Apple's disks take letters apart) and
+/// Windows-1252 in the place of UTF-8 make no difference.
+std::string folded(std::string_view name) {
+    const auto* const bytes = reinterpret_cast<const utf8proc_uint8_t*>(name.data());
+    constexpr auto options = static_cast<utf8proc_option_t>(UTF8PROC_STABLE | UTF8PROC_COMPOSE | UTF8PROC_CASEFOLD);
+    utf8proc_uint8_t* made = nullptr;
+    const utf8proc_ssize_t size = utf8proc_map(bytes, static_cast<utf8proc_ssize_t>(name.size()), &made, options);
+    const std::unique_ptr<utf8proc_uint8_t, decltype(&std::free)> owner(made, std::free);
+    if (size == UTF8PROC_ERROR_INVALIDUTF8) return folded(from_windows_1252(name));
+    return size < 0 ? std::string(name) : std::string(reinterpret_cast<const char*>(made), std::size_t(size));
+}
+
+/// The entry of `folder` called `part`, or one that only `folded` tells apart; the first in byte order of several.
+std::optional<fs::path> entry(const fs::path& folder, const std::string& part) {
+    std::error_code error;
+    if (part.starts_with('.')) return std::nullopt;  // nobody's texture, and shut off (io/files/file_reader.cpp)
+    if (fs::exists(folder / part, error)) return folder / part;
+    std::optional<fs::path> best;
+    const std::string wanted = folded(part);
+    for (fs::directory_iterator item(folder, error), end; !error && item != end; item.increment(error)) {
+        const fs::path& path = item->path();
+        if (folded(path.filename().string()) == wanted && (!best || path < *best)) best = path;
+    }
+    return best;
+}
+
 std::vector<std::string> other_readings(std::string_view name) {
     const auto trim = [](std::string_view text) {
         const std::size_t first = text.find_first_not_of(" \t\r\n");
@@ -94,7 +109,7 @@ std::vector<std::string> other_readings(std::string_view name) {
     std::string unescaped;
     for (std::size_t i = 0; i < plain.size(); ++i)
         if (!(plain[i] == '\\' && i + 1 < plain.size() && plain[i + 1] == ' ')) unescaped += plain[i];
-    return {std::string(plain), unescaped, decode_uri(plain), from_windows_1252(plain)};
+    return {std::string(plain), unescaped, decode_uri(plain)};
 }
 
 /// Where links lead in the end.
@@ -155,8 +170,9 @@ std::optional<fs::path> SideFiles::find_as_written(std::string_view name) {
                         "'{}' beside the model was taken instead.",
                         model_, name, taken));
     else if (taken != exact)
-        warnings_.push_back(fmt::format(
-            "{} names the file '{}', which is written '{}' on the disk; that one was taken.", model_, name, taken));
+        warnings_.push_back(
+            fmt::format("{} names the file '{}', which is written '{}' on the disk; that one was taken.", model_,
+                        printable(name), printable(taken)));
     return result;
 }
 

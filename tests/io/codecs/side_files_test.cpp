@@ -31,6 +31,29 @@ TEST_CASE("files named by a model are looked up beside it and nowhere else") {
         REQUIRE(files.warnings().size() == 1);
         CHECK(files.warnings()[0].find("Wood Plank.JPG") != std::string::npos);
     }
+    SECTION("however accents are written, in any case, in UTF-8 or Windows-1252") {
+        const auto put = [&](const std::string& name) { std::ofstream(root / "model" / name) << "x"; };
+        put("Bl\xc3\xa4tter.png");  // ä as one letter
+        put("He\xcc\x81lice.png");  // é as e and an accent
+        put("Stra\xdf"
+            "e.png");  // ß of Windows-1252
+        for (const char* name : {"Bla\xcc\x88tter.png", "BL\xc3\x84TTER.PNG", "Bl\xe4tter.png"})
+            CHECK(files.find(name) == root / "model/Bl\xc3\xa4tter.png");
+        for (const char* name : {"H\xc3\xa9lice.png", "H\xe9lice.png", "H\xc3\x89LICE.png", "H%C3%A9lice.png"})
+            CHECK(files.find(name) == root / "model/He\xcc\x81lice.png");
+        CHECK(files.find("Stra\xc3\x9f"
+                         "e.png") == root /
+                                         "model/Stra\xdf"
+                                         "e.png");
+        CHECK(files.warnings().size() == 9);
+        CHECK_FALSE(files.find("Blatter.png"));  // another word
+    }
+    SECTION("what begins with a dot is not looked at") {
+        std::ofstream(root / "model" / ".key") << "x";
+        CHECK_FALSE(files.find(".key"));
+        CHECK_FALSE(files.find("./.key"));
+        CHECK_FALSE(files.find(".KEY"));
+    }
     SECTION("names that leave the folder are not followed") {
         CHECK_FALSE(files.find("../outside.png"));
         CHECK_FALSE(files.find("Textures/../../outside.png"));
