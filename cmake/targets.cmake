@@ -61,6 +61,20 @@ function(voxtone_add_room floor room)
   target_sources(voxtone_${floor} PRIVATE $<TARGET_OBJECTS:${target}>)
 endfunction()
 
+# voxtone_add_generated(<target> <name> <definition>...)
+# A source of the target that cmake/write_<name>.cmake makes at every build; it is compiled where it has changed.
+function(voxtone_add_generated target name)
+  set(file ${PROJECT_BINARY_DIR}/generated/${name}.cpp)
+  if(NOT TARGET ${name})
+    add_custom_target(${name} BYPRODUCTS ${file} VERBATIM
+                      COMMAND ${CMAKE_COMMAND} -DROOT=${PROJECT_SOURCE_DIR} -DOUTPUT=${file} ${ARGN}
+                              -P ${PROJECT_SOURCE_DIR}/cmake/write_${name}.cmake)
+  endif()
+  set_source_files_properties(${file} TARGET_DIRECTORY ${target} PROPERTIES GENERATED ON SKIP_UNITY_BUILD_INCLUSION ON)
+  target_sources(${target} PRIVATE ${file})
+  add_dependencies(${target} ${name})
+endfunction()
+
 # voxtone_add_helper(<name> <file>...)
 # A program that `voxtone` runs when it is needed (io/files/helper_program.h): it loads libraries that most runs do without.
 set(VOXTONE_BUILT_HELPERS ${PROJECT_BINARY_DIR}/bin)

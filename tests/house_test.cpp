@@ -254,6 +254,46 @@ TEST_CASE("everything is compiled without fused multiply-adds: the same bits on 
     CHECK(units > 50);
 }
 
+/// Types that a file defines outside of unnamed namespaces, with those they lie in. The formatter keeps namespaces at
+/// the margin and names their ends.
+Names types_of(const fs::path& file) {
+    static const std::regex space(R"(^(?:inline )?namespace ([a-z_:0-9]*) ?\{$)"),
+        closing(R"(^\}  // (?:inline )?namespace\b.*)"),
+        type(
+            R"(^(?:class|struct|union|enum class|enum) (?:alignas\([^)]*\) )?([A-Za-z0-9_]+)(?: final)?(?: \{.*| : .*)?$)");
+    Names types;
+    std::vector<std::string> spaces;
+    int number = 0, opened = 0;  // lines
+    for (const std::string& line : lines_of(file)) {
+        std::smatch match;
+        ++number;
+        if (std::regex_match(line, match, space)) {
+            spaces.push_back(match[1]);
+            opened = number;
+        }
+        // The end of a namespace of one line has no comment.
+        const bool short_end = line == "}" && number - opened <= 2;
+        if (!spaces.empty() && (short_end || std::regex_match(line, closing))) spaces.pop_back();
+        if (line.ends_with(';') && line.find('{') == std::string::npos) continue;  // declared, not defined
+        if (!std::regex_match(line, match, type) || std::ranges::find(spaces, "") != spaces.end()) continue;
+        std::string name;
+        for (const std::string& s : spaces) name += s + "::";
+        types.insert(name + match[1].str());
+    }
+    return types;
+}
+
+TEST_CASE("a type of a namespace is defined once: two of one name are undefined behaviour") {
+    std::map<std::string, std::string> defined;  // type -> file
+    for (const Source& source : sources())
+        for (const std::string& type : types_of(root / source.path)) {
+            const auto [known, is_new] = defined.try_emplace(type, source.path);
+            INFO(type << " is defined in " << source.path << " and in " << known->second);
+            CHECK(is_new);
+        }
+    CHECK(defined.size() > 500);
+}
+
 TEST_CASE("a header that stands alone declares nothing that a source must define") {
     // Values, templates and inline functions: every function declared ends in a body, = default, = 0 or is a
     // template's.

@@ -34,11 +34,11 @@ struct ChartData {
     std::vector<Eigen::Matrix3d> metric;  ///< CIEDE2000 of a small step d of the roots is |W d|
     std::vector<std::string> names;       ///< "C:25+W:75"
     ThinSquares squares;
-    std::vector<EdgeValue> edges;     ///< what edge profiles know of the resins
-    Eigen::MatrixXd spectra;          ///< a mixture a row, a wavelength a column; empty: colours were measured
-    Eigen::MatrixX3d observer;        ///< wavelengths x 3: XYZ / white of light of each; columns sum to 1
-    std::vector<double> nm;           ///< the wavelengths
-    optics::DifferenceSummary noise;  ///< CIEDE2000 of repeats from their mean; count 0: none was repeated
+    std::vector<EdgePriorValue> edges;  ///< what edge profiles know of the resins
+    Eigen::MatrixXd spectra;            ///< a mixture a row, a wavelength a column; empty: colours were measured
+    Eigen::MatrixX3d observer;          ///< wavelengths x 3: XYZ / white of light of each; columns sum to 1
+    std::vector<double> nm;             ///< the wavelengths
+    optics::DifferenceSummary noise;    ///< CIEDE2000 of repeats from their mean; count 0: none was repeated
 
     /// Whether anything tells millimetres.
     [[nodiscard]] bool tells_lengths() const { return !squares.patches.empty() || !edges.empty(); }

@@ -43,21 +43,21 @@ Eigen::Matrix2d broadened(const PriorValue& value) {
 
 }  // namespace
 
-std::vector<EdgeValue> edge_values(const ResinPrior& prior, const std::vector<std::string>& roles) {
-    std::vector<EdgeValue> values;
+std::vector<EdgePriorValue> edge_values(const ResinPrior& prior, const std::vector<std::string>& roles) {
+    std::vector<EdgePriorValue> values;
     for (std::size_t r = 0; r < roles.size(); ++r) {
         const ResinPrior::Resin* resin = prior.find(roles[r]);
         for (std::size_t c = 0; resin && c < resin->channel.size(); ++c) {
             if (resin->channel[c].known() == 0) continue;
-            EdgeValue& value = values.emplace_back(
-                EdgeValue{static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c), resin->channel[c]});
+            EdgePriorValue& value = values.emplace_back(
+                EdgePriorValue{static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c), resin->channel[c]});
             value.value.precision = broadened(resin->channel[c]);
         }
     }
     return values;
 }
 
-Eigen::VectorXd edge_residuals(const std::vector<EdgeValue>& values, const ObserverModel& model,
+Eigen::VectorXd edge_residuals(const std::vector<EdgePriorValue>& values, const ObserverModel& model,
                                const ObserverParts& parts, optics::Illuminant illuminant) {
     const Eigen::Index channels = model.channels();
     VOXTONE_EXPECT(values.empty() || parts.scattering.size() == channels);
@@ -66,7 +66,7 @@ Eigen::VectorXd edge_residuals(const std::vector<EdgeValue>& values, const Obser
     const double g = model.options().g;
     Eigen::VectorXd residuals(2 * static_cast<Eigen::Index>(values.size()));
     for (std::size_t i = 0; i < values.size(); ++i) {
-        const EdgeValue& of = values[i];
+        const EdgePriorValue& of = values[i];
         double rho = 0, ln_sigma_t = 0;
         for (Eigen::Index c = 0; c < channels; ++c) {
             const optics::Medium medium{parts.scattering[c] * parts.a(of.resin, c),
@@ -87,7 +87,7 @@ Eigen::VectorXd edge_residuals(const std::vector<EdgeValue>& values, const Obser
     return residuals;
 }
 
-std::vector<std::string> edge_disagreements(const std::vector<EdgeValue>& values, const Eigen::VectorXd& residuals,
+std::vector<std::string> edge_disagreements(const std::vector<EdgePriorValue>& values, const Eigen::VectorXd& residuals,
                                             const std::vector<std::string>& roles) {
     constexpr double one_value = 10.83, two_values = 13.82;  // chi^2 exceeded once in a thousand times
     std::vector<std::string> sentences;

@@ -24,22 +24,22 @@
 namespace voxtone::calibration {
 
 /// Of one resin in one channel of the edges.
-struct EdgeValue {
+struct EdgePriorValue {
     Eigen::Index resin = 0;    ///< of the chart's
     Eigen::Index channel = 0;  ///< R, G, B
     PriorValue value;
 };
 
 /// What a prior says of these roles; others are left out.
-[[nodiscard]] std::vector<EdgeValue> edge_values(const ResinPrior& prior, const std::vector<std::string>& roles);
+[[nodiscard]] std::vector<EdgePriorValue> edge_values(const ResinPrior& prior, const std::vector<std::string>& roles);
 
 /// The residuals of all, two each; weights are those of the illuminant's white. Contract: the parts know lengths.
-[[nodiscard]] Eigen::VectorXd edge_residuals(const std::vector<EdgeValue>& values, const ObserverModel& model,
+[[nodiscard]] Eigen::VectorXd edge_residuals(const std::vector<EdgePriorValue>& values, const ObserverModel& model,
                                              const ObserverParts& parts, optics::Illuminant illuminant);
 
 /// A sentence for each value that fit and edges disagree about: a difference that chance exceeds once in a thousand
 /// times.
-[[nodiscard]] std::vector<std::string> edge_disagreements(const std::vector<EdgeValue>& values,
+[[nodiscard]] std::vector<std::string> edge_disagreements(const std::vector<EdgePriorValue>& values,
                                                           const Eigen::VectorXd& residuals,
                                                           const std::vector<std::string>& roles);
 

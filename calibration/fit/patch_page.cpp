@@ -10,11 +10,8 @@
 #include "voxtone/calibration/patches/patch_file.h"
 #include "voxtone/io/pictures/picture_writer.h"
 #include "voxtone/io/pictures/srgb_code.h"
+#include "voxtone/io/programs/build_identity.h"
 #include "voxtone/io/report/report_html.h"
-
-#ifndef VOXTONE_VERSION
-#error "the build defines the program's version"
-#endif
 
 namespace voxtone::calibration {
 
@@ -33,7 +30,7 @@ public:
 
     io::Report report() const {
         io::Report report;
-        report.program_version = VOXTONE_VERSION;
+        report.program_version = io::program_version();
         for (const optics::Resin& resin : set_.resins)
             report.resins.push_back({resin.name, resin.role, "", colour_of(resin.role), 0, 0});
         report.viewer.heading = "Measured and predicted";

@@ -13,7 +13,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/cli/calibrate/calibrate_commands.h"
 #include "voxtone/cli/calibrate/calibrate_jobs.h"
-#include "voxtone/io/files/helper_program.h"
+#include "voxtone/io/programs/helper_program.h"
 
 namespace voxtone::cli {
 

@@ -11,6 +11,7 @@
 #include "voxtone/cli/program/option_text.h"
 #include "voxtone/cli/program/words.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/programs/build_identity.h"
 
 namespace voxtone::cli {
 
@@ -43,7 +44,7 @@ std::string title(const CLI::App& command) {
     std::string upper = page_name(command);
     std::transform(upper.begin(), upper.end(), upper.begin(), [](unsigned char c) { return char(std::toupper(c)); });
     return fmt::format(".TH \"{}\" 1 \"\" \"voxtone {}\" \"voxtone\"\n.SH NAME\n{} \\- {}\n", roff(upper),
-                       VOXTONE_VERSION, roff(page_name(command)),
+                       io::program_version(), roff(page_name(command)),
                        roff(command.get_description().substr(0, command.get_description().find('\n'))));
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include "voxtone/base/error.h"
@@ -11,6 +12,9 @@
 #include "voxtone/cli/program/help.h"
 #include "voxtone/cli/program/manual.h"
 #include "voxtone/cli/program/outcome.h"
+#include "voxtone/io/programs/build_identity.h"
+
+extern const char voxtone_build_commit[];  // a file that the build makes (cmake/write_build_commit.cmake)
 
 namespace voxtone::cli {
 
@@ -58,10 +62,17 @@ int print_manual(const CLI::App& program, const std::string& folder) {
     return 0;
 }
 
+/// Of people, of the history of the sources where it is known, and of the build.
+std::string version_text() {
+    const std::string commit = voxtone_build_commit;
+    return fmt::format("voxtone {} ({}build {})", io::program_version(), commit.empty() ? "" : commit + ", ",
+                       io::build_digest());
+}
+
 int run(const Words& words, const std::vector<Verb>& verbs) {
     CLI::App program(description, "voxtone");
     set_up_help(program);
-    program.set_version_flag("--version", "voxtone " VOXTONE_VERSION, "print the version and stop");
+    program.set_version_flag("--version", version_text(), "print the version and stop");
     program.require_subcommand(1);
     add_example(program, "slice spot.obj --size 60mm -o print");
     Commands commands;

@@ -5,9 +5,9 @@
 // A model comes from anywhere, so a name in it is not trusted: absolute paths, drive letters and `..` are not followed;
 // only the last part of such a name is looked for, in the model's own folder. A link that leads out of it is not
 // followed; what begins with a dot is not looked at. Backslashes count as slashes. Where the exact name does not exist,
-// one is taken that differs only in upper and lower case, in how accents are written (Unicode's normal forms) or in that
-// one of the two is Windows-1252; then what the name is without blanks and quotes around it, or with %XX decoded. What
-// was done instead of what the file asked for is said in a warning.
+// one is taken that differs only in upper and lower case, in how accents are written (Unicode's normal forms) or in
+// that one of the two is Windows-1252; then what the name is without blanks and quotes around it, or with %XX decoded.
+// What was done instead of what the file asked for is said in a warning.
 #pragma once
 
 #include <filesystem>

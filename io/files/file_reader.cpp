@@ -6,15 +6,16 @@
 #include <fmt/format.h>
 
 #include "voxtone/base/error.h"
-#include "voxtone/io/files/helper_program.h"
 #include "voxtone/io/files/packed_values.h"
 #include "voxtone/io/files/sandbox.h"
+#include "voxtone/io/programs/build_identity.h"
+#include "voxtone/io/programs/helper_program.h"
 
 namespace voxtone::io {
 
 namespace {
 
-const std::string protocol = "voxtone-read 4, voxtone " VOXTONE_VERSION;
+const std::string protocol = "voxtone-read 4, voxtone " + build_identity();
 
 constexpr const char* pictures_program = "voxtone-read-pictures";
 

@@ -8,10 +8,10 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
-#include "voxtone/io/files/helper_program.h"
 #include "voxtone/io/files/isolate.h"
 #include "voxtone/io/files/sandbox.h"
 #include "voxtone/io/layers/stack_folder.h"
+#include "voxtone/io/programs/helper_program.h"
 
 namespace voxtone::io {
 

@@ -7,12 +7,13 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/io/files/packed_values.h"
+#include "voxtone/io/programs/build_identity.h"
 
 namespace voxtone::io {
 
 namespace {
 
-const std::string stack_protocol = "voxtone-read-stack 2, voxtone " VOXTONE_VERSION;
+const std::string stack_protocol = "voxtone-read-stack 2, voxtone " + build_identity();
 
 template <class Value, class Plain>
 concept is_a = std::is_same_v<std::remove_const_t<Value>, Plain>;

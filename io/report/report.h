@@ -153,7 +153,7 @@ struct ReportSection {
 
 struct Report {
     std::string title;            ///< the model's name
-    std::string program_version;  ///< "0.1.0"
+    std::string program_version;  ///< "0.2.0"
     std::string printer_id, printer_name;
     std::array<double, 3> pitch_um{};
     std::array<double, 3> size_mm{};         ///< of the body's box

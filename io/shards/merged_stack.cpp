@@ -80,16 +80,16 @@ void expect_one_job(const fs::path& out, const std::vector<ShardRecord>& records
     const ShardRecord& first = records.front();
     for (const ShardRecord& record : records) {
         const auto file = [&](const ShardRecord& of) { return shard_file(out, of.number).filename().string(); };
-        if (record.job != first.job)
-            throw InputError(fmt::format(
-                "{}: {} and {} are shards of different jobs (identities {:.12} and {:.12}), whose layers do not go "
-                "together; make the shards of one of them again, with --overwrite",
-                shards_folder(out).string(), file(first), file(record), first.job, record.job));
         if (record.program != first.program)
             throw InputError(fmt::format(
                 "{}: {} was made by {} and {} by {}, which may not make the same layers; make the shards of one of "
                 "them again",
                 shards_folder(out).string(), file(first), first.program, file(record), record.program));
+        if (record.job != first.job)
+            throw InputError(fmt::format(
+                "{}: {} and {} are shards of different jobs (identities {:.12} and {:.12}), whose layers do not go "
+                "together; make the shards of one of them again, with --overwrite",
+                shards_folder(out).string(), file(first), file(record), first.job, record.job));
         if (record.stack != first.stack || record.resin_bitmaps != first.resin_bitmaps)
             throw InputError(fmt::format("{}: {} and {} describe different stacks; {}", shards_folder(out).string(),
                                          file(first), file(record), again(record)));

@@ -29,7 +29,7 @@ struct ShardFigures {
 struct ShardRecord {
     ShardNumber number;
     std::uint32_t first_task = 1;  ///< number of shard 1 among a scheduler's tasks
-    std::string program;           ///< "voxtone 0.1.0": another version may make other bits
+    std::string program;           ///< "voxtone 0.2.0 build 0123456789abcdef": another build may make other bits
     std::string job;               ///< identity: SHA-256 of all that decides the stack
     std::string host;              ///< that made it
     StackDescription stack;        ///< of all shards together, as written; without contents

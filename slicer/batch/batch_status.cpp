@@ -32,7 +32,7 @@ std::string details_of(const JobState& state, std::string_view word) {
                            state.runner->pid);
     if (state.phase == JobPhase::failed) return fmt::format("(exit code {}) {}", state.exit_code, state.message);
     if (state.phase != JobPhase::done || !state.figures) return state.message;
-    const JobFigures& f = *state.figures;
+    const StackFigures& f = *state.figures;
     double ml = 0;
     for (const auto& [role, of_role] : f.resin_ml) ml += of_role;
     std::string text =

@@ -16,6 +16,7 @@
 #include "voxtone/io/files/base64.h"
 #include "voxtone/io/files/markup.h"
 #include "voxtone/io/files/whole_file.h"
+#include "voxtone/io/programs/build_identity.h"
 #include "voxtone/slicer/look/report_files.h"
 
 namespace voxtone::embedded {
@@ -73,7 +74,7 @@ std::string csv_line(const std::vector<std::string>& cells) {
     return line + "\r\n";
 }
 
-std::string size_text(const JobFigures& figures) {
+std::string size_text(const StackFigures& figures) {
     return fmt::format("{:.1f} × {:.1f} × {:.1f}", figures.size_mm[0], figures.size_mm[1], figures.size_mm[2]);
 }
 
@@ -155,7 +156,7 @@ void add_warnings(std::string& html, const std::vector<std::string>& warnings) {
 }
 
 void add_figures(std::string& html, const JobState& state, const std::vector<std::string>& roles) {
-    const JobFigures& figures = *state.figures;
+    const StackFigures& figures = *state.figures;
     html += fmt::format("<td class=\"n\">{}</td><td class=\"n\">{}</td>", size_text(figures), figures.layers);
     const auto ml = ml_by_role(state);
     for (const std::string& role : roles)
@@ -196,7 +197,7 @@ std::string batch_html(const BatchFolder& folder, const std::vector<JobState>& s
     html += fmt::format(
         "</tbody>\n</table></div>\n</section>\n</main>\n<footer>Made by voxtone {}. The same for spreadsheets: "
         "summary.csv.</footer>\n</body>\n</html>\n",
-        VOXTONE_VERSION);
+        io::program_version());
     return html;
 }
 
@@ -212,7 +213,7 @@ std::string batch_csv(const std::vector<JobState>& states) {
     for (const JobState& state : states) {
         std::vector<std::string> cells{state.name, std::string(name_of(state.phase)), state.message};
         if (state.figures && state.phase == JobPhase::done) {
-            const JobFigures& f = *state.figures;
+            const StackFigures& f = *state.figures;
             cells.push_back(f.printer);
             for (const double mm : f.size_mm) cells.push_back(fmt::format("{:.3f}", mm));
             cells.push_back(std::to_string(f.layers));

@@ -43,10 +43,10 @@ std::int64_t now_ns() {
     return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
 }
 
-JobFigures read_job_figures(const fs::path& folder) {
+StackFigures read_job_figures(const fs::path& folder) {
     const io::JsonObject report = io::JsonObject::read(folder / report_file::figures);
     const io::JsonObject manifest = io::JsonObject::read(folder / io::manifest_name);
-    JobFigures figures;
+    StackFigures figures;
     figures.content_sha256 = manifest.text("content_sha256");
     figures.printer = report.object("printer").text("id");
     read_shared_figures(report, figures);

@@ -19,7 +19,7 @@ namespace voxtone::slicer {
 [[nodiscard]] bool is_missing_or_empty(const std::filesystem::path& folder);
 
 /// Of the stack and the report in a job's folder. Throws FileError, InputError.
-[[nodiscard]] JobFigures read_job_figures(const std::filesystem::path& folder);
+[[nodiscard]] StackFigures read_job_figures(const std::filesystem::path& folder);
 
 /// Teaches `digests` what the inputs held that the job in this folder notes, as far as they were last changed before
 /// the job began. Throws FileError, InputError.

@@ -23,7 +23,7 @@ void write_runner(io::JsonWriter& json, const JobRunner& runner) {
     json.add("start", runner.start).add("since", runner.since).end_object();
 }
 
-void write_figures(io::JsonWriter& json, const JobFigures& figures) {
+void write_figures(io::JsonWriter& json, const StackFigures& figures) {
     json.line().key("figures").begin_object().add("content_sha256", figures.content_sha256);
     json.line().add("printer", figures.printer).add("size_mm", figures.size_mm).add("layers", figures.layers);
     json.add("voxels", figures.voxels).line().key("resin_ml").begin_list();
@@ -51,10 +51,10 @@ JobRunner read_runner(const io::JsonObject& json) {
             json.integer("start", 0, any_count), json.text("since")};
 }
 
-JobFigures read_figures(const io::JsonObject& json) {
+StackFigures read_figures(const io::JsonObject& json) {
     json.allow_only({"content_sha256", "printer", "size_mm", "layers", "voxels", "resin_ml", "verdict", "seen_de2000",
                      "warnings", "seconds", "peak_memory_bytes", "output_bytes"});
-    JobFigures figures;
+    StackFigures figures;
     figures.content_sha256 = json.text("content_sha256");
     figures.printer = json.text("printer");
     read_shared_figures(json, figures);
@@ -87,7 +87,7 @@ void expect_format(const io::JsonObject& json) {
 
 }  // namespace
 
-void read_shared_figures(const io::JsonObject& json, JobFigures& figures) {
+void read_shared_figures(const io::JsonObject& json, StackFigures& figures) {
     const std::vector<double> size = json.numbers("size_mm", 3, 0, 1e9);
     figures.size_mm = {size[0], size[1], size[2]};
     figures.layers = json.integer("layers", 0, any_count);

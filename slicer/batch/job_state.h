@@ -40,7 +40,7 @@ struct JobRunner {
 };
 
 /// What a whole stack is told by.
-struct JobFigures {
+struct StackFigures {
     std::string content_sha256;  ///< of the stack, as its manifest has it
     std::string printer;
     std::array<double, 3> size_mm{};
@@ -72,12 +72,12 @@ struct JobState {
     std::string message;               ///< why it failed or was stopped
     std::string finished;              ///< UTC
     std::vector<std::pair<std::string, KnownDigest>> inputs;  ///< by absolute path, of those that are known for good
-    std::optional<JobFigures> figures;                        ///< of what is done
+    std::optional<StackFigures> figures;                      ///< of what is done
     std::optional<AfterState> after;                          ///< where a command was to follow
 };
 
 /// What a report and the figures of a state have under the same names. Throws InputError.
-void read_shared_figures(const io::JsonObject& json, JobFigures& figures);
+void read_shared_figures(const io::JsonObject& json, StackFigures& figures);
 
 [[nodiscard]] std::string state_json(const JobState& state);
 /// Throws FileError where there is no such file, InputError for what is no state of this version.

@@ -7,6 +7,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/io/disk/disk_space.h"
+#include "voxtone/io/programs/build_identity.h"
 #include "voxtone/slicer/batch/job_ending.h"
 #include "voxtone/slicer/batch/job_log.h"
 #include "voxtone/slicer/batch/job_result.h"
@@ -51,14 +52,14 @@ void QueuedJob::claim_folder() {
 }
 
 bool QueuedJob::is_unchanged(const std::optional<JobState>& known) {
-    return known && known->phase == JobPhase::done && known->program == VOXTONE_VERSION &&
+    return known && known->phase == JobPhase::done && known->program == io::build_identity() &&
            holds_job(job_.out, job_, context_.digests, &context_.progress);
 }
 
 /// As the plan has it, and what the state of its folder asks for.
 std::vector<std::string> QueuedJob::words_to_start() const {
     std::vector<std::string> words = job_.command;
-    const bool same_program = state_.program.empty() || state_.program == VOXTONE_VERSION;
+    const bool same_program = state_.program.empty() || state_.program == io::build_identity();
     if (waits_to_go_on(job_.out, job_))
         words.emplace_back("--resume");
     else if (state_.folder_is_ours && !is_missing_or_empty(job_.out) &&
@@ -148,7 +149,7 @@ void QueuedJob::run(const std::vector<std::string>& words) {
         std::make_unique<JobProcess>(ProcessStart{context_.options.program, words, {}, log, lock_->descriptor()});
     stage_ = Stage::running;
     state_.phase = JobPhase::running;
-    state_.program = VOXTONE_VERSION;
+    state_.program = io::build_identity();
     state_.command = job_.command;
     state_.attempts = tries_;
     state_.runner = JobRunner{io::host_name(), process_->pid(), process_->start_time(), utc_now()};

@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include "voxtone/base/error.h"
+#include "voxtone/io/programs/build_identity.h"
 #include "voxtone/slicer/batch/job_result.h"
 #include "voxtone/slicer/cluster/job_record.h"
 #include "voxtone/slicer/estimate/estimate_job.h"
@@ -16,7 +17,7 @@ bool is_done(const BatchFolder& batch, const PlannedJob& job, InputDigests& dige
     const std::optional<JobState> known = batch.state_of(job.name);
     if (!known) return false;
     for (const auto& [file, digest] : known->inputs) digests.learn(file, digest);
-    return known->phase == JobPhase::done && known->program == VOXTONE_VERSION &&
+    return known->phase == JobPhase::done && known->program == io::build_identity() &&
            holds_job(job.out, job, digests, &progress);
 }
 

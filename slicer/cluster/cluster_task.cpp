@@ -12,6 +12,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/io/files/json_writer.h"
+#include "voxtone/io/programs/build_identity.h"
 #include "voxtone/slicer/batch/job_ending.h"
 #include "voxtone/slicer/batch/job_log.h"
 #include "voxtone/slicer/batch/job_process.h"
@@ -141,7 +142,7 @@ private:
             if (state.phase == JobPhase::failed && stage_.stage == TaskStage::layers) return;
             state.phase = JobPhase::running;
             state.runner = runner_;
-            state.program = VOXTONE_VERSION;
+            state.program = io::build_identity();
             state.attempts = own_slurm_restarts() + 1;
             state.message.clear();
             state.finished.clear();

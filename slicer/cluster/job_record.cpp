@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 
 #include "voxtone/base/error.h"
+#include "voxtone/io/programs/build_identity.h"
 #include "voxtone/slicer/batch/batch_summary.h"
 #include "voxtone/slicer/batch/job_result.h"
 #include "voxtone/slicer/options/command_words.h"
@@ -57,7 +58,7 @@ void note_stack(JobState& state, const BatchFolder& batch, const PlannedJob& job
         take_stack(job.out, submission.began_ns, batch.picture_file(job.name), digests, state);
     if (!no_picture.empty()) progress.warn(fmt::format("{}: {}", job.name, no_picture));
     state.phase = JobPhase::done;
-    state.program = VOXTONE_VERSION;
+    state.program = io::build_identity();
     state.command = job.command;
     state.runner.reset();
     state.exit_code = 0;

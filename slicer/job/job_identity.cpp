@@ -14,6 +14,7 @@
 #include "voxtone/io/files/sha256.h"
 #include "voxtone/io/models/model_reader.h"
 #include "voxtone/io/profiles/resin_file.h"
+#include "voxtone/io/programs/build_identity.h"
 #include "voxtone/slicer/options/job_file.h"
 
 namespace voxtone::slicer {
@@ -24,7 +25,7 @@ namespace fs = std::filesystem;
 
 /// Options that come after the loop, or that end it.
 constexpr std::array<std::string_view, 5> not_of_the_loop{"report", "predict", "iterations", "formats", "layers"};
-constexpr std::string_view model_key = "model", map_key = "profiles";
+constexpr std::string_view model_key = "model", map_key = "profiles", program_key = "program";
 
 std::string text_sha256(std::string_view text) {
     return io::sha256({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
@@ -55,7 +56,8 @@ std::vector<JobInput> named_inputs(const OpenedJob& job, const DigestOfFile& dig
     std::vector<JobInput> inputs{
         file_input(std::string(model_key), options.model, digest),
         file_or_known("printer", options.printer, known_printer_text(options.printer), digest),
-        file_or_known("resins", options.resins, io::known_resin_set_text(options.resins), digest)};
+        file_or_known("resins", options.resins, io::known_resin_set_text(options.resins), digest),
+        {std::string(program_key), {}, text_sha256(io::build_digest())}};
     if (!options.texture.empty()) inputs.push_back(file_input("texture", options.texture, digest));
     if (!options.layered) return inputs;
     const LayeredOptions& layered = *options.layered;
@@ -165,6 +167,10 @@ std::vector<std::string> changed_inputs(std::span<const JobInput> recorded, std:
             std::find_if(now.begin(), now.end(), [&](const auto& input) { return input.key == then.key; });
         if (found == now.end()) continue;
         if (!same_file(found->file, then.file) || found->sha256 == then.sha256) continue;
+        if (then.key == program_key) {
+            sentences.emplace_back("the job file was written by another build of voxtone: another stack may come out");
+            continue;
+        }
         const std::string what =
             then.file.empty() ? fmt::format("the {} of this version of the program", then.key) : then.file;
         const char* const how = then.sha256.empty()     ? "was not there when the job file was written and is now"

@@ -27,7 +27,7 @@
 
 namespace voxtone::slicer {
 
-JobBody read_body(const OpenedJob& job, JobFigures& figures, Progress& progress) {
+JobBody read_body(const OpenedJob& job, JobMeasurements& figures, Progress& progress) {
     const Stopwatch watch;
     JobBody body = prepare_body(job.options, job.printer, progress);
     for (const std::string& warning : body.warnings) progress.warn(warning);
@@ -93,7 +93,7 @@ void LayerWatchers::see(int k, const io::LayerRuns& layer) {
 }
 
 void make_layers(Print& print, const LayerRange& range, const LayerTaker& take, LayerWatchers& watchers,
-                 JobFigures& figures, Progress& progress) {
+                 JobMeasurements& figures, Progress& progress) {
     const Stopwatch watch;
     print.expect_layers(range);
     const LayerMaker maker(print.sources());

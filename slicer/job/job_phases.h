@@ -24,7 +24,7 @@
 namespace voxtone::slicer {
 
 /// Reads the model, and says what there is to say of it. Throws FileError, InputError.
-[[nodiscard]] JobBody read_body(const OpenedJob& job, JobFigures& figures, Progress& progress);
+[[nodiscard]] JobBody read_body(const OpenedJob& job, JobMeasurements& figures, Progress& progress);
 
 /// Shards of another job in the output folder. Throws InputError.
 void expect_no_other_shards(const OpenedJob& job, const Progress* progress);
@@ -59,7 +59,7 @@ struct LayerWatchers {
 
 /// Makes the layers of the range, in slabs side by side; each goes to `take` and to those who look on.
 void make_layers(Print& print, const LayerRange& range, const LayerTaker& take, LayerWatchers& watchers,
-                 JobFigures& figures, Progress& progress);
+                 JobMeasurements& figures, Progress& progress);
 
 /// Draws and writes the report, if it was asked for, and its figures; these as JSON.
 [[nodiscard]] std::string write_report(const OpenedJob& job, const Print& print, io::Report& report,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/job/layer_surfaces.h"
 
-#include "voxtone/io/files/module_function.h"
+#include "voxtone/io/programs/module_function.h"
 
 namespace voxtone::slicer {
 

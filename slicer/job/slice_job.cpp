@@ -90,7 +90,7 @@ void expect_enough_layers(const OpenedJob& job, const JobBody& body, const Layer
 }
 
 /// Says what the job will take (`voxtone estimate` says more).
-void announce(const OpenedJob& job, const JobBody& body, const LayerRange& range, const JobFigures& figures,
+void announce(const OpenedJob& job, const JobBody& body, const LayerRange& range, const JobMeasurements& figures,
               const Print& print, Progress& progress) {
     const double read_s = figures.read_s + figures.repair_s;
     const ReadBody read{{"read and repair", read_s, read_s, peak_memory_bytes(), true}, resident_bytes()};
@@ -118,7 +118,7 @@ SliceResult keep_loop(const OpenedJob& job, Print& print, Progress& progress) {
 }
 
 const io::StackDescription& finish_stack(const OpenedJob& job, const JobBody& body, const JobIdentity& identity,
-                                         io::LayerStackWriter& writer, JobFigures& figures, Progress& progress) {
+                                         io::LayerStackWriter& writer, JobMeasurements& figures, Progress& progress) {
     const Stopwatch watch;
     progress.begin_stage("finish", 0);
     std::vector<std::array<float, 3>> positions;
@@ -137,7 +137,7 @@ const io::StackDescription& finish_stack(const OpenedJob& job, const JobBody& bo
 
 SliceResult run_slice_job(const SliceOptions& asked, Progress& progress) {
     const Stopwatch watch;
-    JobFigures figures;
+    JobMeasurements figures;
     // All that can refuse the job, from what costs nothing to what costs most ...
     OpenedJob job = open_job(asked);
     VOXTONE_EXPECT(!job.options.sharded);

@@ -5,17 +5,14 @@
 
 #include "voxtone/base/peak_memory.h"
 #include "voxtone/base/progress_bar.h"
+#include "voxtone/io/programs/build_identity.h"
 #include "voxtone/slicer/look/report_files.h"
-
-#ifndef VOXTONE_VERSION
-#error "the build defines the program's version"
-#endif
 
 namespace voxtone::slicer {
 
 namespace {
 
-io::ReportSection throughput(const JobBody& body, const io::StackDescription& stack, const JobFigures& f) {
+io::ReportSection throughput(const JobBody& body, const io::StackDescription& stack, const JobMeasurements& f) {
     const double voxels = double(body.grid.size[0]) * body.grid.size[1] * stack.layers;
     const double cpu_s =
         f.counts.solid_s + f.counts.shell_s + f.counts.colour_s + f.counts.screen_s + f.counts.runs_s + f.encode_s;
@@ -67,7 +64,7 @@ void append_stages(std::vector<io::ReportStage>& to, const std::vector<io::Repor
 /// What was printed, on what, of which resins.
 void add_print(const OpenedJob& job, const JobBody& body, const io::StackDescription& stack, io::Report& report) {
     report.title = std::filesystem::path(job.options.model).filename().string();
-    report.program_version = VOXTONE_VERSION;
+    report.program_version = io::program_version();
     report.printer_id = job.printer.id;
     report.printer_name = job.printer.name;
     report.pitch_um = stack.pitch_um;
@@ -81,7 +78,7 @@ void add_print(const OpenedJob& job, const JobBody& body, const io::StackDescrip
     for (const OptionSpec& spec : slice_option_table()) report.job.emplace_back(spec.key, spec.get(job.options.asked));
 }
 
-std::vector<std::string> warnings_of(const OpenedJob& job, const JobBody& body, const JobFigures& f) {
+std::vector<std::string> warnings_of(const OpenedJob& job, const JobBody& body, const JobMeasurements& f) {
     std::vector<std::string> warnings = job.printer.warnings();
     warnings.insert(warnings.end(), body.warnings.begin(), body.warnings.end());
     if (f.counts.thin_voxels > 0)
@@ -104,7 +101,7 @@ std::string longest_stages(const std::vector<io::ReportStage>& stages, double to
 }  // namespace
 
 io::Report make_report(const OpenedJob& job, const JobBody& body, const io::StackDescription& stack, const Print& print,
-                       const JobFigures& f) {
+                       const JobMeasurements& f) {
     io::Report report;
     add_print(job, body, stack, report);
     report.body_voxels = f.counts.body_voxels;

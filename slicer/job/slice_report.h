@@ -17,7 +17,7 @@
 namespace voxtone::slicer {
 
 /// What was measured while the job ran.
-struct JobFigures {
+struct JobMeasurements {
     double read_s = 0, repair_s = 0, layers_s = 0, finish_s = 0;
     double encode_s = 0;  ///< summed over threads, like those of `counts`
     LayerCounts counts;
@@ -26,7 +26,7 @@ struct JobFigures {
 
 /// Figures, warnings and sections; no pictures, and without the total time, which is not over.
 [[nodiscard]] io::Report make_report(const OpenedJob& job, const JobBody& body, const io::StackDescription& stack,
-                                     const Print& print, const JobFigures& figures);
+                                     const Print& print, const JobMeasurements& figures);
 
 /// A few lines for a person. `total_s`: of the whole job; `has_report`: the page was written too.
 [[nodiscard]] std::string summary_text(const Print& print, const io::Report& report, double total_s, bool has_report,

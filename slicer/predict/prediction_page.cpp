@@ -8,6 +8,7 @@
 
 #include "voxtone/base/peak_memory.h"
 #include "voxtone/io/pictures/picture_writer.h"
+#include "voxtone/io/programs/build_identity.h"
 #include "voxtone/io/report/report_html.h"
 #include "voxtone/io/report/report_picture.h"
 #include "voxtone/slicer/look/prediction_files.h"
@@ -15,10 +16,6 @@
 #include "voxtone/slicer/look/viewer_surface.h"
 #include "voxtone/slicer/look/voxel_sample.h"
 #include "voxtone/slicer/printer/printer.h"
-
-#ifndef VOXTONE_VERSION
-#error "the build defines the program's version"
-#endif
 
 namespace voxtone::slicer {
 
@@ -62,7 +59,7 @@ std::string prediction_page(const PredictionPage& page, const StackVolume& stack
     const double cell_mm = *std::max_element(page.cell_um.begin(), page.cell_um.end()) * 1e-3;
     io::Report report;
     report.title = page.title;
-    report.program_version = VOXTONE_VERSION;
+    report.program_version = io::program_version();
     for (std::size_t a = 0; a < 3; ++a) {
         report.size_mm[a] = size[a] * pitch[a];
         report.size_px[a] = std::uint32_t(size[a]);

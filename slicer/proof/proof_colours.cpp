@@ -15,11 +15,11 @@ constexpr std::uint8_t sees_print = 2;  // optics::CameraPicture::sees
 
 }  // namespace
 
-std::optional<SeenPrint> seen_print(const ProofScene& scene, const optics::Camera& camera, std::size_t pixel) {
+std::optional<SeenPoint> seen_print(const ProofScene& scene, const optics::Camera& camera, std::size_t pixel) {
     const auto width = static_cast<std::size_t>(camera.width_px());
     const optics::Point way = camera.direction(double(pixel % width) + 0.5, double(pixel / width) + 0.5);
     double nearest = std::numeric_limits<double>::infinity();
-    std::optional<SeenPrint> seen;
+    std::optional<SeenPoint> seen;
     for (std::size_t k = 0; k < scene.camera.prints.size(); ++k) {
         const optics::ResinBody& print = scene.camera.prints[k];
         const optics::Point from = optics::along(camera.position(), print.corner_mm, -1);
@@ -48,7 +48,7 @@ std::vector<Eigen::Vector3f> proof_colours(const optics::CameraPicture& picture,
     const optics::Camera camera(scene.camera.view);
     parallel_for(0, rgb.size(), 256, [&](std::size_t p) {
         if (picture.sees[p] != sees_print) return;
-        const std::optional<SeenPrint> seen = seen_print(scene, camera, p);
+        const std::optional<SeenPoint> seen = seen_print(scene, camera, p);
         if (!seen || !corrections[seen->print].any()) return;
         const std::array<float, 3> place{float(seen->place_mm[0]), float(seen->place_mm[1]), float(seen->place_mm[2])};
         rgb[p] = corrections[seen->print].at(*scene.prints[seen->print]->scene.volume, place) * rgb[p].eval();

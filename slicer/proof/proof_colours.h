@@ -17,13 +17,13 @@
 namespace voxtone::slicer {
 
 /// Where the ray through the middle of a pixel meets a print.
-struct SeenPrint {
+struct SeenPoint {
     std::size_t print = 0;   ///< in ProofScene::prints
     optics::Point place_mm;  ///< from the corner of its volume
     optics::BoundaryNormals normals;
 };
 
-[[nodiscard]] std::optional<SeenPrint> seen_print(const ProofScene& scene, const optics::Camera& camera,
+[[nodiscard]] std::optional<SeenPoint> seen_print(const ProofScene& scene, const optics::Camera& camera,
                                                   std::size_t pixel);
 
 /// One per pixel.

@@ -44,7 +44,7 @@ io::LinearPicture developed(const CameraPicture& picture, const Colours& colours
 
 /// The alpha of the print that the middle of a pixel sees: matt where support touched it.
 float roughness_at(const ProofScene& scene, const optics::Camera& camera, std::size_t pixel) {
-    const std::optional<SeenPrint> seen = seen_print(scene, camera, pixel);
+    const std::optional<SeenPoint> seen = seen_print(scene, camera, pixel);
     if (!seen) return 0;
     return static_cast<float>(
         scene.camera.prints[seen->print].finish->roughness(seen->place_mm, seen->normals.geometric));

@@ -15,10 +15,7 @@
 #include "voxtone/io/files/packed_values.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/files/xxh64.h"
-
-#ifndef VOXTONE_VERSION
-#error "the build defines the program's version"
-#endif
+#include "voxtone/io/programs/build_identity.h"
 
 namespace voxtone::slicer {
 
@@ -44,7 +41,7 @@ void skin_in(Stream& stream, Skin& skin) {
 }
 
 std::uint64_t digest_of_job(std::string_view identity, std::string_view iterations) {
-    const std::string text = fmt::format("{}\niterations={}\nvoxtone {}\n", identity, iterations, VOXTONE_VERSION);
+    const std::string text = fmt::format("{}\niterations={}\nvoxtone {}\n", identity, iterations, io::build_identity());
     return io::xxh64({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 

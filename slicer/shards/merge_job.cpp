@@ -31,8 +31,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-JobFigures figures_of(const io::ShardSet& shards) {
-    JobFigures sum;
+JobMeasurements figures_of(const io::ShardSet& shards) {
+    JobMeasurements sum;
     for (const io::ShardRecord& record : shards.records) {
         const io::ShardFigures& f = record.figures;
         sum.counts +=
@@ -109,7 +109,7 @@ OpenedJob open_merged(const MergeOptions& options) {
 
 /// A print that is predicted sees its layers; they are made again, and not written.
 void show_layers(Print& print, const LayerRange& range, Progress& progress) {
-    JobFigures unused;
+    JobMeasurements unused;
     LayerWatchers nobody;
     make_layers(
         print, range, [](int, const io::LayerRuns&) {}, nobody, unused, progress);
@@ -119,7 +119,7 @@ JobResult write_merged_report(const MergeOptions& options, const io::ShardSet& s
                               Progress& progress) {
     OpenedJob job = open_merged(options);
     const ThreadLimit threads(static_cast<std::size_t>(options.threads));
-    JobFigures figures = figures_of(shards);
+    JobMeasurements figures = figures_of(shards);
     std::optional<JobBody> prepared;
     if (is_same_job(options.out, job, &progress)) prepared = read_prepared(options.out, shards.job());
     const JobBody body = prepared ? *std::move(prepared) : read_body(job, figures, progress);

@@ -15,11 +15,8 @@
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/files/xxh64.h"
 #include "voxtone/io/pictures/texture.h"
+#include "voxtone/io/programs/build_identity.h"
 #include "voxtone/io/shards/shard_folder.h"
-
-#ifndef VOXTONE_VERSION
-#error "the build defines the program's version"
-#endif
 
 namespace voxtone::slicer {
 
@@ -28,7 +25,7 @@ namespace {
 using io::PackedReader;
 using io::PackedWriter;
 
-constexpr std::string_view prepared_magic = "voxtone-prepared 1, voxtone " VOXTONE_VERSION "\n";
+const std::string prepared_magic = "voxtone-prepared 1, voxtone " + io::build_identity() + "\n";
 
 template <class Stream, class Vector>
 void vector_in(Stream& stream, Vector& v) {
@@ -158,7 +155,7 @@ JobBody body_from(PackedReader& from) {
 void keep_prepared(const std::filesystem::path& out, std::string_view job, const JobBody& body,
                    const std::vector<float>& separation) {
     PackedWriter values;
-    values(std::string(prepared_magic), std::string(job));
+    values(prepared_magic, std::string(job));
     put_body(values, body);
     values(separation);
     const std::span<const std::uint8_t> bytes(reinterpret_cast<const std::uint8_t*>(values.bytes.data()),

@@ -18,6 +18,7 @@
 #include "voxtone/io/disk/folder_lock.h"
 #include "voxtone/io/files/json_writer.h"
 #include "voxtone/io/layers/stack_folder.h"
+#include "voxtone/io/programs/build_identity.h"
 #include "voxtone/io/shards/shard_folder.h"
 #include "voxtone/slicer/estimate/phase_estimates.h"
 #include "voxtone/slicer/job/job_phases.h"
@@ -27,17 +28,13 @@
 #include "voxtone/slicer/shards/shard_cut.h"
 #include "voxtone/slicer/shards/shard_task.h"
 
-#ifndef VOXTONE_VERSION
-#error "the build defines the program's version"
-#endif
-
 namespace voxtone::slicer {
 
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* this_program = "voxtone " VOXTONE_VERSION;
+const std::string this_program = "voxtone " + io::build_identity();
 
 void expect_shardable(const OpenedJob& job) {
     const io::StackOutputs outputs = job.outputs();
@@ -112,7 +109,7 @@ void claim_folder_for_shards(const OpenedJob& job, io::ShardFolder& folder, cons
 
 /// Makes the layers into the folder; with what they hold.
 void make_shard(const OpenedJob& job, const JobBody& body, Print& print, const LayerRange& all, const LayerRange& mine,
-                const fs::path& into, io::ShardRecord& record, JobFigures& figures, Progress& progress) {
+                const fs::path& into, io::ShardRecord& record, JobMeasurements& figures, Progress& progress) {
     record.first_layer = std::uint32_t(mine.first);
     record.layers = std::uint32_t(mine.layers());
     if (mine.layers() == 0) return;
@@ -135,7 +132,7 @@ void make_shard(const OpenedJob& job, const JobBody& body, Print& print, const L
     if (watchers.voxels) record.viewer = watchers.voxels->take_layers();
 }
 
-io::ShardFigures figures_of(const JobFigures& f, const Stopwatch& since_begin) {
+io::ShardFigures figures_of(const JobMeasurements& f, const Stopwatch& since_begin) {
     return {.body_voxels = f.counts.body_voxels,
             .shell_voxels = f.counts.shell_voxels,
             .thin_voxels = f.counts.thin_voxels,
@@ -179,7 +176,7 @@ JobResult run_shard_job(const SliceOptions& asked, Progress& progress) {
 
     const ThreadLimit threads(static_cast<std::size_t>(job.options.threads));
     for (const std::string& warning : job.printer.warnings()) progress.warn(warning);
-    JobFigures figures;
+    JobMeasurements figures;
     std::optional<JobBody> prepared;
     if (same_job_before) prepared = read_prepared(out, recorded_identity(io::shards_folder(out)).value_or(""));
     if (prepared && job.options.strict && !prepared->warnings.empty()) prepared.reset();  // one may be a reason to stop

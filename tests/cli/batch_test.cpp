@@ -126,6 +126,24 @@ TEST_CASE("A changed input, a changed option and a changed result are made anew,
     CHECK(count_of(touched.out, started) == 0);
 }
 
+TEST_CASE("What another build of the program made is made anew") {
+    const Workshop shop("batch-builds");
+    shop.plan("{\"model\": \"box1.obj\"}\n{\"model\": \"box2.obj\"}\n");
+    REQUIRE(shop.batch().exit_code == 0);
+    nlohmann::json state = shop.state("box1");
+    const std::string program = state["program"];
+    CHECK_THAT(program, Contains(" build "));
+    state["program"] = "0.0.9";
+    shop.folder.write("out/batch/box1.json", state.dump());
+    const Outcome again = shop.batch("--json");
+    INFO(again.err);
+    CHECK(again.exit_code == 0);
+    CHECK(count_of(again.out, started) == 1);
+    CHECK(shop.state("box1")["program"] == program);
+    CHECK(shop.state("box1")["state"] == "done");
+    CHECK_THAT(shop.state("box1")["command"].dump(), Contains("box1.obj"));
+}
+
 TEST_CASE("A stack that is nobody's of this batch is not replaced") {
     const Workshop shop("batch-strange");
     shop.plan("{\"model\": \"box1.obj\"}\n");

@@ -20,10 +20,11 @@ namespace {
 constexpr std::uint32_t all_layers = 9;
 const std::string a_job(64, 'a');
 
-ShardRecord make_shard(const fs::path& out, const ShardNumber& number, std::uint32_t first, std::uint32_t layers) {
+ShardRecord make_shard(const fs::path& out, const ShardNumber& number, std::uint32_t first, std::uint32_t layers,
+                       const std::string& program = "voxtone test") {
     ShardRecord record;
     record.number = number;
-    record.program = "voxtone test";
+    record.program = program;
     record.job = a_job;
     record.host = "here";
     record.stack = as_written(sample_description(all_layers));
@@ -82,6 +83,14 @@ TEST_CASE("Shards laid together are the stack that one writer makes", "[shards]"
     CHECK(is_merged(out, read_shards(out)));
     fs::resize_file(out / "layers/slice_00003.png", 5);
     CHECK_FALSE(is_merged(out, read_shards(out)));
+}
+
+TEST_CASE("Shards of two builds of the program are not laid together", "[shards]") {
+    const TemporaryFolder folder;
+    const fs::path out = folder.path() / "out";
+    make_shard(out, {1, 2}, 0, 4);
+    make_shard(out, {2, 2}, 4, 5, "voxtone other");
+    CHECK_THROWS_WITH(read_shards(out), Catch::Contains("voxtone test") && Catch::Contains("voxtone other"));
 }
 
 TEST_CASE("A merge that was killed in the swap is brought to an end, or undone, by who comes next", "[shards]") {

@@ -31,15 +31,15 @@ JobState full_state() {
     state.number = 7;
     state.phase = JobPhase::done;
     state.command = {"slice", "/m/a b.obj", "--size", "40mm"};
-    state.program = "0.1.0";
+    state.program = "0.2.0 build 0123456789abcdef";
     state.folder_is_ours = true;
     state.attempts = 2;
     state.runner = JobRunner{"host", 12, 345, "2026-11-23T09:12:31Z"};
     state.finished = "2026-11-23T09:12:41Z";
     state.inputs = {{"/m/a b.obj", {{10, 11, 1'795'427'256'528'554'634, 13}, std::string(64, 'a')}}};
     state.figures =
-        JobFigures{std::string(64, 'b'), "generic", {1.5, 2, 3}, 40, 1000, {{"C", 0.25}, {"W", 1}}, "good", 1.25,
-                   {"=1+1", "<script>"}, 2.5,       100,         200};
+        StackFigures{std::string(64, 'b'), "generic", {1.5, 2, 3}, 40, 1000, {{"C", 0.25}, {"W", 1}}, "good", 1.25,
+                     {"=1+1", "<script>"}, 2.5,       100,         200};
     state.after = AfterState{true, 7};
     return state;
 }

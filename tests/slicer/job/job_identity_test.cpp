@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/slicer/job/job_identity.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -136,13 +137,33 @@ TEST_CASE("A file that was missing makes no job the same: it may have come since
     CHECK_FALSE(is_same_job(desk / "out", job));
 }
 
+TEST_CASE("What another build of the program made is no result of this one") {
+    const Desk desk;
+    const SliceOptions options = desk.options();
+    const OpenedJob job = open_job(options);
+    JobIdentity identity = desk.identity(options);
+    desk.write("out/job.json", job_record(options, identity.inputs, desk / "out"));
+    CHECK(is_same_job(desk / "out", job));
+    const auto program = std::ranges::find(identity.inputs, std::string("program"), &JobInput::key);
+    REQUIRE(program != identity.inputs.end());
+    program->sha256.assign(64, '0');
+    desk.write("out/job.json", job_record(options, identity.inputs, desk / "out"));
+    CHECK_FALSE(is_same_job(desk / "out", job));
+    const auto changed = changed_inputs(identity.inputs, desk.identity(options).inputs);
+    REQUIRE(changed.size() == 1);
+    CHECK_THAT(changed[0], Catch::Contains("another build"));
+    std::erase_if(identity.inputs, [](const JobInput& input) { return input.key == "program"; });  // as of old
+    desk.write("out/job.json", job_record(options, identity.inputs, desk / "out"));
+    CHECK_FALSE(is_same_job(desk / "out", job));
+}
+
 TEST_CASE("Inputs that changed since the job file was written are named, others are not") {
     const Desk desk;
     desk.leave_record(desk.options());
     SliceOptions again;
     read_job(desk / "out/job.json", again);
     again.overwrite = true;
-    REQUIRE(again.recorded_inputs.size() == 4);  // model, texture, printer, resins
+    REQUIRE(again.recorded_inputs.size() == 5);  // model, texture, printer, resins, program
     CHECK(changed_inputs(again.recorded_inputs, desk.identity(again).inputs).empty());
     desk.write("skin.png", "blue");
     const auto changed = changed_inputs(again.recorded_inputs, desk.identity(again).inputs);

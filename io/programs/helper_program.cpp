@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/files/helper_program.h"
+#include "voxtone/io/programs/helper_program.h"
 
 #include <unistd.h>
 
