@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -16,8 +17,10 @@
 #include "voxtone/base/error.h"
 #include "voxtone/base/printable.h"
 #include "voxtone/io/codecs/polygon_triangles.h"
+#include "voxtone/io/models/colour_range.h"
 #include "voxtone/io/models/model_text.h"
 #include "voxtone/io/models/mtl_library.h"
+#include "voxtone/io/models/udim.h"
 #include "voxtone/io/pictures/srgb_code.h"
 
 namespace voxtone::io {
@@ -69,6 +72,9 @@ public:
         }
         settle_vertex_colours();
         for (const std::string& name : names_) found_.push_back(in_library(name));
+        for (const Face& face : faces_) check(face);
+        find_tiles();
+        white_.resize(parts_.positions.size());
         for (const Face& face : faces_) add(face);
         if (parts_.materials.empty()) parts_.materials.emplace_back();
         say_what_was_lost();
@@ -204,10 +210,15 @@ private:
         const auto bytes = context_.read_side_file(file);
         libraries_[file] = bytes.has_value();
         if (!bytes) return false;
+        // Within a file the last counts, as in most programs; of several files the first (MTL's own rule).
+        std::map<std::string, MtlMaterial> materials;
         for (MtlMaterial& material : parse_mtl(model_text(*bytes))) {
             const std::string name = material.name;
-            library_.emplace(name, std::move(material));
+            if (!materials.insert_or_assign(name, std::move(material)).second)
+                say(fmt::format("The library '{}' has the material '{}' several times; the last was taken.",
+                                printable(file), printable(name)));
         }
+        library_.merge(materials);
         return true;
     }
 
@@ -246,86 +257,133 @@ private:
         return nullptr;
     }
 
-    /// Colours of 0 to 255, or codes in [0, 1]; where alpha and weight stand is the same for all.
+    /// Where alpha and weight stand is the same for all.
     void settle_vertex_colours() {
         const std::size_t vertices = parts_.positions.size();
         if (!polypaint_.empty()) {
-            rgba_.assign(vertices, no_colour());
+            FileColours colours{{}, ColourNumbers::bytes, ColourNumbers::bytes, false};
+            colours.value.assign(vertices, no_colour());
             for (std::size_t i = 0; i < std::min(vertices, polypaint_.size()); ++i)
-                for (int c = 0; c < 3; ++c)
-                    rgba_[i][c] = static_cast<float>(polypaint_[i] >> (16 - 8 * c) & 0xff) / 255;
+                for (int c = 0; c < 3; ++c) colours.value[i][c] = polypaint_[i] >> (16 - 8 * c) & 0xff;
+            rgba_ = settled_colours(colours, "vertex", context_.name(), parts_.warnings);
         } else if (std::ranges::any_of(extras_, [](const VertexExtra& e) { return e.count >= 3; })) {
             extras_.resize(vertices);
             place_extras();
         }
-        if (rgba_.empty()) return;
-        parts_.has_colour = true;
-        for (Eigen::Vector4f& colour : rgba_)
-            if (!std::isnan(colour[0])) colour.head<3>() = srgb_to_linear(Eigen::Vector3f(colour.head<3>()));
+        parts_.has_colour = parts_.has_colour || !rgba_.empty();
     }
 
-    static Eigen::Vector4f no_colour() { return {nothing, nothing, nothing, 1}; }
+    static Eigen::Vector4d no_colour() { return {std::nan(""), std::nan(""), std::nan(""), 1}; }
 
     void place_extras() {
         const auto all_one = [&](std::size_t at) {
             return std::ranges::all_of(extras_, [&](const VertexExtra& e) { return e.count != 4 || e.value[at] == 1; });
         };
         const bool weight_first = !all_one(3) && all_one(0);
-        float most = 0;
+        FileColours colours;
         for (const VertexExtra& e : extras_) {
-            Eigen::Vector4f& colour = rgba_.emplace_back(no_colour());
+            Eigen::Vector4d& colour = colours.value.emplace_back(no_colour());
             if (e.count < 3) continue;
             const std::size_t first = e.count == 5 || (e.count == 4 && weight_first) ? 1 : 0;
-            for (std::size_t c = 0; c < 3; ++c) colour[static_cast<Eigen::Index>(c)] = e.value[first + c];
-            if (e.count > first + 3) colour[3] = e.value[first + 3];
-            most = std::max(most, colour.head<3>().maxCoeff());
+            for (std::size_t c = 0; c < std::min<std::size_t>(e.count - first, 4); ++c)
+                colour[static_cast<Eigen::Index>(c)] = static_cast<double>(e.value[first + c]);
+            colours.has_alpha = colours.has_alpha || e.count > first + 3;
         }
-        const bool bytes = most > most_of_unit_range;
-        if (bytes)
-            parts_.warnings.push_back(
-                fmt::format("{} has vertex colours above 1, up to {:g}: they were taken as of 0 to {}.",
-                            context_.name(), most, most > 255 ? 65535 : 255));
-        std::size_t clamped = 0;
-        for (Eigen::Vector4f& colour : rgba_) {
-            if (std::isnan(colour[0])) continue;
-            if (bytes) {
-                const float scale = most > 255 ? 65535 : 255;
-                colour.head<3>() /= scale;
-                if (colour[3] > most_of_unit_range) colour[3] /= scale;
-            }
-            const Eigen::Vector3f code = colour.head<3>().cwiseMax(0).cwiseMin(1);
-            clamped += static_cast<std::size_t>((code - colour.head<3>()).cwiseAbs().maxCoeff() > 0);
-            colour.head<3>() = code;
-            colour[3] = std::clamp(colour[3], 0.0f, 1.0f);
-        }
-        if (clamped)
-            parts_.warnings.push_back(fmt::format("{} vertex colours of {} lie outside 0 to 1; they were clamped.",
-                                                  clamped, context_.name()));
+        rgba_ = settled_colours(colours, "vertex", context_.name(), parts_.warnings);
     }
 
-    /// An index into the materials of the parts.
-    std::uint32_t material(std::uint32_t name, Shown shown) {
+    void check(const Face& face) {
+        line_ = face.line;
+        for (const Corner& corner : corners_of(face)) {
+            if (corner.vertex >= static_cast<std::int64_t>(parts_.positions.size()))
+                fail(fmt::format("a face uses vertex {}, but there are only {}; the file is damaged", corner.vertex + 1,
+                                 parts_.positions.size()));
+            if (corner.uv >= static_cast<std::int64_t>(uv_.size()))
+                fail(fmt::format("a face uses texture coordinate {}, but there are only {}; the file is damaged",
+                                 corner.uv + 1, uv_.size()));
+        }
+    }
+
+    std::span<const Corner> corners_of(const Face& face) const {
+        return std::span(corners_).subspan(face.first, face.corners);
+    }
+
+    /// Of its corners, as the material lays them; empty where a corner has none.
+    std::vector<Eigen::Vector2f> coordinates_of(const Face& face) const {
+        std::vector<Eigen::Vector2f> laid;
+        const MtlMaterial* mtl = found_[face.material];
+        for (const Corner& corner : corners_of(face)) {
+            if (corner.uv < 0) return {};
+            Eigen::Vector2f uv = uv_[static_cast<std::size_t>(corner.uv)];
+            if (mtl) uv = uv.cwiseProduct(mtl->map_scale) + mtl->map_offset;
+            laid.push_back(uv);
+        }
+        return laid;
+    }
+
+    /// Which textures are cut into tiles: by a mark in the name, or because coordinates leave the tile that is named
+    /// for neighbours that are there. A face over several tiles says that the picture is repeated.
+    void find_tiles() {
+        marked_.resize(names_.size());
+        std::vector<std::optional<WrittenTile>> written(names_.size());
+        std::vector<std::set<UvTile>> used(names_.size());
+        for (std::size_t n = 0; n < names_.size(); ++n) {
+            const std::vector<std::string> files = readings(found_[n] ? found_[n]->map_kd : "");
+            if (files.empty()) continue;
+            if (tile_file(files.back(), {}))
+                marked_[n] = files.back();
+            else
+                written[n] = written_tile(files.back());
+        }
+        for (const Face& face : faces_) {
+            if (!written[face.material]) continue;
+            const std::vector<Eigen::Vector2f> uv = coordinates_of(face);
+            if (uv.empty()) continue;
+            if (const auto tile = tile_of(uv))
+                used[face.material].insert(*tile);
+            else
+                written[face.material].reset();
+        }
+        for (std::size_t n = 0; n < names_.size(); ++n) {
+            if (!written[n] || !has_neighbours(*written[n], used[n])) continue;
+            marked_[n] = written[n]->marked;
+            say(
+                fmt::format("The texture '{}' of {} was taken for one of several tiles (UDIM): coordinates lie beyond "
+                            "it, and its neighbours are there.",
+                            printable(found_[n]->map_kd), context_.name()));
+        }
+    }
+
+    bool has_neighbours(const WrittenTile& written, const std::set<UvTile>& used) {
+        if (written.tile != UvTile{} && !used.contains(written.tile)) return false;
+        return std::ranges::any_of(used, [&](const UvTile& tile) {
+            return tile != written.tile && context_.finds(*tile_file(written.marked, tile));
+        });
+    }
+
+    /// An index into the materials of the parts. `tile`: of a texture that is cut into tiles.
+    std::uint32_t material(std::uint32_t name, Shown shown, std::optional<UvTile> tile) {
         const auto [known, added] =
-            made_.try_emplace({name, shown}, static_cast<std::uint32_t>(parts_.materials.size()));
+            made_.try_emplace({name, shown, tile}, static_cast<std::uint32_t>(parts_.materials.size()));
         if (!added) return known->second;
         PartMaterial made;
         made.name = names_[name];
-        if (const MtlMaterial* mtl = found_[name]) use(*mtl, shown, made);
+        if (const MtlMaterial* mtl = found_[name])
+            use(*mtl, shown, tile ? *tile_file(marked_[name], *tile) : mtl->map_kd, made);
+        if (tile) made.wrap_u = made.wrap_v = Wrap::clamp;
         parts_.materials.push_back(std::move(made));
-        transforms_.resize(parts_.materials.size());
-        if (const MtlMaterial* mtl = found_[name]) transforms_.back() = {mtl->map_scale, mtl->map_offset};
         return known->second;
     }
 
-    void use(const MtlMaterial& mtl, Shown shown, PartMaterial& made) {
+    void use(const MtlMaterial& mtl, Shown shown, const std::string& map, PartMaterial& made) {
         made.alpha = mtl.opacity;
         if (mtl.kd) parts_.has_colour = true;
         if (mtl.has_opacity_map)
             say(fmt::format("The material '{}' has an opacity map; prints are opaque here, it is left aside.",
                             mtl.name));
-        if (!mtl.map_kd.empty()) parts_.has_colour = true;
-        if (!mtl.map_kd.empty() && shown == Shown::as_it_is) {
-            made.image = image(mtl.map_kd);
+        if (!map.empty()) parts_.has_colour = true;
+        if (!map.empty() && shown == Shown::as_it_is) {
+            made.image = image(map);
             made.wrap_u = made.wrap_v = mtl.map_clamp ? Wrap::decal : Wrap::repeat;
             if (!mtl.map_from.empty())
                 say(fmt::format("The material '{}' has no map_Kd; its {} was taken for its colours.", mtl.name,
@@ -346,13 +404,6 @@ private:
     }
 
     std::int32_t image(const std::string& file) {
-        if (lower_case(file).find("<udim>") != std::string::npos) {
-            parts_.lose_texture(
-                fmt::format("The texture '{}' of {} is cut into tiles (UDIM), which are not read: its "
-                            "colours are LOST. Bake them into one picture, or one material a tile.",
-                            file, context_.name()));
-            return -1;
-        }
         const std::vector<std::string> names = readings(file);
         for (const std::string& name : names)
             if (context_.finds(name)) return context_.add_image_file(parts_, name, context_.decode_options());
@@ -364,45 +415,60 @@ private:
             parts_.warnings.push_back(std::move(sentence));
     }
 
-    void add(const Face& face) {
-        line_ = face.line;
-        const std::span<const Corner> corners(corners_.data() + face.first, face.corners);
-        std::vector<Eigen::Vector3d> outline;
-        bool coordinates = true, painted = false;
-        for (const Corner& corner : corners) {
-            if (corner.vertex >= static_cast<std::int64_t>(parts_.positions.size()))
-                fail(fmt::format("a face uses vertex {}, but there are only {}; the file is damaged", corner.vertex + 1,
-                                 parts_.positions.size()));
-            if (corner.uv >= static_cast<std::int64_t>(uv_.size()))
-                fail(fmt::format("a face uses texture coordinate {}, but there are only {}; the file is damaged",
-                                 corner.uv + 1, uv_.size()));
-            coordinates = coordinates && corner.uv >= 0;
-            painted = painted || (!rgba_.empty() && !std::isnan(rgba_[static_cast<std::size_t>(corner.vertex)][0]));
-            outline.push_back(parts_.positions[static_cast<std::size_t>(corner.vertex)]);
-        }
+    bool has_paint(const Corner& corner) const {
+        return !rgba_.empty() && !std::isnan(rgba_[static_cast<std::size_t>(corner.vertex)][0]);
+    }
+
+    /// How a face shows its material.
+    struct Look {
+        Shown shown = Shown::as_it_is;
+        std::optional<UvTile> tile;
+    };
+
+    Look look_of(const Face& face, const std::vector<Eigen::Vector2f>& uv) {
         const MtlMaterial* mtl = found_[face.material];
-        const bool textured = mtl && !mtl->map_kd.empty() && (coordinates || uv_.empty());
-        if (mtl && !mtl->map_kd.empty() && !coordinates && !uv_.empty()) ++without_coordinates_[face.material];
+        const bool map = mtl && !mtl->map_kd.empty(),
+                   painted = std::ranges::any_of(corners_of(face), [&](const auto&c) { return has_paint(c); });
+        bool textured = map && (!uv.empty() || uv_.empty());
+        if (map && !textured) ++without_coordinates_[face.material];
+        Look look;
+        if (textured && !marked_[face.material].empty()) {
+            look.tile = uv.empty() ? UvTile{} : tile_of(uv);
+            textured = look.tile.has_value();
+            if (!textured) ++beyond_tiles_[face.material];
+        }
         if (textured && painted) paint_left_aside_ = true;
-        const Shown shown = textured                      ? Shown::as_it_is
-                            : painted                     ? Shown::vertex_colours
-                            : mtl && !mtl->map_kd.empty() ? Shown::plain
-                                                          : Shown::as_it_is;
-        const std::uint32_t m = material(face.material, shown);
-        used_ = used_ || mtl != nullptr;
-        if (!mtl) unknown_.insert(face.material);
+        if (!textured && painted) look.shown = Shown::vertex_colours;
+        if (!textured && !painted && map) look.shown = Shown::plain;
+        if (!rgba_.empty() && !textured && !(mtl && mtl->kd && !painted)) count_white(face);
+        return look;
+    }
+
+    void count_white(const Face& face) {
+        for (const Corner& corner : corners_of(face))
+            if (!has_paint(corner)) white_[static_cast<std::size_t>(corner.vertex)] = true;
+    }
+
+    void add(const Face& face) {
+        const std::span<const Corner> corners = corners_of(face);
+        std::vector<Eigen::Vector3d> outline;
+        for (const Corner& corner : corners)
+            outline.push_back(parts_.positions[static_cast<std::size_t>(corner.vertex)]);
+        std::vector<Eigen::Vector2f> uv = coordinates_of(face);
+        const Look look = look_of(face, uv);
+        if (look.tile)
+            for (Eigen::Vector2f& place : uv)
+                place -= Eigen::Vector2f(static_cast<float>(look.tile->column), static_cast<float>(look.tile->row));
+        const std::uint32_t m = material(face.material, look.shown, look.tile);
+        if (found_[face.material])
+            used_ = true;
+        else
+            unknown_.insert(face.material);
         for (const auto& triangle : polygon_triangles(outline)) {
-            const auto corner = [&](std::size_t c) -> const Corner& { return corners[triangle[c]]; };
-            const auto vertex = [&](std::size_t c) { return static_cast<std::uint32_t>(corner(c).vertex); };
+            const auto vertex = [&](std::size_t c) { return static_cast<std::uint32_t>(corners[triangle[c]].vertex); };
             const std::size_t t = parts_.add_triangle({vertex(0), vertex(1), vertex(2)}, m);
-            if (coordinates) {
-                std::array<Eigen::Vector2f, 3> uv;
-                for (std::size_t c = 0; c < 3; ++c)
-                    uv[c] = uv_[static_cast<std::size_t>(corner(c).uv)].cwiseProduct(transforms_[m].scale) +
-                            transforms_[m].offset;
-                parts_.set_uv(t, uv);
-            }
-            if (shown != Shown::vertex_colours) continue;
+            if (!uv.empty()) parts_.set_uv(t, {uv[triangle[0]], uv[triangle[1]], uv[triangle[2]]});
+            if (look.shown != Shown::vertex_colours) continue;
             std::array<Eigen::Vector4f, 3> rgba;
             for (std::size_t c = 0; c < 3; ++c) {
                 rgba[c] = rgba_[vertex(c)];
@@ -431,6 +497,13 @@ private:
                 "{} faces of {} have the material '{}' with a texture and no texture coordinates: its colours are LOST "
                 "there and the material's own colour is used.",
                 faces, context_.name(), printable(names_[name])));
+        for (const auto& [name, faces] : beyond_tiles_)
+            parts_.lose_colour(fmt::format(
+                "{} faces of {} lie over several tiles of the texture '{}' or in none: its colours are LOST there and "
+                "the material's own colour is used. Cut the coordinates where tiles end.",
+                faces, context_.name(), printable(marked_[name])));
+        if (const auto white = static_cast<std::size_t>(std::ranges::count(white_, true)))
+            parts_.lose_colour(white_without_colour(white, "vertices", context_.name()));
         if (paint_left_aside_)
             say(fmt::format("{} has textures and colours of vertices on the same faces; the textures are printed.",
                             context_.name()));
@@ -445,10 +518,6 @@ private:
                 context_.name(), free_forms_));
         for (const std::string& warning : context_.side_file_warnings()) say(warning);
     }
-
-    struct Transform {
-        Eigen::Vector2f scale = Eigen::Vector2f::Ones(), offset = Eigen::Vector2f::Zero();
-    };
 
     ParseContext& context_;
     const std::string text_;
@@ -466,10 +535,11 @@ private:
     std::map<std::string, MtlMaterial> library_;
     std::map<std::string, bool> libraries_;  ///< whether there is one of that name
     std::set<std::string> said_missing_;
-    std::map<std::pair<std::uint32_t, Shown>, std::uint32_t> made_;
-    std::vector<Transform> transforms_;
+    std::vector<std::string> marked_;  ///< of the names: the texture's with a mark, where it is cut into tiles
+    std::map<std::tuple<std::uint32_t, Shown, std::optional<UvTile>>, std::uint32_t> made_;
     std::set<std::uint32_t> unknown_;
-    std::map<std::uint32_t, std::size_t> without_coordinates_;
+    std::vector<bool> white_;  ///< per vertex: shown white for want of a colour
+    std::map<std::uint32_t, std::size_t> without_coordinates_, beyond_tiles_;
     std::size_t points_and_lines_ = 0, free_forms_ = 0;
     bool comma_ = false, used_ = false, paint_left_aside_ = false;
 };

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,9 +14,7 @@
 #include "voxtone/io/codecs/ply_header.h"
 #include "voxtone/io/codecs/ply_values.h"
 #include "voxtone/io/codecs/polygon_triangles.h"
-#include "voxtone/io/models/model_text.h"
-#include "voxtone/io/models/mtl_library.h"
-#include "voxtone/io/pictures/srgb_code.h"
+#include "voxtone/io/models/colour_range.h"
 
 namespace voxtone::io {
 
@@ -26,12 +24,17 @@ bool is_one_of(const std::string& name, std::initializer_list<std::string_view> 
     return std::ranges::find(names, std::string_view(name)) != names.end();
 }
 
-/// Raw values of vertices or of faces, until it is known what range they have.
-struct RawColours {
-    std::vector<Eigen::Vector4d> value;
-    PlyType type = PlyType::uint8;
-    bool has_alpha = false;
-};
+ColourNumbers numbers_of(PlyType type) {
+    return bytes_of(type) == 1 ? ColourNumbers::bytes : is_float(type) ? ColourNumbers::reals : ColourNumbers::integers;
+}
+
+/// Some write unsigned numbers into signed properties.
+double unsigned_of(double value, PlyType type) {
+    if (!(value < 0) || is_float(type)) return value;
+    return value + std::ldexp(1.0, 8 * static_cast<int>(bytes_of(type)));
+}
+
+Eigen::Vector4d no_colour() { return {std::nan(""), std::nan(""), std::nan(""), 1}; }
 
 class PlyParser {
 public:
@@ -44,10 +47,8 @@ public:
         PlyValues values(context_.bytes(), header_, context_.name());
         for (const PlyElement& element : header_.elements) read(element, values);
         make_materials();
-        const std::vector<Eigen::Vector4f> of_vertices = settled(vertex_colours_, "vertex"),
-                                           of_faces = settled(face_colours_, "face");
-        const bool by_face = face_colours_count(of_vertices, of_faces);
-        for (std::size_t f = 0; f < faces_.size(); ++f) add(f, of_vertices, of_faces, by_face);
+        settle_colours();
+        for (std::size_t f = 0; f < faces_.size(); ++f) add(f);
         say_what_was_lost();
         return std::move(parts_);
     }
@@ -55,73 +56,99 @@ public:
 private:
     struct Face {
         std::size_t first = 0, corners = 0;
-        std::int64_t page = -1;
+        std::int64_t page = -1, material = -1;
+    };
+    /// What stands behind a single item of an element.
+    struct Item {
+        Eigen::Vector3d place = Eigen::Vector3d::Zero();
+        Eigen::Vector4d colour = Eigen::Vector4d::Ones();
+        Eigen::Vector2f uv = Eigen::Vector2f::Zero();
+        std::int64_t page = -1, material = -1;
+        std::vector<double> corners;
+        std::vector<float> corner_uv;
+    };
+    /// An element, and what its properties are.
+    struct Columns {
+        const PlyElement& element;
+        std::vector<PlyRole> roles;
+        [[nodiscard]] const PlyProperty* property(PlyRole role) const {
+            const auto found = std::ranges::find(roles, role);
+            return found == roles.end() ? nullptr
+                                        : &element.properties[static_cast<std::size_t>(found - roles.begin())];
+        }
+        [[nodiscard]] bool coloured() const { return property(PlyRole::red) != nullptr; }
     };
 
     void read(const PlyElement& element, PlyValues& values) {
-        if (element.name == "vertex") return read_vertices(element, values);
+        const Columns columns{element, ply_roles(element)};
+        if (element.name == "vertex") return read_vertices(columns, values);
+        if (element.name == "face") return read_faces(columns, values);
+        if (element.name == "material") return read_materials(columns, values);
+        if (element.name == "edge") points_and_lines_ += element.count;
         const bool strips = is_one_of(element.name, {"tristrips", "tristrip", "triangle_strips"});
-        if (element.name != "face" && !strips) {
-            if (element.name == "edge") points_and_lines_ += element.count;
-            for (std::uint64_t i = 0; i < element.count; ++i) skip_item(element, values);
-            return;
-        }
         for (std::uint64_t i = 0; i < element.count; ++i)
-            strips ? read_strip(element, values) : read_face(element, values);
+            strips ? read_strip(columns, values) : skip_item(element, values);
     }
 
-    void read_vertices(const PlyElement& element, PlyValues& values) {
-        vertex_colours_.type = colour_type(element);
-        const bool coloured = has_colour(element), with_uv = has_uv(element);
-        for (std::uint64_t i = 0; i < element.count; ++i) {
-            Eigen::Vector3d place = Eigen::Vector3d::Zero();
-            Eigen::Vector4d colour = Eigen::Vector4d::Ones();
-            Eigen::Vector2f uv = Eigen::Vector2f::Zero();
-            for (const PlyProperty& p : element.properties) {
-                const int channel = p.is_list ? -1 : ply_colour_channel(p.name);
-                if (p.is_list)
-                    values.skip(p.type, values.length(p.count_type));
-                else if (p.name == "x")
-                    place.x() = values.next(p.type);
-                else if (p.name == "y")
-                    place.y() = values.next(p.type);
-                else if (p.name == "z")
-                    place.z() = values.next(p.type);
-                else if (is_one_of(p.name, {"s", "u", "texture_u", "texture_s", "tx"}))
-                    uv.x() = static_cast<float>(values.next(p.type));
-                else if (is_one_of(p.name, {"t", "v", "texture_v", "texture_t", "ty"}))
-                    uv.y() = static_cast<float>(values.next(p.type));
-                else if (channel >= 0 && coloured)
-                    take(colour, channel, values.next(p.type), vertex_colours_);
-                else
-                    values.skip(p.type, 1);
-            }
-            parts_.positions.push_back(place);
-            if (coloured) vertex_colours_.value.push_back(colour);
-            if (with_uv) vertex_uv_.push_back(uv);
+    static Item read_item(const Columns& columns, PlyValues& values) {
+        Item item;
+        for (std::size_t i = 0; i < columns.roles.size(); ++i) {
+            const PlyProperty& p = columns.element.properties[i];
+            const PlyRole role = columns.roles[i];
+            if (role >= PlyRole::red && role <= PlyRole::alpha)
+                item.colour[int(role) - int(PlyRole::red)] = unsigned_of(values.next(p.type), p.type);
+            else if (role >= PlyRole::x && role <= PlyRole::z)
+                item.place[int(role) - int(PlyRole::x)] = values.next(p.type);
+            else if (role == PlyRole::u || role == PlyRole::v)
+                item.uv[int(role) - int(PlyRole::u)] = static_cast<float>(values.next(p.type));
+            else if (role == PlyRole::page)
+                item.page = number_from_0(values.next(p.type));
+            else if (role == PlyRole::material)
+                item.material = number_from_0(values.next(p.type));
+            else if (role == PlyRole::corners)
+                for (std::uint64_t n = values.length(p.count_type); n-- > 0;)
+                    item.corners.push_back(values.next(p.type));
+            else if (role == PlyRole::corner_uv)
+                for (std::uint64_t n = values.length(p.count_type); n-- > 0;)
+                    item.corner_uv.push_back(static_cast<float>(values.next(p.type)));
+            else
+                values.skip(p.type, p.is_list ? values.length(p.count_type) : 1);
+        }
+        return item;
+    }
+
+    static std::int64_t number_from_0(double value) {
+        return value >= 0 && value < 1e6 ? static_cast<std::int64_t>(value) : -1;
+    }
+
+    /// What is known of colours before their values.
+    static void begin_colours(const Columns& columns, FileColours& colours) {
+        const PlyProperty* alpha = columns.property(PlyRole::alpha);
+        if (!columns.coloured()) return;
+        colours.numbers = numbers_of(columns.property(PlyRole::red)->type);
+        colours.has_alpha = alpha != nullptr;
+        if (alpha) colours.alpha_numbers = numbers_of(alpha->type);
+    }
+
+    void read_vertices(const Columns& columns, PlyValues& values) {
+        begin_colours(columns, vertex_colours_);
+        const bool coloured = columns.coloured(), with_uv = columns.property(PlyRole::u) != nullptr,
+                   with_material = columns.property(PlyRole::material) != nullptr;
+        for (std::uint64_t i = 0; i < columns.element.count; ++i) {
+            const Item item = read_item(columns, values);
+            parts_.positions.push_back(item.place);
+            if (coloured) vertex_colours_.value.push_back(item.colour);
+            if (with_uv) vertex_uv_.push_back(item.uv);
+            if (with_material) vertex_material_.push_back(item.material);
         }
     }
 
-    static void take(Eigen::Vector4d& colour, int channel, double value, RawColours& raw) {
-        colour[channel] = value;
-        raw.has_alpha = raw.has_alpha || channel == 3;
-    }
-    static bool has_colour(const PlyElement& element) {
-        return std::ranges::any_of(element.properties,
-                                   [](const PlyProperty& p) { return !p.is_list && ply_colour_channel(p.name) == 0; });
-    }
-    static PlyType colour_type(const PlyElement& element) {
-        for (const PlyProperty& p : element.properties)
-            if (!p.is_list && ply_colour_channel(p.name) == 0) return p.type;
-        return PlyType::uint8;
-    }
-    static bool has_uv(const PlyElement& element) {
-        return std::ranges::any_of(element.properties, [](const PlyProperty& p) {
-            return !p.is_list && is_one_of(p.name, {"s", "u", "texture_u", "texture_s", "tx"});
-        });
-    }
-    static bool is_index_list(const PlyProperty& p) {
-        return p.is_list && is_one_of(p.name, {"vertex_indices", "vertex_index", "vertex_indexes"});
+    void read_materials(const Columns& columns, PlyValues& values) {
+        begin_colours(columns, material_colours_);
+        for (std::uint64_t i = 0; i < columns.element.count; ++i) {
+            const Item item = read_item(columns, values);
+            if (columns.coloured()) material_colours_.value.push_back(item.colour);
+        }
     }
 
     std::int64_t index_of(double value) const {
@@ -132,59 +159,42 @@ private:
         return static_cast<std::int64_t>(value);
     }
 
-    void read_face(const PlyElement& element, PlyValues& values) {
-        face_colours_.type = colour_type(element);
-        const bool coloured = has_colour(element);
-        Face face{corners_.size(), 0, -1};
-        Eigen::Vector4d colour = Eigen::Vector4d::Ones();
-        std::vector<float> uv;
-        for (const PlyProperty& p : element.properties) {
-            const int channel = p.is_list ? -1 : ply_colour_channel(p.name);
-            if (is_index_list(p)) {
-                for (std::uint64_t n = values.length(p.count_type); n-- > 0;) corners_.push_back(values.next(p.type));
-            } else if (p.is_list && p.name == "texcoord") {
-                for (std::uint64_t n = values.length(p.count_type); n-- > 0;)
-                    uv.push_back(static_cast<float>(values.next(p.type)));
-            } else if (p.is_list) {
-                values.skip(p.type, values.length(p.count_type));
-            } else if (p.name == "texnumber") {
-                const double page = values.next(p.type);
-                face.page = page >= 0 && page < 1e6 ? static_cast<std::int64_t>(page) : -1;
-            } else if (channel >= 0 && coloured) {
-                take(colour, channel, values.next(p.type), face_colours_);
-            } else {
-                values.skip(p.type, 1);
+    void read_faces(const Columns& columns, PlyValues& values) {
+        begin_colours(columns, face_colours_);
+        for (std::uint64_t i = 0; i < columns.element.count; ++i) {
+            const Item item = read_item(columns, values);
+            if (item.corners.size() < 3) {
+                ++points_and_lines_;
+                continue;
             }
+            const Face face{corners_.size(), item.corners.size(), item.page, item.material};
+            corners_.insert(corners_.end(), item.corners.begin(), item.corners.end());
+            if (!item.corner_uv.empty() || !corner_uv_.empty()) {
+                corner_uv_.resize(corners_.size(), Eigen::Vector2f::Constant(std::nanf("")));
+                for (std::size_t c = 0; c < face.corners && 2 * c + 1 < item.corner_uv.size(); ++c)
+                    corner_uv_[face.first + c] = {item.corner_uv[2 * c], item.corner_uv[2 * c + 1]};
+            }
+            if (columns.coloured()) {
+                face_colours_.value.resize(faces_.size(), no_colour());
+                face_colours_.value.push_back(item.colour);
+            }
+            faces_.push_back(face);
         }
-        face.corners = corners_.size() - face.first;
-        if (face.corners < 3) {
-            corners_.resize(face.first);
-            ++points_and_lines_;
-            return;
-        }
-        if (!uv.empty() || !corner_uv_.empty()) {
-            corner_uv_.resize(corners_.size(), Eigen::Vector2f::Constant(std::nanf("")));
-            for (std::size_t c = 0; c < face.corners && 2 * c + 1 < uv.size(); ++c)
-                corner_uv_[face.first + c] = {uv[2 * c], uv[2 * c + 1]};
-        }
-        if (coloured) {
-            face_colours_.value.resize(faces_.size(), Eigen::Vector4d::Ones());
-            face_colours_.value.push_back(colour);
-        }
-        faces_.push_back(face);
     }
 
-    /// Triangles of three that follow on each other, every second one turned; a negative number begins a new strip.
-    void read_strip(const PlyElement& element, PlyValues& values) {
-        for (const PlyProperty& p : element.properties) {
-            if (!is_index_list(p)) {
+    /// Triangles of three that follow on each other, every second one turned; a negative number begins a new strip,
+    /// also where the type has none.
+    void read_strip(const Columns& columns, PlyValues& values) {
+        for (std::size_t i = 0; i < columns.roles.size(); ++i) {
+            const PlyProperty& p = columns.element.properties[i];
+            if (columns.roles[i] != PlyRole::corners) {
                 values.skip(p.type, p.is_list ? values.length(p.count_type) : 1);
                 continue;
             }
             std::vector<double> strip;
             for (std::uint64_t n = values.length(p.count_type); n-- > 0;) {
                 const double index = values.next(p.type);
-                if (index < 0) {
+                if (index < 0 || index == unsigned_of(-1, p.type)) {
                     strip.clear();
                     continue;
                 }
@@ -194,56 +204,10 @@ private:
                 const double a = strip[k - 3], b = strip[k - 2], c = index;
                 if (a == b || b == c || a == c) continue;  // joins two strips
                 const bool turned = k % 2 == 0;
-                faces_.push_back({corners_.size(), 3, -1});
+                faces_.push_back({corners_.size(), 3, -1, -1});
                 for (const double corner : {turned ? b : a, turned ? a : b, c}) corners_.push_back(corner);
             }
         }
-    }
-
-    /// Linear, alpha as it is; empty where there are none.
-    std::vector<Eigen::Vector4f> settled(RawColours& raw, const char* whose) {
-        if (raw.value.empty()) return {};
-        parts_.has_colour = true;
-        const double wrap = raw.type == PlyType::int8    ? 256
-                            : raw.type == PlyType::int16 ? 65536
-                            : raw.type == PlyType::int32 ? 4294967296.0
-                                                         : 0;
-        double most = 0;
-        const Eigen::Index channels = raw.has_alpha ? 4 : 3;
-        for (Eigen::Vector4d& colour : raw.value)
-            for (Eigen::Index c = 0; c < channels; ++c) {
-                if (colour[c] < 0) colour[c] += wrap;
-                if (c < 3) most = std::max(most, colour[c]);
-            }
-        const double range = range_of(raw.type, most);
-        const bool usual = bytes_of(raw.type) == 1 || (is_float(raw.type) && range == 1);
-        if (!usual)
-            parts_.warnings.push_back(
-                fmt::format("The {} colours of {} go up to {:g}: they were taken as of 0 to {:.0f}.", whose,
-                            context_.name(), most, range));
-        std::vector<Eigen::Vector4f> out;
-        std::size_t clamped = 0;
-        for (const Eigen::Vector4d& colour : raw.value) {
-            Eigen::Vector4f rgba = Eigen::Vector4f::Ones();
-            for (Eigen::Index c = 0; c < channels; ++c) rgba[c] = static_cast<float>(colour[c] / range);
-            const Eigen::Vector3f code = rgba.head<3>().cwiseMax(0).cwiseMin(1);
-            clamped += static_cast<std::size_t>(!((code - rgba.head<3>()).cwiseAbs().maxCoeff() <= 0));
-            rgba.head<3>() = srgb_to_linear(code);
-            out.push_back(rgba);
-        }
-        if (clamped)
-            parts_.warnings.push_back(fmt::format("{} {} colours of {} lie outside 0 to 1; they were clamped.", clamped,
-                                                  whose, context_.name()));
-        raw.value.clear();
-        return out;
-    }
-
-    static double range_of(PlyType type, double most) {
-        constexpr double bytes = 255, words = 65535, all = 4294967295.0;
-        if (bytes_of(type) == 1) return bytes;
-        if (is_float(type) && most <= static_cast<double>(most_of_unit_range)) return 1;
-        if (most <= bytes) return bytes;
-        return most <= words ? words : all;
     }
 
     void make_materials() {
@@ -264,21 +228,55 @@ private:
         parts_.materials.emplace_back();  // of what has no texture
     }
 
+    void settle_colours() {
+        const auto settle = [&](const FileColours& colours, const char* whose) {
+            return settled_colours(colours, whose, context_.name(), parts_.warnings);
+        };
+        of_vertices_ = settle(vertex_colours_, "vertex");
+        of_faces_ = settle(face_colours_, "face");
+        if (of_vertices_.empty() && of_faces_.empty()) take_materials(settle(material_colours_, "material"));
+        parts_.has_colour = parts_.has_colour || !of_vertices_.empty() || !of_faces_.empty();
+        by_face_ = face_colours_count();
+    }
+
+    /// By the number that a face or its first corner has; a material that is alone needs none.
+    void take_materials(const std::vector<Eigen::Vector4f>& materials) {
+        if (materials.empty()) return;
+        for (const Face& face : faces_) {
+            std::int64_t number = face.material;
+            if (number < 0 && !vertex_material_.empty())
+                number = vertex_material_[static_cast<std::size_t>(index_of(corners_[face.first]))];
+            if (number < 0 && materials.size() == 1) number = 0;
+            of_faces_.push_back(number >= 0 && number < static_cast<std::int64_t>(materials.size())
+                                    ? materials[static_cast<std::size_t>(number)]
+                                    : Eigen::Vector4f(no_colour().cast<float>()));
+        }
+    }
+
     /// Colours of faces count where they are all that tells places apart.
-    bool face_colours_count(const std::vector<Eigen::Vector4f>& of_vertices,
-                            const std::vector<Eigen::Vector4f>& of_faces) {
-        if (of_faces.empty()) return false;
+    bool face_colours_count() {
+        if (of_faces_.empty()) return false;
         const auto differ = [](const std::vector<Eigen::Vector4f>& colours) {
             return std::adjacent_find(colours.begin(), colours.end(), std::not_equal_to<>()) != colours.end();
         };
-        if (differ(of_vertices) && differ(of_faces))
+        if (differ(of_vertices_) && differ(of_faces_))
             parts_.warnings.push_back(fmt::format(
                 "{} has colours of vertices and of faces; those of the vertices are printed.", context_.name()));
-        return !differ(of_vertices) && (of_vertices.empty() || differ(of_faces));
+        return !differ(of_vertices_) && (of_vertices_.empty() || differ(of_faces_));
     }
 
-    void add(std::size_t f, const std::vector<Eigen::Vector4f>& of_vertices,
-             const std::vector<Eigen::Vector4f>& of_faces, bool by_face) {
+    /// Of a corner, white where it has no colour though others have.
+    Eigen::Vector4f colour_of(std::size_t face, std::uint32_t vertex) {
+        const Eigen::Vector4f none = Eigen::Vector4f(no_colour().cast<float>());
+        const Eigen::Vector4f& rgba = !by_face_                 ? of_vertices_[vertex]
+                                      : face < of_faces_.size() ? of_faces_[face]
+                                                                : none;
+        if (!std::isnan(rgba[0])) return rgba;
+        white_.insert(by_face_ ? face : vertex);
+        return Eigen::Vector4f::Ones();
+    }
+
+    void add(std::size_t f) {
         const Face& face = faces_[f];
         std::vector<Eigen::Vector3d> outline;
         std::vector<std::uint32_t> vertex;
@@ -296,35 +294,30 @@ private:
         if (has_page && !textured) ++without_page_;
         const auto m = static_cast<std::uint32_t>(textured ? page : pages_);
         const bool picture = textured && coordinates && parts_.materials[m].image >= 0;
+        const bool coloured = !picture && (by_face_ || !of_vertices_.empty());
         for (const auto& triangle : polygon_triangles(outline)) {
-            const std::size_t t =
-                parts_.add_triangle({vertex[triangle[0]], vertex[triangle[1]], vertex[triangle[2]]}, m);
+            const std::array<std::uint32_t, 3> corner{vertex[triangle[0]], vertex[triangle[1]], vertex[triangle[2]]};
+            const std::size_t t = parts_.add_triangle(corner, m);
             if (coordinates) {
                 std::array<Eigen::Vector2f, 3> uv;
                 for (std::size_t c = 0; c < 3; ++c)
-                    uv[c] = at_corners ? corner_uv_[face.first + triangle[c]] : vertex_uv_[vertex[triangle[c]]];
+                    uv[c] = at_corners ? corner_uv_[face.first + triangle[c]] : vertex_uv_[corner[c]];
                 parts_.set_uv(t, uv);
             }
-            if (picture) continue;
-            if (by_face && f < of_faces.size()) {
-                parts_.set_rgba(t, {of_faces[f], of_faces[f], of_faces[f]});
-            } else if (!of_vertices.empty()) {
-                std::array<Eigen::Vector4f, 3> rgba;
-                for (std::size_t c = 0; c < 3; ++c) rgba[c] = of_vertices[vertex[triangle[c]]];
-                parts_.set_rgba(t, rgba);
-            }
+            if (coloured)
+                parts_.set_rgba(t, {colour_of(f, corner[0]), colour_of(f, corner[1]), colour_of(f, corner[2])});
         }
     }
 
     void say_what_was_lost() {
         for (const PlyElement& element : header_.elements)
-            for (const PlyProperty& p : element.properties)
-                if (ply_colour_channel(p.name) < 0 && lower_case(p.name).find("red") != std::string::npos &&
-                    !has_colour(element))
-                    parts_.lose_colour(
-                        fmt::format("{} has colours by the name of '{}', which is not known: they are "
-                                    "LOST. Call them red, green and blue.",
-                                    context_.name(), printable(p.name)));
+            if (const std::string name = ply_unread_colour(element); !name.empty())
+                parts_.lose_colour(
+                    fmt::format("{} has colours by the name of '{}', which is not known: they are LOST. Call them red, "
+                                "green and blue.",
+                                context_.name(), printable(name)));
+        if (!white_.empty())
+            parts_.lose_colour(white_without_colour(white_.size(), by_face_ ? "faces" : "vertices", context_.name()));
         if (without_page_)
             parts_.lose_colour(
                 fmt::format("{} faces of {} have no texture of their own or no texture coordinates, where "
@@ -339,7 +332,11 @@ private:
     ParseContext& context_;
     const PlyHeader header_;
     ModelParts parts_;
-    RawColours vertex_colours_, face_colours_;
+    FileColours vertex_colours_, face_colours_, material_colours_;
+    std::vector<Eigen::Vector4f> of_vertices_, of_faces_;  ///< settled
+    std::vector<std::int64_t> vertex_material_;
+    std::set<std::size_t> white_;                         ///< vertices or faces that are white for want of a colour
+    bool by_face_ = false;                                ///< of the two the second are printed
     std::vector<Eigen::Vector2f> vertex_uv_, corner_uv_;  ///< per vertex; per corner, not a number where there is none
     std::vector<double> corners_;
     std::vector<Face> faces_;

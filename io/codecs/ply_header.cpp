@@ -2,7 +2,9 @@
 #include "voxtone/io/codecs/ply_header.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <span>
 #include <sstream>
 #include <string_view>
 #include <utility>
@@ -76,18 +78,74 @@ std::size_t end_of_line(std::string_view text, std::size_t from) {
     return end == std::string_view::npos ? text.size() : end + 1;
 }
 
+constexpr std::string_view colour_names[][4] = {{"red", "green", "blue", "alpha"},
+                                                {"r", "g", "b", "a"},
+                                                {"diffuse_red", "diffuse_green", "diffuse_blue", "diffuse_alpha"},
+                                                {"vertex_red", "vertex_green", "vertex_blue", "vertex_alpha"},
+                                                {"ambient_red", "ambient_green", "ambient_blue", "ambient_alpha"}};
+
+std::ptrdiff_t find_value(const PlyElement& element, std::string_view name) {
+    const auto found = std::ranges::find_if(
+        element.properties, [&](const PlyProperty& p) { return !p.is_list && lower_case(p.name) == name; });
+    return found == element.properties.end() ? -1 : found - element.properties.begin();
+}
+
+/// But for colours.
+PlyRole role_of(const PlyProperty& property) {
+    static constexpr std::pair<std::string_view, PlyRole> values[] = {{"x", PlyRole::x},
+                                                                      {"y", PlyRole::y},
+                                                                      {"z", PlyRole::z},
+                                                                      {"s", PlyRole::u},
+                                                                      {"u", PlyRole::u},
+                                                                      {"texture_u", PlyRole::u},
+                                                                      {"texture_s", PlyRole::u},
+                                                                      {"tx", PlyRole::u},
+                                                                      {"t", PlyRole::v},
+                                                                      {"v", PlyRole::v},
+                                                                      {"texture_v", PlyRole::v},
+                                                                      {"texture_t", PlyRole::v},
+                                                                      {"ty", PlyRole::v},
+                                                                      {"texnumber", PlyRole::page},
+                                                                      {"material_index", PlyRole::material},
+                                                                      {"material_indices", PlyRole::material}};
+    static constexpr std::pair<std::string_view, PlyRole> lists[] = {{"vertex_indices", PlyRole::corners},
+                                                                     {"vertex_index", PlyRole::corners},
+                                                                     {"vertex_indexes", PlyRole::corners},
+                                                                     {"texcoord", PlyRole::corner_uv}};
+    const std::string name = lower_case(property.name);
+    const std::span<const std::pair<std::string_view, PlyRole>> known =
+        property.is_list ? std::span<const std::pair<std::string_view, PlyRole>>(lists) : values;
+    for (const auto& [of_role, role] : known)
+        if (name == of_role) return role;
+    return PlyRole::none;
+}
+
 }  // namespace
 
-int ply_colour_channel(const std::string& spelled) {
-    const std::string property = lower_case(spelled);
-    static constexpr std::string_view names[4][3] = {{"red", "diffuse_red", "r"},
-                                                     {"green", "diffuse_green", "g"},
-                                                     {"blue", "diffuse_blue", "b"},
-                                                     {"alpha", "diffuse_alpha", "a"}};
-    for (int channel = 0; channel < 4; ++channel)
-        if (std::find(std::begin(names[channel]), std::end(names[channel]), property) != std::end(names[channel]))
-            return channel;
-    return -1;
+std::vector<PlyRole> ply_roles(const PlyElement& element) {
+    std::vector<PlyRole> roles;
+    for (const PlyProperty& p : element.properties) roles.push_back(role_of(p));
+    for (const auto& family : colour_names) {
+        std::array<std::ptrdiff_t, 4> at{};
+        for (std::size_t c = 0; c < 4; ++c) at[c] = find_value(element, family[c]);
+        if (at[0] < 0 || at[1] < 0 || at[2] < 0) continue;
+        if (at[3] < 0) at[3] = find_value(element, "alpha");
+        for (std::size_t c = 0; c < 4; ++c)
+            if (at[c] >= 0) roles[static_cast<std::size_t>(at[c])] = static_cast<PlyRole>(int(PlyRole::red) + int(c));
+        break;
+    }
+    return roles;
+}
+
+std::string ply_unread_colour(const PlyElement& element) {
+    if (std::ranges::count(ply_roles(element), PlyRole::red) > 0) return {};
+    for (const PlyProperty& p : element.properties) {
+        const std::string name = lower_case(p.name);
+        if (name.find("red") != std::string::npos || name.find("colo") != std::string::npos || name == "rgb" ||
+            name == "rgba")
+            return p.name;
+    }
+    return {};
 }
 
 PlyHeader read_ply_header(std::span<const std::byte> bytes, const std::string& name) {

@@ -44,7 +44,13 @@ struct PlyHeader {
 /// Throws InputError on a header that is no PLY or declares more than the file can hold.
 [[nodiscard]] PlyHeader read_ply_header(std::span<const std::byte> bytes, const std::string& name);
 
-/// 0 to 3 for red, green, blue, alpha by the names that programs give them, in any case; -1: no colour.
-[[nodiscard]] int ply_colour_channel(const std::string& spelled);
+/// What a property is, by the names that programs give it, in any case.
+enum class PlyRole : char { none, red, green, blue, alpha, x, y, z, u, v, corners, corner_uv, page, material };
+
+/// Of an element's properties. Where there are several kinds of colours one is taken: plain ones before diffuse ones,
+/// and those before ambient ones.
+[[nodiscard]] std::vector<PlyRole> ply_roles(const PlyElement& element);
+/// A property that is a colour by its name where ply_roles finds none; empty: there is none.
+[[nodiscard]] std::string ply_unread_colour(const PlyElement& element);
 
 }  // namespace voxtone::io

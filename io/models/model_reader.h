@@ -6,10 +6,10 @@
 // - OBJ: texture over vertex colours over Kd (io/codecs/parse_obj.h): Kd does NOT multiply the map, as the MTL note
 //   would have it: exporters leave grey defaults there (0.64, 0.8) beside finished photographs, and people expect the
 //   colours of the picture. A Kd that is no grey and was not applied is reported. Vertex colours are sRGB, as Kd is.
-// - PLY: colours of vertices, or of faces where those of vertices are all alike, are sRGB codes whose range goes by
-// type
-//   and by what occurs (io/codecs/parse_ply.h); textures by `comment TextureFile` and `texnumber`, with coordinates of
-//   vertices or of each face's corners.
+//   Textures may be cut into tiles (io/models/udim.h).
+// - PLY: colours of vertices, or of faces where those of vertices are all alike, are sRGB codes; textures
+//   by `comment TextureFile` and `texnumber`, with coordinates of vertices or of each face's corners.
+// - OBJ, MTL, PLY: the range of colours goes by type and by what occurs (io/models/colour_range.h).
 // - STL: none. Attribute words that look like the colours of VisCAM or Magics are lost, which is said.
 // - glTF: baseColorFactor (linear) * COLOR_0 (linear) * baseColorTexture (sRGB) with KHR_texture_transform; the older
 //   specular-glossiness where it is the material, emission where the base is black. Alpha counts where alphaMode is

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "voxtone/io/models/colour_range.h"
 #include "voxtone/io/models/model_text.h"
 
 namespace voxtone::io {
@@ -42,7 +43,8 @@ std::optional<Eigen::Vector3f> colour_of(std::string_view text) {
     if (values.size() != 1 && values.size() != 3) return std::nullopt;
     Eigen::Vector3f rgb =
         values.size() == 1 ? Eigen::Vector3f::Constant(values[0]) : Eigen::Vector3f(values[0], values[1], values[2]);
-    if (rgb.maxCoeff() > most_of_unit_range) rgb /= 255;
+    const bool whole = rgb == Eigen::Vector3f(rgb.array().floor());
+    rgb /= static_cast<float>(colour_range(static_cast<double>(rgb.maxCoeff()), ColourNumbers::reals, whole));
     return rgb.cwiseMax(0).cwiseMin(1);
 }
 

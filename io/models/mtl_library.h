@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Material libraries of OBJ files, as far as they are colour: newmtl, Kd, d, Tr, map_Kd (-o, -s, -clamp, names with
-// spaces). Where Kd says nothing, colour is taken from where unlit exporters put it: a map from map_Ke (Kd black or
-// absent) or map_Ka (Kd grey or absent), a colour from Ke (Kd black or absent) or from a Ka that is no grey (likewise:
-// many write a white Ka beside a Kd that is black and means it). Everything else is passed over. No line of a library
-// makes it invalid.
+// spaces). Colours may be of 0 to 255 (colour_range.h). Where Kd says nothing, colour is taken from where unlit
+// exporters put it: a map from map_Ke (Kd black or absent) or map_Ka (Kd grey or absent), a colour from Ke (Kd black or
+// absent) or from a Ka that is no grey (likewise: many write a white Ka beside a Kd that is black and means it).
+// Everything else is passed over. No line of a library makes it invalid.
 #pragma once
 
 #include <optional>
@@ -30,8 +30,5 @@ struct MtlMaterial {
 
 /// `text`: as model_text gives it.
 [[nodiscard]] std::vector<MtlMaterial> parse_mtl(std::string_view text);
-
-/// Colours of 0 to 255 where any channel is above 1.5 (exporters of bytes; 1.02 is a colour too bright, and clamped).
-inline constexpr float most_of_unit_range = 1.5f;
 
 }  // namespace voxtone::io

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
+#include "model_checks.h"
 #include "model_samples.h"
 #include "voxtone/base/error.h"
 #include "voxtone/io/codecs/read_here.h"
@@ -55,14 +56,6 @@ ModelFile read(const std::string& bytes, const Files& others = {}) {
     files.insert(files.end(), others.begin(), others.end());
     return read_model_here(folder.write(files));
 }
-
-std::string warnings(const ModelFile& file) {
-    std::string all;
-    for (const std::string& warning : file.warnings) all += warning + "\n";
-    return all;
-}
-
-bool near(const Vector3f& a, const Vector3f& b, float margin = 2e-3f) { return (a - b).cwiseAbs().maxCoeff() < margin; }
 
 std::string error_of(const std::string& bytes) {
     try {

@@ -9,12 +9,11 @@
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
+#include "model_checks.h"
 #include "model_samples.h"
 #include "voxtone/base/error.h"
-#include "voxtone/io/codecs/read_here.h"
 #include "voxtone/io/models/mtl_library.h"
 #include "voxtone/io/pictures/texture.h"
-#include "voxtone/optics/colour/colour.h"
 
 #ifdef __SANITIZE_ADDRESS__
 // OpenImageIO's PNG reader jumps past the destructor of a message when a file is broken. That the leak is its own is
@@ -35,34 +34,11 @@ using Eigen::Vector3f;
 
 namespace {
 
-float linear(double code) { return static_cast<float>(optics::srgb_decode(code)); }
-
-/// Colour of a triangle's corner as io/models/mesh.h defines it.
-Vector3f corner_colour(const TexturedMesh& mesh, std::size_t t, std::size_t c) {
-    const SurfaceMaterial& material = mesh.materials[mesh.material_of_triangle[t]];
-    Vector3f rgb = material.rgb;
-    if (!mesh.corner_rgb.empty()) rgb = rgb.cwiseProduct(mesh.corner_rgb[t][c]);
-    if (material.texture)
-        rgb = rgb.cwiseProduct(material.texture->sample(mesh.corner_uv[t][c].x(), mesh.corner_uv[t][c].y()));
-    return rgb;
-}
-
-bool near(const Vector3f& a, const Vector3f& b, float margin = 2e-3f) { return (a - b).cwiseAbs().maxCoeff() < margin; }
-
 double volume(const TexturedMesh& mesh) {
     double sum = 0;
     for (const auto& t : mesh.triangles)
         sum += mesh.positions[t[0]].dot(mesh.positions[t[1]].cross(mesh.positions[t[2]])) / 6;
     return sum;
-}
-
-/// In this process: what is being tested here is the reading, not the wall around it.
-ModelFile read(const Folder& folder, const Files& files) { return read_model_here(folder.write(files)); }
-
-std::string warnings(const ModelFile& file) {
-    std::string all;
-    for (const std::string& warning : file.warnings) all += warning + "\n";
-    return all;
 }
 
 const std::string square =
@@ -398,6 +374,14 @@ TEST_CASE("OBJ as the world writes it") {
         }
         CHECK(near(first({{"a.obj", "mtllib n\xE4he.mtl\n" + faces}, {"n\xC3\xA4he.mtl", "newmtl m\nKd 1 0 0\n"}}),
                    {1, 0, 0}));
+    }
+    SECTION("a material that is there twice: the last of a library, of the first library") {
+        const std::string red_last = "newmtl m\nKd 0 1 0\nnewmtl n\nKd 0 0 1\nnewmtl m\nKd 1 0 0\n";
+        const ModelFile twice = read(folder, {{"a.obj", "mtllib a.mtl b.mtl\n" + triangle + "usemtl m\nf 1 2 3\n"},
+                                              {"a.mtl", red_last},
+                                              {"b.mtl", "newmtl m\nKd 0 0 1\n"}});
+        CHECK(near(corner_colour(twice.mesh, 0, 0), {1, 0, 0}));
+        CHECK_THAT(warnings(twice), Contains("'m' several times") && Contains("a.mtl"));
     }
     SECTION("colours that unlit exporters put elsewhere") {
         const auto of = [&](const std::string& material) {
