@@ -109,14 +109,23 @@ void GltfData::scan(const GltfAccessor& a, const Store& store) const {
 }
 
 std::vector<float> GltfData::floats(std::int64_t index, std::size_t wanted) const {
+    return values(index, wanted, false);
+}
+
+std::vector<float> GltfData::shares(std::int64_t index, std::size_t wanted) const {
+    return values(index, wanted, true);
+}
+
+std::vector<float> GltfData::values(std::int64_t index, std::size_t wanted, bool as_shares) const {
     const GltfAccessor& a = accessor_at(index);
     if (a.components != wanted)
         fail(fmt::format("accessor {} has {} components where {} are needed", index, a.components, wanted));
-    std::vector<float> values(static_cast<std::size_t>(a.count) * wanted);
+    std::vector<float> found(static_cast<std::size_t>(a.count) * wanted);
     const auto scaled = [&](float largest) {
-        return [&values, wanted, largest, normalised = a.normalised](std::size_t i, std::size_t c, auto value) {
+        return [&found, wanted, largest, normalised = a.normalised || as_shares](std::size_t i, std::size_t c,
+                                                                                 auto value) {
             const auto plain = static_cast<float>(value);
-            values[i * wanted + c] = normalised ? std::max(plain / largest, -1.0f) : plain;
+            found[i * wanted + c] = normalised ? std::max(plain / largest, -1.0f) : plain;
         };
     };
     switch (a.component_type) {
@@ -133,12 +142,12 @@ std::vector<float> GltfData::floats(std::int64_t index, std::size_t wanted) cons
             scan<std::uint16_t>(a, scaled(65535));
             break;
         case 5126:
-            scan<float>(a, [&](std::size_t i, std::size_t c, float value) { values[i * wanted + c] = value; });
+            scan<float>(a, [&](std::size_t i, std::size_t c, float value) { found[i * wanted + c] = value; });
             break;
         default:
             fail(fmt::format("accessor {} has the component type {}, which is not for this", index, a.component_type));
     }
-    return values;
+    return found;
 }
 
 std::vector<std::uint32_t> GltfData::indices(std::int64_t index) const {

@@ -39,6 +39,8 @@ public:
 
     /// All elements as floats, `components` each; normalised integers in [0, 1] or [-1, 1].
     [[nodiscard]] std::vector<float> floats(std::int64_t accessor, std::size_t components) const;
+    /// The same of shares: integers are taken to be normalised, whether the file says so or not.
+    [[nodiscard]] std::vector<float> shares(std::int64_t accessor, std::size_t components) const;
     /// An accessor of unsigned scalars.
     [[nodiscard]] std::vector<std::uint32_t> indices(std::int64_t accessor) const;
     [[nodiscard]] std::size_t components(std::int64_t accessor) const { return accessor_at(accessor).components; }
@@ -50,6 +52,7 @@ private:
     [[nodiscard]] const GltfAccessor& accessor_at(std::int64_t index) const;
     [[nodiscard]] std::span<const std::byte> elements(std::int64_t view, std::int64_t offset, std::int64_t count,
                                                       std::size_t stride, std::size_t size) const;
+    [[nodiscard]] std::vector<float> values(std::int64_t accessor, std::size_t components, bool as_shares) const;
     template <class Value, class Store>
     void scan(const GltfAccessor& accessor, const Store& store) const;
 

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
@@ -19,6 +20,7 @@
 #include "voxtone/base/printable.h"
 #include "voxtone/io/codecs/gltf_data.h"
 #include "voxtone/io/files/base64.h"
+#include "voxtone/io/models/model_text.h"
 
 namespace voxtone::io {
 
@@ -192,7 +194,7 @@ private:
             } else if (auto inside = data_uri(uri)) {
                 bytes = std::move(*inside);
             } else {
-                auto beside = context_.read_side_file(decode_uri(uri));
+                auto beside = context_.read_side_file(file_of(uri));
                 if (!beside)
                     throw InputError(fmt::format(
                         "the file '{}', which holds the geometry of {}, was not found beside it; put it there", uri,
@@ -246,7 +248,13 @@ private:
         if (uri.empty())
             return context_.add_image_bytes(parts_, key, data_.view(integer(image, "bufferView", -1)), decode);
         if (const auto inside = data_uri(uri)) return context_.add_image_bytes(parts_, key, *inside, decode);
-        return context_.add_image_file(parts_, decode_uri(uri), decode);
+        return context_.add_image_file(parts_, file_of(uri), decode);
+    }
+
+    /// Some write the name as it is, with a % in it.
+    std::string file_of(const std::string& uri) {
+        const std::string decoded = decode_uri(uri);
+        return context_.finds(decoded) || !context_.finds(uri) ? decoded : uri;
     }
 
     static Wrap wrap(std::int64_t code) {
@@ -286,6 +294,7 @@ private:
         PartMaterial& material = parts_.materials.emplace_back();
         MaterialUv& uv = material_uv_.emplace_back();
         material.name = text(json, "name");
+        if (material.name.empty()) material.name = fmt::format("number {}", parts_.materials.size() - 1);
         material.opaque = text(json, "alphaMode", "OPAQUE") == "OPAQUE";
         const Json& old_workflow = object(object(json, "extensions"), "KHR_materials_pbrSpecularGlossiness");
         // Where the other says nothing, or less than what must be understood, the older one is the material.
@@ -315,7 +324,8 @@ private:
         Eigen::Vector3f glow = Eigen::Vector3f::Zero();
         numbers(json, "emissiveFactor", glow);
         const Json& info = object(json, "emissiveTexture");
-        if (!glow.allFinite() || (glow.maxCoeff() <= 0 && info.empty())) return;
+        if (!info.empty() && !json.contains("emissiveFactor")) glow.setOnes();  // left out by mistake: it is 0 then
+        if (!glow.allFinite() || glow.maxCoeff() <= 0) return;
         material.rgb = glow.cwiseMax(0).cwiseMin(1);
         if (!info.empty()) read_texture(info, material, uv);
         warn(fmt::format("The material '{}' of {} has a black base; its emission was taken for its colour.",
@@ -369,22 +379,27 @@ private:
 
     void read_scene() {
         for (const std::int64_t root : roots()) place_nodes(root);
+        for (const std::int64_t root : nobodys_children())  // skins may hang on nodes that the scene has not
+            if (!placed_.contains(root)) place_nodes(root);
         for (const std::int64_t root : roots()) read_nodes(root);
+    }
+
+    std::vector<std::int64_t> nobodys_children() const {
+        std::vector<std::int64_t> found;
+        std::set<std::int64_t> children;
+        for (const Json& node : array(root_, "nodes"))
+            if (node.is_object())
+                for (const Json& child : array(node, "children"))
+                    if (child.is_number_integer()) children.insert(child.get<std::int64_t>());
+        for (std::int64_t n = 0; n < static_cast<std::int64_t>(array(root_, "nodes").size()); ++n)
+            if (!children.contains(n)) found.push_back(n);
+        return found;
     }
 
     std::vector<std::int64_t> roots() const {
         std::vector<std::int64_t> found;
         const Json& scenes = array(root_, "scenes");
-        if (scenes.empty()) {  // nodes that are nobody's children
-            std::set<std::int64_t> children;
-            for (const Json& node : array(root_, "nodes"))
-                if (node.is_object())
-                    for (const Json& child : array(node, "children"))
-                        if (child.is_number_integer()) children.insert(child.get<std::int64_t>());
-            for (std::int64_t n = 0; n < static_cast<std::int64_t>(array(root_, "nodes").size()); ++n)
-                if (!children.contains(n)) found.push_back(n);
-            return found;
-        }
+        if (scenes.empty()) return nobodys_children();
         for (const Json& node : array(item("scenes", integer(root_, "scene", 0)), "nodes"))
             found.push_back(node.is_number_integer() ? node.get<std::int64_t>() : absurd);
         return found;
@@ -604,9 +619,10 @@ private:
         }
         if (const std::int64_t accessor = integer(attributes, "COLOR_0", -1); accessor != -1) {
             channels = data_.components(accessor) == 3 ? 3 : 4;
-            rgba = data_.floats(accessor, channels);
+            rgba = data_.shares(accessor, channels);
             parts_.has_colour = true;
         }
+        report_other_colours(attributes, what, parts_.materials[material].image >= 0);
         if ((!uv.empty() && uv.size() / 2 < vertices) || (!rgba.empty() && rgba.size() / channels < vertices))
             fail(fmt::format("{} has fewer texture coordinates or colours than vertices", what));
 
@@ -639,7 +655,25 @@ private:
         }
     }
 
+    /// Colours that are none by the standard: COLOR_1, _COLOR and their like.
+    void report_other_colours(const Json& attributes, const std::string& what, bool textured) {
+        for (const auto& [name, accessor] : attributes.items()) {
+            const bool further = name.starts_with("COLOR_") && name != "COLOR_0";
+            if (!further && !(name.starts_with("_") && lower_case(name).find("col") != std::string::npos)) continue;
+            if (textured || attributes.contains("COLOR_0"))
+                others_.insert(printable(name));
+            else
+                parts_.lose_colour(fmt::format(
+                    "In {}, {} has its colours by the name of {}, which has no standard, and no COLOR_0: they are "
+                    "LOST. Make them the first colours (in Blender the active ones) and export it again.",
+                    context_.name(), what, printable(name)));
+        }
+    }
+
     void report() {
+        if (!others_.empty())
+            warn(fmt::format("{} has further colours of vertices ({}); they have no standard and are left aside.",
+                             context_.name(), fmt::join(others_, ", ")));
         if (points_and_lines_)
             warn(fmt::format("{} has points or lines ({} vertices); they have no volume and are left aside.",
                              context_.name(), points_and_lines_));
@@ -665,6 +699,7 @@ private:
     std::uint32_t default_material_ = 0;
     std::vector<float> cutoff_;  ///< per material; negative: alpha is not cut
     std::map<std::int64_t, Eigen::Affine3d> placed_;
+    std::set<std::string> others_;  ///< attributes that are colours and were not read
     std::size_t points_and_lines_ = 0, skinned_ = 0, hidden_ = 0;
 };
 

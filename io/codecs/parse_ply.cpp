@@ -46,6 +46,8 @@ public:
         expect_lists_to_fit(context_.bytes(), header_, context_.name());
         PlyValues values(context_.bytes(), header_, context_.name());
         for (const PlyElement& element : header_.elements) read(element, values);
+        if (values.commas())
+            parts_.warnings.push_back(fmt::format("{} has decimal commas; they were read as points.", context_.name()));
         make_materials();
         settle_colours();
         for (std::size_t f = 0; f < faces_.size(); ++f) add(f);

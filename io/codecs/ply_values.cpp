@@ -70,8 +70,7 @@ double PlyValues::next_word() {
     skip_blanks();
     const std::size_t first = at_;
     while (at_ < text_.size() && !is_blank(text_[at_])) ++at_;
-    bool comma = false;
-    const auto value = number_of(text_.substr(first, at_ - first), comma);
+    const auto value = number_of(text_.substr(first, at_ - first), commas_);
     if (!value) cut_short();
     return *value;
 }

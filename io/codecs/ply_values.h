@@ -26,6 +26,9 @@ public:
     /// The length of a list, which fits into what is left of the file.
     [[nodiscard]] std::uint64_t length(PlyType type);
 
+    /// Whether any number that was read had a decimal comma.
+    [[nodiscard]] bool commas() const { return commas_; }
+
 private:
     [[noreturn]] void cut_short() const;
     void skip_blanks();
@@ -37,6 +40,7 @@ private:
     std::size_t at_;
     PlyHeader::Encoding encoding_;
     const std::string& name_;
+    bool commas_ = false;
 };
 
 void skip_item(const PlyElement& element, PlyValues& values);

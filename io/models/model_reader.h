@@ -14,7 +14,8 @@
 // - glTF: baseColorFactor (linear) * COLOR_0 (linear) * baseColorTexture (sRGB) with KHR_texture_transform; the older
 //   specular-glossiness where it is the material, emission where the base is black. Alpha counts where alphaMode is
 //   BLEND; MASK is opaque from its cutoff on. Node transforms, skins and morph weights in the pose of the file and
-//   copies of EXT_mesh_gpu_instancing are applied, hidden nodes and animations left aside. The axes are turned from y
+//   copies of EXT_mesh_gpu_instancing are applied, hidden nodes and animations left aside. COLOR_1 and attributes of
+//   other names are no colours by the standard: lost where there is no COLOR_0. The axes are turned from y
 //   up to z up: (x, y, z) -> (x, -z, y).
 // - 3MF: the core specification with materials and properties (io/codecs/threemf_part.h), and what slicers write beside
 // it

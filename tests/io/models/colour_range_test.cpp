@@ -137,6 +137,12 @@ TEST_CASE("colours of every type and name, of vertices and of faces") {
         CHECK(near(corner_colour(materials(number, " 1", "\n0 0 255\n200 40 40", 2).mesh, 0, 0), red));
         CHECK_THAT(materials("", "", "\n0 0 255\n200 40 40", 2).lost_colour, Contains("1 faces"));
     }
+    SECTION("decimal commas are said") {
+        const ModelFile file =
+            read(folder, {{"a.ply", ply(properties("float"), "", " 0,784314 0,156863 0,156863", "")}});
+        CHECK(near(corner_colour(file.mesh, 0, 0), red));
+        CHECK_THAT(warnings(file), Contains("commas"));
+    }
     SECTION("strips of unsigned numbers begin anew at the largest") {
         const ModelFile file =
             read(folder, {{"s.ply",

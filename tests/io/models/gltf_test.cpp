@@ -286,3 +286,83 @@ TEST_CASE("glTF in the pose of the file, with its copies, and without what it hi
             {0, 0, 1}));
     }
 }
+
+TEST_CASE("glTF as the world writes it") {
+    Builder b;
+    const int p = b.floats(triangle, "VEC3");
+    const auto mesh = [](const std::string& attributes, const std::string& rest = "", const std::string& of_it = "") {
+        return fmt::format(R"("nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{{}}}{}}}]}}]{})",
+                           attributes, of_it, rest);
+    };
+    const std::string position = fmt::format(R"("POSITION":{})", p);
+    SECTION("colours of vertices of every type, whether they are said to be normalised or not") {
+        const auto colour = [&](int accessor) {
+            return read(b.file(mesh(position + fmt::format(R"(,"COLOR_0":{})", accessor)))).mesh.corner_rgb[0][1];
+        };
+        for (const std::string more : {"", R"(,"normalized":true)", R"(,"normalized":false)"}) {
+            CAPTURE(more);
+            const std::vector<std::uint8_t> bytes{0, 0, 0, 255, 51, 0, 255, 0, 0, 0, 0, 255};
+            const std::vector<std::uint16_t> words{0, 0, 0, 65535, 13107, 0, 65535, 0, 0, 0, 0, 65535};
+            CHECK(near(colour(b.add(raw(bytes).substr(0, 9), 5121, 3, "VEC3", more)), {1, 0.2f, 0}));
+            CHECK(near(colour(b.add(raw(bytes), 5121, 3, "VEC4", more)), {0.2f, 0, 1}));
+            CHECK(near(colour(b.add(raw(words).substr(0, 18), 5123, 3, "VEC3", more)), {1, 0.2f, 0}));
+            CHECK(near(colour(b.add(raw(words), 5123, 3, "VEC4", more)), {0.2f, 0, 1}));
+        }
+        CHECK(near(colour(b.floats({0, 0, 0, 1, 0.2f, 0, 1, 0, 0}, "VEC3")), {1, 0.2f, 0}));
+        CHECK(near(colour(b.floats({0, 0, 0, 1, 0.2f, 0, 1, 1, 0, 0, 0, 1}, "VEC4")), {0.2f, 0, 1}));
+    }
+    SECTION("colours by other names are lost, or said where there are others") {
+        const int rgb = b.floats({1, 0, 0, 1, 0, 0, 1, 0, 0}, "VEC3");
+        for (const std::string name : {"COLOR_1", "_COLOR", "_Col"}) {
+            const std::string further = position + fmt::format(R"(,"{}":{})", name, rgb);
+            CHECK_THAT(read(b.file(mesh(further))).lost_colour, Contains(name) && Contains("LOST"));
+            const ModelFile both = read(b.file(mesh(further + fmt::format(R"(,"COLOR_0":{})", rgb))));
+            CHECK(both.lost_colour.empty());
+            CHECK_THAT(warnings(both), Contains(name) && Contains("left aside"));
+        }
+        CHECK(read(b.file(mesh(position + fmt::format(R"(,"_TEMPERATURE":{})", rgb)))).warnings.empty());
+    }
+    SECTION("names of files as they are and with %XX") {
+        const int uv = b.floats({0.25f, 0.25f, 0.25f, 0.25f, 0.25f, 0.25f}, "VEC2");
+        const std::string textured = mesh(
+            position + fmt::format(R"(,"TEXCOORD_0":{})", uv),
+            R"(,"materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}],"textures":[{"source":0}],)"
+            R"("images":[{"uri":"my%20t.png"}])",
+            R"(,"material":0)");
+        for (const std::string name : {"my t.png", "my%20t.png"}) {
+            const ModelFile file = read(b.file(textured), {{name, four_colours()}});
+            CHECK(file.lost_colour.empty());
+            CHECK(near(corner_colour(file.mesh, 0, 0), {1, 0, 0}));
+        }
+        CHECK_THAT(read(b.file(textured)).lost_colour, Contains("my t.png"));
+    }
+    SECTION("a glow that is a picture, its factor left out") {
+        const int uv = b.floats({0.25f, 0.25f, 0.25f, 0.25f, 0.25f, 0.25f}, "VEC2");
+        const auto with = [&](const std::string& factor) {
+            return read(
+                b.file(mesh(position + fmt::format(R"(,"TEXCOORD_0":{})", uv),
+                            fmt::format(R"(,"materials":[{{{}"emissiveTexture":{{"index":0}},"pbrMetallicRoughness":)"
+                                        R"({{"baseColorFactor":[0,0,0,1]}}}}],"textures":[{{"source":0}}],)"
+                                        R"("images":[{{"uri":"t.png"}}])",
+                                        factor),
+                            R"(,"material":0)")),
+                {{"t.png", four_colours()}});
+        };
+        CHECK(near(corner_colour(with("").mesh, 0, 0), {1, 0, 0}));
+        CHECK(near(corner_colour(with(R"("emissiveFactor":[1,1,1],)").mesh, 0, 0), {1, 0, 0}));
+        CHECK(near(corner_colour(with(R"("emissiveFactor":[0,0,0],)").mesh, 0, 0), {0, 0, 0}));
+    }
+    SECTION("a skin whose joints stand outside the scene, under two roots") {
+        const int joints = b.add(std::string("\0\0\0\0\1\0\0\0\0\0\0\0", 12), 5121, 3, "VEC4"),
+                  weights = b.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
+        const ModelFile file = read(b.file(fmt::format(
+            R"("scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0,"skin":0}},{{"translation":[0,5,0]}},)"
+            R"({{"translation":[3,0,0],"children":[3]}},{{"translation":[0,0,4]}}],"skins":[{{"joints":[1,3]}}],)"
+            R"("meshes":[{{"primitives":[{{"attributes":{{"POSITION":{},"JOINTS_0":{},"WEIGHTS_0":{}}}}}]}}])",
+            p, joints, weights)));
+        const auto at = [&](std::size_t c) { return file.mesh.positions[file.mesh.triangles[0][c]]; };
+        CHECK((at(0) - Vector3d(0, 0, 5)).norm() < 1e-6);
+        CHECK((at(1) - Vector3d(4, -4, 0)).norm() < 1e-6);  // (1, 0, 0) + (3, 0, 4), z up
+        CHECK((at(2) - Vector3d(0, 0, 6)).norm() < 1e-6);
+    }
+}
