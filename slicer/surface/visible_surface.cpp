@@ -110,7 +110,7 @@ public:
     VisibleParts(const std::vector<Vector3d>& positions_mm, const std::vector<Triangle>& source_triangles,
                  const RepairedMesh& repaired, const VisibleSurfaceOptions& options, Progress* progress);
 
-    /// The solid's triangles of the textured mesh, and those that fill holes.
+    /// The solid's triangles of the textured mesh, and those that fill holes; those of sheets first.
     void show_solid();
     /// The triangles of the textured mesh that wraps stand for.
     void show_wrapped();
@@ -154,6 +154,9 @@ private:
     Sight find_visible_pieces(std::uint32_t t);
     void count(Sight as_a_whole);
 
+    [[nodiscard]] std::vector<bool> sheets() const;
+    template <class Which>
+    void show_solid(const Which& which);
     void show_source(std::uint32_t t);
     void show_fill(std::uint32_t t);
     void show_in_corner_colours(const Piece& piece, const Triangle& corners);
@@ -305,10 +308,39 @@ void VisibleParts::find_sources_at_corners() {
     }
 }
 
+// Shells that enclose nothing, or nothing but what filling their holes made of them: a label that lies on a body.
+std::vector<bool> VisibleParts::sheets() const {
+    std::vector<bool> of_sheet(solid_.triangles.size(), false);
+    if (repaired_.report.after.shells < 2) return of_sheet;
+    struct Extent {
+        double own = 0, fill = 0, volume = 0;
+    };
+    const Shells shells = find_shells(solid_.triangles);
+    std::vector<Extent> extents(shells.count);
+    for (std::uint32_t t = 0; t < solid_.triangles.size(); ++t) {
+        Extent& extent = extents[shells.of_triangle[t]];
+        (is_fill(t) ? extent.fill : extent.own) += area(solid_.positions_mm, solid_.triangles[t]);
+        extent.volume += signed_volume(solid_.positions_mm, solid_.triangles[t]);
+    }
+    for (std::uint32_t t = 0; t < solid_.triangles.size(); ++t) {
+        const auto& [own, fill, volume] = extents[shells.of_triangle[t]];
+        of_sheet[t] = fill > 0.7 * own || std::abs(volume) < 1e-6 * std::pow(own + fill, 1.5);
+    }
+    return of_sheet;
+}
+
 void VisibleParts::show_solid() {
+    const std::vector<bool> of_sheet = sheets();
+    show_solid([&](std::uint32_t t) { return of_sheet[t]; });
+    show_solid([&](std::uint32_t t) { return !of_sheet[t]; });
+}
+
+template <class Which>
+void VisibleParts::show_solid(const Which& which) {
     for (std::uint32_t t = 0; t < solid_.triangles.size(); ++t) {
         const Triangle& corners = solid_.triangles[t];
         if (progress_ && t % 4096 == 0) progress_->check_cancelled();
+        if (!which(t)) continue;
         if (is_source(t))
             show_source(t);
         else if (is_fill(t))

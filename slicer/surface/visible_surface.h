@@ -7,6 +7,9 @@
 // of the surface is hidden when the winding number is not zero on either side of it. Triangles are taken as a whole as
 // far as they do not cross others; crossed ones are halved down to pieces of `piece_mm`, so the edge of what is visible
 // is that rough.
+//
+// Triangles are in the order of the mesh, but for sheets (shells that enclose nothing), which come first: of surfaces
+// in one place the first gives the colour, and a sheet that lies on a body is a label.
 #pragma once
 
 #include <array>

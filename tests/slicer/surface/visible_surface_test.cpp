@@ -120,6 +120,30 @@ TEST_CASE("Patches count for depth and have the colours of their corners") {
     seen.check_places(true);
 }
 
+TEST_CASE("A label on a face comes before the body, wherever the file has it") {
+    SolidMesh label;
+    label.positions_mm = {{0.5, 0.5, 2}, {1.5, 0.5, 2}, {1.5, 1.5, 2}, {0.5, 1.5, 2}};
+    label.triangles = {{0, 1, 2}, {0, 2, 3}};
+    label = shapes::with_sources(label);
+    for (const bool first : {false, true}) {
+        CAPTURE(first);
+        const Seen seen(first ? shapes::joined(label, cube) : shapes::joined(cube, label));
+        const std::uint32_t begin = first ? 0 : 12;
+        for (std::size_t t = 0; t < 2; ++t) {
+            CHECK(seen.surface.source_triangle[t] >= begin);
+            CHECK(seen.surface.source_triangle[t] < begin + 2);
+        }
+        CHECK(seen.area() == Approx(24 + 2));  // the label's front and back
+        seen.check_places(true);
+    }
+    // A body with a hole in a side is no label.
+    SolidMesh open = cube;
+    open.triangles.pop_back();
+    open.source_triangle.pop_back();
+    const Seen body(shapes::joined(shapes::box({4, 0, 0}, {5, 1, 1}), open));
+    CHECK(body.surface.source_triangle.front() == 0);
+}
+
 TEST_CASE("A wrap leaves the colour to the faces it stands for", "[wrap]") {
     const SolidMesh both = shapes::joined(cube, shapes::box({0.5, 0.5, 0.5}, {1, 1, 1}));
     const Seen seen(both, RepairMode::wrap);
