@@ -7,7 +7,7 @@
 
 namespace voxtone::cli {
 
-void add_foreign_stack_options(CLI::App& command, std::string& resins, std::vector<std::string>& assign,
+void add_foreign_stack_options(CLI::App& command, std::string& resins, std::vector<std::string>& assign, bool& nearest,
                                std::string& printer, std::string& pitch) {
     const auto options = {
         add_resins_option(command, resins, "; empty: that of the job, else that of --printer, else vero-opaque"),
@@ -17,6 +17,9 @@ void add_foreign_stack_options(CLI::App& command, std::string& resins, std::vect
             ->type_name("LIST")
             ->delimiter(',')
             ->allow_extra_args(false),
+        command.add_flag("--nearest", nearest,
+                         "foreign stacks with smoothed edges: a colour that stands for no resin is taken for the "
+                         "nearest one of --assign, and what is less than half opaque for no material"),
         command
             .add_option("--printer", printer,
                         "foreign stacks: voxel size of this printer (`voxtone list printers`), and how its bitmaps lie "

@@ -13,8 +13,8 @@ class App;
 
 namespace voxtone::cli {
 
-/// --resins, --assign, --printer, --pitch, under one heading of --help.
-void add_foreign_stack_options(CLI::App& command, std::string& resins, std::vector<std::string>& assign,
+/// --resins, --assign, --nearest, --printer, --pitch, under one heading of --help.
+void add_foreign_stack_options(CLI::App& command, std::string& resins, std::vector<std::string>& assign, bool& nearest,
                                std::string& printer, std::string& pitch);
 
 }  // namespace voxtone::cli

@@ -122,7 +122,7 @@ Command add_predict_command(CLI::App& program) {
                           "what lies under the print [auto|black|white|none]; auto: what the job said, else black "
                           "under a slab, none under a body")
              ->capture_default_str()});
-    add_foreign_stack_options(*command, o.resins, o.assign, o.printer, o.pitch);
+    add_foreign_stack_options(*command, o.resins, o.assign, o.nearest, o.printer, o.pitch);
     group("Run", {command
                       ->add_option("--memory", o.memory_gib,
                                    "most memory for volume and prediction, GiB; 0: half of the machine's")

@@ -137,7 +137,7 @@ Command add_proof_command(CLI::App& program) {
                             "each its own square")
                ->type_name("PX")
                ->capture_default_str()});
-    add_foreign_stack_options(*command, o.resins, o.assign, o.printer, o.pitch);
+    add_foreign_stack_options(*command, o.resins, o.assign, o.nearest, o.printer, o.pitch);
     group("Run", {command->add_option("--memory", o.memory_gib, "most memory, GiB; 0: half of the machine's")
                       ->type_name("GIB")
                       ->capture_default_str(),

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/io/layers/layer_scan.h"
 
+#include <algorithm>
 #include <cstring>
+#include <limits>
 #include <map>
 
 namespace voxtone::io {
@@ -11,9 +13,39 @@ std::uint32_t word(const Rgba& c) {
     return std::uint32_t{c[0]} << 24 | std::uint32_t{c[1]} << 16 | std::uint32_t{c[2]} << 8 | c[3];
 }
 
+using Vector = std::array<double, 3>;
+Vector minus(const auto& a, const auto& b) { return {double(a[0]) - b[0], double(a[1]) - b[1], double(a[2]) - b[2]}; }
+double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/// Of the two colours whose blends come nearest to `c`, that which it has more of; a smoothed edge is such a blend, and
+/// may be nearer to a third colour than to either of its own.
+Material nearest_in(std::span<const Rgb> palette, const Rgba& c) {
+    double least = std::numeric_limits<double>::infinity();
+    std::size_t best = 0;
+    for (std::size_t i = 0; i < palette.size(); ++i)
+        for (std::size_t j = i; j < palette.size(); ++j) {
+            const Vector along = minus(palette[j], palette[i]), to = minus(c, palette[i]);
+            const double length = dot(along, along);
+            const double share = length > 0 ? std::clamp(dot(to, along) / length, 0.0, 1.0) : 0;
+            const double distance = dot(to, to) - share * (2 * dot(to, along) - share * length);
+            if (distance >= least) continue;
+            least = distance;
+            best = share > 0.5 ? j : i;
+        }
+    return static_cast<Material>(best);
+}
+
+/// Of a colour that the palette does not have.
+Material material_of_other(std::span<const Rgb> palette, const Rgba& c, const OtherPixels& others) {
+    if (c[3] == 0) return others.transparent;
+    if (!others.nearest || palette.empty()) return OtherPixels::unknown;
+    return c[3] < 128 ? others.transparent : nearest_in(palette, c);
+}
+
 }  // namespace
 
-LayerScan scan_layer(std::span<const std::uint8_t> file, const std::string& source, std::span<const Rgb> palette) {
+LayerScan scan_layer(std::span<const std::uint8_t> file, const std::string& source, std::span<const Rgb> palette,
+                     const OtherPixels& others) {
     LayerScan scan;
     const PngHeader claimed = read_png_header(file, source);
     if (!palette.empty()) scan.runs.emplace(claimed.width_px, claimed.height_px);
@@ -27,7 +59,7 @@ LayerScan scan_layer(std::span<const std::uint8_t> file, const std::string& sour
     struct Known {
         std::uint32_t colour = 0;
         std::size_t place = 0;
-        int material = -1;
+        Material material = OtherPixels::unknown;
         bool set = false;
     };
     std::array<Known, 16> memory;
@@ -41,8 +73,11 @@ LayerScan scan_layer(std::span<const std::uint8_t> file, const std::string& sour
             const std::uint32_t w = word(colour);
             Known& known = memory[(w * 0x9E3779B1u) >> 28];
             if (!known.set || known.colour != w) {
-                known = {w, LayerScan::most_colours, -1, true};
-                if (const auto found = material.find(w); found != material.end()) known.material = found->second;
+                const auto found_material = material.find(w);
+                known = {w, LayerScan::most_colours,
+                         found_material != material.end() ? found_material->second
+                                                          : material_of_other(palette, colour, others),
+                         true};
                 if (const auto found = place.find(w); found != place.end()) {
                     known.place = found->second;
                 } else if (scan.colours.size() < LayerScan::most_colours) {
@@ -54,10 +89,10 @@ LayerScan scan_layer(std::span<const std::uint8_t> file, const std::string& sour
                 scan.colours[known.place].pixels += end - x;
             else
                 scan.other_pixels += end - x;
-            if (known.material < 0)
+            if (known.material == OtherPixels::unknown)
                 scan.runs.reset();
             else if (scan.runs)
-                scan.runs->push(end - x, static_cast<Material>(known.material));
+                scan.runs->push(end - x, known.material);
             x = end;
         }
         if (scan.runs) scan.runs->end_row();

@@ -13,6 +13,7 @@
 #include "voxtone/io/files/json_object.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/layers/stack_folder.h"
+#include "voxtone/io/pictures/picture_series.h"
 
 namespace voxtone::io {
 namespace {
@@ -20,7 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t most_layer_bytes = std::uint64_t{256} << 20;
-constexpr std::uint64_t most_layers = 1'000'000;
 constexpr std::uint64_t most_missing = 1000;  // kept by name
 constexpr std::uint64_t most_sheet_bytes = std::uint64_t{1} << 20;
 
@@ -59,6 +59,35 @@ std::optional<std::string> sheet_in(const fs::path& folder) {
     }
 }
 
+/// A folder in `folder` that holds numbered PNG files; empty: none.
+fs::path inner_series(const fs::path& folder) {
+    std::vector<fs::path> found;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+        if (!entry.is_directory()) continue;
+        std::vector<std::string> files;
+        for (const auto& file : fs::directory_iterator(entry.path())) files.push_back(file.path().filename().string());
+        if (!find_series(files).names.empty()) found.push_back(entry.path());
+    }
+    return found.empty() ? fs::path() : *std::min_element(found.begin(), found.end());
+}
+
+[[noreturn]] void refuse_no_layers(const fs::path& folder, const std::vector<std::string>& files) {
+    if (fs::is_directory(folder / "layers"))
+        throw InputError(
+            fmt::format("{}: has a folder of layers and no {}, which says what their colours mean: copy the whole "
+                        "stack, slice again, or name {} for bitmaps of another program",
+                        folder.string(), manifest_name, (folder / "layers").string()));
+    if (const std::string pictures = other_pictures(files); !pictures.empty())
+        throw InputError(
+            fmt::format("{}: holds no layer: its {} are no PNG; save them as PNG, one colour for each "
+                        "resin",
+                        folder.string(), pictures));
+    if (const fs::path inner = inner_series(folder); !inner.empty())
+        throw InputError(
+            fmt::format("{}: holds no layer itself; name {}, which does", folder.string(), inner.string()));
+    throw InputError(fmt::format("{}: holds no layer: expected numbered files like slice_00000.png", folder.string()));
+}
+
 }  // namespace
 
 std::optional<SliceName> parse_slice_name(const std::string& file_name) {
@@ -75,34 +104,17 @@ std::optional<SliceName> parse_slice_name(const std::string& file_name) {
     return SliceName{base.substr(0, begin), std::stoull(base.substr(begin)), static_cast<int>(digits)};
 }
 
-/// Slices of a folder by number; what is no slice of the most frequent stem is a stranger.
-void StackFiles::list_folder(const fs::path& folder, const std::string& prefix) {
-    std::map<std::string, std::vector<std::pair<std::uint64_t, std::string>>> stems;
-    std::vector<std::string> others;
-    for (const auto& entry : fs::directory_iterator(folder)) {
-        const std::string name = entry.path().filename().string();
-        const auto slice = entry.is_regular_file() ? parse_slice_name(name) : std::nullopt;
-        if (slice && slice->number < most_layers)
-            stems[slice->stem].push_back({slice->number, name});
-        else
-            others.push_back(name);
-    }
-    if (stems.empty() && fs::is_directory(folder / "layers"))
-        throw InputError(
-            fmt::format("{}: has a folder of layers and no {}, which says what their colours mean: copy the whole "
-                        "stack, slice again, or name {} for bitmaps of another program",
-                        folder.string(), manifest_name, (folder / "layers").string()));
-    if (stems.empty())
-        throw InputError(fmt::format("{}: holds no layer: expected files like slice_00000.png", folder.string()));
-    auto most = std::max_element(stems.begin(), stems.end(),
-                                 [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
-    std::sort(most->second.begin(), most->second.end());
-    for (const auto& [number, name] : most->second) listing_.names.push_back(prefix + name);
-    for (const auto& [stem, slices] : stems)
-        if (stem != most->first)
-            for (const auto& slice : slices) others.push_back(slice.second);
-    std::sort(others.begin(), others.end());
-    for (const auto& name : others) listing_.strangers.push_back(prefix + name);
+/// Slices of a folder by number; what is no slice of the largest series is a stranger.
+void StackFiles::list_folder(const fs::path& folder) {
+    std::vector<std::string> files, others;
+    for (const auto& entry : fs::directory_iterator(folder))
+        (entry.is_regular_file() ? files : others).push_back(entry.path().filename().string());
+    PictureSeries series = find_series(files);
+    if (series.names.empty()) refuse_no_layers(folder, files);
+    listing_.names = std::move(series.names);
+    listing_.strangers = std::move(series.strangers);
+    listing_.strangers.insert(listing_.strangers.end(), others.begin(), others.end());
+    std::sort(listing_.strangers.begin(), listing_.strangers.end());
 }
 
 void StackFiles::read_beside_manifest() {
@@ -198,7 +210,7 @@ StackFiles::StackFiles(const fs::path& path) : root_(path) {
                             "again, which says which of the two it is",
                             path.string()));
         } else {
-            list_folder(path, "");
+            list_folder(path);
         }
     } catch (const fs::filesystem_error& error) {
         throw FileError(fmt::format("{}: cannot be read ({})", path.string(), error.what()));

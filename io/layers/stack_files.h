@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A layer stack as it lies on the disk: a folder of ours (with manifest.json), anybody's folder of PNG files, or a GCVF
-// container. All is parsed in this process: what voxtone-read-stack does for io/layers/stack_reader.h behind its walls.
+// A layer stack as it lies on the disk: a folder of ours (with manifest.json), anybody's folder of numbered PNG files
+// (io/pictures/picture_series.h), or a GCVF container. All is parsed in this process: what voxtone-read-stack does for
+// io/layers/stack_reader.h behind its walls.
 #pragma once
 
 #include <cstdint>
@@ -57,7 +58,7 @@ public:
     [[nodiscard]] std::vector<std::uint8_t> bytes(std::uint32_t index) const;
 
 private:
-    void list_folder(const std::filesystem::path& folder, const std::string& prefix);
+    void list_folder(const std::filesystem::path& folder);
     void open_ours();
     void read_beside_manifest();
     void open_gcvf();

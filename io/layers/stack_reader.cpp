@@ -90,17 +90,17 @@ const std::vector<std::string>& StackReader::missing() const { return state_->li
 std::uint64_t StackReader::missing_count() const { return state_->listing.missing_count; }
 const std::string& StackReader::note() const { return state_->note; }
 
-LayerLook StackReader::look(std::uint32_t index, std::span<const Rgb> palette) const {
+LayerLook StackReader::look(std::uint32_t index, std::span<const Rgb> palette, const OtherPixels& others) const {
     auto program = state_->borrow();
-    program->ask(pack(LayerRequest{index, {palette.begin(), palette.end()}}));
-    LayerLook look = unpack_look(program->result(), palette.size());
+    program->ask(pack(LayerRequest{index, {palette.begin(), palette.end()}, others}));
+    LayerLook look = unpack_look(program->result(), palette.size() + (others.transparent == palette.size()));
     state_->give_back(std::move(program));  // one that failed is not used again
     return look;
 }
 
-LayerRuns StackReader::read(std::uint32_t index, std::span<const Rgb> palette) const {
+LayerRuns StackReader::read(std::uint32_t index, std::span<const Rgb> palette, const OtherPixels& others) const {
     const std::string& name = layer_name(index);
-    LayerScan scan = whole(look(index, palette));
+    LayerScan scan = whole(look(index, palette, others));
     if (scan.runs) return std::move(*scan.runs);
     for (const auto& colour : scan.colours) {
         const bool known = std::any_of(palette.begin(), palette.end(), [&](const Rgb& c) {
@@ -127,7 +127,7 @@ std::vector<Rgb> StackReader::palette() const {
         parallel_for(0, layers(), 1, [&](std::size_t k) {
             const auto index = static_cast<std::uint32_t>(k);
             for (const auto& colour : whole(look(index, {})).colours)
-                found[k].push_back({colour.rgba[0], colour.rgba[1], colour.rgba[2]});
+                if (colour.rgba[3] > 0) found[k].push_back({colour.rgba[0], colour.rgba[1], colour.rgba[2]});
         });
         result.push_back({0, 0, 0});
         for (const auto& colours : found)

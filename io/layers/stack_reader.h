@@ -53,11 +53,14 @@ public:
     [[nodiscard]] const std::string& note() const;
     /// What is in a layer's file, with runs in materials of the palette; a fault of the file is in it. Throws
     /// InputError where the file makes its reader crash, ResourceError, TryAgain.
-    [[nodiscard]] LayerLook look(std::uint32_t index, std::span<const Rgb> palette) const;
+    [[nodiscard]] LayerLook look(std::uint32_t index, std::span<const Rgb> palette,
+                                 const OtherPixels& others = {}) const;
     /// A layer in materials of the palette. Throws InputError where it has another colour.
-    [[nodiscard]] LayerRuns read(std::uint32_t index, std::span<const Rgb> palette) const;
-    /// The palette that is given by manifest or container; else the colours that are found in all layers, the
-    /// background (0, 0, 0) first, then in order of first appearance. Throws InputError for more than max_materials.
+    [[nodiscard]] LayerRuns read(std::uint32_t index, std::span<const Rgb> palette,
+                                 const OtherPixels& others = {}) const;
+    /// The palette that is given by manifest or container; else the colours that are found in all layers but in pixels
+    /// of alpha 0, the background (0, 0, 0) first, then in order of first appearance. Throws InputError for more than
+    /// max_materials.
     [[nodiscard]] std::vector<Rgb> palette() const;
 
 private:

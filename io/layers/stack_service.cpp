@@ -13,7 +13,7 @@ namespace voxtone::io {
 
 namespace {
 
-const std::string stack_protocol = "voxtone-read-stack 2, voxtone " + build_identity();
+const std::string stack_protocol = "voxtone-read-stack 3, voxtone " + build_identity();
 
 template <class Value, class Plain>
 concept is_a = std::is_same_v<std::remove_const_t<Value>, Plain>;
@@ -111,7 +111,7 @@ void describe(Stream& stream, Runs& r) {
 }
 template <class Stream, is_a<LayerRequest> Request>
 void describe(Stream& stream, Request& r) {
-    stream(r.index, r.palette);
+    stream(r.index, r.palette, r.others.transparent, r.others.nearest);
 }
 
 namespace {
@@ -141,7 +141,7 @@ LayerLook look_at(const StackFiles& stack, const LayerRequest& request) {
     try {
         const auto bytes = stack.bytes(request.index);
         look.header = read_png_header(bytes, name);
-        look.scan = scan_layer(bytes, name, request.palette);
+        look.scan = scan_layer(bytes, name, request.palette, request.others);
     } catch (const Error& error) {
         look.fault = error.what();
         look.scan = {};
@@ -184,7 +184,7 @@ StackListing unpack_listing(std::span<const std::byte> bytes) {
     return listing;
 }
 
-LayerLook unpack_look(std::span<const std::byte> bytes, std::size_t colours) {
+LayerLook unpack_look(std::span<const std::byte> bytes, std::size_t materials) {
     PackedReader reader(bytes);
     LayerLook look;
     PackedHeader header;
@@ -196,7 +196,7 @@ LayerLook unpack_look(std::span<const std::byte> bytes, std::size_t colours) {
     if (has_runs) {
         PackedRuns runs;
         reader(runs);
-        look.scan.runs = checked_runs(runs, std::min<std::size_t>(colours, max_materials));
+        look.scan.runs = checked_runs(runs, std::min<std::size_t>(materials, max_materials));
     }
     reader.expect_end();
     return look;

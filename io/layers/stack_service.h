@@ -28,13 +28,14 @@ struct LayerLook {
 struct LayerRequest {
     std::uint32_t index = 0;
     std::vector<Rgb> palette;
+    OtherPixels others{};
 };
 
 [[nodiscard]] std::vector<std::byte> pack_stack_request(const std::filesystem::path& path);
 [[nodiscard]] std::vector<std::byte> pack(const LayerRequest& request);
 [[nodiscard]] StackListing unpack_listing(std::span<const std::byte> bytes);
-/// Of a request with so many colours.
-[[nodiscard]] LayerLook unpack_look(std::span<const std::byte> bytes, std::size_t colours);
+/// Of a request with so many materials.
+[[nodiscard]] LayerLook unpack_look(std::span<const std::byte> bytes, std::size_t materials);
 
 /// The answers: the first request names the stack, each other one a layer. Throws FileError, InputError; what is wrong
 /// with one layer's file is in its look.

@@ -153,33 +153,47 @@ LayerResult check_layer(const StackReader& reader, std::uint32_t index, const An
     return result;
 }
 
-void check_names(const StackReader& reader, FaultList& faults) {
-    std::optional<SliceName> before;
-    std::map<int, std::uint64_t> widths;
+/// Names that are not of one form; those of a container are not padded.
+void check_digits(const StackReader& reader, FaultList& faults) {
+    std::map<int, std::vector<std::string>> of_width;
     for (std::uint32_t k = 0; k < reader.layers(); ++k)
-        if (const auto name = parse_slice_name(reader.layer_name(k))) ++widths[name->digits];
-    const int usual =
-        widths.empty() ? 0 : std::max_element(widths.begin(), widths.end(), [](const auto& a, const auto& b) {
-                                 return a.second < b.second;
-                             })->first;
+        if (const auto name = parse_slice_name(reader.layer_name(k)))
+            of_width[name->digits].push_back(reader.layer_name(k));
+    if (of_width.size() < 2 || reader.kind() == StackReader::Kind::gcvf) return;
+    const auto usual = std::ranges::max_element(of_width, {}, [](const auto& width) { return width.second.size(); });
+    for (const auto& [digits, names] : of_width)
+        if (digits != usual->first)
+            faults.add({"numbering", names.front(),
+                        fmt::format("{} {} where most have {}",
+                                    names.size() == 1 ? "has" : fmt::format("and {} more have", names.size() - 1),
+                                    counted(static_cast<std::uint64_t>(digits), "digit"),
+                                    counted(static_cast<std::uint64_t>(usual->first), "digit")),
+                        "pad all numbers with zeros to the same width; sorted by name the layers are out of order "
+                        "otherwise"});
+}
+
+void check_names(const StackReader& reader, FaultList& faults) {
+    constexpr const char* plain_names = "name layers like slice_00000.png, the lowest first";
+    std::optional<SliceName> before;
     for (std::uint32_t k = 0; k < reader.layers(); ++k) {
-        const auto name = parse_slice_name(reader.layer_name(k));
-        if (!name) continue;
-        if (reader.kind() != StackReader::Kind::gcvf && name->digits != usual)
-            faults.add(
-                {"numbering", reader.layer_name(k),
-                 fmt::format("has {} digits where the others have {}", name->digits, usual),
-                 "pad all numbers with zeros to the same width; sorted by name the layers are out of order otherwise"});
-        if (before && name->number == before->number)
-            faults.add({"numbering", reader.layer_name(k), fmt::format("number {} is there twice", name->number),
+        const std::string& layer = reader.layer_name(k);
+        const auto name = parse_slice_name(layer);
+        if (!name)
+            faults.add({"numbering", layer, "does not end in its number", plain_names});
+        else if (before && name->stem != before->stem)
+            faults.add({"numbering", layer,
+                        fmt::format("begins otherwise than the layer before it, '{}'", before->stem), plain_names});
+        else if (before && name->number == before->number)
+            faults.add({"numbering", layer, fmt::format("number {} is there twice", name->number),
                         "remove the layer that does not belong"});
         else if (before && name->number != before->number + 1)
-            faults.add({"numbering", reader.layer_name(k),
+            faults.add({"numbering", layer,
                         fmt::format("follows number {}: {} missing between them", before->number,
                                     counted(name->number - before->number - 1, "number")),
                         "add the missing layers or number them without gaps"});
-        before = name;
+        if (name) before = name;
     }
+    check_digits(reader, faults);
 }
 
 /// What all layers say together, in their order, so that the report does not depend on the threads.

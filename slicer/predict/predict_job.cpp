@@ -324,6 +324,7 @@ ReadStack read_stack(const ResolvedPrediction& job, Progress& progress) {
                                       .printer = options.printer,
                                       .pitch_mm = job.pitch_mm,
                                       .assign = job.assign,
+                                      .nearest = options.nearest,
                                       .memory_bytes = job.memory_bytes / (options.absolute ? 1 : 2),
                                       .before_reading = hear},
                                      progress);

@@ -36,6 +36,7 @@ struct PredictOptions {
     std::string resins;               ///< set or file; empty: that of the job, else the printer's
     std::string printer, pitch;       ///< of foreign stacks
     std::vector<std::string> assign;  ///< "#rrggbb=ROLE", of foreign stacks
+    bool nearest = false;             ///< of foreign stacks: other colours are the nearest of these
     double memory_gib = 0;            ///< 0: half of the machine's
     int threads = 0;                  ///< 0: one per core
 };

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
-#include <limits>
-#include <mutex>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -16,11 +14,13 @@
 #include "voxtone/io/layers/orient.h"
 #include "voxtone/io/layers/stack_reader.h"
 #include "voxtone/io/models/model_reader.h"
+#include "voxtone/io/pictures/picture_series.h"
 #include "voxtone/io/profiles/resin_file.h"
 #include "voxtone/slicer/layers/layer_volume.h"
 #include "voxtone/slicer/options/job_file.h"
 #include "voxtone/slicer/options/option_values.h"
 #include "voxtone/slicer/options/option_words.h"
+#include "voxtone/slicer/predict/foreign_body.h"
 #include "voxtone/slicer/predict/swapped_colours.h"
 #include "voxtone/slicer/printer/printer.h"
 
@@ -29,7 +29,6 @@ namespace voxtone::slicer {
 namespace {
 
 constexpr const char* no_material = "none";
-using Materials = std::array<optics::Material, io::max_materials>;
 
 /// A colour of the bitmaps and what it stands for.
 struct NamedColour {
@@ -41,7 +40,7 @@ struct NamedColour {
 /// What is printed: the resins of the volume and the material of each colour of the palette.
 struct Assignment {
     std::vector<io::Rgb> palette;
-    Materials material_of{};
+    MaterialTable material_of{};
     optics::ResinSet resins;
     int white = -1;
 };
@@ -150,10 +149,11 @@ std::uint64_t printed_voxels(const io::StackDescription& stack) {
 }
 
 StackVolume read_own(const io::StackReader& stack, const StackVolumeOptions& options, Progress& progress) {
-    if (!options.assign.empty() || options.pitch_mm || !options.printer.empty())
-        throw UsageError(fmt::format(
-            "{}: has a manifest that says what its colours and sizes are; leave --assign, --pitch and --printer out",
-            options.stack));
+    if (!options.assign.empty() || options.nearest || options.pitch_mm || !options.printer.empty())
+        throw UsageError(
+            fmt::format("{}: has a manifest that says what its colours and sizes are; leave --assign, "
+                        "--nearest, --pitch and --printer out",
+                        options.stack));
     const io::StackDescription& description = *stack.description();
     expect_all_layers(stack, options.stack);
     StackVolume result;
@@ -235,13 +235,6 @@ std::vector<NamedColour> foreign_colours(const io::StackReader& stack, const Sta
                     options.stack, material.name, set.name, roles_of(set), hex_code(rgb)));
             }
         }
-    } else if (options.assign.empty()) {
-        std::vector<std::string> found;
-        for (const io::Rgb& rgb : stack.palette())
-            if (rgb != background) found.push_back(hex_code(rgb) + "=?");
-        throw InputError(fmt::format(
-            "{}: nothing says which resin its colours are; say it, with roles of the set '{}' ({}): --assign \"{}\"",
-            options.stack, set.name, roles_of(set), fmt::join(found, ",")));
     }
     return colours;
 }
@@ -285,81 +278,6 @@ BitmapFrame foreign_frame(const io::StackReader& stack, const StackVolumeOptions
     return frame;
 }
 
-/// What was found of a foreign stack before its volume is made.
-struct ForeignBody {
-    LayerWindow window;                                     ///< the smallest that holds every voxel with a resin
-    std::array<std::uint64_t, io::max_materials> pixels{};  ///< of each colour of the palette
-};
-
-/// Also checks every layer's size and colours.
-ForeignBody find_body(const io::StackReader& stack, const Assignment& assignment, const io::Orientation& orientation,
-                      const std::string& name, Progress& progress) {
-    constexpr int big = std::numeric_limits<int>::max();
-    std::array<int, 3> low{big, big, big}, high{-1, -1, -1};
-    std::array<int, 2> size{};
-    ForeignBody body;
-    std::mutex mutex;
-    progress.begin_stage("find the body", stack.layers(), "layers");
-    parallel_for(
-        0, stack.layers(), 1,
-        [&](std::size_t k) {
-            const auto index = static_cast<std::uint32_t>(k);
-            io::LayerLook look = stack.look(index, assignment.palette);
-            if (!look.fault.empty()) throw InputError(look.fault);
-            io::LayerScan& scan = look.scan;
-            if (!scan.runs) {
-                for (const io::ColourCount& colour : scan.colours)
-                    if (const io::Rgb rgb{colour.rgba[0], colour.rgba[1], colour.rgba[2]};
-                        colour.rgba[3] != 255 || std::find(assignment.palette.begin(), assignment.palette.end(), rgb) ==
-                                                     assignment.palette.end())
-                        throw InputError(
-                            fmt::format("{}: {} has {} pixels of {} (alpha {}), the first in column {}, row {}, which "
-                                        "stands for no "
-                                        "resin; say what it is: --assign \"{}=W\" (or =none)",
-                                        name, stack.layer_name(index), colour.pixels, hex_code(rgb), colour.rgba[3],
-                                        colour.first_x, colour.first_y, hex_code(rgb)));
-                throw InputError(fmt::format("{}: {} has more than {} colours; a layer has one per resin", name,
-                                             stack.layer_name(index), io::LayerScan::most_colours));
-            }
-            const io::LayerRuns layer = io::as_sliced(std::move(*scan.runs), orientation);
-            const int width = static_cast<int>(layer.width_px()), height = static_cast<int>(layer.height_px());
-            std::array<int, 2> lowest{big, big}, highest{-1, -1};
-            std::array<std::uint64_t, io::max_materials> pixels{};
-            for (int row = 0; row < height; ++row) {
-                int x = 0;
-                for (const io::Run run : layer.row(static_cast<std::uint32_t>(row))) {
-                    if (assignment.material_of[run.material] != optics::air) {
-                        const int y = height - 1 - row;
-                        lowest = {std::min(lowest[0], x), std::min(lowest[1], y)};
-                        highest = {std::max(highest[0], x + run.length), std::max(highest[1], y + 1)};
-                    }
-                    x += run.length;
-                    pixels[run.material] += run.length;
-                }
-            }
-            const std::scoped_lock lock(mutex);
-            for (std::size_t m = 0; m < pixels.size(); ++m) body.pixels[m] += pixels[m];
-            if (size[0] == 0) size = {width, height};
-            if (size[0] != width || size[1] != height)
-                refuse_size(name + ": " + stack.layer_name(index), layer.width_px(), layer.height_px(), size);
-            progress.advance();
-            if (highest[0] < 0) return;
-            for (std::size_t a = 0; a < 2; ++a) {
-                low[a] = std::min(low[a], lowest[a]);
-                high[a] = std::max(high[a], highest[a]);
-            }
-            low[2] = std::min(low[2], static_cast<int>(k));
-            high[2] = std::max(high[2], static_cast<int>(k) + 1);
-        },
-        &progress);
-    progress.end_stage();
-    if (high[0] < 0)
-        throw InputError(
-            fmt::format("{}: no layer has a voxel of any resin: there is nothing to predict; check --assign", name));
-    body.window = {low, {high[0] - low[0], high[1] - low[1], high[2] - low[2]}};
-    return body;
-}
-
 void warn_of_swaps(const StackVolumeOptions& options, const optics::ResinSet& set, Progress& progress) {
     std::vector<ToldColour> told;
     for (const ColourAssignment& colour : options.assign)
@@ -368,15 +286,31 @@ void warn_of_swaps(const StackVolumeOptions& options, const optics::ResinSet& se
     for (const std::string& doubt : swapped_colours(told)) progress.warn("--assign " + doubt);
 }
 
-void warn_of_absent(const StackVolumeOptions& options, const Assignment& assignment, const ForeignBody& body,
-                    Progress& progress) {
-    for (const ColourAssignment& told : options.assign) {
-        const auto at = std::find(assignment.palette.begin(), assignment.palette.end(), told.rgb);
-        if (at != assignment.palette.end() &&
-            body.pixels[static_cast<std::size_t>(at - assignment.palette.begin())] == 0)
+void warn_of_absent(const StackVolumeOptions& options, const ForeignBody& body, Progress& progress) {
+    for (const ColourAssignment& told : options.assign)
+        if (body.pixels_of(told.rgb) == 0)
             progress.warn(fmt::format("--assign \"{}={}\": no pixel of {} has this colour; is it the right one?",
                                       hex_code(told.rgb), told.role, options.stack));
-    }
+}
+
+/// Layers that are not there, and files that may be some.
+void warn_of_series(const io::StackReader& stack, const std::string& name, Progress& progress) {
+    if (stack.kind() != io::StackReader::Kind::folder) return;
+    std::vector<std::string> layers;
+    for (std::uint32_t k = 0; k < stack.layers(); ++k) layers.push_back(stack.layer_name(k));
+    for (const std::string& gap : io::series_gaps(layers)) progress.warn(name + ": " + gap);
+    for (const std::string& doubt : io::series_doubts(layers, stack.strangers())) progress.warn(name + ": " + doubt);
+}
+
+/// Transparent pixels are one more material, which is none.
+PixelMaterials with_transparent(const Assignment& assignment) {
+    PixelMaterials materials{assignment.palette, assignment.material_of, {}};
+    std::size_t none = materials.palette.size();
+    if (none == std::size_t{io::max_materials})
+        none = static_cast<std::size_t>(std::ranges::find(materials.material_of, optics::air) -
+                                        materials.material_of.begin());
+    if (none < std::size_t{io::max_materials}) materials.others.transparent = static_cast<io::Material>(none);
+    return materials;
 }
 
 StackVolume read_foreign(const io::StackReader& stack, const StackVolumeOptions& options, Progress& progress) {
@@ -386,20 +320,28 @@ StackVolume read_foreign(const io::StackReader& stack, const StackVolumeOptions&
     const optics::ResinSet& set = frame.resins;
     Assignment assignment = assign(foreign_colours(stack, options, set), set, options.stack);
     warn_of_swaps(options, set, progress);
-    const ForeignBody body = find_body(stack, assignment, frame.orientation, options.stack, progress);
-    warn_of_absent(options, assignment, body, progress);
+    warn_of_series(stack, options.stack, progress);
+    const ForeignStack foreign{.layers = stack,
+                               .name = options.stack,
+                               .orientation = frame.orientation,
+                               .resin_set = set.name,
+                               .roles = roles_of(set),
+                               .role = set.find("W") >= 0 ? "W" : set.resins.front().role,
+                               .any_assigned = stack.gcvf() || !options.assign.empty(),
+                               .nearest = options.nearest};
+    const ForeignBody body = find_foreign_body(foreign, with_transparent(assignment), progress);
+    warn_of_absent(options, body, progress);
     const LayerWindow& window = body.window;
-    std::uint64_t solid_voxels = 0;
-    for (std::size_t m = 0; m < body.pixels.size(); ++m)
-        if (assignment.material_of[m] != optics::air) solid_voxels += body.pixels[m];
-    tell(options, assignment, window, pitch_mm, solid_voxels, false);
-    LayerVolume volume(window, pitch_mm, assignment.material_of, options.memory_bytes);
+    tell(options, assignment, window, pitch_mm, body.solid_voxels(), false);
+    const PixelMaterials& materials = body.materials;
+    LayerVolume volume(window, pitch_mm, materials.material_of, options.memory_bytes);
     progress.begin_stage("read layers", static_cast<std::uint64_t>(window.size[2]), "layers");
     parallel_for(
         static_cast<std::size_t>(window.corner[2]), static_cast<std::size_t>(window.corner[2] + window.size[2]), 1,
         [&](std::size_t k) {
+            const auto index = static_cast<std::uint32_t>(k);
             volume.add(static_cast<int>(k),
-                       io::as_sliced(stack.read(static_cast<std::uint32_t>(k), assignment.palette), frame.orientation));
+                       io::as_sliced(stack.read(index, materials.palette, materials.others), frame.orientation));
             progress.advance();
         },
         &progress);

@@ -4,8 +4,10 @@
 //
 // A stack of ours says everything itself: pitch, resins by role, how its bitmaps were mirrored (undone here), and in
 // job.json the resin set and what lay under a picture. Of a foreign stack (a folder of PNG files, a GCVF) one has to
-// say which colour is which resin, and of a folder how large a voxel is; it is cropped to the body's box. A colour that
-// looks like another of the assigned resins (swapped_colours.h), and one that never occurs, are warned about.
+// say which colour is which resin, and of a folder how large a voxel is; it is cropped to the body's box
+// (foreign_body.h). A colour that looks like another of the assigned resins (swapped_colours.h), one that never occurs,
+// layers whose numbers are missing and files that look like layers and are none (io/pictures/picture_series.h) are
+// warned about.
 //
 // The volume is in the model's frame: columns run along +x, rows along -y, layer 0 is the bottom.
 #pragma once
@@ -52,7 +54,8 @@ struct StackVolumeOptions {
     std::string printer{};  ///< foreign stacks: the pitch of this profile, and how its bitmaps lie
     std::optional<std::array<double, 3>> pitch_mm{};  ///< foreign stacks: of columns, rows, layers
     std::vector<ColourAssignment> assign{};           ///< foreign stacks
-    std::uint64_t memory_bytes = ~std::uint64_t{0};   ///< the volume may take so much
+    bool nearest = false;  ///< foreign stacks: a colour that stands for nothing is the nearest one that does
+    std::uint64_t memory_bytes = ~std::uint64_t{0};  ///< the volume may take so much
     /// Hears what will be read before much is; throws to refuse it.
     std::function<void(const StackHead&)> before_reading{};
 };

@@ -52,6 +52,7 @@ struct ProofOptions {
     bool with_target = false;                 ///< the model as a diffuse body beside the print
     std::string resins, printer, pitch;       ///< as PredictOptions
     std::vector<std::string> assign;
+    bool nearest = false;
     double memory_gib = 0;
     int threads = 0;
     std::uint64_t seed = 1;

@@ -115,6 +115,7 @@ std::unique_ptr<ProofPrint> make_print(const ResolvedProof& job, const std::stri
                                      .printer = job.asked.printer,
                                      .pitch_mm = job.pitch_mm,
                                      .assign = job.assign,
+                                     .nearest = job.asked.nearest,
                                      .memory_bytes = volume_bytes(job)},
                                     progress);
     print.scene = {.volume = &print.stack.volume, .resins = &print.stack.resins};

@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <catch2/catch.hpp>
 
+#include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <vector>
+
+#include <fmt/core.h>
 
 #include "tests/io/files/temporary_folder.h"
 #include "tests/io/layers/stack_samples.h"
 #include "voxtone/base/error.h"
 #include "voxtone/io/files/whole_file.h"
 #include "voxtone/io/layers/stack_folder.h"
+#include "voxtone/io/pictures/picture_writer.h"
 #include "voxtone/slicer/predict/stack_volume.h"
 
 using namespace voxtone;
@@ -255,4 +261,170 @@ TEST_CASE("A colour is assigned by its code") {
     CHECK(parse_assignment("#00aeef=C").role == "C");
     for (const char* bad : {"dcded8=W", "#dcded8", "#dcded8=", "#dcde=W", "=W", ""})
         CHECK_THROWS_WITH(parse_assignment(bad), Contains("#rrggbb=ROLE"));
+}
+
+namespace {
+
+/// Layers of 20 x 12 px as another program writes them: a block of white with a red one in it, in a margin of nothing.
+struct DrawnStack {
+    using Pixel = std::array<std::uint8_t, 4>;
+    Pixel nothing{0, 0, 0, 0}, white{255, 255, 255, 255}, red{200, 40, 40, 255};
+    std::optional<Pixel> edge{};  ///< of the white block, at its left
+    int layers = 6;
+
+    void write(const std::filesystem::path& folder, const std::string& form = "slice_{}.png") const {
+        for (int k = 1; k <= layers; ++k) write_layer(folder / fmt::format(fmt::runtime(form), k));
+    }
+    void write_layer(const std::filesystem::path& file, std::uint32_t width = 20) const {
+        constexpr std::uint32_t height = 12;
+        std::vector<std::uint8_t> pixels;
+        for (std::uint32_t y = 0; y < height; ++y)
+            for (std::uint32_t x = 0; x < width; ++x) {
+                const bool in_white = x >= 5 && x < 15 && y >= 2 && y < 10;
+                const Pixel& p = in_white                             ? (x >= 8 && x < 11 ? red : white)
+                                 : edge && x == 4 && y >= 2 && y < 10 ? *edge
+                                                                      : nothing;
+                pixels.insert(pixels.end(), p.begin(), p.end());
+            }
+        io::write_whole_file(file, io::png_bytes({width, height, 4, pixels}));
+    }
+};
+
+struct ListeningProgress final : Progress {
+    std::vector<std::string> warnings;
+    void on_warning(const std::string& message) override { warnings.push_back(message); }
+};
+
+StackVolume read_drawn(const std::filesystem::path& folder, const std::vector<std::string>& colours, bool nearest,
+                       Progress& progress) {
+    return read_stack_volume({.stack = folder.string(),
+                              .pitch_mm = parse_pitch_mm("0.05,0.08,0.03mm"),
+                              .assign = assigned(colours),
+                              .nearest = nearest},
+                             progress);
+}
+
+const std::vector<std::string> drawn_colours{"#ffffff=W", "#c82828=M"};
+
+}  // namespace
+
+TEST_CASE("Pixels of alpha 0 are nothing, whatever their colour") {
+    const DrawnStack::Pixel clear_black{0, 0, 0, 0}, clear_white{255, 255, 255, 0}, clear_red{200, 40, 40, 0},
+        clear_stray{12, 34, 56, 0};
+    for (const DrawnStack::Pixel& nothing : {clear_black, clear_white, clear_red, clear_stray}) {
+        const io::TemporaryFolder folder;
+        DrawnStack{.nothing = nothing}.write(folder.path());
+        ListeningProgress progress;
+        const StackVolume stack = read_drawn(folder.path(), drawn_colours, false, progress);
+        CHECK(stack.volume.size() == std::array<int, 3>{10, 8, 6});
+        CHECK(progress.warnings.empty());
+    }
+    // Black may be a resin beside them.
+    const io::TemporaryFolder folder;
+    DrawnStack{.red = {0, 0, 0, 255}}.write(folder.path());
+    Progress progress;
+    const StackVolume stack = read_drawn(folder.path(), {"#ffffff=W", "#000000=K"}, false, progress);
+    CHECK(stack.volume.count()[optics::air] == 0);
+}
+
+TEST_CASE("Smoothed edges are refused with a way out, which is one") {
+    struct Edge {
+        DrawnStack::Pixel colour;
+        int columns;  ///< of the body: whether the edge is nearer to white than to nothing
+        const char* words;
+    };
+    const Edge grey{{127, 127, 127, 255}, 10, "48 pixels of #7f7f7f, which stands for no resin"},
+        light{{200, 200, 200, 255}, 11, "of #c8c8c8, which stands for no resin"},
+        soft{{255, 255, 255, 128}, 11, "#ffffff of alpha 128, the first in slice_1.png, column 4, row 2"},
+        faint{{255, 255, 255, 127}, 10, "of alpha 127"};
+    for (const Edge& edge : {grey, light, soft, faint}) {
+        INFO(edge.words);
+        const io::TemporaryFolder folder;
+        DrawnStack{.edge = edge.colour}.write(folder.path());
+        const StackVolumeOptions told{.stack = folder.path().string(),
+                                      .pitch_mm = parse_pitch_mm("0.05,0.08,0.03mm"),
+                                      .assign = assigned(drawn_colours)};
+        CHECK_THAT(message(told, ExitCode::invalid_input), Contains(edge.words) && Contains("--nearest"));
+        ListeningProgress progress;
+        const StackVolume stack = read_drawn(folder.path(), drawn_colours, true, progress);
+        CHECK(stack.volume.size()[0] == edge.columns);
+        const auto count = stack.volume.count();
+        CHECK(count[static_cast<std::size_t>(1 + stack.resins.find("M"))] == 3 * 8 * 6);  // no edge of white is red
+        REQUIRE(progress.warnings.size() == 1);
+        CHECK_THAT(progress.warnings[0], Contains("48 pixels") && Contains("--nearest"));
+        // Nothing told yet: what is said then is enough.
+        StackVolumeOptions untold = told;
+        untold.assign.clear();
+        untold.nearest = true;
+        CHECK_THAT(message(untold, ExitCode::invalid_input),
+                   Contains("--assign \"#ffffff=?,#c82828=?") && Contains("add --nearest"));
+    }
+    // What was told to stand for nothing, and does not occur, is nobody's nearest: black is here.
+    const io::TemporaryFolder folder;
+    DrawnStack{.nothing = {0, 255, 0, 255}, .edge = DrawnStack::Pixel{20, 20, 20, 255}}.write(folder.path());
+    ListeningProgress progress;
+    const StackVolume stack = read_drawn(folder.path(), {"#ffffff=W", "#c82828=M", "#00ff00=none"}, true, progress);
+    CHECK(stack.volume.size()[0] == 11);  // red is nearer than green
+}
+
+TEST_CASE("A colour of many pixels that --nearest takes away is asked about") {
+    const io::TemporaryFolder folder;
+    DrawnStack{}.write(folder.path());
+    ListeningProgress progress;
+    (void)read_drawn(folder.path(), {"#ffffff=W"}, true, progress);
+    REQUIRE(progress.warnings.size() == 1);
+    CHECK_THAT(progress.warnings[0], Contains("#c82828") && Contains("hardly an edge"));
+}
+
+TEST_CASE("All colours that stand for nothing are told at once, and the layer that is of another size") {
+    const io::TemporaryFolder folder;
+    DrawnStack{.edge = DrawnStack::Pixel{1, 2, 3, 255}}.write(folder.path());
+    const StackVolumeOptions told{.stack = folder.path().string(),
+                                  .pitch_mm = parse_pitch_mm("0.05,0.08,0.03mm"),
+                                  .assign = assigned({"#ffffff=W"})};
+    CHECK_THAT(message(told, ExitCode::invalid_input), Contains("--assign \"#c82828=W,#010203=W\""));
+    DrawnStack{}.write_layer(folder.path() / "slice_3.png", 21);
+    CHECK_THAT(message(told, ExitCode::invalid_input), Contains("slice_3.png is 21 x 12 px, but 5 of the 6 layers"));
+}
+
+TEST_CASE("Layers that are missing and files that look like some are told") {
+    const io::TemporaryFolder folder;
+    DrawnStack{.layers = 8}.write(folder.path());
+    std::filesystem::remove(folder.path() / "slice_4.png");
+    DrawnStack{.layers = 3}.write(folder.path(), "other_{}.png");
+    ListeningProgress progress;
+    const StackVolume stack = read_drawn(folder.path(), drawn_colours, false, progress);
+    CHECK(stack.volume.size()[2] == 7);
+    REQUIRE(progress.warnings.size() == 2);
+    CHECK_THAT(progress.warnings[0], Contains("number 4 is missing"));
+    CHECK_THAT(progress.warnings[1], Contains("3 files are left out") && Contains("other_1.png to other_3.png"));
+}
+
+TEST_CASE("Heights, and numbers below 0, are layers in their order") {
+    for (const char* form : {"slice-0.{:03}mm.png", "x_{}_12.png"}) {
+        const io::TemporaryFolder folder;
+        DrawnStack{.layers = 12}.write(folder.path(), form);
+        ListeningProgress progress;
+        CHECK(read_drawn(folder.path(), drawn_colours, false, progress).volume.size()[2] == 12);
+        CHECK(progress.warnings.empty());
+    }
+    const io::TemporaryFolder folder;
+    DrawnStack{.layers = 5}.write(folder.path(), "slice_-{}.png");
+    DrawnStack{.layers = 5}.write(folder.path(), "slice_{}.png");
+    ListeningProgress progress;
+    CHECK(read_drawn(folder.path(), drawn_colours, false, progress).volume.size()[2] == 10);
+    REQUIRE(progress.warnings.size() == 2);
+    CHECK_THAT(progress.warnings[0], Contains("number 0 is missing"));
+    CHECK_THAT(progress.warnings[1], Contains("5 of 10 layers have numbers below 0"));
+}
+
+TEST_CASE("A folder without layers is told by what it holds") {
+    const io::TemporaryFolder folder;
+    const auto inner = folder.path() / "png";
+    std::filesystem::create_directory(inner);
+    DrawnStack{}.write(inner);
+    CHECK_THAT(message({.stack = folder.path().string()}, ExitCode::invalid_input), Contains("name " + inner.string()));
+    io::write_whole_file(folder.path() / "slice_1.tif", std::string_view("II*"));
+    CHECK_THAT(message({.stack = folder.path().string()}, ExitCode::invalid_input),
+               Contains("1 file like slice_1.tif") && Contains("save them as PNG"));
 }
