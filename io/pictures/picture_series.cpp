@@ -370,7 +370,7 @@ std::vector<std::string> series_doubts(std::span<const std::string> names, std::
                         below_zero, series.size(), series.front().file->name, series.back().file->name));
     const LeftOut left = sort_strangers(series, others);
     if (!left.twice.empty())
-        doubts.push_back(left_out(left.twice, "as second ones of their numbers") +
+        doubts.push_back(left_out(left.twice, "for a number that is there already") +
                          "; if they belong to the print, give each layer a number of its own");
     constexpr std::size_t most_named = 4;
     for (std::size_t i = 0; i < std::min(left.other_series.size(), most_named); ++i)

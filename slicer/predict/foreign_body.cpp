@@ -148,10 +148,19 @@ std::string place_of(const ForeignStack& stack, const StrayColour& stray) {
 }
 
 /// "#00aeef=?,#ec008c=?", no more than `most`.
-std::string to_assign(const std::vector<StrayColour>& strays, std::size_t most, const std::string& role) {
+std::string to_assign(const std::vector<StrayColour>& strays, std::size_t most) {
     std::string list;
     for (std::size_t i = 0; i < std::min(strays.size(), most); ++i)
-        list += fmt::format("{}{}={}", i > 0 ? "," : "", hex_code(rgb_of(strays[i].rgba)), role);
+        list += fmt::format("{}{}=?", i > 0 ? "," : "", hex_code(rgb_of(strays[i].rgba)));
+    return list;
+}
+
+/// The same with what they may be: a colour in the corner is the background's.
+std::string likely_assignments(const std::vector<StrayColour>& strays, std::size_t most, const std::string& resin) {
+    std::string list;
+    for (std::size_t i = 0; i < std::min(strays.size(), most); ++i)
+        list += fmt::format("{}{}={}", i > 0 ? "," : "", hex_code(rgb_of(strays[i].rgba)),
+                            strays[i].x == 0 && strays[i].y == 0 ? "none" : resin);
     return list;
 }
 
@@ -162,7 +171,7 @@ std::string to_assign(const std::vector<StrayColour>& strays, std::size_t most, 
     throw InputError(fmt::format(
         "{}: nothing says which resin its {} {}; say it, with roles of the set '{}' ({}) or none: --assign \"{}\"{}",
         stack.name, counted(opaque.size(), "colour"), opaque.size() == 1 ? "is" : "are", stack.resin_set, stack.roles,
-        to_assign(opaque, most_named, "?"),
+        to_assign(opaque, most_named),
         may_be_smoothed
             ? "; leave colours of smoothed edges out and add --nearest, which takes each for the nearest one"
             : ""));
@@ -189,9 +198,9 @@ std::string to_assign(const std::vector<StrayColour>& strays, std::size_t most, 
                           place_of(stack, first));
     const std::string nearest = "if edges were smoothed, add --nearest, which takes each for the nearest colour told";
     if (opaque.size() > room) throw InputError(fmt::format("{}: has {}; {}", stack.name, what, nearest));
-    throw InputError(fmt::format("{}: has {}; say what {} as well: --assign \"{}\" (or another of {}, or none), or, {}",
+    throw InputError(fmt::format("{}: has {}; say what {} as well: --assign \"{}\" (or another of {}, none), or, {}",
                                  stack.name, what, opaque.size() == 1 ? "it is" : "they are",
-                                 to_assign(opaque, most_named, stack.role), stack.roles, nearest));
+                                 likely_assignments(opaque, most_named, stack.role), stack.roles, nearest));
 }
 
 void expect_known(const ForeignStack& stack, const PixelMaterials& materials,

@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
+#include "voxtone/base/counted.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/parallel.h"
 #include "voxtone/base/units.h"
@@ -130,6 +131,28 @@ std::string set_of(const io::StackOrigin& origin, const std::filesystem::path& s
     return origin.resins.empty() ? optics::vero_opaque().name : input_named_in(folder, origin.resins);
 }
 
+/// Bitmaps beside the layers that a manifest or container announces.
+void warn_of_more_layers(const io::StackReader& stack, const std::string& name, Progress& progress) {
+    std::vector<std::string> more;
+    for (const std::string& stranger : stack.strangers())
+        if (io::parse_slice_name(stranger)) more.push_back(stranger);
+    if (more.empty()) return;
+    progress.warn(
+        fmt::format("{}: {} beside its layers {} left out, for nothing announces {}: {}; `voxtone verify` "
+                    "lists all",
+                    name, counted(more.size(), "bitmap"), more.size() == 1 ? "is" : "are",
+                    more.size() == 1 ? "it" : "them", more.front()));
+}
+
+/// Layers that are not there, and files that may be some.
+void warn_of_series(const io::StackReader& stack, const std::string& name, Progress& progress) {
+    if (stack.kind() != io::StackReader::Kind::folder) return warn_of_more_layers(stack, name, progress);
+    std::vector<std::string> layers;
+    for (std::uint32_t k = 0; k < stack.layers(); ++k) layers.push_back(stack.layer_name(k));
+    for (const std::string& gap : io::series_gaps(layers)) progress.warn(name + ": " + gap);
+    for (const std::string& doubt : io::series_doubts(layers, stack.strangers())) progress.warn(name + ": " + doubt);
+}
+
 void tell(const StackVolumeOptions& options, const Assignment& assignment, const LayerWindow& window,
           const std::array<double, 3>& pitch_mm, std::uint64_t solid_voxels, bool of_picture) {
     if (!options.before_reading) return;
@@ -156,6 +179,7 @@ StackVolume read_own(const io::StackReader& stack, const StackVolumeOptions& opt
                         options.stack));
     const io::StackDescription& description = *stack.description();
     expect_all_layers(stack, options.stack);
+    warn_of_series(stack, options.stack, progress);
     StackVolume result;
     const io::StackOrigin& origin = stack.origin();
     result.of_picture = !origin.model.empty() && !io::is_model_name(origin.model);
@@ -291,15 +315,6 @@ void warn_of_absent(const StackVolumeOptions& options, const ForeignBody& body, 
         if (body.pixels_of(told.rgb) == 0)
             progress.warn(fmt::format("--assign \"{}={}\": no pixel of {} has this colour; is it the right one?",
                                       hex_code(told.rgb), told.role, options.stack));
-}
-
-/// Layers that are not there, and files that may be some.
-void warn_of_series(const io::StackReader& stack, const std::string& name, Progress& progress) {
-    if (stack.kind() != io::StackReader::Kind::folder) return;
-    std::vector<std::string> layers;
-    for (std::uint32_t k = 0; k < stack.layers(); ++k) layers.push_back(stack.layer_name(k));
-    for (const std::string& gap : io::series_gaps(layers)) progress.warn(name + ": " + gap);
-    for (const std::string& doubt : io::series_doubts(layers, stack.strangers())) progress.warn(name + ": " + doubt);
 }
 
 /// Transparent pixels are one more material, which is none.

@@ -111,8 +111,8 @@ TEST_CASE("Files that look like layers and are left out are counted, with the fi
     CHECK_THAT(said(layers + Names{"slice_61.tif"}), Contains("1 file is left out as no PNG: slice_61.tif"));
     CHECK_THAT(said(layers + numbered("slice_{}.bmp", 61, 70)), Contains("10 files are left out as no PNG"));
     CHECK_THAT(said(layers + numbered("slice_{:04}.png", 1, 9)),
-               Contains("9 files are left out as second ones of their numbers: slice_0001.png to slice_0009.png"));
-    CHECK_THAT(said(layers + Names{"Slice_7.png"}), Contains("left out as second ones") && Contains("Slice_7.png"));
+               Contains("9 files are left out for a number that is there already: slice_0001.png to slice_0009.png"));
+    CHECK_THAT(said(layers + Names{"Slice_7.png"}), Contains("left out for a number") && Contains("Slice_7.png"));
     CHECK_THAT(said(layers + Names{"slice_final.png"}), Contains("for want of a number: slice_final.png"));
     CHECK_THAT(said(layers + Names{"slice_7 (1).png"}), Contains("another series: slice_7 (1).png"));
     // Parts of one layer each: the series of the first part is taken.
@@ -131,7 +131,7 @@ TEST_CASE("The writing that most files have is taken where a number is there twi
     CHECK(series_in(padded + plain).names == padded);
     CHECK(series_in(plain + Names{"slice_0007.png"}).names == plain);
     CHECK(series_in(plain + Names{"slice_7.PNG"}).names == plain);
-    CHECK_THAT(said(padded + plain), Contains("60 files are left out as second ones"));
+    CHECK_THAT(said(padded + plain), Contains("60 files are left out for a number"));
 }
 
 TEST_CASE("Numbers below 0 are in order and told") {

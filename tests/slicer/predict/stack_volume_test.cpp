@@ -383,6 +383,12 @@ TEST_CASE("All colours that stand for nothing are told at once, and the layer th
                                   .pitch_mm = parse_pitch_mm("0.05,0.08,0.03mm"),
                                   .assign = assigned({"#ffffff=W"})};
     CHECK_THAT(message(told, ExitCode::invalid_input), Contains("--assign \"#c82828=W,#010203=W\""));
+    // What lies in the corner is the background.
+    const io::TemporaryFolder filled;
+    DrawnStack{.nothing = {0, 255, 0, 255}}.write(filled.path());
+    StackVolumeOptions of_filled = told;
+    of_filled.stack = filled.path().string();
+    CHECK_THAT(message(of_filled, ExitCode::invalid_input), Contains("#00ff00=none") && Contains("#c82828=W"));
     DrawnStack{}.write_layer(folder.path() / "slice_3.png", 21);
     CHECK_THAT(message(told, ExitCode::invalid_input), Contains("slice_3.png is 21 x 12 px, but 5 of the 6 layers"));
 }
@@ -398,6 +404,17 @@ TEST_CASE("Layers that are missing and files that look like some are told") {
     REQUIRE(progress.warnings.size() == 2);
     CHECK_THAT(progress.warnings[0], Contains("number 4 is missing"));
     CHECK_THAT(progress.warnings[1], Contains("3 files are left out") && Contains("other_1.png to other_3.png"));
+}
+
+TEST_CASE("Bitmaps beside the layers of an own stack are told") {
+    const io::TemporaryFolder folder;
+    const auto own = folder.path() / "own";
+    write_marker(own, {});
+    std::filesystem::copy(own / "layers/slice_00003.png", own / "layers/slice_00035.png");
+    ListeningProgress progress;
+    CHECK(read_stack_volume({.stack = own.string()}, progress).volume.size()[2] == nz);
+    REQUIRE(progress.warnings.size() == 1);
+    CHECK_THAT(progress.warnings[0], Contains("1 bitmap beside its layers is left out") && Contains("slice_00035"));
 }
 
 TEST_CASE("Heights, and numbers below 0, are layers in their order") {
