@@ -13,6 +13,7 @@
 #include "voxtone/base/error.h"
 #include "voxtone/io/files/json_writer.h"
 #include "voxtone/io/files/read_bytes.h"
+#include "voxtone/io/models/foreign_kind.h"
 #include "voxtone/io/models/model_reader.h"
 #include "voxtone/slicer/batch/csv_table.h"
 
@@ -81,6 +82,19 @@ bool is_list(const std::string& word) {
     return std::find(lists.begin(), lists.end(), io::extension_of(word)) != lists.end();
 }
 
+/// What else lies in a folder, of the first file that is known; empty: nothing of the kind.
+std::string foreign_in(const fs::path& folder) {
+    std::error_code error;
+    std::vector<fs::path> files;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
+        if (!entry.path().filename().string().starts_with('.') && !io::is_picture_name(entry.path()))
+            files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    for (const fs::path& file : files)
+        if (const std::string why = io::foreign_kind(file); !why.empty()) return ". " + why;
+    return {};
+}
+
 PlanRows read_one(const std::string& word) {
     PlanRows plan{word, {}, {}};
     const fs::path folder = fs::path(word).parent_path();
@@ -88,8 +102,8 @@ PlanRows read_one(const std::string& word) {
         for (const fs::path& model : models_in(word)) plan.rows.push_back(row_of(model));
         if (plan.rows.empty())
             plan.faults.push_back(fmt::format(
-                "{}: holds no model (.obj .ply .stl .gltf .glb .3mf); for pictures give a pattern, '{}/*.png'", word,
-                word));
+                "{}: holds no model (.obj .ply .stl .gltf .glb .3mf); for pictures give a pattern, '{}/*.png'{}", word,
+                word, foreign_in(word)));
     } else if (fs::exists(word) && ends_as(word, "csv")) {
         read_table(text_of_plan(word), folder, plan);
     } else if (is_list(word)) {

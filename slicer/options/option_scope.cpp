@@ -8,7 +8,6 @@
 #include <fmt/core.h>
 
 #include "voxtone/base/error.h"
-#include "voxtone/io/models/model_reader.h"
 
 namespace voxtone::slicer {
 
@@ -32,16 +31,8 @@ void idle(const SliceOptions& o, bool here, std::initializer_list<std::string_vi
         }
 }
 
-std::string why_no_size(const std::string& model) {
-    if (model.empty() || io::is_picture_name(model)) return "a picture has no --size; give --width and --thickness";
-    return fmt::format(
-        "{} is taken as a picture, which has no --size, since models are read by their names ({}); export a model as "
-        "one of these, give a picture --width and --thickness",
-        model, io::model_name_endings);
-}
-
 void check_scope_of_shape(const SliceOptions& o, bool is_picture) {
-    idle(o, is_picture, {"size"}, why_no_size(o.model));
+    idle(o, is_picture, {"size"}, "a picture has no --size; give --width and --thickness");
     idle(o, is_picture, {"texture"}, "it is for meshes; a picture is its own texture");
     idle(o, is_picture, {"unit"}, "it is the unit of a mesh's numbers; a picture is as wide as --width says");
     idle(o, is_picture, {"profile-placement"}, "on a picture's slab the map lies on the picture");

@@ -10,6 +10,7 @@
 
 #include "voxtone/base/error.h"
 #include "voxtone/io/layers/stack_folder.h"
+#include "voxtone/io/models/foreign_kind.h"
 #include "voxtone/io/models/model_reader.h"
 #include "voxtone/slicer/options/option_scope.h"
 
@@ -139,10 +140,25 @@ std::vector<io::LayerFormat> formats_of(const SliceOptions& o) {
     return formats;
 }
 
+/// What a file is that cannot be read is more than that an option does not go with its name.
+void refuse_foreign_files(const SliceOptions& o) {
+    if (const std::string why = io::foreign_kind(o.model); !why.empty()) throw InputError(why);
+    const bool is_named = io::is_model_name(o.model) || io::is_picture_name(o.model);
+    if (!is_named && std::ranges::find(o.named, "size") != o.named.end())
+        throw InputError(
+            fmt::format("{} has no name of a model ({}), by which models are known, so that it is taken for a picture: "
+                        "export a model as one of these, and give a picture --width in place of --size",
+                        o.model, io::model_name_endings));
+    if (o.texture.empty()) return;
+    if (const std::string why = io::foreign_kind(o.texture, io::Wanted::picture); !why.empty())
+        throw InputError("--texture: " + why);
+}
+
 }  // namespace
 
 ResolvedJob resolve(const SliceOptions& o) {
     check_common(o);
+    refuse_foreign_files(o);
     ResolvedJob job;
     job.asked = o;
     job.model = o.model;

@@ -185,6 +185,16 @@ TEST_CASE("Faults of a table are told with their lines, those of its form too") 
     CHECK_THAT(shop.fault("plan.csv", "model,size\na.obj,\nb.obj,large\n"), Contains("plan.csv: line 3: key `size`"));
 }
 
+TEST_CASE("What is neither a model nor a picture is told by what it is") {
+    const Workshop shop;
+    shop.write("part.step", "ISO-10303-21;");
+    CHECK_THAT(shop.fault("plan.jsonl", "{\"model\": \"part.step\", \"size\": \"9mm\"}\n{\"model\": \"gone.wrl\"}\n"),
+               Contains("line 1: part.step is a STEP file") && Contains("line 2"));
+    fs::create_directory(shop.folder.path() / "cad");
+    fs::rename(shop.at("part.step"), shop.at("cad/part.step"));
+    CHECK_THROWS_WITH(read_plan(shop.options("cad")), Contains("holds no model") && Contains("part.step is a STEP"));
+}
+
 TEST_CASE("What is no plan is refused") {
     const Workshop shop;
     CHECK_THROWS_AS(read_plan(shop.options("gone.jsonl")), FileError);
