@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <set>
 #include <span>
@@ -13,12 +12,14 @@
 
 #include <fmt/format.h>
 
+#include "voxtone/base/counted.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/printable.h"
 #include "voxtone/io/codecs/texture_baker.h"
 #include "voxtone/io/codecs/threemf_part.h"
-#include "voxtone/io/files/zip_reader.h"
+#include "voxtone/io/models/model_text.h"
 #include "voxtone/io/models/slicer_roles.h"
+#include "voxtone/io/models/threemf_package.h"
 
 namespace voxtone::io {
 
@@ -27,10 +28,27 @@ namespace {
 constexpr int deepest_component = 64;
 constexpr std::size_t most_instances = 1'000'000, most_triangles = std::size_t{1} << 28;
 
-constexpr std::size_t no_triangle = std::numeric_limits<std::size_t>::max();
-
 std::string_view text_of(const std::vector<std::byte>& bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+/// What a required extension brings, by its name space.
+std::string_view what_extends(std::string_view extension) {
+    static constexpr std::pair<std::string_view, std::string_view> known[]{
+        {"/beamlattice/", "a beam lattice"},
+        {"/slice/", "slices in place of its mesh"},
+        {"/booleanoperations/", "boolean operations of bodies"},
+        {"/displacement/", "a displaced surface"},
+        {"/volumetric/", "colours or shapes given by a volume"},
+        {"/implicit/", "shapes given by formulas"}};
+    for (const auto& [part, words] : known)
+        if (extension.find(part) != extension.npos) return words;
+    return "something that is not known here";
+}
+
+bool is_utf16(const std::vector<std::byte>& bytes) {
+    const std::string_view text = text_of(bytes);
+    return text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff");
 }
 
 Eigen::Vector4f to_linear(const Eigen::Vector4f& code) {
@@ -48,15 +66,12 @@ struct Corner {
 class ThreemfParser {
 public:
     explicit ThreemfParser(ParseContext& context)
-        : context_(context),
-          archive_(context.bytes(), context.name(), {.total_bytes = context.options().max_unpacked_bytes}) {}
+        : context_(context), package_(context.bytes(), context.name(), context.options().max_unpacked_bytes) {}
 
     ModelParts parse() {
         parts_.format = "3MF";
         parts_.materials.emplace_back().name = "(colours)";
-        std::string root = "/3D/3dmodel.model";
-        if (const auto relationships = archive_.read("_rels/.rels"))
-            root = threemf_root_part(text_of(*relationships), context_.name() + ":_rels/.rels");
+        const std::string root = package_.root_part();
         read_slicer_files();
         const ThreemfPart& part = load(root);
         parts_.mm_per_file_unit = part.mm_per_unit;
@@ -87,7 +102,9 @@ public:
             warn(fmt::format("{} items of {} are switched off (printable=\"0\"); they are left aside.", off,
                              context_.name()));
         lay_baked();
+        colour_by_filament();
         report();
+        expect_faces();
         return std::move(parts_);
     }
 
@@ -102,15 +119,15 @@ private:
     }
 
     void read_slicer_files() {
-        for (const char* file : {"Metadata/Slic3r_PE_model.config", "Metadata/model_settings.config"}) try {
-                if (const auto bytes = archive_.read(file))
-                    read_slicer_volumes(text_of(*bytes), context_.name() + ":" + file, roles_);
+        for (const char* file : {"/Metadata/Slic3r_PE_model.config", "/Metadata/model_settings.config"}) try {
+                if (const auto part = package_.find(file))
+                    read_slicer_volumes(text_of(package_.read(*part)), context_.name() + ":" + file, roles_);
             } catch (const InputError& error) {
                 warn(fmt::format("What a slicer says of its parts could not be read ({}); all are taken for bodies.",
                                  error.what()));
             }
-        for (const char* file : {"Metadata/Slic3r_PE.config", "Metadata/project_settings.config"})
-            if (const auto bytes = archive_.read(file)) read_slicer_colours(text_of(*bytes), roles_);
+        for (const char* file : {"/Metadata/Slic3r_PE.config", "/Metadata/project_settings.config"})
+            if (const auto part = package_.find(file)) read_slicer_colours(text_of(package_.read(*part)), roles_);
         by_extruder_ = roles_.tells_colours();
         if (by_extruder_ && roles_.colours.empty())
             lose_colour(
@@ -119,26 +136,24 @@ private:
                             context_.name()));
     }
 
-    /// Whether a part of this role is a body. Refuses what would have to be cut out.
-    bool is_body(SlicerRole role) {
+    /// Whether a part of this role is a body. Refuses what would have to be cut out. `first`: its first triangle.
+    bool is_body(SlicerRole role, std::uint32_t parent, std::uint32_t object, std::size_t first = 0) {
         if (role == SlicerRole::negative)
             throw InputError(
                 fmt::format("{} has a negative volume, which is to be cut out of the others and cannot be cut "
                             "here; let the slicer do it (boolean difference) and export the mesh",
                             context_.name()));
-        if (role == SlicerRole::modifier)
-            lose(fmt::format(
-                "{} has modifiers or blockers of support, which are no part of the body; they are left aside",
-                context_.name()));
+        if (role == SlicerRole::modifier) modifiers_.insert({parent, object, first});
         return role == SlicerRole::part;
     }
 
     const ThreemfPart& load(const std::string& path) {
         if (const auto known = model_parts_.find(path); known != model_parts_.end()) return known->second;
-        const auto bytes = archive_.read(path);
-        if (!bytes) fail(fmt::format("it has no part '{}'", path));
-        const ThreemfPart& part = model_parts_[path] =
-            parse_threemf_part(text_of(*bytes), context_.name() + ":" + path);
+        const std::vector<std::byte> bytes = package_.read(path);
+        const std::string what = context_.name() + ":" + path;
+        ThreemfPart& part = model_parts_[path] =
+            parse_threemf_part(is_utf16(bytes) ? model_text(bytes) : text_of(bytes), what);
+        part.path = path;
         for (const std::string& extension : part.required_extensions) {
             if (extension.find("/material/") != std::string::npos ||
                 extension.find("/production/") != std::string::npos ||
@@ -147,20 +162,10 @@ private:
             if (extension.find("/securecontent/") != std::string::npos)
                 throw InputError(fmt::format("{} is encrypted; export it without protection", context_.name()));
             throw InputError(
-                fmt::format("{} cannot be read without the extension {}, which is not known here: what would "
-                            "be printed is not what is meant. Export it as a plain mesh",
-                            context_.name(), printable(extension)));
+                fmt::format("{} has {}, without which it is not to be read (extension {}): what would be printed is "
+                            "not what is meant. Export it as a plain mesh",
+                            context_.name(), what_extends(extension), printable(extension)));
         }
-        if (part.has_beams)
-            lose_colour(
-                fmt::format("{} has a beam lattice, which cannot be read: its beams are LOST. Export it as a mesh",
-                            context_.name()));
-        if (part.has_painting)
-            lose_colour(
-                fmt::format("{} has colours painted in a slicer, in a form of that program's own: they are LOST. "
-                            "Export the model with colour groups "
-                            "or as OBJ or GLB",
-                            context_.name()));
         return part;
     }
 
@@ -169,7 +174,7 @@ private:
                     int depth, std::uint32_t parent_object = no_property) {
         if (depth > deepest_component) fail("its components are nested too deep, or hold themselves");
         if (++instances_ > most_instances) fail(fmt::format("it has more than {} components", most_instances));
-        const std::string& path = reference.path.empty() ? part_path : reference.path;
+        const std::string path = reference.path.empty() ? part_path : part_named(reference.path, part_path);
         const ThreemfPart& part = load(path);
         const auto found = part.objects.find(reference.object);
         if (found == part.objects.end())
@@ -179,64 +184,140 @@ private:
         if (object.type == "support" || object.type == "solidsupport" || object.type == "other") {
             lose(fmt::format("{} has objects of the type '{}', which are no part of the model; they are left aside",
                              context_.name(), object.type));
+            say_why_nothing(
+                fmt::format("an object of the type '{}', which is no part of the model: make it one in the "
+                            "program that wrote it",
+                            object.type));
             return;
         }
+        note_other_shapes(object);
         for (const ThreemfReference& component : object.components)
-            if (is_body(roles_.of(reference.object, component.object, no_triangle).role))
+            if (is_body(roles_.of(reference.object, component.object).role, reference.object, component.object))
                 add_object(path, component, transform, depth + 1, reference.object);
-        if (!object.triangles.empty()) add_mesh(path, part, object, transform, {parent_object, reference.object});
+        if (!object.triangles.empty()) add_mesh(part, object, transform, {parent_object, reference.object});
     }
 
-    void add_mesh(const std::string& path, const ThreemfPart& part, const ThreemfObject& object,
-                  const Eigen::Affine3d& transform, const std::pair<std::uint32_t, std::uint32_t>& ids) {
+    /// What an object is of besides its triangles.
+    void note_other_shapes(const ThreemfObject& object) {
+        if (object.has_beams) {
+            lose_colour(
+                fmt::format("{} has a beam lattice, which cannot be read: its beams are LOST. Export it as a mesh",
+                            context_.name()));
+            say_why_nothing("a beam lattice, which cannot be read: export it as a mesh");
+        } else if (!object.other_shape.empty()) {
+            say_why_nothing(fmt::format("a shape of the kind '{}', which cannot be read: export it as a mesh",
+                                        printable(object.other_shape)));
+        } else if (object.triangles.empty() && !object.vertices.empty()) {
+            say_why_nothing("an object of points without triangles: export it as a mesh");
+        }
+    }
+
+    void say_why_nothing(std::string why) {
+        if (std::ranges::find(why_nothing_, why) == why_nothing_.end()) why_nothing_.push_back(std::move(why));
+    }
+
+    /// Why there is nothing to print, as it was found.
+    void expect_faces() const {
+        if (!parts_.triangles.empty() || (why_nothing_.empty() && modifiers_.empty())) return;
+        std::string all;
+        for (const std::string& why : why_nothing_) all += (all.empty() ? "" : "; and ") + why;
+        if (all.empty()) all = "modifiers or blockers of support, which are no body: export the body with them";
+        throw InputError(fmt::format("{} holds no faces to print, only {}", context_.name(), all));
+    }
+
+    /// A part that another one names.
+    std::string part_named(const std::string& path, const std::string& from) {
+        const auto found = package_.find(path, from);
+        if (!found) fail(fmt::format("it has no part '{}'; in it {}", printable(path), package_.parts_there()));
+        return *found;
+    }
+
+    void add_mesh(const ThreemfPart& part, const ThreemfObject& object, const Eigen::Affine3d& transform,
+                  const std::pair<std::uint32_t, std::uint32_t>& ids) {
         if (parts_.triangles.size() + object.triangles.size() > most_triangles ||
             parts_.positions.size() + object.vertices.size() > std::size_t{no_property})
             fail(fmt::format("its components add up to more than {} triangles", most_triangles));
         const auto first = static_cast<std::uint32_t>(parts_.positions.size());
         for (const Eigen::Vector3d& vertex : object.vertices) parts_.positions.push_back(transform * vertex);
         const bool mirrored = transform.linear().determinant() < 0;
-        for (std::size_t number = 0; number < object.triangles.size(); ++number) {
-            const ThreemfTriangle& triangle = object.triangles[number];
-            SlicerVolume volume;
-            if (!roles_.empty()) volume = roles_.of(ids.first, ids.second, number);
-            if (!is_body(volume.role)) continue;
-            std::array<std::uint32_t, 3> corners = triangle.corners;
-            for (const std::uint32_t corner : corners)
-                if (corner >= object.vertices.size())
-                    fail(fmt::format("a triangle uses vertex {}, but its object has {}", corner,
-                                     object.vertices.size()));
-            std::array<std::uint32_t, 3> p{triangle.p[0], triangle.p[1] == no_property ? triangle.p[0] : triangle.p[1],
-                                           triangle.p[2] == no_property ? triangle.p[0] : triangle.p[2]};
-            std::uint32_t pid = triangle.pid;
-            if (pid == no_property) pid = object.pid;
-            if (p[0] == no_property) {
-                pid = object.pid;
-                p = {object.pindex, object.pindex, object.pindex};
-            }
-            if (mirrored) {
-                std::swap(corners[1], corners[2]);
-                std::swap(p[1], p[2]);
-            }
-            const std::size_t t = parts_.add_triangle({first + corners[0], first + corners[1], first + corners[2]}, 0);
-            if (pid != no_property && p[0] != no_property)
-                colour_triangle(path, part, t, pid, p);
-            else if (by_extruder_)
-                colour_by_extruder(t, volume.extruder);
+        std::size_t number = 0;
+        for (const SlicerSpan& span : roles_.spans(ids.first, ids.second, object.triangles.size())) {
+            if (is_body(span.volume.role, ids.first, ids.second, number))
+                for (; number < span.end; ++number)
+                    add_triangle(part, object, object.triangles[number], {first, mirrored}, span.volume.extruder);
+            number = span.end;
         }
     }
 
-    /// The colour of its filament; what no extruder is named for is printed by the first.
-    void colour_by_extruder(std::size_t t, int extruder) {
-        const auto index = static_cast<std::size_t>(std::max(extruder, 1) - 1);
-        if (index >= roles_.colours.size()) return;
-        const Eigen::Vector3f rgb = srgb_to_linear(roles_.colours[index]);
+    struct PlacedMesh {
+        std::uint32_t first_vertex;
+        bool mirrored;
+    };
+
+    void add_triangle(const ThreemfPart& part, const ThreemfObject& object, const ThreemfTriangle& triangle,
+                      const PlacedMesh& placed, int extruder) {
+        std::array<std::uint32_t, 3> corners = triangle.corners;
+        for (const std::uint32_t corner : corners)
+            if (corner >= object.vertices.size())
+                fail(fmt::format("a triangle uses vertex {}, but its object has {}", corner, object.vertices.size()));
+        std::array<std::uint32_t, 3> p{triangle.p[0], triangle.p[1] == no_property ? triangle.p[0] : triangle.p[1],
+                                       triangle.p[2] == no_property ? triangle.p[0] : triangle.p[2]};
+        std::uint32_t pid = triangle.pid;
+        if (pid == no_property) pid = object.pid;
+        if (p[0] == no_property) {
+            pid = object.pid;
+            p = {object.pindex, object.pindex, object.pindex};
+        }
+        if (placed.mirrored) {
+            std::swap(corners[1], corners[2]);
+            std::swap(p[1], p[2]);
+        }
+        const std::uint32_t v = placed.first_vertex;
+        const std::size_t t = parts_.add_triangle({v + corners[0], v + corners[1], v + corners[2]}, 0);
+        if (pid != no_property && p[0] != no_property)
+            colour_triangle(part, t, pid, p);
+        else
+            note_filament(t, triangle.paint, extruder);
+    }
+
+    /// By which filament it is printed; what no extruder is named for is printed by the first.
+    void note_filament(std::size_t t, const TrianglePaint& paint, int extruder) {
+        painted_ += paint.extruder > 0 || paint.is_divided;
+        painted_in_parts_ += paint.is_divided;
+        if (roles_.colours.empty()) return;
+        filament_.resize(t + 1, 0);
+        filament_[t] = paint.extruder > 0 ? paint.extruder : static_cast<std::uint16_t>(std::max(extruder, 1));
+    }
+
+    /// Where filaments tell parts apart, or paint.
+    void colour_by_filament() {
+        if (painted_ > 0 && roles_.colours.empty())
+            lose_colour(
+                fmt::format("{} has {} painted in a slicer and does not say what colours the filaments have: their "
+                            "colours are LOST. Export the model with colour groups or as OBJ or GLB",
+                            context_.name(), counted(painted_, "triangle")));
+        if (roles_.colours.empty() || (painted_ == 0 && !by_extruder_)) return;
+        if (painted_in_parts_ > 0)
+            lose_colour(
+                fmt::format("{} of {} painted triangles of {} are painted in parts, which is not read: each has the "
+                            "colour of most of it, the others are LOST. Export the model with colour groups or as OBJ "
+                            "or GLB",
+                            painted_in_parts_, painted_, context_.name()));
+        for (std::size_t t = 0; t < filament_.size(); ++t)
+            if (filament_[t] > 0) colour_by_extruder(t, filament_[t]);
+    }
+
+    void colour_by_extruder(std::size_t t, std::size_t extruder) {
+        if (extruder > roles_.colours.size())
+            return lose_colour(fmt::format("{} has parts of extruder {}, and colours of {} only: theirs are LOST",
+                                           context_.name(), extruder, roles_.colours.size()));
+        const Eigen::Vector3f rgb = srgb_to_linear(roles_.colours[extruder - 1]);
         const Eigen::Vector4f rgba(rgb.x(), rgb.y(), rgb.z(), 1);
         parts_.set_rgba(t, {rgba, rgba, rgba});
         parts_.has_colour = true;
     }
 
-    void colour_triangle(const std::string& path, const ThreemfPart& part, std::size_t t, std::uint32_t pid,
-                         std::array<std::uint32_t, 3> p) {
+    void colour_triangle(const ThreemfPart& part, std::size_t t, std::uint32_t pid, std::array<std::uint32_t, 3> p) {
         const auto group = part.groups.find(pid);
         if (group == part.groups.end())
             return lose_colour(
@@ -250,7 +331,7 @@ private:
         for (int c = 0; c < 3; ++c) corner[c] = resolve(part, group->second, p[c], 0);
         if (group->second.kind == Kind::unknown) return;
         parts_.has_colour = true;
-        if (corner[0].texture != no_property) return lay_texture(path, part, t, corner);
+        if (corner[0].texture != no_property) return lay_texture(part, t, corner);
         if (corner[0].rgba != Eigen::Vector4f::Ones() || corner[1].rgba != Eigen::Vector4f::Ones() ||
             corner[2].rgba != Eigen::Vector4f::Ones())
             parts_.set_rgba(t, {corner[0].rgba, corner[1].rgba, corner[2].rgba});
@@ -327,8 +408,7 @@ private:
         }
     }
 
-    void lay_texture(const std::string& path, const ThreemfPart& part, std::size_t t,
-                     const std::array<Corner, 3>& corner) {
+    void lay_texture(const ThreemfPart& part, std::size_t t, const std::array<Corner, 3>& corner) {
         // A transparent texture shows what lies under it. That colour is laid under the picture as a whole, so it has
         // to be the same at all three corners.
         const Eigen::Vector4f &a = corner[0].rgba, &b = corner[1].rgba, &c = corner[2].rgba;
@@ -338,7 +418,7 @@ private:
             lose(fmt::format("{}: a texture lies over a colour gradient; its mean is taken under each triangle",
                              context_.name()));
         }
-        const std::uint32_t material = texture_material(path, part, corner[0].texture, under);
+        const std::uint32_t material = texture_material(part, corner[0].texture, under);
         parts_.material_of_triangle[t] = material;
         if (parts_.materials[material].image >= 0)
             parts_.set_uv(t, {corner[0].uv, corner[1].uv, corner[2].uv});
@@ -346,9 +426,8 @@ private:
             parts_.set_rgba(t, {under, under, under});
     }
 
-    std::uint32_t texture_material(const std::string& path, const ThreemfPart& part, std::uint32_t id,
-                                   const Eigen::Vector4f& under) {
-        const auto key = std::make_tuple(path, id, std::array{under.x(), under.y(), under.z(), under.w()});
+    std::uint32_t texture_material(const ThreemfPart& part, std::uint32_t id, const Eigen::Vector4f& under) {
+        const auto key = std::make_tuple(part.path, id, std::array{under.x(), under.y(), under.z(), under.w()});
         if (const auto known = materials_.find(key); known != materials_.end()) return known->second;
         const auto index = static_cast<std::uint32_t>(parts_.materials.size());
         PartMaterial material;
@@ -373,19 +452,24 @@ private:
                                             context_.name(), id));
             return -1;
         }
-        const std::string& path = found->second.path;
+        const std::string& written = found->second.path;
+        const std::string path = package_.find(written, part.path).value_or(written);
         if (const auto known = pictures_.find(path); known != pictures_.end()) return known->second;
         const auto picture = picture_of(path);
         if (!picture)
-            parts_.lose_texture(fmt::format("The texture '{}' that {} names is not in it: its colours are LOST.", path,
-                                            context_.name()));
+            parts_.lose_texture(
+                fmt::format("The texture '{}' that {} names is not in it (there {}): its colours are "
+                            "LOST.",
+                            written, context_.name(), package_.parts_there()));
         return pictures_[path] =
                    picture ? context_.add_image_bytes(parts_, path, *picture, context_.decode_options()) : -1;
     }
 
     std::optional<std::vector<std::byte>> picture_of(const std::string& path) const {
+        const auto found = package_.find(path);
+        if (!found) return std::nullopt;
         try {
-            return archive_.read(path);
+            return package_.read(*found);
         } catch (const InputError&) {  // a damaged part: said as missing
             return std::nullopt;
         }
@@ -496,12 +580,17 @@ private:
         const auto sentence = [](const std::string& what, std::size_t times) {
             return times > 1 ? fmt::format("{} ({} times).", what, times) : what + ".";
         };
+        for (const std::string& warning : package_.warnings()) warn(warning);
+        if (!modifiers_.empty())
+            warn(fmt::format("{} has {} that {} no part of the body (modifiers or blockers of support); left aside.",
+                             context_.name(), counted(modifiers_.size(), "volume"),
+                             modifiers_.size() == 1 ? "is" : "are"));
         for (const auto& [what, times] : losses_) warn(sentence(what, times));
         for (const auto& [what, times] : colour_losses_) parts_.lose_colour(sentence(what, times));
     }
 
     ParseContext& context_;
-    ZipReader archive_;
+    ThreemfPackage package_;
     ModelParts parts_;
     std::map<std::string, ThreemfPart> model_parts_;
     std::map<std::tuple<std::string, std::uint32_t, std::array<float, 4>>, std::uint32_t> materials_;
@@ -511,7 +600,11 @@ private:
     std::map<std::string, std::size_t> losses_, colour_losses_;
     std::size_t instances_ = 0;
     SlicerRoles roles_;
-    bool by_extruder_ = false;  ///< parts are told apart by the colours of their filaments
+    bool by_extruder_ = false;                        ///< parts are told apart by the colours of their filaments
+    std::vector<std::uint16_t> filament_;             ///< of triangles without a colour of their own, from 1; 0: none
+    std::size_t painted_ = 0, painted_in_parts_ = 0;  ///< triangles
+    std::set<std::tuple<std::uint32_t, std::uint32_t, std::size_t>> modifiers_;  ///< volumes that are no body
+    std::vector<std::string> why_nothing_;                                       ///< why what is there is no body
 };
 
 }  // namespace

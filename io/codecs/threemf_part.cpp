@@ -207,13 +207,16 @@ private:
                 if (key == "p2") triangle.p[1] = index(value, key);
                 if (key == "p3") triangle.p[2] = index(value, key);
                 // PrusaSlicer and its kin, Bambu Studio and its kin
-                if (key.ends_with("mmu_segmentation") || key == "paint_color") part_.has_painting = true;
+                if (key.ends_with("mmu_segmentation") || key == "paint_color")
+                    triangle.paint = triangle_paint(trimmed_token(value)).value_or(TrianglePaint{0, true});
             }
             object_->triangles.push_back(triangle);
         } else if (name == "component") {
             object_->components.push_back(reference());
         } else if (name == "beam") {
-            part_.has_beams = true;
+            object_->has_beams = true;
+        } else if (xml_.depth() == 4 && name != "mesh" && name != "components" && name != "metadatagroup") {
+            object_->other_shape = name;
         }
     }
 
@@ -250,14 +253,5 @@ private:
 }  // namespace
 
 ThreemfPart parse_threemf_part(std::string_view xml, const std::string& what) { return PartParser(xml, what).parse(); }
-
-std::string threemf_root_part(std::string_view relationships_xml, const std::string& what) {
-    XmlReader xml(relationships_xml, what);
-    for (XmlReader::Event event; (event = xml.next()) != XmlReader::Event::finished;)
-        if (event == XmlReader::Event::start && xml.name() == "Relationship" &&
-            xml.attribute("Type").ends_with("/3dmodel"))
-            return XmlReader::decode(xml.attribute("Target"));
-    return "/3D/3dmodel.model";
-}
 
 }  // namespace voxtone::io

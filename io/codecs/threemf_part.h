@@ -16,6 +16,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "voxtone/io/models/slicer_roles.h"
 #include "voxtone/io/pictures/texture.h"
 
 namespace voxtone::io {
@@ -51,6 +52,7 @@ struct ThreemfTriangle {
     std::array<std::uint32_t, 3> corners;
     std::uint32_t pid = no_property;  ///< of the triangle; else the object's
     std::array<std::uint32_t, 3> p{no_property, no_property, no_property};
+    TrianglePaint paint{};  ///< in a slicer
 };
 
 struct ThreemfReference {
@@ -66,22 +68,21 @@ struct ThreemfObject {
     std::vector<Eigen::Vector3d> vertices;
     std::vector<ThreemfTriangle> triangles;
     std::vector<ThreemfReference> components;
+    bool has_beams = false;   ///< a beam lattice, which is not read
+    std::string other_shape;  ///< an element that says its shape otherwise than by a mesh; empty: none
 };
 
 struct ThreemfPart {
+    std::string path;  ///< in the package
     double mm_per_unit = 1;
     std::map<std::uint32_t, ThreemfTexture> textures;
     std::map<std::uint32_t, ThreemfGroup> groups;
     std::map<std::uint32_t, ThreemfObject> objects;
     std::vector<ThreemfReference> items;
     std::vector<std::string> required_extensions;  ///< namespaces
-    bool has_beams = false, has_painting = false;  ///< beam lattices; colours painted in a slicer (its own attributes)
 };
 
 /// Throws InputError naming the line. `what` names the part.
 [[nodiscard]] ThreemfPart parse_threemf_part(std::string_view xml, const std::string& what);
-
-/// Target of the package's relationship to its model: the root part.
-[[nodiscard]] std::string threemf_root_part(std::string_view relationships_xml, const std::string& what);
 
 }  // namespace voxtone::io

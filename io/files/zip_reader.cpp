@@ -140,10 +140,12 @@ std::vector<std::uint8_t> ZipReader::read(std::size_t index, std::uint64_t most)
     return unpack<std::uint8_t>(index, most);
 }
 
+std::vector<std::byte> ZipReader::read(std::size_t index) const { return unpack<std::byte>(index, limits_.part_bytes); }
+
 std::optional<std::vector<std::byte>> ZipReader::read(const std::string& part) const {
     const auto index = find(part);
     if (!index) return std::nullopt;
-    return unpack<std::byte>(*index, limits_.part_bytes);
+    return read(*index);
 }
 
 }  // namespace voxtone::io

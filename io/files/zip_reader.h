@@ -36,6 +36,8 @@ public:
     /// A part's contents, of `most` bytes where that is less than the limits. From any thread, one at a time. Throws
     /// InputError where it claims or has more, has no size or is damaged.
     [[nodiscard]] std::vector<std::uint8_t> read(std::size_t index, std::uint64_t most) const;
+    /// The same within the limits alone.
+    [[nodiscard]] std::vector<std::byte> read(std::size_t index) const;
     /// The same of the part that `find` finds, if there is one.
     [[nodiscard]] std::optional<std::vector<std::byte>> read(const std::string& part) const;
 

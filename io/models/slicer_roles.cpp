@@ -49,20 +49,70 @@ std::vector<Eigen::Vector3f> colours_behind(std::string_view text, std::string_v
     return colours;
 }
 
+SlicerVolume of_run(const SlicerRoles::Run& run, const SlicerVolume& whole) {
+    SlicerVolume volume = run.volume;
+    if (volume.extruder == 0) volume.extruder = whole.extruder;
+    return volume;
+}
+
+/// Divisions of a triangle. A digit's low two bits say how many sides are divided, 0: none; of a leaf the high two are
+/// its state, 3: the next digit and 3. A node of n divided sides has n + 1 children, taken to be of one size.
+class PaintTree {
+public:
+    PaintTree(std::string_view digits, std::map<std::uint16_t, double>& shares) : digits_(digits), shares_(shares) {}
+
+    /// Adds a node's states, by their shares of it; false where there is no such node.
+    bool add(double share, int depth = 0) {
+        constexpr int deepest = 64;
+        const auto node = depth < deepest ? next() : std::nullopt;
+        if (!node) return false;
+        if (const unsigned sides = *node & 3u; sides > 0) {
+            for (unsigned child = 0; child <= sides; ++child)
+                if (!add(share / (sides + 1), depth + 1)) return false;
+            return true;
+        }
+        unsigned state = *node >> 2;
+        if (state == 3) {
+            const auto more = next();
+            if (!more) return false;
+            state += *more;
+        }
+        shares_[static_cast<std::uint16_t>(state)] += share;
+        return true;
+    }
+    [[nodiscard]] bool is_read() const { return digits_.empty(); }
+
+private:
+    std::optional<unsigned> next() {
+        if (digits_.empty()) return std::nullopt;
+        const char c = digits_.back();
+        digits_.remove_suffix(1);
+        if (c >= '0' && c <= '9') return unsigned(c - '0');
+        if (c >= 'A' && c <= 'F') return unsigned(c - 'A' + 10);
+        if (c >= 'a' && c <= 'f') return unsigned(c - 'a' + 10);
+        return std::nullopt;
+    }
+
+    std::string_view digits_;
+    std::map<std::uint16_t, double>& shares_;
+};
+
 }  // namespace
 
 bool SlicerRoles::tells_colours() const {
     std::set<int> used;
     std::set<std::uint32_t> told;  // objects whose parts say it themselves
-    for (const auto& [object, list] : runs)
+    for (const auto& [object, list] : runs) {
+        const SlicerVolume whole = of(object, object);
         for (const Run& run : list)
             if (run.volume.role == SlicerRole::part) {
-                used.insert(of(object, object, run.first).extruder);
+                used.insert(of_run(run, whole).extruder);
                 told.insert(object);
             }
+    }
     for (const auto& [ids, volume] : parts)
         if (volume.role == SlicerRole::part) {
-            used.insert(of(ids.first, ids.second, 0).extruder);
+            used.insert(of(ids.first, ids.second).extruder);
             told.insert(ids.first);
         }
     for (const auto& [object, of_all] : extruder)
@@ -71,7 +121,7 @@ bool SlicerRoles::tells_colours() const {
     return used.size() > 1;
 }
 
-SlicerVolume SlicerRoles::of(std::uint32_t parent, std::uint32_t object, std::size_t triangle) const {
+SlicerVolume SlicerRoles::of(std::uint32_t parent, std::uint32_t object) const {
     SlicerVolume volume;
     for (const std::uint32_t id : {parent, object})
         if (const auto whole = extruder.find(id); whole != extruder.end()) volume.extruder = whole->second;
@@ -79,13 +129,40 @@ SlicerVolume SlicerRoles::of(std::uint32_t parent, std::uint32_t object, std::si
         volume.role = part->second.role;
         if (part->second.extruder > 0) volume.extruder = part->second.extruder;
     }
-    if (const auto list = runs.find(object); list != runs.end())
-        for (const Run& run : list->second)
-            if (triangle >= run.first && triangle <= run.last) {
-                volume.role = run.volume.role;
-                if (run.volume.extruder > 0) volume.extruder = run.volume.extruder;
-            }
     return volume;
+}
+
+std::vector<SlicerSpan> SlicerRoles::spans(std::uint32_t parent, std::uint32_t object, std::size_t triangles) const {
+    const SlicerVolume whole = of(parent, object);
+    const auto list = runs.find(object);
+    if (list == runs.end()) return {{triangles, whole}};
+    // Where runs begin and end, from the first triangle to the last, with those that are open between.
+    std::map<std::size_t, std::vector<std::size_t>> begin, end;
+    std::set<std::size_t> places{triangles};
+    for (std::size_t i = 0; i < list->second.size(); ++i) {
+        const Run& run = list->second[i];
+        if (run.last < run.first || run.first >= triangles) continue;
+        const std::size_t behind = std::min(run.last, triangles - 1) + 1;
+        begin[run.first].push_back(i);
+        end[behind].push_back(i);
+        places.insert({run.first, behind});
+    }
+    std::vector<SlicerSpan> spans;
+    std::set<std::size_t> open;
+    for (const std::size_t place : places) {
+        if (place > 0) spans.push_back({place, open.empty() ? whole : of_run(list->second[*open.rbegin()], whole)});
+        for (const std::size_t i : end[place]) open.erase(i);
+        for (const std::size_t i : begin[place]) open.insert(i);
+    }
+    return spans;
+}
+
+std::optional<TrianglePaint> triangle_paint(std::string_view text) {
+    std::map<std::uint16_t, double> shares;
+    PaintTree tree{text, shares};
+    if (text.empty() || !tree.add(1) || !tree.is_read()) return std::nullopt;
+    const auto most = std::ranges::max_element(shares, {}, [](const auto& share) { return share.second; });
+    return TrianglePaint{most->first, shares.size() > 1};
 }
 
 void read_slicer_volumes(std::string_view text, const std::string& what, SlicerRoles& roles) {

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -27,6 +28,12 @@ struct SlicerVolume {
     int extruder = 0;  ///< from 1; 0: not said
 };
 
+/// Triangles of an object that follow each other and are of one volume.
+struct SlicerSpan {
+    std::size_t end = 0;  ///< the first triangle that is not of it
+    SlicerVolume volume;
+};
+
 struct SlicerRoles {
     struct Run {
         std::size_t first = 0, last = 0;  ///< triangles
@@ -37,16 +44,27 @@ struct SlicerRoles {
     std::map<std::uint32_t, int> extruder;                                  ///< of whole objects
     std::vector<Eigen::Vector3f> colours;                                   ///< of extruders, sRGB codes
 
-    [[nodiscard]] bool empty() const { return runs.empty() && parts.empty() && extruder.empty(); }
     /// More than one extruder is used: their colours tell parts apart.
     [[nodiscard]] bool tells_colours() const;
-    /// Of a triangle of an object that is a component of `parent` (or of none: itself).
-    [[nodiscard]] SlicerVolume of(std::uint32_t parent, std::uint32_t object, std::size_t triangle) const;
+    /// Of an object as a whole that is a component of `parent` (or of none: itself).
+    [[nodiscard]] SlicerVolume of(std::uint32_t parent, std::uint32_t object) const;
+    /// Of so many triangles of it, in their order; where runs overlap the last one counts.
+    [[nodiscard]] std::vector<SlicerSpan> spans(std::uint32_t parent, std::uint32_t object,
+                                                std::size_t triangles) const;
 };
 
 /// Reads one of those files into `roles`; `xml` is its text, `what` names it in messages. Throws InputError where it is
 /// no XML.
 void read_slicer_volumes(std::string_view xml, const std::string& what, SlicerRoles& roles);
+/// The extruder that a slicer painted a triangle for, from the attribute that it writes for it (TriangleSelector of
+/// PrusaSlicer and its kin): a tree of divisions in hexadecimal digits, read from the end.
+struct TrianglePaint {
+    std::uint16_t extruder = 0;  ///< of most of it, from 1; 0: not painted
+    bool is_divided = false;     ///< parts of it are painted otherwise
+};
+/// Nothing where the text is no such tree.
+[[nodiscard]] std::optional<TrianglePaint> triangle_paint(std::string_view text);
+
 /// Colours of "Metadata/Slic3r_PE.config" or of "Metadata/project_settings.config" (JSON).
 void read_slicer_colours(std::string_view text, SlicerRoles& roles);
 

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// 3MF packages as the world packs them, what is said of those that hold no body, and what slicers write into them.
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <catch2/catch.hpp>
+
+#include "model_samples.h"
+#include "voxtone/base/error.h"
+#include "voxtone/io/codecs/read_here.h"
+#include "voxtone/io/models/slicer_roles.h"
+
+using namespace voxtone;
+using namespace voxtone::io;
+using namespace voxtone::test;
+using Catch::Contains;
+using Eigen::Vector3f;
+
+namespace {
+
+std::string warnings(const ModelFile& file) {
+    std::string all;
+    for (const std::string& warning : file.warnings) all += warning + "\n";
+    return all;
+}
+
+std::string object(const std::string& attributes, const std::vector<std::string>& triangles = {}) {
+    return fmt::format("<object {}>{}</object>", attributes, threemf_tetrahedron(1, triangles));
+}
+
+std::string model_part(const std::string& resources, const std::string& build = R"(<item objectid="1"/>)") {
+    return fmt::format(R"(<?xml version="1.0"?><model unit="millimeter" )"
+                       R"(xmlns:q="http://schemas.microsoft.com/3dmanufacturing/material/2015/02">)"
+                       "<resources>{}</resources><build>{}</build></model>",
+                       resources, build);
+}
+
+std::string relationships(const std::string& target) {
+    return R"(<Relationships><Relationship Target=")" + target +
+           R"(" Id="r" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>)";
+}
+
+/// Every second byte 0, behind a mark.
+std::string utf16(const std::string& text) {
+    std::string wide = "\xff\xfe";
+    for (const char c : text) {
+        wide += c;
+        wide += '\0';
+    }
+    return wide;
+}
+
+ModelFile read_package(const Folder& folder, const Files& parts) {
+    return read_model_here(folder.write({{"a.3mf", zip(parts)}}));
+}
+
+std::string refusal(const Folder& folder, const Files& parts) {
+    try {
+        (void)read_package(folder, parts);
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return "no error";
+}
+
+/// Of all corners of a triangle, which are alike.
+Vector3f colour_of(const ModelFile& file, std::size_t t) {
+    return file.mesh.corner_rgb.empty() ? Vector3f(1, 1, 1) : file.mesh.corner_rgb[t][0];
+}
+
+const Vector3f red(1, 0, 0), green(0, 1, 0), blue(0, 0, 1), white(1, 1, 1);
+const std::string three_filaments = "; filament_colour = #FF0000;#00FF00;#0000FF\n";
+
+}  // namespace
+
+TEST_CASE("A package is read however it was packed") {
+    const Folder folder;
+    const std::string body = object(R"(id="1")");
+    const std::string model = model_part(body), rels = relationships("/3D/3dmodel.model");
+    for (const Files& parts : {
+             Files{{"[Content_Types].xml", ""}, {"_rels/.rels", rels}, {"3D/3dmodel.model", model}},
+             Files{{"_rels\\.rels", rels}, {"3D\\3dmodel.model", model}},
+             Files{{"my part/_rels/.rels", rels}, {"my part/3D/3dmodel.model", model}},
+             Files{{"a/[Content_Types].xml", ""},
+                   {"a/_rels/.rels", rels},
+                   {"a/3D/3dmodel.model", model},
+                   {"__MACOSX/a/._x", "?"}},
+             Files{{"a/b/_rels/.rels", rels}, {"a/b/3D/3dmodel.model", model}},
+             Files{{"readme.txt", "?"}, {"a/3D/3dmodel.model", model}},
+             Files{{"_rels/.rels", relationships("3D/3dmodel.model")}, {"3D/3dmodel.model", model}},
+             Files{{"_rels/.rels", relationships("/3D/my%20part.model")}, {"3D/my part.model", model}},
+             Files{{"_RELS/.rels", rels}, {"3d/3DModel.model", model}},
+             Files{{"3D/3dmodel.model", model}},
+             Files{{"_rels/.rels", relationships("/3D/gone.model")}, {"3D/other.model", model}},
+             Files{{"_rels/.rels", rels}, {"3D/3dmodel.model", utf16(model)}},
+             Files{{"_rels/.rels", utf16(rels)}, {"3D/3dmodel.model", model}},
+         }) {
+        INFO(parts.back().first);
+        CHECK(read_package(folder, parts).mesh.triangles.size() == 4);
+    }
+    CHECK_THAT(warnings(read_package(folder, {{"a/_rels/.rels", rels}, {"a/3D/3dmodel.model", model}})),
+               Contains("in a folder 'a'"));
+    CHECK_THAT(
+        warnings(read_package(folder, {{"_rels/.rels", relationships("/3D/gone.model")}, {"3D/x.model", model}})),
+        Contains("/3D/gone.model") && Contains("'/3D/x.model', was taken"));
+}
+
+TEST_CASE("A package that has no model is told by what it has") {
+    const Folder folder;
+    CHECK_THAT(refusal(folder, {{"box.obj", "v 0 0 0"}, {"box.mtl", ""}}), Contains("a ZIP archive and no 3MF file") &&
+                                                                               Contains("are '/box.mtl', '/box.obj'") &&
+                                                                               Contains("Unpack"));
+    const std::string model = model_part(object(R"(id="1")"));
+    CHECK_THAT(refusal(folder, {{"a/3D/x.model", model}, {"b/3D/y.model", model}}),
+               Contains("no part '/3D/3dmodel.model'") && Contains("'/a/3D/x.model', '/b/3D/y.model'"));
+    Files many;
+    for (int i = 0; i < 20; ++i) many.emplace_back(fmt::format("{:02}.txt", i), "?");
+    CHECK_THAT(refusal(folder, many), Contains("and 14 more"));
+    CHECK_THAT(refusal(folder, {{"3D/3dmodel.model",
+                                 model_part(R"(<object id="1"><components><component objectid="2" path="/3D/o.model"/>)"
+                                            "</components></object>")}}),
+               Contains("no part '/3D/o.model'; in it is '/3D/3dmodel.model'"));
+}
+
+TEST_CASE("Textures are found by any path that means them") {
+    const Folder folder;
+    const auto textured = [&](const std::string& path, const std::string& entry = "3D/Textures/a b.png") {
+        return read_package(
+            folder, {{"3D/3dmodel.model", model_part(R"(<q:texture2d id="5" path=")" + path +
+                                                     R"(" contenttype="image/png"/><q:texture2dgroup id="3" texid="5">)"
+                                                     R"(<q:tex2coord u="0.25" v="0.25"/></q:texture2dgroup>)" +
+                                                     object(R"(id="1" pid="3" pindex="0")"))},
+                     {entry, four_colours()}});
+    };
+    for (const char* path :
+         {"/3D/Textures/a b.png", "3D/Textures/a b.png", "Textures/a b.png", "./Textures/a b.png",
+          "../3D/Textures/a b.png", "/3D/Textures/a%20b.png", "Textures/a%20b.png", "\\3D\\Textures\\a b.png",
+          "Textures\\a b.png", "/3d/textures/A B.PNG", "/3D/../3D/./Textures//a b.png"}) {
+        INFO(path);
+        const ModelFile file = textured(path);
+        CHECK(file.lost_colour.empty());
+        CHECK(file.mesh.materials[file.mesh.material_of_triangle[0]].texture != nullptr);
+    }
+    CHECK(textured("/3D/Textures/a b.png", "3D\\Textures\\a b.png").lost_colour.empty());
+    CHECK(textured("/3D/Textures/a%20b.png", "3D/Textures/a%20b.png").lost_colour.empty());
+    CHECK_THAT(textured("/3D/b.png").lost_colour, Contains("/3D/b.png") && Contains("/3D/Textures/a b.png"));
+}
+
+TEST_CASE("A file that holds no body says what it holds") {
+    const Folder folder;
+    const auto refused = [&](const std::string& resources) {
+        return refusal(folder, {{"3D/3dmodel.model", model_part(resources)}});
+    };
+    for (const char* type : {"support", "solidsupport", "other"})
+        CHECK_THAT(refused(object(fmt::format(R"(id="1" type="{}")", type))),
+                   Contains("no faces to print") && Contains(fmt::format("of the type '{}'", type)));
+    const std::string beams =
+        R"(<object id="1"><mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="9" y="0" z="0"/></vertices>)"
+        R"(<b:beamlattice><b:beams><b:beam v1="0" v2="1"/></b:beams></b:beamlattice></mesh></object>)";
+    CHECK_THAT(refused(beams), Contains("only a beam lattice") && Contains("export it as a mesh"));
+    CHECK_THAT(refused(R"(<object id="1"><v:levelset meshid="2"/></object>)"), Contains("kind 'levelset'"));
+    CHECK_THAT(refused(R"(<object id="1"><mesh><vertices><vertex x="0" y="0" z="0"/></vertices></mesh></object>)"),
+               Contains("points without triangles"));
+    CHECK_THAT(
+        refusal(folder, {{"3D/3dmodel.model", model_part(object(R"(id="1")"))},
+                         {"Metadata/Slic3r_PE_model.config",
+                          R"(<config><object id="1"><volume firstid="0" lastid="3">)"
+                          R"(<metadata key="volume_type" value="SupportBlocker"/></volume></object></config>)"}}),
+        Contains("only modifiers or blockers"));
+    CHECK_THAT(refusal(folder, {{"3D/3dmodel.model",
+                                 R"(<model requiredextensions="b" xmlns:b="http://schemas.microsoft.com/)"
+                                 R"(3dmanufacturing/beamlattice/2017/02"><resources>)" +
+                                     beams + R"(</resources><build><item objectid="1"/></build></model>)"}}),
+               Contains("has a beam lattice, without which it is not to be read"));
+    // Two reasons, in the order in which they were found.
+    CHECK_THAT(refusal(folder, {{"3D/3dmodel.model", model_part(beams + object(R"(id="2" type="support")"),
+                                                                R"(<item objectid="1"/><item objectid="2"/>)")}}),
+               Contains("a beam lattice") && Contains("; and an object of the type 'support'"));
+}
+
+TEST_CASE("Volumes that are no body are counted, not their triangles") {
+    const Folder folder;
+    const ModelFile file = read_package(
+        folder, {{"3D/3dmodel.model", model_part(object(R"(id="1")"))},
+                 {"Metadata/Slic3r_PE_model.config",
+                  R"(<config><object id="1"><volume firstid="0" lastid="0"/><volume firstid="1" lastid="3">)"
+                  R"(<metadata key="volume_type" value="SupportBlocker"/></volume></object></config>)"}});
+    CHECK(file.mesh.triangles.size() == 1);
+    CHECK_THAT(warnings(file), Contains("1 volume that is no part of the body"));
+}
+
+TEST_CASE("Runs of triangles are laid over each other in time that does not go with their number") {
+    SlicerRoles roles;
+    roles.extruder[7] = 5;
+    auto& runs = roles.runs[7];
+    runs.push_back({2, 9, {SlicerRole::part, 1}});
+    runs.push_back({4, 5, {SlicerRole::modifier, 0}});
+    runs.push_back({8, 1000, {SlicerRole::part, 2}});
+    runs.push_back({3, 1, {SlicerRole::part, 9}});    // ends before it begins
+    runs.push_back({50, 60, {SlicerRole::part, 9}});  // behind the last triangle
+    const std::vector<SlicerSpan> spans = roles.spans(7, 7, 12);
+    std::vector<int> extruders;
+    std::size_t t = 0;
+    for (const SlicerSpan& span : spans)
+        for (; t < span.end; ++t) extruders.push_back(span.volume.role == SlicerRole::part ? span.volume.extruder : -1);
+    CHECK(extruders == std::vector<int>{5, 5, 1, 1, -1, -1, 1, 1, 2, 2, 2, 2});
+    CHECK(roles.spans(7, 8, 3).size() == 1);
+    CHECK(roles.spans(1, 2, 0).size() == 1);
+    // A hundred thousand runs, each over a million triangles.
+    SlicerRoles many;
+    for (std::size_t i = 0; i < 100'000; ++i) many.runs[1].push_back({i, 1'000'000, {SlicerRole::part, 1}});
+    CHECK(many.spans(1, 1, 1'000'000).size() == 100'000);
+    CHECK_FALSE(many.tells_colours());
+}
+
+TEST_CASE("Paint of a slicer is a tree of divisions, read from the end") {
+    const auto paint = [](const std::string& text) {
+        const auto found = triangle_paint(text);
+        return found ? std::pair<int, bool>(found->extruder, found->is_divided) : std::pair<int, bool>(-1, false);
+    };
+    // As PrusaSlicer and Bambu Studio write the first extruders for a whole triangle.
+    const std::vector<const char*> whole{"0", "4", "8", "0C", "1C", "2C", "3C", "4C"};
+    for (std::size_t i = 0; i < whole.size(); ++i) {
+        INFO(whole[i]);
+        CHECK(paint(whole[i]) == std::pair<int, bool>(static_cast<int>(i), false));
+    }
+    CHECK(paint("0c").first == 3);
+    CHECK(paint("FC").first == 18);
+    CHECK(paint("4443") == std::pair<int, bool>(-1, false));  // a child is missing
+    CHECK(paint("44443") == std::pair<int, bool>(1, false));  // divided in four of one colour
+    CHECK(paint("84443") == std::pair<int, bool>(1, true));
+    CHECK(paint("881") == std::pair<int, bool>(2, false));
+    CHECK(paint("0C81").second);
+    CHECK(paint("8444384443844434443").first == -1);
+    for (const char* no_tree : {"", "C", "3", "44", "X", "4x", " 4"}) CHECK(paint(no_tree).first == -1);
+    CHECK(paint(std::string(100'000, '1')).first == -1);  // does not exhaust the stack
+}
+
+TEST_CASE("Painted triangles have the colours of their filaments") {
+    const Folder folder;
+    const auto painted = [&](const std::vector<std::string>& triangles, const Files& others) {
+        Files parts{{"3D/3dmodel.model", model_part(object(R"(id="1")", triangles))}};
+        parts.insert(parts.end(), others.begin(), others.end());
+        return read_package(folder, parts);
+    };
+    for (const char* key : {"slic3rpe:mmu_segmentation", "paint_color"}) {
+        INFO(key);
+        const auto as = [&](const char* code) { return fmt::format(R"({}="{}")", key, code); };
+        const ModelFile file = painted({as("8"), as("0C"), as("4")}, {{"Metadata/Slic3r_PE.config", three_filaments}});
+        CHECK(file.has_colour);
+        CHECK(file.lost_colour.empty());
+        CHECK(colour_of(file, 0) == green);
+        CHECK(colour_of(file, 1) == blue);
+        CHECK(colour_of(file, 2) == red);
+        CHECK(colour_of(file, 3) == red);  // what is not painted is printed by the first
+        const ModelFile parts =
+            painted({as("8"), as("84443"), as("84")}, {{"Metadata/Slic3r_PE.config", three_filaments}});
+        CHECK_THAT(parts.lost_colour, Contains("2 of 3 painted triangles") && Contains("LOST"));
+        CHECK(colour_of(parts, 1) == red);  // most of it
+        CHECK_THAT(painted({as("8")}, {}).lost_colour, Contains("1 triangle") && Contains("LOST"));
+        CHECK_THAT(painted({as("4C")}, {{"Metadata/Slic3r_PE.config", three_filaments}}).lost_colour,
+                   Contains("extruder 7"));
+        // Said to be painted by none: no paint.
+        CHECK_FALSE(painted({as("0")}, {{"Metadata/Slic3r_PE.config", three_filaments}}).has_colour);
+    }
+    // What is not painted has its volume's extruder; a colour of the model's own stays.
+    const ModelFile both = read_package(
+        folder, {{"3D/3dmodel.model", model_part(R"(<q:colorgroup id="9"><q:color color="#00FF00"/></q:colorgroup>)" +
+                                                 object(R"(id="1")", {R"(paint_color="4")", R"(pid="9" p1="0")", ""}))},
+                 {"Metadata/project_settings.config", R"({"filament_colour": ["#FF0000", "#0000FF"]})"},
+                 {"Metadata/model_settings.config",
+                  R"(<config><object id="1"><metadata key="extruder" value="2"/></object></config>)"}});
+    CHECK(colour_of(both, 0) == red);
+    CHECK(colour_of(both, 1) == green);
+    CHECK(colour_of(both, 2) == blue);
+}
