@@ -305,13 +305,17 @@ private:
                             painted_in_parts_, painted_, context_.name()));
         for (std::size_t t = 0; t < filament_.size(); ++t)
             if (filament_[t] > 0) colour_by_extruder(t, filament_[t]);
+        for (const std::size_t extruder : uncoloured_extruders_)
+            lose_colour(fmt::format("{} has parts of extruder {} and does not say what colour it has: theirs is LOST",
+                                    context_.name(), extruder));
     }
 
     void colour_by_extruder(std::size_t t, std::size_t extruder) {
-        if (extruder > roles_.colours.size())
-            return lose_colour(fmt::format("{} has parts of extruder {}, and colours of {} only: theirs are LOST",
-                                           context_.name(), extruder, roles_.colours.size()));
-        const Eigen::Vector3f rgb = srgb_to_linear(roles_.colours[extruder - 1]);
+        if (extruder > roles_.colours.size() || !roles_.colours[extruder - 1]) {
+            uncoloured_extruders_.insert(extruder);
+            return;
+        }
+        const Eigen::Vector3f rgb = srgb_to_linear(*roles_.colours[extruder - 1]);
         const Eigen::Vector4f rgba(rgb.x(), rgb.y(), rgb.z(), 1);
         parts_.set_rgba(t, {rgba, rgba, rgba});
         parts_.has_colour = true;
@@ -600,9 +604,10 @@ private:
     std::map<std::string, std::size_t> losses_, colour_losses_;
     std::size_t instances_ = 0;
     SlicerRoles roles_;
-    bool by_extruder_ = false;                        ///< parts are told apart by the colours of their filaments
-    std::vector<std::uint16_t> filament_;             ///< of triangles without a colour of their own, from 1; 0: none
-    std::size_t painted_ = 0, painted_in_parts_ = 0;  ///< triangles
+    bool by_extruder_ = false;             ///< parts are told apart by the colours of their filaments
+    std::vector<std::uint16_t> filament_;  ///< of triangles without a colour of their own, from 1; 0: none
+    std::set<std::size_t> uncoloured_extruders_;
+    std::size_t painted_ = 0, painted_in_parts_ = 0;                             ///< triangles
     std::set<std::tuple<std::uint32_t, std::uint32_t, std::size_t>> modifiers_;  ///< volumes that are no body
     std::vector<std::string> why_nothing_;                                       ///< why what is there is no body
 };

@@ -37,15 +37,32 @@ std::optional<Eigen::Vector3f> filament_colour(std::string_view text) {
     return Eigen::Vector3f(float(code >> 16), float(code >> 8 & 0xff), float(code & 0xff)) / 255;
 }
 
-/// All of "#RRGGBB" that stand behind a key, up to the end of its list.
-std::vector<Eigen::Vector3f> colours_behind(std::string_view text, std::string_view key) {
-    std::vector<Eigen::Vector3f> colours;
-    const std::size_t at = text.find(key);
-    if (at == text.npos) return colours;
-    text.remove_prefix(at + key.size());
-    text = text.substr(0, text.find_first_of("]\r\n"));
-    for (std::size_t mark = text.find('#'); mark != text.npos; mark = text.find('#', mark + 1))
-        if (const auto colour = filament_colour(text.substr(mark, 7))) colours.push_back(*colour);
+using FilamentColours = std::vector<std::optional<Eigen::Vector3f>>;
+
+/// Behind a key that stands alone, and not in a longer one; empty where there is none.
+std::string_view behind_key(std::string_view text, std::string_view key) {
+    const auto is_part = [](char c) { return (c >= 'a' && c <= 'z') || c == '_'; };
+    for (std::size_t at = text.find(key); at != text.npos; at = text.find(key, at + 1)) {
+        const std::string_view behind = text.substr(at + key.size());
+        if ((at == 0 || !is_part(text[at - 1])) && (behind.empty() || !is_part(behind.front()))) return behind;
+    }
+    return {};
+}
+
+/// The list of a key, up to the end of its line or of its brackets; an entry that is no colour is nothing.
+FilamentColours colours_behind(std::string_view text, std::string_view key) {
+    text = behind_key(text, key);
+    text = text.substr(std::min(text.find_first_of("=:"), text.size()));
+    const std::string_view list = trimmed(text.substr(std::min<std::size_t>(text.size(), 1)));
+    text = list.starts_with('[') ? list.substr(0, list.find(']')) : text.substr(0, text.find_first_of("\r\n"));
+    FilamentColours colours;
+    while (!text.empty()) {
+        text.remove_prefix(1);  // what stands before an entry
+        const std::string_view entry = text.substr(0, text.find_first_of(";,"));
+        const std::size_t mark = entry.find('#');
+        colours.push_back(mark == entry.npos ? std::nullopt : filament_colour(entry.substr(mark, 7)));
+        text.remove_prefix(entry.size());
+    }
     return colours;
 }
 
@@ -205,10 +222,17 @@ void read_slicer_volumes(std::string_view text, const std::string& what, SlicerR
 }
 
 void read_slicer_colours(std::string_view text, SlicerRoles& roles) {
-    for (const std::string_view key : {"extruder_colour", "filament_colour"}) {
-        if (!roles.colours.empty()) return;
-        roles.colours = colours_behind(text, key);
+    if (!roles.colours.empty()) return;
+    FilamentColours colours = colours_behind(text, "filament_colour");
+    // In JSON that key is of the machine and not of what it prints with.
+    if (!trimmed(text).starts_with('{')) {
+        const FilamentColours of_extruders = colours_behind(text, "extruder_colour");
+        colours.resize(std::max(colours.size(), of_extruders.size()));
+        for (std::size_t i = 0; i < of_extruders.size(); ++i)
+            if (of_extruders[i]) colours[i] = of_extruders[i];
     }
+    const auto is_there = [](const auto& colour) { return colour.has_value(); };
+    if (std::ranges::any_of(colours, is_there)) roles.colours = std::move(colours);
 }
 
 }  // namespace voxtone::io

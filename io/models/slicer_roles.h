@@ -42,7 +42,8 @@ struct SlicerRoles {
     std::map<std::uint32_t, std::vector<Run>> runs;                         ///< by object
     std::map<std::pair<std::uint32_t, std::uint32_t>, SlicerVolume> parts;  ///< by object and component
     std::map<std::uint32_t, int> extruder;                                  ///< of whole objects
-    std::vector<Eigen::Vector3f> colours;                                   ///< of extruders, sRGB codes
+    /// Of extruders, sRGB codes; nothing where it is not said. Empty: of none.
+    std::vector<std::optional<Eigen::Vector3f>> colours;
 
     /// More than one extruder is used: their colours tell parts apart.
     [[nodiscard]] bool tells_colours() const;

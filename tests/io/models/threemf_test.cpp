@@ -262,7 +262,7 @@ TEST_CASE("Painted triangles have the colours of their filaments") {
         CHECK(colour_of(parts, 1) == red);  // most of it
         CHECK_THAT(painted({as("8")}, {}).lost_colour, Contains("1 triangle") && Contains("LOST"));
         CHECK_THAT(painted({as("4C")}, {{"Metadata/Slic3r_PE.config", three_filaments}}).lost_colour,
-                   Contains("extruder 7"));
+                   Contains("extruder 7 and does not say"));
         // Said to be painted by none: no paint.
         CHECK_FALSE(painted({as("0")}, {{"Metadata/Slic3r_PE.config", three_filaments}}).has_colour);
     }
@@ -276,4 +276,37 @@ TEST_CASE("Painted triangles have the colours of their filaments") {
     CHECK(colour_of(both, 0) == red);
     CHECK(colour_of(both, 1) == green);
     CHECK(colour_of(both, 2) == blue);
+}
+
+TEST_CASE("Colours of filaments are found by their key, each at its place") {
+    const auto colours = [](std::string_view text) {
+        SlicerRoles roles;
+        read_slicer_colours(text, roles);
+        return roles.colours;
+    };
+    const auto list = [&](std::string_view text) {
+        std::string all;
+        for (const auto& colour : colours(text))
+            all += !colour ? "-" : *colour == red ? "r" : *colour == green ? "g" : *colour == blue ? "b" : "?";
+        return all;
+    };
+    CHECK(list(three_filaments) == "rgb");
+    CHECK(list("; filament_colour = #FF0000;#00FF00FF\n; other = #0000FF\n") == "rg");
+    // Those of extruders come before; where they are not given, the filaments'.
+    CHECK(list("; extruder_colour = ;;\n; filament_colour = #FF0000;#00FF00;#0000FF\n") == "rgb");
+    CHECK(list("; extruder_colour = ;#0000FF\n; filament_colour = #FF0000;#00FF00\n") == "rb");
+    CHECK(list("; filament_colour = ;#00FF00\n") == "-g");
+    CHECK(list("; filament_colour = \n").empty());
+    // JSON, with longer keys before it and the colour of the machine's extruder.
+    CHECK(list(R"({"default_filament_colour": [""], "extruder_colour": ["#018001"],
+                  "filament_colour": ["#FF0000", "", "#0000FF"], "filament_colour_type": ["1"]})") == "r-b");
+    CHECK(list("{\n    \"filament_colour\": [\n        \"#FF0000\",\n        \"#00FF00\"\n    ],\n    \"x\": "
+               "\"#0000FF\"\n}") == "rg");
+    CHECK(list(R"({"default_filament_colour": ["#FF0000"]})").empty());
+    const Folder folder;
+    CHECK_THAT(read_package(folder, {{"3D/3dmodel.model",
+                                      model_part(object(R"(id="1")", {R"(paint_color="4")", R"(paint_color="8")"}))},
+                                     {"Metadata/project_settings.config", R"({"filament_colour": ["", "#00FF00"]})"}})
+                   .lost_colour,
+               Contains("extruder 1 and does not say what colour"));
 }
