@@ -104,7 +104,9 @@ public:
         lay_baked();
         colour_by_filament();
         report();
-        expect_faces();
+        if (!modifiers_.empty())
+            say_why_nothing("modifiers or blockers of support, which are no body: export the body with them");
+        context_.expect_faces(parts_, why_nothing_);
         return std::move(parts_);
     }
 
@@ -214,15 +216,6 @@ private:
 
     void say_why_nothing(std::string why) {
         if (std::ranges::find(why_nothing_, why) == why_nothing_.end()) why_nothing_.push_back(std::move(why));
-    }
-
-    /// Why there is nothing to print, as it was found.
-    void expect_faces() const {
-        if (!parts_.triangles.empty() || (why_nothing_.empty() && modifiers_.empty())) return;
-        std::string all;
-        for (const std::string& why : why_nothing_) all += (all.empty() ? "" : "; and ") + why;
-        if (all.empty()) all = "modifiers or blockers of support, which are no body: export the body with them";
-        throw InputError(fmt::format("{} holds no faces to print, only {}", context_.name(), all));
     }
 
     /// A part that another one names.

@@ -35,6 +35,14 @@ std::optional<std::vector<std::byte>> ParseContext::read_side_file(const std::st
     return bytes;
 }
 
+void ParseContext::expect_faces(const ModelParts& parts, const std::vector<std::string>& instead) const {
+    if (!parts.triangles.empty()) return;
+    std::string all;
+    for (const std::string& what : instead)
+        if (!what.empty()) all += (all.empty() ? "" : "; and ") + what;
+    if (!all.empty()) throw InputError(fmt::format("{} holds no faces to print, only {}", name_, all));
+}
+
 std::int32_t ParseContext::add(ModelParts& parts, const std::string& key, DecodedImage image) {
     for (std::string& warning : image.warnings) parts.warnings.push_back(std::move(warning));
     image.warnings.clear();

@@ -50,6 +50,10 @@ public:
     std::int32_t add_image_bytes(ModelParts& parts, const std::string& key, std::span<const std::byte> bytes,
                                  const DecodeOptions& decode);
 
+    /// Throws InputError where no triangle was found and `instead` says what was: what it is, and what to do. Empty
+    /// entries are none.
+    void expect_faces(const ModelParts& parts, const std::vector<std::string>& instead) const;
+
     [[nodiscard]] DecodeOptions decode_options() const {
         return {.max_pixels = options_.max_pixels, .others = help_.others};
     }

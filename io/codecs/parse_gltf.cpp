@@ -688,6 +688,10 @@ private:
             warn(fmt::format("{} has {} animations; they are left aside.", context_.name(),
                              array(root_, "animations").size()));
         for (const std::string& warning : context_.side_file_warnings()) warn(warning);
+        context_.expect_faces(
+            parts_,
+            {points_and_lines_ ? "points or lines, which have no volume: make a mesh of them in a mesh editor" : "",
+             hidden_ ? "hidden nodes (KHR_node_visibility): show what is to be printed and export it again" : ""});
     }
 
     ParseContext& context_;

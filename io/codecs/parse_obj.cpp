@@ -517,6 +517,10 @@ private:
                 "Export it as a mesh.",
                 context_.name(), free_forms_));
         for (const std::string& warning : context_.side_file_warnings()) say(warning);
+        const bool points = points_and_lines_ || (!parts_.positions.empty() && !free_forms_);
+        context_.expect_faces(
+            parts_, {points ? "points or lines, which have no volume: make a mesh of them in a mesh editor" : "",
+                     free_forms_ ? "free-form curves or surfaces, which are not read: export it as a mesh" : ""});
     }
 
     ParseContext& context_;

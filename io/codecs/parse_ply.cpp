@@ -329,6 +329,10 @@ private:
             parts_.warnings.push_back(fmt::format("{} has {} points or lines; they have no volume and are left aside.",
                                                   context_.name(), points_and_lines_));
         for (const std::string& warning : context_.side_file_warnings()) parts_.warnings.push_back(warning);
+        context_.expect_faces(parts_, {parts_.positions.empty() && !points_and_lines_
+                                           ? ""
+                                           : "points or lines, which have no volume: make a mesh of them (MeshLab or "
+                                             "CloudCompare do)"});
     }
 
     ParseContext& context_;

@@ -129,6 +129,11 @@ ModelParts parse_stl(ParseContext& context) {
             read_text(text, context.name(), parts);
             return parts;
         }
+        if (is_text(text) && lower_case(text).find("endsolid") != std::string::npos)
+            throw InputError(
+                fmt::format("{} is an STL file without any facet, so there is nothing to print; check what "
+                            "was chosen to be exported",
+                            context.name()));
     }
     if (bytes.size() < stl_header_bytes || length > bytes.size())
         throw InputError(fmt::format(

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Files of points, of lines, of what is hidden: what there is in place of faces is told, not that there are none alone.
+#include <string>
+
+#include <catch2/catch.hpp>
+
+#include "model_samples.h"
+#include "voxtone/base/error.h"
+#include "voxtone/io/codecs/read_here.h"
+
+using namespace voxtone;
+using namespace voxtone::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+std::string refusal(const std::string& name, const std::string& bytes) {
+    const Folder folder;
+    try {
+        (void)io::read_model_here(folder.write({{name, bytes}}));
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return "no error";
+}
+
+/// A glTF of one node with a primitive of this mode over three points.
+std::string gltf_of(int mode, const std::string& node = "") {
+    const std::string head =
+        R"({"asset": {"version": "2.0"}, "buffers": [{"byteLength": 36}], "bufferViews": [{"buffer": 0, "byteLength": 36}],)"
+        R"("accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}],)"
+        R"("scenes": [{"nodes": [0]}], "extensionsUsed": ["KHR_node_visibility"],)";
+    return glb(head + R"("nodes": [{"mesh": 0)" + node +
+                   R"(}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": )" + std::to_string(mode) +
+                   "}]}]}",
+               raw<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}));
+}
+
+}  // namespace
+
+TEST_CASE("A file without faces says what it has instead") {
+    for (const auto& [name, bytes] : {std::pair<std::string, std::string>{"a.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n"},
+                                      {"b.obj", "v 0 0 0\nv 1 0 0\n"},
+                                      {"a.ply",
+                                       "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+                                       "property float z\nend_header\n0 0 0\n"},
+                                      {"points.glb", gltf_of(0)},
+                                      {"lines.glb", gltf_of(1)}}) {
+        INFO(name);
+        CHECK_THAT(refusal(name, bytes), Contains(name + " holds no faces to print, only points or lines"));
+    }
+    CHECK_THAT(refusal("hidden.glb", gltf_of(4, R"(, "extensions": {"KHR_node_visibility": {"visible": false}})")),
+               Contains("only hidden nodes"));
+    CHECK_THAT(refusal("a.stl", "solid a\nendsolid a\n"), Contains("without any facet"));
+    CHECK_THAT(refusal("c.obj", "o empty\n"), Contains("holds no faces"));
+}
