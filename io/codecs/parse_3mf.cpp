@@ -15,6 +15,7 @@
 #include "voxtone/base/counted.h"
 #include "voxtone/base/error.h"
 #include "voxtone/base/printable.h"
+#include "voxtone/io/codecs/cut_volumes.h"
 #include "voxtone/io/codecs/texture_baker.h"
 #include "voxtone/io/codecs/threemf_part.h"
 #include "voxtone/io/models/model_text.h"
@@ -103,6 +104,10 @@ public:
                              context_.name()));
         lay_baked();
         colour_by_filament();
+        cut_volumes(parts_, cuts_, context_.name());
+        if (!cuts_.empty() && parts_.triangles.empty())
+            throw InputError(fmt::format("nothing is left of {} when its negative volumes are cut out of its parts",
+                                         context_.name()));
         report();
         if (!modifiers_.empty())
             say_why_nothing("modifiers or blockers of support, which are no body: export the body with them");
@@ -138,15 +143,20 @@ private:
                             context_.name()));
     }
 
-    /// Whether a part of this role is a body. Refuses what would have to be cut out. `first`: its first triangle.
-    bool is_body(SlicerRole role, std::uint32_t parent, std::uint32_t object, std::size_t first = 0) {
-        if (role == SlicerRole::negative)
-            throw InputError(
-                fmt::format("{} has a negative volume, which is to be cut out of the others and cannot be cut "
-                            "here; let the slicer do it (boolean difference) and export the mesh",
-                            context_.name()));
+    /// Whether a part of this role has a place in the print: bodies, and what is cut out of them. `first`: its first
+    /// triangle.
+    bool has_place(SlicerRole role, std::uint32_t parent, std::uint32_t object, std::size_t first = 0) {
         if (role == SlicerRole::modifier) modifiers_.insert({parent, object, first});
-        return role == SlicerRole::part;
+        return role != SlicerRole::modifier;
+    }
+
+    /// Triangles from `first` on are of a part of this role.
+    void note_volume(VolumeCut& cut, SlicerRole role, std::size_t first) const {
+        const TriangleRange range{first, parts_.triangles.size()};
+        if (range.first < range.last) (role == SlicerRole::negative ? cut.tools : cut.bodies).push_back(range);
+    }
+    void note_cut(VolumeCut cut) {
+        if (!cut.tools.empty()) cuts_.push_back(std::move(cut));
     }
 
     const ThreemfPart& load(const std::string& path) {
@@ -193,9 +203,15 @@ private:
             return;
         }
         note_other_shapes(object);
-        for (const ThreemfReference& component : object.components)
-            if (is_body(roles_.of(reference.object, component.object).role, reference.object, component.object))
-                add_object(path, component, transform, depth + 1, reference.object);
+        VolumeCut cut;
+        for (const ThreemfReference& component : object.components) {
+            const SlicerRole role = roles_.of(reference.object, component.object).role;
+            if (!has_place(role, reference.object, component.object)) continue;
+            const std::size_t before = parts_.triangles.size();
+            add_object(path, component, transform, depth + 1, reference.object);
+            note_volume(cut, role, before);
+        }
+        note_cut(std::move(cut));
         if (!object.triangles.empty()) add_mesh(part, object, transform, {parent_object, reference.object});
     }
 
@@ -234,12 +250,16 @@ private:
         for (const Eigen::Vector3d& vertex : object.vertices) parts_.positions.push_back(transform * vertex);
         const bool mirrored = transform.linear().determinant() < 0;
         std::size_t number = 0;
+        VolumeCut cut;
         for (const SlicerSpan& span : roles_.spans(ids.first, ids.second, object.triangles.size())) {
-            if (is_body(span.volume.role, ids.first, ids.second, number))
+            const std::size_t before = parts_.triangles.size();
+            if (has_place(span.volume.role, ids.first, ids.second, number))
                 for (; number < span.end; ++number)
                     add_triangle(part, object, object.triangles[number], {first, mirrored}, span.volume.extruder);
+            note_volume(cut, span.volume.role, before);
             number = span.end;
         }
+        note_cut(std::move(cut));
     }
 
     struct PlacedMesh {
@@ -600,7 +620,8 @@ private:
     bool by_extruder_ = false;             ///< parts are told apart by the colours of their filaments
     std::vector<std::uint16_t> filament_;  ///< of triangles without a colour of their own, from 1; 0: none
     std::set<std::size_t> uncoloured_extruders_;
-    std::size_t painted_ = 0, painted_in_parts_ = 0;                             ///< triangles
+    std::size_t painted_ = 0, painted_in_parts_ = 0;  ///< triangles
+    std::vector<VolumeCut> cuts_;                     ///< volumes of slicers that are cut out of others
     std::set<std::tuple<std::uint32_t, std::uint32_t, std::size_t>> modifiers_;  ///< volumes that are no body
     std::vector<std::string> why_nothing_;                                       ///< why what is there is no body
 };
