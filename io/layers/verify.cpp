@@ -14,6 +14,7 @@
 #include "voxtone/io/layers/layer_digest.h"
 #include "voxtone/io/layers/png_layer_encoder.h"
 #include "voxtone/io/layers/stack_folder.h"
+#include "voxtone/io/pictures/picture_series.h"
 
 namespace voxtone::io {
 namespace {
@@ -172,6 +173,16 @@ void check_digits(const StackReader& reader, FaultList& faults) {
                         "otherwise"});
 }
 
+/// Of names that do not end in their numbers: heights, parts of names.
+void check_gaps_of_other_numbers(const StackReader& reader, FaultList& faults) {
+    std::vector<std::string> names;
+    for (std::uint32_t k = 0; k < reader.layers(); ++k) names.push_back(reader.layer_name(k));
+    if (reader.kind() != StackReader::Kind::folder ||
+        std::ranges::all_of(names, [](const std::string& name) { return parse_slice_name(name).has_value(); }))
+        return;
+    for (const std::string& gap : series_gaps(names)) faults.add({"missing-layer", "", gap, ""});
+}
+
 void check_names(const StackReader& reader, FaultList& faults) {
     constexpr const char* plain_names = "name layers like slice_00000.png, the lowest first";
     std::optional<SliceName> before;
@@ -186,6 +197,10 @@ void check_names(const StackReader& reader, FaultList& faults) {
         else if (before && name->number == before->number)
             faults.add({"numbering", layer, fmt::format("number {} is there twice", name->number),
                         "remove the layer that does not belong"});
+        else if (before && name->number < before->number)
+            faults.add({"numbering", layer,
+                        fmt::format("has a number below 0, and comes behind '{}{}'", before->stem, before->number),
+                        plain_names});
         else if (before && name->number != before->number + 1)
             faults.add({"numbering", layer,
                         fmt::format("follows number {}: {} missing between them", before->number,
@@ -194,6 +209,7 @@ void check_names(const StackReader& reader, FaultList& faults) {
         if (name) before = name;
     }
     check_digits(reader, faults);
+    check_gaps_of_other_numbers(reader, faults);
 }
 
 /// What all layers say together, in their order, so that the report does not depend on the threads.

@@ -211,6 +211,34 @@ TEST_CASE("a foreign folder is judged by itself", "[verify]") {
     CHECK(report.empty_layers == 34);
 }
 
+TEST_CASE("names of other forms are told, and what is missing among them", "[verify]") {
+    const PngLayerEncoder encoder(sample_description(1).palette(), {42.333, 84.667});
+    const auto write = [&](const fs::path& out, const std::string& name) {
+        write_whole_file(out / name, encoder.encode(sample_layer(0)));
+    };
+    TemporaryFolder heights;
+    for (const char* name : {"z0.1mm.png", "z0.2mm.png", "z0.4mm.png", "z0.5mm.png"}) write(heights.path(), name);
+    const StackReport of_heights = verify_stack(heights.path());
+    CHECK(has(of_heights, "numbering", "does not end in its number"));
+    CHECK(has(of_heights, "missing-layer", "number 0.3 is missing"));
+    TemporaryFolder below;
+    for (int k = -3; k < 3; ++k) write(below.path(), "s_" + std::to_string(k) + ".png");
+    const StackReport of_below = verify_stack(below.path());
+    CHECK(has(of_below, "numbering", "below 0"));
+    CHECK(of_below.layers == 6);
+    for (const StackFault& fault : of_below.faults) CHECK(fault.what.find("18446744") == std::string::npos);
+    TemporaryFolder cases;
+    for (const char* name : {"slice_1.png", "Slice_2.png", "slice_3.png"}) write(cases.path(), name);
+    CHECK(has(verify_stack(cases.path()), "numbering", "begins otherwise"));
+    // Of nine names without zeros one is named, and the missing number is not lost among them.
+    TemporaryFolder plain;
+    for (int k = 1; k < 30; ++k)
+        if (k != 17) write(plain.path(), "slice_" + std::to_string(k) + ".png");
+    const StackReport of_plain = verify_stack(plain.path());
+    CHECK(has(of_plain, "numbering", "and 8 more have 1 digit where most have 2 digits"));
+    CHECK(has(of_plain, "numbering", "follows number 16: 1 number missing"));
+}
+
 TEST_CASE("what is no stack is an error that says so", "[verify]") {
     TemporaryFolder folder;
     CHECK_THROWS_AS(verify_stack(folder.path() / "nowhere"), FileError);
