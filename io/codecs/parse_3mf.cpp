@@ -111,6 +111,8 @@ public:
         report();
         if (!modifiers_.empty())
             say_why_nothing("modifiers or blockers of support, which are no body: export the body with them");
+        if (package_.has_ending(".gcode"))
+            say_why_nothing("instructions for a printer (G-code): save the slicer's project itself as 3MF");
         context_.expect_faces(parts_, why_nothing_);
         return std::move(parts_);
     }

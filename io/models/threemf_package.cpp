@@ -156,6 +156,10 @@ std::string ThreemfPackage::root_part() {
                                  printable(told), parts_there()));
 }
 
+bool ThreemfPackage::has_ending(std::string_view ending) const {
+    return std::ranges::any_of(any_case_, [&](const auto& path) { return path.first.ends_with(ending); });
+}
+
 std::string ThreemfPackage::parts_there() const {
     constexpr std::size_t most = 6;
     if (parts_.empty()) return "is nothing";

@@ -12,6 +12,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "voxtone/io/files/zip_reader.h"
@@ -31,6 +32,9 @@ public:
     [[nodiscard]] std::vector<std::byte> read(const std::string& found) const;
     /// The part that the package's relationships call its model, or the only one there is.
     [[nodiscard]] std::string root_part();
+
+    /// Whether a part's name ends so, in any case of letters: ".gcode".
+    [[nodiscard]] bool has_ending(std::string_view ending) const;
 
     /// "'/3D/a.model', '/3D/b.png' and 3 more", for messages.
     [[nodiscard]] std::string parts_there() const;

@@ -284,6 +284,7 @@ TEST_CASE("predict says what is wrong before any work is done") {
     fails(stack + to + " --sweeps 0", 2, "--sweeps");
     fails(stack + to + " --backing red", 2, "--backing");
     fails(stack + to + " --assign \"#ffffff=W\"", 2, "manifest");
+    fails(stack + to + " --nearest", 2, "--nearest");
     fails(stack + " -o " + (folder / "p.glb"), 2, "--view body");
     fails(stack + " -o " + (folder / "nowhere/p.png"), 4, "nowhere");
     fails((folder / "nothing") + to, 4, "nothing");

@@ -175,6 +175,8 @@ TEST_CASE("A file that holds no body says what it holds") {
                                  R"(3dmanufacturing/beamlattice/2017/02"><resources>)" +
                                      beams + R"(</resources><build><item objectid="1"/></build></model>)"}}),
                Contains("has a beam lattice, without which it is not to be read"));
+    CHECK_THAT(refusal(folder, {{"3D/3dmodel.model", model_part("", "")}, {"Metadata/plate_1.gcode", "G1"}}),
+               Contains("only instructions for a printer"));
     // Two reasons, in the order in which they were found.
     CHECK_THAT(refusal(folder, {{"3D/3dmodel.model", model_part(beams + object(R"(id="2" type="support")"),
                                                                 R"(<item objectid="1"/><item objectid="2"/>)")}}),
