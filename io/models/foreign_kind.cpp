@@ -210,7 +210,9 @@ constexpr Readable pictures[] = {{"png", "a PNG picture", "\x89PNG\r\n\x1a\n"sv}
                                  {"tif", "a TIFF picture", "II*\0"sv},
                                  {"tif", "a TIFF picture", "MM\0*"sv},
                                  {"exr", "an EXR picture", "\x76\x2f\x31\x01"sv},
-                                 {"hdr", "a Radiance picture", "#?RADIANCE"sv}};
+                                 {"hdr", "a Radiance picture", "#?RADIANCE"sv},
+                                 {"bmp", "a BMP picture", "BM"sv},
+                                 {"psd", "a Photoshop picture", "8BPS"sv}};
 
 bool has(std::string_view text, std::string_view bytes, std::size_t at) {
     return text.size() >= at && text.substr(at).starts_with(bytes);

@@ -159,6 +159,7 @@ TEST_CASE("A model under the name of another kind is told how to be named") {
         CHECK(kind_of(file.better, file.bytes).empty());
         CHECK_THAT(kind_of(file.name, file.bytes, Wanted::picture), Contains("no picture"));
     }
+    CHECK_THAT(kind_of("a.obj", "BM\x46\0"sv), Contains("a BMP picture"));
     CHECK_THAT(kind_of("a.glb", "\x89PNG\r\n\x1a\n"), Contains("a PNG picture") && Contains("a.png"));
 }
 
