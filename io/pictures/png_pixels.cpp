@@ -105,6 +105,10 @@ private:
 };
 
 [[noreturn]] void fail(const std::string& name, const Source& source) {
+    constexpr std::size_t mark_bytes = 8;
+    if (source.file.size() >= mark_bytes && png_sig_cmp(source.file.data(), 0, mark_bytes) != 0)
+        throw InputError(
+            fmt::format("{}: is no PNG file by its first bytes, whatever its name says; save it as PNG", name));
     throw InputError(fmt::format("{}: is no PNG file that can be read whole ({}); it may be cut short", name,
                                  source.fault[0] ? source.fault : "out of memory"));
 }

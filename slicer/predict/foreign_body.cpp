@@ -31,7 +31,7 @@ struct LayerFinding {
     std::array<int, 2> size{};
     std::array<int, 2> lowest{big, big}, highest{-1, -1};
     std::array<std::uint64_t, io::max_materials> pixels{};
-    std::array<bool, io::max_materials> clear{};  ///< colours of the palette that transparent pixels have
+    std::array<bool, io::max_materials> seen{};  ///< colours of the palette that pixels have, opaque or not
     std::vector<StrayColour> strays;
     std::uint64_t other_pixels = 0;  ///< of more colours than are told apart
 };
@@ -48,7 +48,7 @@ void sort_colours(const io::LayerScan& scan, const PixelMaterials& materials, st
     for (const io::ColourCount& colour : scan.colours) {
         const std::size_t place = place_in(materials.palette, colour.rgba);
         const bool known = place < materials.palette.size();
-        if (colour.rgba[3] == 0 && known) finding.clear[place] = true;
+        if (known) finding.seen[place] = true;
         if (colour.rgba[3] == 255 && known)
             finding.pixels[place] += colour.pixels;
         else if (colour.rgba[3] > 0 || materials.others.transparent == io::OtherPixels::unknown)
@@ -167,11 +167,16 @@ std::string likely_assignments(const std::vector<StrayColour>& strays, std::size
 /// Nobody has said anything of any colour.
 [[noreturn]] void refuse_untold(const ForeignStack& stack, const std::vector<StrayColour>& opaque, bool any_soft) {
     constexpr std::size_t most_named = 8;
+    constexpr double few = 0.02;
     const bool may_be_smoothed = any_soft || opaque.size() > 2;
+    // Of many colours those of few pixels are none of a resin.
+    std::vector<StrayColour> named = opaque;
+    if (named.size() > most_named)
+        std::erase_if(named, [&](const auto& s) { return double(s.pixels) < few * double(opaque.front().pixels); });
     throw InputError(fmt::format(
         "{}: nothing says which resin its {} {}; say it, with roles of the set '{}' ({}) or none: --assign \"{}\"{}",
         stack.name, counted(opaque.size(), "colour"), opaque.size() == 1 ? "is" : "are", stack.resin_set, stack.roles,
-        to_assign(opaque, most_named),
+        to_assign(named, most_named),
         may_be_smoothed
             ? "; leave colours of smoothed edges out and add --nearest, which takes each for the nearest one"
             : ""));
@@ -225,7 +230,7 @@ PixelMaterials nearest_of(const ForeignStack& stack, const PixelMaterials& told,
                           const std::vector<LayerFinding>& findings) {
     PixelMaterials materials;
     for (std::size_t i = 0; i < told.palette.size(); ++i)
-        if (std::ranges::any_of(findings, [&](const auto& f) { return f.pixels[i] > 0 || f.clear[i]; })) {
+        if (std::ranges::any_of(findings, [&](const auto& f) { return f.seen[i]; })) {
             materials.material_of[materials.palette.size()] = told.material_of[i];
             materials.palette.push_back(told.palette[i]);
         }

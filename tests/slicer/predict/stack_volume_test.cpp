@@ -367,6 +367,25 @@ TEST_CASE("Smoothed edges are refused with a way out, which is one") {
     CHECK(stack.volume.size()[0] == 11);  // red is nearer than green
 }
 
+TEST_CASE("A colour that occurs half transparent alone is somebody's nearest") {
+    const io::TemporaryFolder folder;
+    DrawnStack{.white = {255, 255, 255, 200}, .red = {200, 40, 40, 200}}.write(folder.path());
+    ListeningProgress progress;
+    CHECK(read_drawn(folder.path(), drawn_colours, true, progress).volume.size() == std::array<int, 3>{10, 8, 6});
+}
+
+TEST_CASE("Of many colours those of many pixels are to be assigned") {
+    const io::TemporaryFolder folder;
+    for (int k = 1; k <= 20; ++k) {
+        const auto grey = static_cast<std::uint8_t>(5 * k);
+        DrawnStack{.edge = DrawnStack::Pixel{grey, grey, grey, 255}}.write_layer(
+            folder.path() / ("slice_" + std::to_string(k) + ".png"));
+    }
+    CHECK_THAT(message({.stack = folder.path().string(), .pitch_mm = parse_pitch_mm("0.05,0.08,0.03mm")},
+                       ExitCode::invalid_input),
+               Contains("its 22 colours are") && Contains("--assign \"#ffffff=?,#c82828=?\"; leave"));
+}
+
 TEST_CASE("A colour of many pixels that --nearest takes away is asked about") {
     const io::TemporaryFolder folder;
     DrawnStack{}.write(folder.path());
@@ -389,6 +408,9 @@ TEST_CASE("All colours that stand for nothing are told at once, and the layer th
     StackVolumeOptions of_filled = told;
     of_filled.stack = filled.path().string();
     CHECK_THAT(message(of_filled, ExitCode::invalid_input), Contains("#00ff00=none") && Contains("#c82828=W"));
+    io::write_whole_file(folder.path() / "slice_2.png", std::string_view("\xff\xd8\xff\xe0 a JPEG file"));
+    CHECK_THAT(message(told, ExitCode::invalid_input), Contains("slice_2.png: is no PNG file by its first bytes"));
+    DrawnStack{}.write_layer(folder.path() / "slice_2.png");
     DrawnStack{}.write_layer(folder.path() / "slice_3.png", 21);
     CHECK_THAT(message(told, ExitCode::invalid_input), Contains("slice_3.png is 21 x 12 px, but 5 of the 6 layers"));
 }
