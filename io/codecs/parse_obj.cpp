@@ -3,9 +3,7 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -14,20 +12,18 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
 #include "voxtone/base/printable.h"
 #include "voxtone/io/codecs/polygon_triangles.h"
 #include "voxtone/io/models/colour_range.h"
 #include "voxtone/io/models/model_text.h"
 #include "voxtone/io/models/mtl_library.h"
+#include "voxtone/io/models/obj_file.h"
 #include "voxtone/io/models/udim.h"
 #include "voxtone/io/pictures/srgb_code.h"
 
 namespace voxtone::io {
 
 namespace {
-
-constexpr float nothing = std::numeric_limits<float>::quiet_NaN();
 
 bool has_colour(const MtlMaterial& m) { return !m.map_kd.empty() || (m.kd && m.kd->minCoeff() < 0.9f); }
 
@@ -53,157 +49,29 @@ std::vector<std::string> readings(std::string_view name) {
     return all;
 }
 
-/// What stands behind the place of a vertex.
-struct VertexExtra {
-    std::array<float, 5> value{};
-    std::uint8_t count = 0;
-};
-
 class ObjParser {
 public:
-    explicit ObjParser(ParseContext& context) : context_(context), text_(model_text(context.bytes())) {}
+    explicit ObjParser(ParseContext& context)
+        : context_(context), file_(read_obj(model_text(context.bytes()), context.name())) {}
 
     ModelParts parse() {
         parts_.format = "OBJ";
-        TextLines lines(text_);
-        while (const auto line = lines.next()) {
-            line_ = lines.number();
-            read(*line);
-        }
+        parts_.positions = std::move(file_.positions);
+        for (const std::string& line : file_.libraries) read_libraries(line);
+        if (file_.libraries.empty() && file_.materials.size() > 1) take_library_beside();
         settle_vertex_colours();
-        for (const std::string& name : names_) found_.push_back(in_library(name));
-        for (const Face& face : faces_) check(face);
+        for (const std::string& name : file_.materials) found_.push_back(in_library(name));
         find_tiles();
         white_.resize(parts_.positions.size());
-        for (const Face& face : faces_) add(face);
+        for (const ObjFace& face : file_.faces) add(face);
         if (parts_.materials.empty()) parts_.materials.emplace_back();
         say_what_was_lost();
         return std::move(parts_);
     }
 
 private:
-    struct Corner {
-        std::int64_t vertex = 0, uv = -1;
-    };
-    struct Face {
-        std::uint32_t material = 0;
-        std::size_t first = 0, corners = 0, line = 0;
-    };
     /// Of a material of the library, as one kind of face shows it.
     enum class Shown : char { as_it_is, vertex_colours, plain };
-
-    [[noreturn]] void fail(const std::string& what) const {
-        throw InputError(fmt::format("{}, line {}: {}", context_.name(), line_, what));
-    }
-
-    void read(std::string_view line) {
-        if (line.front() == '#') {
-            if (line.starts_with("#MRGB")) read_polypaint(line.substr(5));
-            return;
-        }
-        const std::string key = lower_case(std::string(cut_word(line)));
-        if (key == "v")
-            read_vertex(line);
-        else if (key == "vt")
-            read_coordinates(line);
-        else if (key == "f" || key == "fo")
-            read_face(line);
-        else if (key == "usemtl")
-            material_ = material_named(line);
-        else if (key == "mtllib")
-            read_libraries(line);
-        else if (key == "l" || key == "p")
-            ++points_and_lines_;
-        else if (key == "curv" || key == "surf" || key == "curv2")
-            ++free_forms_;
-    }
-
-    void read_vertex(std::string_view line) {
-        Eigen::Vector3d place = Eigen::Vector3d::Constant(static_cast<double>(nothing));
-        VertexExtra extra;
-        std::size_t count = 0;
-        while (!line.empty() && count < 8) {
-            const std::string_view word = cut_word(line);
-            if (word.front() == '#') break;
-            const std::optional<double> value = number_of(word, comma_);
-            if (count < 3)
-                place[static_cast<Eigen::Index>(count)] = value.value_or(static_cast<double>(nothing));
-            else if (value)
-                extra.value[extra.count++] = static_cast<float>(*value);
-            else
-                break;
-            ++count;
-        }
-        if (count < 3) fail("a vertex has fewer than three numbers; the file is damaged, export it again");
-        parts_.positions.push_back(place);
-        if (extra.count == 0 && extras_.empty()) return;
-        extras_.resize(parts_.positions.size());
-        extras_.back() = extra;
-    }
-
-    void read_coordinates(std::string_view line) {
-        Eigen::Vector2f uv = Eigen::Vector2f::Zero();
-        for (Eigen::Index i = 0; i < 2 && !line.empty(); ++i)
-            uv[i] = static_cast<float>(number_of(cut_word(line), comma_).value_or(static_cast<double>(nothing)));
-        uv_.push_back(uv);
-    }
-
-    /// Hexadecimal, a mask and red, green, blue for each vertex.
-    void read_polypaint(std::string_view digits) {
-        digits = trimmed(digits);
-        for (; digits.size() >= 8; digits.remove_prefix(8)) {
-            std::uint32_t code = 0;
-            const auto [end, error] = std::from_chars(digits.data(), digits.data() + 8, code, 16);
-            if (error != std::errc() || end != digits.data() + 8) return;
-            polypaint_.push_back(code);
-        }
-    }
-
-    /// From 0. Backwards numbers count from what there is so far; others may come before what they name.
-    std::int64_t index_of(std::string_view text, std::size_t so_far, const char* what) const {
-        std::int64_t index = 0;
-        if (text.starts_with('+')) text.remove_prefix(1);
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), index);
-        if (error != std::errc() || end != text.data() + text.size())
-            fail(fmt::format("a face has '{}' for the number of a {}; the file is damaged, export it again",
-                             printable(std::string(text.substr(0, 40))), what));
-        const std::int64_t from_0 = index > 0 ? index - 1 : static_cast<std::int64_t>(so_far) + index;
-        if (index == 0 || from_0 < 0)
-            fail(fmt::format("a face uses {} {}, but there are only {} before it; the file is damaged", what, index,
-                             so_far));
-        return from_0;
-    }
-
-    void read_face(std::string_view line) {
-        Face face{material_, corners_.size(), 0, line_};
-        while (!line.empty()) {
-            const std::string_view word = cut_word(line);
-            if (word.front() == '#') break;
-            const std::size_t slash = std::min(word.find('/'), word.size());
-            Corner corner;
-            corner.vertex = index_of(word.substr(0, slash), parts_.positions.size(), "vertex");
-            const std::string_view rest = word.substr(std::min(slash + 1, word.size()));
-            const std::string_view uv = rest.substr(0, std::min(rest.find('/'), rest.size()));
-            if (!uv.empty()) corner.uv = index_of(uv, uv_.size(), "texture coordinate");
-            corners_.push_back(corner);
-        }
-        face.corners = corners_.size() - face.first;
-        if (face.corners >= 3) {
-            faces_.push_back(face);
-            return;
-        }
-        corners_.resize(face.first);
-        ++points_and_lines_;
-    }
-
-    /// Of the names that faces use; 0 before the first.
-    std::uint32_t material_named(std::string_view name) {
-        const std::string key(trimmed(name));
-        const auto known = std::ranges::find(names_, key);
-        if (known != names_.end()) return static_cast<std::uint32_t>(known - names_.begin());
-        names_.push_back(key);
-        return static_cast<std::uint32_t>(names_.size() - 1);
-    }
 
     bool read_library(const std::string& file) {
         if (const auto known = libraries_.find(file); known != libraries_.end()) return known->second;
@@ -246,6 +114,19 @@ private:
                             name, context_.name()));
     }
 
+    /// Where the model names none: the one that is called as it is.
+    void take_library_beside() {
+        const std::string name = context_.name().substr(0, context_.name().rfind('.')) + ".mtl";
+        if (read_library(name))
+            say(fmt::format("{} has materials and names no library for them; '{}' beside it was taken.",
+                            context_.name(), name));
+        else
+            say(
+                fmt::format("{} has materials and names no library (mtllib) for them, so that their colours are not "
+                            "known; export it again with its MTL file.",
+                            context_.name()));
+    }
+
     /// By the name as it is written, without comment and quotes, or in other upper and lower case.
     const MtlMaterial* in_library(const std::string& name) const {
         for (const std::string& reading : readings(name))
@@ -260,14 +141,14 @@ private:
     /// Where alpha and weight stand is the same for all.
     void settle_vertex_colours() {
         const std::size_t vertices = parts_.positions.size();
-        if (!polypaint_.empty()) {
+        if (!file_.polypaint.empty()) {
             FileColours colours{{}, ColourNumbers::bytes, ColourNumbers::bytes, false};
             colours.value.assign(vertices, no_colour());
-            for (std::size_t i = 0; i < std::min(vertices, polypaint_.size()); ++i)
-                for (int c = 0; c < 3; ++c) colours.value[i][c] = polypaint_[i] >> (16 - 8 * c) & 0xff;
+            for (std::size_t i = 0; i < std::min(vertices, file_.polypaint.size()); ++i)
+                for (int c = 0; c < 3; ++c) colours.value[i][c] = file_.polypaint[i] >> (16 - 8 * c) & 0xff;
             rgba_ = settled_colours(colours, "vertex", context_.name(), parts_.warnings);
-        } else if (std::ranges::any_of(extras_, [](const VertexExtra& e) { return e.count >= 3; })) {
-            extras_.resize(vertices);
+        } else if (std::ranges::any_of(file_.extras, [](const ObjVertexExtra& e) { return e.count >= 3; })) {
+            file_.extras.resize(vertices);
             place_extras();
         }
         parts_.has_colour = parts_.has_colour || !rgba_.empty();
@@ -277,11 +158,12 @@ private:
 
     void place_extras() {
         const auto all_one = [&](std::size_t at) {
-            return std::ranges::all_of(extras_, [&](const VertexExtra& e) { return e.count != 4 || e.value[at] == 1; });
+            return std::ranges::all_of(file_.extras,
+                                       [&](const ObjVertexExtra& e) { return e.count != 4 || e.value[at] == 1; });
         };
         const bool weight_first = !all_one(3) && all_one(0);
         FileColours colours;
-        for (const VertexExtra& e : extras_) {
+        for (const ObjVertexExtra& e : file_.extras) {
             Eigen::Vector4d& colour = colours.value.emplace_back(no_colour());
             if (e.count < 3) continue;
             const std::size_t first = e.count == 5 || (e.count == 4 && weight_first) ? 1 : 0;
@@ -292,29 +174,13 @@ private:
         rgba_ = settled_colours(colours, "vertex", context_.name(), parts_.warnings);
     }
 
-    void check(const Face& face) {
-        line_ = face.line;
-        for (const Corner& corner : corners_of(face)) {
-            if (corner.vertex >= static_cast<std::int64_t>(parts_.positions.size()))
-                fail(fmt::format("a face uses vertex {}, but there are only {}; the file is damaged", corner.vertex + 1,
-                                 parts_.positions.size()));
-            if (corner.uv >= static_cast<std::int64_t>(uv_.size()))
-                fail(fmt::format("a face uses texture coordinate {}, but there are only {}; the file is damaged",
-                                 corner.uv + 1, uv_.size()));
-        }
-    }
-
-    std::span<const Corner> corners_of(const Face& face) const {
-        return std::span(corners_).subspan(face.first, face.corners);
-    }
-
     /// Of its corners, as the material lays them; empty where a corner has none.
-    std::vector<Eigen::Vector2f> coordinates_of(const Face& face) const {
+    std::vector<Eigen::Vector2f> coordinates_of(const ObjFace& face) const {
         std::vector<Eigen::Vector2f> laid;
         const MtlMaterial* mtl = found_[face.material];
-        for (const Corner& corner : corners_of(face)) {
+        for (const ObjCorner& corner : file_.corners_of(face)) {
             if (corner.uv < 0) return {};
-            Eigen::Vector2f uv = uv_[static_cast<std::size_t>(corner.uv)];
+            Eigen::Vector2f uv = file_.uv[static_cast<std::size_t>(corner.uv)];
             if (mtl) uv = uv.cwiseProduct(mtl->map_scale) + mtl->map_offset;
             laid.push_back(uv);
         }
@@ -324,10 +190,10 @@ private:
     /// Which textures are cut into tiles: by a mark in the name, or because coordinates leave the tile that is named
     /// for neighbours that are there. A face over several tiles says that the picture is repeated.
     void find_tiles() {
-        marked_.resize(names_.size());
-        std::vector<std::optional<WrittenTile>> written(names_.size());
-        std::vector<std::set<UvTile>> used(names_.size());
-        for (std::size_t n = 0; n < names_.size(); ++n) {
+        marked_.resize(file_.materials.size());
+        std::vector<std::optional<WrittenTile>> written(file_.materials.size());
+        std::vector<std::set<UvTile>> used(file_.materials.size());
+        for (std::size_t n = 0; n < file_.materials.size(); ++n) {
             const std::vector<std::string> files = readings(found_[n] ? found_[n]->map_kd : "");
             if (files.empty()) continue;
             if (tile_file(files.back(), {}))
@@ -335,7 +201,7 @@ private:
             else
                 written[n] = written_tile(files.back());
         }
-        for (const Face& face : faces_) {
+        for (const ObjFace& face : file_.faces) {
             if (!written[face.material]) continue;
             const std::vector<Eigen::Vector2f> uv = coordinates_of(face);
             if (uv.empty()) continue;
@@ -344,7 +210,7 @@ private:
             else
                 written[face.material].reset();
         }
-        for (std::size_t n = 0; n < names_.size(); ++n) {
+        for (std::size_t n = 0; n < file_.materials.size(); ++n) {
             if (!written[n] || !has_neighbours(*written[n], used[n])) continue;
             marked_[n] = written[n]->marked;
             say(
@@ -367,7 +233,7 @@ private:
             made_.try_emplace({name, shown, tile}, static_cast<std::uint32_t>(parts_.materials.size()));
         if (!added) return known->second;
         PartMaterial made;
-        made.name = names_[name];
+        made.name = file_.materials[name];
         if (const MtlMaterial* mtl = found_[name])
             use(*mtl, shown, tile ? *tile_file(marked_[name], *tile) : mtl->map_kd, made);
         if (tile) made.wrap_u = made.wrap_v = Wrap::clamp;
@@ -389,6 +255,11 @@ private:
                 say(fmt::format("The material '{}' has no map_Kd; its {} was taken for its colours.", mtl.name,
                                 mtl.map_from));
         }
+        if (!mtl.kd && !mtl.unread_kd.empty() && made.image < 0 && shown != Shown::vertex_colours)
+            parts_.lose_colour(fmt::format(
+                "The material '{}' has the Kd '{}', which is no red, green and blue: its colour is LOST. Export the "
+                "model with colours in RGB.",
+                printable(mtl.name), printable(mtl.unread_kd)));
         if (!mtl.kd || shown == Shown::vertex_colours) return;
         if (made.image < 0) {
             made.rgb = srgb_to_linear(*mtl.kd);
@@ -415,7 +286,7 @@ private:
             parts_.warnings.push_back(std::move(sentence));
     }
 
-    bool has_paint(const Corner& corner) const {
+    bool has_paint(const ObjCorner& corner) const {
         return !rgba_.empty() && !std::isnan(rgba_[static_cast<std::size_t>(corner.vertex)][0]);
     }
 
@@ -425,11 +296,11 @@ private:
         std::optional<UvTile> tile;
     };
 
-    Look look_of(const Face& face, const std::vector<Eigen::Vector2f>& uv) {
+    Look look_of(const ObjFace& face, const std::vector<Eigen::Vector2f>& uv) {
         const MtlMaterial* mtl = found_[face.material];
         const bool map = mtl && !mtl->map_kd.empty(),
-                   painted = std::ranges::any_of(corners_of(face), [&](const auto&c) { return has_paint(c); });
-        bool textured = map && (!uv.empty() || uv_.empty());
+                   painted = std::ranges::any_of(file_.corners_of(face), [&](const auto&c) { return has_paint(c); });
+        bool textured = map && (!uv.empty() || file_.uv.empty());
         if (map && !textured) ++without_coordinates_[face.material];
         Look look;
         if (textured && !marked_[face.material].empty()) {
@@ -444,15 +315,15 @@ private:
         return look;
     }
 
-    void count_white(const Face& face) {
-        for (const Corner& corner : corners_of(face))
+    void count_white(const ObjFace& face) {
+        for (const ObjCorner& corner : file_.corners_of(face))
             if (!has_paint(corner)) white_[static_cast<std::size_t>(corner.vertex)] = true;
     }
 
-    void add(const Face& face) {
-        const std::span<const Corner> corners = corners_of(face);
+    void add(const ObjFace& face) {
+        const std::span<const ObjCorner> corners = file_.corners_of(face);
         std::vector<Eigen::Vector3d> outline;
-        for (const Corner& corner : corners)
+        for (const ObjCorner& corner : corners)
             outline.push_back(parts_.positions[static_cast<std::size_t>(corner.vertex)]);
         std::vector<Eigen::Vector2f> uv = coordinates_of(face);
         const Look look = look_of(face, uv);
@@ -480,23 +351,23 @@ private:
 
     void say_what_was_lost() {
         const bool coloured = std::ranges::any_of(library_, [](const auto& m) { return has_colour(m.second); });
-        if (coloured && !used_ && !faces_.empty())
+        if (coloured && !used_ && !file_.faces.empty())
             parts_.lose_colour(fmt::format(
                 "{} uses none of the materials in its library: their colours are LOST. Look at the names behind usemtl "
                 "and newmtl, or export it again.",
                 context_.name()));
         else if (coloured)
             for (const std::uint32_t name : unknown_)
-                if (!names_[name].empty())
+                if (!file_.materials[name].empty())
                     parts_.lose_colour(fmt::format(
                         "{} uses the material '{}', which its library does not have: its colour is LOST. Look at the "
                         "names behind usemtl and newmtl, or export it again.",
-                        context_.name(), printable(names_[name])));
+                        context_.name(), printable(file_.materials[name])));
         for (const auto& [name, faces] : without_coordinates_)
             parts_.lose_colour(fmt::format(
                 "{} faces of {} have the material '{}' with a texture and no texture coordinates: its colours are LOST "
                 "there and the material's own colour is used.",
-                faces, context_.name(), printable(names_[name])));
+                faces, context_.name(), printable(file_.materials[name])));
         for (const auto& [name, faces] : beyond_tiles_)
             parts_.lose_colour(fmt::format(
                 "{} faces of {} lie over several tiles of the texture '{}' or in none: its colours are LOST there and "
@@ -507,15 +378,15 @@ private:
         if (paint_left_aside_)
             say(fmt::format("{} has textures and colours of vertices on the same faces; the textures are printed.",
                             context_.name()));
-        if (comma_) say(fmt::format("{} has decimal commas; they were read as points.", context_.name()));
-        if (points_and_lines_)
+        if (file_.comma) say(fmt::format("{} has decimal commas; they were read as points.", context_.name()));
+        if (file_.points_and_lines)
             say(fmt::format("{} has {} points or lines; they have no volume and are left aside.", context_.name(),
-                            points_and_lines_));
-        if (free_forms_)
+                            file_.points_and_lines));
+        if (file_.free_forms)
             say(fmt::format(
                 "{} has {} free-form curves or surfaces, which are not read: they are MISSING from the print. "
                 "Export it as a mesh.",
-                context_.name(), free_forms_));
+                context_.name(), file_.free_forms));
         for (const std::string& warning : context_.side_file_warnings()) say(warning);
         const bool points = points_and_lines_ || (!parts_.positions.empty() && !free_forms_);
         context_.expect_faces(
@@ -524,18 +395,10 @@ private:
     }
 
     ParseContext& context_;
-    const std::string text_;
+    ObjFile file_;
     ModelParts parts_;
-    std::size_t line_ = 0;
-    std::vector<VertexExtra> extras_;       ///< per vertex up to the last that has some; empty: none has
-    std::vector<std::uint32_t> polypaint_;  ///< 0xMMRRGGBB per vertex
-    std::vector<Eigen::Vector4f> rgba_;     ///< per vertex, linear; not a number where it has none; or empty
-    std::vector<Eigen::Vector2f> uv_;
-    std::vector<Corner> corners_;
-    std::vector<Face> faces_;
-    std::vector<std::string> names_{""};     ///< of materials, as faces use them
+    std::vector<Eigen::Vector4f> rgba_;      ///< per vertex, linear; not a number where it has none; or empty
     std::vector<const MtlMaterial*> found_;  ///< of the names; null: the library has none
-    std::uint32_t material_ = 0;
     std::map<std::string, MtlMaterial> library_;
     std::map<std::string, bool> libraries_;  ///< whether there is one of that name
     std::set<std::string> said_missing_;
@@ -544,8 +407,7 @@ private:
     std::set<std::uint32_t> unknown_;
     std::vector<bool> white_;  ///< per vertex: shown white for want of a colour
     std::map<std::uint32_t, std::size_t> without_coordinates_, beyond_tiles_;
-    std::size_t points_and_lines_ = 0, free_forms_ = 0;
-    bool comma_ = false, used_ = false, paint_left_aside_ = false;
+    bool used_ = false, paint_left_aside_ = false;
 };
 
 }  // namespace

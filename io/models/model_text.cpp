@@ -47,6 +47,17 @@ std::string from_utf16(std::string_view bytes, bool big) {
     return text;
 }
 
+std::string from_utf32(std::string_view bytes, bool big) {
+    std::string text;
+    for (std::size_t i = 0; i + 3 < bytes.size(); i += 4) {
+        std::uint32_t c = 0;
+        for (std::size_t b = 0; b < 4; ++b)
+            c |= static_cast<std::uint32_t>(static_cast<std::uint8_t>(bytes[i + b])) << 8 * (big ? 3 - b : b);
+        append_utf8(text, c < 0x110000 && !(c >= 0xd800 && c < 0xe000) ? c : 0xfffd);
+    }
+    return text;
+}
+
 /// Zeros at even and at odd places of the beginning, of `looked_at` bytes.
 std::pair<std::size_t, std::size_t> zeros(std::string_view bytes, std::size_t looked_at) {
     std::pair<std::size_t, std::size_t> found{0, 0};
@@ -60,6 +71,9 @@ std::pair<std::size_t, std::size_t> zeros(std::string_view bytes, std::size_t lo
 std::string model_text(std::span<const std::byte> bytes) {
     const std::string_view raw(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     if (raw.starts_with("\xEF\xBB\xBF")) return std::string(raw.substr(3));
+    using namespace std::string_view_literals;
+    if (raw.starts_with("\xFF\xFE\0\0"sv)) return from_utf32(raw.substr(4), false);
+    if (raw.starts_with("\0\0\xFE\xFF"sv)) return from_utf32(raw.substr(4), true);
     if (raw.starts_with("\xFF\xFE")) return from_utf16(raw.substr(2), false);
     if (raw.starts_with("\xFE\xFF")) return from_utf16(raw.substr(2), true);
     const std::size_t looked_at = std::min<std::size_t>(raw.size(), 64) / 2 * 2;

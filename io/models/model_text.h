@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Text of models as the world writes it: with a byte order mark, in UTF-16, with any line end, with lines that go on
-// behind a backslash, with decimal commas.
+// Text of models as the world writes it: with a byte order mark, in UTF-16 or 32, with any line end, with lines that go
+// on behind a backslash, with decimal commas.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +12,8 @@
 
 namespace voxtone::io {
 
-/// As UTF-8, without a byte order mark. UTF-16 is known by its mark, or by a zero in every second byte of the
-/// beginning; all else stays as it is.
+/// As UTF-8, without a byte order mark. UTF-16 and 32 are known by their marks, UTF-16 also by a zero in every second
+/// byte of the beginning; all else stays as it is.
 [[nodiscard]] std::string model_text(std::span<const std::byte> bytes);
 
 /// Without blanks (space, tab, CR, LF and their like) at both ends.

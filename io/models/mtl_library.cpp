@@ -113,7 +113,10 @@ std::vector<MtlMaterial> parse_mtl(std::string_view text) {
         if (materials.empty()) continue;
         MtlMaterial& material = materials.back();
         if (key == "kd") {
-            if (const auto rgb = colour_of(line)) material.kd = rgb;
+            if (const auto rgb = colour_of(line))
+                material.kd = rgb;
+            else
+                material.unread_kd = line;
         } else if (key == "ka") {
             unlit.ka = colour_of(line);
         } else if (key == "ke") {

@@ -20,6 +20,7 @@ struct MtlMaterial {
     std::string name;
     std::optional<Eigen::Vector3f> kd;  ///< sRGB codes in [0, 1]
     std::string colour_from, map_from;  ///< "Ka", "map_Ke": where kd, map_kd were taken from instead; empty: themselves
+    std::string unread_kd;              ///< where Kd is no three numbers: what it is ("spectral x.rfl 1")
     float opacity = 1;                  ///< d where it is given, else 1 - Tr
     bool has_dissolve = false;          ///< d is given
     std::string map_kd;                 ///< empty: none

@@ -360,6 +360,10 @@ TEST_CASE("OBJ as the world writes it") {
             std::string wide = big ? "\xFE\xFF" : "\xFF\xFE";
             for (const char c : body) wide += big ? std::string{'\0', c} : std::string{c, '\0'};
             CHECK(near(with(wide), red, 1e-3f));
+            std::string widest = big ? std::string("\0\0\xFE\xFF", 4) : std::string("\xFF\xFE\0\0", 4);
+            for (const char c : body)
+                widest += big ? std::string{'\0', '\0', '\0', c} : std::string{c, '\0', '\0', '\0'};
+            CHECK(near(with(widest), red, 1e-3f));
         }
     }
     SECTION("libraries by names that are not quite theirs, several in a line") {
@@ -374,6 +378,28 @@ TEST_CASE("OBJ as the world writes it") {
         }
         CHECK(near(first({{"a.obj", "mtllib n\xE4he.mtl\n" + faces}, {"n\xC3\xA4he.mtl", "newmtl m\nKd 1 0 0\n"}}),
                    {1, 0, 0}));
+    }
+    SECTION("no library is named: the one that is called as the model is, or a word") {
+        const std::string model = triangle + "usemtl m\nf 1 2 3\n";
+        const ModelFile taken = read(folder, {{"a.obj", model}, {"a.mtl", "newmtl m\nKd 1 0 0\n"}});
+        CHECK(near(corner_colour(taken.mesh, 0, 0), {1, 0, 0}));
+        CHECK_THAT(warnings(taken), Contains("'a.mtl' beside it was taken"));
+        const ModelFile none = read(folder, {{"b.obj", model}});
+        CHECK(none.lost_colour.empty());
+        CHECK_THAT(warnings(none), Contains("mtllib"));
+        CHECK(read(folder, {{"b.obj", triangle + "f 1 2 3\n"}}).warnings.empty());
+    }
+    SECTION("a Kd that is no red, green and blue is lost, unless something else is printed") {
+        const std::string model = "mtllib a.mtl\n" + square + "usemtl m\nf 1/1 2/2 3/3\n";
+        for (const std::string kd : {"spectral red.rfl 1", "xyz 0.4 0.2 0.1", "red"}) {
+            CAPTURE(kd);
+            CHECK_THAT(read(folder, {{"a.obj", model}, {"a.mtl", "newmtl m\nKd " + kd + "\n"}}).lost_colour,
+                       Contains("'" + kd + "'") && Contains("'m'"));
+            CHECK(read(folder, {{"a.obj", model},
+                                {"a.mtl", "newmtl m\nmap_Kd t.png\nKd " + kd + "\n"},
+                                {"t.png", four_colours()}})
+                      .lost_colour.empty());
+        }
     }
     SECTION("a material that is there twice: the last of a library, of the first library") {
         const std::string red_last = "newmtl m\nKd 0 1 0\nnewmtl n\nKd 0 0 1\nnewmtl m\nKd 1 0 0\n";
