@@ -147,9 +147,8 @@ private:
                 at += 8 + size;
             }
         }
-        const auto* begin = reinterpret_cast<const char*>(json.data());
         try {
-            root_ = Json::parse(begin, begin + json.size());
+            root_ = Json::parse(model_text(json));
         } catch (const Json::exception& error) {
             fail(fmt::format("its JSON cannot be read ({})", error.what()));
         }
@@ -177,9 +176,11 @@ private:
     std::optional<std::vector<std::byte>> data_uri(const std::string& uri) const {
         if (!uri.starts_with("data:")) return std::nullopt;
         const std::size_t comma = uri.find(',');
-        if (comma == std::string::npos || uri.rfind(";base64", comma) == std::string::npos)
-            fail("a data URI is not in base64");
-        return base64_bytes(std::string_view(uri).substr(comma + 1));
+        if (comma == std::string::npos) fail("a data URI has no data");
+        const std::string data = decode_uri(std::string_view(uri).substr(comma + 1));
+        if (uri.rfind(";base64", comma) != std::string::npos) return base64_bytes(data);
+        const auto* first = reinterpret_cast<const std::byte*>(data.data());
+        return std::vector<std::byte>(first, first + data.size());
     }
 
     void read_buffers() {
@@ -318,18 +319,21 @@ private:
         if (masked) cut(material, cutoff_.back());
     }
 
-    /// Glow is the colour of a material that has no other: unlit exporters put it there.
+    /// Glow is the colour of a material that has no other: unlit exporters put it there. Beside a base that is white by
+    /// default a picture is, a colour is a glow.
     void take_emission(const Json& json, PartMaterial& material, MaterialUv& uv) {
-        if (material.image >= 0 || material.rgb.maxCoeff() > 0) return;
+        const Json& info = object(json, "emissiveTexture");
+        const bool black = material.rgb.maxCoeff() <= 0, absent = material.rgb.minCoeff() >= 1 && !info.empty();
+        if (material.image >= 0 || !(black || absent)) return;
         Eigen::Vector3f glow = Eigen::Vector3f::Zero();
         numbers(json, "emissiveFactor", glow);
-        const Json& info = object(json, "emissiveTexture");
         if (!info.empty() && !json.contains("emissiveFactor")) glow.setOnes();  // left out by mistake: it is 0 then
         if (!glow.allFinite() || glow.maxCoeff() <= 0) return;
         material.rgb = glow.cwiseMax(0).cwiseMin(1);
         if (!info.empty()) read_texture(info, material, uv);
-        warn(fmt::format("The material '{}' of {} has a black base; its emission was taken for its colour.",
-                         printable(material.name), context_.name()));
+        warn(fmt::format(
+            "The material '{}' of {} has no base colour or a black one; its emission was taken for its colour.",
+            printable(material.name), context_.name()));
     }
 
     /// alphaMode MASK: opaque from the cutoff on, nothing below it.

@@ -12,7 +12,7 @@
 // - OBJ, MTL, PLY: the range of colours goes by type and by what occurs (io/models/colour_range.h).
 // - STL: none. Attribute words that look like the colours of VisCAM or Magics are lost, which is said.
 // - glTF: baseColorFactor (linear) * COLOR_0 (linear) * baseColorTexture (sRGB) with KHR_texture_transform; the older
-//   specular-glossiness where it is the material, emission where the base is black. Alpha counts where alphaMode is
+//   specular-glossiness where it is the material, emission where there is no base or a black one. Alpha counts where alphaMode is
 //   BLEND; MASK is opaque from its cutoff on. Node transforms, skins and morph weights in the pose of the file and
 //   copies of EXT_mesh_gpu_instancing are applied, hidden nodes and animations left aside. COLOR_1 and attributes of
 //   other names are no colours by the standard: lost where there is no COLOR_0. The axes are turned from y

@@ -48,6 +48,18 @@ struct Builder {
     }
 };
 
+std::string base64_of(const std::string& bytes) {
+    static const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        std::uint32_t three = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            three = three << 8 | (i + k < bytes.size() ? static_cast<std::uint8_t>(bytes[i + k]) : 0u);
+        for (std::size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? digits[three >> (18 - 6 * k) & 63] : '=';
+    }
+    return text;
+}
+
 const std::vector<float> triangle{0, 0, 0, 1, 0, 0, 0, 1, 0};
 
 ModelFile read(const std::string& bytes, const Files& others = {}) {
@@ -351,6 +363,43 @@ TEST_CASE("glTF as the world writes it") {
         CHECK(near(corner_colour(with("").mesh, 0, 0), {1, 0, 0}));
         CHECK(near(corner_colour(with(R"("emissiveFactor":[1,1,1],)").mesh, 0, 0), {1, 0, 0}));
         CHECK(near(corner_colour(with(R"("emissiveFactor":[0,0,0],)").mesh, 0, 0), {0, 0, 0}));
+        const ModelFile alone =
+            read(b.file(mesh(position + fmt::format(R"(,"TEXCOORD_0":{})", uv),
+                             R"(,"materials":[{"emissiveTexture":{"index":0},"emissiveFactor":[1,1,1]}],)"
+                             R"("textures":[{"source":0}],"images":[{"uri":"t.png"}])",
+                             R"(,"material":0)")),
+                 {{"t.png", four_colours()}});
+        CHECK(near(corner_colour(alone.mesh, 0, 0), {1, 0, 0}));
+        CHECK_THAT(warnings(alone), Contains("emission"));
+    }
+    SECTION("pictures in the text, in base64 or not, with %XX; the text in UTF-16 and with a mark") {
+        const int uv = b.floats({0.25f, 0.25f, 0.25f, 0.25f, 0.25f, 0.25f}, "VEC2");
+        std::string percent;
+        for (const char c : four_colours()) percent += fmt::format("%{:02X}", static_cast<std::uint8_t>(c));
+        const auto with = [&](const std::string& uri) {
+            return read(b.file(mesh(position + fmt::format(R"(,"TEXCOORD_0":{})", uv),
+                                    R"(,"materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}],)"
+                                    R"("textures":[{"source":0}],"images":[{"uri":")" +
+                                        uri + R"("}])",
+                                    R"(,"material":0)")));
+        };
+        CHECK(near(corner_colour(with("data:image/png," + percent).mesh, 0, 0), {1, 0, 0}));
+        std::string base64;
+        for (const char c : base64_of(four_colours()))
+            base64 += c == '+' ? "%2B" : c == '/' ? "%2F" : c == '=' ? "%3D" : std::string{c};
+        CHECK(near(corner_colour(with("data:image/png;base64," + base64).mesh, 0, 0), {1, 0, 0}));
+
+        const std::string json =
+            R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
+            R"("buffers":[{"byteLength":36,"uri":"p.bin"}],"bufferViews":[{"buffer":0,"byteLength":36}],)"
+            R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}]})";
+        std::string wide = "\xFF\xFE";
+        for (const char c : json) wide += {c, '\0'};
+        for (const std::string& text : {json, "\xEF\xBB\xBF" + json, wide}) {
+            const Folder folder;
+            CHECK(read_model_here(folder.write({{"a.gltf", text}, {"p.bin", raw(triangle)}})).mesh.triangles.size() ==
+                  1);
+        }
     }
     SECTION("a skin whose joints stand outside the scene, under two roots") {
         const int joints = b.add(std::string("\0\0\0\0\1\0\0\0\0\0\0\0", 12), 5121, 3, "VEC4"),
