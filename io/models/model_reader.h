@@ -12,11 +12,11 @@
 // - OBJ, MTL, PLY: the range of colours goes by type and by what occurs (io/models/colour_range.h).
 // - STL: none. Attribute words that look like the colours of VisCAM or Magics are lost, which is said.
 // - glTF: baseColorFactor (linear) * COLOR_0 (linear) * baseColorTexture (sRGB) with KHR_texture_transform; the older
-//   specular-glossiness where it is the material, emission where there is no base or a black one. Alpha counts where alphaMode is
-//   BLEND; MASK is opaque from its cutoff on. Node transforms, skins and morph weights in the pose of the file and
-//   copies of EXT_mesh_gpu_instancing are applied, hidden nodes and animations left aside. COLOR_1 and attributes of
-//   other names are no colours by the standard: lost where there is no COLOR_0. The axes are turned from y
-//   up to z up: (x, y, z) -> (x, -z, y).
+//   specular-glossiness where it is the material, emission where there is no base or a black one. Alpha counts where
+//   alphaMode is BLEND; MASK is opaque from its cutoff on. Node transforms, skins and morph weights in the pose of the
+//   file and copies of EXT_mesh_gpu_instancing are applied, hidden nodes and animations left aside. COLOR_1 and
+//   attributes of other names are no colours by the standard: lost where there is no COLOR_0. The axes are turned from
+//   y up to z up: (x, y, z) -> (x, -z, y).
 // - 3MF: the core specification with materials and properties (io/codecs/threemf_part.h), and what slicers write beside
 //   it (io/models/slicer_roles.h): items that are off, modifiers and blockers are left aside, negative volumes are cut
 //   out (io/codecs/cut_volumes.h), parts of several extruders, and triangles that are painted as a whole, get the colours
