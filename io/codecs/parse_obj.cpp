@@ -388,10 +388,10 @@ private:
                 "Export it as a mesh.",
                 context_.name(), file_.free_forms));
         for (const std::string& warning : context_.side_file_warnings()) say(warning);
-        const bool points = points_and_lines_ || (!parts_.positions.empty() && !free_forms_);
+        const bool points = file_.points_and_lines || (!parts_.positions.empty() && !file_.free_forms);
         context_.expect_faces(
             parts_, {points ? "points or lines, which have no volume: make a mesh of them in a mesh editor" : "",
-                     free_forms_ ? "free-form curves or surfaces, which are not read: export it as a mesh" : ""});
+                     file_.free_forms ? "free-form curves or surfaces, which are not read: export it as a mesh" : ""});
     }
 
     ParseContext& context_;
