@@ -116,10 +116,12 @@ JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Prog
     check_tray(body.grid, printer.sliced_tray_mm(), body.placement);
 
     progress.begin_stage("find the visible surface", 2 * repaired.solid->triangles.size(), "steps");
+    VisibleSurfaceOptions seeing;
+    seeing.label_mm = printer.sliced_pitch_mm().maxCoeff();
     body.surface =
         SurfaceIndex(body.is_picture ? picture_surface(body.model.mesh)
                                      : find_visible_surface(body.model.mesh.positions, body.model.mesh.triangles,
-                                                            repaired, {}, nullptr, &progress));
+                                                            repaired, seeing, nullptr, &progress));
     look_for_colour(job, body);
     progress.end_stage();
     body.repair = std::move(repaired.report);

@@ -155,6 +155,7 @@ private:
     void count(Sight as_a_whole);
 
     [[nodiscard]] std::vector<bool> sheets() const;
+    void lay_labels(const std::vector<bool>& of_sheet);
     template <class Which>
     void show_solid(const Which& which);
     void show_source(std::uint32_t t);
@@ -332,7 +333,24 @@ std::vector<bool> VisibleParts::sheets() const {
 void VisibleParts::show_solid() {
     const std::vector<bool> of_sheet = sheets();
     show_solid([&](std::uint32_t t) { return of_sheet[t]; });
+    lay_labels(of_sheet);
     show_solid([&](std::uint32_t t) { return !of_sheet[t]; });
+}
+
+// Of the surface so far, which is that of sheets.
+void VisibleParts::lay_labels(const std::vector<bool>& of_sheet) {
+    if (surface.triangles.empty() || !(options_.label_mm > 0)) return;
+    std::vector<Triangle> bodies;
+    for (std::uint32_t t = 0; t < solid_.triangles.size(); ++t)
+        if (!of_sheet[t]) bodies.push_back(solid_.triangles[t]);
+    if (bodies.empty()) return;
+    const TriangleTree tree(solid_.positions_mm, bodies);
+    for (const Triangle& t : surface.triangles)
+        for (const std::uint32_t corner : t) {
+            Vector3d& place = surface.positions_mm[corner];
+            const TriangleTree::Nearest body = tree.nearest(place, TriangleTree::none, options_.label_mm);
+            if (body.triangle != TriangleTree::none) place = body.point;
+        }
 }
 
 template <class Which>

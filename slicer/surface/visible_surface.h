@@ -9,7 +9,8 @@
 // is that rough.
 //
 // Triangles are in the order of the mesh, but for sheets (shells that enclose nothing), which come first: of surfaces
-// in one place the first gives the colour, and a sheet that lies on a body is a label.
+// in one place the first gives the colour, and a sheet that lies on a body is a label. People draw labels a little
+// above their body, where a voxel would not see them: below `label_mm` they are laid onto it, for colour and depth.
 #pragma once
 
 #include <array>
@@ -41,6 +42,7 @@ using SurfaceIndex = SpatialIndex<VisibleSurface>;
 
 struct VisibleSurfaceOptions {
     double piece_mm = 0.1;         ///< > 0
+    double label_mm = 0;           ///< corners of sheets no farther from a body are laid onto it
     std::uint64_t most_steps = 0;  ///< of work (mesh/work_budget.h), for each of its parts; 0: by the triangles
 };
 

@@ -26,13 +26,14 @@ struct Seen {
     VisibleSurface surface;
     VisibleSurfaceReport report;
 
-    explicit Seen(const SolidMesh& m, RepairMode mode = RepairMode::automatic) {
+    explicit Seen(const SolidMesh& m, RepairMode mode = RepairMode::automatic, double label_mm = 0) {
         mesh.positions = m.positions_mm;
         mesh.triangles = m.triangles;
         RepairOptions options;
         options.mode = mode;
         repaired = repair_mesh(mesh, options);
-        surface = find_visible_surface(mesh.positions, mesh.triangles, repaired, {.piece_mm = 0.05}, &report);
+        surface = find_visible_surface(mesh.positions, mesh.triangles, repaired,
+                                       {.piece_mm = 0.05, .label_mm = label_mm}, &report);
     }
     [[nodiscard]] double area() const {
         double sum = 0;
@@ -120,7 +121,7 @@ TEST_CASE("Patches count for depth and have the colours of their corners") {
     seen.check_places(true);
 }
 
-TEST_CASE("A label on a face comes before the body, wherever the file has it") {
+TEST_CASE("A label on a face comes before the body, wherever the file has it, and a little above it") {
     SolidMesh label;
     label.positions_mm = {{0.5, 0.5, 2}, {1.5, 0.5, 2}, {1.5, 1.5, 2}, {0.5, 1.5, 2}};
     label.triangles = {{0, 1, 2}, {0, 2, 3}};
@@ -135,6 +136,14 @@ TEST_CASE("A label on a face comes before the body, wherever the file has it") {
         }
         CHECK(seen.area() == Approx(24 + 2));  // the label's front and back
         seen.check_places(true);
+    }
+    // One a little above is laid onto it.
+    for (const double above : {0.01, 0.2}) {
+        CAPTURE(above);
+        const Seen seen(shapes::joined(cube, shapes::moved(label, {0, 0, above})), RepairMode::automatic, 0.1);
+        for (std::size_t t = 0; t < 2; ++t)
+            for (const std::uint32_t corner : seen.surface.triangles[t])
+                CHECK(seen.surface.positions_mm[corner].z() == Approx(above < 0.1 ? 2 : 2 + above));
     }
     // A body with a hole in a side is no label.
     SolidMesh open = cube;
