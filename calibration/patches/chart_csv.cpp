@@ -103,7 +103,7 @@ std::vector<std::string> roles_of(const PatchTable& table) {
     for (const Patch& patch : table.patches)
         for (const ResinShare& share : patch.top)
             if (std::ranges::find(roles, share.role) == roles.end()) roles.push_back(share.role);
-    std::ranges::stable_partition(roles, [](const std::string& role) { return role == "W"; });
+    std::stable_partition(roles.begin(), roles.end(), [](const std::string& role) { return role == "W"; });
     return roles;
 }
 
