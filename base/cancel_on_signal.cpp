@@ -15,7 +15,7 @@ namespace voxtone {
 
 namespace {
 
-constexpr std::array<int, 3> signals{SIGINT, SIGTERM, SIGUSR1};
+constexpr std::array<int, 4> signals{SIGINT, SIGTERM, SIGUSR1, SIGHUP};
 std::atomic<Progress*> target{nullptr};
 std::atomic<int> first_signal{0};
 // What a signal handler may touch.
@@ -51,6 +51,7 @@ void catch_stop_signals() {
         sigaction(number, nullptr, &before);
         if (before.sa_handler != SIG_IGN) set_handler(number, on_signal);
     }
+    set_handler(SIGPIPE, SIG_IGN);
 }
 
 ExitCode stop_code() {

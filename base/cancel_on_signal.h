@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Requests to stop that come as signals. SIGINT is a user who wants an end (Ctrl-C, exit code 5); SIGTERM and SIGUSR1
-// come from what runs the program, which wants it saved to run it again (exit code 85). The first of them asks the work
-// to stop (`Progress::cancel`), so that no half-written file is left; a Ctrl-C after it ends the program at once, more
-// of the others change nothing: schedulers send them twice.
+// Requests to stop that come as signals. SIGINT is a user who wants an end (Ctrl-C, exit code 5); SIGTERM,
+// SIGUSR1 and SIGHUP (a terminal or a connection that is gone) come from what runs the program, which wants it saved to
+// run it again (exit code 85). SIGPIPE ends nothing: hours of work do not depend on who reads its words. The first of
+// them asks the work to stop (`Progress::cancel`), so that no half-written file is left; a Ctrl-C after it ends the
+// program at once, more of the others change nothing: schedulers send them twice.
 #pragma once
 
 #include "voxtone/base/error.h"

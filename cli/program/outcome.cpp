@@ -8,6 +8,8 @@
 #include <new>
 #include <string>
 
+#include <unistd.h>
+
 #include <fmt/core.h>
 
 #include "voxtone/base/contracts.h"
@@ -48,11 +50,14 @@ int tell_current_exception(Messages messages) {
 int noticing_lost_output(int code) {
     const bool lost = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
     if (!lost) return code;
-    std::fputs(fmt::format("voxtone: stdout could not be written ({}), so what was printed there is not whole; files "
-                           "that were named are. Make room or choose another place for it\n",
-                           std::strerror(errno))
-                   .c_str(),
-               stderr);
+    const bool reader_left = errno == EPIPE && isatty(STDERR_FILENO) != 0;  // `| head`: who did it knows
+    if (!reader_left)
+        std::fputs(
+            fmt::format("voxtone: stdout could not be written ({}), so what was printed there is not whole; files "
+                        "that were named are. Make room or choose another place for it\n",
+                        std::strerror(errno))
+                .c_str(),
+            stderr);
     return code == 0 ? static_cast<int>(ExitCode::try_again) : code;
 }
 

@@ -85,7 +85,7 @@ void limit(int resource, std::uint64_t value) {
 /// A stop is the parent's to handle, which kills the child; a file that grows too long is an error of writing; a crash
 /// is a crash.
 void set_signals() {
-    for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGXFSZ}) std::signal(signal, SIG_IGN);
+    for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGHUP, SIGXFSZ}) std::signal(signal, SIG_IGN);
     for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGPIPE}) std::signal(signal, SIG_DFL);
     sigset_t none;
     sigemptyset(&none);

@@ -57,9 +57,12 @@ Admittance Admittance::white_sheet(const OrdinatePlan& plan) {
 
 LayerModes::LayerModes(const OrdinatePlan& plan, const Medium& medium) {
     const Medium scaled = plan.phase_.scaled(medium);
-    sigma_t_ = scaled.sigma_t();
-    VOXTONE_EXPECT(sigma_t_ > 0);
-    const double albedo = scaled.albedo();
+    // Clear as air: so little that a metre of it takes a thousandth.
+    constexpr double least_sigma_t = 1e-6;
+    VOXTONE_EXPECT(scaled.sigma_t() >= 0);
+    const bool is_clear = scaled.sigma_t() < least_sigma_t;
+    sigma_t_ = is_clear ? least_sigma_t : scaled.sigma_t();
+    const double albedo = is_clear ? 0 : scaled.albedo();
     OrdinateMatrix E = -albedo * plan.even_, F = -albedo * plan.odd_;
     E.diagonal() += plan.inverse_nu_;
     F.diagonal() += plan.inverse_nu_;

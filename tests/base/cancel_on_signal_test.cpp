@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voxtone/base/cancel_on_signal.h"
 
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 
@@ -16,7 +17,7 @@ using namespace voxtone;
 
 namespace {
 
-constexpr auto stop_signals = {SIGINT, SIGTERM, SIGUSR1};
+constexpr auto stop_signals = {SIGINT, SIGTERM, SIGUSR1, SIGHUP};
 
 /// Runs `child` in a process of its own; gives back its exit code, or minus the signal that ended it.
 template <class Child>
@@ -55,6 +56,16 @@ TEST_CASE("A signal that comes before there is work stops it when it begins") {
                   const CancelOnSignal cancel(progress);
                   _exit(progress.cancelled() ? static_cast<int>(stop_code()) : 2);
               }) == (number == SIGINT ? 5 : 85));
+}
+
+TEST_CASE("A reader of stdout that leaves ends nothing") {
+    CHECK(status_of([] {
+              int ends[2];
+              if (pipe(ends) != 0) _exit(98);
+              close(ends[0]);
+              catch_stop_signals();
+              _exit(write(ends[1], "x", 1) < 0 && errno == EPIPE ? 7 : 8);
+          }) == 7);
 }
 
 TEST_CASE("A second Ctrl-C ends the program, a second SIGTERM or SIGUSR1 changes nothing") {

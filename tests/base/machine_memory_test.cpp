@@ -12,6 +12,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/outcomes.h"
+#include "voxtone/base/control_group.h"
 #include "voxtone/base/grant.h"
 
 using namespace voxtone;
@@ -30,6 +31,7 @@ struct Groups {
         std::ofstream(folder / file) << text << '\n';
     }
     [[nodiscard]] std::uint64_t memory() const { return cgroup_memory_bytes(folder / "self", folder / "mount"); }
+    [[nodiscard]] double cores() const { return cgroup_cores(folder / "self", folder / "mount"); }
 };
 
 }  // namespace
@@ -59,6 +61,30 @@ TEST_CASE("the memory of control groups", "[memory]") {
         groups.write("mount/memory/jobs/7/memory.limit_in_bytes", "9223372036854771712");
         groups.write("mount/memory/jobs/memory.limit_in_bytes", "4000000000");
         CHECK(groups.memory() == 4000000000);
+    }
+}
+
+TEST_CASE("the processors of control groups", "[memory]") {
+    const Groups groups;
+    constexpr double none = std::numeric_limits<double>::infinity();
+    SECTION("version 2: the least of a group and those above it") {
+        groups.write("self", "0::/jobs/one");
+        CHECK(groups.cores() == none);
+        groups.write("mount/jobs/one/cpu.max", "max 100000");
+        CHECK(groups.cores() == none);
+        groups.write("mount/jobs/cpu.max", "250000 100000");
+        CHECK(groups.cores() == 2.5);
+        groups.write("mount/cpu.max", "50000 100000");
+        CHECK(groups.cores() == 0.5);
+    }
+    SECTION("version 1 among other controllers") {
+        groups.write("self", "4:memory:/a\n5:cpu,cpuacct:/jobs/7");
+        groups.write("mount/cpu/jobs/7/cpu.cfs_quota_us", "-1");
+        groups.write("mount/cpu/jobs/7/cpu.cfs_period_us", "100000");
+        CHECK(groups.cores() == none);
+        groups.write("mount/cpu/jobs/cpu.cfs_quota_us", "400000");
+        groups.write("mount/cpu/jobs/cpu.cfs_period_us", "100000");
+        CHECK(groups.cores() == 4);
     }
 }
 

@@ -172,6 +172,28 @@ TEST_CASE("Ctrl-C stops with 5, SIGTERM and SIGUSR1 with 85, and nothing is left
         }
 }
 
+TEST_CASE("Who reads a job's events may leave: the stack is whole, and the exit code says that they were not read") {
+    const Folder folder("program-reader-left");
+    folder.write("box.obj", ramp_box_obj(2, 2, 1));
+    const std::string command =
+        fmt::format("(\"{}\" slice '{}' --iterations 0 --no-report --json -o '{}'; echo $? > '{}') 2>'{}' | head -n 1",
+                    VOXTONE_PROGRAM, folder / "box.obj", folder / "out", folder / "code", folder / "err");
+    CHECK(std::system(command.c_str()) == 0);
+    CHECK(read_file(folder / "code") == "75\n");
+    CHECK_THAT(read_file(folder / "err"), Contains("Broken pipe"));
+    CHECK(run_program("verify '" + (folder / "out") + "'").exit_code == 0);
+}
+
+TEST_CASE("A resin that is as clear as air is a resin") {
+    const Folder folder("program-clear");
+    folder.write("box.obj", ramp_box_obj(4, 4, 3));
+    const Outcome outcome = run_program(fmt::format(
+        "slice '{}' --resins vero-opaque-clear --load C,M,Y,K,W,T --core T --iterations 0 --no-report -o '{}'",
+        folder / "box.obj", folder / "out"));
+    INFO(outcome.err);
+    CHECK(outcome.exit_code == 0);
+}
+
 TEST_CASE("A job that left job.json runs again from anywhere, and says what has changed") {
     const Folder folder("again");
     std::filesystem::create_directories(folder / "desk/models");

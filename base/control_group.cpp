@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxtone/base/control_group.h"
+
+#include <algorithm>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <string>
+#include <string_view>
+
+namespace voxtone {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t unlimited = std::numeric_limits<std::uint64_t>::max();
+constexpr double no_quota = std::numeric_limits<double>::infinity();
+
+/// A group's limit holds for those below it; in a container the mount is often the group itself.
+template <class Value>
+Value least_up_to(const fs::path& mount, const std::string& group, const std::function<Value(const fs::path&)>& limit) {
+    Value least = limit(mount);
+    for (fs::path path = fs::path(group).relative_path(); !path.empty(); path = path.parent_path())
+        least = std::min(least, limit(mount / path));
+    return least;
+}
+
+/// Of all groups that the file names: version 2, and those of one controller of version 1, which has a mount of its
+/// own.
+template <class Value>
+Value least_of_groups(const fs::path& cgroup, const fs::path& mount, const std::string& controller, Value none,
+                      const std::function<Value(const fs::path&)>& second,
+                      const std::function<Value(const fs::path&)>& first) {
+    Value least = none;
+    std::ifstream in(cgroup);
+    for (std::string line; std::getline(in, line);) {  // NUMBER:CONTROLLERS:/GROUP
+        const std::size_t left = line.find(':'), right = line.find(':', left + 1);
+        if (left == std::string::npos || right == std::string::npos) continue;
+        std::string controllers(",");
+        controllers.append(line, left + 1, right - left - 1).append(",");
+        const std::string group = line.substr(right + 1);
+        if (controllers == ",,") least = std::min(least, least_up_to<Value>(mount, group, second));
+        if (controllers.find("," + controller + ",") != std::string::npos)
+            least = std::min(least, least_up_to<Value>(mount / controller, group, first));
+    }
+    return least;
+}
+
+/// The number in a file; "max", and what is no file, are no limit.
+std::uint64_t bytes_in(const fs::path& file) {
+    std::ifstream in(file);
+    std::uint64_t bytes = 0;
+    return in >> bytes && bytes > 0 ? bytes : unlimited;
+}
+
+double share(double quota_us, double period_us) {
+    return quota_us > 0 && period_us > 0 ? quota_us / period_us : no_quota;
+}
+
+}  // namespace
+
+std::uint64_t cgroup_memory_bytes(const fs::path& cgroup, const fs::path& mount) {
+    return least_of_groups<std::uint64_t>(
+        cgroup, mount, "memory", unlimited, [](const fs::path& group) { return bytes_in(group / "memory.max"); },
+        [](const fs::path& group) { return bytes_in(group / "memory.limit_in_bytes"); });
+}
+
+double cgroup_cores(const fs::path& cgroup, const fs::path& mount) {
+    return least_of_groups<double>(
+        cgroup, mount, "cpu", no_quota,
+        [](const fs::path& group) {
+            std::ifstream in(group / "cpu.max");  // "200000 100000", or "max 100000"
+            double quota = 0, period = 0;
+            return in >> quota >> period ? share(quota, period) : no_quota;
+        },
+        [](const fs::path& group) {
+            std::ifstream quota_file(group / "cpu.cfs_quota_us"), period_file(group / "cpu.cfs_period_us");
+            double quota = 0, period = 0;
+            return quota_file >> quota && period_file >> period ? share(quota, period) : no_quota;  // -1: none
+        });
+}
+
+}  // namespace voxtone

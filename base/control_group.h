@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What containers and schedulers allow a process by Linux's control groups, of version 1 and 2: the least limit of the
+// groups that `cgroup` (of the form of /proc/self/cgroup) names and of those above them, below `mount`
+// (/sys/fs/cgroup).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+namespace voxtone {
+
+/// memory.max, memory.limit_in_bytes. The largest number where none is set.
+[[nodiscard]] std::uint64_t cgroup_memory_bytes(const std::filesystem::path& cgroup = "/proc/self/cgroup",
+                                                const std::filesystem::path& mount = "/sys/fs/cgroup");
+
+/// Processors' time a second of the clock (cpu.max; cpu.cfs_quota_us over cpu.cfs_period_us). Infinity where none is
+/// set.
+[[nodiscard]] double cgroup_cores(const std::filesystem::path& cgroup = "/proc/self/cgroup",
+                                  const std::filesystem::path& mount = "/sys/fs/cgroup");
+
+}  // namespace voxtone
