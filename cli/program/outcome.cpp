@@ -8,6 +8,7 @@
 #include <new>
 #include <string>
 
+#include <poll.h>
 #include <unistd.h>
 
 #include <fmt/core.h>
@@ -46,16 +47,23 @@ int tell_current_exception(Messages messages) {
     }
 }
 
+/// The other end of the pipe that stdout is.
+bool reader_has_left() {
+    pollfd out{STDOUT_FILENO, POLLOUT, 0};
+    return poll(&out, 1, 0) > 0 && (out.revents & POLLERR) != 0;
+}
+
 /// A result that its reader did not get is no success: the disk that stdout goes to may be full.
 int noticing_lost_output(int code) {
     const bool lost = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
     if (!lost) return code;
-    const bool reader_left = errno == EPIPE && isatty(STDERR_FILENO) != 0;  // `| head`: who did it knows
-    if (!reader_left)
+    const int why = errno;
+    const bool left = reader_has_left();
+    if (!left || isatty(STDERR_FILENO) == 0)  // who types `| head` knows
         std::fputs(
             fmt::format("voxtone: stdout could not be written ({}), so what was printed there is not whole; files "
                         "that were named are. Make room or choose another place for it\n",
-                        std::strerror(errno))
+                        std::strerror(left ? EPIPE : why))
                 .c_str(),
             stderr);
     return code == 0 ? static_cast<int>(ExitCode::try_again) : code;
