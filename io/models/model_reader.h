@@ -19,10 +19,10 @@
 //   y up to z up: (x, y, z) -> (x, -z, y).
 // - 3MF: the core specification with materials and properties (io/codecs/threemf_part.h), and what slicers write beside
 //   it (io/models/slicer_roles.h): items that are off, modifiers and blockers are left aside, negative volumes are cut
-//   out (io/codecs/cut_volumes.h), parts of several extruders, and triangles that are painted as a whole, get the colours
-//   of their filaments. Packages are read however they were packed (io/models/threemf_package.h). A required extension
-//   that is not known refuses the file. Layers of textures and colours over each other (multiproperties) are made into one picture, triangle by
-//   triangle.
+//   out (io/codecs/cut_volumes.h), parts of several extruders, and triangles that are painted as a whole, get the
+//   colours of their filaments. Packages are read however they were packed (io/models/threemf_package.h). A required
+//   extension that is not known refuses the file. Layers of textures and colours over each other (multiproperties) are
+//   made into one picture, triangle by triangle.
 // In all but glTF the axes stay as they are. Where no triangle of the model uses a texture's texel, the nearest used
 // one is put (io/models/texel_coverage.h).
 //
