@@ -158,8 +158,9 @@ private:
     int passes_ = 1;
 };
 
-/// What gAMA and cHRM say. Gammas about that of sRGB are taken for its curve, as the chunk's authors meant them.
-PictureColours colours_of_chunks(const Meanings& m) {
+/// What gAMA and cHRM say. A gamma of 1 is linear light; any other is taken for sRGB's curve, as viewers do, and far
+/// ones are said.
+PictureColours colours_of_chunks(const Meanings& m, const std::string& name, std::vector<std::string>& warnings) {
     PictureColours colours;
     if (m.says_srgb) return colours;
     if (m.has_chromaticities) {
@@ -167,13 +168,11 @@ PictureColours colours_of_chunks(const Meanings& m) {
         if (!has_srgb_primaries(colours)) colours.name = "primaries of its own";
     }
     const double gamma = m.has_gamma && m.gamma > 0 ? 1 / m.gamma : 2.2;
-    if (std::abs(gamma - 1) < 0.01) {
+    if (std::abs(gamma - 1) < 0.01)
         colours.curve = PictureCurve::linear;
-    } else if (gamma < 2 || gamma > 2.5) {
-        colours.curve = PictureCurve::gamma;
-        colours.gamma = gamma;
-        colours.name += fmt::format("{}a gamma of {:.3g}", colours.name.empty() ? "" : ", ", gamma);
-    }
+    else if (gamma < 2 || gamma > 2.5)
+        warnings.push_back(
+            fmt::format("The picture {} says that it has a gamma of {:.3g}; it was taken as sRGB.", name, gamma));
     return colours;
 }
 
@@ -187,7 +186,7 @@ void take_meanings(PictureSamples& samples, const Meanings& m, const Source& sou
     } else if (m.profile) {
         samples.icc_profile.assign(m.profile, m.profile + m.profile_bytes);
     } else {
-        samples.colours = colours_of_chunks(m);
+        samples.colours = colours_of_chunks(m, name, samples.warnings);
     }
     if (!samples.colours.known)
         samples.warnings.push_back(fmt::format("The picture {} is coded in {}; sRGB's were taken in their place.", name,

@@ -59,7 +59,11 @@ TEST_CASE("Missing and invalid inputs have their own exit codes and one clear se
     CHECK(run_program("slice " + (folder / "empty.obj") + out).exit_code == 3);
     folder.write("marker.obj", marker_obj());
     folder.write("marker.fbx", marker_obj());
-    const Outcome unread = run_program("slice " + (folder / "marker.fbx") + out);
+    const Outcome misnamed = run_program("slice " + (folder / "marker.fbx") + out);
+    CHECK(misnamed.exit_code == 3);
+    CHECK_THAT(misnamed.err, Contains("an OBJ model") && Contains("rename it marker.obj"));
+    folder.write("notes.qqq", "of no kind that anybody knows");
+    const Outcome unread = run_program("slice " + (folder / "notes.qqq") + out);
     CHECK(unread.exit_code == 3);
     CHECK_THAT(unread.err, Contains("PNG, JPEG") && Contains("if it is a model") && Contains(".obj, .ply"));
     for (const char* verb : {"predict ", "proof "}) {
