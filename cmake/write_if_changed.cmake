@@ -1,0 +1,10 @@
+# Leaves a file alone that holds the text already, so that nothing is compiled for it.
+function(write_if_changed file text)
+  set(old "")
+  if(EXISTS ${file})
+    file(READ ${file} old)
+  endif()
+  if(NOT old STREQUAL text)
+    file(WRITE ${file} "${text}")
+  endif()
+endfunction()
