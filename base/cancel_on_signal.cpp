@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/base/cancel_on_signal.h"
+#include "base/cancel_on_signal.h"
 
 #include <array>
 #include <atomic>
@@ -9,7 +9,7 @@
 
 #include <unistd.h>
 
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 namespace voxtone {
 

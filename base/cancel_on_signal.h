@@ -7,8 +7,8 @@
 // program at once, more of the others change nothing: schedulers send them twice.
 #pragma once
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/progress.h"
+#include "base/error.h"
+#include "base/progress.h"
 
 namespace voxtone {
 

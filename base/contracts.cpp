@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 #include <fmt/core.h>
 

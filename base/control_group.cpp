@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/base/control_group.h"
+#include "base/control_group.h"
 
 #include <algorithm>
 #include <fstream>

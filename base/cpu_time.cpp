@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/base/cpu_time.h"
+#include "base/cpu_time.h"
 
 #include <sys/resource.h>
 

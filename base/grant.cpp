@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/base/grant.h"
+#include "base/grant.h"
 
 #include <algorithm>
 #include <charconv>

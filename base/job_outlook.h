@@ -16,7 +16,7 @@
 #include <string_view>
 #include <vector>
 
-#include "voxtone/base/progress.h"
+#include "base/progress.h"
 
 namespace voxtone {
 

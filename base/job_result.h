@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 namespace voxtone {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/base/machine_memory.h"
+#include "base/machine_memory.h"
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "voxtone/base/control_group.h"
-#include "voxtone/base/grant.h"
+#include "base/control_group.h"
+#include "base/grant.h"
 
 namespace voxtone {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/base/openjd_progress.h"
+#include "base/openjd_progress.h"
 
 #include <algorithm>
 #include <utility>
 
 #include <fmt/core.h>
 
-#include "voxtone/base/printable.h"
+#include "base/printable.h"
 
 namespace voxtone {
 

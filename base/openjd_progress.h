@@ -16,7 +16,7 @@
 #include <string>
 #include <string_view>
 
-#include "voxtone/base/progress_bar.h"
+#include "base/progress_bar.h"
 
 namespace voxtone {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/base/parallel.h"
+#include "base/parallel.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <oneapi/tbb/info.h>
 
-#include "voxtone/base/control_group.h"
-#include "voxtone/base/grant.h"
+#include "base/control_group.h"
+#include "base/grant.h"
 
 namespace voxtone {
 

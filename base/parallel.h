@@ -17,7 +17,7 @@
 #include <oneapi/tbb/parallel_for_each.h>
 #include <oneapi/tbb/parallel_sort.h>
 
-#include "voxtone/base/progress.h"
+#include "base/progress.h"
 
 namespace voxtone {
 

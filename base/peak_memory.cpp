@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/base/peak_memory.h"
+#include "base/peak_memory.h"
 
 #include <sys/resource.h>
 #include <unistd.h>

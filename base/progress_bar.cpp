@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/base/progress_bar.h"
+#include "base/progress_bar.h"
 
 #include <algorithm>
 #include <chrono>
@@ -12,7 +12,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include "voxtone/base/printable.h"
+#include "base/printable.h"
 
 namespace voxtone {
 

@@ -15,9 +15,9 @@
 #include <string>
 #include <string_view>
 
-#include "voxtone/base/job_outlook.h"
-#include "voxtone/base/progress.h"
-#include "voxtone/base/ticker.h"
+#include "base/job_outlook.h"
+#include "base/progress.h"
+#include "base/ticker.h"
 
 namespace voxtone {
 

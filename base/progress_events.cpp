@@ -2,7 +2,7 @@
 //
 // Writes its JSON by hand: the floor has no JSON library, io/files/json_writer.h lies above it, and an event is one
 // flat object of numbers and of strings that `json_quoted` has made safe.
-#include "voxtone/base/progress_events.h"
+#include "base/progress_events.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -10,7 +10,7 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/printable.h"
+#include "base/printable.h"
 
 namespace voxtone {
 

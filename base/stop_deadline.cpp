@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/base/stop_deadline.h"
+#include "base/stop_deadline.h"
 
 #include <csignal>
 #include <cstdlib>

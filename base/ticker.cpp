@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/base/ticker.h"
+#include "base/ticker.h"
 
 #include <chrono>
 #include <csignal>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/base/units.h"
+#include "base/units.h"
 
 #include <array>
 #include <charconv>
@@ -8,7 +8,7 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 namespace voxtone {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "benchmarks/sets.h"
 
-#include "voxtone/io/files/json_object.h"
+#include "io/files/json_object.h"
 
 namespace voxtone::benchmarks {
 namespace {

@@ -16,7 +16,7 @@ file(WRITE ${OUTPUT} "// Made by cmake/embed_script.cmake from files in data/.
 #include <array>
 #include <span>
 
-#include \"voxtone/base/embedded_file.h\"
+#include \"base/embedded_file.h\"
 
 namespace voxtone::embedded {
 

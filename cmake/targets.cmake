@@ -1,15 +1,11 @@
 # One library per floor, rooms as its folders; one test program per floor (more where a dependency is slow to load).
 
-# What the compiler sees as <voxtone/floor/room/file.h>: links to the floors, the same names that an installed tree has.
 set(VOXTONE_FLOORS base optics io calibration halftone slicer cli)
-foreach(floor IN LISTS VOXTONE_FLOORS)
-  file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/include/voxtone)
-  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${floor} ${PROJECT_BINARY_DIR}/include/voxtone/${floor} SYMBOLIC)
-endforeach()
 
 add_library(voxtone_flags INTERFACE)
+# An include is spelled as the tree is: "optics/layered/phase.h".
+target_include_directories(voxtone_flags INTERFACE ${PROJECT_SOURCE_DIR})
 # -ffp-contract=off: the same bits with and without fused multiply-add, so that a result does not depend on the machine.
-target_include_directories(voxtone_flags INTERFACE ${PROJECT_BINARY_DIR}/include)
 # -ffile-prefix-map: no path of the machine that built it in a program, and a compiler cache serves every checkout.
 target_compile_options(voxtone_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off
                                                "-ffile-prefix-map=${PROJECT_SOURCE_DIR}/=")
@@ -27,12 +23,13 @@ endif()
 
 # voxtone_add_floor(<floor> PUBLIC <library>... PRIVATE <library>...)  ->  target voxtone_<floor>, alias voxtone::<floor>
 # A static library; its rooms are added by voxtone_add_room and link what the floor links.
+# An installed tree has its headers below include/voxtone, and both are looked in: users write <voxtone/optics/...>.
 function(voxtone_add_floor floor)
   cmake_parse_arguments(ARG "" "" "PUBLIC;PRIVATE" ${ARGN})
   add_library(voxtone_${floor} STATIC)
   add_library(voxtone::${floor} ALIAS voxtone_${floor})
-  target_include_directories(voxtone_${floor} PUBLIC $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include>
-                                                     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_include_directories(voxtone_${floor} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+                             "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR};${CMAKE_INSTALL_INCLUDEDIR}/voxtone>")
   target_compile_features(voxtone_${floor} PUBLIC cxx_std_20)
   target_link_libraries(voxtone_${floor} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:voxtone_flags>)
   set_target_properties(voxtone_${floor} PROPERTIES EXPORT_NAME ${floor} POSITION_INDEPENDENT_CODE ON)

@@ -8,9 +8,9 @@
 #include <fstream>
 #include <vector>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/halftone/screens/built_in_screens.h"
-#include "voxtone/halftone/screens/void_and_cluster.h"
+#include "base/parallel.h"
+#include "halftone/screens/built_in_screens.h"
+#include "halftone/screens/void_and_cluster.h"
 
 int main(int argc, char** argv) try {
     if (argc != 2) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/bench/bench_camera.h"
+#include "calibration/bench/bench_camera.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,12 +9,12 @@
 #include <Eigen/Geometry>
 #include <opencv2/imgproc.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
-#include "voxtone/calibration/edge/edge_sheet.h"
-#include "voxtone/calibration/target/marker_pattern.h"
-#include "voxtone/optics/edge/edge_scene_paths.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "calibration/edge/edge_sheet.h"
+#include "calibration/target/marker_pattern.h"
+#include "optics/edge/edge_scene_paths.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -16,10 +16,10 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/calibration/edge/edge_simulation_job.h"
-#include "voxtone/calibration/photo/checker_chart.h"
-#include "voxtone/io/pictures/photograph.h"
+#include "base/progress.h"
+#include "calibration/edge/edge_simulation_job.h"
+#include "calibration/photo/checker_chart.h"
+#include "io/pictures/photograph.h"
 
 namespace voxtone::calibration {
 

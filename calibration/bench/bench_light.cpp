@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/bench/bench_light.h"
+#include "calibration/bench/bench_light.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/calibration/bench/board_view.h"
-#include "voxtone/calibration/bench/edge_strip.h"
-#include "voxtone/calibration/photo/colour_checker.h"
-#include "voxtone/calibration/photo/light_field.h"
+#include "calibration/bench/board_view.h"
+#include "calibration/bench/edge_strip.h"
+#include "calibration/photo/colour_checker.h"
+#include "calibration/photo/light_field.h"
 
 namespace voxtone::calibration {
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/bench/bench_list.h"
+#include "calibration/bench/bench_list.h"
 
 #include <algorithm>
 #include <charconv>
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/printable.h"
-#include "voxtone/io/files/whole_file.h"
+#include "base/error.h"
+#include "base/printable.h"
+#include "io/files/whole_file.h"
 
 namespace voxtone::calibration {
 namespace {

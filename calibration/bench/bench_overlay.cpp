@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/bench/bench_overlay.h"
+#include "calibration/bench/bench_overlay.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <opencv2/imgproc.hpp>
 
-#include "voxtone/calibration/photo/overlay.h"
+#include "calibration/photo/overlay.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -6,8 +6,8 @@
 // white paper is than in the middle of the region, in false colours from -5 to +5 %, lines every 1 %.
 #pragma once
 
-#include "voxtone/calibration/bench/bench_light.h"
-#include "voxtone/io/pictures/picture_writer.h"
+#include "calibration/bench/bench_light.h"
+#include "io/pictures/picture_writer.h"
 
 namespace voxtone::calibration {
 

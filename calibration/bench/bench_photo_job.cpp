@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/bench/bench_photo_job.h"
+#include "calibration/bench/bench_photo_job.h"
 
 #include <algorithm>
 #include <array>
@@ -11,11 +11,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/bench/bench_list.h"
-#include "voxtone/calibration/bench/bench_overlay.h"
-#include "voxtone/io/disk/output_files.h"
-#include "voxtone/io/files/whole_file.h"
+#include "base/error.h"
+#include "calibration/bench/bench_list.h"
+#include "calibration/bench/bench_overlay.h"
+#include "io/disk/output_files.h"
+#include "io/files/whole_file.h"
 
 namespace voxtone::calibration {
 namespace {

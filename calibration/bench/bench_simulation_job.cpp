@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/bench/bench_simulation_job.h"
+#include "calibration/bench/bench_simulation_job.h"
 
 #include <filesystem>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/bench/bench_list.h"
-#include "voxtone/io/disk/output_files.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/openimageio/photograph_writer.h"
+#include "base/error.h"
+#include "calibration/bench/bench_list.h"
+#include "io/disk/output_files.h"
+#include "io/files/whole_file.h"
+#include "io/openimageio/photograph_writer.h"
 
 namespace voxtone::calibration {
 namespace {

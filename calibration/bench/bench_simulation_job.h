@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "voxtone/calibration/bench/bench_camera.h"
+#include "calibration/bench/bench_camera.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/bench/board_view.h"
+#include "calibration/bench/board_view.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +10,8 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/photo/finder_picture.h"
+#include "base/error.h"
+#include "calibration/photo/finder_picture.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -9,8 +9,8 @@
 // Cannot see: lens distortion, other than as a residual.
 #pragma once
 
-#include "voxtone/calibration/photo/rectify.h"
-#include "voxtone/io/pictures/photograph.h"
+#include "calibration/photo/rectify.h"
+#include "io/pictures/photograph.h"
 
 namespace voxtone::calibration {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/bench/edge_strip.h"
+#include "calibration/bench/edge_strip.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
+#include "base/error.h"
+#include "base/parallel.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -15,8 +15,8 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/calibration/bench/board_view.h"
-#include "voxtone/calibration/photo/light_field.h"
+#include "calibration/bench/board_view.h"
+#include "calibration/photo/light_field.h"
 
 namespace voxtone::calibration {
 

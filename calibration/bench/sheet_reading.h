@@ -9,8 +9,8 @@
 
 #include <array>
 
-#include "voxtone/calibration/bench/edge_strip.h"
-#include "voxtone/calibration/edge/edge_setup.h"
+#include "calibration/bench/edge_strip.h"
+#include "calibration/edge/edge_setup.h"
 
 namespace voxtone::calibration {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/bench/slab_reading.h"
+#include "calibration/bench/slab_reading.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/calibration/bench/bench_light.h"
-#include "voxtone/calibration/bench/sheet_reading.h"
-#include "voxtone/calibration/edge/edge_profiles.h"
+#include "calibration/bench/bench_light.h"
+#include "calibration/bench/sheet_reading.h"
+#include "calibration/edge/edge_profiles.h"
 
 namespace voxtone::calibration {
 

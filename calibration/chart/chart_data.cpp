@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/chart/chart_data.h"
+#include "calibration/chart/chart_data.h"
 
 #include <algorithm>
 #include <map>
@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/patches/patch_mixture.h"
-#include "voxtone/calibration/patches/table_observer.h"
-#include "voxtone/optics/layered/flat_colour.h"
+#include "base/error.h"
+#include "calibration/patches/patch_mixture.h"
+#include "calibration/patches/table_observer.h"
+#include "optics/layered/flat_colour.h"
 
 namespace voxtone::calibration {
 

@@ -10,9 +10,9 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/calibration/chart/edge_values.h"
-#include "voxtone/calibration/patches/patch_table.h"
-#include "voxtone/optics/colour/colour.h"
+#include "calibration/chart/edge_values.h"
+#include "calibration/patches/patch_table.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::calibration {
 

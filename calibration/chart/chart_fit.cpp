@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/chart/chart_fit.h"
+#include "calibration/chart/chart_fit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,13 +8,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/stopwatch.h"
-#include "voxtone/calibration/chart/chart_folds.h"
-#include "voxtone/calibration/chart/colour_fit.h"
-#include "voxtone/calibration/chart/observer_fit.h"
-#include "voxtone/calibration/chart/residual_fit.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "base/stopwatch.h"
+#include "calibration/chart/chart_folds.h"
+#include "calibration/chart/colour_fit.h"
+#include "calibration/chart/observer_fit.h"
+#include "calibration/chart/residual_fit.h"
 
 namespace voxtone::calibration {
 

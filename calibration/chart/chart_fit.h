@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/calibration/chart/chart_options.h"
-#include "voxtone/optics/colour/colour.h"
-#include "voxtone/optics/media/resins.h"
+#include "base/progress.h"
+#include "calibration/chart/chart_options.h"
+#include "optics/colour/colour.h"
+#include "optics/media/resins.h"
 
 namespace voxtone::calibration {
 

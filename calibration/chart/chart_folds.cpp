@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/chart/chart_folds.h"
+#include "calibration/chart/chart_folds.h"
 
 #include <algorithm>
 #include <numeric>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
-#include "voxtone/calibration/chart/chart_lengths.h"
-#include "voxtone/calibration/chart/colour_fit.h"
-#include "voxtone/calibration/chart/observer_fit.h"
-#include "voxtone/calibration/chart/observer_start.h"
-#include "voxtone/calibration/chart/spectral_start.h"
-#include "voxtone/calibration/chart/square_colours.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "calibration/chart/chart_lengths.h"
+#include "calibration/chart/colour_fit.h"
+#include "calibration/chart/observer_fit.h"
+#include "calibration/chart/observer_start.h"
+#include "calibration/chart/spectral_start.h"
+#include "calibration/chart/square_colours.h"
 
 namespace voxtone::calibration {
 

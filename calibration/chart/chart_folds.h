@@ -9,11 +9,11 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/calibration/chart/chart_data.h"
-#include "voxtone/calibration/chart/chart_options.h"
-#include "voxtone/calibration/chart/observer_model.h"
-#include "voxtone/calibration/chart/residual_fit.h"
+#include "base/progress.h"
+#include "calibration/chart/chart_data.h"
+#include "calibration/chart/chart_options.h"
+#include "calibration/chart/observer_model.h"
+#include "calibration/chart/residual_fit.h"
 
 namespace voxtone::calibration {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/chart/chart_lengths.h"
+#include "calibration/chart/chart_lengths.h"
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/optics/colour/channels.h"
+#include "base/error.h"
+#include "optics/colour/channels.h"
 
 namespace voxtone::calibration {
 

@@ -8,7 +8,7 @@
 
 #include <vector>
 
-#include "voxtone/optics/media/resins.h"
+#include "optics/media/resins.h"
 
 namespace voxtone::calibration {
 

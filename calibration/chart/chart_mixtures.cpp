@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/chart/chart_mixtures.h"
+#include "calibration/chart/chart_mixtures.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/calibration/chart/mixture_samples.h"
-#include "voxtone/optics/layered/flat_colour.h"
+#include "base/contracts.h"
+#include "calibration/chart/mixture_samples.h"
+#include "optics/layered/flat_colour.h"
 
 namespace voxtone::calibration {
 

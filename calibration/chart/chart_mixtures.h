@@ -12,7 +12,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "voxtone/optics/media/resins.h"
+#include "optics/media/resins.h"
 
 namespace voxtone::calibration {
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/calibration/patches/patch_table.h"
-#include "voxtone/calibration/resins/resin_prior.h"
-#include "voxtone/optics/media/resins.h"
+#include "calibration/patches/patch_table.h"
+#include "calibration/resins/resin_prior.h"
+#include "optics/media/resins.h"
 
 namespace voxtone::calibration {
 

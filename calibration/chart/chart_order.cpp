@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/chart/chart_order.h"
+#include "calibration/chart/chart_order.h"
 
 #include <algorithm>
 #include <array>
@@ -9,11 +9,11 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/chart/chart_data.h"
-#include "voxtone/calibration/chart/colour_fit.h"
-#include "voxtone/calibration/chart/observer_fit.h"
-#include "voxtone/calibration/chart/observer_start.h"
+#include "base/error.h"
+#include "calibration/chart/chart_data.h"
+#include "calibration/chart/colour_fit.h"
+#include "calibration/chart/observer_fit.h"
+#include "calibration/chart/observer_start.h"
 
 namespace voxtone::calibration {
 

@@ -7,8 +7,8 @@
 
 #include <string>
 
-#include "voxtone/calibration/chart/chart_fit.h"
-#include "voxtone/calibration/patches/patch_table.h"
+#include "calibration/chart/chart_fit.h"
+#include "calibration/patches/patch_table.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/chart/chart_text.h"
+#include "calibration/chart/chart_text.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

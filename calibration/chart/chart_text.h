@@ -14,7 +14,7 @@
 #include <string>
 #include <string_view>
 
-#include "voxtone/calibration/chart/chart_fit.h"
+#include "calibration/chart/chart_fit.h"
 
 namespace voxtone::calibration {
 

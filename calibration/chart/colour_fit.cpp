@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/chart/colour_fit.h"
+#include "calibration/chart/colour_fit.h"
 
 #include <cmath>
 
 #include <ceres/ceres.h>
 
-#include "voxtone/calibration/chart/chart_data.h"
-#include "voxtone/optics/colour/colour.h"
-#include "voxtone/optics/layered/flat_colour.h"
+#include "calibration/chart/chart_data.h"
+#include "optics/colour/colour.h"
+#include "optics/layered/flat_colour.h"
 
 namespace voxtone::calibration {
 

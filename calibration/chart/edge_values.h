@@ -18,8 +18,8 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/calibration/chart/observer_model.h"
-#include "voxtone/calibration/resins/resin_prior.h"
+#include "calibration/chart/observer_model.h"
+#include "calibration/resins/resin_prior.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/chart/icc_chart.h"
+#include "calibration/chart/icc_chart.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,11 +9,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/chart/icc_measurements.h"
-#include "voxtone/calibration/chart/mixture_samples.h"
-#include "voxtone/calibration/patches/chart_reading.h"
-#include "voxtone/calibration/patches/table_cells.h"
+#include "base/error.h"
+#include "calibration/chart/icc_measurements.h"
+#include "calibration/chart/mixture_samples.h"
+#include "calibration/patches/chart_reading.h"
+#include "calibration/patches/table_cells.h"
 
 namespace voxtone::calibration {
 

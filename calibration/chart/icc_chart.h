@@ -18,9 +18,9 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/calibration/patches/patch_table.h"
-#include "voxtone/io/profiles/device_profile.h"
+#include "base/progress.h"
+#include "calibration/patches/patch_table.h"
+#include "io/profiles/device_profile.h"
 
 namespace voxtone::calibration {
 

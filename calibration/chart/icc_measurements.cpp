@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/chart/icc_measurements.h"
+#include "calibration/chart/icc_measurements.h"
 
 #include <algorithm>
 #include <map>
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/patches/cgats_file.h"
-#include "voxtone/calibration/patches/chart_reading.h"
-#include "voxtone/calibration/patches/cxf_file.h"
-#include "voxtone/calibration/patches/table_cells.h"
+#include "base/error.h"
+#include "calibration/patches/cgats_file.h"
+#include "calibration/patches/chart_reading.h"
+#include "calibration/patches/cxf_file.h"
+#include "calibration/patches/table_cells.h"
 
 namespace voxtone::calibration {
 

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/calibration/patches/patch_table.h"
-#include "voxtone/io/profiles/device_profile.h"
+#include "calibration/patches/patch_table.h"
+#include "io/profiles/device_profile.h"
 
 namespace voxtone::calibration {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/chart/mixture_samples.h"
+#include "calibration/chart/mixture_samples.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 namespace voxtone::calibration {
 

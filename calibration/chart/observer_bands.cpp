@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/chart/observer_bands.h"
+#include "calibration/chart/observer_bands.h"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 namespace voxtone::calibration {
 

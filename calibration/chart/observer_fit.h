@@ -4,9 +4,9 @@
 // once: every measurement counts once, a solid four times.
 #pragma once
 
-#include "voxtone/base/progress.h"
-#include "voxtone/calibration/chart/chart_data.h"
-#include "voxtone/calibration/chart/observer_model.h"
+#include "base/progress.h"
+#include "calibration/chart/chart_data.h"
+#include "calibration/chart/observer_model.h"
 
 namespace voxtone::calibration {
 

@@ -20,9 +20,9 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/optics/layered/half_space_reflectance.h"
-#include "voxtone/optics/media/effective_medium.h"
-#include "voxtone/optics/media/resins.h"
+#include "optics/layered/half_space_reflectance.h"
+#include "optics/media/effective_medium.h"
+#include "optics/media/resins.h"
 
 namespace voxtone::calibration {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/chart/observer_start.h"
+#include "calibration/chart/observer_start.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "voxtone/optics/colour/colour.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::calibration {
 

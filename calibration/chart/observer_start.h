@@ -6,8 +6,8 @@
 // drawn by hand; nothing was fitted to them.
 #pragma once
 
-#include "voxtone/calibration/chart/chart_data.h"
-#include "voxtone/calibration/chart/observer_model.h"
+#include "calibration/chart/chart_data.h"
+#include "calibration/chart/observer_model.h"
 
 namespace voxtone::calibration {
 

@@ -12,9 +12,9 @@
 
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/calibration/chart/chart_data.h"
-#include "voxtone/optics/media/colour_residual.h"
+#include "base/progress.h"
+#include "calibration/chart/chart_data.h"
+#include "optics/media/colour_residual.h"
 
 namespace voxtone::calibration {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/chart/spectral_start.h"
+#include "calibration/chart/spectral_start.h"
 
 #include <algorithm>
 #include <array>
 
-#include "voxtone/calibration/chart/colour_fit.h"
-#include "voxtone/calibration/chart/observer_bands.h"
-#include "voxtone/calibration/chart/observer_fit.h"
-#include "voxtone/calibration/chart/observer_start.h"
+#include "calibration/chart/colour_fit.h"
+#include "calibration/chart/observer_bands.h"
+#include "calibration/chart/observer_fit.h"
+#include "calibration/chart/observer_start.h"
 
 namespace voxtone::calibration {
 

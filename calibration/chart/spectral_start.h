@@ -5,9 +5,9 @@
 // roots of reflectance, three bands at a time as if they were X, Y and Z (colour_fit.h).
 #pragma once
 
-#include "voxtone/base/progress.h"
-#include "voxtone/calibration/chart/chart_data.h"
-#include "voxtone/calibration/chart/observer_model.h"
+#include "base/progress.h"
+#include "calibration/chart/chart_data.h"
+#include "calibration/chart/observer_model.h"
 
 namespace voxtone::calibration {
 

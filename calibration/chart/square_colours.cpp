@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/chart/square_colours.h"
+#include "calibration/chart/square_colours.h"
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/calibration/chart/colour_fit.h"
+#include "base/parallel.h"
+#include "calibration/chart/colour_fit.h"
 
 namespace voxtone::calibration {
 

@@ -14,9 +14,9 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/calibration/chart/chart_data.h"
-#include "voxtone/calibration/chart/observer_model.h"
-#include "voxtone/calibration/patches/patch_model.h"
+#include "calibration/chart/chart_data.h"
+#include "calibration/chart/observer_model.h"
+#include "calibration/patches/patch_model.h"
 
 namespace voxtone::calibration {
 

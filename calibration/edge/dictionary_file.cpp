@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/edge/dictionary_file.h"
+#include "calibration/edge/dictionary_file.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,12 +7,12 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/deflate.h"
-#include "voxtone/io/files/json_object.h"
-#include "voxtone/io/files/json_writer.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/files/xxh64.h"
+#include "base/error.h"
+#include "io/files/deflate.h"
+#include "io/files/json_object.h"
+#include "io/files/json_writer.h"
+#include "io/files/whole_file.h"
+#include "io/files/xxh64.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/calibration/edge/edge_dictionary.h"
+#include "calibration/edge/edge_dictionary.h"
 
 namespace voxtone::calibration {
 

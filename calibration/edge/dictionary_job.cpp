@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/edge/dictionary_job.h"
+#include "calibration/edge/dictionary_job.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,11 +10,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/base/cpu_time.h"
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/edge/dictionary_file.h"
-#include "voxtone/io/disk/output_files.h"
-#include "voxtone/io/files/whole_file.h"
+#include "base/cpu_time.h"
+#include "base/error.h"
+#include "calibration/edge/dictionary_file.h"
+#include "io/disk/output_files.h"
+#include "io/files/whole_file.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/job_result.h"
-#include "voxtone/base/progress.h"
-#include "voxtone/calibration/edge/edge_dictionary.h"
+#include "base/job_result.h"
+#include "base/progress.h"
+#include "calibration/edge/edge_dictionary.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/edge/edge_chart.h"
+#include "calibration/edge/edge_chart.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "voxtone/calibration/resins/resin_coordinates.h"
+#include "calibration/resins/resin_coordinates.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -11,9 +11,9 @@
 // its errors: there the albedo leans on the edges, the extinction on the chart.
 #pragma once
 
-#include "voxtone/calibration/edge/edge_fit.h"
-#include "voxtone/calibration/patches/patch_model.h"
-#include "voxtone/calibration/patches/patch_table.h"
+#include "calibration/edge/edge_fit.h"
+#include "calibration/patches/patch_model.h"
+#include "calibration/patches/patch_table.h"
 
 namespace voxtone::calibration {
 

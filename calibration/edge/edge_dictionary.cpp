@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/edge/edge_dictionary.h"
+#include "calibration/edge/edge_dictionary.h"
 
 #include <cmath>
 #include <numbers>
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
+#include "base/error.h"
+#include "base/parallel.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -16,9 +16,9 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/calibration/edge/edge_setup.h"
-#include "voxtone/optics/edge/edge_response.h"
+#include "base/progress.h"
+#include "calibration/edge/edge_setup.h"
+#include "optics/edge/edge_response.h"
 
 namespace voxtone::calibration {
 

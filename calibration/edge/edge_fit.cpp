@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/edge/edge_fit.h"
+#include "calibration/edge/edge_fit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 #include <Eigen/LU>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/stopwatch.h"
-#include "voxtone/calibration/resins/resin_coordinates.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/stopwatch.h"
+#include "calibration/resins/resin_coordinates.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -21,9 +21,9 @@
 #include <utility>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/calibration/edge/edge_objective.h"
-#include "voxtone/calibration/fit/resin_fit.h"
+#include "base/progress.h"
+#include "calibration/edge/edge_objective.h"
+#include "calibration/fit/resin_fit.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/edge/edge_fit_job.h"
+#include "calibration/edge/edge_fit_job.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,14 +8,14 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/edge/dictionary_file.h"
-#include "voxtone/calibration/edge/edge_chart.h"
-#include "voxtone/calibration/edge/edge_fit_text.h"
-#include "voxtone/calibration/edge/edge_report.h"
-#include "voxtone/io/disk/output_files.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/profiles/resin_file.h"
+#include "base/error.h"
+#include "calibration/edge/dictionary_file.h"
+#include "calibration/edge/edge_chart.h"
+#include "calibration/edge/edge_fit_text.h"
+#include "calibration/edge/edge_report.h"
+#include "io/disk/output_files.h"
+#include "io/files/whole_file.h"
+#include "io/profiles/resin_file.h"
 
 namespace voxtone::calibration {
 namespace {

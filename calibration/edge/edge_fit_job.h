@@ -9,10 +9,10 @@
 
 #include <string>
 
-#include "voxtone/base/job_result.h"
-#include "voxtone/base/progress.h"
-#include "voxtone/calibration/edge/edge_fit.h"
-#include "voxtone/calibration/patches/measured_patches.h"
+#include "base/job_result.h"
+#include "base/progress.h"
+#include "calibration/edge/edge_fit.h"
+#include "calibration/patches/measured_patches.h"
 
 namespace voxtone::calibration {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/edge/edge_fit_text.h"
+#include "calibration/edge/edge_fit_text.h"
 
 #include <cmath>
 #include <map>
 
 #include <fmt/format.h>
 
-#include "voxtone/io/files/json_writer.h"
+#include "io/files/json_writer.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -17,7 +17,7 @@
 
 #include <string>
 
-#include "voxtone/calibration/edge/edge_fit.h"
+#include "calibration/edge/edge_fit.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/edge/edge_objective.h"
+#include "calibration/edge/edge_objective.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 #include <Eigen/LU>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/edge/wavelet_gradient.h"
-#include "voxtone/calibration/resins/resin_coordinates.h"
+#include "base/error.h"
+#include "calibration/edge/wavelet_gradient.h"
+#include "calibration/resins/resin_coordinates.h"
 
 namespace voxtone::calibration {
 namespace {

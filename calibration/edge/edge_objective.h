@@ -16,8 +16,8 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/calibration/edge/edge_profiles.h"
-#include "voxtone/calibration/edge/profile_table.h"
+#include "calibration/edge/edge_profiles.h"
+#include "calibration/edge/profile_table.h"
 
 namespace voxtone::calibration {
 

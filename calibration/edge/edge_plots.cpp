@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/edge/edge_plots.h"
+#include "calibration/edge/edge_plots.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,11 +7,11 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/calibration/resins/resin_coordinates.h"
-#include "voxtone/io/files/base64.h"
-#include "voxtone/io/files/markup.h"
-#include "voxtone/io/pictures/picture_writer.h"
-#include "voxtone/io/report/plot_svg.h"
+#include "calibration/resins/resin_coordinates.h"
+#include "io/files/base64.h"
+#include "io/files/markup.h"
+#include "io/pictures/picture_writer.h"
+#include "io/report/plot_svg.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/edge/edge_profiles.h"
+#include "calibration/edge/edge_profiles.h"
 
 #include <algorithm>
 #include <charconv>
@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/printable.h"
-#include "voxtone/io/files/whole_file.h"
+#include "base/error.h"
+#include "base/printable.h"
+#include "io/files/whole_file.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/edge/edge_report.h"
+#include "calibration/edge/edge_report.h"
 
 #include <algorithm>
 #include <array>
@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/calibration/edge/edge_plots.h"
-#include "voxtone/io/files/markup.h"
-#include "voxtone/io/report/plot_svg.h"
+#include "calibration/edge/edge_plots.h"
+#include "io/files/markup.h"
+#include "io/report/plot_svg.h"
 
 namespace voxtone::calibration {
 namespace {

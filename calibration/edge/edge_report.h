@@ -8,8 +8,8 @@
 
 #include <string>
 
-#include "voxtone/calibration/edge/edge_fit.h"
-#include "voxtone/calibration/edge/edge_similarity.h"
+#include "calibration/edge/edge_fit.h"
+#include "calibration/edge/edge_similarity.h"
 
 namespace voxtone::calibration {
 

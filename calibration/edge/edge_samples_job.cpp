@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/edge/edge_samples_job.h"
+#include "calibration/edge/edge_samples_job.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/edge/edge_sheet.h"
-#include "voxtone/calibration/target/marker_pattern.h"
-#include "voxtone/io/files/whole_file.h"
+#include "base/error.h"
+#include "calibration/edge/edge_sheet.h"
+#include "calibration/target/marker_pattern.h"
+#include "io/files/whole_file.h"
 
 namespace voxtone::calibration {
 namespace {

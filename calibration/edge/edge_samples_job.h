@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/job_result.h"
-#include "voxtone/base/progress.h"
-#include "voxtone/calibration/target/target_job.h"
+#include "base/job_result.h"
+#include "base/progress.h"
+#include "calibration/target/target_job.h"
 
 namespace voxtone::calibration {
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/edge/edge_setup.h"
+#include "calibration/edge/edge_setup.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "voxtone/io/files/json_object.h"
-#include "voxtone/io/files/json_writer.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/files/xxh64.h"
+#include "io/files/json_object.h"
+#include "io/files/json_writer.h"
+#include "io/files/whole_file.h"
+#include "io/files/xxh64.h"
 
 namespace voxtone::calibration {
 namespace {

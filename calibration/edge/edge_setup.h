@@ -14,8 +14,8 @@
 #include <string_view>
 #include <vector>
 
-#include "voxtone/optics/edge/edge_response.h"
-#include "voxtone/optics/edge/edge_stack.h"
+#include "optics/edge/edge_response.h"
+#include "optics/edge/edge_stack.h"
 
 namespace voxtone::calibration {
 

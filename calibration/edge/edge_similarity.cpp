@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/edge/edge_similarity.h"
+#include "calibration/edge/edge_similarity.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/calibration/resins/resin_coordinates.h"
+#include "base/parallel.h"
+#include "calibration/resins/resin_coordinates.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/calibration/edge/edge_fit.h"
+#include "base/progress.h"
+#include "calibration/edge/edge_fit.h"
 
 namespace voxtone::calibration {
 

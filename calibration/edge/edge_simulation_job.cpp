@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/edge/edge_simulation_job.h"
+#include "calibration/edge/edge_simulation_job.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,12 +7,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/random.h"
-#include "voxtone/io/disk/output_files.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/profiles/resin_file.h"
-#include "voxtone/optics/edge/edge_scene_paths.h"
+#include "base/error.h"
+#include "base/random.h"
+#include "io/disk/output_files.h"
+#include "io/files/whole_file.h"
+#include "io/profiles/resin_file.h"
+#include "optics/edge/edge_scene_paths.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -12,11 +12,11 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/job_result.h"
-#include "voxtone/base/progress.h"
-#include "voxtone/calibration/edge/edge_profiles.h"
-#include "voxtone/calibration/edge/edge_setup.h"
-#include "voxtone/optics/media/resins.h"
+#include "base/job_result.h"
+#include "base/progress.h"
+#include "calibration/edge/edge_profiles.h"
+#include "calibration/edge/edge_setup.h"
+#include "optics/media/resins.h"
 
 namespace voxtone::calibration {
 

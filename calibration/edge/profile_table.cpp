@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/edge/profile_table.h"
+#include "calibration/edge/profile_table.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/calibration/edge/dictionary_file.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "calibration/edge/dictionary_file.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -13,8 +13,8 @@
 #include <memory>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/calibration/edge/edge_dictionary.h"
+#include "base/progress.h"
+#include "calibration/edge/edge_dictionary.h"
 
 namespace voxtone::calibration {
 

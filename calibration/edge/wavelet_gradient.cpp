@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/edge/wavelet_gradient.h"
+#include "calibration/edge/wavelet_gradient.h"
 
 #include <algorithm>
 
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/fit/bounded_interval.h"
+#include "calibration/fit/bounded_interval.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/fit/channel_fit.h"
+#include "calibration/fit/channel_fit.h"
 
 #include <algorithm>
 #include <cmath>

@@ -22,8 +22,8 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/calibration/fit/principles.h"
-#include "voxtone/calibration/resins/resin_prior.h"
+#include "calibration/fit/principles.h"
+#include "calibration/resins/resin_prior.h"
 
 namespace voxtone::calibration {
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/fit/chart_page.h"
+#include "calibration/fit/chart_page.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "voxtone/calibration/fit/patch_page.h"
-#include "voxtone/io/report/plot_svg.h"
-#include "voxtone/io/report/report_html.h"
-#include "voxtone/optics/colour/colour.h"
+#include "calibration/fit/patch_page.h"
+#include "io/report/plot_svg.h"
+#include "io/report/report_html.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::calibration {
 

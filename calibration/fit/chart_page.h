@@ -6,9 +6,9 @@
 
 #include <string>
 
-#include "voxtone/calibration/chart/chart_fit.h"
-#include "voxtone/calibration/fit/patch_map.h"
-#include "voxtone/calibration/patches/patch_check.h"
+#include "calibration/chart/chart_fit.h"
+#include "calibration/fit/patch_map.h"
+#include "calibration/patches/patch_check.h"
 
 namespace voxtone::calibration {
 

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/fit/check_job.h"
+#include "calibration/fit/check_job.h"
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/fit/fit_text.h"
-#include "voxtone/calibration/fit/patch_page.h"
-#include "voxtone/calibration/layers/layer_text.h"
-#include "voxtone/calibration/patches/patch_check.h"
-#include "voxtone/io/disk/output_files.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/profiles/resin_file.h"
+#include "base/error.h"
+#include "calibration/fit/fit_text.h"
+#include "calibration/fit/patch_page.h"
+#include "calibration/layers/layer_text.h"
+#include "calibration/patches/patch_check.h"
+#include "io/disk/output_files.h"
+#include "io/files/whole_file.h"
+#include "io/profiles/resin_file.h"
 
 namespace voxtone::calibration {
 

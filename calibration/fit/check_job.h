@@ -5,9 +5,9 @@
 
 #include <string>
 
-#include "voxtone/base/job_result.h"
-#include "voxtone/calibration/fit/patch_map.h"
-#include "voxtone/calibration/patches/measured_patches.h"
+#include "base/job_result.h"
+#include "calibration/fit/patch_map.h"
+#include "calibration/patches/measured_patches.h"
 
 namespace voxtone::calibration {
 

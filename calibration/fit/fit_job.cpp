@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/fit/fit_job.h"
+#include "calibration/fit/fit_job.h"
 
 #include <filesystem>
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/chart/chart_order.h"
-#include "voxtone/calibration/chart/chart_text.h"
-#include "voxtone/calibration/fit/chart_page.h"
-#include "voxtone/calibration/fit/fit_report.h"
-#include "voxtone/calibration/fit/fit_text.h"
-#include "voxtone/calibration/layers/layer_text.h"
-#include "voxtone/io/disk/output_files.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/profiles/resin_file.h"
+#include "base/error.h"
+#include "calibration/chart/chart_order.h"
+#include "calibration/chart/chart_text.h"
+#include "calibration/fit/chart_page.h"
+#include "calibration/fit/fit_report.h"
+#include "calibration/fit/fit_text.h"
+#include "calibration/layers/layer_text.h"
+#include "io/disk/output_files.h"
+#include "io/files/whole_file.h"
+#include "io/profiles/resin_file.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/job_result.h"
-#include "voxtone/calibration/chart/chart_fit.h"
-#include "voxtone/calibration/fit/patch_map.h"
-#include "voxtone/calibration/fit/resin_fit.h"
-#include "voxtone/calibration/patches/measured_patches.h"
+#include "base/job_result.h"
+#include "calibration/chart/chart_fit.h"
+#include "calibration/fit/patch_map.h"
+#include "calibration/fit/resin_fit.h"
+#include "calibration/patches/measured_patches.h"
 
 namespace voxtone::calibration {
 

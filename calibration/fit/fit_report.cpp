@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/fit/fit_report.h"
+#include "calibration/fit/fit_report.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,13 +7,13 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/calibration/fit/fit_text.h"
-#include "voxtone/calibration/fit/patch_page.h"
-#include "voxtone/calibration/patches/patch_file.h"
-#include "voxtone/calibration/resins/resin_coordinates.h"
-#include "voxtone/io/report/plot_svg.h"
-#include "voxtone/io/report/report_html.h"
-#include "voxtone/optics/layered/layer_on_base.h"
+#include "calibration/fit/fit_text.h"
+#include "calibration/fit/patch_page.h"
+#include "calibration/patches/patch_file.h"
+#include "calibration/resins/resin_coordinates.h"
+#include "io/report/plot_svg.h"
+#include "io/report/report_html.h"
+#include "optics/layered/layer_on_base.h"
 
 namespace voxtone::calibration {
 

@@ -7,8 +7,8 @@
 
 #include <string>
 
-#include "voxtone/calibration/fit/patch_map.h"
-#include "voxtone/calibration/fit/resin_fit.h"
+#include "calibration/fit/patch_map.h"
+#include "calibration/fit/resin_fit.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/fit/fit_text.h"
+#include "calibration/fit/fit_text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/calibration/patches/patch_file.h"
+#include "calibration/patches/patch_file.h"
 
 namespace voxtone::calibration {
 

@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/calibration/fit/g_sweep.h"
-#include "voxtone/calibration/fit/resin_fit.h"
+#include "calibration/fit/g_sweep.h"
+#include "calibration/fit/resin_fit.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/fit/g_sweep.h"
+#include "calibration/fit/g_sweep.h"
 
 #include <numeric>
 

@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "voxtone/calibration/fit/resin_fit.h"
+#include "calibration/fit/resin_fit.h"
 
 namespace voxtone::calibration {
 

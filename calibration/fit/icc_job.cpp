@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/fit/icc_job.h"
+#include "calibration/fit/icc_job.h"
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/patches/patch_file.h"
-#include "voxtone/io/disk/output_files.h"
-#include "voxtone/io/files/whole_file.h"
+#include "base/error.h"
+#include "calibration/patches/patch_file.h"
+#include "io/disk/output_files.h"
+#include "io/files/whole_file.h"
 
 namespace voxtone::calibration {
 

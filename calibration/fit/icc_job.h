@@ -6,9 +6,9 @@
 
 #include <string>
 
-#include "voxtone/base/job_result.h"
-#include "voxtone/calibration/chart/icc_chart.h"
-#include "voxtone/calibration/fit/fit_job.h"
+#include "base/job_result.h"
+#include "calibration/chart/icc_chart.h"
+#include "calibration/fit/fit_job.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/fit/patch_map.h"
+#include "calibration/fit/patch_map.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/printable.h"
-#include "voxtone/calibration/target/target_file.h"
-#include "voxtone/io/pictures/srgb_code.h"
+#include "base/error.h"
+#include "base/printable.h"
+#include "calibration/target/target_file.h"
+#include "io/pictures/srgb_code.h"
 
 namespace voxtone::calibration {
 namespace {

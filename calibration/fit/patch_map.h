@@ -10,10 +10,10 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/calibration/patches/patch_table.h"
-#include "voxtone/calibration/target/target_layout.h"
-#include "voxtone/io/pictures/photograph.h"
+#include "base/progress.h"
+#include "calibration/patches/patch_table.h"
+#include "calibration/target/target_layout.h"
+#include "io/pictures/photograph.h"
 
 namespace voxtone::calibration {
 

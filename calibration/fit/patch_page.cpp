@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/fit/patch_page.h"
+#include "calibration/fit/patch_page.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,11 +7,11 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/calibration/patches/patch_file.h"
-#include "voxtone/io/pictures/picture_writer.h"
-#include "voxtone/io/pictures/srgb_code.h"
-#include "voxtone/io/programs/build_identity.h"
-#include "voxtone/io/report/report_html.h"
+#include "calibration/patches/patch_file.h"
+#include "io/pictures/picture_writer.h"
+#include "io/pictures/srgb_code.h"
+#include "io/programs/build_identity.h"
+#include "io/report/report_html.h"
 
 namespace voxtone::calibration {
 

@@ -6,9 +6,9 @@
 
 #include <string>
 
-#include "voxtone/calibration/fit/patch_map.h"
-#include "voxtone/calibration/patches/patch_check.h"
-#include "voxtone/io/report/report.h"
+#include "calibration/fit/patch_map.h"
+#include "calibration/patches/patch_check.h"
+#include "io/report/report.h"
 
 namespace voxtone::calibration {
 

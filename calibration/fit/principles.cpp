@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/fit/principles.h"
+#include "calibration/fit/principles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/patches/patch_file.h"
-#include "voxtone/optics/layered/layered_appearance.h"
+#include "base/error.h"
+#include "calibration/patches/patch_file.h"
+#include "optics/layered/layered_appearance.h"
 
 namespace voxtone::calibration {
 

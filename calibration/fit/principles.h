@@ -21,8 +21,8 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/calibration/patches/patch_model.h"
-#include "voxtone/calibration/resins/resin_coordinates.h"
+#include "calibration/patches/patch_model.h"
+#include "calibration/resins/resin_coordinates.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/fit/resin_fit.h"
+#include "calibration/fit/resin_fit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,13 +7,13 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/stopwatch.h"
-#include "voxtone/calibration/fit/bounded_interval.h"
-#include "voxtone/calibration/fit/channel_fit.h"
-#include "voxtone/calibration/patches/patch_file.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/stopwatch.h"
+#include "calibration/fit/bounded_interval.h"
+#include "calibration/fit/channel_fit.h"
+#include "calibration/patches/patch_file.h"
 
 namespace voxtone::calibration {
 

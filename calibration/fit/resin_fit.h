@@ -22,12 +22,12 @@
 #include <string_view>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/calibration/patches/patch_check.h"
-#include "voxtone/calibration/patches/patch_model.h"
-#include "voxtone/calibration/patches/patch_table.h"
-#include "voxtone/calibration/resins/resin_prior.h"
-#include "voxtone/optics/media/resins.h"
+#include "base/progress.h"
+#include "calibration/patches/patch_check.h"
+#include "calibration/patches/patch_model.h"
+#include "calibration/patches/patch_table.h"
+#include "calibration/resins/resin_prior.h"
+#include "optics/media/resins.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/layers/layer_chart.h"
+#include "calibration/layers/layer_chart.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,12 +7,12 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/patches/measured_values.h"
-#include "voxtone/calibration/patches/patch_mixture.h"
-#include "voxtone/calibration/patches/table_cells.h"
-#include "voxtone/io/files/json_object.h"
-#include "voxtone/io/files/whole_file.h"
+#include "base/error.h"
+#include "calibration/patches/measured_values.h"
+#include "calibration/patches/patch_mixture.h"
+#include "calibration/patches/table_cells.h"
+#include "io/files/json_object.h"
+#include "io/files/whole_file.h"
 
 namespace voxtone::calibration {
 

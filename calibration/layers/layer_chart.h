@@ -19,7 +19,7 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/optics/colour/spectral_colour.h"
+#include "optics/colour/spectral_colour.h"
 
 namespace voxtone::calibration {
 

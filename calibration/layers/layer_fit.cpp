@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/layers/layer_fit.h"
+#include "calibration/layers/layer_fit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,15 +9,15 @@
 #include <fmt/ranges.h>
 #include <Eigen/LU>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
-#include "voxtone/base/stopwatch.h"
-#include "voxtone/calibration/chart/chart_data.h"
-#include "voxtone/calibration/chart/colour_fit.h"
-#include "voxtone/calibration/chart/observer_start.h"
-#include "voxtone/calibration/layers/layer_model.h"
-#include "voxtone/optics/colour/observed_colour.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "base/stopwatch.h"
+#include "calibration/chart/chart_data.h"
+#include "calibration/chart/colour_fit.h"
+#include "calibration/chart/observer_start.h"
+#include "calibration/layers/layer_model.h"
+#include "optics/colour/observed_colour.h"
 
 namespace voxtone::calibration {
 

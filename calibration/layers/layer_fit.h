@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/calibration/chart/chart_fit.h"
-#include "voxtone/calibration/layers/layer_chart.h"
-#include "voxtone/optics/media/resins.h"
+#include "base/progress.h"
+#include "calibration/chart/chart_fit.h"
+#include "calibration/layers/layer_chart.h"
+#include "optics/media/resins.h"
 
 namespace voxtone::calibration {
 

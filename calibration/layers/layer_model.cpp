@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/layers/layer_model.h"
+#include "calibration/layers/layer_model.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/calibration/chart/observer_start.h"
-#include "voxtone/optics/colour/colour.h"
+#include "base/parallel.h"
+#include "calibration/chart/observer_start.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::calibration {
 

@@ -10,10 +10,10 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/calibration/chart/colour_fit.h"
-#include "voxtone/calibration/chart/observer_model.h"
-#include "voxtone/calibration/layers/layer_chart.h"
-#include "voxtone/calibration/layers/stack_reflectance.h"
+#include "calibration/chart/colour_fit.h"
+#include "calibration/chart/observer_model.h"
+#include "calibration/layers/layer_chart.h"
+#include "calibration/layers/stack_reflectance.h"
 
 namespace voxtone::calibration {
 

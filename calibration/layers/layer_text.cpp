@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/layers/layer_text.h"
+#include "calibration/layers/layer_text.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/calibration/chart/chart_text.h"
+#include "calibration/chart/chart_text.h"
 
 namespace voxtone::calibration {
 

@@ -10,7 +10,7 @@
 
 #include <string>
 
-#include "voxtone/calibration/layers/layer_fit.h"
+#include "calibration/layers/layer_fit.h"
 
 namespace voxtone::calibration {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/layers/stack_reflectance.h"
+#include "calibration/layers/stack_reflectance.h"
 
 #include <limits>
 #include <map>
 #include <numbers>
 #include <tuple>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/optics/layered/layered_appearance.h"
+#include "base/contracts.h"
+#include "optics/layered/layered_appearance.h"
 
 namespace voxtone::calibration {
 

@@ -12,8 +12,8 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/calibration/layers/layer_chart.h"
-#include "voxtone/optics/layered/layer_modes.h"
+#include "calibration/layers/layer_chart.h"
+#include "optics/layered/layer_modes.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/patches/cgats_file.h"
+#include "calibration/patches/cgats_file.h"
 
 #include <algorithm>
 #include <optional>
@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/patches/chart_columns.h"
-#include "voxtone/calibration/patches/table_cells.h"
+#include "base/error.h"
+#include "calibration/patches/chart_columns.h"
+#include "calibration/patches/table_cells.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/patches/chart_columns.h"
+#include "calibration/patches/chart_columns.h"
 
 #include <algorithm>
 #include <optional>
@@ -7,11 +7,11 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/printable.h"
-#include "voxtone/calibration/patches/table_cells.h"
-#include "voxtone/io/files/json_keys.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "base/printable.h"
+#include "calibration/patches/table_cells.h"
+#include "io/files/json_keys.h"
 
 namespace voxtone::calibration {
 

@@ -22,7 +22,7 @@
 #include <string_view>
 #include <vector>
 
-#include "voxtone/calibration/patches/chart_reading.h"
+#include "calibration/patches/chart_reading.h"
 
 namespace voxtone::calibration {
 

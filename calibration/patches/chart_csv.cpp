@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/patches/chart_csv.h"
+#include "calibration/patches/chart_csv.h"
 
 #include <algorithm>
 #include <map>
@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/patches/chart_columns.h"
-#include "voxtone/calibration/patches/table_cells.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "calibration/patches/chart_columns.h"
+#include "calibration/patches/table_cells.h"
 
 namespace voxtone::calibration {
 

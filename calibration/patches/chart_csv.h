@@ -14,7 +14,7 @@
 #include <string>
 #include <string_view>
 
-#include "voxtone/calibration/patches/chart_reading.h"
+#include "calibration/patches/chart_reading.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/patches/chart_reading.h"
+#include "calibration/patches/chart_reading.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 #include <Eigen/Core>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/patches/patch_mixture.h"
-#include "voxtone/optics/colour/channels.h"
-#include "voxtone/optics/colour/colour.h"
+#include "base/error.h"
+#include "calibration/patches/patch_mixture.h"
+#include "optics/colour/channels.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::calibration {
 

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/calibration/patches/measured_values.h"
-#include "voxtone/calibration/patches/patch_table.h"
+#include "calibration/patches/measured_values.h"
+#include "calibration/patches/patch_table.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/patches/cxf_file.h"
+#include "calibration/patches/cxf_file.h"
 
 #include <algorithm>
 #include <array>
@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/patches/table_cells.h"
-#include "voxtone/io/files/xml_reader.h"
+#include "base/error.h"
+#include "calibration/patches/table_cells.h"
+#include "io/files/xml_reader.h"
 
 namespace voxtone::calibration {
 

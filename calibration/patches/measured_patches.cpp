@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/patches/measured_patches.h"
+#include "calibration/patches/measured_patches.h"
 
 #include <algorithm>
 
-#include "voxtone/calibration/patches/patch_file.h"
+#include "calibration/patches/patch_file.h"
 
 namespace voxtone::calibration {
 

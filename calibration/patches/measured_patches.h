@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/calibration/patches/patch_model.h"
-#include "voxtone/calibration/patches/patch_table.h"
+#include "base/progress.h"
+#include "calibration/patches/patch_model.h"
+#include "calibration/patches/patch_table.h"
 
 namespace voxtone::calibration {
 

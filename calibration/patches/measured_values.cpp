@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/patches/measured_values.h"
+#include "calibration/patches/measured_values.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 #include <Eigen/Core>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/patches/table_cells.h"
-#include "voxtone/optics/colour/channels.h"
-#include "voxtone/optics/colour/colour.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "calibration/patches/table_cells.h"
+#include "optics/colour/channels.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::calibration {
 

@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/calibration/patches/patch_table.h"
-#include "voxtone/optics/colour/spectral_colour.h"
+#include "calibration/patches/patch_table.h"
+#include "optics/colour/spectral_colour.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/patches/patch_check.h"
+#include "calibration/patches/patch_check.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,13 +7,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/calibration/patches/patch_file.h"
-#include "voxtone/calibration/patches/table_observer.h"
-#include "voxtone/optics/colour/observed_colour.h"
-#include "voxtone/optics/layered/flat_colour.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "calibration/patches/patch_file.h"
+#include "calibration/patches/table_observer.h"
+#include "optics/colour/observed_colour.h"
+#include "optics/layered/flat_colour.h"
 
 namespace voxtone::calibration {
 

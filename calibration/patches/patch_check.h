@@ -12,10 +12,10 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/calibration/patches/patch_model.h"
-#include "voxtone/calibration/patches/patch_table.h"
-#include "voxtone/optics/colour/colour.h"
-#include "voxtone/optics/media/resins.h"
+#include "calibration/patches/patch_model.h"
+#include "calibration/patches/patch_table.h"
+#include "optics/colour/colour.h"
+#include "optics/media/resins.h"
 
 namespace voxtone::calibration {
 

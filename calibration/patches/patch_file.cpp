@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/patches/patch_file.h"
+#include "calibration/patches/patch_file.h"
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/patches/cgats_file.h"
-#include "voxtone/calibration/patches/chart_csv.h"
-#include "voxtone/calibration/patches/cxf_file.h"
-#include "voxtone/calibration/patches/target_csv.h"
-#include "voxtone/io/files/whole_file.h"
+#include "base/error.h"
+#include "calibration/patches/cgats_file.h"
+#include "calibration/patches/chart_csv.h"
+#include "calibration/patches/cxf_file.h"
+#include "calibration/patches/target_csv.h"
+#include "io/files/whole_file.h"
 
 namespace voxtone::calibration {
 

@@ -11,8 +11,8 @@
 #include <string>
 #include <string_view>
 
-#include "voxtone/calibration/patches/patch_mixture.h"
-#include "voxtone/calibration/patches/patch_table.h"
+#include "calibration/patches/patch_mixture.h"
+#include "calibration/patches/patch_table.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/patches/patch_mixture.h"
+#include "calibration/patches/patch_mixture.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/patches/table_cells.h"
+#include "base/error.h"
+#include "calibration/patches/table_cells.h"
 
 namespace voxtone::calibration {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "voxtone/calibration/patches/patch_table.h"
+#include "calibration/patches/patch_table.h"
 
 namespace voxtone::calibration {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/patches/patch_model.h"
+#include "calibration/patches/patch_model.h"
 
 #include <algorithm>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/optics/layered/layered_appearance.h"
+#include "base/contracts.h"
+#include "optics/layered/layered_appearance.h"
 
 namespace voxtone::calibration {
 

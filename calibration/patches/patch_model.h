@@ -20,9 +20,9 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/calibration/patches/patch_table.h"
-#include "voxtone/optics/layered/layer_on_base.h"
-#include "voxtone/optics/media/effective_medium.h"
+#include "calibration/patches/patch_table.h"
+#include "optics/layered/layer_on_base.h"
+#include "optics/media/effective_medium.h"
 
 namespace voxtone::calibration {
 

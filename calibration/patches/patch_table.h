@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/optics/media/resins.h"
+#include "optics/media/resins.h"
 
 namespace voxtone::calibration {
 

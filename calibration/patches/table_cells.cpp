@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/patches/table_cells.h"
+#include "calibration/patches/table_cells.h"
 
 #include <algorithm>
 #include <charconv>
@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/printable.h"
+#include "base/printable.h"
 
 namespace voxtone::calibration {
 

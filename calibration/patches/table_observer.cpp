@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/patches/table_observer.h"
+#include "calibration/patches/table_observer.h"
 
-#include "voxtone/optics/colour/colour.h"
-#include "voxtone/optics/colour/spectral_colour.h"
+#include "optics/colour/colour.h"
+#include "optics/colour/spectral_colour.h"
 
 namespace voxtone::calibration {
 

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/optics/colour/channels.h"
+#include "optics/colour/channels.h"
 
 namespace voxtone::calibration {
 

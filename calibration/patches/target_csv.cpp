@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/patches/target_csv.h"
+#include "calibration/patches/target_csv.h"
 
 #include <algorithm>
 #include <map>
@@ -7,13 +7,13 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/printable.h"
-#include "voxtone/calibration/patches/measured_values.h"
-#include "voxtone/calibration/patches/patch_mixture.h"
-#include "voxtone/calibration/patches/table_cells.h"
-#include "voxtone/io/files/json_keys.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "base/printable.h"
+#include "calibration/patches/measured_values.h"
+#include "calibration/patches/patch_mixture.h"
+#include "calibration/patches/table_cells.h"
+#include "io/files/json_keys.h"
 
 namespace voxtone::calibration {
 

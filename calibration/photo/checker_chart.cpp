@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/photo/checker_chart.h"
+#include "calibration/photo/checker_chart.h"
 
 #include <filesystem>
 #include <span>
 
 #include <fmt/format.h>
 
-#include "voxtone/base/embedded_file.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/json_object.h"
-#include "voxtone/optics/colour/colour.h"
+#include "base/embedded_file.h"
+#include "base/error.h"
+#include "io/files/json_object.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone {
 

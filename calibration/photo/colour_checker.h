@@ -9,9 +9,9 @@
 #include <optional>
 #include <vector>
 
-#include "voxtone/calibration/photo/checker_chart.h"
-#include "voxtone/calibration/photo/patch_sampling.h"
-#include "voxtone/calibration/photo/rectify.h"
+#include "calibration/photo/checker_chart.h"
+#include "calibration/photo/patch_sampling.h"
+#include "calibration/photo/rectify.h"
 
 namespace voxtone::calibration {
 

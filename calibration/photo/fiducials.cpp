@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/photo/fiducials.h"
+#include "calibration/photo/fiducials.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,9 +11,9 @@
 #include <opencv2/aruco.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/photo/finder_picture.h"
-#include "voxtone/calibration/target/marker_pattern.h"
+#include "base/error.h"
+#include "calibration/photo/finder_picture.h"
+#include "calibration/target/marker_pattern.h"
 
 namespace voxtone::calibration {
 

@@ -12,9 +12,9 @@
 #include <optional>
 #include <string>
 
-#include "voxtone/calibration/photo/rectify.h"
-#include "voxtone/calibration/target/target_layout.h"
-#include "voxtone/io/pictures/photograph.h"
+#include "calibration/photo/rectify.h"
+#include "calibration/target/target_layout.h"
+#include "io/pictures/photograph.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/photo/finder_picture.h"
+#include "calibration/photo/finder_picture.h"
 
 #include <algorithm>
 #include <array>

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxtone/io/pictures/photograph.h"
+#include "io/pictures/photograph.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/photo/overlay.h"
+#include "calibration/photo/overlay.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "voxtone/io/pictures/srgb_code.h"
+#include "io/pictures/srgb_code.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -9,11 +9,11 @@
 #include <cstdint>
 #include <string>
 
-#include "voxtone/calibration/photo/light_field.h"
-#include "voxtone/calibration/photo/rectify.h"
-#include "voxtone/calibration/target/target_layout.h"
-#include "voxtone/io/pictures/photograph.h"
-#include "voxtone/io/pictures/picture_writer.h"
+#include "calibration/photo/light_field.h"
+#include "calibration/photo/rectify.h"
+#include "calibration/target/target_layout.h"
+#include "io/pictures/photograph.h"
+#include "io/pictures/picture_writer.h"
 
 namespace voxtone::calibration {
 

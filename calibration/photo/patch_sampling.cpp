@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/photo/patch_sampling.h"
+#include "calibration/photo/patch_sampling.h"
 
 #include <algorithm>
 #include <cmath>

@@ -11,9 +11,9 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/calibration/photo/rectify.h"
-#include "voxtone/calibration/target/target_layout.h"
-#include "voxtone/io/pictures/photograph.h"
+#include "calibration/photo/rectify.h"
+#include "calibration/target/target_layout.h"
+#include "io/pictures/photograph.h"
 
 namespace voxtone::calibration {
 

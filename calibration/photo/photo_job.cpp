@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/photo/photo_job.h"
+#include "calibration/photo/photo_job.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -7,13 +7,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/patches/patch_file.h"
-#include "voxtone/calibration/photo/photo_overlay.h"
-#include "voxtone/calibration/photo/target_picture.h"
-#include "voxtone/calibration/target/target_file.h"
-#include "voxtone/io/disk/output_files.h"
-#include "voxtone/io/files/whole_file.h"
+#include "base/error.h"
+#include "calibration/patches/patch_file.h"
+#include "calibration/photo/photo_overlay.h"
+#include "calibration/photo/target_picture.h"
+#include "calibration/target/target_file.h"
+#include "io/disk/output_files.h"
+#include "io/files/whole_file.h"
 
 namespace voxtone::calibration {
 namespace {

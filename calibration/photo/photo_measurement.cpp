@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/photo/photo_measurement.h"
+#include "calibration/photo/photo_measurement.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 #include <Eigen/LU>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/optics/colour/channels.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "optics/colour/channels.h"
 
 namespace voxtone::calibration {
 

@@ -15,10 +15,10 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/calibration/patches/patch_table.h"
-#include "voxtone/calibration/photo/colour_checker.h"
-#include "voxtone/calibration/photo/fiducials.h"
-#include "voxtone/calibration/photo/light_field.h"
+#include "calibration/patches/patch_table.h"
+#include "calibration/photo/colour_checker.h"
+#include "calibration/photo/fiducials.h"
+#include "calibration/photo/light_field.h"
 
 namespace voxtone::calibration {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/photo/photo_overlay.h"
+#include "calibration/photo/photo_overlay.h"
 
 #include <fmt/format.h>
 
-#include "voxtone/calibration/photo/overlay.h"
+#include "calibration/photo/overlay.h"
 
 namespace voxtone::calibration {
 

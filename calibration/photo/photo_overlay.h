@@ -5,8 +5,8 @@
 // (white) drawn in. Dirtier squares are drawn in red.
 #pragma once
 
-#include "voxtone/calibration/photo/photo_measurement.h"
-#include "voxtone/io/pictures/picture_writer.h"
+#include "calibration/photo/photo_measurement.h"
+#include "io/pictures/picture_writer.h"
 
 namespace voxtone::calibration {
 

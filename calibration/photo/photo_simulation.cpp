@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/photo/photo_simulation.h"
+#include "calibration/photo/photo_simulation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,9 +9,9 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/random.h"
 
 namespace voxtone::calibration {
 

@@ -17,9 +17,9 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/calibration/photo/checker_chart.h"
-#include "voxtone/calibration/target/target_scene.h"
-#include "voxtone/io/pictures/photograph.h"
+#include "calibration/photo/checker_chart.h"
+#include "calibration/target/target_scene.h"
+#include "io/pictures/photograph.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/photo/photo_simulation_job.h"
+#include "calibration/photo/photo_simulation_job.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,16 +11,16 @@
 #include <Eigen/LU>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/random.h"
-#include "voxtone/calibration/patches/patch_file.h"
-#include "voxtone/calibration/target/target_file.h"
-#include "voxtone/io/disk/output_files.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/openimageio/photograph_writer.h"
-#include "voxtone/io/profiles/resin_file.h"
-#include "voxtone/optics/colour/channels.h"
-#include "voxtone/optics/layered/flat_colour.h"
+#include "base/error.h"
+#include "base/random.h"
+#include "calibration/patches/patch_file.h"
+#include "calibration/target/target_file.h"
+#include "io/disk/output_files.h"
+#include "io/files/whole_file.h"
+#include "io/openimageio/photograph_writer.h"
+#include "io/profiles/resin_file.h"
+#include "optics/colour/channels.h"
+#include "optics/layered/flat_colour.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -7,9 +7,9 @@
 
 #include <string>
 
-#include "voxtone/base/job_result.h"
-#include "voxtone/base/progress.h"
-#include "voxtone/calibration/photo/photo_simulation.h"
+#include "base/job_result.h"
+#include "base/progress.h"
+#include "calibration/photo/photo_simulation.h"
 
 namespace voxtone::calibration {
 

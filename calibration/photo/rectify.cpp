@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/photo/rectify.h"
+#include "calibration/photo/rectify.h"
 
 #include <cmath>
 #include <vector>
 
 #include <opencv2/calib3d.hpp>
 
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 namespace voxtone::calibration {
 

@@ -8,9 +8,9 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/calibration/photo/photo_measurement.h"
-#include "voxtone/calibration/target/target_layout.h"
-#include "voxtone/io/pictures/picture_writer.h"
+#include "calibration/photo/photo_measurement.h"
+#include "calibration/target/target_layout.h"
+#include "io/pictures/picture_writer.h"
 
 namespace voxtone::calibration {
 

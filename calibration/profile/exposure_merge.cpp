@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/profile/exposure_merge.h"
+#include "calibration/profile/exposure_merge.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
+#include "base/contracts.h"
+#include "base/error.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/io/pictures/photograph.h"
+#include "base/progress.h"
+#include "io/pictures/photograph.h"
 
 namespace voxtone::calibration {
 

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/profile/profile_job.h"
+#include "calibration/profile/profile_job.h"
 
 #include <filesystem>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/profile/profile_plot.h"
-#include "voxtone/io/disk/output_files.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/profiles/profile_file.h"
+#include "base/error.h"
+#include "calibration/profile/profile_plot.h"
+#include "io/disk/output_files.h"
+#include "io/files/whole_file.h"
+#include "io/profiles/profile_file.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/job_result.h"
-#include "voxtone/calibration/profile/exposure_series.h"
-#include "voxtone/calibration/profile/profile_measurement.h"
+#include "base/job_result.h"
+#include "calibration/profile/exposure_series.h"
+#include "calibration/profile/profile_measurement.h"
 
 namespace voxtone::calibration {
 

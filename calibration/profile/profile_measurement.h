@@ -14,10 +14,10 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/calibration/profile/exposure_merge.h"
-#include "voxtone/calibration/profile/radial_average.h"
-#include "voxtone/calibration/profile/radial_centre.h"
-#include "voxtone/optics/profiles/measured_profile.h"
+#include "calibration/profile/exposure_merge.h"
+#include "calibration/profile/radial_average.h"
+#include "calibration/profile/radial_centre.h"
+#include "optics/profiles/measured_profile.h"
 
 namespace voxtone::calibration {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/profile/profile_plot.h"
+#include "calibration/profile/profile_plot.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "voxtone/io/report/plot_svg.h"
+#include "io/report/plot_svg.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "voxtone/io/profiles/profile_file.h"
+#include "io/profiles/profile_file.h"
 
 namespace voxtone::calibration {
 

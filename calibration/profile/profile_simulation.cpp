@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/profile/profile_simulation.h"
+#include "calibration/profile/profile_simulation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,11 +7,11 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
-#include "voxtone/optics/profiles/resin_profile.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "optics/profiles/resin_profile.h"
 
 namespace voxtone::calibration {
 namespace {

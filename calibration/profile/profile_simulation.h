@@ -18,11 +18,11 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/calibration/profile/exposure_series.h"
-#include "voxtone/optics/media/resins.h"
-#include "voxtone/optics/numerics/hankel.h"
-#include "voxtone/optics/profiles/measured_profile.h"
+#include "base/progress.h"
+#include "calibration/profile/exposure_series.h"
+#include "optics/media/resins.h"
+#include "optics/numerics/hankel.h"
+#include "optics/profiles/measured_profile.h"
 
 namespace voxtone::calibration {
 

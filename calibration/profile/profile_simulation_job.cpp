@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/profile/profile_simulation_job.h"
+#include "calibration/profile/profile_simulation_job.h"
 
 #include <filesystem>
 #include <system_error>
@@ -7,12 +7,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/disk/output_files.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/openimageio/photograph_writer.h"
-#include "voxtone/io/profiles/profile_file.h"
-#include "voxtone/io/profiles/resin_file.h"
+#include "base/error.h"
+#include "io/disk/output_files.h"
+#include "io/files/whole_file.h"
+#include "io/openimageio/photograph_writer.h"
+#include "io/profiles/profile_file.h"
+#include "io/profiles/resin_file.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <string>
 
-#include "voxtone/base/job_result.h"
-#include "voxtone/calibration/profile/profile_simulation.h"
+#include "base/job_result.h"
+#include "calibration/profile/profile_simulation.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/profile/radial_average.h"
+#include "calibration/profile/radial_average.h"
 
 #include <algorithm>
 #include <array>
@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 #include <Eigen/SparseCholesky>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
+#include "base/contracts.h"
+#include "base/error.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -16,7 +16,7 @@
 
 #include <vector>
 
-#include "voxtone/calibration/profile/ring_pixels.h"
+#include "calibration/profile/ring_pixels.h"
 
 namespace voxtone::calibration {
 

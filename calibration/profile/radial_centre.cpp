@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/profile/radial_centre.h"
+#include "calibration/profile/radial_centre.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,8 @@
 #include <Eigen/LU>
 #include <opencv2/imgproc.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/profile/radial_average.h"
+#include "base/error.h"
+#include "calibration/profile/radial_average.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/calibration/profile/exposure_merge.h"
+#include "calibration/profile/exposure_merge.h"
 
 namespace voxtone::calibration {
 

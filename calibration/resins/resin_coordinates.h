@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "voxtone/optics/media/resins.h"
+#include "optics/media/resins.h"
 
 namespace voxtone::calibration {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/resins/resin_prior.h"
+#include "calibration/resins/resin_prior.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <Eigen/LU>
 
-#include "voxtone/io/files/json_object.h"
+#include "io/files/json_object.h"
 
 namespace voxtone::calibration {
 namespace {

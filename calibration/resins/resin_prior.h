@@ -18,7 +18,7 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/calibration/resins/resin_coordinates.h"
+#include "calibration/resins/resin_coordinates.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/target/ideal_patch.h"
+#include "calibration/target/ideal_patch.h"
 
 #include <array>
 #include <map>
@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/layered/directional.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "optics/layered/directional.h"
 
 namespace voxtone::calibration {
 

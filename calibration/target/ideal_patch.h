@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/calibration/patches/patch_table.h"
-#include "voxtone/calibration/target/target_layout.h"
-#include "voxtone/optics/layered/adding_doubling.h"
+#include "calibration/patches/patch_table.h"
+#include "calibration/target/target_layout.h"
+#include "optics/layered/adding_doubling.h"
 
 namespace voxtone::calibration {
 

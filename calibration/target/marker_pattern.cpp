@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/target/marker_pattern.h"
+#include "calibration/target/marker_pattern.h"
 
 #include <opencv2/aruco.hpp>
 
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 namespace voxtone::calibration {
 

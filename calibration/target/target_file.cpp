@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/target/target_file.h"
+#include "calibration/target/target_file.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/patches/patch_file.h"
-#include "voxtone/calibration/target/marker_pattern.h"
-#include "voxtone/io/files/json_object.h"
+#include "base/error.h"
+#include "calibration/patches/patch_file.h"
+#include "calibration/target/marker_pattern.h"
+#include "io/files/json_object.h"
 
 namespace voxtone::calibration {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "voxtone/calibration/target/target_layout.h"
+#include "calibration/target/target_layout.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/target/target_job.h"
+#include "calibration/target/target_job.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -9,17 +9,17 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/random.h"
-#include "voxtone/calibration/chart/chart_mixtures.h"
-#include "voxtone/calibration/patches/patch_mixture.h"
-#include "voxtone/calibration/target/ideal_patch.h"
-#include "voxtone/calibration/target/target_file.h"
-#include "voxtone/calibration/target/target_scene.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/pictures/srgb_code.h"
-#include "voxtone/io/profiles/resin_file.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "base/random.h"
+#include "calibration/chart/chart_mixtures.h"
+#include "calibration/patches/patch_mixture.h"
+#include "calibration/target/ideal_patch.h"
+#include "calibration/target/target_file.h"
+#include "calibration/target/target_scene.h"
+#include "io/files/whole_file.h"
+#include "io/pictures/srgb_code.h"
+#include "io/profiles/resin_file.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -14,10 +14,10 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/job_result.h"
-#include "voxtone/base/progress.h"
-#include "voxtone/calibration/target/target_layout.h"
-#include "voxtone/io/layers/manifest.h"
+#include "base/job_result.h"
+#include "base/progress.h"
+#include "calibration/target/target_layout.h"
+#include "io/layers/manifest.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/target/target_layout.h"
+#include "calibration/target/target_layout.h"
 
 #include <algorithm>
 #include <bit>
@@ -8,11 +8,11 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/random.h"
-#include "voxtone/calibration/patches/patch_file.h"
-#include "voxtone/calibration/target/marker_pattern.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "base/random.h"
+#include "calibration/patches/patch_file.h"
+#include "calibration/target/marker_pattern.h"
 
 namespace voxtone::calibration {
 

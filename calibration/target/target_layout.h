@@ -27,7 +27,7 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/calibration/patches/patch_table.h"
+#include "calibration/patches/patch_table.h"
 
 namespace voxtone::calibration {
 

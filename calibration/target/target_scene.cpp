@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/target/target_scene.h"
+#include "calibration/target/target_scene.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/patches/patch_model.h"
-#include "voxtone/calibration/target/ideal_patch.h"
-#include "voxtone/calibration/target/marker_pattern.h"
-#include "voxtone/optics/colour/observed_colour.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "calibration/patches/patch_model.h"
+#include "calibration/target/ideal_patch.h"
+#include "calibration/target/marker_pattern.h"
+#include "optics/colour/observed_colour.h"
 
 namespace voxtone::calibration {
 

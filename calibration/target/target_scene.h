@@ -7,8 +7,8 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/calibration/target/target_layout.h"
-#include "voxtone/io/pictures/picture_writer.h"
+#include "calibration/target/target_layout.h"
+#include "io/pictures/picture_writer.h"
 
 namespace voxtone::calibration {
 

@@ -7,12 +7,12 @@
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
-#include "voxtone/cli/batch/batch_commands.h"
-#include "voxtone/cli/batch/batch_view.h"
-#include "voxtone/cli/batch/cluster_options.h"
-#include "voxtone/cli/program/common_options.h"
-#include "voxtone/cli/program/help.h"
-#include "voxtone/slicer/batch/batch_job.h"
+#include "cli/batch/batch_commands.h"
+#include "cli/batch/batch_view.h"
+#include "cli/batch/cluster_options.h"
+#include "cli/program/common_options.h"
+#include "cli/program/help.h"
+#include "slicer/batch/batch_job.h"
 
 namespace voxtone::cli {
 

@@ -3,7 +3,7 @@
 // The verbs of many prints.
 #pragma once
 
-#include "voxtone/cli/program/command.h"
+#include "cli/program/command.h"
 
 namespace voxtone::cli {
 

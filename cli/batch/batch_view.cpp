@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/cli/batch/batch_view.h"
+#include "cli/batch/batch_view.h"
 
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -12,12 +12,12 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/counted.h"
-#include "voxtone/base/printable.h"
-#include "voxtone/base/progress_bar.h"
-#include "voxtone/base/stopwatch.h"
-#include "voxtone/cli/program/outcome.h"
-#include "voxtone/io/files/json_writer.h"
+#include "base/counted.h"
+#include "base/printable.h"
+#include "base/progress_bar.h"
+#include "base/stopwatch.h"
+#include "cli/program/outcome.h"
+#include "io/files/json_writer.h"
 
 namespace voxtone::cli {
 

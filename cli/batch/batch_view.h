@@ -9,8 +9,8 @@
 
 #include <memory>
 
-#include "voxtone/cli/program/console.h"
-#include "voxtone/slicer/batch/batch_view.h"
+#include "cli/program/console.h"
+#include "slicer/batch/batch_view.h"
 
 namespace voxtone::cli {
 

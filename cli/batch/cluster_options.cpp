@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/cli/batch/cluster_options.h"
+#include "cli/batch/cluster_options.h"
 
 #include <system_error>
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/slicer/cluster/openjd_job.h"
-#include "voxtone/slicer/cluster/slurm_job.h"
+#include "base/error.h"
+#include "slicer/cluster/openjd_job.h"
+#include "slicer/cluster/slurm_job.h"
 
 namespace voxtone::cli {
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/cli/program/common_options.h"
-#include "voxtone/slicer/batch/plan.h"
-#include "voxtone/slicer/batch/queued_job.h"
+#include "cli/program/common_options.h"
+#include "slicer/batch/plan.h"
+#include "slicer/batch/queued_job.h"
 
 namespace voxtone::cli {
 

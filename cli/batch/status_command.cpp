@@ -4,10 +4,10 @@
 
 #include <CLI/CLI.hpp>
 
-#include "voxtone/cli/batch/batch_commands.h"
-#include "voxtone/cli/program/console.h"
-#include "voxtone/cli/program/help.h"
-#include "voxtone/slicer/batch/batch_status.h"
+#include "cli/batch/batch_commands.h"
+#include "cli/program/console.h"
+#include "cli/program/help.h"
+#include "slicer/batch/batch_status.h"
 
 namespace voxtone::cli {
 

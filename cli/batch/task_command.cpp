@@ -6,14 +6,14 @@
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/progress_events.h"
-#include "voxtone/cli/batch/batch_commands.h"
-#include "voxtone/cli/batch/cluster_options.h"
-#include "voxtone/cli/program/common_options.h"
-#include "voxtone/cli/program/help.h"
-#include "voxtone/slicer/cluster/cluster_task.h"
-#include "voxtone/slicer/options/option_values.h"
+#include "base/error.h"
+#include "base/progress_events.h"
+#include "cli/batch/batch_commands.h"
+#include "cli/batch/cluster_options.h"
+#include "cli/program/common_options.h"
+#include "cli/program/help.h"
+#include "slicer/cluster/cluster_task.h"
+#include "slicer/options/option_values.h"
 
 namespace voxtone::cli {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <CLI/CLI.hpp>
 
-#include "voxtone/cli/calibrate/calibrate_commands.h"
-#include "voxtone/cli/program/help.h"
-#include "voxtone/cli/program/steps.h"
+#include "cli/calibrate/calibrate_commands.h"
+#include "cli/program/help.h"
+#include "cli/program/steps.h"
 
 namespace voxtone::cli {
 

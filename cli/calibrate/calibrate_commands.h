@@ -3,8 +3,8 @@
 // `voxtone calibrate` and its steps, one file each; what they run is one of `jobs`, which outlive them.
 #pragma once
 
-#include "voxtone/cli/calibrate/calibrate_jobs.h"
-#include "voxtone/cli/program/command.h"
+#include "cli/calibrate/calibrate_jobs.h"
+#include "cli/program/command.h"
 
 namespace voxtone::cli {
 

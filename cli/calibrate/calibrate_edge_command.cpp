@@ -7,11 +7,11 @@
 
 #include <CLI/CLI.hpp>
 
-#include "voxtone/cli/calibrate/calibrate_commands.h"
-#include "voxtone/cli/program/common_options.h"
-#include "voxtone/cli/program/help.h"
-#include "voxtone/cli/program/steps.h"
-#include "voxtone/slicer/stacks/print_boxes.h"
+#include "cli/calibrate/calibrate_commands.h"
+#include "cli/program/common_options.h"
+#include "cli/program/help.h"
+#include "cli/program/steps.h"
+#include "slicer/stacks/print_boxes.h"
 
 namespace voxtone::cli {
 

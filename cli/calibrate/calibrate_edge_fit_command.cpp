@@ -9,11 +9,11 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/cli/calibrate/calibrate_commands.h"
-#include "voxtone/cli/calibrate/patch_options.h"
-#include "voxtone/cli/program/common_options.h"
-#include "voxtone/cli/program/help.h"
+#include "base/error.h"
+#include "cli/calibrate/calibrate_commands.h"
+#include "cli/calibrate/patch_options.h"
+#include "cli/program/common_options.h"
+#include "cli/program/help.h"
 
 namespace voxtone::cli {
 

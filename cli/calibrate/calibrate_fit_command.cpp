@@ -4,11 +4,11 @@
 
 #include <CLI/CLI.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/cli/calibrate/calibrate_commands.h"
-#include "voxtone/cli/calibrate/chart_options.h"
-#include "voxtone/cli/calibrate/patch_options.h"
-#include "voxtone/cli/program/help.h"
+#include "base/error.h"
+#include "cli/calibrate/calibrate_commands.h"
+#include "cli/calibrate/chart_options.h"
+#include "cli/calibrate/patch_options.h"
+#include "cli/program/help.h"
 
 namespace voxtone::cli {
 

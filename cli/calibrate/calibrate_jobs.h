@@ -5,19 +5,19 @@
 // the photographs and Ceres for the fits.
 #pragma once
 
-#include "voxtone/calibration/bench/bench_photo_job.h"
-#include "voxtone/calibration/bench/bench_simulation_job.h"
-#include "voxtone/calibration/edge/dictionary_job.h"
-#include "voxtone/calibration/edge/edge_fit_job.h"
-#include "voxtone/calibration/edge/edge_samples_job.h"
-#include "voxtone/calibration/fit/check_job.h"
-#include "voxtone/calibration/fit/fit_job.h"
-#include "voxtone/calibration/fit/icc_job.h"
-#include "voxtone/calibration/photo/photo_job.h"
-#include "voxtone/calibration/photo/photo_simulation_job.h"
-#include "voxtone/calibration/profile/profile_job.h"
-#include "voxtone/calibration/profile/profile_simulation_job.h"
-#include "voxtone/calibration/target/target_job.h"
+#include "calibration/bench/bench_photo_job.h"
+#include "calibration/bench/bench_simulation_job.h"
+#include "calibration/edge/dictionary_job.h"
+#include "calibration/edge/edge_fit_job.h"
+#include "calibration/edge/edge_samples_job.h"
+#include "calibration/fit/check_job.h"
+#include "calibration/fit/fit_job.h"
+#include "calibration/fit/icc_job.h"
+#include "calibration/photo/photo_job.h"
+#include "calibration/photo/photo_simulation_job.h"
+#include "calibration/profile/profile_job.h"
+#include "calibration/profile/profile_simulation_job.h"
+#include "calibration/target/target_job.h"
 
 namespace voxtone::cli {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // voxtone-calibrate: what `voxtone calibrate` becomes (cli/calibrate/calibrate_program.h), with the same command line.
-#include "voxtone/base/cancel_on_signal.h"
-#include "voxtone/cli/calibrate/calibrate_commands.h"
-#include "voxtone/cli/calibrate/calibrate_jobs.h"
-#include "voxtone/cli/program/program.h"
+#include "base/cancel_on_signal.h"
+#include "cli/calibrate/calibrate_commands.h"
+#include "cli/calibrate/calibrate_jobs.h"
+#include "cli/program/program.h"
 
 namespace {
 

@@ -5,10 +5,10 @@
 
 #include <CLI/CLI.hpp>
 
-#include "voxtone/cli/calibrate/calibrate_commands.h"
-#include "voxtone/cli/calibrate/photo_options.h"
-#include "voxtone/cli/program/common_options.h"
-#include "voxtone/cli/program/help.h"
+#include "cli/calibrate/calibrate_commands.h"
+#include "cli/calibrate/photo_options.h"
+#include "cli/program/common_options.h"
+#include "cli/program/help.h"
 
 namespace voxtone::cli {
 

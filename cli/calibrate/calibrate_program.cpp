@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/cli/calibrate/calibrate_program.h"
+#include "cli/calibrate/calibrate_program.h"
 
 #include <unistd.h>
 
@@ -10,10 +10,10 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/cli/calibrate/calibrate_commands.h"
-#include "voxtone/cli/calibrate/calibrate_jobs.h"
-#include "voxtone/io/programs/helper_program.h"
+#include "base/error.h"
+#include "cli/calibrate/calibrate_commands.h"
+#include "cli/calibrate/calibrate_jobs.h"
+#include "io/programs/helper_program.h"
 
 namespace voxtone::cli {
 

@@ -4,8 +4,8 @@
 // (cli/calibrate/calibrate_jobs.h). `voxtone` tells of its steps, and becomes it when one is to be run.
 #pragma once
 
-#include "voxtone/cli/program/command.h"
-#include "voxtone/cli/program/words.h"
+#include "cli/program/command.h"
+#include "cli/program/words.h"
 
 namespace voxtone::cli {
 

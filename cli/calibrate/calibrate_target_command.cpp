@@ -7,12 +7,12 @@
 
 #include <CLI/CLI.hpp>
 
-#include "voxtone/cli/calibrate/calibrate_commands.h"
-#include "voxtone/cli/program/common_options.h"
-#include "voxtone/cli/program/help.h"
-#include "voxtone/cli/program/option_text.h"
-#include "voxtone/io/profiles/resin_file.h"
-#include "voxtone/slicer/stacks/print_boxes.h"
+#include "cli/calibrate/calibrate_commands.h"
+#include "cli/program/common_options.h"
+#include "cli/program/help.h"
+#include "cli/program/option_text.h"
+#include "io/profiles/resin_file.h"
+#include "slicer/stacks/print_boxes.h"
 
 namespace voxtone::cli {
 

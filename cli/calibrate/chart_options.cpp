@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/cli/calibrate/chart_options.h"
+#include "cli/calibrate/chart_options.h"
 
 #include <charconv>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 namespace voxtone::cli {
 

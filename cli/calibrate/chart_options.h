@@ -5,8 +5,8 @@
 
 #include <string>
 
-#include "voxtone/calibration/fit/fit_job.h"
-#include "voxtone/cli/program/common_options.h"
+#include "calibration/fit/fit_job.h"
+#include "cli/program/common_options.h"
 
 namespace voxtone::cli {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/cli/calibrate/patch_options.h"
+#include "cli/calibrate/patch_options.h"
 
-#include "voxtone/base/error.h"
-#include "voxtone/slicer/predict/stack_volume.h"
-#include "voxtone/slicer/printer/printer.h"
+#include "base/error.h"
+#include "slicer/predict/stack_volume.h"
+#include "slicer/printer/printer.h"
 
 namespace voxtone::cli {
 

@@ -5,9 +5,9 @@
 
 #include <string>
 
-#include "voxtone/calibration/fit/patch_map.h"
-#include "voxtone/calibration/patches/measured_patches.h"
-#include "voxtone/cli/program/common_options.h"
+#include "calibration/fit/patch_map.h"
+#include "calibration/patches/measured_patches.h"
+#include "cli/program/common_options.h"
 
 namespace voxtone::cli {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/cli/calibrate/photo_options.h"
+#include "cli/calibrate/photo_options.h"
 
-#include "voxtone/cli/program/common_options.h"
+#include "cli/program/common_options.h"
 
 namespace voxtone::cli {
 

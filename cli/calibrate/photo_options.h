@@ -11,7 +11,7 @@
 #include <CLI/CLI.hpp>
 #include <Eigen/Core>
 
-#include "voxtone/io/pictures/photograph.h"
+#include "io/pictures/photograph.h"
 
 namespace voxtone::cli {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/base/cancel_on_signal.h"
-#include "voxtone/cli/batch/batch_commands.h"
-#include "voxtone/cli/calibrate/calibrate_program.h"
-#include "voxtone/cli/print/print_commands.h"
-#include "voxtone/cli/program/program.h"
-#include "voxtone/cli/stack/stack_commands.h"
+#include "base/cancel_on_signal.h"
+#include "cli/batch/batch_commands.h"
+#include "cli/calibrate/calibrate_program.h"
+#include "cli/print/print_commands.h"
+#include "cli/program/program.h"
+#include "cli/stack/stack_commands.h"
 
 int main(int argc, char** argv) {
     using namespace voxtone::cli;

@@ -4,12 +4,12 @@
 
 #include <CLI/CLI.hpp>
 
-#include "voxtone/cli/print/job_options.h"
-#include "voxtone/cli/print/print_commands.h"
-#include "voxtone/cli/program/console.h"
-#include "voxtone/cli/program/help.h"
-#include "voxtone/slicer/estimate/estimate_job.h"
-#include "voxtone/slicer/estimate/estimate_text.h"
+#include "cli/print/job_options.h"
+#include "cli/print/print_commands.h"
+#include "cli/program/console.h"
+#include "cli/program/help.h"
+#include "slicer/estimate/estimate_job.h"
+#include "slicer/estimate/estimate_text.h"
 
 namespace voxtone::cli {
 

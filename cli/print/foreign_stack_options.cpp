@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/cli/print/foreign_stack_options.h"
+#include "cli/print/foreign_stack_options.h"
 
 #include <CLI/CLI.hpp>
 
-#include "voxtone/cli/program/common_options.h"
+#include "cli/program/common_options.h"
 
 namespace voxtone::cli {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/cli/print/job_options.h"
+#include "cli/print/job_options.h"
 
 #include <algorithm>
 #include <vector>
@@ -8,8 +8,8 @@
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
-#include "voxtone/slicer/options/job_file.h"
-#include "voxtone/slicer/options/option_scope.h"
+#include "slicer/options/job_file.h"
+#include "slicer/options/option_scope.h"
 
 namespace voxtone::cli {
 

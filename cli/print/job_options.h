@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-#include "voxtone/slicer/options/slice_options.h"
+#include "slicer/options/slice_options.h"
 
 namespace CLI {
 class App;

@@ -8,11 +8,11 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/cli/print/print_commands.h"
-#include "voxtone/cli/program/help.h"
-#include "voxtone/cli/program/outcome.h"
-#include "voxtone/io/profiles/resin_file.h"
-#include "voxtone/slicer/printer/printer.h"
+#include "cli/print/print_commands.h"
+#include "cli/program/help.h"
+#include "cli/program/outcome.h"
+#include "io/profiles/resin_file.h"
+#include "slicer/printer/printer.h"
 
 namespace voxtone::cli {
 

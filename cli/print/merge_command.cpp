@@ -4,10 +4,10 @@
 
 #include <CLI/CLI.hpp>
 
-#include "voxtone/cli/print/print_commands.h"
-#include "voxtone/cli/program/common_options.h"
-#include "voxtone/cli/program/help.h"
-#include "voxtone/slicer/shards/merge_job.h"
+#include "cli/print/print_commands.h"
+#include "cli/program/common_options.h"
+#include "cli/program/help.h"
+#include "slicer/shards/merge_job.h"
 
 namespace voxtone::cli {
 

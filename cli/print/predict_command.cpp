@@ -7,13 +7,13 @@
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
-#include "voxtone/base/units.h"
-#include "voxtone/cli/print/foreign_stack_options.h"
-#include "voxtone/cli/print/print_commands.h"
-#include "voxtone/cli/program/common_options.h"
-#include "voxtone/cli/program/console.h"
-#include "voxtone/cli/program/help.h"
-#include "voxtone/slicer/predict/predict_job.h"
+#include "base/units.h"
+#include "cli/print/foreign_stack_options.h"
+#include "cli/print/print_commands.h"
+#include "cli/program/common_options.h"
+#include "cli/program/console.h"
+#include "cli/program/help.h"
+#include "slicer/predict/predict_job.h"
 
 namespace voxtone::cli {
 

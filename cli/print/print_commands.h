@@ -3,7 +3,7 @@
 // The verbs of one print: made, foreseen, predicted, checked.
 #pragma once
 
-#include "voxtone/cli/program/command.h"
+#include "cli/program/command.h"
 
 namespace voxtone::cli {
 

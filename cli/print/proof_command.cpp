@@ -8,12 +8,12 @@
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
-#include "voxtone/cli/print/foreign_stack_options.h"
-#include "voxtone/cli/print/print_commands.h"
-#include "voxtone/cli/program/common_options.h"
-#include "voxtone/cli/program/console.h"
-#include "voxtone/cli/program/help.h"
-#include "voxtone/slicer/proof/proof_job.h"
+#include "cli/print/foreign_stack_options.h"
+#include "cli/print/print_commands.h"
+#include "cli/program/common_options.h"
+#include "cli/program/console.h"
+#include "cli/program/help.h"
+#include "slicer/proof/proof_job.h"
 
 namespace voxtone::cli {
 

@@ -4,14 +4,14 @@
 
 #include <CLI/CLI.hpp>
 
-#include "voxtone/cli/print/job_options.h"
-#include "voxtone/cli/print/print_commands.h"
-#include "voxtone/cli/program/console.h"
-#include "voxtone/cli/program/help.h"
-#include "voxtone/cli/program/outcome.h"
-#include "voxtone/slicer/job/slice_job.h"
-#include "voxtone/slicer/options/job_file.h"
-#include "voxtone/slicer/shards/shard_job.h"
+#include "cli/print/job_options.h"
+#include "cli/print/print_commands.h"
+#include "cli/program/console.h"
+#include "cli/program/help.h"
+#include "cli/program/outcome.h"
+#include "slicer/job/slice_job.h"
+#include "slicer/options/job_file.h"
+#include "slicer/shards/shard_job.h"
 
 namespace voxtone::cli {
 

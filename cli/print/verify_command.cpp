@@ -8,11 +8,11 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/cli/print/print_commands.h"
-#include "voxtone/cli/program/common_options.h"
-#include "voxtone/cli/program/help.h"
-#include "voxtone/io/layers/verify.h"
-#include "voxtone/slicer/printer/printer.h"
+#include "cli/print/print_commands.h"
+#include "cli/program/common_options.h"
+#include "cli/program/help.h"
+#include "io/layers/verify.h"
+#include "slicer/printer/printer.h"
 
 namespace voxtone::cli {
 

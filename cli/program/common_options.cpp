@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/cli/program/common_options.h"
+#include "cli/program/common_options.h"
 
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "voxtone/base/units.h"
+#include "base/units.h"
 
 namespace voxtone::cli {
 

@@ -10,7 +10,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "voxtone/cli/program/console.h"
+#include "cli/program/console.h"
 
 namespace voxtone::cli {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/cli/program/completion.h"
+#include "cli/program/completion.h"
 
 #include <cstddef>
 
-#include "voxtone/cli/program/option_text.h"
-#include "voxtone/io/profiles/resin_file.h"
-#include "voxtone/slicer/printer/printer.h"
+#include "cli/program/option_text.h"
+#include "io/profiles/resin_file.h"
+#include "slicer/printer/printer.h"
 
 namespace voxtone::cli {
 

@@ -9,7 +9,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "voxtone/cli/program/words.h"
+#include "cli/program/words.h"
 
 namespace voxtone::cli {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/cli/program/console.h"
+#include "cli/program/console.h"
 
 #include <chrono>
 #include <memory>
@@ -8,14 +8,14 @@
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
-#include "voxtone/base/cancel_on_signal.h"
-#include "voxtone/base/openjd_progress.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/printable.h"
-#include "voxtone/base/progress_bar.h"
-#include "voxtone/base/progress_events.h"
-#include "voxtone/base/stop_deadline.h"
-#include "voxtone/cli/program/outcome.h"
+#include "base/cancel_on_signal.h"
+#include "base/openjd_progress.h"
+#include "base/parallel.h"
+#include "base/printable.h"
+#include "base/progress_bar.h"
+#include "base/progress_events.h"
+#include "base/stop_deadline.h"
+#include "cli/program/outcome.h"
 
 namespace voxtone::cli {
 

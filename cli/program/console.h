@@ -7,8 +7,8 @@
 #include <chrono>
 #include <functional>
 
-#include "voxtone/base/job_result.h"
-#include "voxtone/base/progress.h"
+#include "base/job_result.h"
+#include "base/progress.h"
 
 namespace CLI {
 class App;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/cli/program/help.h"
+#include "cli/program/help.h"
 
 #include <memory>
 #include <sstream>
 
 #include <fmt/core.h>
 
-#include "voxtone/cli/program/option_text.h"
-#include "voxtone/cli/program/words.h"
+#include "cli/program/option_text.h"
+#include "cli/program/words.h"
 
 namespace voxtone::cli {
 

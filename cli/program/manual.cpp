@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/cli/program/manual.h"
+#include "cli/program/manual.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -8,10 +8,10 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include "voxtone/cli/program/option_text.h"
-#include "voxtone/cli/program/words.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/programs/build_identity.h"
+#include "cli/program/option_text.h"
+#include "cli/program/words.h"
+#include "io/files/whole_file.h"
+#include "io/programs/build_identity.h"
 
 namespace voxtone::cli {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/cli/program/option_text.h"
+#include "cli/program/option_text.h"
 
 #include <algorithm>
 #include <array>

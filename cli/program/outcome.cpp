@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/cli/program/outcome.h"
+#include "cli/program/outcome.h"
 
 #include <cerrno>
 #include <cstdio>
@@ -13,11 +13,11 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/openjd_progress.h"
-#include "voxtone/base/printable.h"
-#include "voxtone/base/progress_events.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "base/openjd_progress.h"
+#include "base/printable.h"
+#include "base/progress_events.h"
 
 namespace voxtone::cli {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/cli/program/program.h"
+#include "cli/program/program.h"
 
 #include <string>
 #include <utility>
@@ -7,12 +7,12 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/cli/program/completion.h"
-#include "voxtone/cli/program/help.h"
-#include "voxtone/cli/program/manual.h"
-#include "voxtone/cli/program/outcome.h"
-#include "voxtone/io/programs/build_identity.h"
+#include "base/error.h"
+#include "cli/program/completion.h"
+#include "cli/program/help.h"
+#include "cli/program/manual.h"
+#include "cli/program/outcome.h"
+#include "io/programs/build_identity.h"
 
 extern const char voxtone_build_commit[];  // a file that the build makes (cmake/write_build_commit.cmake)
 

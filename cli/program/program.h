@@ -6,8 +6,8 @@
 #include <functional>
 #include <vector>
 
-#include "voxtone/cli/program/command.h"
-#include "voxtone/cli/program/words.h"
+#include "cli/program/command.h"
+#include "cli/program/words.h"
 
 namespace voxtone::cli {
 

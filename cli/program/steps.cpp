@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/cli/program/steps.h"
+#include "cli/program/steps.h"
 
 #include <memory>
 #include <utility>
@@ -7,7 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 namespace voxtone::cli {
 

@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "voxtone/cli/program/command.h"
+#include "cli/program/command.h"
 
 namespace voxtone::cli {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/cli/program/words.h"
+#include "cli/program/words.h"
 
 #include <algorithm>
 #include <cctype>
@@ -9,9 +9,9 @@
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/units.h"
-#include "voxtone/io/files/json_keys.h"
+#include "base/error.h"
+#include "base/units.h"
+#include "io/files/json_keys.h"
 
 namespace voxtone::cli {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/cli/program/outcome.h"
+#include "cli/program/outcome.h"
 
 namespace CLI {
 class App;

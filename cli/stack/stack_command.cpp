@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <CLI/CLI.hpp>
 
-#include "voxtone/cli/program/command.h"
-#include "voxtone/cli/program/help.h"
-#include "voxtone/cli/program/steps.h"
-#include "voxtone/cli/stack/stack_commands.h"
+#include "cli/program/command.h"
+#include "cli/program/help.h"
+#include "cli/program/steps.h"
+#include "cli/stack/stack_commands.h"
 
 namespace voxtone::cli {
 

@@ -3,7 +3,7 @@
 // `voxtone stack` and its steps, one file each.
 #pragma once
 
-#include "voxtone/cli/program/command.h"
+#include "cli/program/command.h"
 
 namespace voxtone::cli {
 

@@ -5,10 +5,10 @@
 
 #include <CLI/CLI.hpp>
 
-#include "voxtone/cli/program/common_options.h"
-#include "voxtone/cli/program/help.h"
-#include "voxtone/cli/stack/stack_commands.h"
-#include "voxtone/slicer/stacks/stack_dataset_job.h"
+#include "cli/program/common_options.h"
+#include "cli/program/help.h"
+#include "cli/stack/stack_commands.h"
+#include "slicer/stacks/stack_dataset_job.h"
 
 namespace voxtone::cli {
 

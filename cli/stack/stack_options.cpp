@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/cli/stack/stack_options.h"
+#include "cli/stack/stack_options.h"
 
 namespace voxtone::cli {
 

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <string>
 
-#include "voxtone/cli/program/common_options.h"
-#include "voxtone/slicer/stacks/named_stack.h"
+#include "cli/program/common_options.h"
+#include "slicer/stacks/named_stack.h"
 
 namespace voxtone::cli {
 

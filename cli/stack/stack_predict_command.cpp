@@ -3,10 +3,10 @@
 
 #include <CLI/CLI.hpp>
 
-#include "voxtone/cli/program/help.h"
-#include "voxtone/cli/stack/stack_commands.h"
-#include "voxtone/cli/stack/stack_options.h"
-#include "voxtone/slicer/stacks/stack_predict_job.h"
+#include "cli/program/help.h"
+#include "cli/stack/stack_commands.h"
+#include "cli/stack/stack_options.h"
+#include "slicer/stacks/stack_predict_job.h"
 
 namespace voxtone::cli {
 

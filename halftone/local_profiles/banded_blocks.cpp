@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/local_profiles/banded_blocks.h"
+#include "halftone/local_profiles/banded_blocks.h"
 
 #include <algorithm>
 

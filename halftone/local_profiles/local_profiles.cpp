@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/local_profiles/local_profiles.h"
+#include "halftone/local_profiles/local_profiles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,11 +9,11 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/halftone/local_profiles/banded_blocks.h"
-#include "voxtone/halftone/local_profiles/conjugate_gradient.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "halftone/local_profiles/banded_blocks.h"
+#include "halftone/local_profiles/conjugate_gradient.h"
 
 namespace voxtone::halftone {
 namespace {

@@ -32,9 +32,9 @@
 #include <cstddef>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/halftone/local_profiles/profile_rings.h"
-#include "voxtone/optics/monte_carlo/sampled_bssrdf.h"
+#include "base/progress.h"
+#include "halftone/local_profiles/profile_rings.h"
+#include "optics/monte_carlo/sampled_bssrdf.h"
 
 namespace voxtone::halftone {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/local_profiles/profile_clusters.h"
+#include "halftone/local_profiles/profile_clusters.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
-#include "voxtone/halftone/local_profiles/profile_reconstruction.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "halftone/local_profiles/profile_reconstruction.h"
 
 namespace voxtone::halftone {
 namespace {

@@ -21,8 +21,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/halftone/local_profiles/local_profiles.h"
+#include "base/progress.h"
+#include "halftone/local_profiles/local_profiles.h"
 
 namespace voxtone::halftone {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/local_profiles/profile_reconstruction.h"
+#include "halftone/local_profiles/profile_reconstruction.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 
-#include "voxtone/base/parallel.h"
+#include "base/parallel.h"
 
 namespace voxtone::halftone {
 namespace {

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/halftone/local_profiles/local_profiles.h"
-#include "voxtone/optics/monte_carlo/sampled_bssrdf.h"
-#include "voxtone/optics/profiles/measured_profile.h"
+#include "halftone/local_profiles/local_profiles.h"
+#include "optics/monte_carlo/sampled_bssrdf.h"
+#include "optics/profiles/measured_profile.h"
 
 namespace voxtone::halftone {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/local_profiles/profile_rings.h"
+#include "halftone/local_profiles/profile_rings.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 namespace voxtone::halftone {
 

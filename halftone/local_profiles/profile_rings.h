@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/optics/monte_carlo/sampled_bssrdf.h"
+#include "optics/monte_carlo/sampled_bssrdf.h"
 
 namespace voxtone::halftone {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/loop/appearance_loop.h"
+#include "halftone/loop/appearance_loop.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,21 +8,21 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/job_outlook.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/stopwatch.h"
-#include "voxtone/halftone/loop/eye_filter.h"
-#include "voxtone/halftone/loop/loop_measure.h"
-#include "voxtone/halftone/loop/loop_steps.h"
-#include "voxtone/halftone/loop/lost_contrast.h"
-#include "voxtone/halftone/loop/map_targets.h"
-#include "voxtone/halftone/loop/misfit.h"
-#include "voxtone/halftone/loop/relative_colours.h"
-#include "voxtone/halftone/loop/residual_feedback.h"
-#include "voxtone/optics/layered/mixture_correction.h"
-#include "voxtone/optics/scene/surface_smoothing.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "base/job_outlook.h"
+#include "base/parallel.h"
+#include "base/stopwatch.h"
+#include "halftone/loop/eye_filter.h"
+#include "halftone/loop/loop_measure.h"
+#include "halftone/loop/loop_steps.h"
+#include "halftone/loop/lost_contrast.h"
+#include "halftone/loop/map_targets.h"
+#include "halftone/loop/misfit.h"
+#include "halftone/loop/relative_colours.h"
+#include "halftone/loop/residual_feedback.h"
+#include "optics/layered/mixture_correction.h"
+#include "optics/scene/surface_smoothing.h"
 
 namespace voxtone::halftone {
 

@@ -41,13 +41,13 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/halftone/loop/loop_steps.h"
-#include "voxtone/halftone/loop/minimal_depth_separation.h"
-#include "voxtone/halftone/loop/mixture_descent.h"
-#include "voxtone/halftone/loop/skin.h"
-#include "voxtone/optics/colour/colour.h"
-#include "voxtone/optics/scene/appearance_model.h"
+#include "base/progress.h"
+#include "halftone/loop/loop_steps.h"
+#include "halftone/loop/minimal_depth_separation.h"
+#include "halftone/loop/mixture_descent.h"
+#include "halftone/loop/skin.h"
+#include "optics/colour/colour.h"
+#include "optics/scene/appearance_model.h"
 
 namespace voxtone::halftone {
 

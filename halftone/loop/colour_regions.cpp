@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/loop/colour_regions.h"
+#include "halftone/loop/colour_regions.h"
 
 #include <algorithm>
 #include <array>
@@ -9,10 +9,10 @@
 #include <tuple>
 #include <utility>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/halftone/loop/paper.h"
-#include "voxtone/optics/colour/colour.h"
-#include "voxtone/optics/scene/surface_smoothing.h"
+#include "base/contracts.h"
+#include "halftone/loop/paper.h"
+#include "optics/colour/colour.h"
+#include "optics/scene/surface_smoothing.h"
 
 namespace voxtone::halftone {
 

@@ -22,7 +22,7 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/optics/scene/appearance_model.h"
+#include "optics/scene/appearance_model.h"
 
 namespace voxtone::halftone {
 

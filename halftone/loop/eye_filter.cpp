@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/loop/eye_filter.h"
+#include "halftone/loop/eye_filter.h"
 
 #include <array>
 #include <cmath>
@@ -8,11 +8,11 @@
 #include <fmt/format.h>
 #include <Eigen/LU>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/colour/colour.h"
-#include "voxtone/optics/scene/surface_smoothing.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "optics/colour/colour.h"
+#include "optics/scene/surface_smoothing.h"
 
 namespace voxtone::halftone {
 namespace {

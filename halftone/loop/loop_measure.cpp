@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/loop/loop_measure.h"
+#include "halftone/loop/loop_measure.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/halftone/loop/paper.h"
-#include "voxtone/optics/scene/area_summary.h"
+#include "base/parallel.h"
+#include "halftone/loop/paper.h"
+#include "optics/scene/area_summary.h"
 
 namespace voxtone::halftone {
 

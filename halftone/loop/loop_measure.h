@@ -16,9 +16,9 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/halftone/loop/colour_regions.h"
-#include "voxtone/halftone/loop/eye_filter.h"
-#include "voxtone/optics/colour/colour.h"
+#include "halftone/loop/colour_regions.h"
+#include "halftone/loop/eye_filter.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::halftone {
 

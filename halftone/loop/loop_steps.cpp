@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/loop/loop_steps.h"
+#include "halftone/loop/loop_steps.h"
 
 #include <algorithm>
 #include <cmath>

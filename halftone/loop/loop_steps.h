@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "voxtone/optics/colour/colour.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::halftone {
 

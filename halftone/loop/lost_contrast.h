@@ -19,7 +19,7 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/halftone/loop/eye_filter.h"
+#include "halftone/loop/eye_filter.h"
 
 namespace voxtone::halftone {
 

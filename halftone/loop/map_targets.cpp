@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/loop/map_targets.h"
+#include "halftone/loop/map_targets.h"
 
 #include <algorithm>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/colour/colour.h"
+#include "base/parallel.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::halftone {
 

@@ -19,8 +19,8 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/halftone/loop/eye_filter.h"
-#include "voxtone/optics/scene/appearance_model.h"
+#include "halftone/loop/eye_filter.h"
+#include "optics/scene/appearance_model.h"
 
 namespace voxtone::halftone {
 

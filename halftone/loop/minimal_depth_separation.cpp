@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/loop/minimal_depth_separation.h"
+#include "halftone/loop/minimal_depth_separation.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/halftone/separation/lattice_lookup.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "halftone/separation/lattice_lookup.h"
 
 namespace voxtone::halftone {
 

@@ -19,10 +19,10 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/halftone/loop/skin.h"
-#include "voxtone/halftone/separation/separation.h"
-#include "voxtone/optics/layered/shell_appearance.h"
+#include "base/progress.h"
+#include "halftone/loop/skin.h"
+#include "halftone/separation/separation.h"
+#include "optics/layered/shell_appearance.h"
 
 namespace voxtone::halftone {
 

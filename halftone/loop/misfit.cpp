@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/loop/misfit.h"
+#include "halftone/loop/misfit.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/colour/colour.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::halftone {
 

@@ -36,7 +36,7 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/halftone/loop/skin.h"
+#include "halftone/loop/skin.h"
 
 namespace voxtone::halftone {
 

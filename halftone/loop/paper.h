@@ -16,7 +16,7 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/optics/scene/appearance_model.h"
+#include "optics/scene/appearance_model.h"
 
 namespace voxtone::halftone {
 

@@ -15,8 +15,8 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/optics/colour/observed_colour.h"
-#include "voxtone/optics/scene/appearance_model.h"
+#include "optics/colour/observed_colour.h"
+#include "optics/scene/appearance_model.h"
 
 namespace voxtone::halftone {
 

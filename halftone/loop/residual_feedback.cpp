@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/loop/residual_feedback.h"
+#include "halftone/loop/residual_feedback.h"
 
 #include <algorithm>
 #include <array>
@@ -8,9 +8,9 @@
 
 #include <Eigen/Cholesky>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/colour/colour.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::halftone {
 

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/halftone/separation/mixture.h"
+#include "base/contracts.h"
+#include "halftone/separation/mixture.h"
 
 namespace voxtone::halftone {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/screens/blue_noise_screen.h"
+#include "halftone/screens/blue_noise_screen.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/halftone/screens/built_in_screens.h"
-#include "voxtone/halftone/screens/void_and_cluster.h"
+#include "base/contracts.h"
+#include "halftone/screens/built_in_screens.h"
+#include "halftone/screens/void_and_cluster.h"
 
 // The file that tools/make_screen wrote: the tiles one after the other, 2 bytes a voxel, in the machine's byte order.
 __asm__(

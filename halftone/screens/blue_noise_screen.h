@@ -21,7 +21,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "voxtone/base/progress.h"
+#include "base/progress.h"
 
 namespace voxtone::halftone {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/screens/error_diffusion.h"
+#include "halftone/screens/error_diffusion.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/random.h"
+#include "base/contracts.h"
+#include "base/random.h"
 
 namespace voxtone::halftone {
 namespace {

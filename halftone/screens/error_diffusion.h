@@ -24,7 +24,7 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/halftone/separation/mixture.h"
+#include "halftone/separation/mixture.h"
 
 namespace voxtone::halftone {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/screens/pattern_energy.h"
+#include "halftone/screens/pattern_energy.h"
 
 #include <algorithm>
 #include <cstdlib>
 #include <utility>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "voxtone/halftone/screens/pattern_energy.cpp"
+#define HWY_TARGET_INCLUDE "halftone/screens/pattern_energy.cpp"
 // The order of these two matters.
 // clang-format off
 #include "hwy/foreach_target.h"

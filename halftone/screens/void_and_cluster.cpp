@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/screens/void_and_cluster.h"
+#include "halftone/screens/void_and_cluster.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 #include <numeric>
 #include <utility>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/random.h"
-#include "voxtone/halftone/screens/pattern_energy.h"
+#include "base/contracts.h"
+#include "base/random.h"
+#include "halftone/screens/pattern_energy.h"
 
 namespace voxtone::halftone {
 namespace {

@@ -22,7 +22,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxtone/base/progress.h"
+#include "base/progress.h"
 
 namespace voxtone::halftone {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/separation/appearance_colour.h"
+#include "halftone/separation/appearance_colour.h"
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/optics/colour/observed_colour.h"
+#include "base/error.h"
+#include "optics/colour/observed_colour.h"
 
 namespace voxtone::halftone {
 

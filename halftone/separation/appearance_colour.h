@@ -11,10 +11,10 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/halftone/separation/mixture.h"
-#include "voxtone/optics/colour/channels.h"
-#include "voxtone/optics/layered/mixture_correction.h"
-#include "voxtone/optics/layered/shell_appearance.h"
+#include "halftone/separation/mixture.h"
+#include "optics/colour/channels.h"
+#include "optics/layered/mixture_correction.h"
+#include "optics/layered/shell_appearance.h"
 
 namespace voxtone::halftone {
 

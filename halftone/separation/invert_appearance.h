@@ -14,9 +14,9 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/halftone/separation/appearance_colour.h"
-#include "voxtone/halftone/separation/mixture.h"
-#include "voxtone/halftone/separation/separation_options.h"
+#include "halftone/separation/appearance_colour.h"
+#include "halftone/separation/mixture.h"
+#include "halftone/separation/separation_options.h"
 
 namespace voxtone::halftone {
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/separation/lattice_lookup.h"
+#include "halftone/separation/lattice_lookup.h"
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
 
-#include "voxtone/halftone/separation/scalar_lookup.h"
+#include "halftone/separation/scalar_lookup.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "voxtone/halftone/separation/lattice_lookup.cpp"
+#define HWY_TARGET_INCLUDE "halftone/separation/lattice_lookup.cpp"
 // The order of these two matters.
 // clang-format off
 #include "hwy/foreach_target.h"

@@ -7,8 +7,8 @@
 
 #include <cstddef>
 
-#include "voxtone/halftone/separation/lattice_view.h"
-#include "voxtone/halftone/separation/mixture.h"
+#include "halftone/separation/lattice_view.h"
+#include "halftone/separation/mixture.h"
 
 namespace voxtone::halftone {
 

@@ -16,8 +16,8 @@
 #include <cstdint>
 #include <utility>
 
-#include "voxtone/halftone/separation/lattice_view.h"
-#include "voxtone/halftone/separation/mixture.h"
+#include "halftone/separation/lattice_view.h"
+#include "halftone/separation/mixture.h"
 
 namespace voxtone::halftone {
 

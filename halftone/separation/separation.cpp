@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/separation/separation.h"
+#include "halftone/separation/separation.h"
 
 #include <algorithm>
 #include <array>
@@ -7,11 +7,11 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/halftone/separation/invert_appearance.h"
-#include "voxtone/optics/colour/colour.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "halftone/separation/invert_appearance.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::halftone {
 

@@ -36,12 +36,12 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/halftone/separation/appearance_colour.h"
-#include "voxtone/halftone/separation/lattice_lookup.h"
-#include "voxtone/halftone/separation/mixture.h"
-#include "voxtone/halftone/separation/separation_options.h"
-#include "voxtone/optics/layered/shell_appearance.h"
+#include "base/progress.h"
+#include "halftone/separation/appearance_colour.h"
+#include "halftone/separation/lattice_lookup.h"
+#include "halftone/separation/mixture.h"
+#include "halftone/separation/separation_options.h"
+#include "optics/layered/shell_appearance.h"
 
 namespace voxtone::halftone {
 

@@ -3,7 +3,7 @@
 // How a separation is made; separation.h has the equation that these stand in.
 #pragma once
 
-#include "voxtone/optics/colour/channels.h"
+#include "optics/colour/channels.h"
 
 namespace voxtone::halftone {
 

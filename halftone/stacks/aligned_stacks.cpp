@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/stacks/aligned_stacks.h"
+#include "halftone/stacks/aligned_stacks.h"
 
 #include <algorithm>
 #include <numeric>
 #include <set>
 
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 namespace voxtone::halftone {
 

@@ -17,8 +17,8 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/halftone/separation/mixture.h"
-#include "voxtone/halftone/stacks/stack_options.h"
+#include "halftone/separation/mixture.h"
+#include "halftone/stacks/stack_options.h"
 
 namespace voxtone::halftone {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/stacks/hildreth.h"
+#include "halftone/stacks/hildreth.h"
 
 #include <algorithm>
 

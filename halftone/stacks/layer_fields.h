@@ -18,7 +18,7 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/halftone/stacks/aligned_stacks.h"
+#include "halftone/stacks/aligned_stacks.h"
 
 namespace voxtone::halftone {
 

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/halftone/stacks/stack_options.h"
+#include "halftone/stacks/stack_options.h"
 
 namespace voxtone::halftone {
 

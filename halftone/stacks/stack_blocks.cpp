@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/stacks/stack_blocks.h"
+#include "halftone/stacks/stack_blocks.h"
 
 #include <algorithm>
 #include <bit>
@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 namespace voxtone::halftone {
 namespace {

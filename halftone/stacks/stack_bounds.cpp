@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/stacks/stack_bounds.h"
+#include "halftone/stacks/stack_bounds.h"
 
 #include <algorithm>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
 
 namespace voxtone::halftone {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/stacks/stack_descent.h"
+#include "halftone/stacks/stack_descent.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/halftone/stacks/stack_bounds.h"
-#include "voxtone/halftone/stacks/sub_stacks.h"
+#include "halftone/stacks/stack_bounds.h"
+#include "halftone/stacks/sub_stacks.h"
 
 namespace voxtone::halftone {
 

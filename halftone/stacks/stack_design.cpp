@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/stacks/stack_design.h"
+#include "halftone/stacks/stack_design.h"
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/halftone/stacks/stack_refinement.h"
-#include "voxtone/halftone/stacks/whole_layers.h"
-#include "voxtone/optics/profiles/saunderson.h"
+#include "base/contracts.h"
+#include "halftone/stacks/stack_refinement.h"
+#include "halftone/stacks/whole_layers.h"
+#include "optics/profiles/saunderson.h"
 
 namespace voxtone::halftone {
 namespace {

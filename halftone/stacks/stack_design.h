@@ -21,7 +21,7 @@
 
 #include <functional>
 
-#include "voxtone/halftone/stacks/stack_search.h"
+#include "halftone/stacks/stack_search.h"
 
 namespace voxtone::halftone {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/stacks/stack_lanes.h"
+#include "halftone/stacks/stack_lanes.h"
 
 #include <algorithm>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "voxtone/halftone/stacks/stack_lanes.cpp"
+#define HWY_TARGET_INCLUDE "halftone/stacks/stack_lanes.cpp"
 // The order of these two matters.
 // clang-format off
 #include "hwy/foreach_target.h"

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/stacks/stack_materials.h"
+#include "halftone/stacks/stack_materials.h"
 
 #include <algorithm>
 
 #include <fmt/format.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/optics/profiles/resin_profile.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "optics/profiles/resin_profile.h"
 
 namespace voxtone::halftone {
 

@@ -14,10 +14,10 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/halftone/stacks/stack_options.h"
-#include "voxtone/optics/monte_carlo/layer_paths.h"
-#include "voxtone/optics/numerics/hankel.h"
-#include "voxtone/optics/profiles/measured_profile.h"
+#include "halftone/stacks/stack_options.h"
+#include "optics/monte_carlo/layer_paths.h"
+#include "optics/numerics/hankel.h"
+#include "optics/profiles/measured_profile.h"
 
 namespace voxtone::halftone {
 

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxtone/optics/profiles/layer_profile.h"
+#include "optics/profiles/layer_profile.h"
 
 namespace voxtone::halftone {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/stacks/stack_refinement.h"
+#include "halftone/stacks/stack_refinement.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 #include <Eigen/Core>
 
-#include "voxtone/base/error.h"
-#include "voxtone/halftone/stacks/hildreth.h"
-#include "voxtone/halftone/stacks/stack_search.h"
+#include "base/error.h"
+#include "halftone/stacks/hildreth.h"
+#include "halftone/stacks/stack_search.h"
 
 namespace voxtone::halftone {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/stacks/stack_search.h"
+#include "halftone/stacks/stack_search.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,12 +7,12 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/halftone/stacks/stack_bounds.h"
-#include "voxtone/halftone/stacks/stack_descent.h"
-#include "voxtone/halftone/stacks/sub_stacks.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "halftone/stacks/stack_bounds.h"
+#include "halftone/stacks/stack_descent.h"
+#include "halftone/stacks/sub_stacks.h"
 
 namespace voxtone::halftone {
 namespace {

@@ -41,8 +41,8 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/halftone/stacks/stack_options.h"
+#include "base/progress.h"
+#include "halftone/stacks/stack_options.h"
 
 namespace voxtone::halftone {
 

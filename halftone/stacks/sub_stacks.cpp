@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/stacks/sub_stacks.h"
+#include "halftone/stacks/sub_stacks.h"
 
 #include <algorithm>
 #include <numeric>
 
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 namespace voxtone::halftone {
 

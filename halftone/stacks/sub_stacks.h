@@ -11,8 +11,8 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/halftone/stacks/stack_blocks.h"
-#include "voxtone/halftone/stacks/stack_lanes.h"
+#include "halftone/stacks/stack_blocks.h"
+#include "halftone/stacks/stack_lanes.h"
 
 namespace voxtone::halftone {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/stacks/whole_layers.h"
+#include "halftone/stacks/whole_layers.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/halftone/stacks/stack_search.h"
+#include "base/contracts.h"
+#include "halftone/stacks/stack_search.h"
 
 namespace voxtone::halftone {
 

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "voxtone/halftone/stacks/stack_options.h"
+#include "halftone/stacks/stack_options.h"
 
 namespace voxtone::halftone {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/codecs/cut_volumes.h"
+#include "io/codecs/cut_volumes.h"
 
 #include <algorithm>
 #include <array>
@@ -15,7 +15,7 @@
 #include <fmt/format.h>
 #include <Eigen/Dense>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 namespace voxtone::io {
 

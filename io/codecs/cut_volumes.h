@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "voxtone/io/models/model_parts.h"
+#include "io/models/model_parts.h"
 
 namespace voxtone::io {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/codecs/decode_device_profile.h"
+#include "io/codecs/decode_device_profile.h"
 
 #include <algorithm>
 #include <cstring>
@@ -9,10 +9,10 @@
 #include <fmt/format.h>
 #include <lcms2.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/printable.h"
-#include "voxtone/io/files/deflate.h"
-#include "voxtone/io/files/zip_reader.h"
+#include "base/error.h"
+#include "base/printable.h"
+#include "io/files/deflate.h"
+#include "io/files/zip_reader.h"
 
 namespace voxtone::io {
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "voxtone/io/profiles/device_profile.h"
+#include "io/profiles/device_profile.h"
 
 namespace voxtone::io {
 

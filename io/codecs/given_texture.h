@@ -5,8 +5,8 @@
 
 #include <filesystem>
 
-#include "voxtone/io/codecs/parse_context.h"
-#include "voxtone/io/models/model_parts.h"
+#include "io/codecs/parse_context.h"
+#include "io/models/model_parts.h"
 
 namespace voxtone::io {
 

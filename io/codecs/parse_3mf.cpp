@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/codecs/parse_3mf.h"
+#include "io/codecs/parse_3mf.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,15 +12,15 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/counted.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/printable.h"
-#include "voxtone/io/codecs/cut_volumes.h"
-#include "voxtone/io/codecs/texture_baker.h"
-#include "voxtone/io/codecs/threemf_part.h"
-#include "voxtone/io/models/model_text.h"
-#include "voxtone/io/models/slicer_roles.h"
-#include "voxtone/io/models/threemf_package.h"
+#include "base/counted.h"
+#include "base/error.h"
+#include "base/printable.h"
+#include "io/codecs/cut_volumes.h"
+#include "io/codecs/texture_baker.h"
+#include "io/codecs/threemf_part.h"
+#include "io/models/model_text.h"
+#include "io/models/slicer_roles.h"
+#include "io/models/threemf_package.h"
 
 namespace voxtone::io {
 

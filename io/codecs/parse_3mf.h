@@ -7,7 +7,7 @@
 // loss could not even be told, and believes sizes. It is the second opinion in the tests.
 #pragma once
 
-#include "voxtone/io/codecs/parse_context.h"
+#include "io/codecs/parse_context.h"
 
 namespace voxtone::io {
 

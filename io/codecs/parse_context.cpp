@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/codecs/parse_context.h"
+#include "io/codecs/parse_context.h"
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/sha256.h"
+#include "base/error.h"
+#include "io/files/sha256.h"
 
 namespace voxtone::io {
 

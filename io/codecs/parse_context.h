@@ -13,11 +13,11 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/io/codecs/side_files.h"
-#include "voxtone/io/decoders/decode_image.h"
-#include "voxtone/io/files/read_bytes.h"
-#include "voxtone/io/files/read_options.h"
-#include "voxtone/io/models/model_parts.h"
+#include "io/codecs/side_files.h"
+#include "io/decoders/decode_image.h"
+#include "io/files/read_bytes.h"
+#include "io/files/read_options.h"
+#include "io/models/model_parts.h"
 
 namespace voxtone::io {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/codecs/parse_gltf.h"
+#include "io/codecs/parse_gltf.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,11 +16,11 @@
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/printable.h"
-#include "voxtone/io/codecs/gltf_data.h"
-#include "voxtone/io/files/base64.h"
-#include "voxtone/io/models/model_text.h"
+#include "base/error.h"
+#include "base/printable.h"
+#include "io/codecs/gltf_data.h"
+#include "io/files/base64.h"
+#include "io/models/model_text.h"
 
 namespace voxtone::io {
 

@@ -6,7 +6,7 @@
 // KHR_texture_transform.
 #pragma once
 
-#include "voxtone/io/codecs/parse_context.h"
+#include "io/codecs/parse_context.h"
 
 namespace voxtone::io {
 

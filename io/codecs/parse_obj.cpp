@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/codecs/parse_obj.h"
+#include "io/codecs/parse_obj.h"
 
 #include <algorithm>
 #include <array>
@@ -12,14 +12,14 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/printable.h"
-#include "voxtone/io/codecs/polygon_triangles.h"
-#include "voxtone/io/models/colour_range.h"
-#include "voxtone/io/models/model_text.h"
-#include "voxtone/io/models/mtl_library.h"
-#include "voxtone/io/models/obj_file.h"
-#include "voxtone/io/models/udim.h"
-#include "voxtone/io/pictures/srgb_code.h"
+#include "base/printable.h"
+#include "io/codecs/polygon_triangles.h"
+#include "io/models/colour_range.h"
+#include "io/models/model_text.h"
+#include "io/models/mtl_library.h"
+#include "io/models/obj_file.h"
+#include "io/models/udim.h"
+#include "io/pictures/srgb_code.h"
 
 namespace voxtone::io {
 

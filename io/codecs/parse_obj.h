@@ -12,7 +12,7 @@
 // and other upper and lower case. Points, lines and free-form surfaces are left aside, which is said.
 #pragma once
 
-#include "voxtone/io/codecs/parse_context.h"
+#include "io/codecs/parse_context.h"
 
 namespace voxtone::io {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/codecs/parse_ply.h"
+#include "io/codecs/parse_ply.h"
 
 #include <algorithm>
 #include <array>
@@ -9,12 +9,12 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/printable.h"
-#include "voxtone/io/codecs/ply_header.h"
-#include "voxtone/io/codecs/ply_values.h"
-#include "voxtone/io/codecs/polygon_triangles.h"
-#include "voxtone/io/models/colour_range.h"
+#include "base/error.h"
+#include "base/printable.h"
+#include "io/codecs/ply_header.h"
+#include "io/codecs/ply_values.h"
+#include "io/codecs/polygon_triangles.h"
+#include "io/models/colour_range.h"
 
 namespace voxtone::io {
 

@@ -8,7 +8,7 @@
 // Textures come before colours, which are not multiplied; colours of faces count where those of vertices are all alike.
 #pragma once
 
-#include "voxtone/io/codecs/parse_context.h"
+#include "io/codecs/parse_context.h"
 
 namespace voxtone::io {
 

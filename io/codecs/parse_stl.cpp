@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/codecs/parse_stl.h"
+#include "io/codecs/parse_stl.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/codecs/polygon_triangles.h"
-#include "voxtone/io/models/model_text.h"
+#include "base/error.h"
+#include "io/codecs/polygon_triangles.h"
+#include "io/models/model_text.h"
 
 namespace voxtone::io {
 

@@ -7,7 +7,7 @@
 // 0x2020 (blanks), are none.
 #pragma once
 
-#include "voxtone/io/codecs/parse_context.h"
+#include "io/codecs/parse_context.h"
 
 namespace voxtone::io {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/codecs/ply_values.h"
+#include "io/codecs/ply_values.h"
 
 #include <algorithm>
 #include <bit>
@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/models/model_text.h"
+#include "base/error.h"
+#include "io/models/model_text.h"
 
 namespace voxtone::io {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-#include "voxtone/io/codecs/ply_header.h"
+#include "io/codecs/ply_header.h"
 
 namespace voxtone::io {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/codecs/polygon_triangles.h"
+#include "io/codecs/polygon_triangles.h"
 
 #include <algorithm>
 #include <exception>
@@ -10,7 +10,7 @@
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 #include <Eigen/Geometry>
 
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 namespace voxtone::io {
 

@@ -9,9 +9,9 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/io/decoders/decode_options.h"
-#include "voxtone/io/models/model_reader.h"
-#include "voxtone/io/pictures/picture.h"
+#include "io/decoders/decode_options.h"
+#include "io/models/model_reader.h"
+#include "io/pictures/picture.h"
 
 namespace voxtone::io {
 

@@ -4,8 +4,8 @@
 // Pictures that are neither PNG nor JPEG it has decoded by that program's leave.
 #include <cstdio>
 
-#include "voxtone/io/codecs/read_here.h"
-#include "voxtone/io/files/serve_isolated.h"
+#include "io/codecs/read_here.h"
+#include "io/files/serve_isolated.h"
 
 int main() {
     voxtone::io::serve_isolated(voxtone::io::answer);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/codecs/texture_baker.h"
+#include "io/codecs/texture_baker.h"
 
 #include <algorithm>
 #include <cmath>

@@ -14,8 +14,8 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/io/pictures/decoded_image.h"
-#include "voxtone/io/pictures/texture.h"
+#include "io/pictures/decoded_image.h"
+#include "io/pictures/texture.h"
 
 namespace voxtone::io {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/codecs/threemf_part.h"
+#include "io/codecs/threemf_part.h"
 
 #include <charconv>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/io/files/xml_reader.h"
+#include "io/files/xml_reader.h"
 
 namespace voxtone::io {
 

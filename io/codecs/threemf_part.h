@@ -16,8 +16,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "voxtone/io/models/slicer_roles.h"
-#include "voxtone/io/pictures/texture.h"
+#include "io/models/slicer_roles.h"
+#include "io/pictures/texture.h"
 
 namespace voxtone::io {
 

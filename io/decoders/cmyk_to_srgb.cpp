@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/decoders/cmyk_to_srgb.h"
+#include "io/decoders/cmyk_to_srgb.h"
 
 #include <limits>
 
 #include <fmt/format.h>
 
-#include "voxtone/io/decoders/icc_to_srgb.h"
+#include "io/decoders/icc_to_srgb.h"
 
 namespace voxtone::io {
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/decoders/decode_image.h"
+#include "io/decoders/decode_image.h"
 
 #include <algorithm>
 #include <string_view>
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/decoders/decode_jpeg.h"
-#include "voxtone/io/decoders/decode_png.h"
+#include "base/error.h"
+#include "io/decoders/decode_jpeg.h"
+#include "io/decoders/decode_png.h"
 
 namespace voxtone::io {
 

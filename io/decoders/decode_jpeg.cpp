@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/decoders/decode_jpeg.h"
+#include "io/decoders/decode_jpeg.h"
 
 #include <algorithm>
 #include <csetjmp>
@@ -13,11 +13,11 @@
 #include <jerror.h>
 #include <jpeglib.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/decoders/cmyk_to_srgb.h"
-#include "voxtone/io/decoders/exif.h"
-#include "voxtone/io/decoders/jpeg_end.h"
-#include "voxtone/io/decoders/picture_samples.h"
+#include "base/error.h"
+#include "io/decoders/cmyk_to_srgb.h"
+#include "io/decoders/exif.h"
+#include "io/decoders/jpeg_end.h"
+#include "io/decoders/picture_samples.h"
 
 namespace voxtone::io {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <type_traits>
 
-#include "voxtone/io/pictures/decoded_image.h"
+#include "io/pictures/decoded_image.h"
 
 namespace voxtone::io {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/decoders/decode_png.h"
+#include "io/decoders/decode_png.h"
 
 #include <array>
 #include <cmath>
@@ -10,9 +10,9 @@
 #include <fmt/format.h>
 #include <png.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/decoders/exif.h"
-#include "voxtone/io/decoders/picture_samples.h"
+#include "base/error.h"
+#include "io/decoders/exif.h"
+#include "io/decoders/picture_samples.h"
 
 namespace voxtone::io {
 

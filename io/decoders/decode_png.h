@@ -9,7 +9,7 @@
 #include <span>
 #include <string>
 
-#include "voxtone/io/decoders/decode_options.h"
+#include "io/decoders/decode_options.h"
 
 namespace voxtone::io {
 

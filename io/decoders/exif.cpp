@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/decoders/exif.h"
+#include "io/decoders/exif.h"
 
 #include <cstddef>
 

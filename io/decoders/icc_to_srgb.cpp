@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/decoders/icc_to_srgb.h"
+#include "io/decoders/icc_to_srgb.h"
 
 #include <algorithm>
 #include <array>

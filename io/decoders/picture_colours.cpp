@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/decoders/picture_colours.h"
+#include "io/decoders/picture_colours.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <Eigen/LU>
 
-#include "voxtone/io/pictures/srgb_code.h"
-#include "voxtone/optics/colour/colour.h"
+#include "io/pictures/srgb_code.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::io {
 

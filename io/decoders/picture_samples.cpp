@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/decoders/picture_samples.h"
+#include "io/decoders/picture_samples.h"
 
 #include <array>
 #include <cmath>
@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/decoders/icc_to_srgb.h"
+#include "base/error.h"
+#include "io/decoders/icc_to_srgb.h"
 
 namespace voxtone::io {
 

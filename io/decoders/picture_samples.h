@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/io/decoders/decode_options.h"
-#include "voxtone/io/decoders/picture_colours.h"
+#include "io/decoders/decode_options.h"
+#include "io/decoders/picture_colours.h"
 
 namespace voxtone::io {
 

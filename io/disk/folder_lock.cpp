@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/disk/folder_lock.h"
+#include "io/disk/folder_lock.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -16,8 +16,8 @@
 #include <fmt/chrono.h>
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/disk/disk_space.h"
+#include "base/error.h"
+#include "io/disk/disk_space.h"
 
 namespace voxtone::io {
 namespace {

@@ -15,8 +15,8 @@
 #include <string>
 #include <string_view>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/disk/open_file.h"
+#include "base/error.h"
+#include "io/disk/open_file.h"
 
 namespace voxtone::io {
 

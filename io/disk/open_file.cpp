@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/disk/open_file.h"
+#include "io/disk/open_file.h"
 
 #include <fcntl.h>
 #include <unistd.h>
 
-#include "voxtone/io/disk/disk_space.h"
+#include "io/disk/disk_space.h"
 
 namespace voxtone::io {
 

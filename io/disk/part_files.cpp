@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/disk/part_files.h"
+#include "io/disk/part_files.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -12,8 +12,8 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/io/disk/folder_lock.h"
-#include "voxtone/io/disk/open_file.h"
+#include "io/disk/folder_lock.h"
+#include "io/disk/open_file.h"
 
 namespace voxtone::io {
 namespace {

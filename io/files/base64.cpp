@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/files/base64.h"
+#include "io/files/base64.h"
 
 #include <array>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/files/deflate.h"
+#include "io/files/deflate.h"
 
 #include <algorithm>
 
 #include <zlib.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
+#include "base/contracts.h"
+#include "base/error.h"
 
 namespace voxtone::io {
 

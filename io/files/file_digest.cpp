@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/files/file_digest.h"
+#include "io/files/file_digest.h"
 
 #include <cerrno>
 #include <cstdint>
@@ -10,8 +10,8 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/sha256.h"
+#include "base/error.h"
+#include "io/files/sha256.h"
 
 namespace voxtone::io {
 

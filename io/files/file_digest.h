@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-#include "voxtone/base/progress.h"
+#include "base/progress.h"
 
 namespace voxtone::io {
 

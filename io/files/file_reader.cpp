@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/files/file_reader.h"
+#include "io/files/file_reader.h"
 
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/packed_values.h"
-#include "voxtone/io/files/sandbox.h"
-#include "voxtone/io/programs/build_identity.h"
-#include "voxtone/io/programs/helper_program.h"
+#include "base/error.h"
+#include "io/files/packed_values.h"
+#include "io/files/sandbox.h"
+#include "io/programs/build_identity.h"
+#include "io/programs/helper_program.h"
 
 namespace voxtone::io {
 

@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/io/files/isolate.h"
-#include "voxtone/io/files/read_options.h"
+#include "io/files/isolate.h"
+#include "io/files/read_options.h"
 
 namespace voxtone::io {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/files/isolate.h"
+#include "io/files/isolate.h"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -22,9 +22,9 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/isolate_protocol.h"
-#include "voxtone/io/files/packed_values.h"
+#include "base/error.h"
+#include "io/files/isolate_protocol.h"
+#include "io/files/packed_values.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 #define VOXTONE_ADDRESS_SANITIZER 1

@@ -31,7 +31,7 @@
 #include <utility>
 #include <vector>
 
-#include "voxtone/base/progress.h"
+#include "base/progress.h"
 
 namespace voxtone::io {
 

@@ -8,9 +8,9 @@
 
 #include <string_view>
 
-#include "voxtone/io/files/json_object.h"
-#include "voxtone/io/files/json_writer.h"
-#include "voxtone/optics/colour/channels.h"
+#include "io/files/json_object.h"
+#include "io/files/json_writer.h"
+#include "optics/colour/channels.h"
 
 namespace voxtone::io {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/files/json_lines.h"
+#include "io/files/json_lines.h"
 
 #include <algorithm>
 #include <optional>

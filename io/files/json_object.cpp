@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/files/json_object.h"
+#include "io/files/json_object.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -12,9 +12,9 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/json_keys.h"
-#include "voxtone/io/files/json_lines.h"
+#include "base/error.h"
+#include "io/files/json_keys.h"
+#include "io/files/json_lines.h"
 
 namespace voxtone::io {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/files/json_writer.h"
+#include "io/files/json_writer.h"
 
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/printable.h"
+#include "base/contracts.h"
+#include "base/printable.h"
 
 namespace voxtone::io {
 

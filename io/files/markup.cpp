@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/files/markup.h"
+#include "io/files/markup.h"
 
 #include <span>
 
 #include <fmt/core.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/embedded_file.h"
-#include "voxtone/base/printable.h"
+#include "base/contracts.h"
+#include "base/embedded_file.h"
+#include "base/printable.h"
 
 namespace voxtone::embedded {
 std::span<const EmbeddedFile> page_assets();

@@ -20,7 +20,7 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 namespace voxtone::io {
 

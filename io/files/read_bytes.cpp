@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/files/read_bytes.h"
+#include "io/files/read_bytes.h"
 
 #include <cerrno>
 #include <cstring>
@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 namespace voxtone::io {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/files/read_options.h"
+#include "io/files/read_options.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/machine_memory.h"
+#include "base/error.h"
+#include "base/machine_memory.h"
 
 namespace voxtone::io {
 

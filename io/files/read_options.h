@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <string>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/io/files/isolate.h"
+#include "base/progress.h"
+#include "io/files/isolate.h"
 
 namespace voxtone::io {
 

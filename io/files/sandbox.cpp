@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/files/sandbox.h"
+#include "io/files/sandbox.h"
 
 #include <fcntl.h>
 #include <linux/landlock.h>

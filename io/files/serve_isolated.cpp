@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/files/serve_isolated.h"
+#include "io/files/serve_isolated.h"
 
 #include <sys/stat.h>
 #include <unistd.h>
@@ -10,10 +10,10 @@
 #include <new>
 #include <optional>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/isolate_protocol.h"
-#include "voxtone/io/files/packed_values.h"
-#include "voxtone/io/files/sandbox.h"
+#include "base/error.h"
+#include "io/files/isolate_protocol.h"
+#include "io/files/packed_values.h"
+#include "io/files/sandbox.h"
 
 namespace voxtone::io {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/files/sha256.h"
+#include "io/files/sha256.h"
 
 #include <array>
 

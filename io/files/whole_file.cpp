@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/files/whole_file.h"
+#include "io/files/whole_file.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -13,10 +13,10 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/disk/disk_space.h"
-#include "voxtone/io/disk/open_file.h"
-#include "voxtone/io/disk/part_files.h"
+#include "base/error.h"
+#include "io/disk/disk_space.h"
+#include "io/disk/open_file.h"
+#include "io/disk/part_files.h"
 
 namespace voxtone::io {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/files/xml_reader.h"
+#include "io/files/xml_reader.h"
 
 #include <algorithm>
 #include <charconv>
@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 namespace voxtone::io {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/files/xxh64.h"
+#include "io/files/xxh64.h"
 
 #define XXH_STATIC_LINKING_ONLY  // the size of a state
 #include <xxhash.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/files/zip_reader.h"
+#include "io/files/zip_reader.h"
 
 #include <algorithm>
 #include <mutex>
@@ -7,7 +7,7 @@
 #include <fmt/core.h>
 #include <zip.h>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 namespace voxtone::io {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/gcvf_config.h"
+#include "io/layers/gcvf_config.h"
 
 #include <charconv>
 #include <cmath>
@@ -10,9 +10,9 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/markup.h"
-#include "voxtone/io/files/xml_reader.h"
+#include "base/error.h"
+#include "io/files/markup.h"
+#include "io/files/xml_reader.h"
 
 namespace voxtone::io {
 namespace {

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "voxtone/io/layers/manifest.h"
+#include "io/layers/manifest.h"
 
 namespace voxtone::io {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/gcvf_writer.h"
+#include "io/layers/gcvf_writer.h"
 
 #include <algorithm>
 #include <bit>
@@ -11,11 +11,11 @@
 #include <fmt/core.h>
 #include <zip.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/disk/disk_space.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/layers/gcvf_config.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "io/disk/disk_space.h"
+#include "io/files/whole_file.h"
+#include "io/layers/gcvf_config.h"
 
 namespace voxtone::io {
 namespace {

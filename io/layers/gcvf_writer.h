@@ -12,8 +12,8 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/io/layers/manifest.h"
+#include "base/progress.h"
+#include "io/layers/manifest.h"
 
 namespace voxtone::io {
 

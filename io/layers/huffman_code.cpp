@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/huffman_code.h"
+#include "io/layers/huffman_code.h"
 
 #include <algorithm>
 #include <array>
 
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 namespace voxtone::io {
 

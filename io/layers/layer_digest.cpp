@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/layer_digest.h"
+#include "io/layers/layer_digest.h"
 
 #include <array>
 #include <bit>
 #include <cstddef>
 
-#include "voxtone/io/files/sha256.h"
-#include "voxtone/io/files/xxh64.h"
+#include "io/files/sha256.h"
+#include "io/files/xxh64.h"
 
 namespace voxtone::io {
 

@@ -8,7 +8,7 @@
 #include <span>
 #include <string>
 
-#include "voxtone/io/layers/layer_runs.h"
+#include "io/layers/layer_runs.h"
 
 namespace voxtone::io {
 

@@ -5,7 +5,7 @@
 
 #include <array>
 
-#include "voxtone/base/named_values.h"
+#include "base/named_values.h"
 
 namespace voxtone::io {
 

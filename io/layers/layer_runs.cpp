@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/layer_runs.h"
+#include "io/layers/layer_runs.h"
 
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 namespace voxtone::io {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/layer_scan.h"
+#include "io/layers/layer_scan.h"
 
 #include <algorithm>
 #include <cstring>

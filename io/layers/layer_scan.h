@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/io/layers/layer_runs.h"
-#include "voxtone/io/layers/rgb.h"
-#include "voxtone/io/pictures/png_pixels.h"
+#include "io/layers/layer_runs.h"
+#include "io/layers/rgb.h"
+#include "io/pictures/png_pixels.h"
 
 namespace voxtone::io {
 

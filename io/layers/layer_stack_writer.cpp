@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/layer_stack_writer.h"
+#include "io/layers/layer_stack_writer.h"
 
 #include <algorithm>
 #include <system_error>
 
 #include <fmt/core.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/layers/layer_digest.h"
-#include "voxtone/io/layers/orient.h"
-#include "voxtone/io/layers/resin_sheet.h"
-#include "voxtone/io/layers/stack_folder.h"
-#include "voxtone/io/layers/volume_vdb.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "io/files/whole_file.h"
+#include "io/layers/layer_digest.h"
+#include "io/layers/orient.h"
+#include "io/layers/resin_sheet.h"
+#include "io/layers/stack_folder.h"
+#include "io/layers/volume_vdb.h"
 
 namespace voxtone::io {
 namespace {

@@ -13,14 +13,14 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/io/layers/gcvf_writer.h"
-#include "voxtone/io/layers/layer_format.h"
-#include "voxtone/io/layers/layer_runs.h"
-#include "voxtone/io/layers/manifest.h"
-#include "voxtone/io/layers/png_layer_encoder.h"
-#include "voxtone/io/layers/resin_bitmap.h"
-#include "voxtone/io/layers/stack_folder.h"
+#include "base/progress.h"
+#include "io/layers/gcvf_writer.h"
+#include "io/layers/layer_format.h"
+#include "io/layers/layer_runs.h"
+#include "io/layers/manifest.h"
+#include "io/layers/png_layer_encoder.h"
+#include "io/layers/resin_bitmap.h"
+#include "io/layers/stack_folder.h"
 
 namespace voxtone::io {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/layer_thumbnail.h"
+#include "io/layers/layer_thumbnail.h"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/io/pictures/srgb_code.h"
+#include "base/contracts.h"
+#include "io/pictures/srgb_code.h"
 
 namespace voxtone::io {
 

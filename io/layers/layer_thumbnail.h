@@ -9,9 +9,9 @@
 #include <array>
 #include <span>
 
-#include "voxtone/io/layers/layer_runs.h"
-#include "voxtone/io/layers/rgb.h"
-#include "voxtone/io/pictures/picture_writer.h"
+#include "io/layers/layer_runs.h"
+#include "io/layers/rgb.h"
+#include "io/pictures/picture_writer.h"
 
 namespace voxtone::io {
 

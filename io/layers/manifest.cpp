@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/manifest.h"
+#include "io/layers/manifest.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/printable.h"
-#include "voxtone/io/files/json_object.h"
-#include "voxtone/io/files/json_writer.h"
-#include "voxtone/io/files/sha256.h"
+#include "base/error.h"
+#include "base/printable.h"
+#include "io/files/json_object.h"
+#include "io/files/json_writer.h"
+#include "io/files/sha256.h"
 
 namespace voxtone::io {
 namespace {

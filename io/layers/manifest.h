@@ -12,8 +12,8 @@
 #include <string_view>
 #include <vector>
 
-#include "voxtone/io/layers/layer_runs.h"
-#include "voxtone/io/layers/rgb.h"
+#include "io/layers/layer_runs.h"
+#include "io/layers/rgb.h"
 
 namespace voxtone::io {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/orient.h"
+#include "io/layers/orient.h"
 
 #include <algorithm>
 #include <vector>
 
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 namespace voxtone::io {
 namespace {

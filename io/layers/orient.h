@@ -3,8 +3,8 @@
 // Mirrored and transposed layers, for printers that print a bitmap the other way round.
 #pragma once
 
-#include "voxtone/io/layers/layer_runs.h"
-#include "voxtone/io/layers/manifest.h"
+#include "io/layers/layer_runs.h"
+#include "io/layers/manifest.h"
 
 namespace voxtone::io {
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/png_layer_encoder.h"
+#include "io/layers/png_layer_encoder.h"
 
 #include <cmath>
 #include <string_view>
 
 #include <zlib.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/io/layers/huffman_code.h"
-#include "voxtone/io/layers/run_matcher.h"
+#include "base/contracts.h"
+#include "io/layers/huffman_code.h"
+#include "io/layers/run_matcher.h"
 
 namespace voxtone::io {
 namespace {

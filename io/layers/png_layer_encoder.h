@@ -15,8 +15,8 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/io/layers/layer_runs.h"
-#include "voxtone/io/layers/rgb.h"
+#include "io/layers/layer_runs.h"
+#include "io/layers/rgb.h"
 
 namespace voxtone::io {
 

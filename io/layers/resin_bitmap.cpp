@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/resin_bitmap.h"
+#include "io/layers/resin_bitmap.h"
 
 #include <algorithm>
 #include <csetjmp>
@@ -8,9 +8,9 @@
 #include <png.h>
 #include <tiffio.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/layers/png_layer_encoder.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "io/layers/png_layer_encoder.h"
 
 namespace voxtone::io {
 namespace {

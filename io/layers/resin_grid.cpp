@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/resin_grid.h"
+#include "io/layers/resin_grid.h"
 
 #include <algorithm>
 #include <cstring>
@@ -10,11 +10,11 @@
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Prune.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/layers/layer_scan.h"
-#include "voxtone/io/layers/orient.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "io/files/whole_file.h"
+#include "io/layers/layer_scan.h"
+#include "io/layers/orient.h"
 
 namespace voxtone::io {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <filesystem>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/io/layers/manifest.h"
+#include "base/progress.h"
+#include "io/layers/manifest.h"
 
 namespace voxtone::io {
 

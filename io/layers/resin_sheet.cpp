@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/resin_sheet.h"
+#include "io/layers/resin_sheet.h"
 
 #include <algorithm>
 
 #include <fmt/core.h>
 
-#include "voxtone/io/files/markup.h"
+#include "io/files/markup.h"
 
 namespace voxtone::io {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "voxtone/io/layers/manifest.h"
+#include "io/layers/manifest.h"
 
 namespace voxtone::io {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/run_matcher.h"
+#include "io/layers/run_matcher.h"
 
 #include <algorithm>
 #include <bit>
 #include <cstring>
 
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 namespace voxtone::io {
 namespace {

@@ -15,7 +15,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxtone/io/layers/layer_runs.h"
+#include "io/layers/layer_runs.h"
 
 namespace voxtone::io {
 

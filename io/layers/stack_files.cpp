@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/stack_files.h"
+#include "io/layers/stack_files.h"
 
 #include <algorithm>
 #include <fstream>
@@ -9,11 +9,11 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/json_object.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/layers/stack_folder.h"
-#include "voxtone/io/pictures/picture_series.h"
+#include "base/error.h"
+#include "io/files/json_object.h"
+#include "io/files/whole_file.h"
+#include "io/layers/stack_folder.h"
+#include "io/pictures/picture_series.h"
 
 namespace voxtone::io {
 namespace {

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/io/files/zip_reader.h"
-#include "voxtone/io/layers/gcvf_config.h"
-#include "voxtone/io/layers/manifest.h"
+#include "io/files/zip_reader.h"
+#include "io/layers/gcvf_config.h"
+#include "io/layers/manifest.h"
 
 namespace voxtone::io {
 

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/stack_reader.h"
+#include "io/layers/stack_reader.h"
 
 #include <algorithm>
 #include <mutex>
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/io/files/isolate.h"
-#include "voxtone/io/files/sandbox.h"
-#include "voxtone/io/layers/stack_folder.h"
-#include "voxtone/io/programs/helper_program.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "io/files/isolate.h"
+#include "io/files/sandbox.h"
+#include "io/layers/stack_folder.h"
+#include "io/programs/helper_program.h"
 
 namespace voxtone::io {
 

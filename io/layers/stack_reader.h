@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/io/layers/stack_service.h"
+#include "io/layers/stack_service.h"
 
 namespace voxtone::io {
 

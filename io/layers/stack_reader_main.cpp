@@ -4,8 +4,8 @@
 // not voxtone-read, because it starts ten times as fast without the libraries of pictures and models.
 #include <cstdio>
 
-#include "voxtone/io/files/serve_isolated.h"
-#include "voxtone/io/layers/stack_service.h"
+#include "io/files/serve_isolated.h"
+#include "io/layers/stack_service.h"
 
 int main() {
     voxtone::io::StackService service;

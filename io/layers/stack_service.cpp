@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/stack_service.h"
+#include "io/layers/stack_service.h"
 
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/packed_values.h"
-#include "voxtone/io/programs/build_identity.h"
+#include "base/error.h"
+#include "io/files/packed_values.h"
+#include "io/programs/build_identity.h"
 
 namespace voxtone::io {
 

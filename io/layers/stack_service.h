@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/io/layers/layer_scan.h"
-#include "voxtone/io/layers/stack_files.h"
+#include "io/layers/layer_scan.h"
+#include "io/layers/stack_files.h"
 
 namespace voxtone::io {
 

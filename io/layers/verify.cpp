@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/verify.h"
+#include "io/layers/verify.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,14 +7,14 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/counted.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/layers/layer_digest.h"
-#include "voxtone/io/layers/png_layer_encoder.h"
-#include "voxtone/io/layers/stack_folder.h"
-#include "voxtone/io/pictures/picture_series.h"
+#include "base/counted.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "io/files/whole_file.h"
+#include "io/layers/layer_digest.h"
+#include "io/layers/png_layer_encoder.h"
+#include "io/layers/stack_folder.h"
+#include "io/pictures/picture_series.h"
 
 namespace voxtone::io {
 namespace {

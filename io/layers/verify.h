@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/io/layers/stack_reader.h"
+#include "base/progress.h"
+#include "io/layers/stack_reader.h"
 
 namespace voxtone::io {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/volume_vdb.h"
+#include "io/layers/volume_vdb.h"
 
-#include "voxtone/io/programs/module_function.h"
+#include "io/programs/module_function.h"
 
 namespace voxtone::io {
 

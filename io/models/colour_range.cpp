@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/models/colour_range.h"
+#include "io/models/colour_range.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/io/pictures/srgb_code.h"
+#include "io/pictures/srgb_code.h"
 
 namespace voxtone::io {
 

@@ -8,7 +8,7 @@
 // time", 2000: nearest in the column first, then the lower envelope of parabolas along each row; exact.
 #pragma once
 
-#include "voxtone/io/models/texel_coverage.h"
+#include "io/models/texel_coverage.h"
 
 namespace voxtone::io {
 

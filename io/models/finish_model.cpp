@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/models/finish_model.h"
+#include "io/models/finish_model.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/models/fill_gutters.h"
-#include "voxtone/io/models/texel_coverage.h"
-#include "voxtone/io/models/weld.h"
+#include "base/error.h"
+#include "io/models/fill_gutters.h"
+#include "io/models/texel_coverage.h"
+#include "io/models/weld.h"
 
 namespace voxtone::io {
 

@@ -5,8 +5,8 @@
 
 #include <string>
 
-#include "voxtone/io/models/mesh.h"
-#include "voxtone/io/models/model_parts.h"
+#include "io/models/mesh.h"
+#include "io/models/model_parts.h"
 
 namespace voxtone::io {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/models/foreign_kind.h"
+#include "io/models/foreign_kind.h"
 
 #include <algorithm>
 #include <array>
@@ -11,8 +11,8 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/io/models/model_reader.h"
-#include "voxtone/io/models/model_text.h"
+#include "io/models/model_reader.h"
+#include "io/models/model_text.h"
 
 namespace voxtone::io {
 

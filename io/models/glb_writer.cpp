@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/models/glb_writer.h"
+#include "io/models/glb_writer.h"
 
 #include <algorithm>
 #include <bit>
@@ -11,9 +11,9 @@
 #include <fmt/core.h>
 #include <Eigen/Geometry>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/printable.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "base/printable.h"
 
 namespace voxtone::io {
 

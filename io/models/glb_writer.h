@@ -18,7 +18,7 @@
 #include <string_view>
 #include <vector>
 
-#include "voxtone/io/models/coloured_mesh.h"
+#include "io/models/coloured_mesh.h"
 
 namespace voxtone::io {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/models/model_parts.h"
+#include "io/models/model_parts.h"
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/packed_values.h"
-#include "voxtone/io/pictures/packed_image.h"
+#include "base/error.h"
+#include "io/files/packed_values.h"
+#include "io/pictures/packed_image.h"
 
 namespace voxtone::io {
 

@@ -16,9 +16,9 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/io/models/side_file.h"
-#include "voxtone/io/pictures/decoded_image.h"
-#include "voxtone/io/pictures/texture.h"
+#include "io/models/side_file.h"
+#include "io/pictures/decoded_image.h"
+#include "io/pictures/texture.h"
 
 namespace voxtone::io {
 

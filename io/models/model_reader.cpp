@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/models/model_reader.h"
+#include "io/models/model_reader.h"
 
 #include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/file_reader.h"
-#include "voxtone/io/models/finish_model.h"
-#include "voxtone/io/models/model_parts.h"
+#include "base/error.h"
+#include "io/files/file_reader.h"
+#include "io/models/finish_model.h"
+#include "io/models/model_parts.h"
 
 namespace voxtone::io {
 

@@ -46,9 +46,9 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/io/files/read_options.h"
-#include "voxtone/io/models/mesh.h"
-#include "voxtone/io/models/side_file.h"
+#include "io/files/read_options.h"
+#include "io/models/mesh.h"
+#include "io/models/side_file.h"
 
 namespace voxtone::io {
 

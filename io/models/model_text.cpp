@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/models/model_text.h"
+#include "io/models/model_text.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/models/mtl_library.h"
+#include "io/models/mtl_library.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "voxtone/io/models/colour_range.h"
-#include "voxtone/io/models/model_text.h"
+#include "io/models/colour_range.h"
+#include "io/models/model_text.h"
 
 namespace voxtone::io {
 

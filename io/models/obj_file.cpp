@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/models/obj_file.h"
+#include "io/models/obj_file.h"
 
 #include <algorithm>
 #include <charconv>
@@ -10,9 +10,9 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/printable.h"
-#include "voxtone/io/models/model_text.h"
+#include "base/error.h"
+#include "base/printable.h"
+#include "io/models/model_text.h"
 
 namespace voxtone::io {
 

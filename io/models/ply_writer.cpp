@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/models/ply_writer.h"
+#include "io/models/ply_writer.h"
 
 #include <bit>
 #include <cstring>
@@ -7,8 +7,8 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/io/pictures/srgb_code.h"
+#include "base/contracts.h"
+#include "io/pictures/srgb_code.h"
 
 namespace voxtone::io {
 

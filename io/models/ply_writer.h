@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/io/models/coloured_mesh.h"
+#include "io/models/coloured_mesh.h"
 
 namespace voxtone::io {
 

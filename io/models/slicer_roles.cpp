@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/models/slicer_roles.h"
+#include "io/models/slicer_roles.h"
 
 #include <algorithm>
 #include <charconv>
 #include <optional>
 #include <set>
 
-#include "voxtone/io/files/xml_reader.h"
-#include "voxtone/io/models/model_text.h"
+#include "io/files/xml_reader.h"
+#include "io/models/model_text.h"
 
 namespace voxtone::io {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/models/texel_coverage.h"
+#include "io/models/texel_coverage.h"
 
 #include <algorithm>
 #include <cmath>

@@ -14,7 +14,7 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/io/pictures/texture.h"
+#include "io/pictures/texture.h"
 
 namespace voxtone::io {
 

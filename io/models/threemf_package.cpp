@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/models/threemf_package.h"
+#include "io/models/threemf_package.h"
 
 #include <algorithm>
 #include <set>
@@ -7,10 +7,10 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/printable.h"
-#include "voxtone/io/files/xml_reader.h"
-#include "voxtone/io/models/model_text.h"
+#include "base/error.h"
+#include "base/printable.h"
+#include "io/files/xml_reader.h"
+#include "io/models/model_text.h"
 
 namespace voxtone::io {
 

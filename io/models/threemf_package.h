@@ -15,7 +15,7 @@
 #include <string_view>
 #include <vector>
 
-#include "voxtone/io/files/zip_reader.h"
+#include "io/files/zip_reader.h"
 
 namespace voxtone::io {
 

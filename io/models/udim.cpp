@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/models/udim.h"
+#include "io/models/udim.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/io/models/model_text.h"
+#include "io/models/model_text.h"
 
 namespace voxtone::io {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/models/weld.h"
+#include "io/models/weld.h"
 
 #include <bit>
 #include <limits>

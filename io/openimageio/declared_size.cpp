@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/openimageio/declared_size.h"
+#include "io/openimageio/declared_size.h"
 
 #include <algorithm>
 #include <cstdint>
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/decoders/picture_samples.h"
+#include "base/error.h"
+#include "io/decoders/picture_samples.h"
 
 namespace voxtone::io {
 

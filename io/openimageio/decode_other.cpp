@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/openimageio/decode_other.h"
+#include "io/openimageio/decode_other.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,14 +11,14 @@
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/decoders/cmyk_to_srgb.h"
-#include "voxtone/io/decoders/picture_samples.h"
-#include "voxtone/io/openimageio/declared_size.h"
-#include "voxtone/io/openimageio/image_rows.h"
-#include "voxtone/io/openimageio/lab_to_srgb.h"
-#include "voxtone/io/openimageio/memory_file.h"
-#include "voxtone/io/openimageio/no_threads.h"
+#include "base/error.h"
+#include "io/decoders/cmyk_to_srgb.h"
+#include "io/decoders/picture_samples.h"
+#include "io/openimageio/declared_size.h"
+#include "io/openimageio/image_rows.h"
+#include "io/openimageio/lab_to_srgb.h"
+#include "io/openimageio/memory_file.h"
+#include "io/openimageio/no_threads.h"
 
 namespace voxtone::io {
 

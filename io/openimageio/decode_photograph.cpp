@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/openimageio/decode_photograph.h"
+#include "io/openimageio/decode_photograph.h"
 
 #include <cstring>
 #include <memory>
@@ -7,9 +7,9 @@
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/openimageio/image_rows.h"
-#include "voxtone/io/openimageio/no_threads.h"
+#include "base/error.h"
+#include "io/openimageio/image_rows.h"
+#include "io/openimageio/no_threads.h"
 
 namespace voxtone::io {
 

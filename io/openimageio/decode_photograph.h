@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "voxtone/io/pictures/photograph.h"
+#include "io/pictures/photograph.h"
 
 namespace voxtone::io {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/openimageio/lab_to_srgb.h"
+#include "io/openimageio/lab_to_srgb.h"
 
 #include <algorithm>
 #include <array>
 
-#include "voxtone/optics/colour/colour.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::io {
 

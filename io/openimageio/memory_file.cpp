@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/openimageio/memory_file.h"
+#include "io/openimageio/memory_file.h"
 
 #include <sys/mman.h>
 #include <unistd.h>

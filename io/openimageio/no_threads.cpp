@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/openimageio/no_threads.h"
+#include "io/openimageio/no_threads.h"
 
 #include <dlfcn.h>
 

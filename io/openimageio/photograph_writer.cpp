@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/openimageio/photograph_writer.h"
+#include "io/openimageio/photograph_writer.h"
 
 #include <filesystem>
 #include <stdexcept>
@@ -8,9 +8,9 @@
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/openimageio/no_threads.h"
-#include "voxtone/io/pictures/srgb_code.h"
+#include "base/error.h"
+#include "io/openimageio/no_threads.h"
+#include "io/pictures/srgb_code.h"
 
 namespace voxtone::io {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/io/pictures/photograph.h"
+#include "io/pictures/photograph.h"
 
 namespace voxtone::io {
 

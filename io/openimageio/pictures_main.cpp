@@ -4,13 +4,13 @@
 // started it under limits of memory and time.
 #include <cstdio>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/file_reader.h"
-#include "voxtone/io/files/serve_isolated.h"
-#include "voxtone/io/openimageio/decode_other.h"
-#include "voxtone/io/openimageio/decode_photograph.h"
-#include "voxtone/io/openimageio/no_threads.h"
-#include "voxtone/io/pictures/packed_image.h"
+#include "base/error.h"
+#include "io/files/file_reader.h"
+#include "io/files/serve_isolated.h"
+#include "io/openimageio/decode_other.h"
+#include "io/openimageio/decode_photograph.h"
+#include "io/openimageio/no_threads.h"
+#include "io/pictures/packed_image.h"
 
 namespace {
 

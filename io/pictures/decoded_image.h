@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/io/pictures/texel_image.h"
+#include "io/pictures/texel_image.h"
 
 namespace voxtone::io {
 

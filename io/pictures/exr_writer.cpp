@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/pictures/exr_writer.h"
+#include "io/pictures/exr_writer.h"
 
 #include <algorithm>
 #include <cstring>
@@ -12,8 +12,8 @@
 #include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStringAttribute.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/units.h"
+#include "base/contracts.h"
+#include "base/units.h"
 
 namespace voxtone::io {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/io/pictures/picture_writer.h"
+#include "io/pictures/picture_writer.h"
 
 namespace voxtone::io {
 

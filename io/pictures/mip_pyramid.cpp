@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/pictures/mip_pyramid.h"
+#include "io/pictures/mip_pyramid.h"
 
 //
 // Levels by exact area averages. A level of even size averages pairs. Of an odd size 2k + 1 it has k texels, each of
@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
 
 namespace voxtone::io {
 

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "voxtone/io/pictures/texel_image.h"
+#include "io/pictures/texel_image.h"
 
 namespace voxtone::io {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/pictures/packed_image.h"
+#include "io/pictures/packed_image.h"
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/packed_values.h"
+#include "base/error.h"
+#include "io/files/packed_values.h"
 
 namespace voxtone::io {
 

@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "voxtone/io/pictures/decoded_image.h"
+#include "io/pictures/decoded_image.h"
 
 namespace voxtone::io {
 

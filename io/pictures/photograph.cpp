@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/pictures/photograph.h"
+#include "io/pictures/photograph.h"
 
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/file_reader.h"
-#include "voxtone/io/files/packed_values.h"
-#include "voxtone/io/pictures/srgb_code.h"
+#include "base/error.h"
+#include "io/files/file_reader.h"
+#include "io/files/packed_values.h"
+#include "io/pictures/srgb_code.h"
 
 namespace voxtone::io {
 

@@ -14,7 +14,7 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/base/progress.h"
+#include "base/progress.h"
 
 namespace voxtone::io {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/pictures/picture.h"
+#include "io/pictures/picture.h"
 
 #include <fmt/format.h>
 
-#include "voxtone/io/files/file_reader.h"
-#include "voxtone/io/pictures/packed_image.h"
+#include "io/files/file_reader.h"
+#include "io/pictures/packed_image.h"
 
 namespace voxtone::io {
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/io/files/read_options.h"
-#include "voxtone/io/pictures/decoded_image.h"
-#include "voxtone/io/pictures/texture.h"
+#include "io/files/read_options.h"
+#include "io/pictures/decoded_image.h"
+#include "io/pictures/texture.h"
 
 namespace voxtone::io {
 

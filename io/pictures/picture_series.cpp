@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/pictures/picture_series.h"
+#include "io/pictures/picture_series.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/counted.h"
+#include "base/counted.h"
 
 namespace voxtone::io {
 

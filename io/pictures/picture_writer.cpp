@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/pictures/picture_writer.h"
+#include "io/pictures/picture_writer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 
 #include <png.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/io/pictures/srgb_code.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "io/pictures/srgb_code.h"
 
 namespace voxtone::io {
 

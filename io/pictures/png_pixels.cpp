@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/pictures/png_pixels.h"
+#include "io/pictures/png_pixels.h"
 
 #include <algorithm>
 #include <csetjmp>
@@ -10,7 +10,7 @@
 #include <fmt/core.h>
 #include <png.h>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 namespace voxtone::io {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/pictures/texel_image.h"
+#include "io/pictures/texel_image.h"
 
-#include "voxtone/base/parallel.h"
+#include "base/parallel.h"
 
 namespace voxtone::io {
 

@@ -11,7 +11,7 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/io/pictures/srgb_code.h"
+#include "io/pictures/srgb_code.h"
 
 namespace voxtone::io {
 

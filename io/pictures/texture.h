@@ -17,7 +17,7 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/io/pictures/mip_pyramid.h"
+#include "io/pictures/mip_pyramid.h"
 
 namespace voxtone::io {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/pictures/webp.h"
+#include "io/pictures/webp.h"
 
 #include <webp/decode.h>
 #include <webp/encode.h>
 
 #include <memory>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
+#include "base/contracts.h"
+#include "base/error.h"
 
 namespace voxtone::io {
 

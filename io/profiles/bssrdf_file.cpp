@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/profiles/bssrdf_file.h"
+#include "io/profiles/bssrdf_file.h"
 
 #include <array>
 #include <bit>
@@ -11,12 +11,12 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/json_channels.h"
-#include "voxtone/io/files/json_object.h"
-#include "voxtone/io/files/json_writer.h"
-#include "voxtone/io/files/whole_file.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "io/files/json_channels.h"
+#include "io/files/json_object.h"
+#include "io/files/json_writer.h"
+#include "io/files/whole_file.h"
 
 namespace voxtone::io {
 namespace {

@@ -25,8 +25,8 @@
 #include <filesystem>
 #include <string>
 
-#include "voxtone/optics/media/resins.h"
-#include "voxtone/optics/monte_carlo/sampled_bssrdf.h"
+#include "optics/media/resins.h"
+#include "optics/monte_carlo/sampled_bssrdf.h"
 
 namespace voxtone::io {
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/profiles/device_profile.h"
+#include "io/profiles/device_profile.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/file_reader.h"
-#include "voxtone/io/files/packed_values.h"
+#include "base/error.h"
+#include "io/files/file_reader.h"
+#include "io/files/packed_values.h"
 
 namespace voxtone::io {
 

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/progress.h"
+#include "base/progress.h"
 
 namespace voxtone::io {
 

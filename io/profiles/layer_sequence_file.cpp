@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/profiles/layer_sequence_file.h"
+#include "io/profiles/layer_sequence_file.h"
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/units.h"
-#include "voxtone/io/files/json_object.h"
-#include "voxtone/io/files/json_writer.h"
+#include "base/error.h"
+#include "base/units.h"
+#include "io/files/json_object.h"
+#include "io/files/json_writer.h"
 
 namespace voxtone::io {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/profiles/profile_file.h"
+#include "io/profiles/profile_file.h"
 
 #include <limits>
 
 #include <fmt/format.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/io/files/json_channels.h"
-#include "voxtone/io/files/json_object.h"
-#include "voxtone/io/files/json_writer.h"
+#include "base/contracts.h"
+#include "io/files/json_channels.h"
+#include "io/files/json_object.h"
+#include "io/files/json_writer.h"
 
 namespace voxtone::io {
 namespace {

@@ -18,8 +18,8 @@
 #include <string_view>
 #include <vector>
 
-#include "voxtone/optics/media/resins.h"
-#include "voxtone/optics/profiles/measured_profile.h"
+#include "optics/media/resins.h"
+#include "optics/profiles/measured_profile.h"
 
 namespace voxtone::io {
 

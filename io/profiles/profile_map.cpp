@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/profiles/profile_map.h"
+#include "io/profiles/profile_map.h"
 
 #include <algorithm>
 #include <array>
@@ -7,15 +7,15 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/printable.h"
-#include "voxtone/io/files/json_channels.h"
-#include "voxtone/io/files/json_object.h"
-#include "voxtone/io/files/json_writer.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/pictures/picture_writer.h"
-#include "voxtone/io/pictures/png_pixels.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "base/printable.h"
+#include "io/files/json_channels.h"
+#include "io/files/json_object.h"
+#include "io/files/json_writer.h"
+#include "io/files/whole_file.h"
+#include "io/pictures/picture_writer.h"
+#include "io/pictures/png_pixels.h"
 
 namespace voxtone::io {
 namespace {

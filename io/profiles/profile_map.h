@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/optics/media/resins.h"
-#include "voxtone/optics/profiles/measured_profile.h"
+#include "optics/media/resins.h"
+#include "optics/profiles/measured_profile.h"
 
 namespace voxtone::io {
 

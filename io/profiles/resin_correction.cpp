@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/profiles/resin_correction.h"
+#include "io/profiles/resin_correction.h"
 
 #include <utility>
 

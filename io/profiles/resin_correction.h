@@ -6,9 +6,9 @@
 //   "residual": {"lengths": [...], "centres": [[shares], ...], "weights": [[X, Y, Z], ...]}
 #pragma once
 
-#include "voxtone/io/files/json_object.h"
-#include "voxtone/io/files/json_writer.h"
-#include "voxtone/optics/media/resins.h"
+#include "io/files/json_object.h"
+#include "io/files/json_writer.h"
+#include "optics/media/resins.h"
 
 namespace voxtone::io {
 

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/profiles/resin_file.h"
+#include "io/profiles/resin_file.h"
 
 #include <span>
 
 #include <fmt/core.h>
 
-#include "voxtone/base/embedded_file.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/printable.h"
-#include "voxtone/io/files/json_channels.h"
-#include "voxtone/io/files/json_keys.h"
-#include "voxtone/io/files/json_object.h"
-#include "voxtone/io/files/json_writer.h"
-#include "voxtone/io/profiles/resin_correction.h"
+#include "base/embedded_file.h"
+#include "base/error.h"
+#include "base/printable.h"
+#include "io/files/json_channels.h"
+#include "io/files/json_keys.h"
+#include "io/files/json_object.h"
+#include "io/files/json_writer.h"
+#include "io/profiles/resin_correction.h"
 
 namespace voxtone::embedded {
 std::span<const EmbeddedFile> resins();

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "voxtone/optics/media/resins.h"
+#include "optics/media/resins.h"
 
 namespace voxtone::io {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/programs/build_identity.h"
+#include "io/programs/build_identity.h"
 
 extern const char voxtone_build_digest[];  // a file that the build makes
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/programs/helper_program.h"
+#include "io/programs/helper_program.h"
 
 #include <unistd.h>
 
@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 namespace voxtone::io {
 

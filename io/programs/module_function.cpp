@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/programs/module_function.h"
+#include "io/programs/module_function.h"
 
 #include <dlfcn.h>
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/programs/helper_program.h"
+#include "base/error.h"
+#include "io/programs/helper_program.h"
 
 namespace voxtone::io {
 

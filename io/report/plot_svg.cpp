@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/report/plot_svg.h"
+#include "io/report/plot_svg.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "voxtone/io/files/base64.h"
-#include "voxtone/io/files/markup.h"
+#include "io/files/base64.h"
+#include "io/files/markup.h"
 
 namespace voxtone::io {
 

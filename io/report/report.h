@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "voxtone/base/named_values.h"
-#include "voxtone/io/layers/rgb.h"
-#include "voxtone/io/report/viewer.h"
+#include "base/named_values.h"
+#include "io/layers/rgb.h"
+#include "io/report/viewer.h"
 
 namespace voxtone::io {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/report/report_html.h"
+#include "io/report/report_html.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,15 +9,15 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/named_values.h"
-#include "voxtone/base/printable.h"
-#include "voxtone/base/progress_bar.h"
-#include "voxtone/io/files/base64.h"
-#include "voxtone/io/files/markup.h"
-#include "voxtone/io/pictures/webp.h"
-#include "voxtone/io/report/plot_svg.h"
-#include "voxtone/io/report/viewer_section.h"
+#include "base/contracts.h"
+#include "base/named_values.h"
+#include "base/printable.h"
+#include "base/progress_bar.h"
+#include "io/files/base64.h"
+#include "io/files/markup.h"
+#include "io/pictures/webp.h"
+#include "io/report/plot_svg.h"
+#include "io/report/viewer_section.h"
 
 namespace voxtone::io {
 

@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <string>
 
-#include "voxtone/io/report/report.h"
+#include "io/report/report.h"
 
 namespace voxtone::io {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/report/report_json.h"
+#include "io/report/report_json.h"
 
-#include "voxtone/io/files/json_writer.h"
+#include "io/files/json_writer.h"
 
 namespace voxtone::io {
 

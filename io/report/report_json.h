@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "voxtone/io/report/report.h"
+#include "io/report/report.h"
 
 namespace voxtone::io {
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/report/report_picture.h"
+#include "io/report/report_picture.h"
 
 #include <algorithm>
 #include <array>
 #include <utility>
 
-#include "voxtone/io/files/base64.h"
-#include "voxtone/io/pictures/picture_writer.h"
-#include "voxtone/io/pictures/png_pixels.h"
-#include "voxtone/io/pictures/webp.h"
+#include "io/files/base64.h"
+#include "io/pictures/picture_writer.h"
+#include "io/pictures/png_pixels.h"
+#include "io/pictures/webp.h"
 
 namespace voxtone::io {
 

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "voxtone/io/pictures/picture_writer.h"
-#include "voxtone/io/report/report.h"
+#include "io/pictures/picture_writer.h"
+#include "io/report/report.h"
 
 namespace voxtone::io {
 

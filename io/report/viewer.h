@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "voxtone/io/layers/rgb.h"
+#include "io/layers/rgb.h"
 
 namespace voxtone::io {
 

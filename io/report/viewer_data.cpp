@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/report/viewer_data.h"
+#include "io/report/viewer_data.h"
 
 #include <algorithm>
 #include <cstdint>
 #include <vector>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/io/files/base64.h"
-#include "voxtone/io/files/deflate.h"
-#include "voxtone/io/files/json_writer.h"
+#include "base/contracts.h"
+#include "io/files/base64.h"
+#include "io/files/deflate.h"
+#include "io/files/json_writer.h"
 
 namespace voxtone::io {
 

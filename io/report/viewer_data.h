@@ -16,8 +16,8 @@
 #include <string_view>
 #include <vector>
 
-#include "voxtone/io/layers/rgb.h"
-#include "voxtone/io/report/viewer.h"
+#include "io/layers/rgb.h"
+#include "io/report/viewer.h"
 
 namespace voxtone::io {
 

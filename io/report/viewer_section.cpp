@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/report/viewer_section.h"
+#include "io/report/viewer_section.h"
 
 #include <algorithm>
 #include <string_view>
@@ -7,8 +7,8 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/io/files/markup.h"
-#include "voxtone/io/report/viewer_data.h"
+#include "io/files/markup.h"
+#include "io/report/viewer_data.h"
 
 namespace voxtone::io {
 

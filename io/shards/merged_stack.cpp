@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/shards/merged_stack.h"
+#include "io/shards/merged_stack.h"
 
 #include <algorithm>
 #include <map>
@@ -7,10 +7,10 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/counted.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/shards/shard_folder.h"
+#include "base/counted.h"
+#include "base/error.h"
+#include "io/files/whole_file.h"
+#include "io/shards/shard_folder.h"
 
 namespace voxtone::io {
 namespace {

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "voxtone/io/layers/stack_folder.h"
-#include "voxtone/io/shards/shard_record.h"
+#include "io/layers/stack_folder.h"
+#include "io/shards/shard_record.h"
 
 namespace voxtone::io {
 

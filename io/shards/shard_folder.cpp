@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/shards/shard_folder.h"
+#include "io/shards/shard_folder.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -12,13 +12,13 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/disk/disk_space.h"
-#include "voxtone/io/disk/folder_lock.h"
-#include "voxtone/io/disk/open_file.h"
-#include "voxtone/io/disk/part_files.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/layers/stack_folder.h"
+#include "base/error.h"
+#include "io/disk/disk_space.h"
+#include "io/disk/folder_lock.h"
+#include "io/disk/open_file.h"
+#include "io/disk/part_files.h"
+#include "io/files/whole_file.h"
+#include "io/layers/stack_folder.h"
 
 namespace voxtone::io {
 namespace {

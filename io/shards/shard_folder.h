@@ -17,7 +17,7 @@
 #include <string_view>
 #include <vector>
 
-#include "voxtone/io/shards/shard_record.h"
+#include "io/shards/shard_record.h"
 
 namespace voxtone::io {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/shards/shard_number.h"
+#include "io/shards/shard_number.h"
 
 #include <fmt/core.h>
 

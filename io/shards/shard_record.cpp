@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/shards/shard_record.h"
+#include "io/shards/shard_record.h"
 
 #include <algorithm>
 #include <array>
@@ -9,11 +9,11 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/named_values.h"
-#include "voxtone/io/files/base64.h"
-#include "voxtone/io/files/json_object.h"
-#include "voxtone/io/files/json_writer.h"
-#include "voxtone/io/files/sha256.h"
+#include "base/named_values.h"
+#include "io/files/base64.h"
+#include "io/files/json_object.h"
+#include "io/files/json_writer.h"
+#include "io/files/sha256.h"
 
 template <>
 struct voxtone::NamesOf<voxtone::io::ResinBitmaps> {

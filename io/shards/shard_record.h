@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/io/layers/layer_stack_writer.h"
-#include "voxtone/io/layers/manifest.h"
-#include "voxtone/io/report/report.h"
-#include "voxtone/io/report/viewer.h"
-#include "voxtone/io/shards/shard_number.h"
+#include "io/layers/layer_stack_writer.h"
+#include "io/layers/manifest.h"
+#include "io/report/report.h"
+#include "io/report/viewer.h"
+#include "io/shards/shard_number.h"
 
 namespace voxtone::io {
 

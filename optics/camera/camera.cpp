@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/camera/camera.h"
+#include "optics/camera/camera.h"
 
 #include <cmath>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
+#include "base/contracts.h"
+#include "base/error.h"
 
 namespace voxtone::optics {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/camera/camera_paths.h"
+#include "optics/camera/camera_paths.h"
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/camera/exposure.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "optics/camera/exposure.h"
 
 namespace voxtone::optics {
 namespace {

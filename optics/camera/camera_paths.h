@@ -21,9 +21,9 @@
 // Memory of linear sRGB: 200 bytes a pixel besides the bodies.
 #pragma once
 
-#include "voxtone/base/progress.h"
-#include "voxtone/optics/camera/camera_picture.h"
-#include "voxtone/optics/camera/camera_scene.h"
+#include "base/progress.h"
+#include "optics/camera/camera_picture.h"
+#include "optics/camera/camera_scene.h"
 
 namespace voxtone::optics {
 

@@ -7,10 +7,10 @@
 #include <optional>
 #include <vector>
 
-#include "voxtone/optics/camera/camera.h"
-#include "voxtone/optics/camera/sky.h"
-#include "voxtone/optics/monte_carlo/surface_finish.h"
-#include "voxtone/optics/scene/scene.h"
+#include "optics/camera/camera.h"
+#include "optics/camera/sky.h"
+#include "optics/monte_carlo/surface_finish.h"
+#include "optics/scene/scene.h"
 
 namespace voxtone::optics {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/camera/exposure.h"
+#include "optics/camera/exposure.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/parallel.h"
+#include "base/parallel.h"
 
 namespace voxtone::optics {
 namespace {

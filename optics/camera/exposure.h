@@ -16,11 +16,11 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/optics/camera/camera_picture.h"
-#include "voxtone/optics/camera/lit_scene.h"
-#include "voxtone/optics/camera/pixel_filter.h"
-#include "voxtone/optics/camera/tile_paths.h"
+#include "base/progress.h"
+#include "optics/camera/camera_picture.h"
+#include "optics/camera/lit_scene.h"
+#include "optics/camera/pixel_filter.h"
+#include "optics/camera/tile_paths.h"
 
 namespace voxtone::optics {
 

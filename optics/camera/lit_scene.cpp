@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/camera/lit_scene.h"
+#include "optics/camera/lit_scene.h"
 
 #include <limits>
 
 #include <Eigen/LU>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/optics/colour/channels.h"
-#include "voxtone/optics/monte_carlo/scalar_paths.h"
+#include "base/contracts.h"
+#include "optics/colour/channels.h"
+#include "optics/monte_carlo/scalar_paths.h"
 
 namespace voxtone::optics {
 namespace {

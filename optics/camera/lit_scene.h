@@ -7,9 +7,9 @@
 #include <cstddef>
 #include <vector>
 
-#include "voxtone/optics/camera/camera_scene.h"
-#include "voxtone/optics/monte_carlo/clear_spheres.h"
-#include "voxtone/optics/monte_carlo/path_packets.h"
+#include "optics/camera/camera_scene.h"
+#include "optics/monte_carlo/clear_spheres.h"
+#include "optics/monte_carlo/path_packets.h"
 
 namespace voxtone::optics {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/camera/pixel_filter.h"
+#include "optics/camera/pixel_filter.h"
 
 #include <cmath>
 #include <cstddef>
 #include <numbers>
 
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 namespace voxtone::optics {
 namespace {

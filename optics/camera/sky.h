@@ -13,7 +13,7 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/optics/scene/boundary.h"
+#include "optics/scene/boundary.h"
 
 namespace voxtone::optics {
 

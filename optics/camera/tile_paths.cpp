@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/camera/tile_paths.h"
+#include "optics/camera/tile_paths.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "voxtone/optics/monte_carlo/adaptive_sampling.h"
-#include "voxtone/optics/monte_carlo/rough_boundary.h"
-#include "voxtone/optics/monte_carlo/scalar_paths.h"
+#include "optics/monte_carlo/adaptive_sampling.h"
+#include "optics/monte_carlo/rough_boundary.h"
+#include "optics/monte_carlo/scalar_paths.h"
 
 namespace voxtone::optics {
 namespace {

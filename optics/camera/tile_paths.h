@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/optics/camera/lit_scene.h"
+#include "optics/camera/lit_scene.h"
 
 namespace voxtone::optics {
 

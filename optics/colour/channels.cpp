@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/colour/channels.h"
+#include "optics/colour/channels.h"
 
 #include <cmath>
 
 #include <fmt/format.h>
 #include <Eigen/LU>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/optics/colour/colour.h"
+#include "base/contracts.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::optics {
 

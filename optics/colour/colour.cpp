@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/colour/colour.h"
+#include "optics/colour/colour.h"
 
 #include <algorithm>
 #include <cmath>

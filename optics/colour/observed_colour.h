@@ -19,7 +19,7 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/optics/colour/channels.h"
+#include "optics/colour/channels.h"
 
 namespace voxtone::optics {
 

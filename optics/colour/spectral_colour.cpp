@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/colour/spectral_colour.h"
+#include "optics/colour/spectral_colour.h"
 
 #include <algorithm>
 #include <array>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/optics/colour/colour.h"
+#include "base/contracts.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::optics {
 

@@ -12,7 +12,7 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/base/named_values.h"
+#include "base/named_values.h"
 
 namespace voxtone {
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/edge/edge_paths.h"
+#include "optics/edge/edge_paths.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/monte_carlo/rough_interface.h"
-#include "voxtone/optics/monte_carlo/voxel_walk.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "optics/monte_carlo/rough_interface.h"
+#include "optics/monte_carlo/voxel_walk.h"
 
 namespace voxtone::optics {
 namespace {

@@ -24,8 +24,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/optics/edge/edge_stack.h"
+#include "base/progress.h"
+#include "optics/edge/edge_stack.h"
 
 namespace voxtone::optics {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/edge/edge_response.h"
+#include "optics/edge/edge_response.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 
 #include <Eigen/LU>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/optics/numerics/quadrature.h"
+#include "base/contracts.h"
+#include "optics/numerics/quadrature.h"
 
 namespace voxtone::optics {
 namespace {

@@ -18,7 +18,7 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/optics/edge/edge_paths.h"
+#include "optics/edge/edge_paths.h"
 
 namespace voxtone::optics {
 

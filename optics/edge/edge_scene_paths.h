@@ -12,8 +12,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/optics/edge/edge_response.h"
+#include "base/progress.h"
+#include "optics/edge/edge_response.h"
 
 namespace voxtone::optics {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/edge/edge_stack.h"
+#include "optics/edge/edge_stack.h"
 
 #include <cmath>
 #include <numbers>
 
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 namespace voxtone::optics {
 

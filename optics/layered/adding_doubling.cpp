@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/layered/adding_doubling.h"
+#include "optics/layered/adding_doubling.h"
 
 #include <cmath>
 
 #include <Eigen/LU>
 
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 namespace voxtone::optics {
 

@@ -15,9 +15,9 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/optics/layered/angular_grid.h"
-#include "voxtone/optics/layered/phase.h"
-#include "voxtone/optics/media/resins.h"
+#include "optics/layered/angular_grid.h"
+#include "optics/layered/phase.h"
+#include "optics/media/resins.h"
 
 namespace voxtone::optics {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/layered/angular_grid.h"
+#include "optics/layered/angular_grid.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/optics/numerics/quadrature.h"
-#include "voxtone/optics/scene/fresnel.h"
+#include "base/contracts.h"
+#include "optics/numerics/quadrature.h"
+#include "optics/scene/fresnel.h"
 
 namespace voxtone::optics {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/layered/directional.h"
+#include "optics/layered/directional.h"
 
 #include <Eigen/LU>
 

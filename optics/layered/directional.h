@@ -11,9 +11,9 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/optics/layered/adding_doubling.h"
-#include "voxtone/optics/layered/angular_grid.h"
-#include "voxtone/optics/scene/backing.h"
+#include "optics/layered/adding_doubling.h"
+#include "optics/layered/angular_grid.h"
+#include "optics/scene/backing.h"
 
 namespace voxtone::optics {
 

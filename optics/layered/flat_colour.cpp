@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/layered/flat_colour.h"
+#include "optics/layered/flat_colour.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/optics/colour/channels.h"
-#include "voxtone/optics/colour/colour.h"
+#include "base/contracts.h"
+#include "optics/colour/channels.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::optics {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/layered/half_space_reflectance.h"
+#include "optics/layered/half_space_reflectance.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/layered/layered_appearance.h"
+#include "base/parallel.h"
+#include "optics/layered/layered_appearance.h"
 
 namespace voxtone::optics {
 

@@ -12,8 +12,8 @@
 // table: 1e-6 (tested). Immutable after construction.
 #pragma once
 
-#include "voxtone/optics/media/resins.h"
-#include "voxtone/optics/numerics/bicubic_table.h"
+#include "optics/media/resins.h"
+#include "optics/numerics/bicubic_table.h"
 
 namespace voxtone::optics {
 

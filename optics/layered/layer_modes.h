@@ -23,10 +23,10 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/optics/layered/angular_grid.h"
-#include "voxtone/optics/layered/phase.h"
-#include "voxtone/optics/media/resins.h"
-#include "voxtone/optics/numerics/symmetric_eigen.h"
+#include "optics/layered/angular_grid.h"
+#include "optics/layered/phase.h"
+#include "optics/media/resins.h"
+#include "optics/numerics/symmetric_eigen.h"
 
 namespace voxtone::optics {
 

@@ -20,7 +20,7 @@
 // differences. What it cannot see: what is not plane-parallel and endless sideways.
 #pragma once
 
-#include "voxtone/optics/layered/layer_modes.h"
+#include "optics/layered/layer_modes.h"
 
 namespace voxtone::optics {
 

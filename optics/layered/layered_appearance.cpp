@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/layered/layered_appearance.h"
+#include "optics/layered/layered_appearance.h"
 
 #include <array>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 namespace voxtone::optics {
 

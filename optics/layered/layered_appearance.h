@@ -15,7 +15,7 @@
 
 #include <span>
 
-#include "voxtone/optics/layered/layer_modes.h"
+#include "optics/layered/layer_modes.h"
 
 namespace voxtone::optics {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/layered/mixture_correction.h"
+#include "optics/layered/mixture_correction.h"
 
 #include <algorithm>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/scene/surface_mixtures.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "optics/scene/surface_mixtures.h"
 
 namespace voxtone::optics {
 

@@ -16,10 +16,10 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/optics/layered/flat_colour.h"
-#include "voxtone/optics/media/resin_volume.h"
-#include "voxtone/optics/scene/surface.h"
+#include "base/progress.h"
+#include "optics/layered/flat_colour.h"
+#include "optics/media/resin_volume.h"
+#include "optics/scene/surface.h"
 
 namespace voxtone::optics {
 

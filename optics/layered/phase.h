@@ -12,8 +12,8 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/optics/layered/angular_grid.h"
-#include "voxtone/optics/media/resins.h"
+#include "optics/layered/angular_grid.h"
+#include "optics/media/resins.h"
 
 namespace voxtone::optics {
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/layered/shell_appearance.h"
+#include "optics/layered/shell_appearance.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/layered/adding_doubling.h"
-#include "voxtone/optics/layered/directional.h"
-#include "voxtone/optics/layered/layered_appearance.h"
-#include "voxtone/optics/numerics/bicubic_table.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "optics/layered/adding_doubling.h"
+#include "optics/layered/directional.h"
+#include "optics/layered/layered_appearance.h"
+#include "optics/numerics/bicubic_table.h"
 
 namespace voxtone::optics {
 

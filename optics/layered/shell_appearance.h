@@ -32,9 +32,9 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/optics/media/effective_medium.h"
-#include "voxtone/optics/media/resins.h"
-#include "voxtone/optics/scene/backing.h"
+#include "optics/media/effective_medium.h"
+#include "optics/media/resins.h"
+#include "optics/scene/backing.h"
 
 namespace voxtone::optics {
 

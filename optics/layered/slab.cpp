@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/layered/slab.h"
+#include "optics/layered/slab.h"
 
 #include <cmath>
 
 #include <Eigen/LU>
 
-#include "voxtone/optics/layered/directional.h"
-#include "voxtone/optics/numerics/quadrature.h"
-#include "voxtone/optics/scene/fresnel.h"
+#include "optics/layered/directional.h"
+#include "optics/numerics/quadrature.h"
+#include "optics/scene/fresnel.h"
 
 namespace voxtone::optics {
 

@@ -11,7 +11,7 @@
 // No part of a job asks for it: published tables are of slabs in air, and adding-doubling is held to them through it.
 #pragma once
 
-#include "voxtone/optics/layered/adding_doubling.h"
+#include "optics/layered/adding_doubling.h"
 
 namespace voxtone::optics {
 

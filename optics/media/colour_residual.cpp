@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/media/colour_residual.h"
+#include "optics/media/colour_residual.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 namespace voxtone::optics {
 

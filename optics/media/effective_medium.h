@@ -43,7 +43,7 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/optics/media/resins.h"
+#include "optics/media/resins.h"
 
 namespace voxtone::optics {
 

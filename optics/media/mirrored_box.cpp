@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/media/mirrored_box.h"
+#include "optics/media/mirrored_box.h"
 
 #include <cstddef>
 

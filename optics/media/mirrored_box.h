@@ -6,7 +6,7 @@
 #include <array>
 #include <vector>
 
-#include "voxtone/optics/media/resin_volume.h"
+#include "optics/media/resin_volume.h"
 
 namespace voxtone::optics {
 

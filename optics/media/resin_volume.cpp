@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/media/resin_volume.h"
+#include "optics/media/resin_volume.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
 
 namespace voxtone::optics {
 namespace {

@@ -15,8 +15,8 @@
 #include <string_view>
 #include <vector>
 
-#include "voxtone/optics/colour/channels.h"
-#include "voxtone/optics/media/colour_residual.h"
+#include "optics/colour/channels.h"
+#include "optics/media/colour_residual.h"
 
 namespace voxtone::optics {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/media/slab_patterns.h"
+#include "optics/media/slab_patterns.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +12,8 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/random.h"
+#include "base/error.h"
+#include "base/random.h"
 
 namespace voxtone::optics {
 namespace {

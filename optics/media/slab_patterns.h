@@ -15,8 +15,8 @@
 #include <array>
 #include <cstdint>
 
-#include "voxtone/optics/media/resin_volume.h"
-#include "voxtone/optics/media/resins.h"
+#include "optics/media/resin_volume.h"
+#include "optics/media/resins.h"
 
 namespace voxtone::optics {
 

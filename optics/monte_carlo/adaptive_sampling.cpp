@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/monte_carlo/adaptive_sampling.h"
+#include "optics/monte_carlo/adaptive_sampling.h"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
 
 namespace voxtone::optics {
 namespace {

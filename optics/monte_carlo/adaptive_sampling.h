@@ -11,9 +11,9 @@
 #include <functional>
 #include <span>
 
-#include "voxtone/optics/monte_carlo/monte_carlo_options.h"
-#include "voxtone/optics/monte_carlo/path_random.h"
-#include "voxtone/optics/scene/appearance_model.h"
+#include "optics/monte_carlo/monte_carlo_options.h"
+#include "optics/monte_carlo/path_random.h"
+#include "optics/scene/appearance_model.h"
 
 namespace voxtone::optics {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/monte_carlo/clear_spheres.h"
+#include "optics/monte_carlo/clear_spheres.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/media/droplet_spread.h"
+#include "base/parallel.h"
+#include "optics/media/droplet_spread.h"
 
 namespace voxtone::optics {
 namespace {

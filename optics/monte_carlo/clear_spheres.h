@@ -12,8 +12,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxtone/optics/monte_carlo/first_passage.h"
-#include "voxtone/optics/monte_carlo/path_volume.h"
+#include "optics/monte_carlo/first_passage.h"
+#include "optics/monte_carlo/path_volume.h"
 
 namespace voxtone::optics {
 

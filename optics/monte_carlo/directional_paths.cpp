@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/monte_carlo/directional_paths.h"
+#include "optics/monte_carlo/directional_paths.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "voxtone/optics/numerics/quadrature.h"
-#include "voxtone/optics/scene/fresnel.h"
+#include "optics/numerics/quadrature.h"
+#include "optics/scene/fresnel.h"
 
 namespace voxtone::optics {
 namespace {

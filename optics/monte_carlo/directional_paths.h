@@ -13,7 +13,7 @@
 // Unbiased; light from below does not exist in this geometry.
 #pragma once
 
-#include "voxtone/optics/monte_carlo/scalar_paths.h"
+#include "optics/monte_carlo/scalar_paths.h"
 
 namespace voxtone::optics {
 

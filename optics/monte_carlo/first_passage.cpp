@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/monte_carlo/first_passage.h"
+#include "optics/monte_carlo/first_passage.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/optics/monte_carlo/voxel_walk.h"
+#include "base/contracts.h"
+#include "optics/monte_carlo/voxel_walk.h"
 
 namespace voxtone::optics {
 namespace {

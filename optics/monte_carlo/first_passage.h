@@ -26,8 +26,8 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/optics/media/resins.h"
-#include "voxtone/optics/monte_carlo/path_random.h"
+#include "optics/media/resins.h"
+#include "optics/monte_carlo/path_random.h"
 
 namespace voxtone::optics {
 

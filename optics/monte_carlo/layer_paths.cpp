@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/monte_carlo/layer_paths.h"
+#include "optics/monte_carlo/layer_paths.h"
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/monte_carlo/adaptive_sampling.h"
-#include "voxtone/optics/monte_carlo/scalar_paths.h"
-#include "voxtone/optics/monte_carlo/voxel_walk.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "optics/monte_carlo/adaptive_sampling.h"
+#include "optics/monte_carlo/scalar_paths.h"
+#include "optics/monte_carlo/voxel_walk.h"
 
 namespace voxtone::optics {
 namespace {

@@ -18,9 +18,9 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/optics/media/resins.h"
-#include "voxtone/optics/numerics/hankel.h"
+#include "base/progress.h"
+#include "optics/media/resins.h"
+#include "optics/numerics/hankel.h"
 
 namespace voxtone::optics {
 

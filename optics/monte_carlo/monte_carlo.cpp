@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/monte_carlo/monte_carlo.h"
+#include "optics/monte_carlo/monte_carlo.h"
 
 #include <algorithm>
 #include <vector>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/optics/monte_carlo/adaptive_sampling.h"
-#include "voxtone/optics/monte_carlo/directional_paths.h"
-#include "voxtone/optics/monte_carlo/path_entries.h"
-#include "voxtone/optics/monte_carlo/path_packets.h"
-#include "voxtone/optics/monte_carlo/scalar_paths.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "optics/monte_carlo/adaptive_sampling.h"
+#include "optics/monte_carlo/directional_paths.h"
+#include "optics/monte_carlo/path_entries.h"
+#include "optics/monte_carlo/path_packets.h"
+#include "optics/monte_carlo/scalar_paths.h"
 
 namespace voxtone::optics {
 namespace {

@@ -16,8 +16,8 @@
 // there.
 #pragma once
 
-#include "voxtone/optics/monte_carlo/monte_carlo_options.h"
-#include "voxtone/optics/scene/appearance_model.h"
+#include "optics/monte_carlo/monte_carlo_options.h"
+#include "optics/scene/appearance_model.h"
 
 namespace voxtone::optics {
 

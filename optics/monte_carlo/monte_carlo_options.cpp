@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/monte_carlo/monte_carlo_options.h"
+#include "optics/monte_carlo/monte_carlo_options.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 namespace voxtone::optics {
 

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "voxtone/optics/scene/boundary.h"
+#include "optics/scene/boundary.h"
 
 namespace voxtone::optics {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/monte_carlo/path_entries.h"
+#include "optics/monte_carlo/path_entries.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "voxtone/optics/monte_carlo/path_entries.cpp"
+#define HWY_TARGET_INCLUDE "optics/monte_carlo/path_entries.cpp"
 // The order of these two matters.
 // clang-format off
 #include "hwy/foreach_target.h"
-#include "voxtone/optics/monte_carlo/path_lanes-inl.h"
+#include "optics/monte_carlo/path_lanes-inl.h"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/monte_carlo/path_packets.h"
+#include "optics/monte_carlo/path_packets.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/optics/monte_carlo/rough_boundary.h"
-#include "voxtone/optics/monte_carlo/scalar_paths.h"
+#include "base/contracts.h"
+#include "optics/monte_carlo/rough_boundary.h"
+#include "optics/monte_carlo/scalar_paths.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "voxtone/optics/monte_carlo/path_packets.cpp"
+#define HWY_TARGET_INCLUDE "optics/monte_carlo/path_packets.cpp"
 // The order of these two matters.
 // clang-format off
 #include "hwy/foreach_target.h"
-#include "voxtone/optics/monte_carlo/path_lanes-inl.h"
+#include "optics/monte_carlo/path_lanes-inl.h"
 // clang-format on
 
 #ifndef VOXTONE_PATH_PACKETS_ONCE

@@ -15,11 +15,11 @@
 #include <array>
 #include <cstdint>
 
-#include "voxtone/optics/media/droplet_spread.h"
-#include "voxtone/optics/monte_carlo/clear_spheres.h"
-#include "voxtone/optics/monte_carlo/path_random.h"
-#include "voxtone/optics/monte_carlo/path_volume.h"
-#include "voxtone/optics/monte_carlo/surface_finish.h"
+#include "optics/media/droplet_spread.h"
+#include "optics/monte_carlo/clear_spheres.h"
+#include "optics/monte_carlo/path_random.h"
+#include "optics/monte_carlo/path_volume.h"
+#include "optics/monte_carlo/surface_finish.h"
 
 namespace voxtone::optics {
 

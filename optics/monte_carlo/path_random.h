@@ -11,7 +11,7 @@
 #include <array>
 #include <cstdint>
 
-#include "voxtone/base/random.h"
+#include "base/random.h"
 
 namespace voxtone::optics {
 

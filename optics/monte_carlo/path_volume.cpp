@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/monte_carlo/path_volume.h"
+#include "optics/monte_carlo/path_volume.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "base/parallel.h"
 
 namespace voxtone::optics {
 namespace {

@@ -18,8 +18,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxtone/optics/scene/appearance_model.h"
-#include "voxtone/optics/scene/boundary.h"
+#include "optics/scene/appearance_model.h"
+#include "optics/scene/boundary.h"
 
 namespace voxtone::optics {
 

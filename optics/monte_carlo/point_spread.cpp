@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/monte_carlo/point_spread.h"
+#include "optics/monte_carlo/point_spread.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/monte_carlo/adaptive_sampling.h"
-#include "voxtone/optics/monte_carlo/path_entries.h"
-#include "voxtone/optics/monte_carlo/path_packets.h"
-#include "voxtone/optics/monte_carlo/scalar_paths.h"
-#include "voxtone/optics/monte_carlo/voxel_walk.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "optics/monte_carlo/adaptive_sampling.h"
+#include "optics/monte_carlo/path_entries.h"
+#include "optics/monte_carlo/path_packets.h"
+#include "optics/monte_carlo/scalar_paths.h"
+#include "optics/monte_carlo/voxel_walk.h"
 
 namespace voxtone::optics {
 namespace {

@@ -17,9 +17,9 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/optics/monte_carlo/layer_paths.h"
-#include "voxtone/optics/scene/appearance_model.h"
+#include "base/progress.h"
+#include "optics/monte_carlo/layer_paths.h"
+#include "optics/scene/appearance_model.h"
 
 namespace voxtone::optics {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/monte_carlo/rough_boundary.h"
+#include "optics/monte_carlo/rough_boundary.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "voxtone/optics/monte_carlo/rough_interface.h"
+#include "optics/monte_carlo/rough_interface.h"
 
 namespace voxtone::optics {
 namespace {

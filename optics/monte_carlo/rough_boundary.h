@@ -5,8 +5,8 @@
 // the wrong side. Exact for smooth surfaces as boundary.h says; energy is kept in any case.
 #pragma once
 
-#include "voxtone/optics/monte_carlo/path_random.h"
-#include "voxtone/optics/scene/boundary.h"
+#include "optics/monte_carlo/path_random.h"
+#include "optics/scene/boundary.h"
 
 namespace voxtone::optics {
 

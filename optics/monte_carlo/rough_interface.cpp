@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/monte_carlo/rough_interface.h"
+#include "optics/monte_carlo/rough_interface.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
 
-#include "voxtone/optics/scene/fresnel.h"
-#include "voxtone/optics/scene/point.h"
+#include "optics/scene/fresnel.h"
+#include "optics/scene/point.h"
 
 namespace voxtone::optics {
 namespace {

@@ -14,7 +14,7 @@
 
 #include <array>
 
-#include "voxtone/optics/monte_carlo/path_random.h"
+#include "optics/monte_carlo/path_random.h"
 
 namespace voxtone::optics {
 

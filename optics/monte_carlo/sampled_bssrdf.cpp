@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/monte_carlo/sampled_bssrdf.h"
+#include "optics/monte_carlo/sampled_bssrdf.h"
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/monte_carlo/adaptive_sampling.h"
-#include "voxtone/optics/monte_carlo/path_entries.h"
-#include "voxtone/optics/monte_carlo/path_packets.h"
-#include "voxtone/optics/monte_carlo/scalar_paths.h"
-#include "voxtone/optics/monte_carlo/voxel_walk.h"
-#include "voxtone/optics/scene/boundary.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "optics/monte_carlo/adaptive_sampling.h"
+#include "optics/monte_carlo/path_entries.h"
+#include "optics/monte_carlo/path_packets.h"
+#include "optics/monte_carlo/scalar_paths.h"
+#include "optics/monte_carlo/voxel_walk.h"
+#include "optics/scene/boundary.h"
 
 namespace voxtone::optics {
 namespace {

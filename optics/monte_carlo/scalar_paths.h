@@ -22,9 +22,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxtone/optics/monte_carlo/path_random.h"
-#include "voxtone/optics/monte_carlo/voxel_walk.h"
-#include "voxtone/optics/scene/appearance_model.h"
+#include "optics/monte_carlo/path_random.h"
+#include "optics/monte_carlo/voxel_walk.h"
+#include "optics/scene/appearance_model.h"
 
 namespace voxtone::optics {
 

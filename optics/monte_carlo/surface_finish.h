@@ -4,7 +4,7 @@
 // material lay on it, it is matt.
 #pragma once
 
-#include "voxtone/optics/scene/boundary.h"
+#include "optics/scene/boundary.h"
 
 namespace voxtone::optics {
 

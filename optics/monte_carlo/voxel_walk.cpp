@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/monte_carlo/voxel_walk.h"
+#include "optics/monte_carlo/voxel_walk.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "voxtone/optics/scene/fresnel.h"
+#include "optics/scene/fresnel.h"
 
 namespace voxtone::optics {
 

@@ -6,8 +6,8 @@
 #include <array>
 #include <vector>
 
-#include "voxtone/optics/monte_carlo/path_random.h"
-#include "voxtone/optics/scene/appearance_model.h"
+#include "optics/monte_carlo/path_random.h"
+#include "optics/scene/appearance_model.h"
 
 namespace voxtone::optics {
 

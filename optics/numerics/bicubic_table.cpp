@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/numerics/bicubic_table.h"
+#include "optics/numerics/bicubic_table.h"
 
 #include <algorithm>
 
 #include <Eigen/LU>
 
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 namespace voxtone::optics {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/numerics/gaussian_profile.h"
+#include "optics/numerics/gaussian_profile.h"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/numerics/hankel.h"
+#include "optics/numerics/hankel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/optics/numerics/quadrature.h"
+#include "base/contracts.h"
+#include "optics/numerics/quadrature.h"
 
 namespace voxtone::optics {
 namespace {

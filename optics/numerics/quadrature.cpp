@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/numerics/quadrature.h"
+#include "optics/numerics/quadrature.h"
 
 #include <cmath>
 
 #include <Eigen/Eigenvalues>
 
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 namespace voxtone::optics {
 

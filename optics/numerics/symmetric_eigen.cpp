@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/numerics/symmetric_eigen.h"
+#include "optics/numerics/symmetric_eigen.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 namespace voxtone::optics {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/profiles/bounded_table.h"
+#include "optics/profiles/bounded_table.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/profiles/saunderson.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "optics/profiles/saunderson.h"
 
 namespace voxtone::optics {
 namespace {

@@ -8,9 +8,9 @@
 // absorption does so here.
 #pragma once
 
-#include "voxtone/base/progress.h"
-#include "voxtone/optics/numerics/bicubic_table.h"
-#include "voxtone/optics/profiles/resin_profile.h"
+#include "base/progress.h"
+#include "optics/numerics/bicubic_table.h"
+#include "optics/profiles/resin_profile.h"
 
 namespace voxtone::optics {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/profiles/column_sampling.h"
+#include "optics/profiles/column_sampling.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "voxtone/optics/media/mirrored_box.h"
+#include "optics/media/mirrored_box.h"
 
 namespace voxtone::optics {
 namespace {

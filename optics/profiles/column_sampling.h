@@ -11,7 +11,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "voxtone/optics/scene/appearance_model.h"
+#include "optics/scene/appearance_model.h"
 
 namespace voxtone::optics {
 

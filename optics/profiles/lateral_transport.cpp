@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/profiles/lateral_transport.h"
+#include "optics/profiles/lateral_transport.h"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 #include <memory>
 #include <numbers>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
 
 namespace voxtone::optics {
 namespace {

@@ -31,8 +31,8 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/optics/numerics/gaussian_profile.h"
-#include "voxtone/optics/scene/surface_smoothing.h"
+#include "optics/numerics/gaussian_profile.h"
+#include "optics/scene/surface_smoothing.h"
 
 namespace voxtone::optics {
 

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/profiles/layered_profile_model.h"
+#include "optics/profiles/layered_profile_model.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/profiles/bounded_table.h"
-#include "voxtone/optics/profiles/column_sampling.h"
-#include "voxtone/optics/profiles/lateral_transport.h"
-#include "voxtone/optics/profiles/layer_profile.h"
-#include "voxtone/optics/profiles/saunderson.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "optics/profiles/bounded_table.h"
+#include "optics/profiles/column_sampling.h"
+#include "optics/profiles/lateral_transport.h"
+#include "optics/profiles/layer_profile.h"
+#include "optics/profiles/saunderson.h"
 
 namespace voxtone::optics {
 namespace {

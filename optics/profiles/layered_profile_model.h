@@ -32,7 +32,7 @@
 // goes sideways. Memory: 0.1 kB per cell and channel, 0.3 kB per cell. The same bits for any number of threads.
 #pragma once
 
-#include "voxtone/optics/scene/appearance_model.h"
+#include "optics/scene/appearance_model.h"
 
 namespace voxtone::optics {
 

@@ -12,8 +12,8 @@
 #include <optional>
 #include <vector>
 
-#include "voxtone/optics/numerics/hankel.h"
-#include "voxtone/optics/profiles/layer_profile.h"
+#include "optics/numerics/hankel.h"
+#include "optics/profiles/layer_profile.h"
 
 namespace voxtone::optics {
 

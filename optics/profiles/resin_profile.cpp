@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/profiles/resin_profile.h"
+#include "optics/profiles/resin_profile.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <Eigen/LU>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/optics/layered/adding_doubling.h"
-#include "voxtone/optics/layered/angular_grid.h"
+#include "base/contracts.h"
+#include "optics/layered/adding_doubling.h"
+#include "optics/layered/angular_grid.h"
 
 namespace voxtone::optics {
 namespace {

@@ -21,8 +21,8 @@
 
 #include <vector>
 
-#include "voxtone/optics/monte_carlo/layer_paths.h"
-#include "voxtone/optics/profiles/layer_profile.h"
+#include "optics/monte_carlo/layer_paths.h"
+#include "optics/profiles/layer_profile.h"
 
 namespace voxtone::optics {
 

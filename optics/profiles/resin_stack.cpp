@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/profiles/resin_stack.h"
+#include "optics/profiles/resin_stack.h"
 
 #include <cmath>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/optics/profiles/resin_profile.h"
-#include "voxtone/optics/profiles/saunderson.h"
+#include "base/contracts.h"
+#include "optics/profiles/resin_profile.h"
+#include "optics/profiles/saunderson.h"
 
 namespace voxtone::optics {
 namespace {

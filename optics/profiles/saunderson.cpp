@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/profiles/saunderson.h"
+#include "optics/profiles/saunderson.h"
 
-#include "voxtone/optics/profiles/resin_profile.h"
+#include "optics/profiles/resin_profile.h"
 
 namespace voxtone::optics {
 

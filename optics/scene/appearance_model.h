@@ -21,10 +21,10 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/optics/media/resin_volume.h"
-#include "voxtone/optics/scene/scene.h"
-#include "voxtone/optics/scene/surface.h"
+#include "base/progress.h"
+#include "optics/media/resin_volume.h"
+#include "optics/scene/scene.h"
+#include "optics/scene/surface.h"
 
 namespace voxtone::optics {
 

@@ -5,8 +5,8 @@
 
 #include <span>
 
-#include "voxtone/optics/colour/colour.h"
-#include "voxtone/optics/scene/appearance_model.h"
+#include "optics/colour/colour.h"
+#include "optics/scene/appearance_model.h"
 
 namespace voxtone::optics {
 

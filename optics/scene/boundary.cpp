@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/scene/boundary.h"
+#include "optics/scene/boundary.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "voxtone/optics/scene/fresnel.h"
+#include "optics/scene/fresnel.h"
 
 namespace voxtone::optics {
 namespace {

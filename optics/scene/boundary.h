@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/optics/scene/point.h"
+#include "optics/scene/point.h"
 
 namespace voxtone::optics {
 

@@ -2,14 +2,14 @@
 //
 // Points are taken in groups of one box; who may be near is gathered from memory once for the group, and sixteen points
 // at a time look at all of them: each lane adds up its own point, so no sum depends on the vectors' width.
-#include "voxtone/optics/scene/gaussian_gather.h"
+#include "optics/scene/gaussian_gather.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/scene/point_bins.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "optics/scene/point_bins.h"
 
 // This file is compiled once per target; what the targets share is seen only once.
 #ifndef VOXTONE_GAUSSIAN_GATHER_SHARED
@@ -41,7 +41,7 @@ struct Lanes {
 #endif
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "voxtone/optics/scene/gaussian_gather.cpp"
+#define HWY_TARGET_INCLUDE "optics/scene/gaussian_gather.cpp"
 // The order of these two matters.
 // clang-format off
 #include "hwy/foreach_target.h"

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "voxtone/base/parallel.h"
+#include "base/parallel.h"
 
 namespace voxtone::optics {
 

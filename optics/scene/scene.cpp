@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/scene/scene.h"
+#include "optics/scene/scene.h"
 
 #include <cstddef>
 #include <string>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
+#include "base/contracts.h"
+#include "base/error.h"
 
 namespace voxtone::optics {
 

@@ -7,9 +7,9 @@
 // reflect everything: the pattern goes on for ever, for plane-parallel problems.
 #pragma once
 
-#include "voxtone/optics/media/resin_volume.h"
-#include "voxtone/optics/media/resins.h"
-#include "voxtone/optics/scene/backing.h"
+#include "optics/media/resin_volume.h"
+#include "optics/media/resins.h"
+#include "optics/scene/backing.h"
 
 namespace voxtone::optics {
 

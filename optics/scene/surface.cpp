@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/scene/surface.h"
+#include "optics/scene/surface.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 #include <tuple>
 #include <type_traits>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/media/mirrored_box.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "optics/media/mirrored_box.h"
 
 namespace voxtone::optics {
 namespace {

@@ -13,9 +13,9 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/optics/media/effective_medium.h"
-#include "voxtone/optics/scene/scene.h"
+#include "base/progress.h"
+#include "optics/media/effective_medium.h"
+#include "optics/scene/scene.h"
 
 namespace voxtone::optics {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/scene/surface_mixtures.h"
+#include "optics/scene/surface_mixtures.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
 
 namespace voxtone::optics {
 

@@ -14,9 +14,9 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/optics/media/resin_volume.h"
-#include "voxtone/optics/scene/surface.h"
+#include "base/progress.h"
+#include "optics/media/resin_volume.h"
+#include "optics/scene/surface.h"
 
 namespace voxtone::optics {
 

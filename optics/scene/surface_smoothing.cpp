@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/scene/surface_smoothing.h"
+#include "optics/scene/surface_smoothing.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/scene/point_bins.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "optics/scene/point_bins.h"
 
 namespace voxtone::optics {
 

@@ -18,8 +18,8 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/optics/scene/appearance_model.h"
-#include "voxtone/optics/scene/gaussian_gather.h"
+#include "optics/scene/appearance_model.h"
+#include "optics/scene/gaussian_gather.h"
 
 namespace voxtone::optics {
 

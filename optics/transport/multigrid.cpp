@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/transport/multigrid.h"
+#include "optics/transport/multigrid.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/transport/lattice.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "optics/transport/lattice.h"
 
 namespace voxtone::optics {
 namespace {

@@ -16,7 +16,7 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/base/progress.h"
+#include "base/progress.h"
 
 namespace voxtone::optics {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/transport/refinement.h"
+#include "optics/transport/refinement.h"
 
 #include <algorithm>
 #include <array>
@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/media/mirrored_box.h"
-#include "voxtone/optics/transport/lattice.h"
-#include "voxtone/optics/transport/transport_sweep.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "optics/media/mirrored_box.h"
+#include "optics/transport/lattice.h"
+#include "optics/transport/transport_sweep.h"
 
 namespace voxtone::optics {
 namespace {

@@ -19,11 +19,11 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/optics/media/resin_volume.h"
-#include "voxtone/optics/media/resins.h"
-#include "voxtone/optics/transport/transport_options.h"
-#include "voxtone/optics/transport/viewing_grid.h"
+#include "base/progress.h"
+#include "optics/media/resin_volume.h"
+#include "optics/media/resins.h"
+#include "optics/transport/transport_options.h"
+#include "optics/transport/viewing_grid.h"
 
 namespace voxtone::optics {
 

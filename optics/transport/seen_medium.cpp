@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/transport/seen_medium.h"
+#include "optics/transport/seen_medium.h"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 namespace voxtone::optics {
 

@@ -16,8 +16,8 @@
 #include <cstddef>
 #include <span>
 
-#include "voxtone/optics/media/effective_medium.h"
-#include "voxtone/optics/transport/viewing_grid.h"
+#include "optics/media/effective_medium.h"
+#include "optics/transport/viewing_grid.h"
 
 namespace voxtone::optics {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/transport/sweep_rows.h"
+#include "optics/transport/sweep_rows.h"
 
 #include <algorithm>
 #include <map>

@@ -15,7 +15,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxtone/optics/transport/viewing_grid.h"
+#include "optics/transport/viewing_grid.h"
 
 namespace voxtone::optics {
 

@@ -15,8 +15,8 @@
 #include <new>
 #include <span>
 
-#include "voxtone/optics/transport/transport_sweep.h"
-#include "voxtone/optics/transport/viewing_diffusion.h"
+#include "optics/transport/transport_sweep.h"
+#include "optics/transport/viewing_diffusion.h"
 
 namespace voxtone::optics {
 

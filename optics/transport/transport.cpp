@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/transport/transport.h"
+#include "optics/transport/transport.h"
 
 #include <algorithm>
 #include <string>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/optics/transport/viewing_sequence.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "optics/transport/viewing_sequence.h"
 
 namespace voxtone::optics {
 namespace {

@@ -28,8 +28,8 @@
 #include <cstddef>
 #include <memory>
 
-#include "voxtone/optics/scene/appearance_model.h"
-#include "voxtone/optics/transport/transport_options.h"
+#include "optics/scene/appearance_model.h"
+#include "optics/transport/transport_options.h"
 
 namespace voxtone::optics {
 

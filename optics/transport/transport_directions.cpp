@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/transport/transport_directions.h"
+#include "optics/transport/transport_directions.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/optics/numerics/quadrature.h"
-#include "voxtone/optics/scene/fresnel.h"
+#include "base/contracts.h"
+#include "optics/numerics/quadrature.h"
+#include "optics/scene/fresnel.h"
 
 namespace voxtone::optics {
 namespace {

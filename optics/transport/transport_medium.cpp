@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/transport/transport_medium.h"
+#include "optics/transport/transport_medium.h"
 
 #include <algorithm>
 #include <array>
@@ -9,9 +9,9 @@
 
 #include <Eigen/Dense>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/layered/layered_appearance.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "optics/layered/layered_appearance.h"
 
 namespace voxtone::optics {
 namespace {

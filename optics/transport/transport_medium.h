@@ -14,8 +14,8 @@
 #include <memory>
 #include <vector>
 
-#include "voxtone/optics/media/resins.h"
-#include "voxtone/optics/transport/transport_directions.h"
+#include "optics/media/resins.h"
+#include "optics/transport/transport_directions.h"
 
 namespace voxtone::optics {
 

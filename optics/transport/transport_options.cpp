@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/transport/transport_options.h"
+#include "optics/transport/transport_options.h"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/transport/transport_sweep.h"
+#include "optics/transport/transport_sweep.h"
 
 #include <algorithm>
 #include <array>
@@ -8,10 +8,10 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/base/parallel.h"
+#include "base/parallel.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "voxtone/optics/transport/transport_sweep.cpp"
+#define HWY_TARGET_INCLUDE "optics/transport/transport_sweep.cpp"
 // The order of these two matters.
 // clang-format off
 #include "hwy/foreach_target.h"

@@ -29,10 +29,10 @@
 #include <cstdint>
 #include <span>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/optics/transport/sweep_rows.h"
-#include "voxtone/optics/transport/transport_medium.h"
-#include "voxtone/optics/transport/viewing_grid.h"
+#include "base/progress.h"
+#include "optics/transport/sweep_rows.h"
+#include "optics/transport/transport_medium.h"
+#include "optics/transport/viewing_grid.h"
 
 namespace voxtone::optics {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/transport/viewing_derivatives.h"
+#include "optics/transport/viewing_derivatives.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "voxtone/base/parallel.h"
+#include "base/parallel.h"
 
 namespace voxtone::optics {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/transport/viewing_diffusion.h"
+#include "optics/transport/viewing_diffusion.h"
 
 #include <algorithm>
 #include <cstring>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
 
 namespace voxtone::optics {
 namespace {

@@ -24,9 +24,9 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/optics/transport/multigrid.h"
-#include "voxtone/optics/transport/viewing_grid.h"
+#include "base/progress.h"
+#include "optics/transport/multigrid.h"
+#include "optics/transport/viewing_grid.h"
 
 namespace voxtone::optics {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/transport/viewing_faces.h"
+#include "optics/transport/viewing_faces.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 
-#include "voxtone/optics/transport/lattice.h"
+#include "optics/transport/lattice.h"
 
 namespace voxtone::optics {
 namespace {

@@ -13,7 +13,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxtone/optics/transport/transport_sweep.h"
+#include "optics/transport/transport_sweep.h"
 
 namespace voxtone::optics {
 

@@ -31,10 +31,10 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/optics/scene/appearance_model.h"
-#include "voxtone/optics/transport/seen_medium.h"
-#include "voxtone/optics/transport/transport_medium.h"
-#include "voxtone/optics/transport/viewing_grid.h"
+#include "optics/scene/appearance_model.h"
+#include "optics/transport/seen_medium.h"
+#include "optics/transport/transport_medium.h"
+#include "optics/transport/viewing_grid.h"
 
 namespace voxtone::optics {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/transport/viewing_grid.h"
+#include "optics/transport/viewing_grid.h"
 
 #include <algorithm>
 

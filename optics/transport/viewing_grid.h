@@ -24,9 +24,9 @@
 #include <utility>
 #include <vector>
 
-#include "voxtone/optics/scene/surface.h"
-#include "voxtone/optics/transport/lattice.h"
-#include "voxtone/optics/transport/transport_directions.h"
+#include "optics/scene/surface.h"
+#include "optics/transport/lattice.h"
+#include "optics/transport/transport_directions.h"
 
 namespace voxtone::optics {
 

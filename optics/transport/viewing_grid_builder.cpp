@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/transport/viewing_grid_builder.h"
+#include "optics/transport/viewing_grid_builder.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/media/mirrored_box.h"
-#include "voxtone/optics/transport/lattice.h"
-#include "voxtone/optics/transport/transport_sweep.h"
-#include "voxtone/optics/transport/viewing_faces.h"
-#include "voxtone/optics/transport/viewing_palette.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "optics/media/mirrored_box.h"
+#include "optics/transport/lattice.h"
+#include "optics/transport/transport_sweep.h"
+#include "optics/transport/viewing_faces.h"
+#include "optics/transport/viewing_palette.h"
 
 namespace voxtone::optics {
 namespace {

@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <span>
 
-#include "voxtone/optics/scene/scene.h"
-#include "voxtone/optics/scene/surface.h"
-#include "voxtone/optics/transport/viewing_grid.h"
+#include "optics/scene/scene.h"
+#include "optics/scene/surface.h"
+#include "optics/transport/viewing_grid.h"
 
 namespace voxtone::optics {
 

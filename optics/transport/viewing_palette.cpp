@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/transport/viewing_palette.h"
+#include "optics/transport/viewing_palette.h"
 
 #include <algorithm>
 #include <array>
@@ -7,10 +7,10 @@
 #include <unordered_map>
 #include <utility>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/media/mirrored_box.h"
-#include "voxtone/optics/transport/lattice.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "optics/media/mirrored_box.h"
+#include "optics/transport/lattice.h"
 
 namespace voxtone::optics {
 namespace {

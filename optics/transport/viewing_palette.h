@@ -11,9 +11,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/optics/media/resin_volume.h"
-#include "voxtone/optics/transport/viewing_grid.h"
+#include "base/progress.h"
+#include "optics/media/resin_volume.h"
+#include "optics/transport/viewing_grid.h"
 
 namespace voxtone::optics {
 

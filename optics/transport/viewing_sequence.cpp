@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/transport/viewing_sequence.h"
+#include "optics/transport/viewing_sequence.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,15 +7,15 @@
 #include <string>
 #include <type_traits>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/stopwatch.h"
-#include "voxtone/optics/transport/refinement.h"
-#include "voxtone/optics/transport/seen_medium.h"
-#include "voxtone/optics/transport/viewing_gradient.h"
-#include "voxtone/optics/transport/viewing_grid_builder.h"
-#include "voxtone/optics/transport/viewing_palette.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/stopwatch.h"
+#include "optics/transport/refinement.h"
+#include "optics/transport/seen_medium.h"
+#include "optics/transport/viewing_gradient.h"
+#include "optics/transport/viewing_grid_builder.h"
+#include "optics/transport/viewing_palette.h"
 
 namespace voxtone::optics {
 namespace {

@@ -35,11 +35,11 @@
 #include <utility>
 #include <vector>
 
-#include "voxtone/optics/media/effective_medium.h"
-#include "voxtone/optics/transport/transport_options.h"
-#include "voxtone/optics/transport/viewing_faces.h"
-#include "voxtone/optics/transport/viewing_tiles.h"
-#include "voxtone/optics/transport/viewing_transport.h"
+#include "optics/media/effective_medium.h"
+#include "optics/transport/transport_options.h"
+#include "optics/transport/viewing_faces.h"
+#include "optics/transport/viewing_tiles.h"
+#include "optics/transport/viewing_transport.h"
 
 namespace voxtone::optics {
 

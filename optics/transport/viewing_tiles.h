@@ -10,8 +10,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxtone/optics/scene/appearance_model.h"
-#include "voxtone/optics/transport/viewing_grid.h"
+#include "optics/scene/appearance_model.h"
+#include "optics/transport/viewing_grid.h"
 
 namespace voxtone::optics {
 

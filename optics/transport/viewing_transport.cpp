@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/transport/viewing_transport.h"
+#include "optics/transport/viewing_transport.h"
 
 #include <algorithm>
 #include <atomic>
@@ -7,11 +7,11 @@
 #include <cstring>
 #include <utility>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/stopwatch.h"
-#include "voxtone/optics/transport/lattice.h"
-#include "voxtone/optics/transport/viewing_derivatives.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "base/stopwatch.h"
+#include "optics/transport/lattice.h"
+#include "optics/transport/viewing_derivatives.h"
 
 namespace voxtone::optics {
 namespace {

@@ -17,14 +17,14 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/optics/transport/sweep_scratch.h"
-#include "voxtone/optics/transport/transport_medium.h"
-#include "voxtone/optics/transport/transport_options.h"
-#include "voxtone/optics/transport/transport_sweep.h"
-#include "voxtone/optics/transport/viewing_diffusion.h"
-#include "voxtone/optics/transport/viewing_field.h"
-#include "voxtone/optics/transport/viewing_grid.h"
+#include "base/progress.h"
+#include "optics/transport/sweep_scratch.h"
+#include "optics/transport/transport_medium.h"
+#include "optics/transport/transport_options.h"
+#include "optics/transport/transport_sweep.h"
+#include "optics/transport/viewing_diffusion.h"
+#include "optics/transport/viewing_field.h"
+#include "optics/transport/viewing_grid.h"
 
 namespace voxtone::optics {
 

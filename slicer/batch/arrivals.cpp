@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/batch/arrivals.h"
+#include "slicer/batch/arrivals.h"
 
 #include <algorithm>
 #include <system_error>
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/models/model_reader.h"
+#include "base/error.h"
+#include "io/models/model_reader.h"
 
 namespace voxtone::slicer {
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/slicer/batch/input_digests.h"
+#include "slicer/batch/input_digests.h"
 
 namespace voxtone::slicer {
 

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/batch/batch_folder.h"
+#include "slicer/batch/batch_folder.h"
 
 #include <algorithm>
 #include <system_error>
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/disk/part_files.h"
-#include "voxtone/io/files/json_object.h"
-#include "voxtone/io/files/json_writer.h"
-#include "voxtone/io/files/whole_file.h"
+#include "base/error.h"
+#include "io/disk/part_files.h"
+#include "io/files/json_object.h"
+#include "io/files/json_writer.h"
+#include "io/files/whole_file.h"
 
 namespace voxtone::slicer {
 

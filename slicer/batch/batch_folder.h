@@ -17,8 +17,8 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/io/disk/folder_lock.h"
-#include "voxtone/slicer/batch/job_state.h"
+#include "io/disk/folder_lock.h"
+#include "slicer/batch/job_state.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/batch/batch_job.h"
+#include "slicer/batch/batch_job.h"
 
 #include <chrono>
 #include <map>
@@ -8,16 +8,16 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/counted.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/progress_bar.h"
-#include "voxtone/base/stop_deadline.h"
-#include "voxtone/io/disk/disk_space.h"
-#include "voxtone/io/files/json_writer.h"
-#include "voxtone/slicer/batch/arrivals.h"
-#include "voxtone/slicer/batch/batch_queue.h"
-#include "voxtone/slicer/batch/batch_summary.h"
-#include "voxtone/slicer/options/command_words.h"
+#include "base/counted.h"
+#include "base/error.h"
+#include "base/progress_bar.h"
+#include "base/stop_deadline.h"
+#include "io/disk/disk_space.h"
+#include "io/files/json_writer.h"
+#include "slicer/batch/arrivals.h"
+#include "slicer/batch/batch_queue.h"
+#include "slicer/batch/batch_summary.h"
+#include "slicer/options/command_words.h"
 
 namespace voxtone::slicer {
 

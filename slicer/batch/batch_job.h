@@ -4,11 +4,11 @@
 // break: who runs the same again does what is left, on any number of machines that share the folder.
 #pragma once
 
-#include "voxtone/base/job_result.h"
-#include "voxtone/base/progress.h"
-#include "voxtone/slicer/batch/batch_view.h"
-#include "voxtone/slicer/batch/plan.h"
-#include "voxtone/slicer/batch/queued_job.h"
+#include "base/job_result.h"
+#include "base/progress.h"
+#include "slicer/batch/batch_view.h"
+#include "slicer/batch/plan.h"
+#include "slicer/batch/queued_job.h"
 
 namespace voxtone::slicer {
 

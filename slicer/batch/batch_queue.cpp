@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/batch/batch_queue.h"
+#include "slicer/batch/batch_queue.h"
 
 #include <algorithm>
 #include <chrono>
@@ -7,8 +7,8 @@
 #include <limits>
 #include <thread>
 
-#include "voxtone/base/machine_memory.h"
-#include "voxtone/base/parallel.h"
+#include "base/machine_memory.h"
+#include "base/parallel.h"
 
 namespace voxtone::slicer {
 

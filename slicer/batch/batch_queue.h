@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "voxtone/slicer/batch/queued_job.h"
+#include "slicer/batch/queued_job.h"
 
 namespace voxtone::slicer {
 

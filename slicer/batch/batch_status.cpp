@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/batch/batch_status.h"
+#include "slicer/batch/batch_status.h"
 
 #include <algorithm>
 #include <array>
@@ -8,11 +8,11 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/counted.h"
-#include "voxtone/base/progress_bar.h"
-#include "voxtone/io/disk/folder_lock.h"
-#include "voxtone/io/files/json_writer.h"
-#include "voxtone/slicer/batch/batch_folder.h"
+#include "base/counted.h"
+#include "base/progress_bar.h"
+#include "io/disk/folder_lock.h"
+#include "io/files/json_writer.h"
+#include "slicer/batch/batch_folder.h"
 
 namespace voxtone::slicer {
 

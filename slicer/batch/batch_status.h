@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "voxtone/base/job_result.h"
+#include "base/job_result.h"
 
 namespace voxtone::slicer {
 

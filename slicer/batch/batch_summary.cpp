@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/batch/batch_summary.h"
+#include "slicer/batch/batch_summary.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -9,15 +9,15 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/counted.h"
-#include "voxtone/base/embedded_file.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/progress_bar.h"
-#include "voxtone/io/files/base64.h"
-#include "voxtone/io/files/markup.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/programs/build_identity.h"
-#include "voxtone/slicer/look/report_files.h"
+#include "base/counted.h"
+#include "base/embedded_file.h"
+#include "base/error.h"
+#include "base/progress_bar.h"
+#include "io/files/base64.h"
+#include "io/files/markup.h"
+#include "io/files/whole_file.h"
+#include "io/programs/build_identity.h"
+#include "slicer/kept/report_files.h"
 
 namespace voxtone::embedded {
 std::span<const EmbeddedFile> batch_assets();

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/slicer/batch/batch_folder.h"
+#include "slicer/batch/batch_folder.h"
 
 namespace voxtone::slicer {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/batch/csv_table.h"
+#include "slicer/batch/csv_table.h"
 
 #include <algorithm>
 
 #include <fmt/core.h>
 
-#include "voxtone/base/counted.h"
+#include "base/counted.h"
 
 namespace voxtone::slicer {
 

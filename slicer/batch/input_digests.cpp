@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/batch/input_digests.h"
+#include "slicer/batch/input_digests.h"
 
 #include <sys/stat.h>
 
 #include <ctime>
 
-#include "voxtone/io/files/file_digest.h"
+#include "io/files/file_digest.h"
 
 namespace voxtone::slicer {
 

@@ -11,7 +11,7 @@
 #include <optional>
 #include <string>
 
-#include "voxtone/base/progress.h"
+#include "base/progress.h"
 
 namespace voxtone::slicer {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/batch/job_ending.h"
+#include "slicer/batch/job_ending.h"
 
 #include <csignal>
 #include <cstring>
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 namespace voxtone::slicer {
 

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "voxtone/slicer/batch/job_process.h"
+#include "slicer/batch/job_process.h"
 
 namespace voxtone::slicer {
 

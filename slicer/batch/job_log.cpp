@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/batch/job_log.h"
+#include "slicer/batch/job_log.h"
 
 #include <algorithm>
 #include <fstream>

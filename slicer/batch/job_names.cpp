@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/batch/job_names.h"
+#include "slicer/batch/job_names.h"
 
 #include <algorithm>
 #include <array>
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/printable.h"
+#include "base/error.h"
+#include "base/printable.h"
 
 namespace voxtone::slicer {
 

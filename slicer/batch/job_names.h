@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "voxtone/slicer/options/slice_options.h"
+#include "slicer/options/slice_options.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/batch/job_process.h"
+#include "slicer/batch/job_process.h"
 
 #include <fcntl.h>
 #include <sys/prctl.h>
@@ -13,10 +13,10 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/disk/disk_space.h"
-#include "voxtone/io/disk/folder_lock.h"
-#include "voxtone/io/disk/open_file.h"
+#include "base/error.h"
+#include "io/disk/disk_space.h"
+#include "io/disk/folder_lock.h"
+#include "io/disk/open_file.h"
 
 namespace voxtone::slicer {
 

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/batch/job_result.h"
+#include "slicer/batch/job_result.h"
 
 #include <ctime>
 #include <system_error>
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/json_object.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/layers/stack_folder.h"
-#include "voxtone/io/report/report_picture.h"
-#include "voxtone/slicer/job/job_identity.h"
-#include "voxtone/slicer/look/report_files.h"
-#include "voxtone/slicer/options/job_file.h"
-#include "voxtone/slicer/saved/loop_checkpoint.h"
+#include "base/error.h"
+#include "io/files/json_object.h"
+#include "io/files/whole_file.h"
+#include "io/layers/stack_folder.h"
+#include "io/report/report_picture.h"
+#include "slicer/kept/job_identity.h"
+#include "slicer/kept/loop_checkpoint.h"
+#include "slicer/kept/report_files.h"
+#include "slicer/options/job_file.h"
 
 namespace voxtone::slicer {
 

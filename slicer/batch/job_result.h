@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/slicer/batch/input_digests.h"
-#include "voxtone/slicer/batch/job_state.h"
-#include "voxtone/slicer/batch/plan.h"
+#include "base/progress.h"
+#include "slicer/batch/input_digests.h"
+#include "slicer/batch/job_state.h"
+#include "slicer/batch/plan.h"
 
 namespace voxtone::slicer {
 

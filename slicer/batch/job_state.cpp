@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/batch/job_state.h"
+#include "slicer/batch/job_state.h"
 
 #include <ctime>
 #include <limits>
@@ -7,10 +7,10 @@
 #include <fmt/chrono.h>
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/disk/folder_lock.h"
-#include "voxtone/io/files/json_object.h"
-#include "voxtone/io/files/json_writer.h"
+#include "base/error.h"
+#include "io/disk/folder_lock.h"
+#include "io/files/json_object.h"
+#include "io/files/json_writer.h"
 
 namespace voxtone::slicer {
 

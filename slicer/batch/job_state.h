@@ -15,8 +15,8 @@
 #include <utility>
 #include <vector>
 
-#include "voxtone/base/named_values.h"
-#include "voxtone/slicer/batch/input_digests.h"
+#include "base/named_values.h"
+#include "slicer/batch/input_digests.h"
 
 namespace voxtone::io {
 class JsonObject;

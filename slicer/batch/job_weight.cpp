@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/batch/job_weight.h"
+#include "slicer/batch/job_weight.h"
 
 #include <filesystem>
 #include <limits>
 #include <optional>
 #include <system_error>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/json_object.h"
-#include "voxtone/slicer/estimate/phase_estimates.h"
+#include "base/error.h"
+#include "io/files/json_object.h"
+#include "slicer/estimate/phase_estimates.h"
 
 namespace voxtone::slicer {
 

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/slicer/batch/job_state.h"
-#include "voxtone/slicer/options/slice_options.h"
+#include "slicer/batch/job_state.h"
+#include "slicer/options/slice_options.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/batch/plan.h"
+#include "slicer/batch/plan.h"
 
 #include <unistd.h>
 
@@ -10,13 +10,13 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include "voxtone/base/counted.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/json_object.h"
-#include "voxtone/slicer/batch/job_names.h"
-#include "voxtone/slicer/options/command_words.h"
-#include "voxtone/slicer/options/job_file.h"
-#include "voxtone/slicer/prepare/opened_job.h"
+#include "base/counted.h"
+#include "base/error.h"
+#include "io/files/json_object.h"
+#include "slicer/batch/job_names.h"
+#include "slicer/options/command_words.h"
+#include "slicer/options/job_file.h"
+#include "slicer/prepare/opened_job.h"
 
 namespace voxtone::slicer {
 

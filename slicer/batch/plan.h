@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/slicer/batch/plan_rows.h"
-#include "voxtone/slicer/options/slice_options.h"
+#include "base/progress.h"
+#include "slicer/batch/plan_rows.h"
+#include "slicer/options/slice_options.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/batch/plan_rows.h"
+#include "slicer/batch/plan_rows.h"
 
 #include <glob.h>
 
@@ -10,12 +10,12 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/json_writer.h"
-#include "voxtone/io/files/read_bytes.h"
-#include "voxtone/io/models/foreign_kind.h"
-#include "voxtone/io/models/model_reader.h"
-#include "voxtone/slicer/batch/csv_table.h"
+#include "base/error.h"
+#include "io/files/json_writer.h"
+#include "io/files/read_bytes.h"
+#include "io/models/foreign_kind.h"
+#include "io/models/model_reader.h"
+#include "slicer/batch/csv_table.h"
 
 namespace voxtone::slicer {
 

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/batch/queued_job.h"
+#include "slicer/batch/queued_job.h"
 
 #include <algorithm>
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/disk/disk_space.h"
-#include "voxtone/io/programs/build_identity.h"
-#include "voxtone/slicer/batch/job_ending.h"
-#include "voxtone/slicer/batch/job_log.h"
-#include "voxtone/slicer/batch/job_result.h"
-#include "voxtone/slicer/options/command_words.h"
+#include "base/error.h"
+#include "io/disk/disk_space.h"
+#include "io/programs/build_identity.h"
+#include "slicer/batch/job_ending.h"
+#include "slicer/batch/job_log.h"
+#include "slicer/batch/job_result.h"
+#include "slicer/options/command_words.h"
 
 namespace voxtone::slicer {
 

@@ -9,14 +9,14 @@
 #include <optional>
 #include <string>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/base/stopwatch.h"
-#include "voxtone/slicer/batch/batch_folder.h"
-#include "voxtone/slicer/batch/batch_view.h"
-#include "voxtone/slicer/batch/input_digests.h"
-#include "voxtone/slicer/batch/job_process.h"
-#include "voxtone/slicer/batch/job_weight.h"
-#include "voxtone/slicer/batch/plan.h"
+#include "base/progress.h"
+#include "base/stopwatch.h"
+#include "slicer/batch/batch_folder.h"
+#include "slicer/batch/batch_view.h"
+#include "slicer/batch/input_digests.h"
+#include "slicer/batch/job_process.h"
+#include "slicer/batch/job_weight.h"
+#include "slicer/batch/plan.h"
 
 namespace voxtone::slicer {
 

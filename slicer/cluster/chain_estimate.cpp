@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/cluster/chain_estimate.h"
+#include "slicer/cluster/chain_estimate.h"
 
 #include <optional>
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/programs/build_identity.h"
-#include "voxtone/slicer/batch/job_result.h"
-#include "voxtone/slicer/cluster/job_record.h"
-#include "voxtone/slicer/estimate/estimate_job.h"
+#include "base/error.h"
+#include "io/programs/build_identity.h"
+#include "slicer/batch/job_result.h"
+#include "slicer/cluster/job_record.h"
+#include "slicer/estimate/estimate_job.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/cluster/cluster_task.h"
+#include "slicer/cluster/cluster_task.h"
 
 #include <algorithm>
 #include <chrono>
@@ -10,18 +10,18 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/json_writer.h"
-#include "voxtone/io/programs/build_identity.h"
-#include "voxtone/slicer/batch/job_ending.h"
-#include "voxtone/slicer/batch/job_log.h"
-#include "voxtone/slicer/batch/job_process.h"
-#include "voxtone/slicer/batch/job_result.h"
-#include "voxtone/slicer/cluster/folder_words.h"
-#include "voxtone/slicer/cluster/job_record.h"
-#include "voxtone/slicer/cluster/slurm_commands.h"
-#include "voxtone/slicer/cluster/submission.h"
-#include "voxtone/slicer/options/command_words.h"
+#include "base/error.h"
+#include "io/files/json_writer.h"
+#include "io/programs/build_identity.h"
+#include "slicer/batch/job_ending.h"
+#include "slicer/batch/job_log.h"
+#include "slicer/batch/job_process.h"
+#include "slicer/batch/job_result.h"
+#include "slicer/cluster/folder_words.h"
+#include "slicer/cluster/job_record.h"
+#include "slicer/cluster/slurm_commands.h"
+#include "slicer/cluster/submission.h"
+#include "slicer/options/command_words.h"
 
 namespace voxtone::slicer {
 

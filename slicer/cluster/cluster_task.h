@@ -13,10 +13,10 @@
 #include <string>
 #include <string_view>
 
-#include "voxtone/base/job_result.h"
-#include "voxtone/base/progress.h"
-#include "voxtone/io/shards/shard_number.h"
-#include "voxtone/slicer/cluster/task_chain.h"
+#include "base/job_result.h"
+#include "base/progress.h"
+#include "io/shards/shard_number.h"
+#include "slicer/cluster/task_chain.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/cluster/command_output.h"
+#include "slicer/cluster/command_output.h"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -15,8 +15,8 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/disk/open_file.h"
+#include "base/error.h"
+#include "io/disk/open_file.h"
 
 extern char** environ;
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/cluster/folder_words.h"
+#include "slicer/cluster/folder_words.h"
 
 #include <filesystem>
 #include <system_error>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/layers/stack_folder.h"
-#include "voxtone/io/shards/shard_folder.h"
-#include "voxtone/slicer/batch/job_result.h"
-#include "voxtone/slicer/job/job_identity.h"
-#include "voxtone/slicer/saved/skin_file.h"
+#include "base/error.h"
+#include "io/layers/stack_folder.h"
+#include "io/shards/shard_folder.h"
+#include "slicer/batch/job_result.h"
+#include "slicer/kept/job_identity.h"
+#include "slicer/kept/skin_file.h"
 
 namespace voxtone::slicer {
 

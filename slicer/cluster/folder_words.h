@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/slicer/batch/input_digests.h"
-#include "voxtone/slicer/batch/plan.h"
-#include "voxtone/slicer/cluster/task_chain.h"
+#include "base/progress.h"
+#include "slicer/batch/input_digests.h"
+#include "slicer/batch/plan.h"
+#include "slicer/cluster/task_chain.h"
 
 namespace voxtone::slicer {
 

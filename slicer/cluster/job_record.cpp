@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/cluster/job_record.h"
+#include "slicer/cluster/job_record.h"
 
 #include <chrono>
 #include <thread>
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/programs/build_identity.h"
-#include "voxtone/slicer/batch/batch_summary.h"
-#include "voxtone/slicer/batch/job_result.h"
-#include "voxtone/slicer/options/command_words.h"
-#include "voxtone/slicer/options/job_file.h"
+#include "base/error.h"
+#include "io/programs/build_identity.h"
+#include "slicer/batch/batch_summary.h"
+#include "slicer/batch/job_result.h"
+#include "slicer/options/command_words.h"
+#include "slicer/options/job_file.h"
 
 namespace voxtone::slicer {
 

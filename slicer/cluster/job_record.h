@@ -8,10 +8,10 @@
 #include <memory>
 #include <string>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/slicer/batch/batch_folder.h"
-#include "voxtone/slicer/batch/input_digests.h"
-#include "voxtone/slicer/cluster/submission.h"
+#include "base/progress.h"
+#include "slicer/batch/batch_folder.h"
+#include "slicer/batch/input_digests.h"
+#include "slicer/cluster/submission.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/cluster/openjd_job.h"
+#include "slicer/cluster/openjd_job.h"
 
 #include <algorithm>
 #include <optional>
@@ -8,16 +8,16 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/counted.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/json_writer.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/slicer/batch/batch_folder.h"
-#include "voxtone/slicer/batch/job_result.h"
-#include "voxtone/slicer/cluster/chain_estimate.h"
-#include "voxtone/slicer/cluster/job_record.h"
-#include "voxtone/slicer/cluster/openjd_template.h"
-#include "voxtone/slicer/options/command_words.h"
+#include "base/counted.h"
+#include "base/error.h"
+#include "io/files/json_writer.h"
+#include "io/files/whole_file.h"
+#include "slicer/batch/batch_folder.h"
+#include "slicer/batch/job_result.h"
+#include "slicer/cluster/chain_estimate.h"
+#include "slicer/cluster/job_record.h"
+#include "slicer/cluster/openjd_template.h"
+#include "slicer/options/command_words.h"
 
 namespace voxtone::slicer {
 

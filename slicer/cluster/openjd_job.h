@@ -7,10 +7,10 @@
 
 #include <filesystem>
 
-#include "voxtone/base/job_result.h"
-#include "voxtone/base/progress.h"
-#include "voxtone/slicer/batch/plan.h"
-#include "voxtone/slicer/cluster/task_chain.h"
+#include "base/job_result.h"
+#include "base/progress.h"
+#include "slicer/batch/plan.h"
+#include "slicer/cluster/task_chain.h"
 
 namespace voxtone::slicer {
 

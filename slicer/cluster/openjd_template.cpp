@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/cluster/openjd_template.h"
+#include "slicer/cluster/openjd_template.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/json_writer.h"
+#include "base/error.h"
+#include "io/files/json_writer.h"
 
 namespace voxtone::slicer {
 

@@ -11,7 +11,7 @@
 #include <span>
 #include <string>
 
-#include "voxtone/slicer/cluster/task_chain.h"
+#include "slicer/cluster/task_chain.h"
 
 namespace voxtone::slicer {
 

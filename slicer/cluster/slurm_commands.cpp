@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/cluster/slurm_commands.h"
+#include "slicer/cluster/slurm_commands.h"
 
 #include <algorithm>
 #include <array>
@@ -10,8 +10,8 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/slicer/cluster/command_output.h"
+#include "base/error.h"
+#include "slicer/cluster/command_output.h"
 
 namespace voxtone::slicer {
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/cluster/slurm_entry.h"
+#include "slicer/cluster/slurm_entry.h"
 
 #include <algorithm>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include "voxtone/base/counted.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/progress_bar.h"
-#include "voxtone/io/files/json_writer.h"
+#include "base/counted.h"
+#include "base/error.h"
+#include "base/progress_bar.h"
+#include "io/files/json_writer.h"
 
 namespace voxtone::slicer {
 

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/job_result.h"
-#include "voxtone/base/named_values.h"
-#include "voxtone/slicer/cluster/submission.h"
-#include "voxtone/slicer/cluster/task_chain.h"
+#include "base/job_result.h"
+#include "base/named_values.h"
+#include "slicer/cluster/submission.h"
+#include "slicer/cluster/task_chain.h"
 
 namespace voxtone::slicer {
 

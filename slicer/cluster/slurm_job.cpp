@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/cluster/slurm_job.h"
+#include "slicer/cluster/slurm_job.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,17 +9,17 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/counted.h"
-#include "voxtone/base/error.h"
-#include "voxtone/slicer/batch/batch_folder.h"
-#include "voxtone/slicer/batch/job_result.h"
-#include "voxtone/slicer/cluster/chain_estimate.h"
-#include "voxtone/slicer/cluster/job_record.h"
-#include "voxtone/slicer/cluster/slurm_commands.h"
-#include "voxtone/slicer/cluster/slurm_entry.h"
-#include "voxtone/slicer/cluster/slurm_lanes.h"
-#include "voxtone/slicer/cluster/slurm_script.h"
-#include "voxtone/slicer/options/command_words.h"
+#include "base/counted.h"
+#include "base/error.h"
+#include "slicer/batch/batch_folder.h"
+#include "slicer/batch/job_result.h"
+#include "slicer/cluster/chain_estimate.h"
+#include "slicer/cluster/job_record.h"
+#include "slicer/cluster/slurm_commands.h"
+#include "slicer/cluster/slurm_entry.h"
+#include "slicer/cluster/slurm_lanes.h"
+#include "slicer/cluster/slurm_script.h"
+#include "slicer/options/command_words.h"
 
 namespace voxtone::slicer {
 

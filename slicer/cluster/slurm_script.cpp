@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/cluster/slurm_script.h"
+#include "slicer/cluster/slurm_script.h"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include "voxtone/base/printable.h"
-#include "voxtone/slicer/options/command_words.h"
+#include "base/printable.h"
+#include "slicer/options/command_words.h"
 
 namespace voxtone::slicer {
 

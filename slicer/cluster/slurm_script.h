@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/slicer/cluster/task_chain.h"
+#include "slicer/cluster/task_chain.h"
 
 namespace voxtone::slicer {
 

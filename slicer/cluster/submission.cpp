@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/cluster/submission.h"
+#include "slicer/cluster/submission.h"
 
 #include <algorithm>
 #include <limits>
@@ -8,11 +8,11 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/json_object.h"
-#include "voxtone/io/files/json_writer.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/slicer/options/job_file.h"
+#include "base/error.h"
+#include "io/files/json_object.h"
+#include "io/files/json_writer.h"
+#include "io/files/whole_file.h"
+#include "slicer/options/job_file.h"
 
 namespace voxtone::slicer {
 

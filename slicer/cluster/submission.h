@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/slicer/batch/batch_folder.h"
-#include "voxtone/slicer/cluster/task_chain.h"
+#include "slicer/batch/batch_folder.h"
+#include "slicer/cluster/task_chain.h"
 
 namespace voxtone::slicer {
 

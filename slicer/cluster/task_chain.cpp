@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/cluster/task_chain.h"
+#include "slicer/cluster/task_chain.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,11 +8,11 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/io/files/read_options.h"
-#include "voxtone/slicer/estimate/phase_estimates.h"
-#include "voxtone/slicer/options/command_words.h"
-#include "voxtone/slicer/options/model_choice.h"
-#include "voxtone/slicer/prepare/opened_job.h"
+#include "io/files/read_options.h"
+#include "slicer/estimate/phase_estimates.h"
+#include "slicer/options/command_words.h"
+#include "slicer/options/model_choice.h"
+#include "slicer/prepare/opened_job.h"
 
 namespace voxtone::slicer {
 

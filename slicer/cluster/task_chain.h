@@ -19,9 +19,9 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/named_values.h"
-#include "voxtone/slicer/batch/plan.h"
-#include "voxtone/slicer/estimate/job_estimate.h"
+#include "base/named_values.h"
+#include "slicer/batch/plan.h"
+#include "slicer/estimate/job_estimate.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/estimate/colour_mixtures.h"
+#include "slicer/estimate/colour_mixtures.h"
 
 #include <array>
 #include <cmath>

@@ -7,19 +7,12 @@
 // into the gamut; what it does to single cells afterwards nobody knows before it has run, but their sum changes little.
 #pragma once
 
-#include "voxtone/halftone/loop/minimal_depth_separation.h"
-#include "voxtone/halftone/separation/separation.h"
-#include "voxtone/slicer/estimate/resin_volumes.h"
-#include "voxtone/slicer/prepare/opened_job.h"
-#include "voxtone/slicer/surface/surface_colour.h"
+#include "slicer/estimate/resin_volumes.h"
+#include "slicer/prepare/colour_recipes.h"
+#include "slicer/prepare/opened_job.h"
+#include "slicer/surface/surface_colour.h"
 
 namespace voxtone::slicer {
-
-/// What the colours of a print are made with; `recipes`: of the loop, null where there is none.
-struct ColourRecipes {
-    const halftone::Separation& separation;
-    const halftone::MinimalDepthSeparation* recipes = nullptr;
-};
 
 /// Of the resins of a colour print, by what its layers will ask for.
 [[nodiscard]] ResinVolumes colour_volumes(const OpenedJob& job, const JobBody& body, const LayerRange& range,

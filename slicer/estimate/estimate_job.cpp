@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/estimate/estimate_job.h"
+#include "slicer/estimate/estimate_job.h"
 
 #include <algorithm>
 #include <memory>
 #include <optional>
 #include <utility>
 
-#include "voxtone/base/cpu_time.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/peak_memory.h"
-#include "voxtone/base/stopwatch.h"
-#include "voxtone/io/disk/disk_space.h"
-#include "voxtone/slicer/estimate/orientations.h"
-#include "voxtone/slicer/estimate/phase_estimates.h"
-#include "voxtone/slicer/prepare/loop_plan.h"
-#include "voxtone/slicer/prepare/prediction_plan.h"
-#include "voxtone/slicer/prepare/resin_choice.h"
+#include "base/cpu_time.h"
+#include "base/parallel.h"
+#include "base/peak_memory.h"
+#include "base/stopwatch.h"
+#include "io/disk/disk_space.h"
+#include "slicer/estimate/orientations.h"
+#include "slicer/estimate/phase_estimates.h"
+#include "slicer/prepare/loop_plan.h"
+#include "slicer/prepare/prediction_plan.h"
+#include "slicer/prepare/resin_choice.h"
 
 namespace voxtone::slicer {
 

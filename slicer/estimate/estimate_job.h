@@ -4,10 +4,10 @@
 // placed as for the job itself, its colours are separated, and the rest is counted and sampled.
 #pragma once
 
-#include "voxtone/base/progress.h"
-#include "voxtone/slicer/estimate/colour_mixtures.h"
-#include "voxtone/slicer/estimate/job_estimate.h"
-#include "voxtone/slicer/options/slice_options.h"
+#include "base/progress.h"
+#include "slicer/estimate/colour_mixtures.h"
+#include "slicer/estimate/job_estimate.h"
+#include "slicer/options/slice_options.h"
 
 namespace voxtone::slicer {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/estimate/estimate_text.h"
+#include "slicer/estimate/estimate_text.h"
 
 #include <fmt/core.h>
 
-#include "voxtone/base/progress_bar.h"
-#include "voxtone/io/disk/disk_space.h"
-#include "voxtone/io/files/json_writer.h"
+#include "base/progress_bar.h"
+#include "io/disk/disk_space.h"
+#include "io/files/json_writer.h"
 
 namespace voxtone::slicer {
 

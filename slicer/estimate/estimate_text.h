@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "voxtone/slicer/estimate/job_estimate.h"
+#include "slicer/estimate/job_estimate.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/estimate/orientations.h"
+#include "slicer/estimate/orientations.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,11 +8,11 @@
 
 #include <Eigen/Geometry>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/slicer/mesh/box.h"
-#include "voxtone/slicer/solid/solid.h"
-#include "voxtone/slicer/surface/area_samples.h"
-#include "voxtone/slicer/surface/surface_colour.h"
+#include "base/parallel.h"
+#include "slicer/mesh/box.h"
+#include "slicer/solid/solid.h"
+#include "slicer/surface/area_samples.h"
+#include "slicer/surface/surface_colour.h"
 
 namespace voxtone::slicer {
 

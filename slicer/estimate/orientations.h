@@ -8,9 +8,9 @@
 
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/slicer/estimate/job_estimate.h"
-#include "voxtone/slicer/prepare/opened_job.h"
+#include "base/progress.h"
+#include "slicer/estimate/job_estimate.h"
+#include "slicer/prepare/opened_job.h"
 
 namespace voxtone::slicer {
 

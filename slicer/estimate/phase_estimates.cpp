@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/estimate/phase_estimates.h"
+#include "slicer/estimate/phase_estimates.h"
 
 #include <algorithm>
 #include <array>
 #include <utility>
 
-#include "voxtone/slicer/layers/layer_bytes.h"
-#include "voxtone/slicer/look/prediction_time.h"
-#include "voxtone/slicer/prepare/loop_plan.h"
-#include "voxtone/slicer/prepare/prediction_plan.h"
+#include "slicer/layers/layer_bytes.h"
+#include "slicer/look/prediction_time.h"
+#include "slicer/prepare/loop_plan.h"
+#include "slicer/prepare/prediction_plan.h"
 
 namespace voxtone::slicer {
 

@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include "voxtone/base/job_outlook.h"
-#include "voxtone/slicer/estimate/job_estimate.h"
-#include "voxtone/slicer/prepare/opened_job.h"
+#include "base/job_outlook.h"
+#include "slicer/estimate/job_estimate.h"
+#include "slicer/prepare/opened_job.h"
 
 namespace voxtone::slicer {
 

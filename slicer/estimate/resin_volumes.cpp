@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/estimate/resin_volumes.h"
+#include "slicer/estimate/resin_volumes.h"
 
 #include <algorithm>
 #include <numeric>
 #include <optional>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
-#include "voxtone/slicer/solid/solid.h"
-#include "voxtone/slicer/solid/thin_features.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "slicer/solid/solid.h"
+#include "slicer/solid/thin_features.h"
 
 namespace voxtone::slicer {
 

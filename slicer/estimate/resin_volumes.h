@@ -17,9 +17,9 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/slicer/options/option_values.h"
-#include "voxtone/slicer/prepare/job_body.h"
+#include "base/progress.h"
+#include "slicer/options/option_values.h"
+#include "slicer/prepare/job_body.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/job/job_phases.h"
+#include "slicer/job/job_phases.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -8,22 +8,22 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/io/disk/disk_space.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/report/report_html.h"
-#include "voxtone/io/report/report_json.h"
-#include "voxtone/io/shards/shard_folder.h"
-#include "voxtone/slicer/estimate/phase_estimates.h"
-#include "voxtone/slicer/job/colour_print.h"
-#include "voxtone/slicer/job/layered_print.h"
-#include "voxtone/slicer/layers/layer_maker.h"
-#include "voxtone/slicer/look/report_files.h"
-#include "voxtone/slicer/look/viewer_surface.h"
-#include "voxtone/slicer/options/job_file.h"
-#include "voxtone/slicer/prepare/resin_choice.h"
-#include "voxtone/slicer/saved/skin_file.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "io/disk/disk_space.h"
+#include "io/files/whole_file.h"
+#include "io/report/report_html.h"
+#include "io/report/report_json.h"
+#include "io/shards/shard_folder.h"
+#include "slicer/colour/colour_print.h"
+#include "slicer/estimate/phase_estimates.h"
+#include "slicer/kept/report_files.h"
+#include "slicer/kept/skin_file.h"
+#include "slicer/layered/layered_print.h"
+#include "slicer/layers/layer_maker.h"
+#include "slicer/look/viewer_surface.h"
+#include "slicer/options/job_file.h"
+#include "slicer/prepare/resin_choice.h"
 
 namespace voxtone::slicer {
 

@@ -9,17 +9,17 @@
 #include <optional>
 #include <string>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/base/stopwatch.h"
-#include "voxtone/io/layers/layer_runs.h"
-#include "voxtone/io/report/report.h"
-#include "voxtone/slicer/job/job_identity.h"
-#include "voxtone/slicer/job/print.h"
-#include "voxtone/slicer/job/slice_report.h"
-#include "voxtone/slicer/look/thumbnails.h"
-#include "voxtone/slicer/look/voxel_sample.h"
-#include "voxtone/slicer/prepare/job_body.h"
-#include "voxtone/slicer/prepare/opened_job.h"
+#include "base/progress.h"
+#include "base/stopwatch.h"
+#include "io/layers/layer_runs.h"
+#include "io/report/report.h"
+#include "slicer/job/slice_report.h"
+#include "slicer/kept/job_identity.h"
+#include "slicer/look/thumbnails.h"
+#include "slicer/look/voxel_sample.h"
+#include "slicer/prepare/job_body.h"
+#include "slicer/prepare/opened_job.h"
+#include "slicer/prepare/print.h"
 
 namespace voxtone::slicer {
 

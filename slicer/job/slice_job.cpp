@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/job/slice_job.h"
+#include "slicer/job/slice_job.h"
 
 #include <array>
 #include <filesystem>
@@ -11,27 +11,27 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/peak_memory.h"
-#include "voxtone/base/stop_deadline.h"
-#include "voxtone/base/stopwatch.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/layers/layer_stack_writer.h"
-#include "voxtone/io/layers/stack_folder.h"
-#include "voxtone/io/shards/shard_folder.h"
-#include "voxtone/slicer/estimate/estimate_job.h"
-#include "voxtone/slicer/estimate/estimate_text.h"
-#include "voxtone/slicer/estimate/phase_estimates.h"
-#include "voxtone/slicer/job/job_identity.h"
-#include "voxtone/slicer/job/job_phases.h"
-#include "voxtone/slicer/job/slice_report.h"
-#include "voxtone/slicer/look/report_files.h"
-#include "voxtone/slicer/look/thumbnails.h"
-#include "voxtone/slicer/options/job_file.h"
-#include "voxtone/slicer/prepare/job_body.h"
-#include "voxtone/slicer/prepare/opened_job.h"
-#include "voxtone/slicer/saved/loop_checkpoint.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "base/peak_memory.h"
+#include "base/stop_deadline.h"
+#include "base/stopwatch.h"
+#include "io/files/whole_file.h"
+#include "io/layers/layer_stack_writer.h"
+#include "io/layers/stack_folder.h"
+#include "io/shards/shard_folder.h"
+#include "slicer/estimate/estimate_job.h"
+#include "slicer/estimate/estimate_text.h"
+#include "slicer/estimate/phase_estimates.h"
+#include "slicer/job/job_phases.h"
+#include "slicer/job/slice_report.h"
+#include "slicer/kept/job_identity.h"
+#include "slicer/kept/loop_checkpoint.h"
+#include "slicer/kept/report_files.h"
+#include "slicer/look/thumbnails.h"
+#include "slicer/options/job_file.h"
+#include "slicer/prepare/job_body.h"
+#include "slicer/prepare/opened_job.h"
 
 namespace voxtone::slicer {
 

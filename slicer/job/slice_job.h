@@ -5,9 +5,9 @@
 
 #include <string>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/progress.h"
-#include "voxtone/slicer/options/slice_options.h"
+#include "base/error.h"
+#include "base/progress.h"
+#include "slicer/options/slice_options.h"
 
 namespace voxtone::slicer {
 

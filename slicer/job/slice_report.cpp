@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/job/slice_report.h"
+#include "slicer/job/slice_report.h"
 
 #include <fmt/core.h>
 
-#include "voxtone/base/peak_memory.h"
-#include "voxtone/base/progress_bar.h"
-#include "voxtone/io/programs/build_identity.h"
-#include "voxtone/slicer/look/report_files.h"
+#include "base/peak_memory.h"
+#include "base/progress_bar.h"
+#include "io/programs/build_identity.h"
+#include "slicer/kept/report_files.h"
 
 namespace voxtone::slicer {
 

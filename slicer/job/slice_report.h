@@ -7,12 +7,12 @@
 #include <filesystem>
 #include <string>
 
-#include "voxtone/io/layers/manifest.h"
-#include "voxtone/io/report/report.h"
-#include "voxtone/slicer/job/print.h"
-#include "voxtone/slicer/layers/layer_maker.h"
-#include "voxtone/slicer/prepare/job_body.h"
-#include "voxtone/slicer/prepare/opened_job.h"
+#include "io/layers/manifest.h"
+#include "io/report/report.h"
+#include "slicer/layers/layer_maker.h"
+#include "slicer/prepare/job_body.h"
+#include "slicer/prepare/opened_job.h"
+#include "slicer/prepare/print.h"
 
 namespace voxtone::slicer {
 

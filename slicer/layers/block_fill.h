@@ -4,9 +4,9 @@
 // (block_mixtures.h) or the layers of a stack (wrapped_layers.h).
 #pragma once
 
-#include "voxtone/io/layers/layer_runs.h"
-#include "voxtone/slicer/layers/layer_counts.h"
-#include "voxtone/slicer/surface/surface_shell.h"
+#include "io/layers/layer_runs.h"
+#include "slicer/layers/layer_counts.h"
+#include "slicer/surface/surface_shell.h"
 
 namespace voxtone::slicer {
 

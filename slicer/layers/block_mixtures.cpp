@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/layers/block_mixtures.h"
+#include "slicer/layers/block_mixtures.h"
 
-#include "voxtone/base/stopwatch.h"
+#include "base/stopwatch.h"
 
 namespace voxtone::slicer {
 

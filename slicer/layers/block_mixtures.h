@@ -7,13 +7,13 @@
 #include <array>
 #include <cstddef>
 
-#include "voxtone/halftone/screens/blue_noise_screen.h"
-#include "voxtone/halftone/separation/separation.h"
-#include "voxtone/slicer/layers/block_fill.h"
-#include "voxtone/slicer/layers/skin_source.h"
-#include "voxtone/slicer/surface/surface_colour.h"
-#include "voxtone/slicer/surface/surface_shell.h"
-#include "voxtone/slicer/surface/visible_surface.h"
+#include "halftone/screens/blue_noise_screen.h"
+#include "halftone/separation/separation.h"
+#include "slicer/layers/block_fill.h"
+#include "slicer/layers/skin_source.h"
+#include "slicer/surface/surface_colour.h"
+#include "slicer/surface/surface_shell.h"
+#include "slicer/surface/visible_surface.h"
 
 namespace voxtone::slicer {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/layers/diffused_layers.h"
+#include "slicer/layers/diffused_layers.h"
 
 #include <algorithm>
 #include <memory>
 #include <vector>
 
-#include "voxtone/base/stopwatch.h"
-#include "voxtone/halftone/screens/error_diffusion.h"
-#include "voxtone/slicer/layers/block_mixtures.h"
+#include "base/stopwatch.h"
+#include "halftone/screens/error_diffusion.h"
+#include "slicer/layers/block_mixtures.h"
 
 namespace voxtone::slicer {
 

@@ -5,8 +5,8 @@
 // no part: nothing is owed there.
 #pragma once
 
-#include "voxtone/slicer/layers/layer_counts.h"
-#include "voxtone/slicer/layers/layer_sources.h"
+#include "slicer/layers/layer_counts.h"
+#include "slicer/layers/layer_sources.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/layers/layer_bytes.h"
+#include "slicer/layers/layer_bytes.h"
 
 #include <algorithm>
 

@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "voxtone/io/layers/layer_stack_writer.h"
-#include "voxtone/slicer/printer/voxel_grid.h"
+#include "io/layers/layer_stack_writer.h"
+#include "slicer/printer/voxel_grid.h"
 
 namespace voxtone::slicer {
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/layers/layer_maker.h"
+#include "slicer/layers/layer_maker.h"
 
 #include <algorithm>
 #include <memory>
 #include <vector>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/stopwatch.h"
-#include "voxtone/halftone/screens/error_diffusion.h"
-#include "voxtone/slicer/layers/block_mixtures.h"
-#include "voxtone/slicer/layers/diffused_layers.h"
+#include "base/contracts.h"
+#include "base/stopwatch.h"
+#include "halftone/screens/error_diffusion.h"
+#include "slicer/layers/block_mixtures.h"
+#include "slicer/layers/diffused_layers.h"
 
 namespace voxtone::slicer {
 

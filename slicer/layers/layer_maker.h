@@ -12,9 +12,9 @@
 
 #include <memory>
 
-#include "voxtone/slicer/layers/block_fill.h"
-#include "voxtone/slicer/layers/layer_counts.h"
-#include "voxtone/slicer/layers/layer_sources.h"
+#include "slicer/layers/block_fill.h"
+#include "slicer/layers/layer_counts.h"
+#include "slicer/layers/layer_sources.h"
 
 namespace voxtone::slicer {
 

@@ -7,18 +7,18 @@
 #include <functional>
 #include <variant>
 
-#include "voxtone/halftone/screens/blue_noise_screen.h"
-#include "voxtone/halftone/separation/separation.h"
-#include "voxtone/io/layers/layer_runs.h"
-#include "voxtone/slicer/layers/layer_counts.h"
-#include "voxtone/slicer/layers/skin_source.h"
-#include "voxtone/slicer/layers/wrapped_layers.h"
-#include "voxtone/slicer/solid/solid.h"
-#include "voxtone/slicer/solid/span_slab.h"
-#include "voxtone/slicer/solid/thin_features.h"
-#include "voxtone/slicer/surface/surface_colour.h"
-#include "voxtone/slicer/surface/surface_shell.h"
-#include "voxtone/slicer/surface/visible_surface.h"
+#include "halftone/screens/blue_noise_screen.h"
+#include "halftone/separation/separation.h"
+#include "io/layers/layer_runs.h"
+#include "slicer/layers/layer_counts.h"
+#include "slicer/layers/skin_source.h"
+#include "slicer/layers/wrapped_layers.h"
+#include "slicer/solid/solid.h"
+#include "slicer/solid/span_slab.h"
+#include "slicer/solid/thin_features.h"
+#include "slicer/surface/surface_colour.h"
+#include "slicer/surface/surface_shell.h"
+#include "slicer/surface/visible_surface.h"
 
 namespace voxtone::slicer {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/layers/layer_volume.h"
+#include "slicer/layers/layer_volume.h"
 
 #include <algorithm>
 #include <utility>
 
 #include <fmt/core.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
+#include "base/contracts.h"
+#include "base/error.h"
 
 namespace voxtone::slicer {
 

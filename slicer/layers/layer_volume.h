@@ -15,8 +15,8 @@
 #include <optional>
 #include <vector>
 
-#include "voxtone/io/layers/layer_runs.h"
-#include "voxtone/optics/media/resin_volume.h"
+#include "io/layers/layer_runs.h"
+#include "optics/media/resin_volume.h"
 
 namespace voxtone::slicer {
 

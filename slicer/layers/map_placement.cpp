@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/layers/map_placement.h"
+#include "slicer/layers/map_placement.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <Eigen/Geometry>
 
-#include "voxtone/base/error.h"
-#include "voxtone/slicer/mesh/box.h"
+#include "base/error.h"
+#include "slicer/mesh/box.h"
 
 namespace voxtone::slicer {
 

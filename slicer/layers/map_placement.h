@@ -15,7 +15,7 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/io/models/mesh.h"
+#include "io/models/mesh.h"
 
 namespace voxtone::slicer {
 

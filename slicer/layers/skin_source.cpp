@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/layers/skin_source.h"
+#include "slicer/layers/skin_source.h"
 
 #include <cmath>
 #include <utility>
 
 #include <Eigen/LU>
 
-#include "voxtone/base/parallel.h"
+#include "base/parallel.h"
 
 namespace voxtone::slicer {
 

@@ -11,10 +11,10 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/halftone/loop/skin.h"
-#include "voxtone/halftone/separation/mixture.h"
-#include "voxtone/slicer/layers/cell_index.h"
-#include "voxtone/slicer/surface/visible_surface.h"
+#include "halftone/loop/skin.h"
+#include "halftone/separation/mixture.h"
+#include "slicer/layers/cell_index.h"
+#include "slicer/surface/visible_surface.h"
 
 namespace voxtone::slicer {
 

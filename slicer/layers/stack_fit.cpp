@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/layers/stack_fit.h"
+#include "slicer/layers/stack_fit.h"
 
 #include <vector>
 
 #include <Eigen/Geometry>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/slicer/mesh/triangle_tree.h"
-#include "voxtone/slicer/surface/area_samples.h"
+#include "base/parallel.h"
+#include "slicer/mesh/triangle_tree.h"
+#include "slicer/surface/area_samples.h"
 
 namespace voxtone::slicer {
 

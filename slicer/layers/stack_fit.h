@@ -9,10 +9,10 @@
 
 #include <optional>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/slicer/layers/wrapped_layers.h"
-#include "voxtone/slicer/printer/voxel_grid.h"
-#include "voxtone/slicer/surface/visible_surface.h"
+#include "base/progress.h"
+#include "slicer/layers/wrapped_layers.h"
+#include "slicer/printer/voxel_grid.h"
+#include "slicer/surface/visible_surface.h"
 
 namespace voxtone::slicer {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/layers/wrapped_layers.h"
+#include "slicer/layers/wrapped_layers.h"
 
 #include <algorithm>
 
 #include <Eigen/Geometry>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/stopwatch.h"
+#include "base/contracts.h"
+#include "base/stopwatch.h"
 
 namespace voxtone::slicer {
 

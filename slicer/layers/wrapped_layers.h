@@ -21,12 +21,12 @@
 #include <memory>
 #include <vector>
 
-#include "voxtone/halftone/screens/blue_noise_screen.h"
-#include "voxtone/halftone/stacks/layer_fields.h"
-#include "voxtone/slicer/layers/block_fill.h"
-#include "voxtone/slicer/layers/map_placement.h"
-#include "voxtone/slicer/printer/voxel_grid.h"
-#include "voxtone/slicer/surface/visible_surface.h"
+#include "halftone/screens/blue_noise_screen.h"
+#include "halftone/stacks/layer_fields.h"
+#include "slicer/layers/block_fill.h"
+#include "slicer/layers/map_placement.h"
+#include "slicer/printer/voxel_grid.h"
+#include "slicer/surface/visible_surface.h"
 
 namespace voxtone::slicer {
 

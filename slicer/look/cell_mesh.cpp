@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/look/cell_mesh.h"
+#include "slicer/look/cell_mesh.h"
 
 #include <algorithm>
 
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 namespace voxtone::slicer {
 

@@ -15,7 +15,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxtone/optics/scene/appearance_model.h"
+#include "optics/scene/appearance_model.h"
 
 namespace voxtone::slicer {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/look/coarse_cells.h"
+#include "slicer/look/coarse_cells.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 namespace voxtone::slicer {
 

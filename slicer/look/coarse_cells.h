@@ -11,7 +11,7 @@
 #include <array>
 #include <optional>
 
-#include "voxtone/slicer/look/surface_prediction.h"
+#include "slicer/look/surface_prediction.h"
 
 namespace voxtone::slicer {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/look/prediction_files.h"
+#include "slicer/look/prediction_files.h"
 
 #include <algorithm>
 
 #include <fmt/core.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/slicer/look/cell_mesh.h"
+#include "base/contracts.h"
+#include "slicer/look/cell_mesh.h"
 
 namespace voxtone::slicer {
 

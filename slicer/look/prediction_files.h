@@ -11,13 +11,13 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/io/models/coloured_mesh.h"
-#include "voxtone/io/models/ply_writer.h"
-#include "voxtone/io/pictures/exr_writer.h"
-#include "voxtone/io/pictures/picture_writer.h"
-#include "voxtone/slicer/look/preview.h"
-#include "voxtone/slicer/look/surface_prediction.h"
+#include "base/progress.h"
+#include "io/models/coloured_mesh.h"
+#include "io/models/ply_writer.h"
+#include "io/pictures/exr_writer.h"
+#include "io/pictures/picture_writer.h"
+#include "slicer/look/preview.h"
+#include "slicer/look/surface_prediction.h"
 
 namespace voxtone::slicer {
 

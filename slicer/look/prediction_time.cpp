@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/look/prediction_time.h"
+#include "slicer/look/prediction_time.h"
 
-#include "voxtone/slicer/look/coarse_cells.h"
+#include "slicer/look/coarse_cells.h"
 
 namespace voxtone::slicer {
 

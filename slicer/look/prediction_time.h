@@ -7,7 +7,7 @@
 #include <array>
 #include <cstddef>
 
-#include "voxtone/slicer/options/model_choice.h"
+#include "slicer/options/model_choice.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/look/preview.h"
+#include "slicer/look/preview.h"
 
 #include <algorithm>
 #include <array>
@@ -9,9 +9,9 @@
 #include <fmt/core.h>
 #include <Eigen/Geometry>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "base/parallel.h"
 
 namespace voxtone::slicer {
 

@@ -19,9 +19,9 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/io/pictures/picture_writer.h"
-#include "voxtone/slicer/surface/coloured_surface.h"
+#include "base/progress.h"
+#include "io/pictures/picture_writer.h"
+#include "slicer/surface/coloured_surface.h"
 
 namespace voxtone::slicer {
 

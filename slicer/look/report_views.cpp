@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/look/report_views.h"
+#include "slicer/look/report_views.h"
 
 #include <algorithm>
 #include <vector>
 
-#include "voxtone/io/report/report_picture.h"
+#include "io/report/report_picture.h"
 
 namespace voxtone::slicer {
 

@@ -5,10 +5,10 @@
 
 #include <span>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/io/pictures/picture_writer.h"
-#include "voxtone/io/report/report.h"
-#include "voxtone/slicer/look/preview.h"
+#include "base/progress.h"
+#include "io/pictures/picture_writer.h"
+#include "io/report/report.h"
+#include "slicer/look/preview.h"
 
 namespace voxtone::slicer {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/look/support_contact.h"
+#include "slicer/look/support_contact.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "voxtone/base/parallel.h"
+#include "base/parallel.h"
 
 namespace voxtone::slicer {
 

@@ -11,8 +11,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxtone/optics/media/resin_volume.h"
-#include "voxtone/optics/monte_carlo/surface_finish.h"
+#include "optics/media/resin_volume.h"
+#include "optics/monte_carlo/surface_finish.h"
 
 namespace voxtone::slicer {
 

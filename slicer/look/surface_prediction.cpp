@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/look/surface_prediction.h"
+#include "slicer/look/surface_prediction.h"
 
 #include <cmath>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/optics/colour/observed_colour.h"
-#include "voxtone/optics/layered/mixture_correction.h"
+#include "base/contracts.h"
+#include "optics/colour/observed_colour.h"
+#include "optics/layered/mixture_correction.h"
 
 namespace voxtone::slicer {
 

@@ -23,8 +23,8 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/optics/scene/appearance_model.h"
+#include "base/progress.h"
+#include "optics/scene/appearance_model.h"
 
 namespace voxtone::slicer {
 

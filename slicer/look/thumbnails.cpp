@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/look/thumbnails.h"
+#include "slicer/look/thumbnails.h"
 
 #include <algorithm>
 #include <cstdint>
 #include <utility>
 
-#include "voxtone/io/layers/layer_thumbnail.h"
-#include "voxtone/io/pictures/picture_writer.h"
+#include "io/layers/layer_thumbnail.h"
+#include "io/pictures/picture_writer.h"
 
 namespace voxtone::slicer {
 

@@ -7,9 +7,9 @@
 #include <mutex>
 #include <vector>
 
-#include "voxtone/io/layers/layer_runs.h"
-#include "voxtone/io/report/report.h"
-#include "voxtone/slicer/printer/voxel_grid.h"
+#include "io/layers/layer_runs.h"
+#include "io/report/report.h"
+#include "slicer/printer/voxel_grid.h"
 
 namespace voxtone::slicer {
 

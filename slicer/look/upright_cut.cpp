@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/look/upright_cut.h"
+#include "slicer/look/upright_cut.h"
 
 #include <algorithm>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/io/pictures/picture_writer.h"
+#include "base/contracts.h"
+#include "io/pictures/picture_writer.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/look/vertex_colours.h"
+#include "slicer/look/vertex_colours.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 
 #include <Eigen/Geometry>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/colour/colour.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::slicer {
 

@@ -10,9 +10,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/io/models/coloured_mesh.h"
-#include "voxtone/slicer/surface/coloured_surface.h"
+#include "base/progress.h"
+#include "io/models/coloured_mesh.h"
+#include "slicer/surface/coloured_surface.h"
 
 namespace voxtone::slicer {
 

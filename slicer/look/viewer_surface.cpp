@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/look/viewer_surface.h"
+#include "slicer/look/viewer_surface.h"
 
 #include <algorithm>
 #include <array>
@@ -10,15 +10,15 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/io/pictures/srgb_code.h"
-#include "voxtone/io/report/report_html.h"
-#include "voxtone/io/report/viewer_data.h"
-#include "voxtone/slicer/look/clustered_mesh.h"
-#include "voxtone/slicer/look/prediction_files.h"
-#include "voxtone/slicer/look/preview.h"
-#include "voxtone/slicer/look/vertex_colours.h"
-#include "voxtone/slicer/surface/target_cells.h"
+#include "base/contracts.h"
+#include "io/pictures/srgb_code.h"
+#include "io/report/report_html.h"
+#include "io/report/viewer_data.h"
+#include "slicer/look/clustered_mesh.h"
+#include "slicer/look/prediction_files.h"
+#include "slicer/look/preview.h"
+#include "slicer/look/vertex_colours.h"
+#include "slicer/surface/target_cells.h"
 
 namespace voxtone::slicer {
 

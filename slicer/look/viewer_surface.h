@@ -14,12 +14,12 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/io/models/coloured_mesh.h"
-#include "voxtone/io/report/report.h"
-#include "voxtone/optics/media/resin_volume.h"
-#include "voxtone/optics/scene/surface.h"
-#include "voxtone/slicer/surface/coloured_surface.h"
+#include "base/progress.h"
+#include "io/models/coloured_mesh.h"
+#include "io/report/report.h"
+#include "optics/media/resin_volume.h"
+#include "optics/scene/surface.h"
+#include "slicer/surface/coloured_surface.h"
 
 namespace voxtone::slicer {
 

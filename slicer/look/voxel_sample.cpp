@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/look/voxel_sample.h"
+#include "slicer/look/voxel_sample.h"
 
 #include <algorithm>
 #include <utility>
 #include <vector>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/io/files/deflate.h"
-#include "voxtone/io/report/viewer_data.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "io/files/deflate.h"
+#include "io/report/viewer_data.h"
 
 namespace voxtone::slicer {
 

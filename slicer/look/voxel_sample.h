@@ -16,10 +16,10 @@
 #include <mutex>
 #include <span>
 
-#include "voxtone/io/layers/layer_runs.h"
-#include "voxtone/io/report/viewer.h"
-#include "voxtone/optics/media/resin_volume.h"
-#include "voxtone/slicer/printer/voxel_grid.h"
+#include "io/layers/layer_runs.h"
+#include "io/report/viewer.h"
+#include "optics/media/resin_volume.h"
+#include "slicer/printer/voxel_grid.h"
 
 namespace voxtone::slicer {
 

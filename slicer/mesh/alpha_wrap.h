@@ -12,9 +12,9 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/slicer/mesh/mesh_chain.h"
-#include "voxtone/slicer/mesh/step_share.h"
+#include "base/progress.h"
+#include "slicer/mesh/mesh_chain.h"
+#include "slicer/mesh/step_share.h"
 
 namespace voxtone::slicer {
 

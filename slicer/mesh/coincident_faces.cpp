@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/mesh/coincident_faces.h"
+#include "slicer/mesh/coincident_faces.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -8,9 +8,9 @@
 #include <tuple>
 #include <vector>
 
-#include "voxtone/slicer/mesh/disjoint_sets.h"
-#include "voxtone/slicer/mesh/mesh_chain.h"
-#include "voxtone/slicer/mesh/mesh_orientation.h"
+#include "slicer/mesh/disjoint_sets.h"
+#include "slicer/mesh/mesh_chain.h"
+#include "slicer/mesh/mesh_orientation.h"
 
 namespace voxtone::slicer {
 

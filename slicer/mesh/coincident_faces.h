@@ -18,7 +18,7 @@
 
 #include <cstddef>
 
-#include "voxtone/slicer/mesh/solid_mesh.h"
+#include "slicer/mesh/solid_mesh.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/mesh/exact_predicates.h"
+#include "slicer/mesh/exact_predicates.h"
 
 #include <algorithm>
 

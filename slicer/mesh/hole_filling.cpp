@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/mesh/hole_filling.h"
+#include "slicer/mesh/hole_filling.h"
 
 #include <algorithm>
 #include <limits>
@@ -8,7 +8,7 @@
 
 #include <Eigen/Geometry>
 
-#include "voxtone/base/parallel.h"
+#include "base/parallel.h"
 
 namespace voxtone::slicer {
 

@@ -16,8 +16,8 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/slicer/mesh/mesh_chain.h"
+#include "base/progress.h"
+#include "slicer/mesh/mesh_chain.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/mesh/mesh_boundary.h"
+#include "slicer/mesh/mesh_boundary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,9 +12,9 @@
 
 #include <Eigen/Geometry>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/slicer/mesh/triangle_tree.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "slicer/mesh/triangle_tree.h"
 
 namespace voxtone::slicer {
 namespace {

@@ -20,7 +20,7 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/optics/scene/boundary.h"
+#include "optics/scene/boundary.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/mesh/mesh_chain.h"
+#include "slicer/mesh/mesh_chain.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include <Eigen/Geometry>
 
-#include "voxtone/slicer/mesh/disjoint_sets.h"
+#include "slicer/mesh/disjoint_sets.h"
 
 namespace voxtone::slicer {
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/mesh/mesh_crossings.h"
+#include "slicer/mesh/mesh_crossings.h"
 
 #include <algorithm>
 #include <atomic>
 #include <span>
 #include <utility>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/slicer/mesh/exact_predicates.h"
-#include "voxtone/slicer/mesh/mesh_chain.h"
+#include "base/parallel.h"
+#include "slicer/mesh/exact_predicates.h"
+#include "slicer/mesh/mesh_chain.h"
 
 namespace voxtone::slicer {
 

@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxtone/slicer/mesh/step_share.h"
-#include "voxtone/slicer/mesh/triangle_tree.h"
-#include "voxtone/slicer/mesh/work_budget.h"
+#include "slicer/mesh/step_share.h"
+#include "slicer/mesh/triangle_tree.h"
+#include "slicer/mesh/work_budget.h"
 
 namespace voxtone::slicer {
 

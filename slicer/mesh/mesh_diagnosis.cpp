@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/mesh/mesh_diagnosis.h"
+#include "slicer/mesh/mesh_diagnosis.h"
 
 #include <algorithm>
 
 #include <Eigen/Geometry>
 
-#include "voxtone/slicer/mesh/mesh_chain.h"
-#include "voxtone/slicer/mesh/mesh_crossings.h"
+#include "slicer/mesh/mesh_chain.h"
+#include "slicer/mesh/mesh_crossings.h"
 
 namespace voxtone::slicer {
 

@@ -10,9 +10,9 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/slicer/mesh/step_share.h"
-#include "voxtone/slicer/mesh/triangle_tree.h"
+#include "base/progress.h"
+#include "slicer/mesh/step_share.h"
+#include "slicer/mesh/triangle_tree.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/mesh/mesh_orientation.h"
+#include "slicer/mesh/mesh_orientation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,10 +9,10 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/slicer/mesh/triangle_tree.h"
-#include "voxtone/slicer/mesh/work_budget.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "slicer/mesh/triangle_tree.h"
+#include "slicer/mesh/work_budget.h"
 
 namespace voxtone::slicer {
 

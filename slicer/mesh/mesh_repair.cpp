@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/mesh/mesh_repair.h"
+#include "slicer/mesh/mesh_repair.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,14 +11,14 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/slicer/mesh/alpha_wrap.h"
-#include "voxtone/slicer/mesh/box.h"
-#include "voxtone/slicer/mesh/coincident_faces.h"
-#include "voxtone/slicer/mesh/hole_filling.h"
-#include "voxtone/slicer/mesh/mesh_chain.h"
-#include "voxtone/slicer/mesh/mesh_orientation.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "slicer/mesh/alpha_wrap.h"
+#include "slicer/mesh/box.h"
+#include "slicer/mesh/coincident_faces.h"
+#include "slicer/mesh/hole_filling.h"
+#include "slicer/mesh/mesh_chain.h"
+#include "slicer/mesh/mesh_orientation.h"
 
 namespace voxtone::slicer {
 

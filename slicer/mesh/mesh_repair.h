@@ -20,10 +20,10 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/io/models/mesh.h"
-#include "voxtone/slicer/mesh/mesh_diagnosis.h"
-#include "voxtone/slicer/mesh/spatial_index.h"
+#include "base/progress.h"
+#include "io/models/mesh.h"
+#include "slicer/mesh/mesh_diagnosis.h"
+#include "slicer/mesh/spatial_index.h"
 
 namespace voxtone::slicer {
 

@@ -9,8 +9,8 @@
 
 #include <utility>
 
-#include "voxtone/slicer/mesh/solid_mesh.h"
-#include "voxtone/slicer/mesh/triangle_tree.h"
+#include "slicer/mesh/solid_mesh.h"
+#include "slicer/mesh/triangle_tree.h"
 
 namespace voxtone::slicer {
 

@@ -7,7 +7,7 @@
 #include <atomic>
 #include <cstdint>
 
-#include "voxtone/base/progress.h"
+#include "base/progress.h"
 
 namespace voxtone::slicer {
 

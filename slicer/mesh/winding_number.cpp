@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/mesh/winding_number.h"
+#include "slicer/mesh/winding_number.h"
 
 #include <cmath>
 #include <limits>
 #include <optional>
 
-#include "voxtone/slicer/mesh/mesh_chain.h"
+#include "slicer/mesh/mesh_chain.h"
 
 namespace voxtone::slicer {
 

@@ -9,8 +9,8 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/slicer/mesh/triangle_tree.h"
-#include "voxtone/slicer/mesh/work_budget.h"
+#include "slicer/mesh/triangle_tree.h"
+#include "slicer/mesh/work_budget.h"
 
 namespace voxtone::slicer {
 

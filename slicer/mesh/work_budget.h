@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <exception>
 
-#include "voxtone/base/progress.h"
+#include "base/progress.h"
 
 namespace voxtone::slicer {
 

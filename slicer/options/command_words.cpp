@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/options/command_words.h"
+#include "slicer/options/command_words.h"
 
 #include <algorithm>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/models/model_reader.h"
-#include "voxtone/slicer/options/option_scope.h"
+#include "base/error.h"
+#include "io/models/model_reader.h"
+#include "slicer/options/option_scope.h"
 
 namespace voxtone::slicer {
 

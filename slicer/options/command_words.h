@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/slicer/options/slice_options.h"
+#include "slicer/options/slice_options.h"
 
 namespace voxtone::slicer {
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/options/job_file.h"
+#include "slicer/options/job_file.h"
 
 #include <sstream>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/json_object.h"
-#include "voxtone/io/profiles/resin_file.h"
-#include "voxtone/slicer/options/option_words.h"
+#include "base/error.h"
+#include "io/files/json_object.h"
+#include "io/profiles/resin_file.h"
+#include "slicer/options/option_words.h"
 
 namespace voxtone::slicer {
 

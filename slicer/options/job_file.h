@@ -10,9 +10,9 @@
 #include <string>
 #include <string_view>
 
-#include "voxtone/io/files/json_object.h"
-#include "voxtone/io/layers/stack_folder.h"
-#include "voxtone/slicer/options/slice_options.h"
+#include "io/files/json_object.h"
+#include "io/layers/stack_folder.h"
+#include "slicer/options/slice_options.h"
 
 namespace voxtone::slicer {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/options/model_choice.h"
+#include "slicer/options/model_choice.h"
 
 #include <algorithm>
 
-#include "voxtone/base/machine_memory.h"
-#include "voxtone/optics/monte_carlo/monte_carlo.h"
-#include "voxtone/optics/profiles/layered_profile_model.h"
-#include "voxtone/optics/transport/transport.h"
+#include "base/machine_memory.h"
+#include "optics/monte_carlo/monte_carlo.h"
+#include "optics/profiles/layered_profile_model.h"
+#include "optics/transport/transport.h"
 
 namespace voxtone::slicer {
 

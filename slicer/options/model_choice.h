@@ -7,10 +7,10 @@
 #include <cstdint>
 #include <memory>
 
-#include "voxtone/base/named_values.h"
-#include "voxtone/optics/scene/appearance_model.h"
-#include "voxtone/optics/scene/boundary.h"
-#include "voxtone/optics/transport/transport.h"
+#include "base/named_values.h"
+#include "optics/scene/appearance_model.h"
+#include "optics/scene/boundary.h"
+#include "optics/transport/transport.h"
 
 namespace voxtone::slicer {
 

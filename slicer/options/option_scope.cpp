@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/options/option_scope.h"
+#include "slicer/options/option_scope.h"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 namespace voxtone::slicer {
 

@@ -4,7 +4,7 @@
 // loop. A user who names one expects it to do something, so it is refused and not ignored.
 #pragma once
 
-#include "voxtone/slicer/options/slice_options.h"
+#include "slicer/options/slice_options.h"
 
 namespace voxtone::slicer {
 

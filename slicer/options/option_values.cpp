@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/options/option_values.h"
+#include "slicer/options/option_values.h"
 
 #include <algorithm>
 #include <charconv>
@@ -8,8 +8,8 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/units.h"
+#include "base/error.h"
+#include "base/units.h"
 
 namespace voxtone::slicer {
 

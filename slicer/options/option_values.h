@@ -14,9 +14,9 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/base/named_values.h"
-#include "voxtone/io/shards/shard_number.h"
-#include "voxtone/slicer/options/placement_options.h"
+#include "base/named_values.h"
+#include "io/shards/shard_number.h"
+#include "slicer/options/placement_options.h"
 
 namespace voxtone::slicer {
 

@@ -5,10 +5,10 @@
 
 #include <array>
 
-#include "voxtone/base/named_values.h"
-#include "voxtone/halftone/loop/appearance_loop.h"
-#include "voxtone/optics/scene/backing.h"
-#include "voxtone/slicer/mesh/mesh_repair.h"
+#include "base/named_values.h"
+#include "halftone/loop/appearance_loop.h"
+#include "optics/scene/backing.h"
+#include "slicer/mesh/mesh_repair.h"
 
 namespace voxtone::slicer {
 

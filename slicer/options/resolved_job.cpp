@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/options/resolved_job.h"
+#include "slicer/options/resolved_job.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,11 +8,11 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/layers/stack_folder.h"
-#include "voxtone/io/models/foreign_kind.h"
-#include "voxtone/io/models/model_reader.h"
-#include "voxtone/slicer/options/option_scope.h"
+#include "base/error.h"
+#include "io/layers/stack_folder.h"
+#include "io/models/foreign_kind.h"
+#include "io/models/model_reader.h"
+#include "slicer/options/option_scope.h"
 
 namespace voxtone::slicer {
 

@@ -10,14 +10,14 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/io/files/read_options.h"
-#include "voxtone/io/layers/layer_format.h"
-#include "voxtone/io/shards/shard_number.h"
-#include "voxtone/slicer/options/model_choice.h"
-#include "voxtone/slicer/options/option_values.h"
-#include "voxtone/slicer/options/option_words.h"
-#include "voxtone/slicer/options/placement_options.h"
-#include "voxtone/slicer/options/slice_options.h"
+#include "io/files/read_options.h"
+#include "io/layers/layer_format.h"
+#include "io/shards/shard_number.h"
+#include "slicer/options/model_choice.h"
+#include "slicer/options/option_values.h"
+#include "slicer/options/option_words.h"
+#include "slicer/options/placement_options.h"
+#include "slicer/options/slice_options.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/options/slice_options.h"
+#include "slicer/options/slice_options.h"
 
 #include <algorithm>
 #include <set>
@@ -7,14 +7,14 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/units.h"
-#include "voxtone/halftone/loop/appearance_loop.h"
-#include "voxtone/io/layers/layer_format.h"
-#include "voxtone/slicer/options/auto_limits.h"
-#include "voxtone/slicer/options/model_choice.h"
-#include "voxtone/slicer/options/option_values.h"
-#include "voxtone/slicer/options/option_words.h"
+#include "base/error.h"
+#include "base/units.h"
+#include "halftone/loop/appearance_loop.h"
+#include "io/layers/layer_format.h"
+#include "slicer/options/auto_limits.h"
+#include "slicer/options/model_choice.h"
+#include "slicer/options/option_values.h"
+#include "slicer/options/option_words.h"
 
 namespace voxtone::slicer {
 

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "voxtone/slicer/options/job_input.h"
+#include "slicer/options/job_input.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/predict/foreign_body.h"
+#include "slicer/predict/foreign_body.h"
 
 #include <algorithm>
 #include <limits>
@@ -7,11 +7,11 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/counted.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/io/layers/orient.h"
-#include "voxtone/slicer/predict/swapped_colours.h"
+#include "base/counted.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "io/layers/orient.h"
+#include "slicer/predict/swapped_colours.h"
 
 namespace voxtone::slicer {
 

@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/io/layers/stack_reader.h"
-#include "voxtone/optics/media/resin_volume.h"
-#include "voxtone/slicer/layers/layer_volume.h"
+#include "base/progress.h"
+#include "io/layers/stack_reader.h"
+#include "optics/media/resin_volume.h"
+#include "slicer/layers/layer_volume.h"
 
 namespace voxtone::slicer {
 

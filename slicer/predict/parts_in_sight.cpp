@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/predict/parts_in_sight.h"
+#include "slicer/predict/parts_in_sight.h"
 
 #include <algorithm>
 #include <array>
@@ -9,12 +9,12 @@
 
 #include <Eigen/Geometry>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
-#include "voxtone/optics/profiles/saunderson.h"
-#include "voxtone/slicer/look/cell_mesh.h"
-#include "voxtone/slicer/mesh/mesh_boundary.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "optics/profiles/saunderson.h"
+#include "slicer/look/cell_mesh.h"
+#include "slicer/mesh/mesh_boundary.h"
 
 namespace voxtone::slicer {
 

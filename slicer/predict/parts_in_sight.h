@@ -34,8 +34,8 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/optics/scene/appearance_model.h"
+#include "base/progress.h"
+#include "optics/scene/appearance_model.h"
 
 namespace voxtone::slicer {
 

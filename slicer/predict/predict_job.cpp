@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/predict/predict_job.h"
+#include "slicer/predict/predict_job.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -10,26 +10,26 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/job_outlook.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/peak_memory.h"
-#include "voxtone/base/stopwatch.h"
-#include "voxtone/io/disk/output_files.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/models/glb_writer.h"
-#include "voxtone/io/models/ply_writer.h"
-#include "voxtone/optics/colour/channels.h"
-#include "voxtone/slicer/look/coarse_cells.h"
-#include "voxtone/slicer/look/prediction_files.h"
-#include "voxtone/slicer/look/prediction_time.h"
-#include "voxtone/slicer/look/preview.h"
-#include "voxtone/slicer/look/surface_prediction.h"
-#include "voxtone/slicer/options/option_values.h"
-#include "voxtone/slicer/predict/parts_in_sight.h"
-#include "voxtone/slicer/predict/prediction_page.h"
-#include "voxtone/slicer/predict/stack_boundary.h"
-#include "voxtone/slicer/predict/stack_volume.h"
+#include "base/error.h"
+#include "base/job_outlook.h"
+#include "base/parallel.h"
+#include "base/peak_memory.h"
+#include "base/stopwatch.h"
+#include "io/disk/output_files.h"
+#include "io/files/whole_file.h"
+#include "io/models/glb_writer.h"
+#include "io/models/ply_writer.h"
+#include "optics/colour/channels.h"
+#include "slicer/look/coarse_cells.h"
+#include "slicer/look/prediction_files.h"
+#include "slicer/look/prediction_time.h"
+#include "slicer/look/preview.h"
+#include "slicer/look/surface_prediction.h"
+#include "slicer/options/option_values.h"
+#include "slicer/predict/parts_in_sight.h"
+#include "slicer/predict/prediction_page.h"
+#include "slicer/predict/stack_boundary.h"
+#include "slicer/predict/stack_volume.h"
 
 namespace voxtone::slicer {
 

@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/named_values.h"
-#include "voxtone/base/progress.h"
-#include "voxtone/optics/scene/backing.h"
-#include "voxtone/slicer/options/model_choice.h"
-#include "voxtone/slicer/options/option_words.h"
-#include "voxtone/slicer/predict/stack_volume.h"
+#include "base/named_values.h"
+#include "base/progress.h"
+#include "optics/scene/backing.h"
+#include "slicer/options/model_choice.h"
+#include "slicer/options/option_words.h"
+#include "slicer/predict/stack_volume.h"
 
 namespace voxtone::slicer {
 

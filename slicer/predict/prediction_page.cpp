@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/predict/prediction_page.h"
+#include "slicer/predict/prediction_page.h"
 
 #include <algorithm>
 #include <vector>
 
 #include <fmt/core.h>
 
-#include "voxtone/base/peak_memory.h"
-#include "voxtone/io/pictures/picture_writer.h"
-#include "voxtone/io/programs/build_identity.h"
-#include "voxtone/io/report/report_html.h"
-#include "voxtone/io/report/report_picture.h"
-#include "voxtone/slicer/look/prediction_files.h"
-#include "voxtone/slicer/look/preview.h"
-#include "voxtone/slicer/look/viewer_surface.h"
-#include "voxtone/slicer/look/voxel_sample.h"
-#include "voxtone/slicer/printer/printer.h"
+#include "base/peak_memory.h"
+#include "io/pictures/picture_writer.h"
+#include "io/programs/build_identity.h"
+#include "io/report/report_html.h"
+#include "io/report/report_picture.h"
+#include "slicer/look/prediction_files.h"
+#include "slicer/look/preview.h"
+#include "slicer/look/viewer_surface.h"
+#include "slicer/look/voxel_sample.h"
+#include "slicer/printer/printer.h"
 
 namespace voxtone::slicer {
 

@@ -6,8 +6,8 @@
 #include <array>
 #include <string>
 
-#include "voxtone/slicer/look/surface_prediction.h"
-#include "voxtone/slicer/predict/stack_volume.h"
+#include "slicer/look/surface_prediction.h"
+#include "slicer/predict/stack_volume.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/predict/stack_boundary.h"
+#include "slicer/predict/stack_boundary.h"
 
 #include <cmath>
 #include <filesystem>
@@ -7,12 +7,12 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/file_digest.h"
-#include "voxtone/slicer/options/job_file.h"
-#include "voxtone/slicer/options/resolved_job.h"
-#include "voxtone/slicer/prepare/job_body.h"
-#include "voxtone/slicer/printer/printer.h"
+#include "base/error.h"
+#include "io/files/file_digest.h"
+#include "slicer/options/job_file.h"
+#include "slicer/options/resolved_job.h"
+#include "slicer/prepare/job_body.h"
+#include "slicer/printer/printer.h"
 
 namespace voxtone::slicer {
 

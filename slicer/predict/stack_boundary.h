@@ -8,10 +8,10 @@
 #include <optional>
 #include <string>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/slicer/mesh/mesh_boundary.h"
-#include "voxtone/slicer/predict/stack_volume.h"
-#include "voxtone/slicer/prepare/job_body.h"
+#include "base/progress.h"
+#include "slicer/mesh/mesh_boundary.h"
+#include "slicer/predict/stack_volume.h"
+#include "slicer/prepare/job_body.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/predict/stack_volume.h"
+#include "slicer/predict/stack_volume.h"
 
 #include <algorithm>
 #include <charconv>
@@ -8,22 +8,22 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include "voxtone/base/counted.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/units.h"
-#include "voxtone/io/layers/orient.h"
-#include "voxtone/io/layers/stack_reader.h"
-#include "voxtone/io/models/model_reader.h"
-#include "voxtone/io/pictures/picture_series.h"
-#include "voxtone/io/profiles/resin_file.h"
-#include "voxtone/slicer/layers/layer_volume.h"
-#include "voxtone/slicer/options/job_file.h"
-#include "voxtone/slicer/options/option_values.h"
-#include "voxtone/slicer/options/option_words.h"
-#include "voxtone/slicer/predict/foreign_body.h"
-#include "voxtone/slicer/predict/swapped_colours.h"
-#include "voxtone/slicer/printer/printer.h"
+#include "base/counted.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/units.h"
+#include "io/layers/orient.h"
+#include "io/layers/stack_reader.h"
+#include "io/models/model_reader.h"
+#include "io/pictures/picture_series.h"
+#include "io/profiles/resin_file.h"
+#include "slicer/layers/layer_volume.h"
+#include "slicer/options/job_file.h"
+#include "slicer/options/option_values.h"
+#include "slicer/options/option_words.h"
+#include "slicer/predict/foreign_body.h"
+#include "slicer/predict/swapped_colours.h"
+#include "slicer/printer/printer.h"
 
 namespace voxtone::slicer {
 

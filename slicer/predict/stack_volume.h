@@ -19,10 +19,10 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/optics/media/resin_volume.h"
-#include "voxtone/optics/media/resins.h"
-#include "voxtone/optics/scene/backing.h"
+#include "base/progress.h"
+#include "optics/media/resin_volume.h"
+#include "optics/media/resins.h"
+#include "optics/scene/backing.h"
 
 namespace voxtone::slicer {
 

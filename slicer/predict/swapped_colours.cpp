@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/predict/swapped_colours.h"
+#include "slicer/predict/swapped_colours.h"
 
 #include <fmt/core.h>
 
-#include "voxtone/optics/colour/colour.h"
-#include "voxtone/slicer/printer/printer.h"
+#include "optics/colour/colour.h"
+#include "slicer/printer/printer.h"
 
 namespace voxtone::slicer {
 

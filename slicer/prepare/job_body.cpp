@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/prepare/job_body.h"
+#include "slicer/prepare/job_body.h"
 
 #include <filesystem>
 
 #include <fmt/core.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/stopwatch.h"
-#include "voxtone/io/models/model_reader.h"
-#include "voxtone/slicer/mesh/box.h"
-#include "voxtone/slicer/printer/picture_slab.h"
-#include "voxtone/slicer/printer/up_axis.h"
-#include "voxtone/slicer/surface/white_surface.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "base/stopwatch.h"
+#include "io/models/model_reader.h"
+#include "slicer/mesh/box.h"
+#include "slicer/printer/picture_slab.h"
+#include "slicer/printer/up_axis.h"
+#include "slicer/surface/white_surface.h"
 
 namespace voxtone::slicer {
 

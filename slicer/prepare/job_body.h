@@ -8,17 +8,17 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/io/models/mesh.h"
-#include "voxtone/io/models/side_file.h"
-#include "voxtone/slicer/mesh/mesh_boundary.h"
-#include "voxtone/slicer/mesh/mesh_repair.h"
-#include "voxtone/slicer/mesh/spatial_index.h"
-#include "voxtone/slicer/options/resolved_job.h"
-#include "voxtone/slicer/printer/placement.h"
-#include "voxtone/slicer/printer/printer.h"
-#include "voxtone/slicer/printer/voxel_grid.h"
-#include "voxtone/slicer/surface/visible_surface.h"
+#include "base/progress.h"
+#include "io/models/mesh.h"
+#include "io/models/side_file.h"
+#include "slicer/mesh/mesh_boundary.h"
+#include "slicer/mesh/mesh_repair.h"
+#include "slicer/mesh/spatial_index.h"
+#include "slicer/options/resolved_job.h"
+#include "slicer/printer/placement.h"
+#include "slicer/printer/printer.h"
+#include "slicer/printer/voxel_grid.h"
+#include "slicer/surface/visible_surface.h"
 
 namespace voxtone::slicer {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/prepare/job_colour.h"
+#include "slicer/prepare/job_colour.h"
 
 #include <algorithm>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/profiles/resin_file.h"
+#include "base/error.h"
+#include "io/profiles/resin_file.h"
 
 namespace voxtone::slicer {
 

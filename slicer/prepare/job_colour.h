@@ -11,16 +11,16 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/halftone/loop/minimal_depth_separation.h"
-#include "voxtone/halftone/separation/separation.h"
-#include "voxtone/io/layers/layer_runs.h"
-#include "voxtone/io/layers/manifest.h"
-#include "voxtone/optics/layered/shell_appearance.h"
-#include "voxtone/optics/media/resins.h"
-#include "voxtone/slicer/options/resolved_job.h"
-#include "voxtone/slicer/prepare/job_body.h"
-#include "voxtone/slicer/printer/printer.h"
+#include "base/progress.h"
+#include "halftone/loop/minimal_depth_separation.h"
+#include "halftone/separation/separation.h"
+#include "io/layers/layer_runs.h"
+#include "io/layers/manifest.h"
+#include "optics/layered/shell_appearance.h"
+#include "optics/media/resins.h"
+#include "slicer/options/resolved_job.h"
+#include "slicer/prepare/job_body.h"
+#include "slicer/printer/printer.h"
 
 namespace voxtone::slicer {
 

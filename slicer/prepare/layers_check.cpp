@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/prepare/layers_check.h"
+#include "slicer/prepare/layers_check.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -7,7 +7,7 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 namespace voxtone::slicer {
 

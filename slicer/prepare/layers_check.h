@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/io/profiles/profile_map.h"
-#include "voxtone/slicer/options/resolved_job.h"
-#include "voxtone/slicer/prepare/job_colour.h"
+#include "io/profiles/profile_map.h"
+#include "slicer/options/resolved_job.h"
+#include "slicer/prepare/job_colour.h"
 
 namespace voxtone::slicer {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/prepare/loop_plan.h"
+#include "slicer/prepare/loop_plan.h"
 
 #include <algorithm>
 #include <utility>
 
 #include <fmt/core.h>
 
-#include "voxtone/halftone/loop/appearance_loop.h"
-#include "voxtone/slicer/options/auto_limits.h"
+#include "halftone/loop/appearance_loop.h"
+#include "slicer/options/auto_limits.h"
 
 namespace voxtone::slicer {
 

@@ -9,10 +9,10 @@
 #include <cstdint>
 #include <string>
 
-#include "voxtone/slicer/options/resolved_job.h"
-#include "voxtone/slicer/prepare/job_body.h"
-#include "voxtone/slicer/prepare/job_colour.h"
-#include "voxtone/slicer/surface/surface_colour.h"
+#include "slicer/options/resolved_job.h"
+#include "slicer/prepare/job_body.h"
+#include "slicer/prepare/job_colour.h"
+#include "slicer/surface/surface_colour.h"
 
 namespace voxtone::slicer {
 

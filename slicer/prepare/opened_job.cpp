@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/prepare/opened_job.h"
+#include "slicer/prepare/opened_job.h"
 
-#include "voxtone/io/profiles/resin_file.h"
-#include "voxtone/slicer/prepare/layers_check.h"
+#include "io/profiles/resin_file.h"
+#include "slicer/prepare/layers_check.h"
 
 namespace voxtone::slicer {
 

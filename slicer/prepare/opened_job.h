@@ -7,12 +7,12 @@
 #include <optional>
 #include <vector>
 
-#include "voxtone/io/layers/layer_stack_writer.h"
-#include "voxtone/io/profiles/profile_map.h"
-#include "voxtone/slicer/options/resolved_job.h"
-#include "voxtone/slicer/prepare/job_body.h"
-#include "voxtone/slicer/prepare/job_colour.h"
-#include "voxtone/slicer/printer/printer.h"
+#include "io/layers/layer_stack_writer.h"
+#include "io/profiles/profile_map.h"
+#include "slicer/options/resolved_job.h"
+#include "slicer/prepare/job_body.h"
+#include "slicer/prepare/job_colour.h"
+#include "slicer/printer/printer.h"
 
 namespace voxtone::slicer {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/prepare/prediction_plan.h"
+#include "slicer/prepare/prediction_plan.h"
 
 #include <fmt/core.h>
 
-#include "voxtone/slicer/options/auto_limits.h"
+#include "slicer/options/auto_limits.h"
 
 namespace voxtone::slicer {
 

@@ -5,9 +5,9 @@
 
 #include <string>
 
-#include "voxtone/slicer/options/model_choice.h"
-#include "voxtone/slicer/options/resolved_job.h"
-#include "voxtone/slicer/prepare/job_body.h"
+#include "slicer/options/model_choice.h"
+#include "slicer/options/resolved_job.h"
+#include "slicer/prepare/job_body.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/prepare/resin_choice.h"
+#include "slicer/prepare/resin_choice.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,13 +7,13 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/halftone/separation/invert_appearance.h"
-#include "voxtone/io/profiles/resin_file.h"
-#include "voxtone/optics/colour/colour.h"
-#include "voxtone/slicer/prepare/job_colour.h"
-#include "voxtone/slicer/surface/area_samples.h"
-#include "voxtone/slicer/surface/surface_colour.h"
+#include "base/parallel.h"
+#include "halftone/separation/invert_appearance.h"
+#include "io/profiles/resin_file.h"
+#include "optics/colour/colour.h"
+#include "slicer/prepare/job_colour.h"
+#include "slicer/surface/area_samples.h"
+#include "slicer/surface/surface_colour.h"
 
 namespace voxtone::slicer {
 

@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/slicer/prepare/job_body.h"
-#include "voxtone/slicer/prepare/opened_job.h"
+#include "base/progress.h"
+#include "slicer/prepare/job_body.h"
+#include "slicer/prepare/opened_job.h"
 
 namespace voxtone::slicer {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/printer/picture_slab.h"
+#include "slicer/printer/picture_slab.h"
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/units.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "base/units.h"
 
 namespace voxtone::slicer {
 

@@ -4,8 +4,8 @@
 // seen from above with the picture's upper edge at +y. Pixels are square unless the file gives two resolutions.
 #pragma once
 
-#include "voxtone/io/models/mesh.h"
-#include "voxtone/io/pictures/picture.h"
+#include "io/models/mesh.h"
+#include "io/pictures/picture.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/printer/placement.h"
+#include "slicer/printer/placement.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <fmt/core.h>
 #include <Eigen/Geometry>
 
-#include "voxtone/base/error.h"
-#include "voxtone/slicer/mesh/box.h"
+#include "base/error.h"
+#include "slicer/mesh/box.h"
 
 namespace voxtone::slicer {
 

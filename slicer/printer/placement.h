@@ -13,10 +13,10 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/io/models/mesh.h"
-#include "voxtone/slicer/options/placement_options.h"
-#include "voxtone/slicer/printer/printer.h"
-#include "voxtone/slicer/printer/voxel_grid.h"
+#include "io/models/mesh.h"
+#include "slicer/options/placement_options.h"
+#include "slicer/printer/printer.h"
+#include "slicer/printer/voxel_grid.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/printer/printer.h"
+#include "slicer/printer/printer.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -10,12 +10,12 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include "voxtone/base/embedded_file.h"
-#include "voxtone/base/error.h"
-#include "voxtone/halftone/separation/mixture.h"
-#include "voxtone/io/files/json_keys.h"
-#include "voxtone/io/files/json_object.h"
-#include "voxtone/io/layers/layer_runs.h"
+#include "base/embedded_file.h"
+#include "base/error.h"
+#include "halftone/separation/mixture.h"
+#include "io/files/json_keys.h"
+#include "io/files/json_object.h"
+#include "io/layers/layer_runs.h"
 
 namespace voxtone::embedded {
 std::span<const EmbeddedFile> printers();

@@ -20,9 +20,9 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/io/layers/layer_format.h"
-#include "voxtone/io/layers/manifest.h"
-#include "voxtone/io/layers/rgb.h"
+#include "io/layers/layer_format.h"
+#include "io/layers/manifest.h"
+#include "io/layers/rgb.h"
 
 namespace voxtone::slicer {
 

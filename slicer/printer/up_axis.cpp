@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/printer/up_axis.h"
+#include "slicer/printer/up_axis.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/proof/diffuse_mesh.h"
+#include "slicer/proof/diffuse_mesh.h"
 
 #include <algorithm>
 

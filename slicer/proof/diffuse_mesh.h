@@ -7,9 +7,9 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/io/models/coloured_mesh.h"
-#include "voxtone/optics/camera/camera_scene.h"
-#include "voxtone/slicer/mesh/mesh_boundary.h"
+#include "io/models/coloured_mesh.h"
+#include "optics/camera/camera_scene.h"
+#include "slicer/mesh/mesh_boundary.h"
 
 namespace voxtone::slicer {
 

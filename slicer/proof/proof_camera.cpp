@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/proof/proof_camera.h"
+#include "slicer/proof/proof_camera.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,8 +7,8 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/optics/camera/camera.h"
-#include "voxtone/slicer/proof/proof_options.h"
+#include "optics/camera/camera.h"
+#include "slicer/proof/proof_options.h"
 
 namespace voxtone::slicer {
 

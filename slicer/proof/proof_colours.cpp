@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/proof/proof_colours.h"
+#include "slicer/proof/proof_colours.h"
 
 #include <limits>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/colour/channels.h"
-#include "voxtone/optics/layered/mixture_correction.h"
+#include "base/parallel.h"
+#include "optics/colour/channels.h"
+#include "optics/layered/mixture_correction.h"
 
 namespace voxtone::slicer {
 

@@ -11,8 +11,8 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/optics/camera/camera_paths.h"
-#include "voxtone/slicer/proof/proof_scene.h"
+#include "optics/camera/camera_paths.h"
+#include "slicer/proof/proof_scene.h"
 
 namespace voxtone::slicer {
 

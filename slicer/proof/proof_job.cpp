@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/proof/proof_job.h"
+#include "slicer/proof/proof_job.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,18 +10,18 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/peak_memory.h"
-#include "voxtone/base/stopwatch.h"
-#include "voxtone/io/disk/output_files.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/pictures/exr_writer.h"
-#include "voxtone/io/pictures/picture_writer.h"
-#include "voxtone/optics/camera/camera_paths.h"
-#include "voxtone/optics/colour/channels.h"
-#include "voxtone/slicer/proof/proof_colours.h"
-#include "voxtone/slicer/proof/proof_scene.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/peak_memory.h"
+#include "base/stopwatch.h"
+#include "io/disk/output_files.h"
+#include "io/files/whole_file.h"
+#include "io/pictures/exr_writer.h"
+#include "io/pictures/picture_writer.h"
+#include "optics/camera/camera_paths.h"
+#include "optics/colour/channels.h"
+#include "slicer/proof/proof_colours.h"
+#include "slicer/proof/proof_scene.h"
 
 namespace voxtone::slicer {
 

@@ -3,9 +3,9 @@
 // A stack as a picture that a camera would take of its print.
 #pragma once
 
-#include "voxtone/base/job_result.h"
-#include "voxtone/base/progress.h"
-#include "voxtone/slicer/proof/proof_options.h"
+#include "base/job_result.h"
+#include "base/progress.h"
+#include "slicer/proof/proof_options.h"
 
 namespace voxtone::slicer {
 

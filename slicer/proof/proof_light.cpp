@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/proof/proof_light.h"
+#include "slicer/proof/proof_light.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/pictures/photograph.h"
+#include "base/error.h"
+#include "io/pictures/photograph.h"
 
 namespace voxtone::slicer {
 

@@ -3,9 +3,9 @@
 // The light of a proof: one that comes with the program, or a lat-long picture of a place.
 #pragma once
 
-#include "voxtone/base/progress.h"
-#include "voxtone/optics/camera/sky.h"
-#include "voxtone/slicer/proof/proof_options.h"
+#include "base/progress.h"
+#include "optics/camera/sky.h"
+#include "slicer/proof/proof_options.h"
 
 namespace voxtone::slicer {
 

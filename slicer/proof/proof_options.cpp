@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/proof/proof_options.h"
+#include "slicer/proof/proof_options.h"
 
 #include <filesystem>
 #include <string_view>
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/slicer/options/model_choice.h"
-#include "voxtone/slicer/options/option_values.h"
+#include "base/error.h"
+#include "slicer/options/model_choice.h"
+#include "slicer/options/option_values.h"
 
 namespace voxtone::slicer {
 

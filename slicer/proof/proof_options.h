@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/named_values.h"
-#include "voxtone/optics/scene/boundary.h"
-#include "voxtone/slicer/predict/stack_volume.h"
+#include "base/named_values.h"
+#include "optics/scene/boundary.h"
+#include "slicer/predict/stack_volume.h"
 
 namespace voxtone::slicer {
 

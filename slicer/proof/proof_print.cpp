@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/proof/proof_print.h"
+#include "slicer/proof/proof_print.h"
 
 #include <algorithm>
 #include <numbers>
@@ -7,13 +7,13 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/optics/colour/channels.h"
-#include "voxtone/optics/layered/layered_appearance.h"
-#include "voxtone/slicer/look/cell_mesh.h"
-#include "voxtone/slicer/look/support_contact.h"
-#include "voxtone/slicer/look/vertex_colours.h"
-#include "voxtone/slicer/surface/surface_colour.h"
+#include "base/error.h"
+#include "optics/colour/channels.h"
+#include "optics/layered/layered_appearance.h"
+#include "slicer/look/cell_mesh.h"
+#include "slicer/look/support_contact.h"
+#include "slicer/look/vertex_colours.h"
+#include "slicer/surface/surface_colour.h"
 
 namespace voxtone::slicer {
 

@@ -7,12 +7,12 @@
 #include <optional>
 #include <string>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/optics/camera/camera_scene.h"
-#include "voxtone/slicer/mesh/mesh_boundary.h"
-#include "voxtone/slicer/predict/stack_boundary.h"
-#include "voxtone/slicer/proof/diffuse_mesh.h"
-#include "voxtone/slicer/proof/proof_camera.h"
+#include "base/progress.h"
+#include "optics/camera/camera_scene.h"
+#include "slicer/mesh/mesh_boundary.h"
+#include "slicer/predict/stack_boundary.h"
+#include "slicer/proof/diffuse_mesh.h"
+#include "slicer/proof/proof_camera.h"
 
 namespace voxtone::slicer {
 

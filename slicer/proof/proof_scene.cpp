@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/proof/proof_scene.h"
+#include "slicer/proof/proof_scene.h"
 
 #include <utility>
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/slicer/proof/proof_light.h"
+#include "base/error.h"
+#include "slicer/proof/proof_light.h"
 
 namespace voxtone::slicer {
 

@@ -6,10 +6,10 @@
 #include <memory>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/optics/camera/camera_scene.h"
-#include "voxtone/slicer/proof/proof_options.h"
-#include "voxtone/slicer/proof/proof_print.h"
+#include "base/progress.h"
+#include "optics/camera/camera_scene.h"
+#include "slicer/proof/proof_options.h"
+#include "slicer/proof/proof_print.h"
 
 namespace voxtone::slicer {
 

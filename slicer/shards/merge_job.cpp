@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/shards/merge_job.h"
+#include "slicer/shards/merge_job.h"
 
 #include <algorithm>
 #include <optional>
@@ -10,20 +10,20 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/peak_memory.h"
-#include "voxtone/base/stopwatch.h"
-#include "voxtone/io/files/json_writer.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/layers/stack_folder.h"
-#include "voxtone/io/shards/merged_stack.h"
-#include "voxtone/io/shards/shard_folder.h"
-#include "voxtone/slicer/estimate/phase_estimates.h"
-#include "voxtone/slicer/job/job_phases.h"
-#include "voxtone/slicer/look/report_files.h"
-#include "voxtone/slicer/options/job_file.h"
-#include "voxtone/slicer/shards/prepared_body.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/peak_memory.h"
+#include "base/stopwatch.h"
+#include "io/files/json_writer.h"
+#include "io/files/whole_file.h"
+#include "io/layers/stack_folder.h"
+#include "io/shards/merged_stack.h"
+#include "io/shards/shard_folder.h"
+#include "slicer/estimate/phase_estimates.h"
+#include "slicer/job/job_phases.h"
+#include "slicer/kept/prepared_body.h"
+#include "slicer/kept/report_files.h"
+#include "slicer/options/job_file.h"
 
 namespace voxtone::slicer {
 

@@ -10,8 +10,8 @@
 
 #include <filesystem>
 
-#include "voxtone/base/job_result.h"
-#include "voxtone/base/progress.h"
+#include "base/job_result.h"
+#include "base/progress.h"
 
 namespace voxtone::slicer {
 

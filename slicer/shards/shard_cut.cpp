@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/shards/shard_cut.h"
+#include "slicer/shards/shard_cut.h"
 
 #include <algorithm>
 #include <array>

@@ -11,9 +11,9 @@
 
 #include <vector>
 
-#include "voxtone/io/shards/shard_number.h"
-#include "voxtone/slicer/options/option_values.h"
-#include "voxtone/slicer/prepare/job_body.h"
+#include "io/shards/shard_number.h"
+#include "slicer/options/option_values.h"
+#include "slicer/prepare/job_body.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/shards/shard_job.h"
+#include "slicer/shards/shard_job.h"
 
 #include <chrono>
 #include <filesystem>
@@ -10,23 +10,23 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/peak_memory.h"
-#include "voxtone/base/progress_bar.h"
-#include "voxtone/base/stopwatch.h"
-#include "voxtone/io/disk/folder_lock.h"
-#include "voxtone/io/files/json_writer.h"
-#include "voxtone/io/layers/stack_folder.h"
-#include "voxtone/io/programs/build_identity.h"
-#include "voxtone/io/shards/shard_folder.h"
-#include "voxtone/slicer/estimate/phase_estimates.h"
-#include "voxtone/slicer/job/job_phases.h"
-#include "voxtone/slicer/layers/layer_maker.h"
-#include "voxtone/slicer/options/job_file.h"
-#include "voxtone/slicer/shards/prepared_body.h"
-#include "voxtone/slicer/shards/shard_cut.h"
-#include "voxtone/slicer/shards/shard_task.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/peak_memory.h"
+#include "base/progress_bar.h"
+#include "base/stopwatch.h"
+#include "io/disk/folder_lock.h"
+#include "io/files/json_writer.h"
+#include "io/layers/stack_folder.h"
+#include "io/programs/build_identity.h"
+#include "io/shards/shard_folder.h"
+#include "slicer/estimate/phase_estimates.h"
+#include "slicer/job/job_phases.h"
+#include "slicer/kept/prepared_body.h"
+#include "slicer/layers/layer_maker.h"
+#include "slicer/options/job_file.h"
+#include "slicer/shards/shard_cut.h"
+#include "slicer/shards/shard_task.h"
 
 namespace voxtone::slicer {
 

@@ -7,9 +7,9 @@
 // shards that begin before it has done so do it too. The appearance loop is never repeated (saved/skin_file.h).
 #pragma once
 
-#include "voxtone/base/job_result.h"
-#include "voxtone/base/progress.h"
-#include "voxtone/slicer/options/slice_options.h"
+#include "base/job_result.h"
+#include "base/progress.h"
+#include "slicer/options/slice_options.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/shards/shard_task.h"
+#include "slicer/shards/shard_task.h"
 
 #include <charconv>
 #include <cstdlib>
@@ -8,8 +8,8 @@
 
 #include <fmt/core.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/shards/shard_folder.h"
+#include "base/error.h"
+#include "io/shards/shard_folder.h"
 
 namespace voxtone::slicer {
 

@@ -9,7 +9,7 @@
 
 #include <filesystem>
 
-#include "voxtone/io/shards/shard_number.h"
+#include "io/shards/shard_number.h"
 
 namespace voxtone::slicer {
 

@@ -11,8 +11,8 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/slicer/mesh/solid_mesh.h"
-#include "voxtone/slicer/printer/voxel_grid.h"
+#include "slicer/mesh/solid_mesh.h"
+#include "slicer/printer/voxel_grid.h"
 
 namespace voxtone::slicer {
 

@@ -14,7 +14,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "voxtone/slicer/solid/fixed_mesh.h"
+#include "slicer/solid/fixed_mesh.h"
 
 namespace voxtone::slicer {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/solid/solid.h"
+#include "slicer/solid/solid.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/slicer/solid/line_crossings.h"
+#include "base/contracts.h"
+#include "slicer/solid/line_crossings.h"
 
 // Own code, not OpenVDB's meshToVolume: that gives narrow-band distances in floats, cracks and doubled sheets decided
 // by its flood fill, where a print needs each voxel's winding number, exactly and alike on every machine, one slab at a

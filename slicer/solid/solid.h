@@ -15,10 +15,10 @@
 // layers asked for.
 #pragma once
 
-#include "voxtone/slicer/mesh/solid_mesh.h"
-#include "voxtone/slicer/printer/voxel_grid.h"
-#include "voxtone/slicer/solid/fixed_mesh.h"
-#include "voxtone/slicer/solid/span_slab.h"
+#include "slicer/mesh/solid_mesh.h"
+#include "slicer/printer/voxel_grid.h"
+#include "slicer/solid/fixed_mesh.h"
+#include "slicer/solid/span_slab.h"
 
 namespace voxtone::slicer {
 

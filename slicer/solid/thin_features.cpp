@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/solid/thin_features.h"
+#include "slicer/solid/thin_features.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,10 +9,10 @@
 
 #include <Eigen/Geometry>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/slicer/mesh/exact_predicates.h"
-#include "voxtone/slicer/mesh/mesh_chain.h"
-#include "voxtone/slicer/solid/line_crossings.h"
+#include "base/contracts.h"
+#include "slicer/mesh/exact_predicates.h"
+#include "slicer/mesh/mesh_chain.h"
+#include "slicer/solid/line_crossings.h"
 
 namespace voxtone::slicer {
 

@@ -22,8 +22,8 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/slicer/mesh/spatial_index.h"
-#include "voxtone/slicer/solid/solid.h"
+#include "slicer/mesh/spatial_index.h"
+#include "slicer/solid/solid.h"
 
 namespace voxtone::slicer {
 

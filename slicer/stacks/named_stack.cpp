@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/stacks/named_stack.h"
+#include "slicer/stacks/named_stack.h"
 
 #include <algorithm>
 #include <filesystem>
 
 #include <fmt/format.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/halftone/stacks/stack_materials.h"
-#include "voxtone/optics/profiles/resin_profile.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "halftone/stacks/stack_materials.h"
+#include "optics/profiles/resin_profile.h"
 
 namespace voxtone::slicer {
 namespace {

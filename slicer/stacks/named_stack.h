@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/io/profiles/layer_sequence_file.h"
-#include "voxtone/slicer/stacks/stack_setting.h"
+#include "base/progress.h"
+#include "io/profiles/layer_sequence_file.h"
+#include "slicer/stacks/stack_setting.h"
 
 namespace voxtone::slicer {
 

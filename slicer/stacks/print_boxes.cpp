@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/stacks/print_boxes.h"
+#include "slicer/stacks/print_boxes.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
+#include "base/parallel.h"
+#include "base/random.h"
 
 namespace voxtone::slicer {
 

@@ -15,9 +15,9 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/io/layers/layer_stack_writer.h"
-#include "voxtone/slicer/printer/printer.h"
+#include "base/progress.h"
+#include "io/layers/layer_stack_writer.h"
+#include "slicer/printer/printer.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/stacks/profile_map_job.h"
+#include "slicer/stacks/profile_map_job.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/stopwatch.h"
+#include "base/error.h"
+#include "base/stopwatch.h"
 
 namespace voxtone::slicer {
 namespace {

@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/halftone/local_profiles/local_profiles.h"
-#include "voxtone/halftone/local_profiles/profile_clusters.h"
-#include "voxtone/halftone/local_profiles/profile_reconstruction.h"
-#include "voxtone/io/profiles/bssrdf_file.h"
-#include "voxtone/io/profiles/profile_map.h"
+#include "base/progress.h"
+#include "halftone/local_profiles/local_profiles.h"
+#include "halftone/local_profiles/profile_clusters.h"
+#include "halftone/local_profiles/profile_reconstruction.h"
+#include "io/profiles/bssrdf_file.h"
+#include "io/profiles/profile_map.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/stacks/profile_map_picture.h"
+#include "slicer/stacks/profile_map_picture.h"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/io/pictures/srgb_code.h"
-#include "voxtone/optics/colour/channels.h"
+#include "io/pictures/srgb_code.h"
+#include "optics/colour/channels.h"
 
 namespace voxtone::slicer {
 namespace {

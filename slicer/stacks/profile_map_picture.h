@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <optional>
 
-#include "voxtone/io/pictures/picture_writer.h"
-#include "voxtone/slicer/stacks/profile_map_job.h"
+#include "io/pictures/picture_writer.h"
+#include "slicer/stacks/profile_map_job.h"
 
 namespace voxtone::slicer {
 

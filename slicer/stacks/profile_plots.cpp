@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/stacks/profile_plots.h"
+#include "slicer/stacks/profile_plots.h"
 
 #include <algorithm>
 
 #include <fmt/format.h>
 
-#include "voxtone/io/report/plot_svg.h"
+#include "io/report/plot_svg.h"
 
 namespace voxtone::slicer {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/optics/numerics/hankel.h"
+#include "optics/numerics/hankel.h"
 
 namespace voxtone::slicer {
 

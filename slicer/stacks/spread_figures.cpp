@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/stacks/spread_figures.h"
+#include "slicer/stacks/spread_figures.h"
 
 #include <fmt/format.h>
 

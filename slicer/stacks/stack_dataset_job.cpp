@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/stacks/stack_dataset_job.h"
+#include "slicer/stacks/stack_dataset_job.h"
 
 #include <numeric>
 #include <vector>
@@ -8,12 +8,12 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/base/stopwatch.h"
-#include "voxtone/io/disk/disk_space.h"
-#include "voxtone/io/disk/output_files.h"
-#include "voxtone/io/profiles/bssrdf_file.h"
-#include "voxtone/io/profiles/resin_file.h"
-#include "voxtone/optics/monte_carlo/sampled_bssrdf.h"
+#include "base/stopwatch.h"
+#include "io/disk/disk_space.h"
+#include "io/disk/output_files.h"
+#include "io/profiles/bssrdf_file.h"
+#include "io/profiles/resin_file.h"
+#include "optics/monte_carlo/sampled_bssrdf.h"
 
 namespace voxtone::slicer {
 namespace {

@@ -12,9 +12,9 @@
 #include <string_view>
 #include <utility>
 
-#include "voxtone/base/job_result.h"
-#include "voxtone/base/progress.h"
-#include "voxtone/optics/media/slab_patterns.h"
+#include "base/job_result.h"
+#include "base/progress.h"
+#include "optics/media/slab_patterns.h"
 
 namespace voxtone::slicer {
 

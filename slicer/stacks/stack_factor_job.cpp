@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/stacks/stack_factor_job.h"
+#include "slicer/stacks/stack_factor_job.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/disk/output_files.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/slicer/stacks/profile_map_picture.h"
+#include "base/error.h"
+#include "io/disk/output_files.h"
+#include "io/files/whole_file.h"
+#include "slicer/stacks/profile_map_picture.h"
 
 namespace voxtone::slicer {
 namespace {

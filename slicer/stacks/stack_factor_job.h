@@ -9,9 +9,9 @@
 #include <optional>
 #include <string>
 
-#include "voxtone/base/job_result.h"
-#include "voxtone/base/progress.h"
-#include "voxtone/slicer/stacks/profile_map_job.h"
+#include "base/job_result.h"
+#include "base/progress.h"
+#include "slicer/stacks/profile_map_job.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/stacks/stack_predict_job.h"
+#include "slicer/stacks/stack_predict_job.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -7,12 +7,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/io/disk/output_files.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/profiles/profile_file.h"
-#include "voxtone/slicer/stacks/named_stack.h"
-#include "voxtone/slicer/stacks/profile_plots.h"
-#include "voxtone/slicer/stacks/spread_figures.h"
+#include "io/disk/output_files.h"
+#include "io/files/whole_file.h"
+#include "io/profiles/profile_file.h"
+#include "slicer/stacks/named_stack.h"
+#include "slicer/stacks/profile_plots.h"
+#include "slicer/stacks/spread_figures.h"
 
 namespace voxtone::slicer {
 namespace {

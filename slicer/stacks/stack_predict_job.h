@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/job_result.h"
-#include "voxtone/base/progress.h"
-#include "voxtone/slicer/stacks/named_stack.h"
+#include "base/job_result.h"
+#include "base/progress.h"
+#include "slicer/stacks/named_stack.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/stacks/stack_print_job.h"
+#include "slicer/stacks/stack_print_job.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/base/units.h"
-#include "voxtone/halftone/stacks/whole_layers.h"
-#include "voxtone/io/profiles/resin_file.h"
-#include "voxtone/slicer/stacks/named_stack.h"
-#include "voxtone/slicer/stacks/print_boxes.h"
+#include "base/units.h"
+#include "halftone/stacks/whole_layers.h"
+#include "io/profiles/resin_file.h"
+#include "slicer/stacks/named_stack.h"
+#include "slicer/stacks/print_boxes.h"
 
 namespace voxtone::slicer {
 namespace {

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/job_result.h"
-#include "voxtone/base/progress.h"
-#include "voxtone/io/layers/layer_stack_writer.h"
+#include "base/job_result.h"
+#include "base/progress.h"
+#include "io/layers/layer_stack_writer.h"
 
 namespace voxtone::slicer {
 

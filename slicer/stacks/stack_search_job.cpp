@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/stacks/stack_search_job.h"
+#include "slicer/stacks/stack_search_job.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -9,13 +9,13 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/base/stopwatch.h"
-#include "voxtone/base/units.h"
-#include "voxtone/halftone/stacks/stack_design.h"
-#include "voxtone/io/disk/output_files.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/profiles/layer_sequence_file.h"
-#include "voxtone/slicer/stacks/profile_plots.h"
+#include "base/stopwatch.h"
+#include "base/units.h"
+#include "halftone/stacks/stack_design.h"
+#include "io/disk/output_files.h"
+#include "io/files/whole_file.h"
+#include "io/profiles/layer_sequence_file.h"
+#include "slicer/stacks/profile_plots.h"
 
 namespace voxtone::slicer {
 namespace {

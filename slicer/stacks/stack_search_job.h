@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/job_result.h"
-#include "voxtone/base/progress.h"
-#include "voxtone/halftone/stacks/stack_materials.h"
-#include "voxtone/slicer/stacks/stack_setting.h"
+#include "base/job_result.h"
+#include "base/progress.h"
+#include "halftone/stacks/stack_materials.h"
+#include "slicer/stacks/stack_setting.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/stacks/stack_setting.h"
+#include "slicer/stacks/stack_setting.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "voxtone/halftone/stacks/stack_materials.h"
-#include "voxtone/io/profiles/resin_file.h"
-#include "voxtone/optics/profiles/saunderson.h"
+#include "halftone/stacks/stack_materials.h"
+#include "io/profiles/resin_file.h"
+#include "optics/profiles/saunderson.h"
 
 namespace voxtone::slicer {
 namespace {

@@ -12,12 +12,12 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/named_values.h"
-#include "voxtone/base/progress.h"
-#include "voxtone/halftone/stacks/stack_search.h"
-#include "voxtone/io/profiles/profile_file.h"
-#include "voxtone/optics/numerics/hankel.h"
-#include "voxtone/optics/profiles/resin_stack.h"
+#include "base/named_values.h"
+#include "base/progress.h"
+#include "halftone/stacks/stack_search.h"
+#include "io/profiles/profile_file.h"
+#include "optics/numerics/hankel.h"
+#include "optics/profiles/resin_stack.h"
 
 namespace voxtone::slicer {
 

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/stacks/stack_targets_job.h"
+#include "slicer/stacks/stack_targets_job.h"
 
 #include <filesystem>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/halftone/stacks/widening_targets.h"
-#include "voxtone/io/disk/output_files.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/slicer/stacks/profile_plots.h"
-#include "voxtone/slicer/stacks/spread_figures.h"
+#include "base/error.h"
+#include "halftone/stacks/widening_targets.h"
+#include "io/disk/output_files.h"
+#include "io/files/whole_file.h"
+#include "slicer/stacks/profile_plots.h"
+#include "slicer/stacks/spread_figures.h"
 
 namespace voxtone::slicer {
 namespace {

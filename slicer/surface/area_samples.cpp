@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/surface/area_samples.h"
+#include "slicer/surface/area_samples.h"
 
 #include <algorithm>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/random.h"
-#include "voxtone/slicer/mesh/mesh_chain.h"
+#include "base/contracts.h"
+#include "base/random.h"
+#include "slicer/mesh/mesh_chain.h"
 
 namespace voxtone::slicer {
 

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxtone/slicer/surface/visible_surface.h"
+#include "slicer/surface/visible_surface.h"
 
 namespace voxtone::slicer {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/surface/shell_kernel.h"
+#include "slicer/surface/shell_kernel.h"
 
 #include <Eigen/Geometry>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "voxtone/slicer/surface/shell_kernel.cpp"
+#define HWY_TARGET_INCLUDE "slicer/surface/shell_kernel.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 

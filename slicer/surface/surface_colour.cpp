@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/surface/surface_colour.h"
+#include "slicer/surface/surface_colour.h"
 
 #include <algorithm>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/io/pictures/texture.h"
+#include "base/parallel.h"
+#include "io/pictures/texture.h"
 
 namespace voxtone::slicer {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/surface/surface_shell.h"
+#include "slicer/surface/surface_shell.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/slicer/surface/shell_kernel.h"
+#include "base/contracts.h"
+#include "slicer/surface/shell_kernel.h"
 
 namespace voxtone::slicer {
 

@@ -21,10 +21,10 @@
 #include <memory>
 #include <span>
 
-#include "voxtone/slicer/mesh/triangle_tree.h"
-#include "voxtone/slicer/printer/voxel_grid.h"
-#include "voxtone/slicer/solid/span_slab.h"
-#include "voxtone/slicer/surface/visible_surface.h"
+#include "slicer/mesh/triangle_tree.h"
+#include "slicer/printer/voxel_grid.h"
+#include "slicer/solid/span_slab.h"
+#include "slicer/surface/visible_surface.h"
 
 namespace voxtone::slicer {
 

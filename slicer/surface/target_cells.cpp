@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/surface/target_cells.h"
+#include "slicer/surface/target_cells.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/slicer/mesh/triangle_tree.h"
-#include "voxtone/slicer/surface/surface_colour.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "slicer/mesh/triangle_tree.h"
+#include "slicer/surface/surface_colour.h"
 
 namespace voxtone::slicer {
 

@@ -12,11 +12,11 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/io/models/mesh.h"
-#include "voxtone/optics/scene/appearance_model.h"
-#include "voxtone/optics/scene/area_summary.h"
-#include "voxtone/slicer/surface/visible_surface.h"
+#include "base/progress.h"
+#include "io/models/mesh.h"
+#include "optics/scene/appearance_model.h"
+#include "optics/scene/area_summary.h"
+#include "slicer/surface/visible_surface.h"
 
 namespace voxtone::slicer {
 

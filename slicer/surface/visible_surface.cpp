@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/surface/visible_surface.h"
+#include "slicer/surface/visible_surface.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,15 +12,15 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/slicer/mesh/disjoint_sets.h"
-#include "voxtone/slicer/mesh/exact_predicates.h"
-#include "voxtone/slicer/mesh/mesh_chain.h"
-#include "voxtone/slicer/mesh/mesh_crossings.h"
-#include "voxtone/slicer/mesh/step_share.h"
-#include "voxtone/slicer/mesh/winding_number.h"
+#include "base/contracts.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "slicer/mesh/disjoint_sets.h"
+#include "slicer/mesh/exact_predicates.h"
+#include "slicer/mesh/mesh_chain.h"
+#include "slicer/mesh/mesh_crossings.h"
+#include "slicer/mesh/step_share.h"
+#include "slicer/mesh/winding_number.h"
 
 namespace voxtone::slicer {
 

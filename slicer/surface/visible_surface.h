@@ -19,9 +19,9 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/base/progress.h"
-#include "voxtone/slicer/mesh/mesh_repair.h"
-#include "voxtone/slicer/mesh/spatial_index.h"
+#include "base/progress.h"
+#include "slicer/mesh/mesh_repair.h"
+#include "slicer/mesh/spatial_index.h"
 
 namespace voxtone::slicer {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/surface/white_surface.h"
+#include "slicer/surface/white_surface.h"
 
 #include <cmath>
 
-#include "voxtone/slicer/surface/area_samples.h"
-#include "voxtone/slicer/surface/surface_colour.h"
+#include "slicer/surface/area_samples.h"
+#include "slicer/surface/surface_colour.h"
 
 namespace voxtone::slicer {
 

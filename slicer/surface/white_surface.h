@@ -3,8 +3,8 @@
 // Whether anything but white will be seen of a surface.
 #pragma once
 
-#include "voxtone/io/models/mesh.h"
-#include "voxtone/slicer/surface/visible_surface.h"
+#include "io/models/mesh.h"
+#include "slicer/surface/visible_surface.h"
 
 namespace voxtone::slicer {
 

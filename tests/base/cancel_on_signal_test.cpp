@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/base/cancel_on_signal.h"
+#include "base/cancel_on_signal.h"
 
 #include <cerrno>
 #include <chrono>
@@ -10,8 +10,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/stop_deadline.h"
+#include "base/contracts.h"
+#include "base/stop_deadline.h"
 
 using namespace voxtone;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/base/job_outlook.h"
+#include "base/job_outlook.h"
 
 #include <catch2/catch.hpp>
 

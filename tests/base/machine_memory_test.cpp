@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/base/machine_memory.h"
+#include "base/machine_memory.h"
 
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -11,9 +11,9 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/control_group.h"
+#include "base/grant.h"
 #include "tests/outcomes.h"
-#include "voxtone/base/control_group.h"
-#include "voxtone/base/grant.h"
 
 using namespace voxtone;
 namespace fs = std::filesystem;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/base/openjd_progress.h"
+#include "base/openjd_progress.h"
 
 #include <string>
 

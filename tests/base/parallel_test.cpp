@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/base/parallel.h"
+#include "base/parallel.h"
 
 #include <vector>
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/grant.h"
+#include "base/grant.h"
 
 using namespace voxtone;
 

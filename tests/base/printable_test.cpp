@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/base/printable.h"
+#include "base/printable.h"
 
 #include <catch2/catch.hpp>
 

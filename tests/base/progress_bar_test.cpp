@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/base/progress_bar.h"
+#include "base/progress_bar.h"
 
 #include <algorithm>
 #include <atomic>
@@ -9,7 +9,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/parallel.h"
+#include "base/parallel.h"
 
 using namespace voxtone;
 using Catch::Contains;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/base/progress_events.h"
+#include "base/progress_events.h"
 
 #include <string>
 

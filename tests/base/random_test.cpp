@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/base/random.h"
+#include "base/random.h"
 
 #include <catch2/catch.hpp>
 

@@ -5,11 +5,11 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "calibration/patches/patch_file.h"
+#include "io/profiles/resin_file.h"
 #include "run_program.h"
 #include "tests/calibration/chart/icc_samples.h"
 #include "tests/calibration/patches/target_samples.h"
-#include "voxtone/calibration/patches/patch_file.h"
-#include "voxtone/io/profiles/resin_file.h"
 
 using namespace voxtone;
 using namespace voxtone::test;

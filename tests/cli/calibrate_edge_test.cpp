@@ -8,10 +8,10 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "calibration/edge/edge_profiles.h"
+#include "calibration/edge/edge_setup.h"
+#include "io/profiles/resin_file.h"
 #include "run_program.h"
-#include "voxtone/calibration/edge/edge_profiles.h"
-#include "voxtone/calibration/edge/edge_setup.h"
-#include "voxtone/io/profiles/resin_file.h"
 
 using namespace voxtone;
 using namespace voxtone::test;

@@ -5,12 +5,12 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "calibration/patches/patch_file.h"
+#include "io/profiles/resin_file.h"
+#include "optics/colour/colour.h"
+#include "optics/layered/flat_colour.h"
 #include "run_program.h"
 #include "tests/calibration/patches/target_samples.h"
-#include "voxtone/calibration/patches/patch_file.h"
-#include "voxtone/io/profiles/resin_file.h"
-#include "voxtone/optics/colour/colour.h"
-#include "voxtone/optics/layered/flat_colour.h"
 
 using namespace voxtone;
 using namespace voxtone::test;

@@ -8,11 +8,11 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "calibration/patches/patch_file.h"
+#include "calibration/target/target_file.h"
+#include "io/layers/stack_reader.h"
+#include "io/profiles/resin_file.h"
 #include "run_program.h"
-#include "voxtone/calibration/patches/patch_file.h"
-#include "voxtone/calibration/target/target_file.h"
-#include "voxtone/io/layers/stack_reader.h"
-#include "voxtone/io/profiles/resin_file.h"
 
 using namespace voxtone;
 using namespace voxtone::test;

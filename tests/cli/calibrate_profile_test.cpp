@@ -8,8 +8,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "io/profiles/profile_file.h"
 #include "run_program.h"
-#include "voxtone/io/profiles/profile_file.h"
 
 using namespace voxtone;
 using namespace voxtone::test;

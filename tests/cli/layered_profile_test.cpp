@@ -7,8 +7,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/io/profiles/profile_file.h"
-#include "voxtone/io/profiles/profile_map.h"
+#include "io/profiles/profile_file.h"
+#include "io/profiles/profile_map.h"
 
 #include "run_program.h"
 

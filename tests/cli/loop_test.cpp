@@ -7,9 +7,9 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "base/error.h"
 #include "run_program.h"
-#include "voxtone/base/error.h"
-#include "voxtone/slicer/job/slice_job.h"
+#include "slicer/job/slice_job.h"
 
 using namespace voxtone;
 using namespace voxtone::test;

@@ -14,9 +14,9 @@
 #include <openvdb/openvdb.h>
 #include <nlohmann/json.hpp>
 
+#include "io/layers/layer_digest.h"
+#include "io/layers/stack_reader.h"
 #include "run_program.h"
-#include "voxtone/io/layers/layer_digest.h"
-#include "voxtone/io/layers/stack_reader.h"
 
 using namespace voxtone;
 using namespace voxtone::test;

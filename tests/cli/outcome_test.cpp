@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/cli/program/outcome.h"
+#include "cli/program/outcome.h"
 
 #include <cstdio>
 #include <new>
@@ -9,9 +9,9 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "base/contracts.h"
+#include "base/error.h"
 #include "run_program.h"
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
 
 using namespace voxtone;
 using Catch::Matchers::Contains;

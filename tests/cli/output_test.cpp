@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include "io/disk/folder_lock.h"
 #include "run_program.h"
-#include "voxtone/io/disk/folder_lock.h"
 
 using namespace voxtone::test;
 using Catch::Contains;

@@ -12,9 +12,9 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "io/profiles/resin_file.h"
 #include "run_program.h"
 #include "tests/optics/colour/split_channels.h"
-#include "voxtone/io/profiles/resin_file.h"
 
 using namespace voxtone;
 using namespace voxtone::test;

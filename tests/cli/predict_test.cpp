@@ -11,9 +11,9 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "base/job_outlook.h"
 #include "run_program.h"
-#include "voxtone/base/job_outlook.h"
-#include "voxtone/slicer/predict/predict_job.h"
+#include "slicer/predict/predict_job.h"
 
 using namespace voxtone::test;
 using Catch::Matchers::Contains;

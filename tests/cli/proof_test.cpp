@@ -8,9 +8,9 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "io/profiles/resin_file.h"
+#include "optics/media/resins.h"
 #include "run_program.h"
-#include "voxtone/io/profiles/resin_file.h"
-#include "voxtone/optics/media/resins.h"
 
 using namespace voxtone::test;
 using Catch::Matchers::Contains;

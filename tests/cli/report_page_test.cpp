@@ -11,11 +11,11 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "io/pictures/picture_writer.h"
+#include "io/pictures/srgb_code.h"
 #include "run_program.h"
 #include "tests/io/report/chromium.h"
 #include "tests/outcomes.h"
-#include "voxtone/io/pictures/picture_writer.h"
-#include "voxtone/io/pictures/srgb_code.h"
 
 using namespace voxtone;
 using namespace voxtone::test;

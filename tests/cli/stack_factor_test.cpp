@@ -3,9 +3,9 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "io/profiles/bssrdf_file.h"
+#include "io/profiles/profile_map.h"
 #include "run_program.h"
-#include "voxtone/io/profiles/bssrdf_file.h"
-#include "voxtone/io/profiles/profile_map.h"
 
 using namespace voxtone;
 using namespace voxtone::test;

@@ -9,9 +9,9 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "io/pictures/picture_writer.h"
 #include "run_program.h"
 #include "tests/io/files/schema.h"
-#include "voxtone/io/pictures/picture_writer.h"
 
 using namespace voxtone;
 using namespace voxtone::test;

@@ -10,20 +10,20 @@
 #include <new>
 #include <stdexcept>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/patches/patch_file.h"
-#include "voxtone/io/codecs/read_here.h"
-#include "voxtone/io/decoders/decode_image.h"
-#include "voxtone/io/layers/stack_service.h"
-#include "voxtone/io/models/model_parts.h"
-#include "voxtone/io/models/mtl_library.h"
-#include "voxtone/io/openimageio/decode_other.h"
-#include "voxtone/io/pictures/packed_image.h"
-#include "voxtone/io/profiles/layer_sequence_file.h"
-#include "voxtone/io/profiles/profile_file.h"
-#include "voxtone/io/profiles/resin_file.h"
-#include "voxtone/slicer/options/job_file.h"
-#include "voxtone/slicer/saved/loop_checkpoint.h"
+#include "base/error.h"
+#include "calibration/patches/patch_file.h"
+#include "io/codecs/read_here.h"
+#include "io/decoders/decode_image.h"
+#include "io/layers/stack_service.h"
+#include "io/models/model_parts.h"
+#include "io/models/mtl_library.h"
+#include "io/openimageio/decode_other.h"
+#include "io/pictures/packed_image.h"
+#include "io/profiles/layer_sequence_file.h"
+#include "io/profiles/profile_file.h"
+#include "io/profiles/resin_file.h"
+#include "slicer/kept/loop_checkpoint.h"
+#include "slicer/options/job_file.h"
 
 namespace voxtone::test {
 

@@ -14,13 +14,13 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "voxtone/calibration/chart/chart_data.h"
-#include "voxtone/calibration/chart/chart_fit.h"
-#include "voxtone/calibration/chart/chart_mixtures.h"
-#include "voxtone/calibration/patches/patch_check.h"
-#include "voxtone/calibration/patches/patch_file.h"
-#include "voxtone/calibration/patches/patch_mixture.h"
-#include "voxtone/io/profiles/resin_file.h"
+#include "calibration/chart/chart_data.h"
+#include "calibration/chart/chart_fit.h"
+#include "calibration/chart/chart_mixtures.h"
+#include "calibration/patches/patch_check.h"
+#include "calibration/patches/patch_file.h"
+#include "calibration/patches/patch_mixture.h"
+#include "io/profiles/resin_file.h"
 
 namespace {
 

@@ -13,8 +13,8 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "voxtone/base/random.h"
-#include "voxtone/calibration/layers/layer_fit.h"
+#include "base/random.h"
+#include "calibration/layers/layer_fit.h"
 
 namespace {
 

@@ -18,7 +18,7 @@
 #include <Eigen/LU>
 
 #include "benchmarks/calibration/edge/edge_rehearsal.h"
-#include "voxtone/calibration/resins/resin_coordinates.h"
+#include "calibration/resins/resin_coordinates.h"
 
 namespace {
 

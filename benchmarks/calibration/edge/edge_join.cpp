@@ -13,10 +13,10 @@
 #include <fmt/format.h>
 
 #include "benchmarks/calibration/edge/edge_rehearsal.h"
+#include "calibration/edge/edge_chart.h"
+#include "calibration/resins/resin_coordinates.h"
+#include "calibration/target/target_layout.h"
 #include "tests/calibration/patches/target_samples.h"
-#include "voxtone/calibration/edge/edge_chart.h"
-#include "voxtone/calibration/resins/resin_coordinates.h"
-#include "voxtone/calibration/target/target_layout.h"
 
 namespace {
 

@@ -12,8 +12,8 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/calibration/edge/edge_dictionary.h"
-#include "voxtone/io/report/plot_svg.h"
+#include "calibration/edge/edge_dictionary.h"
+#include "io/report/plot_svg.h"
 
 namespace {
 

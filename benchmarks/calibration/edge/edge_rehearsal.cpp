@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "benchmarks/calibration/edge/edge_rehearsal.h"
 
-#include "voxtone/calibration/edge/dictionary_file.h"
+#include "calibration/edge/dictionary_file.h"
 
 namespace voxtone::calibration::rehearsal {
 

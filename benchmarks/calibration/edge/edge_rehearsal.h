@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/calibration/edge/edge_fit.h"
-#include "voxtone/calibration/edge/edge_simulation_job.h"
+#include "calibration/edge/edge_fit.h"
+#include "calibration/edge/edge_simulation_job.h"
 
 namespace voxtone::calibration::rehearsal {
 

@@ -11,9 +11,9 @@
 
 #include <fmt/format.h>
 
+#include "base/random.h"
 #include "benchmarks/calibration/edge/edge_rehearsal.h"
-#include "voxtone/base/random.h"
-#include "voxtone/calibration/resins/resin_coordinates.h"
+#include "calibration/resins/resin_coordinates.h"
 
 namespace {
 

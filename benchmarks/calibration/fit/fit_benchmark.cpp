@@ -6,8 +6,8 @@
 
 #include <benchmark/benchmark.h>
 
+#include "calibration/fit/resin_fit.h"
 #include "tests/calibration/patches/target_samples.h"
-#include "voxtone/calibration/fit/resin_fit.h"
 
 namespace {
 

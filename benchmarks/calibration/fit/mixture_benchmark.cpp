@@ -11,8 +11,8 @@
 
 #include <fmt/format.h>
 
+#include "calibration/fit/resin_fit.h"
 #include "tests/calibration/patches/target_samples.h"
-#include "voxtone/calibration/fit/resin_fit.h"
 
 namespace {
 

@@ -14,12 +14,12 @@
 
 #include <fmt/format.h>
 
+#include "calibration/fit/resin_fit.h"
+#include "calibration/patches/patch_file.h"
+#include "calibration/target/target_layout.h"
+#include "optics/media/resin_volume.h"
+#include "optics/monte_carlo/monte_carlo.h"
 #include "tests/calibration/patches/target_samples.h"
-#include "voxtone/calibration/fit/resin_fit.h"
-#include "voxtone/calibration/patches/patch_file.h"
-#include "voxtone/calibration/target/target_layout.h"
-#include "voxtone/optics/media/resin_volume.h"
-#include "voxtone/optics/monte_carlo/monte_carlo.h"
 
 namespace {
 

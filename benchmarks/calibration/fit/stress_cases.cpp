@@ -10,10 +10,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/parallel.h"
+#include "calibration/fit/resin_fit.h"
+#include "calibration/resins/resin_coordinates.h"
 #include "tests/calibration/patches/target_samples.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/calibration/fit/resin_fit.h"
-#include "voxtone/calibration/resins/resin_coordinates.h"
 
 namespace voxtone::calibration::stress {
 

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "calibration/resins/resin_coordinates.h"
 #include "stress_cases.h"
-#include "voxtone/calibration/resins/resin_coordinates.h"
 
 namespace voxtone::calibration::stress {
 

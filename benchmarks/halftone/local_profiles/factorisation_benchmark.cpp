@@ -13,11 +13,11 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "base/parallel.h"
+#include "halftone/local_profiles/local_profiles.h"
+#include "halftone/local_profiles/profile_clusters.h"
+#include "halftone/local_profiles/profile_reconstruction.h"
 #include "tests/halftone/local_profiles/response_samples.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/halftone/local_profiles/local_profiles.h"
-#include "voxtone/halftone/local_profiles/profile_clusters.h"
-#include "voxtone/halftone/local_profiles/profile_reconstruction.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;

@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "optics/colour/colour.h"
 #include "tests/halftone/screens/flat_colours.h"
-#include "voxtone/optics/colour/colour.h"
 
 using namespace voxtone;
 

@@ -7,13 +7,13 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxtone/base/random.h"
-#include "voxtone/halftone/screens/blue_noise_screen.h"
-#include "voxtone/halftone/screens/built_in_screens.h"
-#include "voxtone/halftone/screens/error_diffusion.h"
-#include "voxtone/halftone/screens/void_and_cluster.h"
-#include "voxtone/halftone/separation/mixture.h"
-#include "voxtone/halftone/separation/separation.h"
+#include "base/random.h"
+#include "halftone/screens/blue_noise_screen.h"
+#include "halftone/screens/built_in_screens.h"
+#include "halftone/screens/error_diffusion.h"
+#include "halftone/screens/void_and_cluster.h"
+#include "halftone/separation/mixture.h"
+#include "halftone/separation/separation.h"
 
 namespace {
 

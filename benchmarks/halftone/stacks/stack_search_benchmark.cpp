@@ -16,9 +16,9 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "base/parallel.h"
 #include "tests/halftone/stacks/plain_stack_search.h"
 #include "tests/halftone/stacks/resin_layers.h"
-#include "voxtone/base/parallel.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;

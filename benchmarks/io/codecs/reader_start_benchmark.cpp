@@ -17,9 +17,9 @@
 
 #include <tiffio.h>
 
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/models/model_reader.h"
-#include "voxtone/io/pictures/picture_writer.h"
+#include "io/files/whole_file.h"
+#include "io/models/model_reader.h"
+#include "io/pictures/picture_writer.h"
 
 namespace {
 

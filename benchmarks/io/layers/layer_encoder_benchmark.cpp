@@ -6,9 +6,9 @@
 #include <benchmark/benchmark.h>
 #include <png.h>
 
+#include "io/layers/layer_digest.h"
+#include "io/layers/run_matcher.h"
 #include "tests/io/layers/layer_samples.h"
-#include "voxtone/io/layers/layer_digest.h"
-#include "voxtone/io/layers/run_matcher.h"
 
 #ifdef VOXTONE_HAVE_LIBDEFLATE
 #include <libdeflate.h>

@@ -8,10 +8,10 @@
 #include <benchmark/benchmark.h>
 #include <Eigen/Eigenvalues>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/layered/layered_appearance.h"
-#include "voxtone/optics/layered/shell_appearance.h"
-#include "voxtone/optics/numerics/symmetric_eigen.h"
+#include "base/parallel.h"
+#include "optics/layered/layered_appearance.h"
+#include "optics/layered/shell_appearance.h"
+#include "optics/numerics/symmetric_eigen.h"
 
 namespace {
 

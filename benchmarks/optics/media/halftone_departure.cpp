@@ -15,8 +15,8 @@
 
 #include <Eigen/Dense>
 
+#include "optics/media/effective_medium.h"
 #include "tests/halftone/screens/halftone_patch.h"
-#include "voxtone/optics/media/effective_medium.h"
 
 namespace {
 

@@ -11,9 +11,9 @@
 
 #include <benchmark/benchmark.h>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
-#include "voxtone/optics/monte_carlo/monte_carlo.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "optics/monte_carlo/monte_carlo.h"
 
 namespace {
 

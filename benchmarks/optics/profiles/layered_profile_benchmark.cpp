@@ -16,11 +16,11 @@
 #include <string>
 #include <utility>
 
+#include "base/random.h"
 #include "benchmarks/optics/transport/reference_file.h"
+#include "optics/monte_carlo/monte_carlo.h"
+#include "optics/profiles/layered_profile_model.h"
 #include "tests/optics/transport/slab_scene.h"
-#include "voxtone/base/random.h"
-#include "voxtone/optics/monte_carlo/monte_carlo.h"
-#include "voxtone/optics/profiles/layered_profile_model.h"
 
 using namespace voxtone::optics;
 using namespace voxtone::optics::testing;

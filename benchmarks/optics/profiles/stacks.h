@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/optics/profiles/resin_profile.h"
+#include "optics/profiles/resin_profile.h"
 
 namespace voxtone::optics::profile_stacks {
 

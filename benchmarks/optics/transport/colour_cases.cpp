@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "base/random.h"
 #include "halftone_skin.h"
-#include "voxtone/base/random.h"
-#include "voxtone/optics/colour/colour.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::accuracy {
 namespace {

@@ -6,8 +6,8 @@
 #include <ctime>
 #include <numeric>
 
-#include "voxtone/optics/colour/colour.h"
-#include "voxtone/optics/layered/layered_appearance.h"
+#include "optics/colour/colour.h"
+#include "optics/layered/layered_appearance.h"
 
 namespace voxtone::accuracy {
 namespace {

@@ -20,8 +20,8 @@
 // Negative appearances (the predictor's, in the dark) count as 0.
 #pragma once
 
+#include "optics/transport/transport.h"
 #include "reference_file.h"
-#include "voxtone/optics/transport/transport.h"
 
 namespace voxtone::accuracy {
 

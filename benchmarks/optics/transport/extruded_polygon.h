@@ -6,7 +6,7 @@
 #include <array>
 #include <vector>
 
-#include "voxtone/optics/scene/boundary.h"
+#include "optics/scene/boundary.h"
 
 namespace voxtone::accuracy {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "halftone_skin.h"
 
-#include "voxtone/optics/colour/colour.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::accuracy {
 

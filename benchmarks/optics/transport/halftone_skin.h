@@ -7,9 +7,9 @@
 
 #include <Eigen/Core>
 
+#include "halftone/screens/blue_noise_screen.h"
+#include "halftone/separation/separation.h"
 #include "suite_case.h"
-#include "voxtone/halftone/screens/blue_noise_screen.h"
-#include "voxtone/halftone/separation/separation.h"
 
 namespace voxtone::accuracy {
 

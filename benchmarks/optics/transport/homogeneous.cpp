@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "compare.h"
-#include "voxtone/optics/colour/colour.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::accuracy {
 namespace {

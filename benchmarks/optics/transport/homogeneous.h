@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/optics/transport/transport.h"
+#include "optics/transport/transport.h"
 
 namespace voxtone::accuracy {
 

@@ -7,9 +7,9 @@
 #include "body_cases.h"
 #include "colour_cases.h"
 #include "flat_cases.h"
+#include "optics/colour/colour.h"
+#include "optics/monte_carlo/monte_carlo.h"
 #include "photo_cases.h"
-#include "voxtone/optics/colour/colour.h"
-#include "voxtone/optics/monte_carlo/monte_carlo.h"
 
 namespace voxtone::accuracy {
 

@@ -9,8 +9,8 @@
 
 #include <memory>
 
+#include "optics/scene/boundary.h"
 #include "reference_file.h"
-#include "voxtone/optics/scene/boundary.h"
 
 namespace voxtone::accuracy {
 

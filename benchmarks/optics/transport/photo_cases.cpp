@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "halftone_skin.h"
-#include "voxtone/io/pictures/picture.h"
+#include "io/pictures/picture.h"
 
 namespace voxtone::accuracy {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/pictures/picture_writer.h"
+#include "io/files/whole_file.h"
+#include "io/pictures/picture_writer.h"
 
 namespace voxtone::accuracy {
 namespace {

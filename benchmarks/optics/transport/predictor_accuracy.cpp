@@ -21,13 +21,13 @@
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
+#include "base/parallel.h"
 #include "compare.h"
 #include "homogeneous.h"
 #include "make_reference.h"
 #include "photo_cases.h"
 #include "pictures.h"
 #include "speed.h"
-#include "voxtone/base/parallel.h"
 
 namespace {
 

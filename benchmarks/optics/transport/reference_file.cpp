@@ -9,7 +9,7 @@
 #include <zlib.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 namespace voxtone::accuracy {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "voxtone/optics/transport/transport.h"
+#include "optics/transport/transport.h"
 
 namespace voxtone::accuracy {
 

@@ -26,12 +26,15 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "base/error.h"
+#include "base/parallel.h"
 #include "body_tables.h"
 #include "body_targets.h"
 #include "flat_slabs.h"
 #include "graphics_pages.h"
 #include "graphics_scores.h"
 #include "gratings.h"
+#include "io/files/whole_file.h"
 #include "judge_body.h"
 #include "judge_slab.h"
 #include "scores.h"
@@ -40,9 +43,6 @@
 #include "targets.h"
 #include "tile_seams.h"
 #include "variants.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/io/files/whole_file.h"
 
 namespace {
 

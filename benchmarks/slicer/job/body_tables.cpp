@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/optics/colour/colour.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::loop_benchmark {
 namespace {

@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include "benchmarks/sets.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/pictures/picture_writer.h"
+#include "io/files/whole_file.h"
+#include "io/pictures/picture_writer.h"
 
 namespace voxtone::loop_benchmark {
 namespace {

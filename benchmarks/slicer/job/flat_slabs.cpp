@@ -6,11 +6,11 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/pictures/picture.h"
-#include "voxtone/io/pictures/picture_writer.h"
-#include "voxtone/optics/colour/colour.h"
+#include "base/contracts.h"
+#include "io/files/whole_file.h"
+#include "io/pictures/picture.h"
+#include "io/pictures/picture_writer.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::loop_benchmark {
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "voxtone/base/contracts.h"
+#include "base/contracts.h"
 
 namespace voxtone::loop_benchmark {
 namespace {

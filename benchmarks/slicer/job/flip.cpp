@@ -7,9 +7,9 @@
 #include <functional>
 #include <numbers>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/colour/colour.h"
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::loop_benchmark {
 

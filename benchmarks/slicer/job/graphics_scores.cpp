@@ -9,11 +9,11 @@
 #include <fmt/format.h>
 
 #include "flip.h"
+#include "halftone/loop/colour_regions.h"
+#include "halftone/loop/eye_filter.h"
+#include "halftone/loop/paper.h"
+#include "optics/colour/colour.h"
 #include "scores.h"
-#include "voxtone/halftone/loop/colour_regions.h"
-#include "voxtone/halftone/loop/eye_filter.h"
-#include "voxtone/halftone/loop/paper.h"
-#include "voxtone/optics/colour/colour.h"
 
 namespace voxtone::loop_benchmark {
 

@@ -7,18 +7,18 @@
 
 #include <fmt/format.h>
 
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "base/random.h"
+#include "halftone/loop/colour_regions.h"
+#include "optics/colour/observed_colour.h"
+#include "optics/scene/surface_smoothing.h"
+#include "slicer/mesh/mesh_boundary.h"
+#include "slicer/predict/stack_volume.h"
+#include "slicer/prepare/job_body.h"
+#include "slicer/surface/target_cells.h"
 #include "traced.h"
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/progress.h"
-#include "voxtone/base/random.h"
-#include "voxtone/halftone/loop/colour_regions.h"
-#include "voxtone/optics/colour/observed_colour.h"
-#include "voxtone/optics/scene/surface_smoothing.h"
-#include "voxtone/slicer/mesh/mesh_boundary.h"
-#include "voxtone/slicer/predict/stack_volume.h"
-#include "voxtone/slicer/prepare/job_body.h"
-#include "voxtone/slicer/surface/target_cells.h"
 
 namespace voxtone::loop_benchmark {
 namespace {

@@ -5,16 +5,16 @@
 #include <chrono>
 #include <cmath>
 
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "flat_white.h"
+#include "optics/colour/observed_colour.h"
+#include "slicer/predict/stack_volume.h"
+#include "slicer/prepare/job_body.h"
+#include "slicer/prepare/job_colour.h"
+#include "slicer/surface/target_cells.h"
 #include "traced.h"
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/progress.h"
-#include "voxtone/optics/colour/observed_colour.h"
-#include "voxtone/slicer/predict/stack_volume.h"
-#include "voxtone/slicer/prepare/job_body.h"
-#include "voxtone/slicer/prepare/job_colour.h"
-#include "voxtone/slicer/surface/target_cells.h"
 
 namespace voxtone::loop_benchmark {
 

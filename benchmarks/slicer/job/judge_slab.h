@@ -11,8 +11,8 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/optics/scene/appearance_model.h"
-#include "voxtone/slicer/options/slice_options.h"
+#include "optics/scene/appearance_model.h"
+#include "slicer/options/slice_options.h"
 
 namespace voxtone::loop_benchmark {
 

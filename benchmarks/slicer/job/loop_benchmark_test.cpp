@@ -8,11 +8,16 @@
 #include <filesystem>
 #include <numbers>
 
+#include "base/error.h"
+#include "base/random.h"
 #include "benchmarks/sets.h"
 #include "flat_white.h"
 #include "flip.h"
 #include "gratings.h"
+#include "io/files/whole_file.h"
+#include "io/pictures/picture_writer.h"
 #include "judge_slab.h"
+#include "optics/colour/colour.h"
 #include "printed_codes.h"
 #include "scores.h"
 #include "stroke_font.h"
@@ -20,11 +25,6 @@
 #include "tests/halftone/loop/flat_surface.h"
 #include "tests/io/files/temporary_folder.h"
 #include "variants.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/random.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/pictures/picture_writer.h"
-#include "voxtone/optics/colour/colour.h"
 
 using namespace voxtone;
 using namespace voxtone::loop_benchmark;

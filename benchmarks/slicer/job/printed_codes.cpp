@@ -13,7 +13,7 @@
 #include <ZXing/ReadBarcode.h>
 #include <fmt/core.h>
 
-#include "voxtone/optics/colour/colour.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::loop_benchmark {
 

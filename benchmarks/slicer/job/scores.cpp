@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/colour/colour.h"
-#include "voxtone/optics/scene/surface_smoothing.h"
+#include "base/parallel.h"
+#include "optics/colour/colour.h"
+#include "optics/scene/surface_smoothing.h"
 
 namespace voxtone::loop_benchmark {
 namespace {

@@ -14,8 +14,8 @@
 
 #include <span>
 
+#include "halftone/loop/eye_filter.h"
 #include "judge_slab.h"
-#include "voxtone/halftone/loop/eye_filter.h"
 
 namespace voxtone::loop_benchmark {
 

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
+#include "io/files/whole_file.h"
+#include "io/pictures/picture_writer.h"
 #include "scores.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/pictures/picture_writer.h"
-#include "voxtone/slicer/surface/target_cells.h"
+#include "slicer/surface/target_cells.h"
 
 namespace voxtone::loop_benchmark {
 namespace {

@@ -8,11 +8,11 @@
 
 #include "benchmarks/sets.h"
 #include "gratings.h"
+#include "io/files/whole_file.h"
+#include "io/pictures/picture.h"
+#include "io/pictures/picture_writer.h"
+#include "optics/colour/colour.h"
 #include "stroke_font.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/pictures/picture.h"
-#include "voxtone/io/pictures/picture_writer.h"
-#include "voxtone/optics/colour/colour.h"
 
 namespace voxtone::loop_benchmark {
 namespace {

@@ -6,12 +6,12 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/progress.h"
-#include "voxtone/optics/colour/colour.h"
-#include "voxtone/optics/colour/observed_colour.h"
-#include "voxtone/optics/transport/viewing_sequence.h"
-#include "voxtone/slicer/predict/stack_volume.h"
+#include "base/contracts.h"
+#include "base/progress.h"
+#include "optics/colour/colour.h"
+#include "optics/colour/observed_colour.h"
+#include "optics/transport/viewing_sequence.h"
+#include "slicer/predict/stack_volume.h"
 
 namespace voxtone::loop_benchmark {
 

@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "voxtone/io/files/sha256.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/files/xxh64.h"
-#include "voxtone/optics/monte_carlo/monte_carlo.h"
+#include "io/files/sha256.h"
+#include "io/files/whole_file.h"
+#include "io/files/xxh64.h"
+#include "optics/monte_carlo/monte_carlo.h"
 
 namespace voxtone::loop_benchmark {
 namespace {

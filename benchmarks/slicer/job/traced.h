@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/optics/scene/appearance_model.h"
-#include "voxtone/optics/scene/boundary.h"
+#include "optics/scene/appearance_model.h"
+#include "optics/scene/boundary.h"
 
 namespace voxtone::loop_benchmark {
 

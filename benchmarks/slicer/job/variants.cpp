@@ -9,11 +9,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/progress.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/slicer/job/slice_job.h"
-#include "voxtone/slicer/options/job_file.h"
+#include "base/error.h"
+#include "base/progress.h"
+#include "io/files/whole_file.h"
+#include "slicer/job/slice_job.h"
+#include "slicer/options/job_file.h"
 
 namespace voxtone::loop_benchmark {
 namespace {

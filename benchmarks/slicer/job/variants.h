@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "voxtone/slicer/options/slice_options.h"
+#include "slicer/options/slice_options.h"
 
 namespace voxtone::loop_benchmark {
 

@@ -23,13 +23,13 @@
 
 #include <Eigen/Geometry>
 
-#include "voxtone/base/random.h"
-#include "voxtone/optics/colour/colour.h"
-#include "voxtone/optics/monte_carlo/monte_carlo.h"
-#include "voxtone/slicer/mesh/mesh_boundary.h"
-#include "voxtone/slicer/options/model_choice.h"
-#include "voxtone/slicer/predict/parts_in_sight.h"
-#include "voxtone/slicer/solid/solid.h"
+#include "base/random.h"
+#include "optics/colour/colour.h"
+#include "optics/monte_carlo/monte_carlo.h"
+#include "slicer/mesh/mesh_boundary.h"
+#include "slicer/options/model_choice.h"
+#include "slicer/predict/parts_in_sight.h"
+#include "slicer/solid/solid.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

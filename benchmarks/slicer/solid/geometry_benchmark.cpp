@@ -16,13 +16,13 @@
 #include <string>
 #include <utility>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/io/models/model_reader.h"
-#include "voxtone/slicer/mesh/mesh_repair.h"
-#include "voxtone/slicer/solid/solid.h"
-#include "voxtone/slicer/solid/thin_features.h"
-#include "voxtone/slicer/surface/surface_shell.h"
-#include "voxtone/slicer/surface/visible_surface.h"
+#include "base/parallel.h"
+#include "io/models/model_reader.h"
+#include "slicer/mesh/mesh_repair.h"
+#include "slicer/solid/solid.h"
+#include "slicer/solid/thin_features.h"
+#include "slicer/surface/surface_shell.h"
+#include "slicer/surface/visible_surface.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

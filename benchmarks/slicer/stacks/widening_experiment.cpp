@@ -25,18 +25,18 @@
 
 #include <fmt/format.h>
 
-#include "voxtone/halftone/stacks/stack_design.h"
-#include "voxtone/halftone/stacks/stack_materials.h"
-#include "voxtone/halftone/stacks/widening_targets.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/pictures/picture_writer.h"
-#include "voxtone/io/report/plot_svg.h"
-#include "voxtone/optics/media/resin_volume.h"
-#include "voxtone/optics/monte_carlo/point_spread.h"
-#include "voxtone/optics/profiles/resin_stack.h"
-#include "voxtone/optics/profiles/saunderson.h"
-#include "voxtone/slicer/stacks/print_boxes.h"
-#include "voxtone/slicer/stacks/profile_plots.h"
+#include "halftone/stacks/stack_design.h"
+#include "halftone/stacks/stack_materials.h"
+#include "halftone/stacks/widening_targets.h"
+#include "io/files/whole_file.h"
+#include "io/pictures/picture_writer.h"
+#include "io/report/plot_svg.h"
+#include "optics/media/resin_volume.h"
+#include "optics/monte_carlo/point_spread.h"
+#include "optics/profiles/resin_stack.h"
+#include "optics/profiles/saunderson.h"
+#include "slicer/stacks/print_boxes.h"
+#include "slicer/stacks/profile_plots.h"
 
 using namespace voxtone;
 using halftone::ChannelProfiles;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The list of photographs: what it says, and what it refuses.
-#include "voxtone/calibration/bench/bench_list.h"
+#include "calibration/bench/bench_list.h"
 
 #include <string>
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

@@ -10,9 +10,9 @@
 #include <fmt/ranges.h>
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/bench/bench_camera.h"
-#include "voxtone/calibration/bench/slab_reading.h"
+#include "base/error.h"
+#include "calibration/bench/bench_camera.h"
+#include "calibration/bench/slab_reading.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/chart/chart_fit.h"
+#include "calibration/chart/chart_fit.h"
 
 #include <algorithm>
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "base/parallel.h"
+#include "calibration/chart/chart_lengths.h"
+#include "calibration/chart/colour_fit.h"
+#include "calibration/chart/observer_bands.h"
+#include "calibration/chart/observer_model.h"
+#include "calibration/chart/observer_start.h"
+#include "calibration/patches/patch_check.h"
+#include "calibration/patches/patch_model.h"
+#include "io/profiles/resin_file.h"
 #include "tests/calibration/chart/chart_samples.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/calibration/chart/chart_lengths.h"
-#include "voxtone/calibration/chart/colour_fit.h"
-#include "voxtone/calibration/chart/observer_bands.h"
-#include "voxtone/calibration/chart/observer_model.h"
-#include "voxtone/calibration/chart/observer_start.h"
-#include "voxtone/calibration/patches/patch_check.h"
-#include "voxtone/calibration/patches/patch_model.h"
-#include "voxtone/io/profiles/resin_file.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/chart/chart_mixtures.h"
+#include "calibration/chart/chart_mixtures.h"
 
 #include <catch2/catch.hpp>
 
@@ -7,11 +7,11 @@
 #include <numeric>
 #include <set>
 
+#include "base/error.h"
+#include "calibration/chart/chart_order.h"
+#include "calibration/patches/patch_file.h"
+#include "calibration/target/target_file.h"
 #include "tests/calibration/chart/chart_samples.h"
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/chart/chart_order.h"
-#include "voxtone/calibration/patches/patch_file.h"
-#include "voxtone/calibration/target/target_file.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -7,11 +7,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxtone/base/random.h"
-#include "voxtone/calibration/patches/patch_table.h"
-#include "voxtone/optics/colour/colour.h"
-#include "voxtone/optics/layered/flat_colour.h"
-#include "voxtone/optics/layered/half_space_reflectance.h"
+#include "base/random.h"
+#include "calibration/patches/patch_table.h"
+#include "optics/colour/colour.h"
+#include "optics/layered/flat_colour.h"
+#include "optics/layered/half_space_reflectance.h"
 
 namespace voxtone::testing {
 

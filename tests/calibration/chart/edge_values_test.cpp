@@ -2,7 +2,7 @@
 //
 // Edges beside a chart. What edges see of a resin in R, G and B is found without the formula that the fit uses: the
 // albedo that a thick piece shows there, and the extinction by which thin slabs upon black look most as they do.
-#include "voxtone/calibration/chart/edge_values.h"
+#include "calibration/chart/edge_values.h"
 
 #include <algorithm>
 #include <array>
@@ -10,10 +10,10 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "calibration/chart/chart_fit.h"
+#include "calibration/patches/patch_model.h"
 #include "tests/calibration/chart/chart_samples.h"
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/chart/chart_fit.h"
-#include "voxtone/calibration/patches/patch_model.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/chart/icc_chart.h"
+#include "calibration/chart/icc_chart.h"
 
 #include <cmath>
 #include <cstring>
@@ -11,12 +11,12 @@
 #include <lcms2.h>
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "calibration/chart/mixture_samples.h"
+#include "calibration/patches/patch_mixture.h"
+#include "optics/colour/colour.h"
 #include "tests/calibration/chart/icc_samples.h"
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/chart/mixture_samples.h"
-#include "voxtone/calibration/patches/patch_mixture.h"
-#include "voxtone/optics/colour/colour.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -7,12 +7,12 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include "calibration/chart/chart_fit.h"
+#include "optics/colour/observed_colour.h"
+#include "optics/layered/mixture_correction.h"
+#include "optics/monte_carlo/monte_carlo.h"
+#include "optics/scene/scene.h"
 #include "tests/calibration/chart/chart_samples.h"
-#include "voxtone/calibration/chart/chart_fit.h"
-#include "voxtone/optics/colour/observed_colour.h"
-#include "voxtone/optics/layered/mixture_correction.h"
-#include "voxtone/optics/monte_carlo/monte_carlo.h"
-#include "voxtone/optics/scene/scene.h"
 
 namespace voxtone::calibration {
 namespace {

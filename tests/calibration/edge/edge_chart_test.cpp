@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Channels that edges do not tell, from the chart of all equal mixtures.
-#include "voxtone/calibration/edge/edge_chart.h"
+#include "calibration/edge/edge_chart.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <catch2/catch.hpp>
 
+#include "calibration/edge/edge_fit_text.h"
+#include "calibration/resins/resin_coordinates.h"
+#include "calibration/target/target_layout.h"
 #include "tests/calibration/patches/target_samples.h"
-#include "voxtone/calibration/edge/edge_fit_text.h"
-#include "voxtone/calibration/resins/resin_coordinates.h"
-#include "voxtone/calibration/target/target_layout.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Dictionary and fit: profiles of known resins, rendered by another road, come back as these resins.
-#include "voxtone/calibration/edge/edge_fit.h"
+#include "calibration/edge/edge_fit.h"
 
 #include <cmath>
 #include <filesystem>
@@ -11,13 +11,13 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/edge/dictionary_file.h"
-#include "voxtone/calibration/edge/dictionary_job.h"
-#include "voxtone/calibration/edge/edge_simulation_job.h"
-#include "voxtone/calibration/resins/resin_coordinates.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/optics/edge/edge_scene_paths.h"
+#include "base/error.h"
+#include "calibration/edge/dictionary_file.h"
+#include "calibration/edge/dictionary_job.h"
+#include "calibration/edge/edge_simulation_job.h"
+#include "calibration/resins/resin_coordinates.h"
+#include "io/files/whole_file.h"
+#include "optics/edge/edge_scene_paths.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

@@ -6,13 +6,13 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "base/random.h"
+#include "calibration/edge/edge_profiles.h"
+#include "calibration/edge/edge_setup.h"
+#include "calibration/edge/profile_table.h"
+#include "calibration/edge/wavelet_gradient.h"
 #include "tests/io/files/schema.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/random.h"
-#include "voxtone/calibration/edge/edge_profiles.h"
-#include "voxtone/calibration/edge/edge_setup.h"
-#include "voxtone/calibration/edge/profile_table.h"
-#include "voxtone/calibration/edge/wavelet_gradient.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

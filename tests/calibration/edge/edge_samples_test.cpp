@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Slabs and sheet: exact in mm.
-#include "voxtone/calibration/edge/edge_samples_job.h"
+#include "calibration/edge/edge_samples_job.h"
 
 #include <regex>
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

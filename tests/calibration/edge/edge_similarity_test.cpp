@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Maps of the distance, similar media, and the page that shows them.
-#include "voxtone/calibration/edge/edge_similarity.h"
+#include "calibration/edge/edge_similarity.h"
 
 #include <cmath>
 #include <memory>
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/calibration/edge/edge_report.h"
+#include "calibration/edge/edge_report.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/fit/fit_job.h"
+#include "calibration/fit/fit_job.h"
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/fit/patch_map.h"
+#include "calibration/fit/patch_map.h"
 
 #include <algorithm>
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/target/target_layout.h"
+#include "base/error.h"
+#include "calibration/target/target_layout.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

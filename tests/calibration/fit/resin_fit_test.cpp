@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/fit/resin_fit.h"
+#include "calibration/fit/resin_fit.h"
 
 #include <algorithm>
 #include <array>
@@ -9,16 +9,16 @@
 #include <Eigen/Cholesky>
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "base/parallel.h"
+#include "calibration/fit/channel_fit.h"
+#include "calibration/fit/fit_report.h"
+#include "calibration/fit/patch_page.h"
+#include "calibration/fit/principles.h"
+#include "calibration/patches/patch_file.h"
+#include "io/files/markup.h"
 #include "tests/calibration/patches/target_samples.h"
 #include "tests/optics/colour/split_channels.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/calibration/fit/channel_fit.h"
-#include "voxtone/calibration/fit/fit_report.h"
-#include "voxtone/calibration/fit/patch_page.h"
-#include "voxtone/calibration/fit/principles.h"
-#include "voxtone/calibration/patches/patch_file.h"
-#include "voxtone/io/files/markup.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

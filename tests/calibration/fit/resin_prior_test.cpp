@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Patches beside what was known before: together they are better than either, and they disagree aloud.
-#include "voxtone/calibration/resins/resin_prior.h"
+#include "calibration/resins/resin_prior.h"
 
 #include <cmath>
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "calibration/fit/resin_fit.h"
 #include "tests/calibration/patches/target_samples.h"
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/fit/resin_fit.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/layers/layer_fit.h"
+#include "calibration/layers/layer_fit.h"
 
 #include <catch2/catch.hpp>
 
 #include <filesystem>
 #include <numeric>
 
+#include "base/error.h"
+#include "calibration/layers/layer_model.h"
+#include "optics/colour/observed_colour.h"
 #include "tests/calibration/chart/chart_samples.h"
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/layers/layer_model.h"
-#include "voxtone/optics/colour/observed_colour.h"
 
 namespace voxtone::calibration {
 namespace {

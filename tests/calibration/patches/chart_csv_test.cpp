@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/patches/chart_csv.h"
+#include "calibration/patches/chart_csv.h"
 
 #include <algorithm>
 #include <filesystem>
 #include <set>
 
+#include "optics/colour/channels.h"
+#include "optics/colour/colour.h"
 #include "tests/calibration/patches/chart_samples.h"
 #include "tests/outcomes.h"
-#include "voxtone/optics/colour/channels.h"
-#include "voxtone/optics/colour/colour.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

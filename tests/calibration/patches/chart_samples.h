@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/patches/patch_file.h"
+#include "base/error.h"
+#include "calibration/patches/patch_file.h"
 
 namespace voxtone::test {
 

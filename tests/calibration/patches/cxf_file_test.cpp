@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/patches/cxf_file.h"
+#include "calibration/patches/cxf_file.h"
 
+#include "optics/colour/channels.h"
 #include "tests/calibration/patches/chart_samples.h"
-#include "voxtone/optics/colour/channels.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/patches/patch_model.h"
+#include "calibration/patches/patch_model.h"
 
 #include <fstream>
 

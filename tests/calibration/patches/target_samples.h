@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/random.h"
-#include "voxtone/calibration/patches/patch_model.h"
-#include "voxtone/optics/media/resins.h"
+#include "base/random.h"
+#include "calibration/patches/patch_model.h"
+#include "optics/media/resins.h"
 
 namespace voxtone::calibration::testing {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/photo/light_field.h"
+#include "calibration/photo/light_field.h"
 
 #include <cmath>
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/random.h"
-#include "voxtone/calibration/photo/checker_chart.h"
+#include "base/error.h"
+#include "base/random.h"
+#include "calibration/photo/checker_chart.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

@@ -5,8 +5,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
 #include "photo_samples.h"
-#include "voxtone/base/error.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

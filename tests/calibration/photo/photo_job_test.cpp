@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/photo/photo_job.h"
+#include "calibration/photo/photo_job.h"
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/photo/photo_simulation_job.h"
+#include "base/error.h"
+#include "calibration/photo/photo_simulation_job.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

@@ -3,9 +3,9 @@
 // Targets and photographs that several tests look at.
 #pragma once
 
-#include "voxtone/calibration/photo/photo_measurement.h"
-#include "voxtone/calibration/photo/photo_simulation.h"
-#include "voxtone/calibration/target/target_layout.h"
+#include "calibration/photo/photo_measurement.h"
+#include "calibration/photo/photo_simulation.h"
+#include "calibration/target/target_layout.h"
 
 namespace voxtone::calibration::testing {
 

@@ -9,11 +9,11 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "base/random.h"
+#include "calibration/fit/resin_fit.h"
+#include "optics/colour/observed_colour.h"
 #include "photo_samples.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/random.h"
-#include "voxtone/calibration/fit/resin_fit.h"
-#include "voxtone/optics/colour/observed_colour.h"
 
 #ifdef __SANITIZE_ADDRESS__
 // Nine tables of OpenCV's conversion to Lab, 4.7 MB, are there until the process ends. That nothing else of OpenCV's is

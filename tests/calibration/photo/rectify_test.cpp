@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/photo/rectify.h"
+#include "calibration/photo/rectify.h"
 
 #include <cmath>
 #include <vector>
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/random.h"
+#include "base/random.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

@@ -3,12 +3,12 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "calibration/profile/exposure_merge.h"
+#include "calibration/profile/exposure_series.h"
+#include "io/files/whole_file.h"
+#include "io/openimageio/photograph_writer.h"
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/profile/exposure_merge.h"
-#include "voxtone/calibration/profile/exposure_series.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/openimageio/photograph_writer.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

@@ -3,8 +3,8 @@
 // Series that cannot be measured: each fault has its sentence.
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
 #include "spot_samples.h"
-#include "voxtone/base/error.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/profile/profile_simulation.h"
+#include "calibration/profile/profile_simulation.h"
 
 #include <cmath>
 #include <numbers>
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "base/parallel.h"
+#include "calibration/profile/profile_plot.h"
 #include "spot_samples.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/calibration/profile/profile_plot.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

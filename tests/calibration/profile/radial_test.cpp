@@ -7,10 +7,10 @@
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/random.h"
-#include "voxtone/calibration/profile/radial_average.h"
-#include "voxtone/calibration/profile/radial_centre.h"
+#include "base/error.h"
+#include "base/random.h"
+#include "calibration/profile/radial_average.h"
+#include "calibration/profile/radial_centre.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

@@ -8,8 +8,8 @@
 #include <numbers>
 #include <vector>
 
-#include "voxtone/calibration/profile/profile_measurement.h"
-#include "voxtone/calibration/profile/profile_simulation.h"
+#include "calibration/profile/profile_measurement.h"
+#include "calibration/profile/profile_simulation.h"
 
 namespace voxtone::calibration {
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Against directional.json: rho(45 -> 0) of the patches of targets A and B upon bases without end, and of finite slabs.
-#include "voxtone/calibration/target/ideal_patch.h"
+#include "calibration/target/ideal_patch.h"
 
 #include <cmath>
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
 #include "tests/calibration/photo/photo_samples.h"
-#include "voxtone/base/error.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/target/target_job.h"
+#include "calibration/target/target_job.h"
 
 #include <filesystem>
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "base/error.h"
+#include "calibration/target/target_file.h"
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/target/target_file.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/calibration/target/target_layout.h"
+#include "calibration/target/target_layout.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,11 +7,11 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "calibration/patches/patch_file.h"
+#include "calibration/target/marker_pattern.h"
+#include "calibration/target/target_file.h"
 #include "tests/calibration/photo/photo_samples.h"
-#include "voxtone/base/error.h"
-#include "voxtone/calibration/patches/patch_file.h"
-#include "voxtone/calibration/target/marker_pattern.h"
-#include "voxtone/calibration/target/target_file.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

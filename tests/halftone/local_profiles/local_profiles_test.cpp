@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/local_profiles/local_profiles.h"
+#include "halftone/local_profiles/local_profiles.h"
 
 #include <numeric>
 
 #include <Eigen/Dense>
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "base/parallel.h"
+#include "halftone/local_profiles/banded_blocks.h"
 #include "response_samples.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/halftone/local_profiles/banded_blocks.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;

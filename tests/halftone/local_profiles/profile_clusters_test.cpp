@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/local_profiles/profile_clusters.h"
+#include "halftone/local_profiles/profile_clusters.h"
 
 #include <map>
 #include <numeric>
@@ -7,9 +7,9 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "base/parallel.h"
 #include "response_samples.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;

@@ -6,10 +6,10 @@
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/halftone/local_profiles/profile_clusters.h"
-#include "voxtone/halftone/local_profiles/profile_reconstruction.h"
-#include "voxtone/optics/media/slab_patterns.h"
-#include "voxtone/optics/monte_carlo/layer_paths.h"
+#include "halftone/local_profiles/profile_clusters.h"
+#include "halftone/local_profiles/profile_reconstruction.h"
+#include "optics/media/slab_patterns.h"
+#include "optics/monte_carlo/layer_paths.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;

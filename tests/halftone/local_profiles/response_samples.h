@@ -7,9 +7,9 @@
 #include <cmath>
 #include <cstdint>
 
-#include "voxtone/base/random.h"
-#include "voxtone/halftone/local_profiles/local_profiles.h"
-#include "voxtone/halftone/local_profiles/profile_reconstruction.h"
+#include "base/random.h"
+#include "halftone/local_profiles/local_profiles.h"
+#include "halftone/local_profiles/profile_reconstruction.h"
 
 namespace voxtone::halftone::testing {
 

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
+#include "base/job_outlook.h"
+#include "base/parallel.h"
 #include "blurring_model.h"
-#include "voxtone/base/job_outlook.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/halftone/loop/residual_feedback.h"
+#include "halftone/loop/residual_feedback.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;

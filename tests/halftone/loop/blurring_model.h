@@ -11,9 +11,9 @@
 #include <memory>
 #include <vector>
 
-#include "voxtone/halftone/loop/appearance_loop.h"
-#include "voxtone/halftone/screens/blue_noise_screen.h"
-#include "voxtone/optics/scene/appearance_model.h"
+#include "halftone/loop/appearance_loop.h"
+#include "halftone/screens/blue_noise_screen.h"
+#include "optics/scene/appearance_model.h"
 
 namespace voxtone::test {
 

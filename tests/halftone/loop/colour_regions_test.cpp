@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/loop/colour_regions.h"
+#include "halftone/loop/colour_regions.h"
 
 #include <catch2/catch.hpp>
 
 #include <functional>
 
+#include "base/random.h"
 #include "flat_surface.h"
-#include "voxtone/base/random.h"
-#include "voxtone/halftone/loop/loop_measure.h"
-#include "voxtone/halftone/loop/paper.h"
+#include "halftone/loop/loop_measure.h"
+#include "halftone/loop/paper.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;

@@ -9,11 +9,11 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
-#include "voxtone/halftone/loop/eye_filter.h"
-#include "voxtone/optics/colour/colour.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "halftone/loop/eye_filter.h"
+#include "optics/colour/colour.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "voxtone/optics/scene/appearance_model.h"
+#include "optics/scene/appearance_model.h"
 
 namespace voxtone::test {
 

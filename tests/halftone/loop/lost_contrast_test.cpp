@@ -5,11 +5,11 @@
 #include <cmath>
 #include <functional>
 
+#include "base/parallel.h"
+#include "base/random.h"
 #include "flat_surface.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
-#include "voxtone/halftone/loop/lost_contrast.h"
-#include "voxtone/halftone/loop/misfit.h"
+#include "halftone/loop/lost_contrast.h"
+#include "halftone/loop/misfit.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;

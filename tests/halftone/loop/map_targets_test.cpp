@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "flat_surface.h"
-#include "voxtone/halftone/loop/map_targets.h"
+#include "halftone/loop/map_targets.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "voxtone/base/random.h"
-#include "voxtone/halftone/loop/minimal_depth_separation.h"
-#include "voxtone/optics/colour/colour.h"
+#include "base/random.h"
+#include "halftone/loop/minimal_depth_separation.h"
+#include "optics/colour/colour.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;

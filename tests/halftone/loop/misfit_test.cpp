@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/random.h"
 #include "flat_surface.h"
-#include "voxtone/base/random.h"
-#include "voxtone/halftone/loop/misfit.h"
+#include "halftone/loop/misfit.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;

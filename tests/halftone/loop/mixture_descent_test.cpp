@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "voxtone/halftone/loop/mixture_descent.h"
+#include "halftone/loop/mixture_descent.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;

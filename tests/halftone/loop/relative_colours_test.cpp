@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/loop/relative_colours.h"
+#include "halftone/loop/relative_colours.h"
 
 #include <catch2/catch.hpp>
 
+#include "base/random.h"
 #include "tests/optics/colour/split_channels.h"
-#include "voxtone/base/random.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;

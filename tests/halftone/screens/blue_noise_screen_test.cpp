@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "base/random.h"
+#include "halftone/screens/blue_noise_screen.h"
+#include "halftone/screens/built_in_screens.h"
+#include "halftone/screens/void_and_cluster.h"
+#include "halftone/separation/mixture.h"
 #include "screen_analysis.h"
-#include "voxtone/base/random.h"
-#include "voxtone/halftone/screens/blue_noise_screen.h"
-#include "voxtone/halftone/screens/built_in_screens.h"
-#include "voxtone/halftone/screens/void_and_cluster.h"
-#include "voxtone/halftone/separation/mixture.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "voxtone/base/random.h"
-#include "voxtone/halftone/screens/error_diffusion.h"
+#include "base/random.h"
+#include "halftone/screens/error_diffusion.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "halftone/separation/appearance_colour.h"
+#include "halftone/separation/invert_appearance.h"
+#include "halftone/separation/separation.h"
 #include "halftone_patch.h"
-#include "voxtone/halftone/separation/appearance_colour.h"
-#include "voxtone/halftone/separation/invert_appearance.h"
-#include "voxtone/halftone/separation/separation.h"
-#include "voxtone/optics/colour/colour.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone {
 

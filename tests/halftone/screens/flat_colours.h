@@ -12,7 +12,7 @@
 
 #include <Eigen/Core>
 
-#include "voxtone/optics/media/resins.h"
+#include "optics/media/resins.h"
 
 namespace voxtone {
 

@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/random.h"
-#include "voxtone/halftone/screens/blue_noise_screen.h"
-#include "voxtone/halftone/screens/error_diffusion.h"
-#include "voxtone/halftone/separation/mixture.h"
-#include "voxtone/optics/layered/shell_appearance.h"
-#include "voxtone/optics/monte_carlo/monte_carlo.h"
+#include "base/random.h"
+#include "halftone/screens/blue_noise_screen.h"
+#include "halftone/screens/error_diffusion.h"
+#include "halftone/separation/mixture.h"
+#include "optics/layered/shell_appearance.h"
+#include "optics/monte_carlo/monte_carlo.h"
 
 namespace voxtone {
 

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "voxtone/base/random.h"
+#include "base/random.h"
 
 namespace voxtone::halftone::test {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <array>
 
+#include "halftone/screens/blue_noise_screen.h"
 #include "screen_analysis.h"
-#include "voxtone/halftone/screens/blue_noise_screen.h"
 
 using namespace voxtone::halftone;
 

@@ -10,9 +10,9 @@
 
 #include <hwy/targets.h>
 
-#include "voxtone/base/random.h"
-#include "voxtone/halftone/separation/lattice_lookup.h"
-#include "voxtone/halftone/separation/scalar_lookup.h"
+#include "base/random.h"
+#include "halftone/separation/lattice_lookup.h"
+#include "halftone/separation/scalar_lookup.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;

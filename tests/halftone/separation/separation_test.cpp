@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "halftone/separation/separation.h"
+#include "optics/colour/colour.h"
 #include "tests/optics/colour/split_channels.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
-#include "voxtone/halftone/separation/separation.h"
-#include "voxtone/optics/colour/colour.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;

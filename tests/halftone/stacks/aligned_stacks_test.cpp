@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/stacks/aligned_stacks.h"
+#include "halftone/stacks/aligned_stacks.h"
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/random.h"
+#include "base/random.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/stacks/layer_fields.h"
+#include "halftone/stacks/layer_fields.h"
 
 #include <cmath>
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/random.h"
+#include "base/random.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "voxtone/halftone/stacks/stack_search.h"
+#include "halftone/stacks/stack_search.h"
 
 namespace voxtone {
 

@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/random.h"
-#include "voxtone/halftone/stacks/stack_search.h"
-#include "voxtone/optics/media/resins.h"
+#include "base/random.h"
+#include "halftone/stacks/stack_search.h"
+#include "optics/media/resins.h"
 
 namespace voxtone {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/stacks/shortened_stack.h"
+#include "halftone/stacks/shortened_stack.h"
 
 #include <catch2/catch.hpp>
 

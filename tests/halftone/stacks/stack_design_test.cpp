@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/stacks/stack_design.h"
+#include "halftone/stacks/stack_design.h"
 
 #include <catch2/catch.hpp>
 
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
+#include "halftone/stacks/stack_materials.h"
+#include "halftone/stacks/whole_layers.h"
+#include "optics/profiles/resin_profile.h"
+#include "optics/profiles/saunderson.h"
 #include "random_layers.h"
-#include "voxtone/base/error.h"
-#include "voxtone/halftone/stacks/stack_materials.h"
-#include "voxtone/halftone/stacks/whole_layers.h"
-#include "voxtone/optics/profiles/resin_profile.h"
-#include "voxtone/optics/profiles/saunderson.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
+#include "base/error.h"
+#include "halftone/stacks/stack_refinement.h"
 #include "random_layers.h"
-#include "voxtone/base/error.h"
-#include "voxtone/halftone/stacks/stack_refinement.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;

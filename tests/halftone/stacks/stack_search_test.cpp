@@ -6,12 +6,12 @@
 #include <cmath>
 #include <limits>
 
+#include "base/error.h"
+#include "base/parallel.h"
+#include "halftone/stacks/stack_bounds.h"
+#include "halftone/stacks/stack_lanes.h"
 #include "plain_stack_search.h"
 #include "random_layers.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/halftone/stacks/stack_bounds.h"
-#include "voxtone/halftone/stacks/stack_lanes.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;

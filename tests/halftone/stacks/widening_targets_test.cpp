@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/halftone/stacks/widening_targets.h"
+#include "halftone/stacks/widening_targets.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/codecs/cut_volumes.h"
+#include "io/codecs/cut_volumes.h"
 
 #include <array>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <Eigen/Dense>
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

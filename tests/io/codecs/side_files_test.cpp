@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/codecs/side_files.h"
+#include "io/codecs/side_files.h"
 
 #include <fstream>
 

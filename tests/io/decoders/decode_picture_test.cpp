@@ -9,12 +9,12 @@
 #include <lcms2.h>
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "io/decoders/decode_image.h"
+#include "io/openimageio/decode_other.h"
+#include "io/pictures/picture.h"
+#include "optics/colour/colour.h"
 #include "tests/io/decoders/picture_bytes.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/decoders/decode_image.h"
-#include "voxtone/io/openimageio/decode_other.h"
-#include "voxtone/io/pictures/picture.h"
-#include "voxtone/optics/colour/colour.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

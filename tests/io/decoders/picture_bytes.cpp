@@ -11,8 +11,8 @@
 #include <png.h>
 #include <tiffio.h>
 
+#include "io/files/read_bytes.h"
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/io/files/read_bytes.h"
 
 namespace voxtone::test {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/disk/disk_space.h"
+#include "io/disk/disk_space.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -8,9 +8,9 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "io/disk/open_file.h"
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/disk/open_file.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/disk/folder_lock.h"
+#include "io/disk/folder_lock.h"
 
 #include <fstream>
 #include <iterator>
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/error.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

@@ -6,8 +6,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/io/files/sha256.h"
-#include "voxtone/io/files/xxh64.h"
+#include "io/files/sha256.h"
+#include "io/files/xxh64.h"
 
 using namespace voxtone::io;
 

@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/io/files/isolate.h"
+#include "io/files/isolate.h"
 
 namespace voxtone::test {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/files/json_object.h"
+#include "io/files/json_object.h"
 
 #include <functional>
 #include <string>
@@ -7,8 +7,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/json_lines.h"
+#include "base/error.h"
+#include "io/files/json_lines.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

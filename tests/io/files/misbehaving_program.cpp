@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
+#include "io/files/isolate_protocol.h"
+#include "io/files/serve_isolated.h"
 #include "tests/io/files/taken_program.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/isolate_protocol.h"
-#include "voxtone/io/files/serve_isolated.h"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/files/read_options.h"
+#include "io/files/read_options.h"
 
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -9,13 +9,13 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "io/files/whole_file.h"
+#include "io/models/model_reader.h"
+#include "io/pictures/picture.h"
+#include "io/pictures/picture_writer.h"
 #include "tests/io/files/temporary_folder.h"
 #include "tests/outcomes.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/models/model_reader.h"
-#include "voxtone/io/pictures/picture.h"
-#include "voxtone/io/pictures/picture_writer.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/files/sandbox.h"
+#include "io/files/sandbox.h"
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -9,11 +9,11 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "io/files/isolate.h"
 #include "tests/io/files/taken_program.h"
 #include "tests/io/files/temporary_folder.h"
 #include "tests/outcomes.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/isolate.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

@@ -7,13 +7,13 @@
 
 #include <catch2/catch.hpp>
 
+#include "io/profiles/layer_sequence_file.h"
+#include "io/profiles/profile_file.h"
+#include "io/profiles/profile_map.h"
+#include "io/profiles/resin_file.h"
+#include "io/report/report_json.h"
 #include "tests/io/files/temporary_folder.h"
 #include "tests/io/layers/stack_samples.h"
-#include "voxtone/io/profiles/layer_sequence_file.h"
-#include "voxtone/io/profiles/profile_file.h"
-#include "voxtone/io/profiles/profile_map.h"
-#include "voxtone/io/profiles/resin_file.h"
-#include "voxtone/io/report/report_json.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

@@ -8,11 +8,11 @@
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/base64.h"
-#include "voxtone/io/files/json_writer.h"
-#include "voxtone/io/files/markup.h"
-#include "voxtone/io/files/xml_reader.h"
+#include "base/error.h"
+#include "io/files/base64.h"
+#include "io/files/json_writer.h"
+#include "io/files/markup.h"
+#include "io/files/xml_reader.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

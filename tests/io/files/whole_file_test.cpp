@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/files/whole_file.h"
+#include "io/files/whole_file.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -14,10 +14,10 @@
 #include <fmt/core.h>
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "io/disk/folder_lock.h"
+#include "io/disk/open_file.h"
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/disk/folder_lock.h"
-#include "voxtone/io/disk/open_file.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/files/zip_reader.h"
+#include "io/files/zip_reader.h"
 
 #include <zip.h>
 
@@ -9,10 +9,10 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "io/files/read_bytes.h"
+#include "io/files/whole_file.h"
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/read_bytes.h"
-#include "voxtone/io/files/whole_file.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

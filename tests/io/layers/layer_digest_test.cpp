@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/layer_digest.h"
+#include "io/layers/layer_digest.h"
 
 #include <cstdint>
 #include <vector>
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/io/files/xxh64.h"
+#include "io/files/xxh64.h"
 
 using namespace voxtone::io;
 

@@ -9,9 +9,9 @@
 #include <span>
 #include <vector>
 
-#include "voxtone/base/random.h"
-#include "voxtone/io/layers/layer_runs.h"
-#include "voxtone/io/layers/png_layer_encoder.h"
+#include "base/random.h"
+#include "io/layers/layer_runs.h"
+#include "io/layers/png_layer_encoder.h"
 
 namespace voxtone::io {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/layer_stack_writer.h"
+#include "io/layers/layer_stack_writer.h"
 
 #include <unistd.h>
 
@@ -8,17 +8,17 @@
 
 #include <fmt/core.h>
 
+#include "base/contracts.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "io/disk/folder_lock.h"
+#include "io/files/whole_file.h"
+#include "io/layers/layer_digest.h"
+#include "io/layers/orient.h"
+#include "io/layers/stack_folder.h"
+#include "io/layers/stack_reader.h"
 #include "layer_samples.h"
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/io/disk/folder_lock.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/layers/layer_digest.h"
-#include "voxtone/io/layers/orient.h"
-#include "voxtone/io/layers/stack_folder.h"
-#include "voxtone/io/layers/stack_reader.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/layer_thumbnail.h"
+#include "io/layers/layer_thumbnail.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/random.h"
-#include "voxtone/io/pictures/srgb_code.h"
+#include "base/random.h"
+#include "io/pictures/srgb_code.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/manifest.h"
+#include "io/layers/manifest.h"
 
 #include <catch2/catch.hpp>
 #include <string>
 
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/sha256.h"
+#include "base/error.h"
+#include "io/files/sha256.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

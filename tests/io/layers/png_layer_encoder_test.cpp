@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/png_layer_encoder.h"
+#include "io/layers/png_layer_encoder.h"
 
 #include <png.h>
 #include <zlib.h>
@@ -8,8 +8,8 @@
 #include <cstring>
 #include <string>
 
+#include "io/layers/huffman_code.h"
 #include "layer_samples.h"
-#include "voxtone/io/layers/huffman_code.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

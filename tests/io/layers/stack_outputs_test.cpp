@@ -10,16 +10,16 @@
 #include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
 
+#include "base/error.h"
+#include "io/files/whole_file.h"
+#include "io/files/zip_reader.h"
+#include "io/layers/gcvf_writer.h"
+#include "io/layers/resin_bitmap.h"
+#include "io/layers/stack_reader.h"
+#include "io/layers/volume_vdb.h"
+#include "io/profiles/resin_file.h"
 #include "stack_samples.h"
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/files/zip_reader.h"
-#include "voxtone/io/layers/gcvf_writer.h"
-#include "voxtone/io/layers/resin_bitmap.h"
-#include "voxtone/io/layers/stack_reader.h"
-#include "voxtone/io/layers/volume_vdb.h"
-#include "voxtone/io/profiles/resin_file.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <string>
 
+#include "io/layers/layer_stack_writer.h"
+#include "io/layers/verify.h"
 #include "layer_samples.h"
-#include "voxtone/io/layers/layer_stack_writer.h"
-#include "voxtone/io/layers/verify.h"
 
 namespace voxtone::io {
 

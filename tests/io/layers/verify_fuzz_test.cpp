@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/verify.h"
+#include "io/layers/verify.h"
 
 #include <zip.h>
 
 #include <catch2/catch.hpp>
 #include <fstream>
 
+#include "base/error.h"
+#include "base/parallel.h"
 #include "stack_samples.h"
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/layers/verify.h"
+#include "io/layers/verify.h"
 
 #include <sys/stat.h>
 
@@ -10,12 +10,12 @@
 #include <fstream>
 #include <functional>
 
+#include "base/error.h"
+#include "base/parallel.h"
+#include "io/files/whole_file.h"
+#include "io/layers/stack_folder.h"
 #include "stack_samples.h"
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/layers/stack_folder.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

@@ -5,9 +5,9 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "io/codecs/read_here.h"
 #include "model_samples.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/codecs/read_here.h"
 
 using namespace voxtone;
 using namespace voxtone::test;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What people give for a model or a picture and is neither, by its bytes and by its name.
-#include "voxtone/io/models/foreign_kind.h"
+#include "io/models/foreign_kind.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -3,13 +3,13 @@
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "io/codecs/read_here.h"
+#include "io/models/model_reader.h"
+#include "io/pictures/texture.h"
 #include "model_checks.h"
 #include "model_samples.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/codecs/read_here.h"
-#include "voxtone/io/models/model_reader.h"
-#include "voxtone/io/pictures/texture.h"
-#include "voxtone/optics/colour/colour.h"
+#include "optics/colour/colour.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

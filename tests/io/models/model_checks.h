@@ -8,11 +8,11 @@
 
 #include <Eigen/Core>
 
+#include "io/codecs/read_here.h"
+#include "io/models/model_reader.h"
+#include "io/pictures/texture.h"
 #include "model_samples.h"
-#include "voxtone/io/codecs/read_here.h"
-#include "voxtone/io/models/model_reader.h"
-#include "voxtone/io/pictures/texture.h"
-#include "voxtone/optics/colour/colour.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::test {
 

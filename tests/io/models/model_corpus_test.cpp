@@ -14,12 +14,12 @@
 #include <assimp/Importer.hpp>
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "io/models/model_reader.h"
+#include "io/pictures/picture.h"
+#include "io/pictures/texture.h"
+#include "optics/colour/colour.h"
 #include "tests/outcomes.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/models/model_reader.h"
-#include "voxtone/io/pictures/picture.h"
-#include "voxtone/io/pictures/texture.h"
-#include "voxtone/optics/colour/colour.h"
 
 #ifdef __SANITIZE_ADDRESS__
 // lib3mf, the witness, does not close all entries of a package that it opens.

@@ -4,12 +4,12 @@
 // InputError (or FileError), in bounded time; nothing else.
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "base/random.h"
+#include "io/codecs/read_here.h"
+#include "io/models/model_reader.h"
 #include "model_samples.h"
 #include "tests/io/files/in_child.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/random.h"
-#include "voxtone/io/codecs/read_here.h"
-#include "voxtone/io/models/model_reader.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What comes over the wall from the reader: the same again, or an error, whatever the bytes.
-#include "voxtone/io/models/model_parts.h"
+#include "io/models/model_parts.h"
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/random.h"
-#include "voxtone/io/models/finish_model.h"
-#include "voxtone/io/pictures/packed_image.h"
+#include "base/error.h"
+#include "base/random.h"
+#include "io/models/finish_model.h"
+#include "io/pictures/packed_image.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

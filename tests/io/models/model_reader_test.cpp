@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/models/model_reader.h"
+#include "io/models/model_reader.h"
 
 #include <algorithm>
 #include <tuple>
@@ -9,11 +9,11 @@
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "io/models/mtl_library.h"
+#include "io/pictures/texture.h"
 #include "model_checks.h"
 #include "model_samples.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/models/mtl_library.h"
-#include "voxtone/io/pictures/texture.h"
 
 #ifdef __SANITIZE_ADDRESS__
 // OpenImageIO's PNG reader jumps past the destructor of a message when a file is broken. That the leak is its own is

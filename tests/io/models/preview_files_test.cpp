@@ -12,10 +12,10 @@
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/io/models/glb_writer.h"
-#include "voxtone/io/models/ply_writer.h"
-#include "voxtone/io/pictures/srgb_code.h"
+#include "base/contracts.h"
+#include "io/models/glb_writer.h"
+#include "io/models/ply_writer.h"
+#include "io/pictures/srgb_code.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "io/codecs/read_here.h"
+#include "io/models/slicer_roles.h"
 #include "model_samples.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/codecs/read_here.h"
-#include "voxtone/io/models/slicer_roles.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

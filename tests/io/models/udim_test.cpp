@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/models/udim.h"
+#include "io/models/udim.h"
 
 #include <array>
 

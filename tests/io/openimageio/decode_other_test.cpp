@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/openimageio/decode_other.h"
+#include "io/openimageio/decode_other.h"
 
 #include <fmt/format.h>
 #include <tiffio.h>
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "io/decoders/decode_image.h"
+#include "optics/colour/colour.h"
 #include "tests/io/decoders/picture_bytes.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/decoders/decode_image.h"
-#include "voxtone/optics/colour/colour.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/pictures/photograph.h"
-#include "voxtone/io/pictures/picture.h"
+#include "io/pictures/photograph.h"
+#include "io/pictures/picture.h"
 
 #include <cmath>
 
 #include <tiffio.h>
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "io/decoders/jpeg_end.h"
+#include "io/files/whole_file.h"
+#include "io/openimageio/photograph_writer.h"
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/decoders/jpeg_end.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/openimageio/photograph_writer.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Layers of other programs by their names: order, gaps, and what lies beside them.
-#include "voxtone/io/pictures/picture_series.h"
+#include "io/pictures/picture_series.h"
 
 #include <algorithm>
 #include <string>

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/pictures/picture.h"
+#include "io/pictures/picture.h"
 
 #include <fmt/format.h>
 #include <lcms2.h>
 #include <tiffio.h>
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "io/codecs/read_here.h"
+#include "io/decoders/decode_image.h"
+#include "io/decoders/icc_to_srgb.h"
+#include "io/openimageio/decode_other.h"
+#include "optics/colour/colour.h"
 #include "tests/io/files/in_child.h"
 #include "tests/io/models/model_samples.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/codecs/read_here.h"
-#include "voxtone/io/decoders/decode_image.h"
-#include "voxtone/io/decoders/icc_to_srgb.h"
-#include "voxtone/io/openimageio/decode_other.h"
-#include "voxtone/optics/colour/colour.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/pictures/picture_writer.h"
+#include "io/pictures/picture_writer.h"
 
 #include <png.h>
 
@@ -8,7 +8,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/io/pictures/srgb_code.h"
+#include "io/pictures/srgb_code.h"
 
 using namespace voxtone::io;
 

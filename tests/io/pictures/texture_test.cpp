@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/pictures/texture.h"
+#include "io/pictures/texture.h"
 
 #include <cmath>
 #include <limits>
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/random.h"
-#include "voxtone/io/models/fill_gutters.h"
-#include "voxtone/io/models/texel_coverage.h"
-#include "voxtone/optics/colour/colour.h"
+#include "base/random.h"
+#include "io/models/fill_gutters.h"
+#include "io/models/texel_coverage.h"
+#include "optics/colour/colour.h"
 
 using namespace voxtone::io;
 using Eigen::Vector2f;

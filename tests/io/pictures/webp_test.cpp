@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/pictures/webp.h"
+#include "io/pictures/webp.h"
 
 #include <algorithm>
 #include <cstdlib>
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/random.h"
-#include "voxtone/io/layers/rgb.h"
+#include "base/error.h"
+#include "base/random.h"
+#include "io/layers/rgb.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/profiles/bssrdf_file.h"
+#include "io/profiles/bssrdf_file.h"
 
 #include <cstring>
 #include <limits>
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "io/files/whole_file.h"
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/whole_file.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/profiles/layer_sequence_file.h"
+#include "io/profiles/layer_sequence_file.h"
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

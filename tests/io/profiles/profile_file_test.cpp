@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/profiles/profile_file.h"
+#include "io/profiles/profile_file.h"
 
 #include <fstream>
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "io/files/whole_file.h"
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/whole_file.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

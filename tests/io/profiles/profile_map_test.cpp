@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/profiles/profile_map.h"
+#include "io/profiles/profile_map.h"
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "io/files/whole_file.h"
+#include "io/pictures/picture_writer.h"
+#include "io/pictures/png_pixels.h"
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/pictures/picture_writer.h"
-#include "voxtone/io/pictures/png_pixels.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

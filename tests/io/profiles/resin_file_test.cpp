@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/profiles/resin_file.h"
+#include "io/profiles/resin_file.h"
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
 #include "tests/optics/colour/split_channels.h"
-#include "voxtone/base/error.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/programs/helper_program.h"
+#include "io/programs/helper_program.h"
 
 #include <cstdlib>
 #include <fstream>
@@ -7,13 +7,13 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "io/files/file_reader.h"
+#include "io/files/packed_values.h"
+#include "io/files/whole_file.h"
+#include "io/models/model_reader.h"
+#include "io/pictures/picture_writer.h"
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/file_reader.h"
-#include "voxtone/io/files/packed_values.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/models/model_reader.h"
-#include "voxtone/io/pictures/picture_writer.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

@@ -15,8 +15,8 @@
 #include <span>
 #include <stdexcept>
 
-#include "voxtone/io/files/base64.h"
-#include "voxtone/io/pictures/png_pixels.h"
+#include "io/files/base64.h"
+#include "io/pictures/png_pixels.h"
 
 namespace voxtone::test {
 

@@ -8,9 +8,9 @@
 #include <numbers>
 #include <string>
 
-#include "voxtone/io/files/deflate.h"
-#include "voxtone/io/pictures/picture_writer.h"
-#include "voxtone/io/report/report_html.h"
+#include "io/files/deflate.h"
+#include "io/pictures/picture_writer.h"
+#include "io/report/report_html.h"
 
 namespace voxtone::test::page_sample {
 

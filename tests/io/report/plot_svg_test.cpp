@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/report/plot_svg.h"
+#include "io/report/plot_svg.h"
 
 #include <catch2/catch.hpp>
 

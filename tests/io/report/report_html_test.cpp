@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/report/report_html.h"
+#include "io/report/report_html.h"
 
 #include <nlohmann/json.hpp>
 
@@ -8,8 +8,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/io/pictures/picture_writer.h"
-#include "voxtone/io/report/report_json.h"
+#include "io/pictures/picture_writer.h"
+#include "io/report/report_json.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

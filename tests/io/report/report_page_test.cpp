@@ -13,10 +13,10 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "io/files/whole_file.h"
 #include "tests/io/report/chromium.h"
 #include "tests/io/report/page_sample.h"
 #include "tests/outcomes.h"
-#include "voxtone/io/files/whole_file.h"
 
 using namespace voxtone;
 using namespace voxtone::test;

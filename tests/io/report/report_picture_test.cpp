@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/report/report_picture.h"
+#include "io/report/report_picture.h"
 
 #include <algorithm>
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/io/pictures/png_pixels.h"
-#include "voxtone/io/report/report_html.h"
+#include "io/pictures/png_pixels.h"
+#include "io/report/report_html.h"
 
 using namespace voxtone::io;
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/io/shards/merged_stack.h"
+#include "io/shards/merged_stack.h"
 
 #include <fstream>
 #include <map>
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "io/shards/shard_folder.h"
 #include "tests/io/files/temporary_folder.h"
 #include "tests/io/layers/stack_samples.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/shards/shard_folder.h"
 
 using namespace voxtone;
 using namespace voxtone::io;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Pictures by light paths: what must be kept, what is known exactly, and a tracer that shares nothing with them.
-#include "voxtone/optics/camera/camera_paths.h"
+#include "optics/camera/camera_paths.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,14 +10,14 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/parallel.h"
+#include "optics/camera/lit_scene.h"
+#include "optics/camera/pixel_filter.h"
+#include "optics/camera/tile_paths.h"
+#include "optics/monte_carlo/monte_carlo.h"
+#include "optics/numerics/quadrature.h"
+#include "optics/scene/fresnel.h"
 #include "tests/optics/colour/split_channels.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/camera/lit_scene.h"
-#include "voxtone/optics/camera/pixel_filter.h"
-#include "voxtone/optics/camera/tile_paths.h"
-#include "voxtone/optics/monte_carlo/monte_carlo.h"
-#include "voxtone/optics/numerics/quadrature.h"
-#include "voxtone/optics/scene/fresnel.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

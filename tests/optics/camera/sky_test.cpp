@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/camera/sky.h"
+#include "optics/camera/sky.h"
 
 #include <cmath>
 #include <numbers>
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/random.h"
-#include "voxtone/optics/camera/camera.h"
+#include "base/random.h"
+#include "optics/camera/camera.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

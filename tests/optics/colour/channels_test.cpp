@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/colour/channels.h"
+#include "optics/colour/channels.h"
 
 #include <Eigen/LU>
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/optics/colour/colour.h"
-#include "voxtone/optics/media/resins.h"
+#include "base/error.h"
+#include "optics/colour/colour.h"
+#include "optics/media/resins.h"
 
 namespace voxtone::optics {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/colour/colour.h"
+#include "optics/colour/colour.h"
 
 #include <algorithm>
 #include <vector>
 
 #include <catch2/catch.hpp>
 
+#include "base/random.h"
+#include "optics/colour/spectral_colour.h"
 #include "tests/optics/reference.h"
-#include "voxtone/base/random.h"
-#include "voxtone/optics/colour/spectral_colour.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/colour/observed_colour.h"
+#include "optics/colour/observed_colour.h"
 
 #include <array>
 

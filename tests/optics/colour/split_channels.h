@@ -7,8 +7,8 @@
 #include <array>
 #include <vector>
 
-#include "voxtone/optics/colour/colour.h"
-#include "voxtone/optics/media/resins.h"
+#include "optics/colour/colour.h"
+#include "optics/media/resins.h"
 
 namespace voxtone::optics::testing {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The light of the step edge: against adding-doubling far from the edge, and by what must be kept.
-#include "voxtone/optics/edge/edge_paths.h"
+#include "optics/edge/edge_paths.h"
 
 #include <array>
 #include <cmath>
@@ -9,12 +9,12 @@
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/edge/edge_response.h"
-#include "voxtone/optics/layered/adding_doubling.h"
-#include "voxtone/optics/layered/directional.h"
-#include "voxtone/optics/monte_carlo/rough_interface.h"
-#include "voxtone/optics/numerics/quadrature.h"
+#include "base/parallel.h"
+#include "optics/edge/edge_response.h"
+#include "optics/layered/adding_doubling.h"
+#include "optics/layered/directional.h"
+#include "optics/monte_carlo/rough_interface.h"
+#include "optics/numerics/quadrature.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/layered/adding_doubling.h"
+#include "optics/layered/adding_doubling.h"
 
 #include <algorithm>
 #include <array>
@@ -8,10 +8,10 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/parallel.h"
+#include "optics/layered/directional.h"
+#include "optics/layered/slab.h"
 #include "tests/optics/reference.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/layered/directional.h"
-#include "voxtone/optics/layered/slab.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/layered/angular_grid.h"
+#include "optics/layered/angular_grid.h"
 
 #include <array>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/optics/scene/fresnel.h"
+#include "optics/scene/fresnel.h"
 
 using namespace voxtone::optics;
 

@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "optics/colour/colour.h"
 #include "tests/optics/transport/slab_scene.h"
-#include "voxtone/optics/colour/colour.h"
 
 using namespace voxtone::optics;
 using namespace voxtone::optics::testing;

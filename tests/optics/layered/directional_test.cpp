@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Against directional.json, whose values are converged to 1e-9: by adding-doubling with exact views, and by modes.
-#include "voxtone/optics/layered/directional.h"
+#include "optics/layered/directional.h"
 
 #include <algorithm>
 #include <array>
@@ -13,8 +13,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "optics/layered/layered_appearance.h"
 #include "tests/optics/reference.h"
-#include "voxtone/optics/layered/layered_appearance.h"
 
 using namespace voxtone::optics;
 using namespace voxtone::optics::testing;

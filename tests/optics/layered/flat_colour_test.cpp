@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/layered/flat_colour.h"
+#include "optics/layered/flat_colour.h"
 
 #include <cmath>
 #include <numbers>
@@ -7,8 +7,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/optics/colour/colour.h"
-#include "voxtone/optics/layered/layered_appearance.h"
+#include "optics/colour/colour.h"
+#include "optics/layered/layered_appearance.h"
 
 namespace voxtone::optics {
 

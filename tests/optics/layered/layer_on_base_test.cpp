@@ -2,7 +2,7 @@
 //
 // A layer upon a base against the layer modes themselves, directional.json and adding-doubling; derivatives against
 // differences.
-#include "voxtone/optics/layered/layer_on_base.h"
+#include "optics/layered/layer_on_base.h"
 
 #include <array>
 #include <cmath>
@@ -12,10 +12,10 @@
 
 #include <catch2/catch.hpp>
 
+#include "optics/layered/adding_doubling.h"
+#include "optics/layered/directional.h"
+#include "optics/layered/layered_appearance.h"
 #include "tests/optics/reference.h"
-#include "voxtone/optics/layered/adding_doubling.h"
-#include "voxtone/optics/layered/directional.h"
-#include "voxtone/optics/layered/layered_appearance.h"
 
 using namespace voxtone::optics;
 using namespace voxtone::optics::testing;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/layered/layered_appearance.h"
+#include "optics/layered/layered_appearance.h"
 
 #include <algorithm>
 #include <array>
@@ -9,8 +9,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/random.h"
-#include "voxtone/optics/layered/directional.h"
+#include "base/random.h"
+#include "optics/layered/directional.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/layered/mixture_correction.h"
+#include "optics/layered/mixture_correction.h"
 
 #include <cmath>
 #include <vector>
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/random.h"
-#include "voxtone/optics/scene/scene.h"
-#include "voxtone/optics/scene/surface_mixtures.h"
+#include "base/random.h"
+#include "optics/scene/scene.h"
+#include "optics/scene/surface_mixtures.h"
 
 namespace voxtone::optics {
 namespace {

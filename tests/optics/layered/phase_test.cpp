@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/layered/phase.h"
+#include "optics/layered/phase.h"
 
 #include <array>
 
 #include <catch2/catch.hpp>
 
+#include "optics/layered/angular_grid.h"
 #include "tests/optics/reference.h"
-#include "voxtone/optics/layered/angular_grid.h"
 
 using namespace voxtone::optics;
 using namespace voxtone::optics::testing;

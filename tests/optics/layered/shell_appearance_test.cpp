@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/layered/shell_appearance.h"
+#include "optics/layered/shell_appearance.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/random.h"
+#include "base/random.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/media/colour_residual.h"
+#include "optics/media/colour_residual.h"
 
 #include <vector>
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/random.h"
-#include "voxtone/optics/media/effective_medium.h"
-#include "voxtone/optics/media/resins.h"
+#include "base/random.h"
+#include "optics/media/effective_medium.h"
+#include "optics/media/resins.h"
 
 namespace voxtone::optics {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/media/effective_medium.h"
+#include "optics/media/effective_medium.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/random.h"
-#include "voxtone/optics/layered/shell_appearance.h"
+#include "base/random.h"
+#include "optics/layered/shell_appearance.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

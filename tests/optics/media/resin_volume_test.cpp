@@ -6,7 +6,7 @@
 #include <set>
 #include <tuple>
 
-#include "voxtone/optics/scene/appearance_model.h"
+#include "optics/scene/appearance_model.h"
 
 using namespace voxtone::optics;
 

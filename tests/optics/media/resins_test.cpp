@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/media/resins.h"
+#include "optics/media/resins.h"
 
 #include <array>
 #include <functional>
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/media/slab_patterns.h"
+#include "optics/media/slab_patterns.h"
 
 #include <cmath>
 #include <set>
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Steps through spheres against walks from scattering to scattering.
-#include "voxtone/optics/monte_carlo/first_passage.h"
+#include "optics/monte_carlo/first_passage.h"
 
 #include <cmath>
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/optics/monte_carlo/voxel_walk.h"
+#include "optics/monte_carlo/voxel_walk.h"
 
 using namespace voxtone::optics;
 

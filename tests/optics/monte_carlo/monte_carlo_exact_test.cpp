@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "optics/monte_carlo/monte_carlo.h"
 #include "tests/optics/transport/slab_scene.h"
-#include "voxtone/optics/monte_carlo/monte_carlo.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/monte_carlo/monte_carlo.h"
+#include "optics/monte_carlo/monte_carlo.h"
 
 #include <hwy/targets.h>
 #include <catch2/catch.hpp>
@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/random.h"
 #include "tests/optics/transport/slab_scene.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/monte_carlo/point_spread.h"
+#include "optics/monte_carlo/point_spread.h"
 
 #include <cmath>
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/parallel.h"
+#include "base/parallel.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

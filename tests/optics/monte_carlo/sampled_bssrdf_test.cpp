@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/monte_carlo/sampled_bssrdf.h"
+#include "optics/monte_carlo/sampled_bssrdf.h"
 
 #include <cmath>
 #include <numbers>
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/media/slab_patterns.h"
-#include "voxtone/optics/monte_carlo/layer_paths.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "optics/media/slab_patterns.h"
+#include "optics/monte_carlo/layer_paths.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

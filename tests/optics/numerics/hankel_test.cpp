@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/numerics/hankel.h"
+#include "optics/numerics/hankel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/random.h"
+#include "base/contracts.h"
+#include "base/random.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

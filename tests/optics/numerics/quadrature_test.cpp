@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/numerics/quadrature.h"
+#include "optics/numerics/quadrature.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/profiles/column_sampling.h"
+#include "optics/profiles/column_sampling.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/profiles/lateral_transport.h"
+#include "optics/profiles/lateral_transport.h"
 
 #include <catch2/catch.hpp>
 
 #include <cmath>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
+#include "base/parallel.h"
+#include "base/random.h"
 
 using namespace voxtone::optics;
 

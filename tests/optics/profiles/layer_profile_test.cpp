@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/profiles/layer_profile.h"
+#include "optics/profiles/layer_profile.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/random.h"
+#include "base/contracts.h"
+#include "base/random.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
+#include "optics/monte_carlo/monte_carlo.h"
+#include "optics/profiles/layered_profile_model.h"
 #include "tests/optics/transport/slab_scene.h"
-#include "voxtone/optics/monte_carlo/monte_carlo.h"
-#include "voxtone/optics/profiles/layered_profile_model.h"
 
 using namespace voxtone::optics;
 using namespace voxtone::optics::testing;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/profiles/layered_profile_model.h"
+#include "optics/profiles/layered_profile_model.h"
 #include "tests/outcomes.h"
 
 #include <catch2/catch.hpp>
@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
+#include "base/parallel.h"
+#include "optics/profiles/bounded_table.h"
 #include "tests/optics/transport/slab_scene.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/profiles/bounded_table.h"
 
 using namespace voxtone::optics;
 using namespace voxtone::optics::testing;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/profiles/measured_profile.h"
+#include "optics/profiles/measured_profile.h"
 
 #include <cmath>
 #include <limits>
@@ -7,8 +7,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/random.h"
+#include "base/error.h"
+#include "base/random.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/profiles/resin_profile.h"
+#include "optics/profiles/resin_profile.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,11 +8,11 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/contracts.h"
+#include "base/parallel.h"
 #include "benchmarks/optics/profiles/stacks.h"
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/layered/layered_appearance.h"
-#include "voxtone/optics/numerics/quadrature.h"
+#include "optics/layered/layered_appearance.h"
+#include "optics/numerics/quadrature.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/profiles/resin_stack.h"
+#include "optics/profiles/resin_stack.h"
 
 #include <catch2/catch.hpp>
 
 #include <cmath>
 
-#include "voxtone/optics/profiles/resin_profile.h"
+#include "optics/profiles/resin_profile.h"
 
 using namespace voxtone::optics;
 

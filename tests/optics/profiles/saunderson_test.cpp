@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/profiles/saunderson.h"
+#include "optics/profiles/saunderson.h"
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/optics/profiles/resin_profile.h"
+#include "optics/profiles/resin_profile.h"
 
 using namespace voxtone::optics;
 

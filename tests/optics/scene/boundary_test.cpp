@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/scene/boundary.h"
+#include "optics/scene/boundary.h"
 
 #include <catch2/catch.hpp>
 
@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/parallel.h"
+#include "optics/monte_carlo/monte_carlo.h"
 #include "tests/optics/transport/slab_scene.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/monte_carlo/monte_carlo.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/scene/fresnel.h"
+#include "optics/scene/fresnel.h"
 
 #include <cmath>
 #include <numbers>
 
 #include <catch2/catch.hpp>
 
+#include "optics/layered/slab.h"
 #include "tests/optics/reference.h"
-#include "voxtone/optics/layered/slab.h"
 
 using namespace voxtone::optics;
 using namespace voxtone::optics::testing;

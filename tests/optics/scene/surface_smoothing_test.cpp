@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/scene/surface_smoothing.h"
+#include "optics/scene/surface_smoothing.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/scene/surface.h"
+#include "optics/scene/surface.h"
 
 #include <catch2/catch.hpp>
 
 #include <algorithm>
 #include <cmath>
 
-#include "voxtone/base/random.h"
+#include "base/random.h"
 
 using namespace voxtone::optics;
 

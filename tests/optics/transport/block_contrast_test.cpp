@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/transport/refinement.h"
+#include "optics/transport/refinement.h"
 
 #include <catch2/catch.hpp>
 
@@ -7,9 +7,9 @@
 #include <cmath>
 #include <vector>
 
-#include "voxtone/optics/scene/appearance_model.h"
-#include "voxtone/optics/transport/viewing_grid_builder.h"
-#include "voxtone/optics/transport/viewing_palette.h"
+#include "optics/scene/appearance_model.h"
+#include "optics/transport/viewing_grid_builder.h"
+#include "optics/transport/viewing_palette.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

@@ -8,15 +8,15 @@
 #include <array>
 #include <vector>
 
-#include "voxtone/base/error.h"
-#include "voxtone/optics/monte_carlo/monte_carlo.h"
-#include "voxtone/optics/transport/transport.h"
-#include "voxtone/optics/transport/transport_sweep.h"
-#include "voxtone/optics/transport/viewing_diffusion.h"
-#include "voxtone/optics/transport/viewing_faces.h"
-#include "voxtone/optics/transport/viewing_grid_builder.h"
-#include "voxtone/optics/transport/viewing_palette.h"
-#include "voxtone/optics/transport/viewing_sequence.h"
+#include "base/error.h"
+#include "optics/monte_carlo/monte_carlo.h"
+#include "optics/transport/transport.h"
+#include "optics/transport/transport_sweep.h"
+#include "optics/transport/viewing_diffusion.h"
+#include "optics/transport/viewing_faces.h"
+#include "optics/transport/viewing_grid_builder.h"
+#include "optics/transport/viewing_palette.h"
+#include "optics/transport/viewing_sequence.h"
 
 using namespace voxtone::optics;
 using voxtone::Cancelled;

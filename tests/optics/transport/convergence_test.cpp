@@ -7,9 +7,9 @@
 #include <cmath>
 #include <vector>
 
+#include "base/random.h"
+#include "optics/transport/transport.h"
 #include "tests/optics/transport/slab_scene.h"
-#include "voxtone/base/random.h"
-#include "voxtone/optics/transport/transport.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "voxtone/base/random.h"
-#include "voxtone/optics/transport/transport.h"
+#include "base/random.h"
+#include "optics/transport/transport.h"
 
 using namespace voxtone::optics;
 

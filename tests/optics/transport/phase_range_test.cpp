@@ -7,11 +7,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/random.h"
+#include "optics/transport/transport.h"
+#include "optics/transport/transport_directions.h"
+#include "optics/transport/viewing_sequence.h"
 #include "tests/optics/transport/slab_scene.h"
-#include "voxtone/base/random.h"
-#include "voxtone/optics/transport/transport.h"
-#include "voxtone/optics/transport/transport_directions.h"
-#include "voxtone/optics/transport/viewing_sequence.h"
 
 using namespace voxtone::optics;
 using namespace voxtone::optics::testing;

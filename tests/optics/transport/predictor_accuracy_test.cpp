@@ -11,11 +11,11 @@
 #include <filesystem>
 #include <vector>
 
+#include "base/random.h"
 #include "benchmarks/optics/transport/compare.h"
 #include "benchmarks/optics/transport/homogeneous.h"
 #include "tests/io/files/temporary_folder.h"
 #include "tests/outcomes.h"
-#include "voxtone/base/random.h"
 
 using namespace voxtone;
 using namespace voxtone::accuracy;

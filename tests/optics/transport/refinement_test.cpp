@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/optics/transport/refinement.h"
+#include "optics/transport/refinement.h"
 
 #include <catch2/catch.hpp>
 
@@ -8,12 +8,12 @@
 #include <cstring>
 #include <vector>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
-#include "voxtone/optics/transport/transport.h"
-#include "voxtone/optics/transport/transport_sweep.h"
-#include "voxtone/optics/transport/viewing_grid_builder.h"
-#include "voxtone/optics/transport/viewing_sequence.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "optics/transport/transport.h"
+#include "optics/transport/transport_sweep.h"
+#include "optics/transport/viewing_grid_builder.h"
+#include "optics/transport/viewing_sequence.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

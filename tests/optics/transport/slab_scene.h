@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/optics/layered/layered_appearance.h"
-#include "voxtone/optics/scene/appearance_model.h"
+#include "optics/layered/layered_appearance.h"
+#include "optics/scene/appearance_model.h"
 
 namespace voxtone::optics::testing {
 

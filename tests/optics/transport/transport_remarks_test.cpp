@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "voxtone/base/random.h"
-#include "voxtone/optics/transport/transport.h"
-#include "voxtone/optics/transport/viewing_field.h"
+#include "base/random.h"
+#include "optics/transport/transport.h"
+#include "optics/transport/viewing_field.h"
 
 using namespace voxtone::optics;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The sweep beside a twin that is written as the equations stand: one direction after the other, in double precision.
-#include "voxtone/optics/transport/transport_sweep.h"
+#include "optics/transport/transport_sweep.h"
 
 #include <catch2/catch.hpp>
 
@@ -10,10 +10,10 @@
 #include <cstring>
 #include <vector>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
-#include "voxtone/optics/transport/refinement.h"
-#include "voxtone/optics/transport/viewing_grid_builder.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "optics/transport/refinement.h"
+#include "optics/transport/viewing_grid_builder.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

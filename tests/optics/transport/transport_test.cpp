@@ -5,14 +5,14 @@
 #include <cmath>
 #include <string>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
-#include "voxtone/optics/layered/layered_appearance.h"
-#include "voxtone/optics/layered/shell_appearance.h"
-#include "voxtone/optics/transport/transport.h"
-#include "voxtone/optics/transport/transport_directions.h"
-#include "voxtone/optics/transport/transport_medium.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "optics/layered/layered_appearance.h"
+#include "optics/layered/shell_appearance.h"
+#include "optics/transport/transport.h"
+#include "optics/transport/transport_directions.h"
+#include "optics/transport/transport_medium.h"
 
 using namespace voxtone::optics;
 

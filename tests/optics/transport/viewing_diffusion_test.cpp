@@ -2,16 +2,16 @@
 //
 // The diffusion solver alone: its equations are symmetric, what it solves is solved, and multigrid keeps the steps few
 // whatever the media are and however many cells there are.
-#include "voxtone/optics/transport/viewing_diffusion.h"
+#include "optics/transport/viewing_diffusion.h"
 
 #include <catch2/catch.hpp>
 
 #include <cmath>
 #include <vector>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
-#include "voxtone/optics/transport/viewing_grid_builder.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "optics/transport/viewing_grid_builder.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

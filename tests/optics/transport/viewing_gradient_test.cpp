@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/parallel.h"
+#include "base/random.h"
+#include "optics/transport/seen_medium.h"
+#include "optics/transport/transport.h"
+#include "optics/transport/viewing_sequence.h"
 #include "tests/optics/colour/split_channels.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
-#include "voxtone/optics/transport/seen_medium.h"
-#include "voxtone/optics/transport/transport.h"
-#include "voxtone/optics/transport/viewing_sequence.h"
 
 using namespace voxtone::optics;
 

@@ -6,12 +6,12 @@
 #include <map>
 #include <string>
 
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "optics/transport/transport.h"
+#include "optics/transport/viewing_sequence.h"
 #include "tests/optics/transport/slab_scene.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
-#include "voxtone/optics/transport/transport.h"
-#include "voxtone/optics/transport/viewing_sequence.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "voxtone/base/random.h"
-#include "voxtone/optics/transport/viewing_sequence.h"
+#include "base/random.h"
+#include "optics/transport/viewing_sequence.h"
 
 using namespace voxtone::optics;
 

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
-#include "voxtone/optics/transport/viewing_sequence.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "optics/transport/viewing_sequence.h"
 
 using namespace voxtone::optics;
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/batch/arrivals.h"
+#include "slicer/batch/arrivals.h"
 
 #include <fstream>
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/error.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

@@ -6,12 +6,12 @@
 #include <fmt/core.h>
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "io/files/file_digest.h"
+#include "slicer/batch/batch_folder.h"
+#include "slicer/batch/batch_summary.h"
 #include "tests/io/files/schema.h"
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/file_digest.h"
-#include "voxtone/slicer/batch/batch_folder.h"
-#include "voxtone/slicer/batch/batch_summary.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/batch/job_weight.h"
+#include "slicer/batch/job_weight.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/batch/plan.h"
+#include "slicer/batch/plan.h"
 
 #include <fstream>
 
 #include <fmt/core.h>
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "slicer/options/job_file.h"
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/error.h"
-#include "voxtone/slicer/options/job_file.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

@@ -2,7 +2,7 @@
 //
 // Templates are checked by the rules of Open Job Description, version 2023-09, as far as they concern what is used of
 // it: `openjd check` of its own tools is no Debian package.
-#include "voxtone/slicer/cluster/openjd_template.h"
+#include "slicer/cluster/openjd_template.h"
 
 #include <algorithm>
 #include <regex>
@@ -12,7 +12,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

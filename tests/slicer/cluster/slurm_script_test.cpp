@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/cluster/slurm_script.h"
+#include "slicer/cluster/slurm_script.h"
 
 #include <cstdio>
 #include <fstream>
@@ -8,8 +8,8 @@
 #include <fmt/core.h>
 #include <catch2/catch.hpp>
 
+#include "slicer/cluster/slurm_lanes.h"
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/slicer/cluster/slurm_lanes.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/cluster/task_chain.h"
+#include "slicer/cluster/task_chain.h"
 
 #include <algorithm>
 #include <fstream>

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "voxtone/base/random.h"
-#include "voxtone/slicer/layers/cell_index.h"
-#include "voxtone/slicer/layers/skin_source.h"
+#include "base/random.h"
+#include "slicer/layers/cell_index.h"
+#include "slicer/layers/skin_source.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/layers/wrapped_layers.h"
+#include "slicer/layers/wrapped_layers.h"
 
 #include <cmath>
 #include <map>
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "slicer/layered/layer_surfaces.h"
+#include "slicer/layers/layer_maker.h"
+#include "slicer/layers/stack_fit.h"
+#include "slicer/look/upright_cut.h"
+#include "slicer/mesh/mesh_repair.h"
+#include "slicer/printer/placement.h"
 #include "tests/slicer/mesh/shapes.h"
-#include "voxtone/base/error.h"
-#include "voxtone/slicer/job/layer_surfaces.h"
-#include "voxtone/slicer/layers/layer_maker.h"
-#include "voxtone/slicer/layers/stack_fit.h"
-#include "voxtone/slicer/look/upright_cut.h"
-#include "voxtone/slicer/mesh/mesh_repair.h"
-#include "voxtone/slicer/printer/placement.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

@@ -7,8 +7,8 @@
 
 #include <Eigen/Geometry>
 
-#include "voxtone/slicer/look/cell_mesh.h"
-#include "voxtone/slicer/look/prediction_files.h"
+#include "slicer/look/cell_mesh.h"
+#include "slicer/look/prediction_files.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/look/coarse_cells.h"
+#include "slicer/look/coarse_cells.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/look/preview.h"
+#include "slicer/look/preview.h"
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -8,9 +8,9 @@
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/random.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/look/support_contact.h"
+#include "slicer/look/support_contact.h"
 
 #include <vector>
 

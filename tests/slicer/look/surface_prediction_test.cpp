@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/look/surface_prediction.h"
+#include "slicer/look/surface_prediction.h"
 
 #include <algorithm>
 #include <array>
@@ -8,9 +8,9 @@
 
 #include <catch2/catch.hpp>
 
+#include "optics/transport/transport.h"
+#include "slicer/look/prediction_files.h"
 #include "tests/optics/colour/split_channels.h"
-#include "voxtone/optics/transport/transport.h"
-#include "voxtone/slicer/look/prediction_files.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

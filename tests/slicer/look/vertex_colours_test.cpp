@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/look/vertex_colours.h"
+#include "slicer/look/vertex_colours.h"
 
 #include <Eigen/Geometry>
 #include <map>
@@ -7,7 +7,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/parallel.h"
+#include "base/parallel.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

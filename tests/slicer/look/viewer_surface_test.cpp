@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/look/viewer_surface.h"
+#include "slicer/look/viewer_surface.h"
 
 #include <cmath>
 #include <map>
@@ -9,9 +9,9 @@
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
-#include "voxtone/io/pictures/srgb_code.h"
-#include "voxtone/io/report/viewer_data.h"
-#include "voxtone/slicer/look/clustered_mesh.h"
+#include "io/pictures/srgb_code.h"
+#include "io/report/viewer_data.h"
+#include "slicer/look/clustered_mesh.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/look/voxel_sample.h"
+#include "slicer/look/voxel_sample.h"
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/io/files/deflate.h"
-#include "voxtone/io/report/viewer_data.h"
+#include "base/parallel.h"
+#include "io/files/deflate.h"
+#include "io/report/viewer_data.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/mesh/mesh_boundary.h"
+#include "slicer/mesh/mesh_boundary.h"
 
 #include <catch2/catch.hpp>
 
@@ -7,11 +7,11 @@
 #include <cmath>
 #include <vector>
 
+#include "base/parallel.h"
+#include "base/random.h"
+#include "optics/monte_carlo/monte_carlo.h"
 #include "shapes.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/base/random.h"
-#include "voxtone/optics/monte_carlo/monte_carlo.h"
-#include "voxtone/slicer/solid/solid.h"
+#include "slicer/solid/solid.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

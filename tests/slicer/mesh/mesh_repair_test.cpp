@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/mesh/mesh_repair.h"
+#include "slicer/mesh/mesh_repair.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "base/random.h"
 #include "shapes.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/random.h"
-#include "voxtone/slicer/mesh/hole_filling.h"
-#include "voxtone/slicer/mesh/mesh_chain.h"
-#include "voxtone/slicer/mesh/mesh_orientation.h"
+#include "slicer/mesh/hole_filling.h"
+#include "slicer/mesh/mesh_chain.h"
+#include "slicer/mesh/mesh_orientation.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

@@ -9,7 +9,7 @@
 
 #include <Eigen/Geometry>
 
-#include "voxtone/slicer/mesh/solid_mesh.h"
+#include "slicer/mesh/solid_mesh.h"
 
 namespace shapes {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/options/command_words.h"
+#include "slicer/options/command_words.h"
 
 #include <array>
 #include <cstdio>
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/slicer/options/resolved_job.h"
+#include "slicer/options/resolved_job.h"
 
 using namespace voxtone::slicer;
 using Words = std::vector<std::string>;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/options/job_file.h"
+#include "slicer/options/job_file.h"
 
 #include <filesystem>
 #include <fstream>
@@ -7,9 +7,9 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
 #include "tests/io/files/schema.h"
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/error.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/options/option_values.h"
+#include "slicer/options/option_values.h"
 
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/slicer/options/model_choice.h"
-#include "voxtone/slicer/options/option_words.h"
+#include "base/error.h"
+#include "slicer/options/model_choice.h"
+#include "slicer/options/option_words.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/options/resolved_job.h"
+#include "slicer/options/resolved_job.h"
 
 #include <functional>
 #include <string>
@@ -8,7 +8,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/error.h"
+#include "base/error.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

@@ -7,10 +7,10 @@
 #include <functional>
 #include <vector>
 
-#include "voxtone/base/parallel.h"
-#include "voxtone/optics/media/resins.h"
-#include "voxtone/optics/profiles/saunderson.h"
-#include "voxtone/slicer/predict/parts_in_sight.h"
+#include "base/parallel.h"
+#include "optics/media/resins.h"
+#include "optics/profiles/saunderson.h"
+#include "slicer/predict/parts_in_sight.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

@@ -9,13 +9,13 @@
 
 #include <fmt/core.h>
 
+#include "base/error.h"
+#include "io/files/whole_file.h"
+#include "io/layers/stack_folder.h"
+#include "io/pictures/picture_writer.h"
+#include "slicer/predict/stack_volume.h"
 #include "tests/io/files/temporary_folder.h"
 #include "tests/io/layers/stack_samples.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/layers/stack_folder.h"
-#include "voxtone/io/pictures/picture_writer.h"
-#include "voxtone/slicer/predict/stack_volume.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/predict/swapped_colours.h"
+#include "slicer/predict/swapped_colours.h"
 
 #include <catch2/catch.hpp>
 

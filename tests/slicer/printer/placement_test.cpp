@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/printer/placement.h"
+#include "slicer/printer/placement.h"
 
 #include <cmath>
 #include <functional>
@@ -7,9 +7,9 @@
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
-#include "voxtone/base/error.h"
-#include "voxtone/base/units.h"
-#include "voxtone/slicer/printer/up_axis.h"
+#include "base/error.h"
+#include "base/units.h"
+#include "slicer/printer/up_axis.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/printer/printer.h"
+#include "slicer/printer/printer.h"
 
 #include <cmath>
 #include <cstdio>
@@ -8,8 +8,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/error.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

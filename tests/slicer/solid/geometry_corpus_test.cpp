@@ -7,14 +7,14 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "io/models/model_reader.h"
+#include "slicer/mesh/mesh_chain.h"
+#include "slicer/mesh/mesh_repair.h"
+#include "slicer/solid/thin_features.h"
+#include "slicer/surface/visible_surface.h"
 #include "tests/outcomes.h"
 #include "voxel_parts.h"
-#include "voxtone/base/error.h"
-#include "voxtone/io/models/model_reader.h"
-#include "voxtone/slicer/mesh/mesh_chain.h"
-#include "voxtone/slicer/mesh/mesh_repair.h"
-#include "voxtone/slicer/solid/thin_features.h"
-#include "voxtone/slicer/surface/visible_surface.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/solid/solid.h"
+#include "slicer/solid/solid.h"
 
 #include <catch2/catch.hpp>
 
+#include "base/contracts.h"
+#include "base/random.h"
 #include "tests/slicer/mesh/shapes.h"
-#include "voxtone/base/contracts.h"
-#include "voxtone/base/random.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

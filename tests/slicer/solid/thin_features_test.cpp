@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/solid/thin_features.h"
+#include "slicer/solid/thin_features.h"
 
 #include <algorithm>
 #include <set>
 
 #include <catch2/catch.hpp>
 
+#include "base/random.h"
 #include "tests/slicer/mesh/shapes.h"
 #include "voxel_parts.h"
-#include "voxtone/base/random.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-#include "voxtone/slicer/solid/span_slab.h"
+#include "slicer/solid/span_slab.h"
 
 namespace voxtone::slicer {
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/stacks/profile_map_job.h"
+#include "slicer/stacks/profile_map_job.h"
 
 #include <numeric>
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "optics/numerics/hankel.h"
+#include "slicer/stacks/profile_map_picture.h"
 #include "tests/halftone/local_profiles/response_samples.h"
-#include "voxtone/base/error.h"
-#include "voxtone/optics/numerics/hankel.h"
-#include "voxtone/slicer/stacks/profile_map_picture.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

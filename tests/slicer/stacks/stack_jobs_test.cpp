@@ -6,18 +6,18 @@
 
 #include <fmt/format.h>
 
+#include "base/parallel.h"
+#include "io/files/whole_file.h"
+#include "io/profiles/layer_sequence_file.h"
+#include "slicer/predict/stack_volume.h"
+#include "slicer/stacks/profile_plots.h"
+#include "slicer/stacks/stack_dataset_job.h"
+#include "slicer/stacks/stack_factor_job.h"
+#include "slicer/stacks/stack_predict_job.h"
+#include "slicer/stacks/stack_print_job.h"
+#include "slicer/stacks/stack_search_job.h"
+#include "slicer/stacks/stack_targets_job.h"
 #include "tests/io/files/temporary_folder.h"
-#include "voxtone/base/parallel.h"
-#include "voxtone/io/files/whole_file.h"
-#include "voxtone/io/profiles/layer_sequence_file.h"
-#include "voxtone/slicer/predict/stack_volume.h"
-#include "voxtone/slicer/stacks/profile_plots.h"
-#include "voxtone/slicer/stacks/stack_dataset_job.h"
-#include "voxtone/slicer/stacks/stack_factor_job.h"
-#include "voxtone/slicer/stacks/stack_predict_job.h"
-#include "voxtone/slicer/stacks/stack_print_job.h"
-#include "voxtone/slicer/stacks/stack_search_job.h"
-#include "voxtone/slicer/stacks/stack_targets_job.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

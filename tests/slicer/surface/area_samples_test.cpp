@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/surface/area_samples.h"
+#include "slicer/surface/area_samples.h"
 
 #include <cmath>
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/surface/surface_shell.h"
+#include "slicer/surface/surface_shell.h"
 
 #include <map>
 
 #include <catch2/catch.hpp>
 
+#include "base/random.h"
+#include "slicer/mesh/triangle_tree.h"
+#include "slicer/solid/solid.h"
+#include "slicer/surface/shell_kernel.h"
 #include "tests/slicer/mesh/shapes.h"
-#include "voxtone/base/random.h"
-#include "voxtone/slicer/mesh/triangle_tree.h"
-#include "voxtone/slicer/solid/solid.h"
-#include "voxtone/slicer/surface/shell_kernel.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
+#include "slicer/surface/target_cells.h"
 #include "tests/slicer/mesh/shapes.h"
-#include "voxtone/slicer/surface/target_cells.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxtone/slicer/surface/visible_surface.h"
+#include "slicer/surface/visible_surface.h"
 
 #include <algorithm>
 #include <string>
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "base/random.h"
+#include "slicer/mesh/mesh_chain.h"
+#include "slicer/mesh/mesh_crossings.h"
+#include "slicer/mesh/mesh_orientation.h"
+#include "slicer/mesh/winding_number.h"
 #include "tests/slicer/mesh/shapes.h"
-#include "voxtone/base/error.h"
-#include "voxtone/base/random.h"
-#include "voxtone/slicer/mesh/mesh_chain.h"
-#include "voxtone/slicer/mesh/mesh_crossings.h"
-#include "voxtone/slicer/mesh/mesh_orientation.h"
-#include "voxtone/slicer/mesh/winding_number.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/colour/colour_print.h"
+
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "base/counted.h"
+#include "base/error.h"
+#include "base/progress_bar.h"
+#include "base/stopwatch.h"
+#include "io/files/json_writer.h"
+#include "slicer/colour/colour_report.h"
+#include "slicer/colour/loop_report.h"
+#include "slicer/colour/verdict.h"
+#include "slicer/colour/viewer_report.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+std::unique_ptr<const JobColour> separate(const OpenedJob& job, const JobBody& body, double& seconds,
+                                          Progress& progress) {
+    const Stopwatch watch;
+    auto colour = prepare_colour(job.options.colour, job.resins, body.grid.pitch_mm,
+                                 slab_under_colour(job.options, body), progress, body.separation);
+    seconds = watch.total();
+    return colour;
+}
+
+}  // namespace
+
+ColourPrint::ColourPrint(const OpenedJob& job, const JobBody& body, const JobIdentity& identity, Progress& progress)
+    : job_(job),
+      body_(body),
+      identity_(identity),
+      colour_(separate(job, body, separation_s_, progress)),
+      parts_(job.options, body, job.resins, *colour_, progress),
+      all_white_(prints_all_white(parts_.surface_colour(), job.resins)),
+      loop_plan_(plan_loop(job.options, body, job.resins, all_white_)) {}
+
+void ColourPrint::print_open_loop(const std::string& why, Progress& progress) {
+    loop_plan_ = {.why_not = fmt::format("The resins were not rearranged: {}.", why)};
+    progress.warn(loop_plan_.why_not);
+}
+
+SkinFile ColourPrint::skin_file() const {
+    return {job_.options.loop.mixtures, identity_.opened_loop, identity_.loop, job_.options.asked.iterations};
+}
+
+bool ColourPrint::may_loop() const {
+    const JobLoopOptions& loop = job_.options.loop;
+    return (loop.iterations != 0 || job_.options.resume) && !(all_white_ && !loop.iterations) &&
+           nothing_to_rearrange(body_, job_.resins).empty();
+}
+
+bool ColourPrint::take_saved_loop(Progress& progress) {
+    const SkinFile file = skin_file();
+    const JobLoopOptions& options = job_.options.loop;
+    const bool is_made_here = job_.options.until == Until::loop;
+    if (!file.exists()) {
+        if (options.mixtures_named && !is_made_here && !options.elsewhere)
+            throw FileError(fmt::format("{}: is not there; slice --until loop --mixtures {} makes it",
+                                        file.path().string(), file.path().string()));
+        return false;
+    }
+    if (job_.options.overwrite && !options.elsewhere && (is_made_here || !options.mixtures_named)) {
+        foreign_skin_ = !file.is_of_this_job();
+        if (foreign_skin_ || is_made_here) return false;
+    }
+    const double colour_mm = colour_->appearance.geometry().shell_mm;
+    SavedSkin saved = file.read(halftone::skin_layers(colour_mm).size());
+    progress.note(fmt::format("the appearance loop was run before: {}", file.path().string()));
+    if (!saved.left_out.empty()) {
+        loop_plan_ = {.why_not = std::move(saved.left_out)};
+        return true;
+    }
+    loop_ = loop_of(std::move(saved), body_, colour_mm);
+    print_loop();
+    return true;
+}
+
+void ColourPrint::print_loop() {
+    if (!loop_->mixtures.empty())
+        skin_.emplace(loop_->cells->map(), loop_->mixtures, job_.resins.set.resins.size(), job_.resins.core);
+}
+
+JobResult ColourPrint::keep_loop() const {
+    const SkinFile file = skin_file();
+    SavedSkin skin;
+    if (loop_) skin = saved_skin(*loop_);
+    if (!loop_) skin.left_out = loop_plan_.why_not.empty() ? "No appearance loop was asked for." : loop_plan_.why_not;
+    if (!loop_ || !loop_->reread) file.write(skin);
+    const std::string what = loop_ ? fmt::format("{}, seen difference {:.2f} CIEDE2000 on average",
+                                                 counted(loop_->result.state.steps.size() - 1, "iteration"),
+                                                 loop_->result.state.steps[loop_->result.state.best].seen.mean)
+                                   : skin.left_out;
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-loop").add("version", 1).add("mixtures", file.path().string());
+    json.add("cells", loop_ ? loop_->cells->seen.target.size() : 0).add("left_out", skin.left_out).end_object();
+    return {json.text(), fmt::format("{}: {}\n", file.path().string(), what), ExitCode::done};
+}
+
+void ColourPrint::prepare(Progress& progress) {
+    if (may_loop()) {
+        const Stopwatch watch;
+        if (take_saved_loop(progress)) {
+            loop_s_ = watch.total();
+            return;
+        }
+        if (job_.options.loop.elsewhere)
+            throw InputError(fmt::format(
+                "{}: is not there, and the appearance loop is one task for all shards of a body: run the same command "
+                "with --until loop in the place of --shard first, or leave the loop out (--iterations 0)",
+                job_.options.loop.mixtures.string()));
+    }
+    if (!loop_plan_.wanted) {
+        if (!loop_plan_.why_not.empty()) progress.note(loop_plan_.why_not);
+        return;
+    }
+    const Stopwatch watch;
+    try {
+        progress.begin_stage("prepare the loop", 0);
+        auto problem =
+            std::make_unique<const LoopProblem>(job_.options, body_, job_.resins, *colour_, parts_, progress);
+        progress.end_stage();
+        const LoopCheckpoint checkpoint(job_.options.out, identity_.opened_loop, identity_.loop,
+                                        problem->cells->seen.target);
+        prepared_.emplace(std::move(problem), checkpoint, std::nullopt);
+        if (job_.options.resume)
+            prepared_->before = checkpoint.read(progress);
+        else if (checkpoint.exists())
+            progress.note("--overwrite: the saved state of an interrupted appearance loop is thrown away");
+        if (loop_plan_.iterations == 0 && !prepared_->before) prepared_.reset();
+    } catch (const ResourceError& error) {
+        if (job_.options.resume) throw;  // what is saved is not given up
+        prepared_.reset();
+        print_open_loop(error.what(), progress);
+    }
+    loop_s_ = watch.total();
+}
+
+std::optional<ColourRecipes> ColourPrint::made_with() const {
+    return ColourRecipes{colour_->separation, prepared_ ? prepared_->problem->recipes.get() : nullptr};
+}
+
+void ColourPrint::rearrange(Progress& progress) {
+    if (!prepared_) return;
+    const Stopwatch watch;
+    try {
+        loop_ = run_job_loop(*prepared_->problem, loop_plan_, prepared_->checkpoint, std::move(prepared_->before),
+                             progress);
+        loop_->seconds += loop_s_;
+        print_loop();
+    } catch (const ResourceError& error) {
+        if (job_.options.resume) throw;
+        print_open_loop(error.what(), progress);
+    }
+    prepared_.reset();
+    loop_s_ += watch.total();
+}
+
+LayerSources ColourPrint::sources() const { return parts_.sources(skin_ ? &*skin_ : nullptr); }
+
+void ColourPrint::expect_layers(const LayerRange& range) {
+    const bool all_layers = range.first == 0 && range.last + 1 == body_.grid.size[2];
+    // A spectral set is asked for its spectra, which the loop does not keep.
+    const bool reusable = loop_ && !job_.resins.set.channels.is_spectral();
+    prediction_plan_ = plan_prediction(job_.options, body_, all_layers, reusable, all_white_);
+    // The volume and its white twin are held at once.
+    if (prediction_plan_.by != PredictionPlan::By::nothing)
+        volume_.emplace(body_.grid, job_.options.prediction.memory_bytes / 2);
+}
+
+void ColourPrint::see(int k, const io::LayerRuns& layer) {
+    if (volume_) volume_->add(k, layer);
+}
+
+JobPrediction ColourPrint::predict(optics::ResinVolume volume, Progress& progress) const {
+    if (prediction_plan_.by == PredictionPlan::By::loop) return prediction_of_loop(*loop_, std::move(volume));
+    JobPrediction prediction =
+        predict_print(job_.options, prediction_plan_.model, body_, job_.resins, std::move(volume),
+                      loop_ && !loop_->reread ? &loop_->cells->seen : nullptr, progress);
+    if (loop_) prediction.open_loop = loop_->result.state.open;
+    return prediction;
+}
+
+void ColourPrint::look(const io::StackDescription&, Progress& progress) {
+    if (std::error_code not_there; foreign_skin_) std::filesystem::remove(job_.options.loop.mixtures, not_there);
+    if (!volume_) return;
+    std::string why_not;
+    try {
+        if (auto whole = volume_->finish())
+            prediction_ = predict(std::move(*whole), progress);
+        else
+            why_not = volume_->why_not();
+    } catch (const ResourceError& error) {
+        why_not = error.what();
+    }
+    volume_.reset();
+    if (prediction_) {
+        prediction_->seen = seen_from(*prediction_, job_.options.loop.viewing_distance_mm,
+                                      job_.options.loop.intent != halftone::Intent::absolute);
+        return;
+    }
+    prediction_plan_.why_not = "The print is not predicted: " + why_not + ".";
+    progress.warn(prediction_plan_.why_not);
+}
+
+std::vector<io::ReportStage> ColourPrint::stages_before_layers() const {
+    return {{"separate colours", separation_s_}, {"appearance loop", loop_s_}};
+}
+
+std::vector<io::ReportStage> ColourPrint::stages_after_layers() const {
+    if (!prediction_) return {};
+    return {{"predict", prediction_->seconds}};
+}
+
+void ColourPrint::add_to(io::Report& report) const {
+    add_colour_report({job_, body_, *colour_, parts_.surface_colour(), prediction_}, prediction_plan_.why_not, report);
+    if (loop_) report.loop = loop_report(*loop_, body_, prediction_ ? &prediction_->volume : nullptr, job_.palette());
+    report.verdict =
+        judge({job_, body_, *colour_, prediction_, prediction_plan_.why_not, *report.gamut, loop_.has_value(),
+               loop_ && loop_plan_.iterations >= 0 && loop_->result.why_stopped == halftone::all_iterations_made,
+               all_white_});
+    if (!loop_plan_.why_not.empty() && !all_white_) report.warnings.push_back(loop_plan_.why_not);
+    add_remarks(loop_, prediction_, report);
+}
+
+void ColourPrint::draw(io::Report& report, Progress& progress) const {
+    const ColourReport sources{job_, body_, *colour_, parts_.surface_colour(), prediction_};
+    draw_colour_report(sources, report, job_.options.out, progress);
+    add_viewer(sources, report, progress);
+}
+
+std::string ColourPrint::summary(const io::Report& report) const { return colour_summary(report); }
+
+}  // namespace voxtone::slicer

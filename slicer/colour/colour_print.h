@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A print whose surface shows the model's colours: separation, screen, appearance loop, prediction.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "slicer/colour/job_loop.h"
+#include "slicer/colour/job_prediction.h"
+#include "slicer/colour/print_parts.h"
+#include "slicer/kept/job_identity.h"
+#include "slicer/layers/skin_source.h"
+#include "slicer/prepare/loop_plan.h"
+#include "slicer/prepare/opened_job.h"
+#include "slicer/prepare/prediction_plan.h"
+#include "slicer/prepare/print.h"
+
+namespace voxtone::slicer {
+
+class ColourPrint final : public Print {
+public:
+    /// Separates the colours. Keeps references to the job, the body and the identity.
+    ColourPrint(const OpenedJob& job, const JobBody& body, const JobIdentity& identity, Progress& progress);
+
+    /// Takes what an earlier job of this body found, or sets the appearance loop up, and reads the checkpoint to go on
+    /// from where that was asked for. Throws InputError where the loop is for another job to run and has not run.
+    void prepare(Progress& progress) override;
+    [[nodiscard]] std::optional<ColourRecipes> made_with() const override;
+    /// Runs the loop. Where memory does not suffice the open loop stays, with a warning.
+    void rearrange(Progress& progress) override;
+    [[nodiscard]] JobResult keep_loop() const override;
+    [[nodiscard]] std::vector<float> separation() const override { return colour_->separation.lattice(); }
+    [[nodiscard]] LayerSources sources() const override;
+    void expect_layers(const LayerRange& range) override;
+    void see(int k, const io::LayerRuns& layer) override;
+    /// Predicts the print; where memory does not suffice, not, with a warning.
+    void look(const io::StackDescription& stack, Progress& progress) override;
+    [[nodiscard]] std::vector<io::ReportStage> stages_before_layers() const override;
+    [[nodiscard]] std::vector<io::ReportStage> stages_after_layers() const override;
+    void add_to(io::Report& report) const override;
+    void draw(io::Report& report, Progress& progress) const override;
+    [[nodiscard]] std::string summary(const io::Report& report) const override;
+    [[nodiscard]] std::string written_text() const override { return {}; }
+
+private:
+    /// The loop as it is set up, and where it goes on.
+    struct PreparedLoop {
+        std::unique_ptr<const LoopProblem> problem;
+        LoopCheckpoint checkpoint;
+        std::optional<halftone::ResumedLoop> before;
+    };
+
+    [[nodiscard]] SkinFile skin_file() const;
+    [[nodiscard]] bool may_loop() const;
+    /// False where nothing is there that this job may take.
+    bool take_saved_loop(Progress& progress);
+    void print_loop();
+    void print_open_loop(const std::string& why, Progress& progress);
+    [[nodiscard]] JobPrediction predict(optics::ResinVolume volume, Progress& progress) const;
+
+    const OpenedJob& job_;
+    const JobBody& body_;
+    const JobIdentity& identity_;
+    double separation_s_ = 0, loop_s_ = 0;
+    std::unique_ptr<const JobColour> colour_;
+    PrintParts parts_;
+    bool all_white_;  ///< asked for everywhere, and printed
+    LoopPlan loop_plan_;
+    std::optional<PreparedLoop> prepared_;  ///< until it has run
+    std::optional<JobLoop> loop_;           ///< nothing: the open loop is printed
+    bool foreign_skin_ = false;             ///< of another job, to be removed once the stack is whole
+    std::optional<SkinSource> skin_;        ///< nothing: the open loop was best
+    PredictionPlan prediction_plan_;
+    std::optional<JobVolume> volume_;  ///< while layers are made that will be predicted
+    std::optional<JobPrediction> prediction_;
+};
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/colour/job_loop.h"
+
+#include <algorithm>
+#include <future>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "base/error.h"
+#include "base/stop_deadline.h"
+#include "base/stopwatch.h"
+#include "slicer/colour/skin_gradient.h"
+#include "slicer/options/model_choice.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+/// The white resin, or that of the core where there is none.
+int white_of(const LoadedResins& resins) {
+    const int white = resins.set.find("W");
+    return white >= 0 ? white : resins.core;
+}
+
+/// All of the white resin.
+optics::ResinVolume shape_of(const PrintParts& parts, const LoadedResins& resins, std::uint64_t print_bytes,
+                             const Progress& progress) {
+    return optics::all_of(parts.shape(print_bytes, progress), static_cast<optics::Material>(white_of(resins) + 1));
+}
+
+/// A loop by feedback alone needs no gradient of what lies deep: cells in the blocks that light enters and in their
+/// margin, nodes below. With 0.8, 0.4 and 0.15 the bundled cow of 40 mm comes to the same error, and so does the suite
+/// (docs/benchmarks.md, "Deep colour in nodes", "Blocks that light reaches"). Not on a sheet, where a loop descends.
+constexpr double cells_of_feedback_mm = 0.15;
+
+bool wants_deep_colour_in_nodes(const LoopPlan& plan, const optics::Scene& scene) {
+    return !plan.descent && scene.backing == optics::Backing::none;
+}
+
+std::unique_ptr<const optics::AppearanceModel> loop_model(const ResolvedJob& job, bool deep_in_nodes, double colour_mm,
+                                                          std::uint64_t memory_bytes) {
+    ModelOptions quality;
+    quality.cell_mm = job.prediction.cell_mm;
+    quality.viewing_cells = true;
+    quality.colour_mm = deep_in_nodes ? std::min(colour_mm, cells_of_feedback_mm) : colour_mm;
+    quality.deep_colour_in_nodes = deep_in_nodes;
+    quality.memory_bytes = memory_bytes;
+    quality.seed = job.seed;
+    constexpr std::uint32_t paths = 256;  // noise goes straight into the halftone
+    quality.paths = paths;
+    return make_model(job.loop.model, quality);
+}
+
+/// Keeps the state of the loop while the next print is made: after each iteration, or, where writing takes longer than
+/// anybody would notice, as often as a twentieth of the loop's time allows. A state that cannot be written is no reason
+/// to stop.
+class CheckpointKeeper {
+public:
+    CheckpointKeeper(const LoopCheckpoint& checkpoint, Progress& progress)
+        : checkpoint_(checkpoint), progress_(progress) {}
+    CheckpointKeeper(const CheckpointKeeper&) = delete;
+    CheckpointKeeper& operator=(const CheckpointKeeper&) = delete;
+    /// Waits for what is being written.
+    ~CheckpointKeeper() = default;
+
+    /// Both stay as they are until `finish` comes back.
+    void keep(const halftone::LoopState& state, const optics::AppearanceSequence& sequence) {
+        finish();
+        if (write_s_ > unnoticed_s && since_write_.total() < share_of_writing * write_s_) return;
+        since_write_ = {};
+        writing_ = std::async(std::launch::async, [this, &state, &sequence] {
+            checkpoint_.write(state, sequence);
+            write_s_ = since_write_.total();
+            tell_how_to_go_on();
+        });
+    }
+    /// The last state is written then, or it was said that it could not be.
+    void finish() {
+        if (!writing_.valid()) return;
+        try {
+            writing_.get();
+        } catch (const Error& error) {
+            if (std::exchange(warned_, true)) return;
+            progress_.warn(fmt::format("{} The loop goes on, but if it is interrupted it cannot be resumed from here",
+                                       error.what()));
+        }
+    }
+
+private:
+    static constexpr double share_of_writing = 20, unnoticed_s = 0.05;
+    void tell_how_to_go_on() const {
+        set_stop_advice(
+            fmt::format("the appearance loop is saved in {}: the same command with --resume goes on, with --resume "
+                        "--iterations 0 it prints the best that there is",
+                        checkpoint_.file().string()));
+    }
+
+    const LoopCheckpoint& checkpoint_;
+    Progress& progress_;
+    bool warned_ = false;
+    Stopwatch since_write_;
+    double write_s_ = 0;  ///< of the last one
+    std::future<void> writing_;
+};
+
+}  // namespace
+
+LoopCells::LoopCells(ViewedCells cells, const JobBody& body, double colour_mm)
+    : seen(std::move(cells)),
+      layers(halftone::skin_layers(colour_mm)),
+      places(*body.surface, body.grid.origin_mm),
+      index(seen.surface, {body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()}) {}
+
+LoopProblem::LoopProblem(const ResolvedJob& of_job, const JobBody& body, const LoadedResins& of_resins,
+                         const JobColour& colour, const PrintParts& of_parts, const Progress& progress)
+    : job(of_job),
+      resins(of_resins),
+      parts(of_parts),
+      print_bytes(job.prediction.memory_bytes / 3),
+      shape(shape_of(parts, resins, print_bytes, progress)),
+      scene(scene_of(shape, resins, body, job.picture.backing)),
+      cells(std::make_shared<const LoopCells>(find_viewed_cells(scene, body, job.prediction.cell_mm, progress), body,
+                                              colour.appearance.geometry().shell_mm)),
+      recipes(prepare_recipes(resins.set, colour.appearance.geometry(), cells->layers, progress)) {}
+
+SavedSkin saved_skin(const JobLoop& loop) {
+    SavedSkin skin;
+    skin.model = loop.model;
+    skin.seconds = loop.seconds;
+    skin.surface.cell_voxels = loop.cells->seen.surface.cell_voxels;
+    skin.surface.cells = loop.cells->seen.surface.cells;
+    for (optics::SurfaceCell& cell : skin.surface.cells) cell.first_face = cell.faces = 0;
+    skin.target = loop.cells->seen.target;
+    skin.cell_um = loop.cells->seen.cell_um;
+    skin.result = loop.result;
+    skin.mixtures = loop.mixtures;
+    return skin;
+}
+
+JobLoop loop_of(SavedSkin skin, const JobBody& body, double colour_mm) {
+    JobLoop loop;
+    loop.model = std::move(skin.model);
+    loop.seconds = skin.seconds;
+    loop.cells = std::make_shared<const LoopCells>(
+        ViewedCells{std::move(skin.surface), std::move(skin.target), skin.cell_um}, body, colour_mm);
+    loop.result = std::move(skin.result);
+    loop.mixtures = std::move(skin.mixtures);
+    loop.reread = true;
+    return loop;
+}
+
+JobLoop run_job_loop(const LoopProblem& problem, const LoopPlan& plan, const LoopCheckpoint& checkpoint,
+                     std::optional<halftone::ResumedLoop> before, Progress& progress) {
+    const Stopwatch watch;
+    const ResolvedJob& job = problem.job;
+    const LoopCells& cells = *problem.cells;
+    const SkinMap map = cells.map();
+    const auto model = loop_model(job, wants_deep_colour_in_nodes(plan, problem.scene), cells.layers.depth_mm(),
+                                  job.prediction.memory_bytes - problem.print_bytes);
+    const auto print = [&](const SkinSource* skin) {
+        return problem.parts.volume(skin, problem.print_bytes, progress);
+    };
+
+    halftone::LoopTask task;
+    task.model = model.get();
+    task.scene = problem.scene;
+    task.white_resin = white_of(problem.resins);
+    task.surface = &cells.seen.surface;
+    task.recipes = problem.recipes.get();
+    task.target = cells.seen.target;
+    task.open_loop = [&] { return print(nullptr); };
+    task.realise = [&](const halftone::SkinMixtures& mixtures) {
+        const SkinSource skin(map, mixtures, problem.resins.core);
+        return print(&skin);
+    };
+    task.mixture_gradient = [&](const auto& visit_all) {
+        return skin_gradient(problem.parts, map, cells.seen.surface.cells.size(), problem.resins.set.resins.size(),
+                             visit_all, progress);
+    };
+    halftone::LoopOptions options;
+    options.iterations = plan.iterations;
+    options.viewing_distance_mm = job.loop.viewing_distance_mm;
+    options.intent = job.loop.intent;
+    options.descent = plan.descent;
+
+    JobLoop loop;
+    loop.model = name_of(job.loop.model);
+    loop.cells = problem.cells;
+    CheckpointKeeper keeper(checkpoint, progress);
+    const auto keep = [&](const halftone::LoopState& state, const optics::AppearanceSequence& sequence) {
+        keeper.keep(state, sequence);
+        return [&keeper] { keeper.finish(); };
+    };
+    loop.result = halftone::run_appearance_loop(task, options, progress, keep, std::move(before));
+    keeper.finish();
+    if (loop.result.cancelled) throw Cancelled();
+    if (loop.result.best) loop.mixtures = halftone::cumulative_mixtures(*loop.result.best);
+    loop.result.best.reset();
+    loop.seconds = watch.total();
+    return loop;
+}
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/colour/job_prediction.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "base/error.h"
+#include "base/stopwatch.h"
+#include "halftone/loop/eye_filter.h"
+#include "halftone/loop/misfit.h"
+#include "halftone/loop/paper.h"
+#include "slicer/look/coarse_cells.h"
+#include "slicer/options/model_choice.h"
+#include "slicer/surface/target_cells.h"
+
+namespace voxtone::slicer {
+
+JobVolume::JobVolume(const VoxelGrid& grid, std::uint64_t memory_bytes) {
+    volume_.emplace(LayerWindow{{}, grid.size}, std::array{grid.pitch_mm.x(), grid.pitch_mm.y(), grid.pitch_mm.z()},
+                    LayerVolume::same_materials(), memory_bytes);
+}
+
+void JobVolume::add(int k, const io::LayerRuns& layer) {
+    if (given_up_) return;
+    try {
+        volume_->add(k, layer);
+    } catch (const ResourceError& error) {
+        const std::scoped_lock lock(mutex_);
+        given_up_ = true;
+        why_not_ = error.what();
+    }
+}
+
+std::optional<optics::ResinVolume> JobVolume::finish() {
+    std::optional<optics::ResinVolume> volume;
+    if (!given_up_) volume = volume_->finish();
+    volume_.reset();
+    return volume;
+}
+
+SeenPrint seen_from(const JobPrediction& p, double viewing_distance_mm, bool adapts) {
+    const halftone::EyeFilter eye(p.predicted.surface, viewing_distance_mm, halftone::EyeSurround::none);
+    SeenPrint seen;
+    if (adapts) seen.paper = halftone::paper_level(p.predicted.surface, p.target, p.predicted.rgb);
+    std::vector<Eigen::Vector3f> print = p.predicted.rgb;
+    for (Eigen::Vector3f& rgb : print) rgb /= seen.paper;
+    seen.target = eye.filter(p.target), seen.print = eye.filter(print);
+    seen.difference = colour_differences(seen.target, seen.print);
+    seen.regions = halftone::colour_regions(p.predicted.surface, p.target);
+    const std::vector<Eigen::Vector3f> near_target = eye.smoothed(p.target), near = eye.smoothed(print);
+    seen.looks = halftone::look_at(seen.regions, p.predicted.surface, near_target, near);
+    for (const halftone::ColourRegion& region : seen.regions)
+        seen.rims.push_back(region.kind == halftone::RegionKind::solid
+                                ? halftone::rim_chroma(region, p.predicted.surface, near_target, near)
+                                : 0);
+    const halftone::EyeFilter wide(p.predicted.surface, halftone::wider * viewing_distance_mm,
+                                   halftone::EyeSurround::none);
+    seen.fine = halftone::fine_contrast(near_target, near, wide);
+    return seen;
+}
+
+JobPrediction prediction_of_loop(const JobLoop& loop, optics::ResinVolume volume) {
+    const ViewedCells& cells = loop.cells->seen;
+    JobPrediction job;
+    job.model = loop.model + ", in the loop's cells";
+    job.volume = std::move(volume);
+    job.predicted.surface = cells.surface;
+    job.predicted.channels = 3;
+    job.predicted.rgb = loop.result.state.shown;
+    for (const Eigen::Vector3f& rgb : job.predicted.rgb)
+        job.predicted.value.insert(job.predicted.value.end(), rgb.data(), rgb.data() + 3);
+    job.target = cells.target;
+    job.cell_um = cells.cell_um;
+    job.open_loop = loop.result.state.open;
+    job.difference = colour_differences(job.target, job.predicted.rgb);
+    job.summary = summarize_by_area(job.predicted.surface, job.difference);
+    return job;
+}
+
+JobPrediction predict_print(const ResolvedJob& job, PredictionModel model, const JobBody& body,
+                            const LoadedResins& resins, optics::ResinVolume volume, const ViewedCells* known,
+                            Progress& progress) {
+    const Stopwatch watch;
+    JobPrediction prediction;
+    prediction.model = name_of(model);
+    prediction.channels = resins.set.channels;
+    prediction.volume = std::move(volume);
+    progress.begin_stage("predict", 0);
+    const optics::Scene scene = scene_of(prediction.volume, resins, body, job.picture.backing);
+    ViewedCells cells = known ? *known : find_viewed_cells(scene, body, job.prediction.cell_mm, progress);
+    prediction.target = std::move(cells.target);
+    prediction.cell_um = cells.cell_um;
+    std::optional<MeshBoundary> boundary;
+    if (model == PredictionModel::monte_carlo && !body.is_picture) boundary = boundary_of(body);
+    std::optional<CoarseCells> coarse;
+    if (model == PredictionModel::transport) coarse = coarse_cells(scene.volume->pitch_mm(), job.prediction.cell_mm);
+    const ModelMaker maker = [&](bool white) {
+        const std::uint64_t memory = job.prediction.memory_bytes;
+        ModelOptions quality;
+        quality.cell_mm = coarse ? eye_cell_mm : job.prediction.cell_mm;
+        quality.viewing_cells = coarse.has_value();
+        quality.memory_bytes = memory - std::min(memory, std::uint64_t{2 * prediction.volume.memory_bytes()});
+        set_depth_of_cells(quality, scene.backing);
+        quality.boundary = boundary ? &*boundary : nullptr;
+        quality.seed = white ? ~job.seed : job.seed;
+        return make_model(model, quality);
+    };
+    const int white = resins.set.find("W");
+    const auto predicted_on = [&](optics::Surface surface) {
+        return predict_surface(scene, std::move(surface), maker, white >= 0 ? white : resins.core, progress);
+    };
+    if (coarse) {
+        optics::Surface eye = optics::find_surface(scene, coarse->eye, seen_part(body), &progress);
+        prediction.predicted = averaged(predicted_on(std::move(eye)), std::move(cells.surface), seen_part(body));
+    } else {
+        prediction.predicted = predicted_on(std::move(cells.surface));
+    }
+    prediction.difference = colour_differences(prediction.target, prediction.predicted.rgb);
+    prediction.summary = summarize_by_area(prediction.predicted.surface, prediction.difference);
+    progress.end_stage();
+    prediction.seconds = watch.total();
+    return prediction;
+}
+
+}  // namespace voxtone::slicer

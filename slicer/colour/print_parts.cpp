@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/colour/print_parts.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "slicer/layers/layer_volume.h"
+
+namespace voxtone::slicer {
+
+PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, double shell_mm)
+    : body_(body),
+      resins_(resins),
+      seed_(job.seed),
+      solid_(*body.solid, body.grid),
+      shell_(body.surface, body.grid, shell_mm),
+      // Voxels are sampled at their centres: texture details finer than a voxel's footprint would alias.
+      surface_colour_(body.model.mesh, std::sqrt(body.grid.pitch_mm.x() * body.grid.pitch_mm.y())) {
+    if (job.keep_thin) thin_.emplace(body.solid, solid_);
+}
+
+PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, const JobColour& colour,
+                       const Progress& progress)
+    : PrintParts(job, body, resins, job.colour.depth_mm) {
+    colour_ = &colour;
+    if (job.colour.screen == ScreenKind::blue_noise)
+        screen_.emplace(std::array{body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()}, &progress);
+}
+
+PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins,
+                       const WrappedLayers& wrapped)
+    : PrintParts(job, body, resins, wrapped.shell_mm()) {
+    wrapped_ = &wrapped;
+}
+
+LayerSources PrintParts::sources(const SkinSource* skin) const {
+    LayerSources sources{.solid = solid_,
+                         .thin = thin_ ? &*thin_ : nullptr,
+                         .surface = *body_.surface,
+                         .shell = shell_,
+                         .core = resins_.core_material(),
+                         .resins = wrapped_};
+    if (colour_)
+        sources.resins.emplace<MixtureSources>(surface_colour_, colour_->separation, screen_ ? &*screen_ : nullptr,
+                                               seed_, skin);
+    return sources;
+}
+
+optics::ResinVolume PrintParts::volume(const SkinSource* skin, std::uint64_t memory_bytes,
+                                       const Progress& progress) const {
+    return volume_of(sources(skin), memory_bytes, progress);
+}
+
+optics::ResinVolume PrintParts::shape(std::uint64_t memory_bytes, const Progress& progress) const {
+    LayerSources all_core = sources(nullptr);
+    all_core.core_only = true;
+    return volume_of(all_core, memory_bytes, progress);
+}
+
+optics::ResinVolume PrintParts::volume_of(const LayerSources& sources, std::uint64_t memory_bytes,
+                                          const Progress& progress) const {
+    const LayerMaker maker(sources);
+    const VoxelGrid& grid = body_.grid;
+    LayerVolume volume(LayerWindow{{}, grid.size}, {grid.pitch_mm.x(), grid.pitch_mm.y(), grid.pitch_mm.z()},
+                       LayerVolume::same_materials(), memory_bytes);
+    const int layers = grid.size[2];
+    parallel_for(
+        0, static_cast<std::size_t>((layers + maker.slab_layers() - 1) / maker.slab_layers()), 1,
+        [&](std::size_t slab) {
+            progress.check_cancelled();
+            (void)maker.make(static_cast<int>(slab), 0, layers,
+                             [&](int k, const io::LayerRuns& layer) { volume.add(k, layer); });
+        },
+        &progress);
+    return volume.finish();
+}
+
+void PrintParts::for_each_block(const optics::VoxelBox& box, const std::function<void(const ShellBlock&)>& visit,
+                                const Progress& progress) const {
+    const int depth = shell_.block_size()[2], across = shell_.block_size()[1], layers = body_.grid.size[2];
+    const auto first_of = [](int voxel, int edge) { return std::max(voxel, 0) / edge; };
+    const auto end_of = [](int voxel, int edge, int blocks) { return std::min((voxel + edge - 1) / edge, blocks); };
+    const int end = end_of(box.end[2], depth, shell_.block_layers()),
+              last_row = end_of(box.end[1], across, shell_.block_rows());
+    parallel_for(
+        static_cast<std::size_t>(first_of(box.begin[2], depth)), static_cast<std::size_t>(end), 1,
+        [&](std::size_t slab) {
+            progress.check_cancelled();
+            const int first = static_cast<int>(slab) * depth, last = std::min(first + depth, layers);
+            SpanSlab spans;
+            if (thin_)
+                (void)thin_->slab(first, last, spans);
+            else
+                solid_.slab(first, last, spans);
+            for (int row = first_of(box.begin[1], across); row < last_row; ++row)
+                shell_.for_each_block(row, static_cast<int>(slab), spans, visit, box.begin[0], box.end[0]);
+        },
+        &progress);
+}
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What the layers of a job are made of, made once: solid, surface shell, target colours, screen. Layers come out of it
+// as often as they are asked for: to be written, or as the volume that a model looks at.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+#include "base/progress.h"
+#include "halftone/screens/blue_noise_screen.h"
+#include "optics/media/resin_volume.h"
+#include "slicer/layers/layer_maker.h"
+#include "slicer/layers/wrapped_layers.h"
+#include "slicer/options/resolved_job.h"
+#include "slicer/prepare/job_body.h"
+#include "slicer/prepare/job_colour.h"
+#include "slicer/solid/solid.h"
+#include "slicer/solid/thin_features.h"
+#include "slicer/surface/surface_colour.h"
+#include "slicer/surface/surface_shell.h"
+
+namespace voxtone::slicer {
+
+class PrintParts {
+public:
+    /// The shell by colour. Keeps references to all but the options.
+    PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, const JobColour& colour,
+               const Progress& progress);
+    /// The shell by layers.
+    PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, const WrappedLayers& wrapped);
+    PrintParts(const PrintParts&) = delete;
+    PrintParts& operator=(const PrintParts&) = delete;
+
+    [[nodiscard]] const SurfaceColour& surface_colour() const { return surface_colour_; }
+    /// `skin`: null: the separation's mixtures. Means nothing where the shell is made of layers.
+    [[nodiscard]] LayerSources sources(const SkinSource* skin) const;
+    /// All layers as a volume. Throws ResourceError where it takes more than `memory_bytes`.
+    [[nodiscard]] optics::ResinVolume volume(const SkinSource* skin, std::uint64_t memory_bytes,
+                                             const Progress& progress) const;
+    /// The same voxels, all of the core resin: a third of the work.
+    [[nodiscard]] optics::ResinVolume shape(std::uint64_t memory_bytes, const Progress& progress) const;
+    /// Visits the blocks that touch a box of voxels and have shell voxels, from several threads at once.
+    void for_each_block(const optics::VoxelBox& box, const std::function<void(const ShellBlock&)>& visit,
+                        const Progress& progress) const;
+
+private:
+    [[nodiscard]] optics::ResinVolume volume_of(const LayerSources& sources, std::uint64_t memory_bytes,
+                                                const Progress& progress) const;
+    PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, double shell_mm);
+
+    const JobBody& body_;
+    const LoadedResins& resins_;
+    const JobColour* colour_ = nullptr;       ///< this
+    const WrappedLayers* wrapped_ = nullptr;  ///< or that
+    std::uint64_t seed_;
+    Solid solid_;
+    SurfaceShell shell_;
+    SurfaceColour surface_colour_;
+    std::optional<ThinFeatures> thin_;
+    std::optional<halftone::BlueNoiseScreen> screen_;
+};
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The state of an appearance loop on disk, so that an interrupted job can go on to the same bits: OUT/loop.checkpoint,
+// written after an iteration under a temporary name and renamed, removed when the job is done. With the light that
+// the predictor keeps it has some 200 bytes for each surface cell and 50 for each cell that light is followed through:
+// 216 MB for a body of 30 mm. It is written while the next print is made, without a copy; a state that takes more than
+// a second is written less often (CheckpointKeeper in job_loop.cpp).
+//
+// A state belongs to one job, and another job's is refused. Two digests in the file say whose it is: one of what a job
+// is known by before its model is read, so that a wrong state is refused before time is spent; and one of the job's
+// identity as far as it matters to the loop (job_identity.h: what the inputs hold, not their names; not --iterations)
+// with the target of every cell. Digests are XXH64: nobody gains by a forged state, and it must cost nothing beside
+// the iteration.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "base/progress.h"
+#include "halftone/loop/appearance_loop.h"
+
+namespace voxtone::slicer {
+
+class LoopCheckpoint {
+public:
+    /// `opened_identity`: opened_loop_identity of the job; `loop_identity`: JobIdentity::loop.
+    LoopCheckpoint(const std::filesystem::path& folder, std::string_view opened_identity,
+                   std::string_view loop_identity, std::span<const Eigen::Vector3f> target);
+
+    /// Throws FileError, TryAgain; what was written before stays then. From any thread, one at a time; what it writes
+    /// is read as it goes.
+    void write(const halftone::LoopState& state, const optics::AppearanceSequence& sequence) const;
+    /// Nothing, with a note, where there is none. Throws InputError for one of another job, FileError for a broken one.
+    [[nodiscard]] std::optional<halftone::ResumedLoop> read(Progress& progress) const;
+    [[nodiscard]] bool exists() const;
+    [[nodiscard]] const std::filesystem::path& file() const { return file_; }
+
+    /// Throws InputError where `folder` holds the state of an interrupted loop that this job would throw away.
+    static void refuse_loss(const std::filesystem::path& folder, bool resume, bool overwrite);
+    /// What of `read` can be said before the model is read: throws as it does. Nothing there is no fault.
+    static void expect_same_job(const std::filesystem::path& folder, std::string_view opened_identity);
+    /// Once the job is done.
+    static void remove_from(const std::filesystem::path& folder);
+
+private:
+    using Piece = std::function<void(const void*, std::size_t)>;
+    void hand_over(const Piece& take, const halftone::LoopState& state,
+                   const optics::AppearanceSequence& sequence) const;
+
+    std::filesystem::path file_;
+    std::uint64_t opened_digest_, digest_;
+    std::size_t cells_;
+};
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A print whose surface shows how light spreads: stacks of layers under each point (job_layers.h). It has no appearance
+// loop and no prediction.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "slicer/colour/print_parts.h"
+#include "slicer/layered/job_layers.h"
+#include "slicer/layered/layers_report.h"
+#include "slicer/look/upright_cut.h"
+#include "slicer/prepare/opened_job.h"
+#include "slicer/prepare/print.h"
+
+namespace voxtone::slicer {
+
+class LayeredPrint final : public Print {
+public:
+    /// Searches the stacks. Keeps references to the job, which has a map, and the body.
+    LayeredPrint(const OpenedJob& job, const JobBody& body, Progress& progress);
+
+    void prepare(Progress& progress) override;
+    void rearrange(Progress&) override {}
+    [[nodiscard]] JobResult keep_loop() const override { return {}; }
+    [[nodiscard]] std::vector<float> separation() const override { return {}; }
+    [[nodiscard]] LayerSources sources() const override;
+    void expect_layers(const LayerRange& range) override;
+    void see(int k, const io::LayerRuns& layer) override;
+    /// Writes the closed surfaces of its layers, where they were asked for.
+    void look(const io::StackDescription& stack, Progress& progress) override;
+    [[nodiscard]] std::vector<io::ReportStage> stages_before_layers() const override;
+    [[nodiscard]] std::vector<io::ReportStage> stages_after_layers() const override;
+    void add_to(io::Report& report) const override;
+    void draw(io::Report& report, Progress& progress) const override;
+    [[nodiscard]] std::string summary(const io::Report& report) const override;
+    [[nodiscard]] std::string written_text() const override;
+
+private:
+    const OpenedJob& job_;
+    const JobBody& body_;
+    std::unique_ptr<const JobLayers> layers_;
+    PrintParts parts_;
+    std::optional<UprightCut> cut_;  ///< for the report
+    std::vector<SurfaceFile> surfaces_;
+    double surfaces_s_ = 0;
+};
+
+}  // namespace voxtone::slicer
