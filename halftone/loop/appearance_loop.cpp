@@ -543,7 +543,7 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
     expect_finite(task.target);
     // White is predicted first, and belongs to it.
     const int made = resume ? static_cast<int>(resume->state.steps.size()) : 0;
-    progress.begin_stage("appearance loop", static_cast<std::uint64_t>(std::max(0, most_of(options) + 1 - made)),
+    progress.begin_stage(loop_stage, static_cast<std::uint64_t>(std::max(0, most_of(options) + 1 - made)),
                          "predictions");
     LoopRun run(task, options, progress, listener);
     if (resume)

@@ -37,6 +37,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -50,6 +51,9 @@
 #include "optics/scene/appearance_model.h"
 
 namespace voxtone::halftone {
+
+/// The stage of Progress that a loop is.
+inline constexpr std::string_view loop_stage = "appearance loop";
 
 enum class Intent {
     relative,  ///< white of the target is the white resin at that place

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "io/files/json_object.h"
-#include "slicer/estimate/phase_estimates.h"
+#include "slicer/plan/phase_estimates.h"
 
 namespace voxtone::slicer {
 

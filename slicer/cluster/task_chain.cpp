@@ -9,9 +9,9 @@
 #include <fmt/core.h>
 
 #include "io/files/read_options.h"
-#include "slicer/estimate/phase_estimates.h"
 #include "slicer/options/command_words.h"
 #include "slicer/options/model_choice.h"
+#include "slicer/plan/phase_estimates.h"
 #include "slicer/prepare/opened_job.h"
 
 namespace voxtone::slicer {
@@ -22,16 +22,14 @@ constexpr double time_factor = 3, time_added_s = 600;  // estimates are within 1
 constexpr double least_s_per_core = 60;
 constexpr std::uint64_t beside_bytes = 64'000'000;  // what watches over a task, and its shell
 
-using Names = std::initializer_list<std::string_view>;
-
 class StageSums {
 public:
     explicit StageSums(const JobEstimate& estimate) : estimate_(estimate) {}
 
-    /// `share` of the phases of these names.
-    void add(Names names, double share = 1) {
+    /// `share` of these phases.
+    void add(std::initializer_list<Phase> those, double share = 1) {
         for (const PhaseEstimate& phase : estimate_.phases)
-            if (std::find(names.begin(), names.end(), phase.name) != names.end()) add(phase, share);
+            if (std::find(those.begin(), those.end(), phase.phase) != those.end()) add(phase, share);
     }
     void add_all() {
         for (const PhaseEstimate& phase : estimate_.phases) add(phase, 1);
@@ -63,17 +61,17 @@ StageSums sums_of(TaskStage stage, const JobEstimate& estimate, int shards) {
             sums.add_all();
             return sums;
         case TaskStage::prepare:
-            sums.add({"read and repair", "separate colours", "prepare the loop", "appearance loop"});
+            sums.add({Phase::read, Phase::separate, Phase::prepare_loop, Phase::loop});
             return sums;
         case TaskStage::layers:
-            sums.add({"read and repair", "separate colours"});
-            sums.add({"layers"}, 1.0 / shards);
+            sums.add({Phase::read, Phase::separate});
+            sums.add({Phase::layers}, 1.0 / shards);
             return sums;
         case TaskStage::merge:
             break;
     }
-    sums.add({"read and repair", "separate colours", "report"});
-    if (estimate.prediction) sums.add({"layers", "predict"});  // it makes the layers once more, in memory
+    sums.add({Phase::read, Phase::separate, Phase::report});
+    if (estimate.prediction) sums.add({Phase::layers, Phase::predict});  // it makes the layers once more, in memory
     return sums;
 }
 
@@ -108,7 +106,7 @@ int shards_for(const JobEstimate& estimate, const ChainOptions& options) {
     const int most = std::clamp(int(estimate.layers), 1, options.most_shards);
     if (options.shards > 0) return std::min(options.shards, most);
     StageSums layers(estimate);
-    layers.add({"layers"});
+    layers.add({Phase::layers});
     const int cores = cores_for(layers.cpu_s(), options.most_cores);
     return int(std::clamp(std::ceil(layers.seconds_on(cores) / options.shard_s), 1.0, double(most)));
 }

@@ -16,6 +16,7 @@
 #include "slicer/colour/loop_report.h"
 #include "slicer/colour/verdict.h"
 #include "slicer/colour/viewer_report.h"
+#include "slicer/prepare/phase.h"
 
 namespace voxtone::slicer {
 
@@ -32,19 +33,15 @@ std::unique_ptr<const JobColour> separate(const OpenedJob& job, const JobBody& b
 
 }  // namespace
 
-ColourPrint::ColourPrint(const OpenedJob& job, const JobBody& body, const JobIdentity& identity, Progress& progress)
+ColourPrint::ColourPrint(const OpenedJob& job, const JobBody& body, const JobIdentity& identity, const JobPlan& plan,
+                         Progress& progress)
     : job_(job),
       body_(body),
       identity_(identity),
       colour_(separate(job, body, separation_s_, progress)),
       parts_(job.options, body, job.resins, *colour_, progress),
-      all_white_(prints_all_white(parts_.surface_colour(), job.resins)),
-      loop_plan_(plan_loop(job.options, body, job.resins, all_white_)) {}
-
-void ColourPrint::print_open_loop(const std::string& why, Progress& progress) {
-    loop_plan_ = {.why_not = fmt::format("The resins were not rearranged: {}.", why)};
-    progress.warn(loop_plan_.why_not);
-}
+      plan_(plan),
+      why_no_loop_(plan.loop.why_not) {}
 
 SkinFile ColourPrint::skin_file() const {
     return {job_.options.loop.mixtures, identity_.opened_loop, identity_.loop, job_.options.asked.iterations};
@@ -52,7 +49,7 @@ SkinFile ColourPrint::skin_file() const {
 
 bool ColourPrint::may_loop() const {
     const JobLoopOptions& loop = job_.options.loop;
-    return (loop.iterations != 0 || job_.options.resume) && !(all_white_ && !loop.iterations) &&
+    return (loop.iterations != 0 || job_.options.resume) && !(plan_.all_white && !loop.iterations) &&
            nothing_to_rearrange(body_, job_.resins).empty();
 }
 
@@ -74,7 +71,7 @@ bool ColourPrint::take_saved_loop(Progress& progress) {
     SavedSkin saved = file.read(halftone::skin_layers(colour_mm).size());
     progress.note(fmt::format("the appearance loop was run before: {}", file.path().string()));
     if (!saved.left_out.empty()) {
-        loop_plan_ = {.why_not = std::move(saved.left_out)};
+        why_no_loop_ = std::move(saved.left_out);
         return true;
     }
     loop_ = loop_of(std::move(saved), body_, colour_mm);
@@ -91,7 +88,7 @@ JobResult ColourPrint::keep_loop() const {
     const SkinFile file = skin_file();
     SavedSkin skin;
     if (loop_) skin = saved_skin(*loop_);
-    if (!loop_) skin.left_out = loop_plan_.why_not.empty() ? "No appearance loop was asked for." : loop_plan_.why_not;
+    if (!loop_) skin.left_out = why_no_loop_.empty() ? "No appearance loop was asked for." : why_no_loop_;
     if (!loop_ || !loop_->reread) file.write(skin);
     const std::string what = loop_ ? fmt::format("{}, seen difference {:.2f} CIEDE2000 on average",
                                                  counted(loop_->result.state.steps.size() - 1, "iteration"),
@@ -116,29 +113,23 @@ void ColourPrint::prepare(Progress& progress) {
                 "with --until loop in the place of --shard first, or leave the loop out (--iterations 0)",
                 job_.options.loop.mixtures.string()));
     }
-    if (!loop_plan_.wanted) {
-        if (!loop_plan_.why_not.empty()) progress.note(loop_plan_.why_not);
+    if (!plan_.loop.wanted) {
+        if (!why_no_loop_.empty()) progress.note(why_no_loop_);
         return;
     }
+    if (!plan_.loop.does_not_fit.empty()) throw ResourceError(plan_.loop.does_not_fit);
     const Stopwatch watch;
-    try {
-        progress.begin_stage("prepare the loop", 0);
-        auto problem =
-            std::make_unique<const LoopProblem>(job_.options, body_, job_.resins, *colour_, parts_, progress);
-        progress.end_stage();
-        const LoopCheckpoint checkpoint(job_.options.out, identity_.opened_loop, identity_.loop,
-                                        problem->cells->seen.target);
-        prepared_.emplace(std::move(problem), checkpoint, std::nullopt);
-        if (job_.options.resume)
-            prepared_->before = checkpoint.read(progress);
-        else if (checkpoint.exists())
-            progress.note("--overwrite: the saved state of an interrupted appearance loop is thrown away");
-        if (loop_plan_.iterations == 0 && !prepared_->before) prepared_.reset();
-    } catch (const ResourceError& error) {
-        if (job_.options.resume) throw;  // what is saved is not given up
-        prepared_.reset();
-        print_open_loop(error.what(), progress);
-    }
+    progress.begin_stage(name_of(Phase::prepare_loop), 0);
+    auto problem = std::make_unique<const LoopProblem>(job_.options, body_, job_.resins, *colour_, parts_, progress);
+    progress.end_stage();
+    const LoopCheckpoint checkpoint(job_.options.out, identity_.opened_loop, identity_.loop,
+                                    problem->cells->seen.target);
+    prepared_.emplace(std::move(problem), checkpoint, std::nullopt);
+    if (job_.options.resume)
+        prepared_->before = checkpoint.read(progress);
+    else if (checkpoint.exists())
+        progress.note("--overwrite: the saved state of an interrupted appearance loop is thrown away");
+    if (plan_.loop.iterations == 0 && !prepared_->before) prepared_.reset();
     loop_s_ = watch.total();
 }
 
@@ -149,26 +140,20 @@ std::optional<ColourRecipes> ColourPrint::made_with() const {
 void ColourPrint::rearrange(Progress& progress) {
     if (!prepared_) return;
     const Stopwatch watch;
-    try {
-        loop_ = run_job_loop(*prepared_->problem, loop_plan_, prepared_->checkpoint, std::move(prepared_->before),
-                             progress);
-        loop_->seconds += loop_s_;
-        print_loop();
-    } catch (const ResourceError& error) {
-        if (job_.options.resume) throw;
-        print_open_loop(error.what(), progress);
-    }
+    loop_ =
+        run_job_loop(*prepared_->problem, plan_.loop, prepared_->checkpoint, std::move(prepared_->before), progress);
+    loop_->seconds += loop_s_;
+    print_loop();
     prepared_.reset();
     loop_s_ += watch.total();
 }
 
-LayerSources ColourPrint::sources() const { return parts_.sources(skin_ ? &*skin_ : nullptr); }
+std::unique_ptr<const LayerSource> ColourPrint::layers() const {
+    return std::make_unique<LayerMaker>(parts_.sources(skin_ ? &*skin_ : nullptr));
+}
 
-void ColourPrint::expect_layers(const LayerRange& range) {
-    const bool all_layers = range.first == 0 && range.last + 1 == body_.grid.size[2];
-    // A spectral set is asked for its spectra, which the loop does not keep.
-    const bool reusable = loop_ && !job_.resins.set.channels.is_spectral();
-    prediction_plan_ = plan_prediction(job_.options, body_, all_layers, reusable, all_white_);
+void ColourPrint::expect_layers(const LayerRange&) {
+    prediction_plan_ = plan_prediction(job_, body_, plan_, loop_.has_value());
     // The volume and its white twin are held at once.
     if (prediction_plan_.by != PredictionPlan::By::nothing)
         volume_.emplace(body_.grid, job_.options.prediction.memory_bytes / 2);
@@ -210,12 +195,12 @@ void ColourPrint::look(const io::StackDescription&, Progress& progress) {
 }
 
 std::vector<io::ReportStage> ColourPrint::stages_before_layers() const {
-    return {{"separate colours", separation_s_}, {"appearance loop", loop_s_}};
+    return {{std::string(name_of(Phase::separate)), separation_s_}, {std::string(name_of(Phase::loop)), loop_s_}};
 }
 
 std::vector<io::ReportStage> ColourPrint::stages_after_layers() const {
     if (!prediction_) return {};
-    return {{"predict", prediction_->seconds}};
+    return {{std::string(name_of(Phase::predict)), prediction_->seconds}};
 }
 
 void ColourPrint::add_to(io::Report& report) const {
@@ -223,9 +208,9 @@ void ColourPrint::add_to(io::Report& report) const {
     if (loop_) report.loop = loop_report(*loop_, body_, prediction_ ? &prediction_->volume : nullptr, job_.palette());
     report.verdict =
         judge({job_, body_, *colour_, prediction_, prediction_plan_.why_not, *report.gamut, loop_.has_value(),
-               loop_ && loop_plan_.iterations >= 0 && loop_->result.why_stopped == halftone::all_iterations_made,
-               all_white_});
-    if (!loop_plan_.why_not.empty() && !all_white_) report.warnings.push_back(loop_plan_.why_not);
+               loop_ && plan_.loop.iterations >= 0 && loop_->result.why_stopped == halftone::all_iterations_made,
+               plan_.all_white});
+    if (!why_no_loop_.empty() && !plan_.all_white) report.warnings.push_back(why_no_loop_);
     add_remarks(loop_, prediction_, report);
 }
 

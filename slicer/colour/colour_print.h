@@ -11,27 +11,28 @@
 #include "slicer/colour/print_parts.h"
 #include "slicer/kept/job_identity.h"
 #include "slicer/layers/skin_source.h"
-#include "slicer/prepare/loop_plan.h"
+#include "slicer/plan/job_plan.h"
 #include "slicer/prepare/opened_job.h"
-#include "slicer/prepare/prediction_plan.h"
 #include "slicer/prepare/print.h"
 
 namespace voxtone::slicer {
 
 class ColourPrint final : public Print {
 public:
-    /// Separates the colours. Keeps references to the job, the body and the identity.
-    ColourPrint(const OpenedJob& job, const JobBody& body, const JobIdentity& identity, Progress& progress);
+    /// Separates the colours. Keeps references to all but progress.
+    ColourPrint(const OpenedJob& job, const JobBody& body, const JobIdentity& identity, const JobPlan& plan,
+                Progress& progress);
 
     /// Takes what an earlier job of this body found, or sets the appearance loop up, and reads the checkpoint to go on
-    /// from where that was asked for. Throws InputError where the loop is for another job to run and has not run.
+    /// from where that was asked for. Throws InputError where the loop is for another job to run and has not run,
+    /// ResourceError where it takes more memory than is allowed.
     void prepare(Progress& progress) override;
     [[nodiscard]] std::optional<ColourRecipes> made_with() const override;
-    /// Runs the loop. Where memory does not suffice the open loop stays, with a warning.
+    /// Runs the loop. Throws ResourceError where memory does not suffice.
     void rearrange(Progress& progress) override;
     [[nodiscard]] JobResult keep_loop() const override;
     [[nodiscard]] std::vector<float> separation() const override { return colour_->separation.lattice(); }
-    [[nodiscard]] LayerSources sources() const override;
+    [[nodiscard]] std::unique_ptr<const LayerSource> layers() const override;
     void expect_layers(const LayerRange& range) override;
     void see(int k, const io::LayerRuns& layer) override;
     /// Predicts the print; where memory does not suffice, not, with a warning.
@@ -56,7 +57,6 @@ private:
     /// False where nothing is there that this job may take.
     bool take_saved_loop(Progress& progress);
     void print_loop();
-    void print_open_loop(const std::string& why, Progress& progress);
     [[nodiscard]] JobPrediction predict(optics::ResinVolume volume, Progress& progress) const;
 
     const OpenedJob& job_;
@@ -65,8 +65,8 @@ private:
     double separation_s_ = 0, loop_s_ = 0;
     std::unique_ptr<const JobColour> colour_;
     PrintParts parts_;
-    bool all_white_;  ///< asked for everywhere, and printed
-    LoopPlan loop_plan_;
+    const JobPlan& plan_;
+    std::string why_no_loop_;               ///< a sentence, or empty where none is due
     std::optional<PreparedLoop> prepared_;  ///< until it has run
     std::optional<JobLoop> loop_;           ///< nothing: the open loop is printed
     bool foreign_skin_ = false;             ///< of another job, to be removed once the stack is whole

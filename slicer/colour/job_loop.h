@@ -3,8 +3,7 @@
 // The appearance loop of a job: from the open-loop print to the mixtures of its surface cells that look most like the
 // target.
 //
-// Whether there is one says prepare/loop_plan.h; where its memory turns out not to suffice, the job goes on with the
-// open loop and says so.
+// Whether there is one says plan/loop_plan.h.
 //
 // First everything is prepared that may refuse the job (LoopCells, LoopProblem, the checkpoint of an interrupted job);
 // then the loop runs, for hours if need be.
@@ -26,9 +25,9 @@
 #include "slicer/layers/cell_index.h"
 #include "slicer/layers/skin_source.h"
 #include "slicer/options/resolved_job.h"
+#include "slicer/plan/loop_plan.h"
 #include "slicer/prepare/job_body.h"
 #include "slicer/prepare/job_colour.h"
-#include "slicer/prepare/loop_plan.h"
 
 namespace voxtone::slicer {
 
@@ -79,9 +78,6 @@ struct JobLoop {
 /// What shards and other jobs of the body need of it, and the way back. `colour_mm`: depth of the coloured shell.
 [[nodiscard]] SavedSkin saved_skin(const JobLoop& loop);
 [[nodiscard]] JobLoop loop_of(SavedSkin skin, const JobBody& body, double colour_mm);
-
-/// Whether there is anything that a loop could choose, whatever memory it takes. Empty: yes; else why not, a sentence.
-[[nodiscard]] std::string nothing_to_rearrange(const JobBody& body, const LoadedResins& resins);
 
 /// Goes on after `before` where there is one. Writes the checkpoint after each iteration, or where that takes longer
 /// than anybody would notice as often as a twentieth of the time allows; where it cannot be written the loop goes on,

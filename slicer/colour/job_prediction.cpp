@@ -13,6 +13,7 @@
 #include "halftone/loop/paper.h"
 #include "slicer/look/coarse_cells.h"
 #include "slicer/options/model_choice.h"
+#include "slicer/prepare/phase.h"
 #include "slicer/surface/target_cells.h"
 
 namespace voxtone::slicer {
@@ -87,7 +88,7 @@ JobPrediction predict_print(const ResolvedJob& job, PredictionModel model, const
     prediction.model = name_of(model);
     prediction.channels = resins.set.channels;
     prediction.volume = std::move(volume);
-    progress.begin_stage("predict", 0);
+    progress.begin_stage(name_of(Phase::predict), 0);
     const optics::Scene scene = scene_of(prediction.volume, resins, body, job.picture.backing);
     ViewedCells cells = known ? *known : find_viewed_cells(scene, body, job.prediction.cell_mm, progress);
     prediction.target = std::move(cells.target);

@@ -12,9 +12,6 @@
 #include "base/stopwatch.h"
 #include "io/disk/disk_space.h"
 #include "slicer/estimate/orientations.h"
-#include "slicer/estimate/phase_estimates.h"
-#include "slicer/prepare/loop_plan.h"
-#include "slicer/prepare/prediction_plan.h"
 #include "slicer/prepare/resin_choice.h"
 
 namespace voxtone::slicer {
@@ -24,11 +21,10 @@ namespace {
 /// Measures how the model is read and repaired.
 class Reading {
 public:
-    [[nodiscard]] ReadBody finish() const {
+    [[nodiscard]] PhaseEstimate finish() const {
         // The program that reads works beside this one.
-        return {{"read and repair", cpu_seconds() - cpu_began_s_, watch_.total(),
-                 peak_memory_bytes() + peak_child_memory_bytes(), true},
-                resident_bytes()};
+        return {Phase::read, cpu_seconds() - cpu_began_s_, watch_.total(),
+                peak_memory_bytes() + peak_child_memory_bytes(), true};
     }
 
 private:
@@ -42,13 +38,12 @@ struct MadeColours {
     std::unique_ptr<const halftone::MinimalDepthSeparation> recipes;  ///< of the loop
 };
 
-MadeColours make_colours(const OpenedJob& job, const JobBody& body, Progress& progress) {
-    const SurfaceColour asked(body.model.mesh, job.options.prediction.cell_mm);
-    const bool loop = plan_loop(job.options, body, job.resins, prints_all_white(asked, job.resins)).wanted;
+MadeColours make_colours(const PlannedPrint& planned, Progress& progress) {
+    const OpenedJob& job = planned.job;
     MadeColours made;
-    made.colour = prepare_colour(job.options.colour, job.resins, body.grid.pitch_mm,
-                                 slab_under_colour(job.options, body), progress);
-    if (!loop) return made;
+    made.colour = prepare_colour(job.options.colour, job.resins, planned.body.grid.pitch_mm,
+                                 slab_under_colour(job.options, planned.body), progress);
+    if (!planned.plan.loop.wanted) return made;
     const optics::ShellGeometry& shell = made.colour->appearance.geometry();
     made.recipes = prepare_recipes(job.resins.set, shell, halftone::skin_layers(shell.shell_mm), progress);
     return made;
@@ -87,11 +82,12 @@ void add_volume(const OpenedJob& job, const JobBody& body, const LayerRange& ran
 }
 
 /// What nobody asked and everybody should know.
-void add_remarks(const OpenedJob& job, const JobBody& body, JobEstimate& estimate) {
-    estimate.warnings = job.printer.warnings();
-    estimate.warnings.insert(estimate.warnings.end(), body.warnings.begin(), body.warnings.end());
-    estimate.notes = body.notes;
-    if (!job.why_these_resins.empty()) estimate.notes.push_back(job.why_these_resins);
+void add_remarks(const PlannedPrint& planned, JobEstimate& estimate) {
+    estimate.warnings = planned.job.printer.warnings();
+    estimate.warnings.insert(estimate.warnings.end(), planned.body.warnings.begin(), planned.body.warnings.end());
+    if (!planned.plan.loop.does_not_fit.empty()) estimate.warnings.push_back(planned.plan.loop.does_not_fit);
+    estimate.notes = planned.body.notes;
+    if (!planned.job.why_these_resins.empty()) estimate.notes.push_back(planned.job.why_these_resins);
 }
 
 void add_sums(JobEstimate& estimate) {
@@ -104,37 +100,36 @@ void add_sums(JobEstimate& estimate) {
 
 }  // namespace
 
-JobEstimate estimate_print(const OpenedJob& job, const JobBody& body, const LayerRange& range, const ReadBody& read,
-                           const ColourRecipes* made_with, const Progress& progress) {
+JobEstimate estimate_print(const PlannedPrint& planned, const PhaseEstimate& read, const ColourRecipes* made_with,
+                           const Progress& progress) {
+    const auto& [job, body, plan] = planned;
     JobEstimate estimate;
     estimate.model = job.options.model;
     estimate.printer = job.printer.id;
     estimate.size_mm = {body.placement.extent_mm.x(), body.placement.extent_mm.y(), body.placement.extent_mm.z()};
     for (std::size_t axis = 0; axis < 3; ++axis)
-        estimate.size_px[axis] = static_cast<std::uint32_t>(body.grid.size[axis]);
-    estimate.first_layer = static_cast<std::uint32_t>(range.first);
-    estimate.layers = static_cast<std::uint32_t>(range.layers());
-    estimate.layer_um = body.grid.pitch_mm.z() * 1e3;
+        estimate.size_px[axis] = static_cast<std::uint32_t>(plan.grid.size[axis]);
+    estimate.first_layer = static_cast<std::uint32_t>(plan.layers.first);
+    estimate.layers = static_cast<std::uint32_t>(plan.layers.layers());
+    estimate.layer_um = plan.grid.pitch_mm.z() * 1e3;
     estimate.surface_mm2 = coloured_area_mm2(*body.surface);
     if (made_with)
-        add_amounts(job, colour_volumes(job, body, range, *made_with, progress), estimate);
+        add_amounts(job, colour_volumes(job, body, plan.layers, *made_with, progress), estimate);
     else
-        add_volume(job, body, range, progress, estimate);
+        add_volume(job, body, plan.layers, progress, estimate);
 
     estimate.threads = thread_count();
-    estimate.phases = {read.phase};
-    for (PhaseEstimate& phase : phase_estimates(job, body, range, estimate.threads, read.resident_bytes)) {
-        if (phase.name == "prepare the loop" || phase.name == "appearance loop") {
-            estimate.loop = true;
-            estimate.loop_s += phase.seconds;
-        }
-        estimate.prediction = estimate.prediction || phase.name == "predict";
-        estimate.phases.push_back(std::move(phase));
+    estimate.loop = plan.loop.wanted;
+    estimate.phases = {read};
+    estimate.phases.insert(estimate.phases.end(), plan.phases.begin(), plan.phases.end());
+    for (const PhaseEstimate& phase : plan.phases) {
+        if (phase.phase == Phase::prepare_loop || phase.phase == Phase::loop) estimate.loop_s += phase.seconds;
+        estimate.prediction = estimate.prediction || phase.phase == Phase::predict;
     }
     add_sums(estimate);
-    estimate.disk_bytes = disk_bytes(job, body, range);
+    estimate.disk_bytes = plan.disk_bytes;
     estimate.free_disk_bytes = io::free_disk_bytes(job.options.out);
-    add_remarks(job, body, estimate);
+    add_remarks(planned, estimate);
     return estimate;
 }
 
@@ -145,17 +140,15 @@ JobEstimate estimate_job(const SliceOptions& asked, Progress& progress, const Es
     const ThreadLimit threads(static_cast<std::size_t>(job.options.threads));
     Reading reading;
     const JobBody body = prepare_body(job.options, job.printer, progress);
-    const ReadBody read = reading.finish();
-    if (const auto choice = scope.resins ? choose_resins(job, body, progress) : std::nullopt) {
-        job.load(choice->roles);
-        job.why_these_resins = choice->why;
-    }
-    const LayerRange range = range_within(job.options.layers, body.grid.size[2]);
+    const PhaseEstimate read = reading.finish();
+    if (scope.resins) load_best_resins(job, body, progress);
+    const JobPlan plan = plan_job(job, body);
+    const PlannedPrint planned{job, body, plan};
     std::optional<MadeColours> made;
-    if (!job.options.layered && scope.resins) made = make_colours(job, body, progress);
+    if (!job.options.layered && scope.resins) made = make_colours(planned, progress);
     std::optional<ColourRecipes> made_with;
     if (made) made_with.emplace(ColourRecipes{made->colour->separation, made->recipes.get()});
-    JobEstimate estimate = estimate_print(job, body, range, read, made_with ? &*made_with : nullptr, progress);
+    JobEstimate estimate = estimate_print(planned, read, made_with ? &*made_with : nullptr, progress);
     if (scope.orientations) estimate.orientations = orientations(job, body, progress);
     return estimate;
 }

@@ -8,6 +8,7 @@
 #include "slicer/estimate/colour_mixtures.h"
 #include "slicer/estimate/job_estimate.h"
 #include "slicer/options/slice_options.h"
+#include "slicer/plan/job_plan.h"
 
 namespace voxtone::slicer {
 
@@ -20,15 +21,15 @@ struct EstimateScope {
 /// resins and model, and Cancelled.
 [[nodiscard]] JobEstimate estimate_job(const SliceOptions& asked, Progress& progress, const EstimateScope& scope = {});
 
-/// What a body has taken.
-struct ReadBody {
-    PhaseEstimate phase;
-    std::uint64_t resident_bytes = 0;  ///< held now
+/// A job as far as it is planned.
+struct PlannedPrint {
+    const OpenedJob& job;
+    const JobBody& body;
+    const JobPlan& plan;
 };
 
-/// Of a job whose body is known. `made_with`: of a colour print; null: its resins are not known.
-[[nodiscard]] JobEstimate estimate_print(const OpenedJob& job, const JobBody& body, const LayerRange& range,
-                                         const ReadBody& read, const ColourRecipes* made_with,
-                                         const Progress& progress);
+/// `read`: what reading the body has taken. `made_with`: of a colour print; null: its resins are not known.
+[[nodiscard]] JobEstimate estimate_print(const PlannedPrint& planned, const PhaseEstimate& read,
+                                         const ColourRecipes* made_with, const Progress& progress);
 
 }  // namespace voxtone::slicer

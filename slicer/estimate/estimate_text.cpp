@@ -30,7 +30,10 @@ void write_resins(io::JsonWriter& json, const JobEstimate& estimate) {
 void write_phases(io::JsonWriter& json, const JobEstimate& estimate) {
     json.key("phases").begin_list();
     for (const PhaseEstimate& phase : estimate.phases) {
-        json.begin_object().add("name", phase.name).add("cpu_seconds", phase.cpu_s).add("seconds", phase.seconds);
+        json.begin_object()
+            .add("name", name_of(phase.phase))
+            .add("cpu_seconds", phase.cpu_s)
+            .add("seconds", phase.seconds);
         json.add("memory_bytes", phase.memory_bytes).add("measured", phase.measured).end_object();
     }
     json.end_list().add("threads", estimate.threads);
@@ -79,7 +82,7 @@ std::string resins_text(const JobEstimate& estimate) {
 std::string phases_text(const JobEstimate& estimate) {
     std::string text = fmt::format("  {:<20} {:>12} {:>12} {:>12}\n", "phase", "time", "processor", "memory");
     for (const PhaseEstimate& phase : estimate.phases)
-        text += fmt::format("  {:<20} {:>12} {:>12} {:>12}{}\n", phase.name, duration_text(phase.seconds),
+        text += fmt::format("  {:<20} {:>12} {:>12} {:>12}{}\n", name_of(phase.phase), duration_text(phase.seconds),
                             duration_text(phase.cpu_s), io::bytes_text(phase.memory_bytes),
                             phase.measured ? "  (measured)" : "");
     text += fmt::format("  {:<20} {:>12} {:>12} {:>12}  on {} {}\n", "all", duration_text(estimate.seconds),

@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "slicer/prepare/phase.h"
+
 namespace voxtone::slicer {
 
 struct ResinEstimate {
@@ -19,15 +21,6 @@ struct ResinEstimate {
     double ml = 0;
     std::optional<double> g;      ///< where the resin set knows its density
     std::optional<double> price;  ///< where it knows what a kilogram costs too
-};
-
-/// A stretch of a job's work.
-struct PhaseEstimate {
-    std::string name;                ///< as Progress::begin_stage has it
-    double cpu_s = 0;                ///< seconds of processors, summed over threads
-    double seconds = 0;              ///< of wall clock, on a machine that does nothing else
-    std::uint64_t memory_bytes = 0;  ///< most that is held at once; not below the truth
-    bool measured = false;           ///< was done for this estimate, and took that
 };
 
 /// One of the 24 ways in which the body can be turned by right angles (orientations.h). It takes the same resins in all

@@ -3,89 +3,19 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <mutex>
-#include <system_error>
 
-#include <fmt/core.h>
-
-#include "base/error.h"
 #include "base/parallel.h"
-#include "io/disk/disk_space.h"
 #include "io/files/whole_file.h"
 #include "io/report/report_html.h"
 #include "io/report/report_json.h"
-#include "io/shards/shard_folder.h"
-#include "slicer/colour/colour_print.h"
-#include "slicer/estimate/phase_estimates.h"
 #include "slicer/kept/report_files.h"
-#include "slicer/kept/skin_file.h"
-#include "slicer/layered/layered_print.h"
-#include "slicer/layers/layer_maker.h"
+#include "slicer/layers/layer_source.h"
 #include "slicer/look/viewer_surface.h"
-#include "slicer/options/job_file.h"
-#include "slicer/prepare/resin_choice.h"
+#include "slicer/prepare/phase.h"
 
 namespace voxtone::slicer {
-
-JobBody read_body(const OpenedJob& job, JobMeasurements& figures, Progress& progress) {
-    const Stopwatch watch;
-    JobBody body = prepare_body(job.options, job.printer, progress);
-    for (const std::string& warning : body.warnings) progress.warn(warning);
-    progress.note(body.placement.summary);
-    for (const std::string& note : body.notes) progress.note(note);
-    figures.read_s = body.read_s;
-    figures.repair_s = watch.total() - body.read_s;
-    return body;
-}
-
-void load_best_resins(OpenedJob& job, const JobBody& body, Progress& progress) {
-    const auto choice = choose_resins(job, body, progress);
-    if (!choice) return;
-    job.load(choice->roles);
-    job.why_these_resins = choice->why;
-    progress.note(choice->why);
-}
-
-JobIdentity identify_said(const OpenedJob& job, const JobBody& body, Progress& progress) {
-    JobIdentity identity = identify(job, body.side_files, &progress);
-    for (const std::string& changed : changed_inputs(job.options.asked.recorded_inputs, identity.inputs))
-        progress.warn(changed);
-    return identity;
-}
-
-void expect_no_other_shards(const OpenedJob& job, const Progress* progress) {
-    const std::filesystem::path folder = io::shards_folder(job.options.out);
-    if (std::error_code none; !std::filesystem::exists(folder / job_file_name, none)) return;
-    if (is_same_job(folder, job, progress)) return;
-    throw InputError(
-        fmt::format("{}: holds shards of another job, which would be lost: name another folder, merge them first, or "
-                    "allow it with --overwrite",
-                    folder.string()));
-}
-
-void expect_own_loop(const OpenedJob& job, const Progress* progress) {
-    const ResolvedJob& options = job.options;
-    const bool is_replaced = options.overwrite && !options.loop.elsewhere && !options.loop.mixtures_named;
-    if (options.layered || options.loop.iterations == 0 || is_replaced) return;
-    if (options.until == Until::loop && options.overwrite) return;
-    if (std::error_code none; !std::filesystem::exists(options.loop.mixtures, none)) return;
-    SkinFile::expect_same_job(options.loop.mixtures, opened_loop_identity(job, progress), options.asked.iterations);
-}
-
-void expect_disk_space(const OpenedJob& job, const JobBody& body, const LayerRange& range, Progress& progress) {
-    const ResolvedJob& options = job.options;
-    const std::uint64_t needed = disk_bytes(job, body, range);
-    if (const std::optional<std::uint64_t> free = io::free_disk_bytes(options.out))
-        progress.note(fmt::format("the stack takes up to {} of the {} that the disk of {} has free",
-                                  io::bytes_text(needed), io::bytes_text(*free), options.out.string()));
-    io::expect_disk_space(options.out, needed, "the stack and its report");
-}
-
-std::unique_ptr<Print> make_print(const OpenedJob& job, const JobBody& body, const JobIdentity& identity,
-                                  Progress& progress) {
-    if (job.options.layered) return std::make_unique<LayeredPrint>(job, body, progress);
-    return std::make_unique<ColourPrint>(job, body, identity, progress);
-}
 
 void LayerWatchers::see(int k, const io::LayerRuns& layer) {
     if (thumbnails) thumbnails->offer(k, layer);
@@ -96,9 +26,9 @@ void make_layers(Print& print, const LayerRange& range, const LayerTaker& take, 
                  JobMeasurements& figures, Progress& progress) {
     const Stopwatch watch;
     print.expect_layers(range);
-    const LayerMaker maker(print.sources());
+    const std::unique_ptr<const LayerSource> layers = print.layers();
     std::mutex figures_mutex;
-    progress.begin_stage("layers", std::uint64_t(range.layers()), "layers");
+    progress.begin_stage(name_of(Phase::layers), std::uint64_t(range.layers()), "layers");
     const auto write = [&](int k, const io::LayerRuns& layer, double& encode_s) {
         progress.check_cancelled();
         const Stopwatch encode;
@@ -109,12 +39,12 @@ void make_layers(Print& print, const LayerRange& range, const LayerTaker& take, 
         progress.advance();
     };
     parallel_for(
-        std::size_t(range.first / maker.slab_layers()), std::size_t(range.last / maker.slab_layers()) + 1, 1,
+        std::size_t(range.first / layers->slab_layers()), std::size_t(range.last / layers->slab_layers()) + 1, 1,
         [&](std::size_t slab) {
             double encode_s = 0;
             const LayerCounts counts =
-                maker.make(int(slab), range.first, range.last + 1,
-                           [&](int k, const io::LayerRuns& layer) { write(k, layer, encode_s); });
+                layers->make(int(slab), range.first, range.last + 1,
+                             [&](int k, const io::LayerRuns& layer) { write(k, layer, encode_s); });
             const std::scoped_lock lock(figures_mutex);
             figures.counts += counts;
             figures.encode_s += encode_s;

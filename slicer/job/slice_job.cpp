@@ -3,7 +3,6 @@
 
 #include <array>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -22,16 +21,17 @@
 #include "io/shards/shard_folder.h"
 #include "slicer/estimate/estimate_job.h"
 #include "slicer/estimate/estimate_text.h"
-#include "slicer/estimate/phase_estimates.h"
 #include "slicer/job/job_phases.h"
+#include "slicer/job/prepared_job.h"
 #include "slicer/job/slice_report.h"
 #include "slicer/kept/job_identity.h"
 #include "slicer/kept/loop_checkpoint.h"
 #include "slicer/kept/report_files.h"
 #include "slicer/look/thumbnails.h"
 #include "slicer/options/job_file.h"
-#include "slicer/prepare/job_body.h"
+#include "slicer/plan/phase_estimates.h"
 #include "slicer/prepare/opened_job.h"
+#include "slicer/prepare/phase.h"
 
 namespace voxtone::slicer {
 
@@ -79,25 +79,28 @@ void expect_resumable(const OpenedJob& job, const io::StackFolder& folder, const
 }
 
 /// As `verify` will ask. A part of a body that has enough layers may have fewer, and is warned about.
-void expect_enough_layers(const OpenedJob& job, const JobBody& body, const LayerRange& range, Progress& progress) {
-    check_layer_count(body.grid.size[2], job.printer,
-                      body.is_picture ? "thicker (--thickness)" : "larger (--size), or turn it (--rotate)");
-    if (range.layers() < job.printer.min_layers)
-        progress.warn(fmt::format(
-            "these {} layers are a part of {}; {} takes no fewer than {}: lay the parts together before they are "
-            "printed or verified",
-            range.layers(), body.grid.size[2], job.printer.id, job.printer.min_layers));
+void expect_enough_layers(const PreparedJob& ready, Progress& progress) {
+    const PrinterProfile& printer = ready.job.printer;
+    const int all = ready.plan.grid.size[2], made = ready.plan.layers.layers();
+    check_layer_count(all, printer,
+                      ready.body.is_picture ? "thicker (--thickness)" : "larger (--size), or turn it (--rotate)");
+    if (made < printer.min_layers)
+        progress.warn(
+            fmt::format("these {} layers are a part of {}; {} takes no fewer than {}: lay the parts together before "
+                        "they are printed or verified",
+                        made, all, printer.id, printer.min_layers));
 }
 
 /// Says what the job will take (`voxtone estimate` says more).
-void announce(const OpenedJob& job, const JobBody& body, const LayerRange& range, const JobMeasurements& figures,
-              const Print& print, Progress& progress) {
-    const double read_s = figures.read_s + figures.repair_s;
-    const ReadBody read{{"read and repair", read_s, read_s, peak_memory_bytes(), true}, resident_bytes()};
-    const auto made_with = print.made_with();
-    const JobEstimate estimate = estimate_print(job, body, range, read, made_with ? &*made_with : nullptr, progress);
+void announce(const PreparedJob& ready, Progress& progress) {
+    const double read_s = ready.figures.read_s + ready.figures.repair_s;
+    const PhaseEstimate read{Phase::read, read_s, read_s, peak_memory_bytes(), true};
+    const auto made_with = ready.print->made_with();
+    const JobEstimate estimate =
+        estimate_print({ready.job, ready.body, ready.plan}, read, made_with ? &*made_with : nullptr, progress);
     progress.note(estimate_summary(estimate));
-    if (const std::string advice = loop_advice(estimate); !advice.empty() && !job.options.resume) progress.note(advice);
+    if (const std::string advice = loop_advice(estimate); !advice.empty() && !ready.job.options.resume)
+        progress.note(advice);
 }
 
 /// The printed body for a container's preview.
@@ -109,27 +112,28 @@ std::vector<std::array<float, 3>> single_precision(const std::vector<Eigen::Vect
 }
 
 /// The end of a job that goes as far as the loop.
-SliceResult keep_loop(const OpenedJob& job, Print& print, Progress& progress) {
-    print.rearrange(progress);
-    JobResult kept = print.keep_loop();
-    LoopCheckpoint::remove_from(job.options.out);
+SliceResult keep_loop(const PreparedJob& ready, Progress& progress) {
+    ready.print->rearrange(progress);
+    JobResult kept = ready.print->keep_loop();
+    LoopCheckpoint::remove_from(ready.job.options.out);
     set_stop_advice({});
     return {std::move(kept.json), std::move(kept.text), kept.exit_code};
 }
 
-const io::StackDescription& finish_stack(const OpenedJob& job, const JobBody& body, const JobIdentity& identity,
-                                         io::LayerStackWriter& writer, JobMeasurements& figures, Progress& progress) {
+const io::StackDescription& finish_stack(PreparedJob& ready, io::LayerStackWriter& writer, Progress& progress) {
     const Stopwatch watch;
-    progress.begin_stage("finish", 0);
+    progress.begin_stage(name_of(Phase::finish), 0);
+    const SolidMesh& solid = *ready.body.solid;
     std::vector<std::array<float, 3>> positions;
-    if (job.outputs().gcvf) positions = single_precision(body.solid->positions_mm);
+    if (ready.job.outputs().gcvf) positions = single_precision(solid.positions_mm);
     io::PreviewMesh preview;
-    if (!positions.empty()) preview = {positions, body.solid->triangles};
-    writer.add_file(job_file_name, job_record(job.options.asked, identity.inputs, job.options.out));
+    if (!positions.empty()) preview = {positions, solid.triangles};
+    const ResolvedJob& options = ready.job.options;
+    writer.add_file(job_file_name, job_record(options.asked, ready.identity.inputs, options.out));
     const io::StackDescription& stack = writer.finish(preview, &progress);
-    figures.layer_bytes = writer.bytes_written();
+    ready.figures.layer_bytes = writer.bytes_written();
     progress.end_stage();
-    figures.finish_s = watch.total();
+    ready.figures.finish_s = watch.total();
     return stack;
 }
 
@@ -137,48 +141,45 @@ const io::StackDescription& finish_stack(const OpenedJob& job, const JobBody& bo
 
 SliceResult run_slice_job(const SliceOptions& asked, Progress& progress) {
     const Stopwatch watch;
-    JobMeasurements figures;
     // All that can refuse the job, from what costs nothing to what costs most ...
-    OpenedJob job = open_job(asked);
-    VOXTONE_EXPECT(!job.options.sharded);
-    LoopCheckpoint::refuse_loss(job.options.out, job.options.resume, job.options.overwrite);
+    OpenedJob opened = open_job(asked);
+    VOXTONE_EXPECT(!opened.options.sharded);
+    LoopCheckpoint::refuse_loss(opened.options.out, opened.options.resume, opened.options.overwrite);
     // From here on the output folder is this job's; what it holds stays until the new stack is whole.
     std::vector<std::string_view> companions(report_file::all.begin(), report_file::all.end());
     companions.push_back(io::shards_name);
-    io::StackFolder folder(job.options.out, std::move(companions));
-    if (auto done = done_before(job, folder, progress)) return *std::move(done);
-    expect_replaceable(job, folder, progress);
-    expect_resumable(job, folder, progress);
-    const ThreadLimit threads(static_cast<std::size_t>(job.options.threads));
-    for (const std::string& warning : job.printer.warnings()) progress.warn(warning);
-    const JobBody body = read_body(job, figures, progress);
-    const JobIdentity identity = identify_said(job, body, progress);
-    load_best_resins(job, body, progress);
-    const LayerRange range = range_within(job.options.layers, body.grid.size[2]);
-    expect_enough_layers(job, body, range, progress);
-    expect_disk_space(job, body, range, progress);
-    expect_stages(progress, expected_stages(phase_estimates(job, body, range, thread_count(), resident_bytes())));
-    const std::unique_ptr<Print> print = make_print(job, body, identity, progress);
+    io::StackFolder folder(opened.options.out, std::move(companions));
+    if (auto done = done_before(opened, folder, progress)) return *std::move(done);
+    expect_replaceable(opened, folder, progress);
+    expect_resumable(opened, folder, progress);
+    const ThreadLimit threads(static_cast<std::size_t>(opened.options.threads));
+    for (const std::string& warning : opened.printer.warnings()) progress.warn(warning);
+    PreparedJob ready(std::move(opened), std::nullopt, progress);
+    const auto& [figures, body, identity, job, plan, print] = ready;
+    expect_enough_layers(ready, progress);
+    expect_disk_space(job.options.out, plan.disk_bytes, progress);
+    expect_stages(progress, expected_stages(plan.phases));
     print->prepare(progress);
-    announce(job, body, range, figures, *print, progress);
+    announce(ready, progress);
 
     // ... and from here on hours may be spent.
-    if (job.options.until == Until::loop) return keep_loop(job, *print, progress);
-    io::LayerStackWriter writer(std::move(folder), job.describe(body.grid, range), job.outputs());
+    if (job.options.until == Until::loop) return keep_loop(ready, progress);
+    const LayerRange& range = plan.layers;
+    io::LayerStackWriter writer(std::move(folder), job.describe(plan.grid, range), job.outputs());
     print->rearrange(progress);
     LayerWatchers watchers;
     if (job.options.report) {
-        watchers.thumbnails.emplace(range.first, range.layers(), body.grid, job.palette());
-        watchers.voxels.emplace(range.first, range.layers(), body.grid);
+        watchers.thumbnails.emplace(range.first, range.layers(), plan.grid, job.palette());
+        watchers.voxels.emplace(range.first, range.layers(), plan.grid);
     }
     const auto write = [&](int k, const io::LayerRuns& layer) { writer.write(std::uint32_t(k - range.first), layer); };
-    make_layers(*print, range, write, watchers, figures, progress);
-    const io::StackDescription& stack = finish_stack(job, body, identity, writer, figures, progress);
+    make_layers(*print, range, write, watchers, ready.figures, progress);
+    const io::StackDescription& stack = finish_stack(ready, writer, progress);
     LoopCheckpoint::remove_from(job.options.out);
     set_stop_advice({});
 
     print->look(stack, progress);
-    progress.begin_stage("report", 0);
+    progress.begin_stage(name_of(Phase::report), 0);
     io::Report report = make_report(job, body, stack, *print, figures);
     if (watchers.thumbnails) report.layers = watchers.thumbnails->take();
     std::string json = write_report(job, *print, report, watchers.voxels, watch, progress);

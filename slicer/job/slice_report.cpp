@@ -7,13 +7,14 @@
 #include "base/progress_bar.h"
 #include "io/programs/build_identity.h"
 #include "slicer/kept/report_files.h"
+#include "slicer/prepare/phase.h"
 
 namespace voxtone::slicer {
 
 namespace {
 
-io::ReportSection throughput(const JobBody& body, const io::StackDescription& stack, const JobMeasurements& f) {
-    const double voxels = double(body.grid.size[0]) * body.grid.size[1] * stack.layers;
+io::ReportSection throughput(const io::StackDescription& stack, const JobMeasurements& f) {
+    const double voxels = double(stack.size_px[0]) * stack.size_px[1] * stack.layers;
     const double cpu_s =
         f.counts.solid_s + f.counts.shell_s + f.counts.colour_s + f.counts.screen_s + f.counts.runs_s + f.encode_s;
     const auto row = [&](const char* what, double seconds) {
@@ -108,13 +109,14 @@ io::Report make_report(const OpenedJob& job, const JobBody& body, const io::Stac
     report.warnings = warnings_of(job, body, f);
     report.stages = {{"read model", f.read_s}, {"repair and visible surface", f.repair_s}};
     append_stages(report.stages, print.stages_before_layers());
-    append_stages(report.stages, {{"layers", f.layers_s}, {"finish", f.finish_s}});
+    append_stages(report.stages, {{std::string(name_of(Phase::layers)), f.layers_s},
+                                  {std::string(name_of(Phase::finish)), f.finish_s}});
     append_stages(report.stages, print.stages_after_layers());
     report.peak_memory_bytes = peak_memory_bytes();
     report.output_bytes = f.layer_bytes;
     print.add_to(report);
     report.sections.push_back(mesh_section(body.repair));
-    report.sections.push_back(throughput(body, stack, f));
+    report.sections.push_back(throughput(stack, f));
     return report;
 }
 

@@ -9,7 +9,7 @@
 
 #include "io/layers/manifest.h"
 #include "io/report/report.h"
-#include "slicer/layers/layer_maker.h"
+#include "slicer/layers/layer_counts.h"
 #include "slicer/prepare/job_body.h"
 #include "slicer/prepare/opened_job.h"
 #include "slicer/prepare/print.h"

@@ -5,9 +5,8 @@
 //
 // Inputs are the model (or picture), the files beside it that it names, the printer's profile, the resins, and the
 // profiles of a layered print; those that come with the program count like files. Left out are the names of files, the
-// output folder, and what only says how the work is done (OptionSpec::of_the_run). --memory is one of these: what a
-// prediction says depends on it only where it is too short for pieces of the usual size (viewing_sequence.h), and then
-// the job says so.
+// output folder, and what only says how the work is done (OptionSpec::of_the_run). --memory is one of these: where it
+// is too little for a loop, the job says so and stops.
 #pragma once
 
 #include <filesystem>

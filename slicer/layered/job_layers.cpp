@@ -16,6 +16,7 @@
 #include "optics/profiles/resin_stack.h"
 #include "optics/profiles/saunderson.h"
 #include "slicer/prepare/layers_check.h"
+#include "slicer/prepare/phase.h"
 #include "slicer/stacks/stack_setting.h"
 
 namespace voxtone::slicer {
@@ -60,7 +61,7 @@ struct Materials {
 
 Materials computed_materials(const optics::ResinSet& set, double most_mm, const optics::HankelGrid& grid,
                              Progress& progress) {
-    progress.begin_stage("profiles of the resins", set.resins.size(), "resins");
+    progress.begin_stage(name_of(Phase::profiles), set.resins.size(), "resins");
     Materials made{{}, optics::internal_diffuse_reflectance(set.eta), true};
     for (std::size_t r = 0; r < set.resins.size(); ++r) {
         std::vector<double> known_mm;
@@ -180,7 +181,7 @@ void search_stacks(const LayeredOptions& options, const LoadedResins& resins, co
     design.turned_back = made.turned_back;
     design.rounds = std::max(1, rounds);
     const halftone::StackJudge judge = rounds > 0 ? tracing_judge(resins, grid, progress) : halftone::StackJudge{};
-    progress.begin_stage("search stacks", clusters.size(), "clusters");
+    progress.begin_stage(name_of(Phase::search), clusters.size(), "clusters");
     const halftone::StackSearch search(materials, design.search);
     parallel_for(
         0, clusters.size(), 1,

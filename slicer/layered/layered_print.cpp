@@ -5,6 +5,7 @@
 
 #include "base/stopwatch.h"
 #include "slicer/layered/layer_surfaces.h"
+#include "slicer/prepare/phase.h"
 
 namespace voxtone::slicer {
 
@@ -21,7 +22,9 @@ void LayeredPrint::prepare(Progress& progress) {
         progress.note("--resume: layered profiles have no loop to go on with; the job begins at its start");
 }
 
-LayerSources LayeredPrint::sources() const { return parts_.sources(nullptr); }
+std::unique_ptr<const LayerSource> LayeredPrint::layers() const {
+    return std::make_unique<LayerMaker>(parts_.sources(nullptr));
+}
 
 void LayeredPrint::expect_layers(const LayerRange& range) {
     if (job_.options.report) cut_.emplace(body_.grid, range.first, range.last, body_.grid.size[1] / 2);
@@ -41,7 +44,8 @@ void LayeredPrint::look(const io::StackDescription& stack, Progress& progress) {
 }
 
 std::vector<io::ReportStage> LayeredPrint::stages_before_layers() const {
-    return {{"profiles of the resins", layers_->materials_s}, {"search stacks", layers_->search_s}};
+    return {{std::string(name_of(Phase::profiles)), layers_->materials_s},
+            {std::string(name_of(Phase::search)), layers_->search_s}};
 }
 
 std::vector<io::ReportStage> LayeredPrint::stages_after_layers() const {

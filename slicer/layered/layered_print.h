@@ -26,7 +26,7 @@ public:
     void rearrange(Progress&) override {}
     [[nodiscard]] JobResult keep_loop() const override { return {}; }
     [[nodiscard]] std::vector<float> separation() const override { return {}; }
-    [[nodiscard]] LayerSources sources() const override;
+    [[nodiscard]] std::unique_ptr<const LayerSource> layers() const override;
     void expect_layers(const LayerRange& range) override;
     void see(int k, const io::LayerRuns& layer) override;
     /// Writes the closed surfaces of its layers, where they were asked for.

@@ -3,29 +3,25 @@
 // From the body to printed layers: solid -> surface shell -> one resin per voxel -> runs. The resins of the shell are
 // screened mixtures that make a target colour, or the layers of stacks wrapped around the body.
 //
-// Work is cut into slabs of layers. A slab depends on nothing but its own index, so any number of threads and any
-// choice of layers give the same bits. With the blue-noise screen a slab is one layer of shell blocks, made row of
-// blocks by row of blocks in a strip that stays in cache; air and core are never touched voxel by voxel. Error
-// diffusion needs whole layers and has slabs of its own length. Threads: `make` may be called from any thread, for
-// different slabs at once.
+// Any number of threads and any choice of layers give the same bits. With the blue-noise screen a slab is one layer of
+// shell blocks, made row of blocks by row of blocks in a strip that stays in cache; air and core are never touched
+// voxel by voxel. Error diffusion needs whole layers and has slabs of its own length.
 #pragma once
 
 #include <memory>
 
 #include "slicer/layers/block_fill.h"
-#include "slicer/layers/layer_counts.h"
 #include "slicer/layers/layer_sources.h"
 
 namespace voxtone::slicer {
 
-class LayerMaker {
+class LayerMaker final : public LayerSource {
 public:
     explicit LayerMaker(const LayerSources& sources);
 
-    [[nodiscard]] int slab_layers() const;
-
-    /// Makes the layers of [k_begin, k_end) that lie in this slab, from the bottom up, and hands each to `sink`.
-    LayerCounts make(int slab, int k_begin, int k_end, const LayerSink& sink) const;
+    [[nodiscard]] const VoxelGrid& grid() const override { return sources_.solid.grid(); }
+    [[nodiscard]] int slab_layers() const override;
+    LayerCounts make(int slab, int k_begin, int k_end, const LayerSink& sink) const override;
 
 private:
     LayerCounts make_screened(int slab, int first, int last, const LayerSink& sink) const;

@@ -4,13 +4,11 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <variant>
 
 #include "halftone/screens/blue_noise_screen.h"
 #include "halftone/separation/separation.h"
-#include "io/layers/layer_runs.h"
-#include "slicer/layers/layer_counts.h"
+#include "slicer/layers/layer_source.h"
 #include "slicer/layers/skin_source.h"
 #include "slicer/layers/wrapped_layers.h"
 #include "slicer/solid/solid.h"
@@ -45,8 +43,5 @@ struct LayerSources {
 /// The body's voxels in the layers [first, last), thin features included; those from `counted_from` on are counted.
 void body_voxels(const LayerSources& sources, int first, int last, int counted_from, SpanSlab& out,
                  LayerCounts& counts);
-
-/// Takes finished layers, from the bottom up.
-using LayerSink = std::function<void(int k, const io::LayerRuns& layer)>;
 
 }  // namespace voxtone::slicer

@@ -288,8 +288,8 @@ std::vector<OptionSpec> make_table() {
                  "6, and the stack is there"),
             &O::verdict_bad),
         of_the_run(number(spec("memory", Kind::number, "GIB", predict,
-                               "most memory for the prediction; a print that needs more is printed without it; 0: half "
-                               "of the machine's"),
+                               "most memory for the loop and the prediction; a loop that needs more ends the job, a "
+                               "prediction is left out; decides no bit; 0: half of the machine's"),
                           &O::memory_gib)),
 
         of_the_run(number(spec("read-memory", Kind::number, "GIB", reading,

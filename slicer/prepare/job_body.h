@@ -30,7 +30,7 @@ struct JobBody {
     SolidIndex solid;
     RepairReport repair;
     SurfaceIndex surface;
-    VoxelGrid grid;
+    VoxelGrid grid;                     ///< of the body alone; where it lies in the print, the plan says (job_plan.h)
     std::vector<std::string> warnings;  ///< of reader, placement and repair
     std::vector<std::string> notes;     ///< what may be worth a thought
     double read_s = 0;

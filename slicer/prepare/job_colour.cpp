@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "io/profiles/resin_file.h"
+#include "slicer/prepare/phase.h"
 
 namespace voxtone::slicer {
 
@@ -87,7 +88,7 @@ std::unique_ptr<const JobColour> prepare_colour(const ColourOptions& options, co
                                                 const Eigen::Vector3d& pitch_mm,
                                                 const std::optional<SlabUnderColour>& slab, Progress& progress,
                                                 const std::vector<float>& lattice) {
-    progress.begin_stage("separate colours", 0);
+    progress.begin_stage(name_of(Phase::separate), 0);
     const optics::ShellGeometry geometry = shell_geometry(options, resins, pitch_mm, slab);
     auto colour = std::make_unique<const JobColour>(resins.set, geometry, &progress, lattice);
     progress.end_stage();

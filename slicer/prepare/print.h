@@ -4,6 +4,7 @@
 // light spreads (layered_print.h). What is common to both does slice_job.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,13 +14,13 @@
 #include "io/layers/layer_runs.h"
 #include "io/layers/manifest.h"
 #include "io/report/report.h"
-#include "slicer/layers/layer_maker.h"
+#include "slicer/layers/layer_source.h"
 #include "slicer/options/option_values.h"
 #include "slicer/prepare/colour_recipes.h"
 
 namespace voxtone::slicer {
 
-/// The phases of a job, each called once and in this order. Complete when it is made: `sources` could print it at once.
+/// The phases of a job, each called once and in this order. Complete when it is made: `layers` could print it at once.
 class Print {
 public:
     Print() = default;
@@ -39,8 +40,8 @@ public:
     /// To be kept for another job of this very body; empty: there is none.
     [[nodiscard]] virtual std::vector<float> separation() const = 0;
 
-    /// What its layers are made of, as it is now.
-    [[nodiscard]] virtual LayerSources sources() const = 0;
+    /// Its layers, as it is now.
+    [[nodiscard]] virtual std::unique_ptr<const LayerSource> layers() const = 0;
     /// These layers will be made.
     virtual void expect_layers(const LayerRange& range) = 0;
     /// A layer as it is written; from any thread.

@@ -141,6 +141,14 @@ std::optional<ResinChoice> choose_resins(const OpenedJob& job, const JobBody& bo
     return choice;
 }
 
+bool load_best_resins(OpenedJob& job, const JobBody& body, Progress& progress) {
+    const auto choice = choose_resins(job, body, progress);
+    if (!choice) return false;
+    job.load(choice->roles);
+    job.why_these_resins = choice->why;
+    return true;
+}
+
 std::optional<HelpfulResin> most_helpful_resin(const OpenedJob& job, const JobBody& body) {
     constexpr double least_part = 0.75, least_gain = 0.5;
     Roles loaded = roles_of(job.resins);

@@ -29,6 +29,9 @@ struct ResinChoice {
 /// the surface has no colour to choose for.
 [[nodiscard]] std::optional<ResinChoice> choose_resins(const OpenedJob& job, const JobBody& body, Progress& progress);
 
+/// Loads these, and keeps why (OpenedJob::why_these_resins). False where there is nothing to choose.
+bool load_best_resins(OpenedJob& job, const JobBody& body, Progress& progress);
+
 /// A resin that is not loaded, and what the sample's mean would be with it.
 struct HelpfulResin {
     std::string role;

@@ -19,11 +19,13 @@
 #include "io/layers/stack_folder.h"
 #include "io/shards/merged_stack.h"
 #include "io/shards/shard_folder.h"
-#include "slicer/estimate/phase_estimates.h"
 #include "slicer/job/job_phases.h"
+#include "slicer/job/prepared_job.h"
 #include "slicer/kept/prepared_body.h"
 #include "slicer/kept/report_files.h"
 #include "slicer/options/job_file.h"
+#include "slicer/plan/phase_estimates.h"
+#include "slicer/prepare/phase.h"
 
 namespace voxtone::slicer {
 
@@ -117,47 +119,49 @@ void show_layers(Print& print, const LayerRange& range, Progress& progress) {
 
 JobResult write_merged_report(const MergeOptions& options, const io::ShardSet& shards, const Stopwatch& watch,
                               Progress& progress) {
-    OpenedJob job = open_merged(options);
+    OpenedJob opened = open_merged(options);
     const ThreadLimit threads(static_cast<std::size_t>(options.threads));
-    JobMeasurements figures = figures_of(shards);
-    std::optional<JobBody> prepared;
-    if (is_same_job(options.out, job, &progress)) prepared = read_prepared(options.out, shards.job());
-    const JobBody body = prepared ? *std::move(prepared) : read_body(job, figures, progress);
-    const JobIdentity identity = identify_said(job, body, progress);
-    if (identity.job != shards.job())
+    std::optional<JobBody> kept;
+    if (is_same_job(options.out, opened, &progress)) kept = read_prepared(options.out, shards.job());
+    PreparedJob ready(std::move(opened), std::move(kept), progress);
+    if (ready.identity.job != shards.job())
         throw InputError(fmt::format(
             "{}: the stack is merged and whole, but its report cannot be drawn: the model, or another file that the "
             "job names, has changed since the shards were made; --no-report does without",
             options.out.string()));
-    load_best_resins(job, body, progress);
-    const std::unique_ptr<Print> print = make_print(job, body, identity, progress);
-    print->prepare(progress);
-    const LayerRange range{int(shards.stack.first_layer), int(shards.stack.first_layer + shards.stack.layers) - 1};
-    const auto phases = phase_estimates(job, body, range, thread_count(), resident_bytes());
-    expect_stages(progress, options.predict ? expected_stages(phases, {"layers", "predict", "report"})
-                                            : expected_stages(phases, {"report"}));
+    const OpenedJob& job = ready.job;
+    const VoxelGrid& grid = ready.plan.grid;
+    const LayerRange& range = ready.plan.layers;
+    Print& print = *ready.print;
+    print.prepare(progress);
+    expect_stages(progress, options.predict
+                                ? expected_stages(ready.plan.phases, {Phase::layers, Phase::predict, Phase::report})
+                                : expected_stages(ready.plan.phases, {Phase::report}));
     std::optional<VoxelSample> voxels;
     if (job.options.report) {
-        voxels.emplace(range.first, range.layers(), body.grid);
+        voxels.emplace(range.first, range.layers(), grid);
         for (const io::ShardRecord& record : shards.records) voxels->put(record.viewer);
     }
     if (options.predict)
-        show_layers(*print, range, progress);
+        show_layers(print, range, progress);
     else
-        print->expect_layers(range);
-    print->look(shards.stack, progress);
-    progress.begin_stage("report", 0);
-    io::Report report = make_report(job, body, shards.stack, *print, figures);
+        print.expect_layers(range);
+    print.look(shards.stack, progress);
+    progress.begin_stage(name_of(Phase::report), 0);
+    JobMeasurements figures = figures_of(shards);
+    figures.read_s = ready.figures.read_s;
+    figures.repair_s = ready.figures.repair_s;
+    io::Report report = make_report(job, ready.body, shards.stack, print, figures);
     report.layers = pictures_of(shards);
     report.sections.push_back(shards_section(shards));
     for (const io::ShardRecord& record : shards.records)
         report.peak_memory_bytes = std::max(report.peak_memory_bytes, record.figures.peak_memory_bytes);
-    std::string json = write_report(job, *print, report, voxels, watch, progress);
+    std::string json = write_report(job, print, report, voxels, watch, progress);
     progress.end_stage();
     std::error_code not_there;
     fs::remove(io::prepared_file(options.out, shards.job()), not_there);
     const bool bad = report.verdict && report.verdict->level == io::VerdictLevel::bad;
-    return {std::move(json), summary_text(*print, report, watch.total(), job.options.report, options.out),
+    return {std::move(json), summary_text(print, report, watch.total(), job.options.report, options.out),
             bad && job.options.strict ? ExitCode::check_failed : ExitCode::done};
 }
 

@@ -20,11 +20,13 @@
 #include "io/layers/stack_folder.h"
 #include "io/programs/build_identity.h"
 #include "io/shards/shard_folder.h"
-#include "slicer/estimate/phase_estimates.h"
 #include "slicer/job/job_phases.h"
+#include "slicer/job/prepared_job.h"
 #include "slicer/kept/prepared_body.h"
 #include "slicer/layers/layer_maker.h"
 #include "slicer/options/job_file.h"
+#include "slicer/plan/phase_estimates.h"
+#include "slicer/prepare/phase.h"
 #include "slicer/shards/shard_cut.h"
 #include "slicer/shards/shard_task.h"
 
@@ -108,25 +110,28 @@ void claim_folder_for_shards(const OpenedJob& job, io::ShardFolder& folder, cons
 }
 
 /// Makes the layers into the folder; with what they hold.
-void make_shard(const OpenedJob& job, const JobBody& body, Print& print, const LayerRange& all, const LayerRange& mine,
-                const fs::path& into, io::ShardRecord& record, JobMeasurements& figures, Progress& progress) {
+void make_shard(PreparedJob& ready, const LayerRange& mine, const fs::path& into, io::ShardRecord& record,
+                Progress& progress) {
+    const LayerRange& all = ready.plan.layers;
     record.first_layer = std::uint32_t(mine.first);
     record.layers = std::uint32_t(mine.layers());
     if (mine.layers() == 0) return;
-    const auto phases = phase_estimates(job, body, mine, thread_count(), resident_bytes());
-    expect_stages(progress, expected_stages(phases, {"layers"}));
+    std::vector<ExpectedStage> stages = expected_stages(ready.plan.phases, {Phase::layers});
+    for (ExpectedStage& stage : stages) stage.seconds *= double(mine.layers()) / all.layers();
+    expect_stages(progress, std::move(stages));
     io::StackDescription part = record.stack;
     part.first_layer = record.first_layer;
     part.layers = record.layers;
     io::LayerFiles files(into, part, record.resin_bitmaps);
     LayerWatchers watchers;
-    if (job.options.report) {
-        watchers.thumbnails.emplace(all.first, all.layers(), body.grid, job.palette());
-        watchers.voxels.emplace(all.first, all.layers(), body.grid);
+    if (ready.job.options.report) {
+        watchers.thumbnails.emplace(all.first, all.layers(), ready.plan.grid, ready.job.palette());
+        watchers.voxels.emplace(all.first, all.layers(), ready.plan.grid);
     }
     make_layers(
-        print, mine, [&](int k, const io::LayerRuns& layer) { files.write(std::uint32_t(k - mine.first), layer); },
-        watchers, figures, progress);
+        *ready.print, mine,
+        [&](int k, const io::LayerRuns& layer) { files.write(std::uint32_t(k - mine.first), layer); }, watchers,
+        ready.figures, progress);
     record.written = files.written();
     if (watchers.thumbnails) record.pictures = watchers.thumbnails->take();
     if (watchers.voxels) record.viewer = watchers.voxels->take_layers();
@@ -158,39 +163,35 @@ ShardTask open_shard(OpenedJob& job, bool same_job_before) {
 
 JobResult run_shard_job(const SliceOptions& asked, Progress& progress) {
     const Stopwatch watch;
-    OpenedJob job = open_job(asked);
-    expect_shardable(job);
-    const fs::path& out = job.options.out;
-    const bool same_job_before = is_same_job(io::shards_folder(out), job, &progress);
-    const ShardTask task = open_shard(job, same_job_before);
-    if (auto merged = merged_before(job, progress)) return *std::move(merged);
+    OpenedJob opened = open_job(asked);
+    expect_shardable(opened);
+    const fs::path out = opened.options.out;
+    const bool same_job_before = is_same_job(io::shards_folder(out), opened, &progress);
+    const ShardTask task = open_shard(opened, same_job_before);
+    if (auto merged = merged_before(opened, progress)) return *std::move(merged);
     if (same_job_before)
-        if (const auto made = made_before(job, task.number))
+        if (const auto made = made_before(opened, task.number))
             return result_of(*made, out, "; made already, nothing was done (--overwrite makes it again)");
-    if (!job.options.overwrite) {
+    if (!opened.options.overwrite) {
         io::expect_free_for_stack(out);
-        expect_no_other_shards(job, &progress);
+        expect_no_other_shards(opened, &progress);
     }
-    expect_own_loop(job, &progress);
+    expect_own_loop(opened, &progress);
     io::ShardFolder folder(out, task.number);
 
-    const ThreadLimit threads(static_cast<std::size_t>(job.options.threads));
-    for (const std::string& warning : job.printer.warnings()) progress.warn(warning);
-    JobMeasurements figures;
-    std::optional<JobBody> prepared;
-    if (same_job_before) prepared = read_prepared(out, recorded_identity(io::shards_folder(out)).value_or(""));
-    if (prepared && job.options.strict && !prepared->warnings.empty()) prepared.reset();  // one may be a reason to stop
-    const JobBody body = prepared ? *std::move(prepared) : read_body(job, figures, progress);
-    const JobIdentity identity = identify_said(job, body, progress);
-    load_best_resins(job, body, progress);
-    const LayerRange all = range_within(job.options.layers, body.grid.size[2]);
-    check_layer_count(body.grid.size[2], job.printer, "larger (--size), or thicker (--thickness)");
-    const std::unique_ptr<Print> print = make_print(job, body, identity, progress);
+    const ThreadLimit threads(static_cast<std::size_t>(opened.options.threads));
+    for (const std::string& warning : opened.printer.warnings()) progress.warn(warning);
+    std::optional<JobBody> kept;
+    if (same_job_before) kept = read_prepared(out, recorded_identity(io::shards_folder(out)).value_or(""));
+    if (kept && opened.options.strict && !kept->warnings.empty()) kept.reset();  // one may be a reason to stop
+    PreparedJob ready(std::move(opened), std::move(kept), progress);
+    const auto& [figures, body, identity, job, plan, print] = ready;
+    check_layer_count(plan.grid.size[2], job.printer, "larger (--size), or thicker (--thickness)");
     print->prepare(progress);
-    const int slab_layers = LayerMaker(print->sources()).slab_layers();
+    const int slab_layers = print->layers()->slab_layers();
     const LayerRange mine =
-        shard_layers(slab_work(body, job.options.colour.depth_mm, slab_layers), slab_layers, all, task.number);
-    expect_disk_space(job, body, mine, progress);
+        shard_layers(slab_work(body, job.options.colour.depth_mm, slab_layers), slab_layers, plan.layers, task.number);
+    expect_disk_space(out, disk_bytes(job, body, mine), progress);
 
     claim_folder_for_shards(job, folder, job_record(job.options.asked, identity.inputs, out), progress);
     if (body.separation.empty()) keep_prepared(out, identity.job, body, print->separation());
@@ -201,9 +202,9 @@ JobResult run_shard_job(const SliceOptions& asked, Progress& progress) {
     record.program = this_program;
     record.job = identity.job;
     record.host = io::host_name();
-    record.stack = io::as_written(job.describe(body.grid, all));
+    record.stack = io::as_written(job.describe(plan.grid, plan.layers));
     record.resin_bitmaps = job.outputs().resin_bitmaps;
-    make_shard(job, body, *print, all, mine, folder.staging(), record, figures, progress);
+    make_shard(ready, mine, folder.staging(), record, progress);
     record.figures = figures_of(figures, watch);
     folder.publish(record);
     return result_of(record, out, fmt::format(", done in {}", duration_text(watch.total())).c_str());

@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "base/stopwatch.h"
 
 namespace voxtone::slicer {
 
@@ -63,7 +64,9 @@ BoxLayers::BoxLayers(std::vector<PrintBox> boxes, const Eigen::Vector3d& size_mm
                 fmt::format("a print of {:.3g} mm along {} has {:.0f} voxels; from 1 to 65535 are possible",
                             size_mm[axis], "xyz"[axis], voxels));
         size_[std::size_t(axis)] = static_cast<std::uint32_t>(voxels);
+        grid_.size[std::size_t(axis)] = static_cast<int>(voxels);
     }
+    grid_.pitch_mm = pitch_um * 1e-3;
     for (const PrintBox& box : boxes) {
         double sum = 0;
         Span span;
@@ -113,6 +116,16 @@ io::LayerRuns BoxLayers::layer(std::uint32_t k) const {
     return runs;
 }
 
+LayerCounts BoxLayers::make(int slab, int k_begin, int k_end, const LayerSink& sink) const {
+    LayerCounts counts;
+    if (slab < std::max(k_begin, 0) || slab >= std::min(k_end, grid_.size[2])) return counts;
+    const Stopwatch watch;
+    const io::LayerRuns runs = layer(static_cast<std::uint32_t>(slab));
+    counts.runs_s = watch.total();
+    sink(slab, runs);
+    return counts;
+}
+
 io::StackDescription print_boxes(const BoxPrint& print, const PrinterProfile& printer, const std::filesystem::path& out,
                                  const io::StackOutputs& outputs, bool overwrite, Progress& progress) {
     const BoxLayers layers(print.boxes, print.size_mm, printer.sliced_pitch_um(), print.seed);
@@ -123,7 +136,9 @@ io::StackDescription print_boxes(const BoxPrint& print, const PrinterProfile& pr
         0, layers.size()[2], 1,
         [&](std::size_t k) {
             progress.check_cancelled();
-            writer.write(static_cast<std::uint32_t>(k), layers.layer(static_cast<std::uint32_t>(k)));
+            layers.make(int(k), 0, int(layers.size()[2]), [&](int made, const io::LayerRuns& runs) {
+                writer.write(static_cast<std::uint32_t>(made), runs);
+            });
             progress.advance();
         },
         &progress);

@@ -17,6 +17,7 @@
 
 #include "base/progress.h"
 #include "io/layers/layer_stack_writer.h"
+#include "slicer/layers/layer_source.h"
 #include "slicer/printer/printer.h"
 
 namespace voxtone::slicer {
@@ -27,7 +28,7 @@ struct PrintBox {
 };
 
 /// Makes layers of boxes. Memory: one row of box numbers beside the layer's runs.
-class BoxLayers {
+class BoxLayers final : public LayerSource {
 public:
     /// The grid begins at (0, 0, 0) and covers `size_mm`, rounded to whole voxels. Throws InputError where a box has
     /// no volume, its fractions do not sum to 1, or the grid is larger than a bitmap may be.
@@ -37,6 +38,10 @@ public:
     /// Columns, rows, layers.
     [[nodiscard]] const std::array<std::uint32_t, 3>& size() const { return size_; }
     [[nodiscard]] io::LayerRuns layer(std::uint32_t k) const;
+
+    [[nodiscard]] const VoxelGrid& grid() const override { return grid_; }
+    [[nodiscard]] int slab_layers() const override { return 1; }
+    LayerCounts make(int slab, int k_begin, int k_end, const LayerSink& sink) const override;
 
 private:
     struct Span {  // voxels [first, last) of each axis
@@ -48,6 +53,7 @@ private:
 
     std::vector<Span> boxes_;
     std::array<std::uint32_t, 3> size_{};
+    VoxelGrid grid_;
     std::uint64_t seed_;
 };
 

@@ -33,18 +33,18 @@ struct Shop {
 JobEstimate estimate_with(double loop_s, double layers_s, double predict_s = 0) {
     JobEstimate estimate;
     estimate.layers = 4000;
-    estimate.phases = {{"read and repair", 10, 8, 300 * mb, true}, {"separate colours", 1, 1, 310 * mb, false}};
+    estimate.phases = {{Phase::read, 10, 8, 300 * mb, true}, {Phase::separate, 1, 1, 310 * mb, false}};
     if (loop_s > 0) {
         estimate.loop = true;
-        estimate.phases.push_back({"prepare the loop", 5, 5, 400 * mb, false});
-        estimate.phases.push_back({"appearance loop", loop_s, loop_s, 2000 * mb, false});
+        estimate.phases.push_back({Phase::prepare_loop, 5, 5, 400 * mb, false});
+        estimate.phases.push_back({Phase::loop, loop_s, loop_s, 2000 * mb, false});
     }
-    estimate.phases.push_back({"layers", layers_s, layers_s, 800 * mb, false});
+    estimate.phases.push_back({Phase::layers, layers_s, layers_s, 800 * mb, false});
     if (predict_s > 0) {
         estimate.prediction = true;
-        estimate.phases.push_back({"predict", predict_s, predict_s, 3000 * mb, false});
+        estimate.phases.push_back({Phase::predict, predict_s, predict_s, 3000 * mb, false});
     }
-    estimate.phases.push_back({"report", 2, 2, 500 * mb, false});
+    estimate.phases.push_back({Phase::report, 2, 2, 500 * mb, false});
     return estimate;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "slicer/prepare/prediction_plan.h"
+#include "slicer/plan/prediction_plan.h"
 
 #include <fmt/core.h>
 

@@ -2,8 +2,9 @@
 //
 // Whether a job has an appearance loop, of which kind, and what that takes, known before its colours are separated.
 //
-// The loop is left out where it has nothing to choose (one resin), where it is not wanted (--iterations 0), and where
-// its memory would surely not suffice.
+// The loop is left out where it has nothing to choose (one resin) and where it is not wanted (--iterations 0). Where
+// its memory would surely not suffice it is wanted all the same, and the job stops: what is printed is the same on
+// every machine.
 #pragma once
 
 #include <cstdint>
@@ -18,13 +19,13 @@ namespace voxtone::slicer {
 
 struct LoopPlan {
     bool wanted = false;
-    int iterations = -1;  ///< most; -1: until it stops gaining
-    bool descent = true;  ///< after feedback
-    std::string why_not;  ///< where it is not wanted: a sentence, or empty where none is due
+    int iterations = -1;       ///< most; -1: until it stops gaining
+    bool descent = true;       ///< after feedback
+    std::string why_not;       ///< where it is not wanted: a sentence, or empty where none is due
+    std::string does_not_fit;  ///< where it would surely take more memory than is allowed: a sentence
 };
 
-/// Of a job that resumes: with no iterations too, what an interrupted loop has found is looked at. Not without being
-/// asked where even its smallest pieces would take more memory than is allowed.
+/// Of a job that resumes: with no iterations too, what an interrupted loop has found is looked at.
 /// `all_white`: white is asked for everywhere and printed: nothing is rearranged without being asked.
 [[nodiscard]] LoopPlan plan_loop(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins,
                                  bool all_white);
@@ -36,7 +37,7 @@ struct LoopPlan {
 [[nodiscard]] std::string nothing_to_rearrange(const JobBody& body, const LoadedResins& resins);
 
 /// What a loop takes, about: measured on cores of 2.5 GHz (docs/estimate.md), to a factor of 1.5. Its memory:
-/// estimate/phase_estimates.h.
+/// phase_estimates.h.
 struct LoopCost {
     int iterations = 0;      ///< that are made, of a loop that stops when it gains no more
     double cpu_seconds = 0;  ///< of processors

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "slicer/prepare/loop_plan.h"
+#include "slicer/plan/loop_plan.h"
 
 #include <algorithm>
 #include <utility>
@@ -33,7 +33,7 @@ std::string nothing_to_rearrange(const JobBody& body, const LoadedResins& resins
 
 LoopPlan plan_loop(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, bool all_white) {
     const JobLoopOptions& options = job.loop;
-    const auto none = [](std::string why_not) { return LoopPlan{.why_not = std::move(why_not)}; };
+    const auto none = [](std::string why_not) { return LoopPlan{.why_not = std::move(why_not), .does_not_fit = ""}; };
     if (options.iterations == 0 && !job.resume) return none("");
     if (std::string why_not = nothing_to_rearrange(body, resins); !why_not.empty()) return none(std::move(why_not));
     if (all_white && !options.iterations)
@@ -47,14 +47,15 @@ LoopPlan plan_loop(const ResolvedJob& job, const JobBody& body, const LoadedResi
                   .iterations = options.iterations.value_or(-1),
                   .descent = options.method == LoopMethod::descent ||
                              (options.method == LoopMethod::automatic && area_mm2 <= 100 * most_cm2),
-                  .why_not = ""};
+                  .why_not = "",
+                  .does_not_fit = ""};
     const double bytes = least_bytes(area_mm2, job.prediction.cell_mm), allowed = double(job.prediction.memory_bytes);
     if (!options.iterations && !job.resume && allowed > 0 && bytes > allowed)
-        return none(fmt::format(
-            "The resins were not rearranged: for {:.0f} cm2 of coloured surface that would take "
-            "{:.1f} GB of memory at the least, and {:.1f} are allowed. Allow more (--memory), take larger cells "
-            "(--predict-cell), or ask for it all the same (--iterations N).",
-            area_mm2 / 100, bytes / 1e9, allowed / 1e9));
+        plan.does_not_fit = fmt::format(
+            "{}: the appearance loop on {:.0f} cm2 of coloured surface takes {:.1f} GB of memory at the least, and "
+            "{:.1f} are allowed: allow more (--memory), take larger cells (--predict-cell), print without it "
+            "(--iterations 0), or try it all the same (--iterations N)",
+            job.model, area_mm2 / 100, bytes / 1e9, allowed / 1e9);
     return plan;
 }
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "slicer/estimate/phase_estimates.h"
+#include "slicer/plan/phase_estimates.h"
 
 #include <algorithm>
 #include <array>
+#include <iterator>
+#include <string>
 #include <utility>
 
 #include "slicer/layers/layer_bytes.h"
 #include "slicer/look/prediction_time.h"
-#include "slicer/prepare/loop_plan.h"
-#include "slicer/prepare/prediction_plan.h"
 
 namespace voxtone::slicer {
 
@@ -37,7 +37,6 @@ constexpr double drawn_bytes = 1e8, drawn_bytes_per_cell = 2500;
 struct Amounts {
     double area_mm2, cells;
     double voxels, shell_voxels;  ///< of the layers that are made
-    bool all_layers, all_white;
 };
 
 Amounts amounts_of(const OpenedJob& job, const JobBody& body, const LayerRange& range) {
@@ -49,11 +48,6 @@ Amounts amounts_of(const OpenedJob& job, const JobBody& body, const LayerRange& 
     amounts.voxels = share * double(body.grid.voxels());
     amounts.shell_voxels =
         share * std::min(double(body.grid.voxels()), amounts.area_mm2 * shell_mm / body.grid.voxel_volume_mm3());
-    if (!job.options.layered) {
-        const SurfaceColour asked(body.model.mesh, cell_mm);
-        amounts.all_white = prints_all_white(asked, job.resins);
-    }
-    amounts.all_layers = range.layers() == body.grid.size[2];
     return amounts;
 }
 
@@ -61,8 +55,9 @@ class Phases {
 public:
     explicit Phases(std::size_t threads) : threads_(threads) {}
 
-    void add(const char* name, double cpu_s, double bytes) {
-        phases_.push_back({name, cpu_s, seconds_on_threads(cpu_s, threads_), static_cast<std::uint64_t>(bytes), false});
+    void add(Phase phase, double cpu_s, double bytes) {
+        phases_.push_back(
+            {phase, cpu_s, seconds_on_threads(cpu_s, threads_), static_cast<std::uint64_t>(bytes), false});
     }
     [[nodiscard]] std::vector<PhaseEstimate> take() { return std::move(phases_); }
 
@@ -73,8 +68,8 @@ private:
 
 void add_search(const OpenedJob& job, double working_bytes, Phases& phases) {
     const bool traced = job.options.layered->rounds.value_or(1) > 0 && job.options.layered->materials.empty();
-    phases.add("profiles of the resins", profiles_s_per_resin * double(job.resins.set.resins.size()), working_bytes);
-    phases.add("search stacks",
+    phases.add(Phase::profiles, profiles_s_per_resin * double(job.resins.set.resins.size()), working_bytes);
+    phases.add(Phase::search,
                (traced ? traced_search_s_per_cluster : search_s_per_cluster) * double(job.map->target.size()),
                working_bytes);
 }
@@ -92,15 +87,15 @@ double seconds_on_threads(double cpu_s, std::size_t threads) {
     return cpu_s * (serial + (1 - serial) / double(std::max<std::size_t>(threads, 1)));
 }
 
-std::vector<PhaseEstimate> phase_estimates(const OpenedJob& job, const JobBody& body, const LayerRange& range,
+std::vector<PhaseEstimate> phase_estimates(const OpenedJob& job, const JobBody& body, const PlannedWork& work,
                                            std::size_t threads, std::uint64_t resident_bytes) {
     const ResolvedJob& options = job.options;
-    const Amounts amounts = amounts_of(job, body, range);
+    const Amounts amounts = amounts_of(job, body, work.layers);
     const double working = double(resident_bytes) + work_bytes + bytes_per_thread * double(threads);
     const auto with = [&](double bytes, double bytes_per_cell) {
         return working + bytes + bytes_per_cell * amounts.cells;
     };
-    const LoopPlan loop = options.layered ? LoopPlan{} : plan_loop(options, body, job.resins, amounts.all_white);
+    const LoopPlan& loop = work.loop;
     const double looping = !loop.wanted   ? working
                            : loop.descent ? with(descent_bytes, descent_bytes_per_cell)
                                           : with(feedback_bytes, feedback_bytes_per_cell);
@@ -108,46 +103,43 @@ std::vector<PhaseEstimate> phase_estimates(const OpenedJob& job, const JobBody& 
     if (options.layered)
         add_search(job, working, phases);
     else
-        phases.add("separate colours", separation_s, working);
+        phases.add(Phase::separate, separation_s, working);
     if (loop.wanted) {
         const LoopCost cost =
             expected_cost(loop, amounts.area_mm2, options.prediction.cell_mm, options.prediction.memory_bytes);
-        phases.add("prepare the loop", recipes_s + preparation_s_per_cell * amounts.cells,
+        phases.add(Phase::prepare_loop, recipes_s + preparation_s_per_cell * amounts.cells,
                    with(0, prepared_bytes_per_cell));
         const double of_rgb = double(job.resins.set.channels.size()) / 3;  // light is followed channel by channel
-        phases.add("appearance loop", of_rgb * cost.cpu_seconds, looping);
+        phases.add(Phase::loop, of_rgb * cost.cpu_seconds, looping);
     }
-    phases.add("layers",
+    phases.add(Phase::layers,
                layers_s + layers_s_per_voxel * amounts.voxels + layers_s_per_shell_voxel * amounts.shell_voxels,
                looping);
-    const PredictionPlan prediction =
-        options.layered ? PredictionPlan{}
-                        : plan_prediction(options, body, amounts.all_layers, loop.wanted, amounts.all_white);
-    const bool predicts = prediction.by == PredictionPlan::By::model;
+    const bool predicts = work.prediction.by == PredictionPlan::By::model;
     if (predicts)
-        phases.add("predict", predicted_cpu * prediction_cost(job, body, prediction.model, amounts.area_mm2),
+        phases.add(Phase::predict, predicted_cpu * prediction_cost(job, body, work.prediction.model, amounts.area_mm2),
                    with(predicted_bytes, predicted_bytes_per_cell) +
                        (loop.wanted ? kept_bytes + kept_bytes_per_cell * amounts.cells : 0));
     const double drawn_s = predicts || loop.wanted ? seen_s_per_cell : drawn_s_per_cell;
     if (options.report)
-        phases.add("report", report_s + drawn_s * amounts.cells,
+        phases.add(Phase::report, report_s + drawn_s * amounts.cells,
                    std::max(looping, predicts ? with(drawn_bytes, drawn_bytes_per_cell) : working));
     return phases.take();
 }
 
 std::vector<ExpectedStage> expected_stages(const std::vector<PhaseEstimate>& phases) {
     std::vector<ExpectedStage> stages;
-    for (const PhaseEstimate& phase : phases) stages.push_back({phase.name, phase.seconds});
+    for (const PhaseEstimate& phase : phases) stages.push_back({std::string(name_of(phase.phase)), phase.seconds});
     return stages;
 }
 
 std::vector<ExpectedStage> expected_stages(const std::vector<PhaseEstimate>& phases,
-                                           std::initializer_list<std::string_view> names) {
-    std::vector<ExpectedStage> stages = expected_stages(phases);
-    std::erase_if(stages, [&](const ExpectedStage& stage) {
-        return std::find(names.begin(), names.end(), stage.name) == names.end();
+                                           std::initializer_list<Phase> those) {
+    std::vector<PhaseEstimate> chosen;
+    std::ranges::copy_if(phases, std::back_inserter(chosen), [&](const PhaseEstimate& phase) {
+        return std::find(those.begin(), those.end(), phase.phase) != those.end();
     });
-    return stages;
+    return expected_stages(chosen);
 }
 
 double most_bytes_of_surface(double area_mm2, double cell_mm) {

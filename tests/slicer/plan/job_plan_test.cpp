@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/plan/job_plan.h"
+
+#include <fstream>
+#include <set>
+#include <string>
+
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "base/progress.h"
+#include "slicer/plan/phase_estimates.h"
+#include "tests/io/files/temporary_folder.h"
+
+using namespace voxtone;
+using namespace voxtone::slicer;
+
+namespace {
+
+/// A cube of 10 mm, of one colour.
+class Cube {
+public:
+    explicit Cube(const std::string& rgb) {
+        std::ofstream out(file());
+        for (int corner = 0; corner < 8; ++corner)
+            out << "v " << 10 * (corner & 1) << ' ' << 10 * (corner >> 1 & 1) << ' ' << 10 * (corner >> 2) << ' ' << rgb
+                << '\n';
+        out << "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+    }
+    [[nodiscard]] std::string file() const { return (folder_.path() / "cube.obj").string(); }
+    [[nodiscard]] SliceOptions options() const {
+        SliceOptions options;
+        options.model = file();
+        options.unit = "mm";
+        options.out = (folder_.path() / "out").string();
+        return options;
+    }
+
+private:
+    io::TemporaryFolder folder_;
+};
+
+struct Planned {
+    explicit Planned(const SliceOptions& options)
+        : job(open_job(options)), body(prepare_body(job.options, job.printer, progress)), plan(plan_job(job, body)) {}
+    Progress progress;
+    OpenedJob job;
+    JobBody body;
+    JobPlan plan;
+};
+
+std::set<Phase> phases_of(const JobPlan& plan) {
+    std::set<Phase> phases;
+    for (const PhaseEstimate& phase : plan.phases) phases.insert(phase.phase);
+    return phases;
+}
+
+}  // namespace
+
+TEST_CASE("What is printed does not depend on the memory that there is") {
+    const Cube cube("1 0 0");
+    SliceOptions options = cube.options();
+    options.memory_gib = 64;
+    const Planned roomy(options);
+    options.memory_gib = 0.01;
+    const Planned tight(options);
+    CHECK(roomy.plan.loop.wanted);
+    CHECK(roomy.plan.loop.does_not_fit.empty());
+    CHECK(tight.plan.loop.wanted);
+    CHECK(tight.plan.loop.descent == roomy.plan.loop.descent);
+    CHECK(tight.plan.loop.why_not.empty());
+    CHECK(tight.plan.loop.does_not_fit.find("--memory") != std::string::npos);
+    CHECK(phases_of(tight.plan) == phases_of(roomy.plan));
+
+    options.iterations = "3";  // asked for by number: tried all the same
+    CHECK(Planned(options).plan.loop.does_not_fit.empty());
+}
+
+TEST_CASE("A plan says which phases a job goes through") {
+    const Cube red("1 0 0"), white("1 1 1");
+    const std::set<Phase> without{Phase::separate, Phase::layers, Phase::report};
+    const auto and_also = [](std::set<Phase> phases, std::initializer_list<Phase> more) {
+        phases.insert(more);
+        return phases;
+    };
+    SliceOptions options = red.options();
+    const Planned usual(options);
+    CHECK(phases_of(usual.plan) == and_also(without, {Phase::prepare_loop, Phase::loop, Phase::predict}));
+    CHECK(usual.plan.prediction.by == PredictionPlan::By::model);
+    CHECK(usual.plan.all_layers);
+    CHECK_FALSE(usual.plan.all_white);
+    CHECK(usual.plan.grid.size == usual.body.grid.size);
+
+    options.iterations = "0";
+    CHECK(phases_of(Planned(options).plan) == and_also(without, {Phase::predict}));
+    options.report = false;
+    CHECK(phases_of(Planned(options).plan) == std::set<Phase>{Phase::separate, Phase::layers});
+
+    // A part of the layers is not predicted, and costs its share.
+    options = red.options();
+    options.layers = "0-99";
+    const Planned part(options);
+    CHECK(part.plan.layers.layers() == 100);
+    CHECK_FALSE(part.plan.all_layers);
+    CHECK(part.plan.prediction.by == PredictionPlan::By::nothing);
+    CHECK(part.plan.disk_bytes < usual.plan.disk_bytes);
+
+    // White on white: nothing to rearrange, nothing to predict, unless it was asked for.
+    const Planned plain(white.options());
+    CHECK(plain.plan.all_white);
+    CHECK(phases_of(plain.plan) == without);
+    CHECK(plain.plan.loop.why_not.find("white") != std::string::npos);
+
+    options.layers = "5000-6000";
+    CHECK_THROWS_AS(Planned(options), InputError);
+}
+
+TEST_CASE("What a plan says of time and memory grows with the work") {
+    const Cube cube("0 0.5 1");
+    SliceOptions options = cube.options();
+    const auto total = [&](double size_mm) {
+        options.size_mm = size_mm;
+        const Planned planned(options);
+        double seconds = 0;
+        std::uint64_t bytes = 0;
+        for (const PhaseEstimate& phase : planned.plan.phases) {
+            CHECK(phase.seconds <= phase.cpu_s);
+            CHECK_FALSE(phase.measured);
+            seconds += phase.cpu_s;
+            bytes = std::max(bytes, phase.memory_bytes);
+        }
+        return std::pair(seconds, bytes);
+    };
+    const auto [small_s, small_bytes] = total(5);
+    const auto [large_s, large_bytes] = total(10);
+    // Four times the surface: more work, though not more than four times of it.
+    CHECK(large_s > 1.5 * small_s);
+    CHECK(large_s < 4.5 * small_s);
+    CHECK(large_bytes > small_bytes);
+    CHECK(large_bytes < 4 * small_bytes);
+
+    // Stages by phase, in the order of the phases.
+    options.size_mm = 5;
+    const Planned planned(options);
+    const auto stages = expected_stages(planned.plan.phases, {Phase::report, Phase::layers});
+    REQUIRE(stages.size() == 2);
+    CHECK(stages[0].name == "layers");
+    CHECK(stages[1].name == "report");
+}
