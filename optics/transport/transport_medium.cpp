@@ -41,6 +41,17 @@ CellResponse doubled(const CellResponse& layer) {
 
 }  // namespace
 
+double anti_diffusive_linear(const DirectionSet& set, const std::array<double, 3>& edge_mm, double theta,
+                             double sigma_t, double sigma_s) {
+    constexpr double least_linear = -1.0 / 3, diffuse = 10;
+    const double h = (edge_mm[0] + edge_mm[1] + edge_mm[2]) / 3, artificial = h * (1 - theta) / (4 * (1 + theta));
+    const double transport = sigma_t - set.linear * sigma_s, r = 3 * transport * artificial;
+    if (!(r > 0)) return set.linear;
+    if (r >= 1) return least_linear;
+    return std::max(set.linear - std::pow(sigma_s / sigma_t, diffuse) * transport / sigma_t * r / (1 - r),
+                    std::min(least_linear, set.linear));
+}
+
 double cell_fit(double sigma_a, double way, double theta) {
     const double tau = sigma_a * way;
     if (theta != 1) return tau < 1e-6 ? 1 : -(1 + theta) * std::expm1(-tau) / ((theta + std::exp(-tau)) * tau);
@@ -52,7 +63,8 @@ double TransportMedia::discrete_half_space(double albedo, double sigma_t) const 
     VOXTONE_EXPECT(sigma_t > 0);
     if (albedo >= 1) return 1;
     const double scatter = albedo * sigma_t * (1 - set_.forward_peak),
-                 extinction = sigma_t * (1 - albedo * set_.forward_peak);
+                 extinction = sigma_t * (1 - albedo * set_.forward_peak),
+                 linear = anti_diffusive_linear(set_, edge_mm_, theta_, extinction, scatter);
     std::array<double, in_quadrant> nu{}, weight{}, fit{}, t{};
     for (std::size_t d = 0; d < in_quadrant; ++d) {
         nu[d] = set_.nu[d / 2];
@@ -69,7 +81,7 @@ double TransportMedia::discrete_half_space(double albedo, double sigma_t) const 
         for (int j = 0; j < 2 * in_quadrant; ++j) {
             const auto ki = static_cast<std::size_t>(i % in_quadrant), kj = static_cast<std::size_t>(j % in_quadrant);
             const double nu_i = i < in_quadrant ? nu[ki] : -nu[ki], nu_j = j < in_quadrant ? nu[kj] : -nu[kj];
-            S(i, j) = scatter * 0.5 * weight[kj] * (1 + 3 * set_.linear * nu_i * nu_j);
+            S(i, j) = scatter * 0.5 * weight[kj] * (1 + 3 * linear * nu_i * nu_j);
         }
     Eigen::Matrix<double, 2 * in_quadrant, 1> fits, streams;
     for (int i = 0; i < 2 * in_quadrant; ++i) {
@@ -161,19 +173,20 @@ std::shared_ptr<const TransportMedia> shared_media(const DirectionSet& set, cons
 
 TransportMedium similar_medium(const DirectionSet& set, const Medium& medium) {
     return {static_cast<float>(medium.sigma_t() - set.forward_peak * medium.sigma_s),
-            static_cast<float>(medium.sigma_s * (1 - set.forward_peak))};
+            static_cast<float>(medium.sigma_s * (1 - set.forward_peak)), static_cast<float>(set.linear)};
 }
 
-std::array<double, 2> TransportMedia::exact(const Medium& medium) const {
+std::array<double, 3> TransportMedia::exact(const Medium& medium) const {
     constexpr double least = 1e-6;  // mm^-1: nothing is seen of it, and fields can be divided by it
     const double sigma_t = std::max(medium.sigma_t(), least);
     const double sigma_s = std::max(sigma_t * (1 - loss(medium.albedo(), sigma_t)), least);
-    return {sigma_t - set_.forward_peak * sigma_s, sigma_s * (1 - set_.forward_peak)};
+    const double extinction = sigma_t - set_.forward_peak * sigma_s, scatter = sigma_s * (1 - set_.forward_peak);
+    return {extinction, scatter, anti_diffusive_linear(set_, edge_mm_, theta_, extinction, scatter)};
 }
 
 TransportMedium TransportMedia::operator()(const Medium& medium) const {
-    const auto [sigma_t, sigma_s] = exact(medium);
-    return {static_cast<float>(sigma_t), static_cast<float>(sigma_s)};
+    const auto [sigma_t, sigma_s, linear] = exact(medium);
+    return {static_cast<float>(sigma_t), static_cast<float>(sigma_s), static_cast<float>(linear)};
 }
 
 }  // namespace voxtone::optics

@@ -41,7 +41,7 @@ struct CellKind {
 
 struct Octant {
     Ways ways[2];          ///< fine cells, coarse ones
-    V8 sx, sy, sz;         ///< 3 g' Omega
+    V8 sx, sy, sz;         ///< 3 Omega
     V8 weights[4];         ///< {w, w Omega} / 2 of directions 2 k and 2 k + 1
     V8 along[3], flux[3];  ///< |Omega|, w |Omega|
     bool back[3];
@@ -103,10 +103,9 @@ Octant make_octant(const ViewingGrid& grid, int octant, const std::array<CellKin
     }
     for (std::size_t a = 0; a < 3; ++a)
         if (o.back[a]) cosine[a] = -cosine[a];
-    const auto linear = static_cast<float>(3 * set.linear);
-    o.sx = linear * cosine[0];
-    o.sy = linear * cosine[1];
-    o.sz = linear * cosine[2];
+    o.sx = 3 * cosine[0];
+    o.sy = 3 * cosine[1];
+    o.sz = 3 * cosine[2];
     w *= 0.5f;  // the moments are taken of 2 psi
     for (int d = 0; d < 8; ++d) {
         V8& pair = o.weights[d / 2];
@@ -147,7 +146,7 @@ struct BlockFaces {
 /// fit.
 struct MediumWays {
     Octet gain, pass, fit, rest;
-    float sigma_s;
+    float sigma_s, linear;
 };
 using MediaWays = std::array<std::vector<MediumWays>, 2>;  // for both kinds of cells
 
@@ -166,6 +165,7 @@ void fit_medium(const Ways& ways, const TransportMedium& medium, double theta, M
         out.fit.v[i] = static_cast<float>(fit);
         out.rest.v[i] = static_cast<float>(2 * lack / (sigma * fit));
         out.sigma_s = medium.sigma_s;
+        out.linear = medium.linear;
     }
 }
 
@@ -174,7 +174,7 @@ void fit_medium(const Ways& ways, const TransportMedium& medium, double theta, M
 /// psi - theta px.
 HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const MediumWays& medium, const Moments& light,
                            Moments& sum, V8& px, V8& py, V8& pz) {
-    const V8 q = medium.sigma_s * ((light.phi + light.x * o.sx) + (light.y * o.sy + light.z * o.sz));
+    const V8 q = medium.sigma_s * (light.phi + medium.linear * (light.x * o.sx + (light.y * o.sy + light.z * o.sz)));
     const V8 fitted = as_vector(medium.fit) * q;
     const V8 out = as_vector(medium.gain) * (fitted + (ways.ay * py + ways.az * pz)) + as_vector(medium.pass) * px;
     const V8 both = out + ways.theta * px;

@@ -4,22 +4,23 @@
 //
 // In each cell, for each of the octant's 8 directions (one vector register):
 //   psi = (fit q + sum_a 2 |Omega_a| / h_a psi_in,a) / (fit sigma_t + sum_a 2 |Omega_a| / h_a),
-//   psi_out,a = 2 psi - psi_in,a,     q = sigma_s (phi + 3 g' Omega . J),
+//   psi_out,a = 2 psi - psi_in,a,     q = sigma_s (phi + 3 g'' Omega . J),
 // diamond differences (Lewis and Miller 1984, Ch. 4) with fit = 2 tanh(sigma_a l / 2) / (sigma_a l), l the mean way of
 // the direction through the cell: a cell that only absorbs lets exp(-sigma_a l) through, where diamond differences
 // alone let (2 - sigma_a l) / (2 + sigma_a l) (exponential fitting, as Doolan, Miller and Schilders 1980, "Uniform
 // numerical methods for problems with initial and boundary layers", do it for other equations). What the cell itself
-// sees is the balance fit psi + (1 - fit) q / sigma_t. Where light is scattered and not absorbed fit is 1 and the
-// scheme keeps its diffusion limit in thick cells. Between coarse and fine cells the radiance of a face is averaged or
-// repeated.
+// sees is the balance fit psi + (1 - fit) q / sigma_t. Where light is scattered and not absorbed fit is 1, and diamond
+// differences keep the diffusion limit in thick cells. Between coarse and fine cells the radiance of a face is averaged
+// or repeated.
 //
 // Diamond differences answer an edge in the light that comes in with ripples from cell to cell. With a weight theta
 // below 1,
 //   psi_out,a = (1 + theta) psi - theta psi_in,a,   (1 + theta) |Omega_a| / h_a for 2 |Omega_a| / h_a,
 // and fit = (1 + theta) (1 - e) / ((theta + e) sigma_a l), e = exp(-sigma_a l), ripples die out, at the price of some
-// blur. These are weighted differences; Rhoades and Engle 1977, "A new weighted-difference formulation for discrete
-// ordinates calculations", Trans. Am. Nucl. Soc., choose the weight cell by cell from the fluxes, here it is one
-// number, so that the equations stay linear.
+// blur where light is not diffuse; where it is, the medium's g'' for g' takes back what they widen
+// (transport_medium.h). These are weighted differences; Rhoades and Engle 1977, "A new weighted-difference formulation
+// for discrete ordinates calculations", Trans. Am. Nucl. Soc., choose the weight cell by cell from the fluxes, here it
+// is one number, so that the equations stay linear.
 //
 // Work: cells x 8 directions, about 30 vector instructions a cell; data touched: 16 bytes of moments in and out per
 // cell and 3 bytes of geometry. The order of arithmetic is fixed: the same bits on every run.

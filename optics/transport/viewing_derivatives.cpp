@@ -64,7 +64,6 @@ void derivatives_by_moments(const DerivativeScene& scene, std::span<const Viewin
                             std::span<const Moments> adjoint, std::span<float> by_sigma_t,
                             std::span<float> by_sigma_s) {
     const ViewingGrid& grid = scene.grid;
-    const auto linear = static_cast<float>(grid.directions.linear);
     const float V = scene.scaled_volume;
     parallel_ranges(0, adjoint.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
         for (std::size_t cell = begin; cell < end; ++cell) {
@@ -74,7 +73,7 @@ void derivatives_by_moments(const DerivativeScene& scene, std::span<const Viewin
             const Moments& b = adjoint[cell];
             const float phi2 = a.phi * b.phi, J2 = a.x * b.x + a.y * b.y + a.z * b.z;
             by_sigma_t[cell] = -V * (phi2 - 3 * J2);
-            by_sigma_s[cell] = V * (phi2 - 3 * linear * J2);
+            by_sigma_s[cell] = V * (phi2 - 3 * scene.media[grid.medium[cell]].linear * J2);
         }
     });
 }

@@ -28,7 +28,7 @@ std::array<Pair, 2> medium_derivatives(const TransportMedia& media_of, const Med
             return media_of.exact({middle.sigma_a + (k == 0 ? s : 0), middle.sigma_s + (k == 1 ? s : 0)});
         };
         const double down = std::min(step, k == 0 ? middle.sigma_a : middle.sigma_s);
-        const Pair ahead = moved(step), behind = moved(-down);
+        const std::array<double, 3> ahead = moved(step), behind = moved(-down);
         for (std::size_t i = 0; i < 2; ++i) out[k][i] = (ahead[i] - behind[i]) / (step + down);
     }
     return out;

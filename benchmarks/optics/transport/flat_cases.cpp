@@ -34,6 +34,15 @@ SuiteCase grating(const char* name, int half) {
                 [half](int x, int, int z) { return z >= skin_floor && (2 * x + half) / (2 * half) % 2 == 0 ? K : W; });
 }
 
+/// White as dense as some inks are made, 40, 60 and 100 per mm: cells of the eye are 1.7 to 4.3 transport mean free
+/// paths thick in it, and light spreads sideways by diffusion alone.
+SuiteCase dense(SuiteCase c) {
+    c.resins.name += ", white of 40, 60 and 100 per mm";
+    c.resins.resins[W - 1].sigma_t_per_mm = {40, 60, 100};
+    c.tuning = false;
+    return c;
+}
+
 }  // namespace
 
 std::vector<SuiteCase> flat_cases() {
@@ -45,6 +54,7 @@ std::vector<SuiteCase> flat_cases() {
     cases.push_back(grating("1", 12));
     cases.push_back(grating("2", 6));
     cases.push_back(grating("4", 3));
+    cases.push_back(dense(grating("1-dense", 12)));
     constexpr std::array<const char*, 4> role{"C", "M", "Y", "K"};
     for (std::size_t r = 0; r < role.size(); ++r) {
         const auto ink = static_cast<Material>(r + 1);
@@ -57,6 +67,9 @@ std::vector<SuiteCase> flat_cases() {
                              fmt::format("a line of {} in white, 0.085 x 0.081 mm", role[r]), 42, 21, Symmetry::along_y,
                              0.08, [ink](int x, int, int z) { return z >= slab_layers - 3 && x / 2 == 10 ? ink : W; }));
     }
+    cases.push_back(
+        dense(slab("line-K-dense", "a line of K in dense white, 0.085 x 0.081 mm", 42, 21, Symmetry::along_y, 0.08,
+                   [](int x, int, int z) { return z >= slab_layers - 3 && x / 2 == 10 ? K : W; })));
     return cases;
 }
 

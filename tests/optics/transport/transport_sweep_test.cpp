@@ -49,7 +49,7 @@ struct Case {
         refine(grid, volume, blocks_to_refine(grid, volume, where), viewing_cell);
         const auto medium = [&] {
             const float sigma_t = 1 + 40 * value();
-            return TransportMedium{sigma_t, sigma_t * (0.3f + 0.7f * value())};
+            return TransportMedium{sigma_t, sigma_t * (0.3f + 0.7f * value()), 0.6f * value() - 0.3f};
         };
         for (std::size_t m = 0; m < grid.mixtures.size(); ++m) media.push_back(medium());
         for (std::size_t m = 0; m < grid.fine.contents.size(); ++m) media_of_parts.push_back(medium());
@@ -173,7 +173,6 @@ private:
     void cross_leaf(const std::array<int, 3>& low, const std::array<int, 3>& size,
                     const std::array<std::int64_t, 6>& face, const TransportMedium& medium, const Moments& light,
                     Moments& sum, double weight) {
-        const DirectionSet& set = c_.grid.directions;
         const auto edge = c_.grid.edge_mm();
         const double J[3]{double(light.x), double(light.y), double(light.z)};
         double along = 0, all = 0, arriving = 0, way = 0;
@@ -188,7 +187,7 @@ private:
             way += cosine_[a] / h;
         }
         const double sigma = double(medium.sigma_t),
-                     q = double(medium.sigma_s) * (double(light.phi) + 3 * set.linear * along),
+                     q = double(medium.sigma_s) * (double(light.phi) + 3 * double(medium.linear) * along),
                      fit = cell_fit(sigma - double(medium.sigma_s), 1 / way, weight),
                      psi = (fit * q + arriving) / (fit * sigma + all), seen = fit * psi + (1 - fit) * q / sigma;
         sum.phi += float(weight_ * seen);
