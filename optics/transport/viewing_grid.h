@@ -11,10 +11,10 @@
 // the nearest face of the staircase that looks the same way.
 //
 // Transport blocks (4 x 4 x 4 cells, all of them stored): those within `colour_mm` of the surface that is asked for,
-// those at the surface elsewhere, those of several materials, a margin of them, and those on a sheet. Deeper, each
-// block is one node of diffusion. Cells and nodes of diffusion are the same. Where deep colour is in nodes, too
-// (TransportOptions), blocks of several materials have cells only as far down as colour is expected, and deeper ones
-// are nodes of the medium of the halftone of their shares.
+// those at the surface elsewhere, those of several materials, a margin of them as deep as what it holds is clear, and
+// those on a sheet. Deeper, each block is one node of diffusion. Cells and nodes of diffusion are the same. Where deep
+// colour is in nodes, too (TransportOptions), blocks of several materials have cells only as far down as colour is
+// expected, and deeper ones are nodes of the medium of the halftone of their shares.
 #pragma once
 
 #include <array>

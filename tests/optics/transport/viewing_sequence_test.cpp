@@ -209,6 +209,31 @@ TEST_CASE("Deep colour in nodes of diffusion is seen as in cells, in a grid that
     }
 }
 
+TEST_CASE("Deep colour in nodes: a resin that the print does not hold costs no cells") {
+    const ResinSet cyan_and_white = vero_opaque();
+    ResinSet with_clear = cyan_and_white;
+    Resin clear;
+    clear.name = clear.role = "clear";
+    clear.sigma_t_per_mm.assign(3, 0.0);
+    clear.albedo.assign(3, 1.0);
+    with_clear.resins.push_back(clear);
+    const ResinVolume print = make_resin_volume({32, 16, 120}, j750, [](int x, int y, int z) {
+        return RandomStream(4, static_cast<std::uint64_t>((z * 16 + y) * 32 + x)).uniform() < 0.3 ? 1 : 5;
+    });
+    TransportOptions options = on_viewing_cells();
+    options.colour_mm = 0.3;
+    options.deep_colour_in_nodes = true;
+    const auto cells = [&](const ResinSet& set) {
+        const Scene scene{&print, &set, Backing::white, Sides::mirrored};
+        const Surface surface = find_surface(scene, viewing_cell, SurfacePart::top);
+        return ViewingSequence(scene, surface, options).summary().cells;
+    };
+    const BlockLattice lattice(print.size(), viewing_cell);
+    const auto all = static_cast<std::size_t>(64 * lattice.blocks[0] * lattice.blocks[1] * lattice.blocks[2]);
+    CHECK(cells(cyan_and_white) < all);
+    CHECK(cells(with_clear) == cells(cyan_and_white));
+}
+
 TEST_CASE("A slab that is asked for from above has cells below its top, and looks as it does with cells all around") {
     const ResinSet set = vero_opaque();
     const std::array<int, 3> n{142, 71, 130};  // 6 x 6 x 3.5 mm
