@@ -4,6 +4,7 @@
 // every chunk. No result may depend on the order or the number of threads: bodies write to places that they own.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -19,7 +20,50 @@
 
 #include "base/progress.h"
 
+#ifdef __SANITIZE_THREAD__
+#include <sanitizer/tsan_interface.h>
+#endif
+
 namespace voxtone {
+
+// What the thread sanitizer cannot see: TBB hands work from thread to thread in a library that was not compiled with
+// it. A loop's bodies know what its caller wrote before, and the caller knows what they wrote; of bodies among
+// themselves nothing is said, so that their races are found. Without the sanitizer this is nothing.
+#ifdef __SANITIZE_THREAD__
+
+class LoopFences {
+public:
+    LoopFences() { __tsan_release(&begun_); }
+    ~LoopFences() { __tsan_acquire(&ended_); }
+    LoopFences(const LoopFences&) = delete;
+    LoopFences& operator=(const LoopFences&) = delete;
+    void enter() { __tsan_acquire(&begun_); }
+    void leave() { __tsan_release(&ended_); }
+
+private:
+    char begun_ = 0, ended_ = 0;  ///< places that stand for the two moments
+};
+
+#else
+
+struct LoopFences {
+    void enter() {}
+    void leave() {}
+};
+
+#endif
+
+/// A body's part of a loop, from its construction to its end.
+class LoopBody {
+public:
+    explicit LoopBody(LoopFences& fences) : fences_(fences) { fences_.enter(); }
+    ~LoopBody() { fences_.leave(); }
+    LoopBody(const LoopBody&) = delete;
+    LoopBody& operator=(const LoopBody&) = delete;
+
+private:
+    LoopFences& fences_;
+};
 
 /// Limits the number of threads while it lives; 0 means one per core that this process was given (grant.h).
 class ThreadLimit {
@@ -44,8 +88,10 @@ void parallel_ranges(std::size_t begin, std::size_t end, std::size_t grain, Body
         body(begin, end);
         return;
     }
+    LoopFences fences;
     tbb::parallel_for(tbb::blocked_range<std::size_t>(begin, end, grain),
                       [&](const tbb::blocked_range<std::size_t>& range) {
+                          const LoopBody within(fences);
                           if (progress) progress->check_cancelled();
                           body(range.begin(), range.end());
                       });
@@ -66,7 +112,11 @@ void parallel_for(std::size_t begin, std::size_t end, std::size_t grain, Body&& 
 /// Sorts with `<`, which must order all values: then the result is the same for any number of threads.
 template <class Value>
 void parallel_sort(std::span<Value> values) {
+#ifdef __SANITIZE_THREAD__
+    std::sort(values.begin(), values.end());  // TBB's own steps would look like races (see above)
+#else
     tbb::parallel_sort(values.begin(), values.end());
+#endif
 }
 
 /// Tasks of which some wait for others: calls body(i) for every i below `followers.size()`, once all tasks that have i
@@ -80,7 +130,10 @@ void parallel_graph(std::span<const Followers> followers, Body&& body) {
     std::vector<std::uint32_t> ready;
     for (std::uint32_t i = 0; i < waits.size(); ++i)
         if (waits[i].load(std::memory_order_relaxed) == 0) ready.push_back(i);
+    LoopFences fences;
     tbb::parallel_for_each(ready.begin(), ready.end(), [&](std::uint32_t i, tbb::feeder<std::uint32_t>& feeder) {
+        const LoopBody within(fences);
+        (void)waits[i].load(std::memory_order_acquire);  // what the tasks that this one waited for have written
         body(i);
         for (const std::uint32_t next : followers[i])
             if (waits[next].fetch_sub(1, std::memory_order_acq_rel) == 1) feeder.add(next);

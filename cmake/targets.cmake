@@ -16,9 +16,9 @@ if(VOXTONE_WERROR)
 endif()
 if(VOXTONE_SANITIZE)
   # The check of virtual tables asks the kernel what memory is readable; in a guarded reader the sandbox refuses, and
-  # every object looks broken.
-  target_compile_options(voxtone_flags INTERFACE -fsanitize=address,undefined -fno-sanitize=vptr -fno-omit-frame-pointer -g1)
-  target_link_options(voxtone_flags INTERFACE -fsanitize=address,undefined)
+  # every object looks broken. TBB's headers hold fences that the thread sanitizer does not see: base/parallel.h tells it.
+  target_compile_options(voxtone_flags INTERFACE -fsanitize=${VOXTONE_SANITIZE} -fno-sanitize=vptr -fno-omit-frame-pointer -g1 -Wno-tsan)
+  target_link_options(voxtone_flags INTERFACE -fsanitize=${VOXTONE_SANITIZE})
 endif()
 
 # voxtone_add_floor(<floor> PUBLIC <library>... PRIVATE <library>...)  ->  target voxtone_<floor>, alias voxtone::<floor>
@@ -92,10 +92,11 @@ function(voxtone_add_module name)
   install(TARGETS ${name} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/voxtone COMPONENT program)
 endfunction()
 
-# voxtone_add_test(<name> LABELS <label>... LIBRARIES <target>... SOURCES <file>...)
-# Catch2 tests, one ctest per TEST_CASE. Labels: unit (seconds), statistical, corpus, app.
+# voxtone_add_test(<name> [SLOW] LABELS <label>... LIBRARIES <target>... SOURCES <file>...)
+# Catch2 tests, one ctest per TEST_CASE. Labels: unit (below half a second each), slow, statistical, corpus, app. SLOW: cases
+# tagged [slow] take longer, and have the label `slow` instead. The target unit_tests builds all that is labelled unit.
 function(voxtone_add_test name)
-  cmake_parse_arguments(ARG "" "" "LABELS;LIBRARIES;SOURCES" ${ARGN})
+  cmake_parse_arguments(ARG "SLOW" "" "LABELS;LIBRARIES;SOURCES" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE voxtone_flags voxtone_catch_main ${ARG_LIBRARIES})
   target_precompile_headers(${name} REUSE_FROM voxtone_test_headers)
@@ -105,5 +106,12 @@ function(voxtone_add_test name)
   if(ARG_LIBRARIES MATCHES "voxtone::(io|calibration|slicer)")
     add_dependencies(${name} voxtone-read voxtone-read-pictures voxtone-read-stack voxtone-vdb voxtone-layer-surfaces)
   endif()
-  catch_discover_tests(${name} TEST_PREFIX "${name}: " PROPERTIES LABELS "${ARG_LABELS}" SKIP_RETURN_CODE 77)
+  if("unit" IN_LIST ARG_LABELS)
+    add_dependencies(unit_tests ${name})
+  endif()
+  if(ARG_SLOW)
+    catch_discover_tests(${name} TEST_SPEC "[slow]" TEST_PREFIX "${name}: " PROPERTIES LABELS slow SKIP_RETURN_CODE 77)
+    set(quick TEST_SPEC "~[slow]")
+  endif()
+  catch_discover_tests(${name} ${quick} TEST_PREFIX "${name}: " PROPERTIES LABELS "${ARG_LABELS}" SKIP_RETURN_CODE 77)
 endfunction()
