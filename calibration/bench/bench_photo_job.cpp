@@ -63,6 +63,7 @@ public:
         read_light();
         read_slabs();
         progress_.end_stage();
+        measured_setup();  // traces paths: once nothing can be refused any more
         judge_slabs();
         return std::move(reading_);
     }
@@ -97,22 +98,21 @@ private:
         const EdgeStrip strip = cut_strip(photos.sheet, board_, light_.scale(photos.sheet),
                                           {Vector2d::Zero(), options_.width_mm, options_.length_mm});
         save("sheet.png", strip_overlay(photos.sheet, light_, board_, strip, options_));
-        reading_.sheet = read_sheet(strip, reading_.setup, photos.sheet.name);
-        measured_setup();
+        reading_.sheet = read_sheet(strip, photos.sheet.name);
         progress_.advance(3);
     }
 
     void measured_setup() {
         EdgeSetup& setup = reading_.setup;
-        const SheetReading& sheet = reading_.sheet;
-        setup.white = sheet.white;
-        setup.black = sheet.black;
-        setup.blur_mm = sheet.edge.blur_mm;
+        reading_.base = base_under_surface(reading_.sheet, bare_sheet_kernels(setup));
+        setup.white = reading_.base.white;
+        setup.black = reading_.base.black;
+        setup.blur_mm = reading_.sheet.edge.blur_mm;
         setup.pitch_mm = 1 / board_.px_per_mm;
         setup.level_error = std::hypot(least_level_error, light_.level_error.maxCoeff());
         std::string channels;
         for (std::size_t c = 0; c < 3; ++c)
-            if (sheet.too_bright[c]) channels += "RGB"[c];
+            if (reading_.base.too_bright[c]) channels += "RGB"[c];
         if (!channels.empty()) {
             std::vector<std::string> warning{fmt::format(
                 "{}: its white is brighter in {} than any paper under the setup's surface can look; is the checker's "
@@ -217,7 +217,7 @@ std::string sheet_text(const BenchReading& reading, const BenchLight& light) {
         "For setup.json:\n  \"sheet\": {{\"white\": [{}], \"black\": [{}], ...}},\n  \"camera\": {{\"pitch_mm\": "
         "{:.5f}, "
         "\"blur_mm\": {:.4f}, \"level_error\": {:.4f}, ...}}\n",
-        numbers(sheet.white), numbers(sheet.black), reading.setup.pitch_mm, reading.setup.blur_mm,
+        numbers(reading.base.white), numbers(reading.base.black), reading.setup.pitch_mm, reading.setup.blur_mm,
         reading.setup.level_error);
     return text;
 }
@@ -238,8 +238,8 @@ JobResult result_of(const BenchPhotoJob& job, const BenchReading& reading, const
                                 {"worst_error", worst_error_of(reading.profiles)},
                                 {"checker_residual", light.model.chart_residual()},
                                 {"sheet",
-                                 {{"white", reading.sheet.white},
-                                  {"black", reading.sheet.black},
+                                 {{"white", reading.base.white},
+                                  {"black", reading.base.black},
                                   {"seen_white", reading.sheet.seen_white},
                                   {"seen_black", reading.sheet.seen_black},
                                   {"offset_mm", reading.sheet.edge.offset_mm}}},

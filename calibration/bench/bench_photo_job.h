@@ -33,6 +33,7 @@ struct BenchPhotoJob {
 struct BenchReading {
     std::vector<EdgeProfile> profiles;
     SheetReading sheet;
+    SheetBase base;
     EdgeSetup setup;  ///< the given one with the sheet, pitch, blur and level error that were measured
     std::vector<std::string> warnings;
 };

@@ -30,7 +30,7 @@ optics::EdgeKernels bare_sheet_kernels(const EdgeSetup& setup) {
     return optics::edge_kernels(optics::trace_edge_paths(run), optics::EdgeUnits(run), 0);
 }
 
-SheetReading read_sheet(const EdgeStrip& strip, const EdgeSetup& setup, const std::string& name) {
+SheetReading read_sheet(const EdgeStrip& strip, const std::string& name) {
     SheetReading sheet;
     sheet.edge = fit_bare_edge(strip);
     if (sheet.edge.contrast < least_step)
@@ -45,7 +45,14 @@ SheetReading read_sheet(const EdgeStrip& strip, const EdgeSetup& setup, const st
                         name, sheet.edge.blur_mm));
     const double end = strip.x_mm.back();
     const Eigen::Vector3d white = side_mean(strip, 0.3 * end, end), black = side_mean(strip, -end, -0.3 * end);
-    const optics::EdgeKernels kernels = bare_sheet_kernels(setup);
+    for (std::size_t c = 0; c < 3; ++c) {
+        sheet.seen_white[c] = white[Eigen::Index(c)];
+        sheet.seen_black[c] = black[Eigen::Index(c)];
+    }
+    return sheet;
+}
+
+SheetBase base_under_surface(const SheetReading& sheet, const optics::EdgeKernels& kernels) {
     const auto base_of = [&](double seen) {
         double low = 0, high = whitest;
         for (int step = 0; step < 50; ++step) {
@@ -54,14 +61,13 @@ SheetReading read_sheet(const EdgeStrip& strip, const EdgeSetup& setup, const st
         }
         return (low + high) / 2;
     };
+    SheetBase base;
     for (std::size_t c = 0; c < 3; ++c) {
-        sheet.seen_white[c] = white[Eigen::Index(c)];
-        sheet.seen_black[c] = black[Eigen::Index(c)];
-        sheet.white[c] = base_of(sheet.seen_white[c]);
-        sheet.black[c] = std::max(base_of(sheet.seen_black[c]), 1e-4);
-        sheet.too_bright[c] = sheet.white[c] > whitest - 1e-9;
+        base.white[c] = base_of(sheet.seen_white[c]);
+        base.black[c] = std::max(base_of(sheet.seen_black[c]), 1e-4);
+        base.too_bright[c] = base.white[c] > whitest - 1e-9;
     }
-    return sheet;
+    return base;
 }
 
 }  // namespace voxtone::calibration

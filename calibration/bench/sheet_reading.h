@@ -16,15 +16,20 @@ namespace voxtone::calibration {
 
 struct SheetReading {
     std::array<double, 3> seen_white{}, seen_black{};  ///< as the photograph has them
-    std::array<double, 3> white{}, black{};            ///< of the base under the setup's surface
-    std::array<bool, 3> too_bright{};  ///< no base is so bright: white is the largest that a setup may say
     EdgeBlur edge;
 };
 
-/// How the sheet's base looks without a slab, by kernels of the setup's surface.
-[[nodiscard]] optics::EdgeKernels bare_sheet_kernels(const EdgeSetup& setup);
+/// Reflectances of the base under the setup's surface.
+struct SheetBase {
+    std::array<double, 3> white{}, black{};
+    std::array<bool, 3> too_bright{};  ///< no base is so bright: white is the largest that a setup may say
+};
 
 /// Throws InputError where there is no edge, or it is too soft.
-[[nodiscard]] SheetReading read_sheet(const EdgeStrip& strip, const EdgeSetup& setup, const std::string& name);
+[[nodiscard]] SheetReading read_sheet(const EdgeStrip& strip, const std::string& name);
+
+/// How the sheet's base looks without a slab, by kernels of the setup's surface: seconds.
+[[nodiscard]] optics::EdgeKernels bare_sheet_kernels(const EdgeSetup& setup);
+[[nodiscard]] SheetBase base_under_surface(const SheetReading& sheet, const optics::EdgeKernels& kernels);
 
 }  // namespace voxtone::calibration

@@ -66,7 +66,7 @@ struct Bench {
         Read result;
         BoardView board;
         result.light = measure_bench_light(photos, chart, {}, board, 20);
-        result.sheet = read_sheet(cut_strip(photos.sheet, board, result.light.scale(photos.sheet)), setup, "sheet");
+        result.sheet = read_sheet(cut_strip(photos.sheet, board, result.light.scale(photos.sheet)), "sheet");
         const BenchReference reference{
             &result.light, &result.sheet, board.place.to_px(Eigen::Vector2d::Zero()), 20, 10, 10};
         std::vector<SlabView> views;
@@ -201,6 +201,18 @@ TEST_CASE("the sheet, the scale and the blur are measured", "[edge]") {
         CHECK(optics::far_from_edge(kernels, setup.black[c]) == Approx(rendered.black[c]).epsilon(0.03));
     }
     CHECK(rendered.white[0] < 0.98);  // the surface keeps some of it in
+    // And back: what looks like the rendered sheet has the setup's base.
+    SheetReading seen;
+    seen.seen_white = rendered.white;
+    seen.seen_black = rendered.black;
+    const SheetBase base = base_under_surface(seen, kernels);
+    for (std::size_t c = 0; c < 3; ++c) {
+        CHECK(base.white[c] == Approx(setup.white[c]).epsilon(0.005));
+        CHECK(base.black[c] == Approx(setup.black[c]).epsilon(0.03));
+        CHECK_FALSE(base.too_bright[c]);
+    }
+    seen.seen_white = {1.1, 1.1, 1.1};
+    CHECK(base_under_surface(seen, kernels).too_bright == std::array{true, true, true});
 }
 
 TEST_CASE("photographs that cannot be measured are refused with a sentence", "[edge]") {
