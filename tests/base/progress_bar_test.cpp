@@ -141,7 +141,7 @@ TEST_CASE("The time left is that of the whole job where it is known, and the bar
     CHECK_THAT(desk.pieces.back(), EndsWith("predict  5.0 s  about 25 s left"));
 }
 
-TEST_CASE("A bar that ticks draws by itself") {
+TEST_CASE("A bar that ticks draws by itself", "[slow]") {
     std::atomic<int> drawn{0};
     ProgressBar bar([&](std::string_view) { ++drawn; }, steady_seconds(), {[] { return 80; }, false, true});
     bar.begin_stage("predict", 0);

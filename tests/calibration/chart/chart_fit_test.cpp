@@ -100,7 +100,7 @@ TEST_CASE("A fit of a chart is the same for any number of threads, and survives 
     CHECK(back.residual == io::parse_resin_set(io::resin_set_text(back), "again").residual);
 }
 
-TEST_CASE("A law of shares that the model does not have is taken by the residual") {
+TEST_CASE("A law of shares that the model does not have is taken by the residual", "[slow]") {
     // White of a share f works like f^0.8: smooth, and no resin's constant.
     const optics::ResinSet truth = testing::wide_gamut_set();
     const auto bend = [](PatchTable table, const optics::ResinSet& set) {
@@ -198,7 +198,7 @@ double worst_length(const optics::ResinSet& fitted, const optics::ResinSet& trut
 
 }  // namespace
 
-TEST_CASE("Thin squares tell a chart's lengths, in its own table or in another one") {
+TEST_CASE("Thin squares tell a chart's lengths, in its own table or in another one", "[slow]") {
     const optics::ResinSet truth = testing::wide_gamut_set();
     const PatchTable chart = testing::drawn_chart(truth, 120, 1, 0.03);
     const ChartFit without = fit_chart(chart, options_for(4));
@@ -224,7 +224,7 @@ TEST_CASE("Thin squares tell a chart's lengths, in its own table or in another o
     CHECK(check_resins(without.set, own, {}).differences.mean > check_resins(same.set, own, {}).differences.mean + 0.2);
 }
 
-TEST_CASE("Spectra give an observer of few bands outright, which is taken where it foretells better") {
+TEST_CASE("Spectra give an observer of few bands outright, which is taken where it foretells better", "[slow]") {
     const PatchTable others = testing::drawn_spectra(300, 2, 0);
     const auto fitted = [](std::size_t patches) {
         return fit_chart(testing::drawn_spectra(patches, 1, 0.001), options_for(6));
@@ -273,7 +273,7 @@ TEST_CASE("Bands of spectra give their colours by weights that are no less than 
     CHECK(before < 0.2);
 }
 
-TEST_CASE("How far droplets run together is found from a chart, with its error") {
+TEST_CASE("How far droplets run together is found from a chart, with its error", "[slow]") {
     optics::ResinSet truth = testing::wide_gamut_set();
     truth.dot_spread = GENERATE(0.1, 0.6);
     const std::array<double, 3> pitch{25.4 / 600, 25.4 / 300, 0.027};

@@ -90,7 +90,7 @@ double lengths_off(const optics::ResinSet& fitted, const optics::ResinSet& truth
 
 }  // namespace
 
-TEST_CASE("Edges tell a chart's lengths in its own channels") {
+TEST_CASE("Edges tell a chart's lengths in its own channels", "[slow]") {
     const optics::ResinSet truth = testing::wide_gamut_set();
     const double factor = GENERATE(0.5, 1.0, 2.0);
     const PatchTable chart = testing::drawn_chart(truth, 120, 1, 0.03);
@@ -108,7 +108,7 @@ TEST_CASE("Edges tell a chart's lengths in its own channels") {
     CHECK_THAT(with.set.source, Contains("drawn.edge.json"));
 }
 
-TEST_CASE("Edges that a chart contradicts are told, those of other resins refused") {
+TEST_CASE("Edges that a chart contradicts are told, those of other resins refused", "[slow]") {
     const optics::ResinSet truth = testing::wide_gamut_set();
     const PatchTable chart = testing::drawn_chart(truth, 60, 1, 0.03);
     ChartFitOptions options;

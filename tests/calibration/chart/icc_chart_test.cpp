@@ -140,7 +140,7 @@ TEST_CASE("Profiles of other devices are refused in a sentence") {
                Contains("no printer's white"));
 }
 
-TEST_CASE("A profile that is cut anywhere is refused, or read as the whole one") {
+TEST_CASE("A profile that is cut anywhere is refused, or read as the whole one", "[slow]") {
     const Profiles profiles;
     const std::string whole = profile_of({.measurements = "CGATS.17"}, straight);
     IccChartOptions few;

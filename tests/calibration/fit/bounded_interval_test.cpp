@@ -28,7 +28,7 @@ TEST_CASE("The interval of a bounded value ends at the bound and moves up with t
     }
 }
 
-TEST_CASE("Truths lie within the interval of a bounded value in 68 % of cases, wherever they are") {
+TEST_CASE("Truths lie within the interval of a bounded value in 68 % of cases, wherever they are", "[slow]") {
     for (const double truth : {0.0, 0.1, 0.4, 0.8, 1.5, 3.0}) {
         int inside = 0, cut = 0;
         const int count = 4000;

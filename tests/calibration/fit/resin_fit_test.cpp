@@ -160,7 +160,7 @@ TEST_CASE("Another phase function and index in both, and wavelengths instead of 
     CHECK(fit.set.channels == truth.channels);
 }
 
-TEST_CASE("Mixtures that were not in the fit are predicted as well as the noise of target B allows") {
+TEST_CASE("Mixtures that were not in the fit are predicted as well as the noise of target B allows", "[slow]") {
     const optics::ResinSet truth = optics::vero_opaque();
     PatchTable others = other_mixtures();
     REQUIRE(others.patches.size() == 242);
@@ -248,7 +248,7 @@ TEST_CASE("Clear resin is taken as clear, and helps to thin others") {
     CHECK(resin_of(fit, "Y").sigma_t[2].value == Approx(19).epsilon(1e-3));
 }
 
-TEST_CASE("Where the patches cannot tell, a flag says which value and why") {
+TEST_CASE("Where the patches cannot tell, a flag says which value and why", "[slow]") {
     // Pure squares alone: opaque magenta (blue) and black, cyan that is black in red, yellow that is black in blue.
     const ResinFit a = fit_resins(measured('A', 0.005), {});
     CHECK(has(resin_of(a, "C").albedo[0], Doubt::dark));
@@ -369,7 +369,7 @@ TEST_CASE("Bases that are crossed by mixtures with colours only are found too") 
     CHECK(resin_of(fit, "W").sigma_t[1].value == Approx(9).epsilon(0.01));
 }
 
-TEST_CASE("Nonsense in, doubts or a refusal out, and never a broken number") {
+TEST_CASE("Nonsense in, doubts or a refusal out, and never a broken number", "[slow]") {
     for (std::uint64_t seed = 0; seed < 12; ++seed) {
         PatchTable table = measured(seed % 2 ? 'A' : 'B', 0);
         std::size_t at = 0;
@@ -452,7 +452,7 @@ TEST_CASE("A fit in channels of a printer's own is drawn by channel") {
     CHECK_THAT(page, Contains("channel 4") && !Contains("nan ") && !Contains("inf "));
 }
 
-TEST_CASE("The report shows every patch, holds no broken number, and lets no name become markup") {
+TEST_CASE("The report shows every patch, holds no broken number, and lets no name become markup", "[slow]") {
     optics::ResinSet truth = optics::vero_opaque();
     truth.resins[0].role = "<b>&";
     for (const bool spectral : {false, true}) {

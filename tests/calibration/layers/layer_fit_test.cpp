@@ -106,7 +106,7 @@ TEST_CASE("The layer model's derivatives are those of its values") {
     }
 }
 
-TEST_CASE("Stacks drawn by a set are fitted and foretell others") {
+TEST_CASE("Stacks drawn by a set are fitted and foretell others", "[slow]") {
     const optics::ResinSet truth = testing::wide_gamut_set();
     const LayerFit fit = fit_layers(drawn_stacks(truth, 150, 1), {.name = "fitted", .channels = 4, .folds = 0});
     CHECK_NOTHROW(fit.set.validate());
@@ -117,7 +117,7 @@ TEST_CASE("Stacks drawn by a set are fitted and foretell others") {
     CHECK(check_layers(fit.set, upside_down(drawn_stacks(truth, 100, 2))).summary.mean > 10 * others.summary.mean);
 }
 
-TEST_CASE("Measured stacks of five layers: what was not fitted is foretold, upside down it is not") {
+TEST_CASE("Measured stacks of five layers: what was not fitted is foretold, upside down it is not", "[slow]") {
     const LayerChart chart = measured_stacks();
     REQUIRE(chart.stacks.size() == 1024);
     CHECK(chart.roles == std::vector<std::string>{"White", "Yellow", "Magenta", "Cyan"});

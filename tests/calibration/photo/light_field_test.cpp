@@ -66,7 +66,7 @@ TEST_CASE("light, camera and the frame's colour are found exactly where nothing 
     CHECK((model.frame_reflectance() - Vector3d(0.8, 0.85, 0.78)).cwiseAbs().maxCoeff() < 3e-4);
 }
 
-TEST_CASE("standard errors of the light and colour fit are honest") {
+TEST_CASE("standard errors of the light and colour fit are honest", "[slow]") {
     // 100 noisy scenes; the mean square of (error / standard error) of three places and channels must be about 1. The
     // 900 values are strongly correlated, so that the bounds are wide; errors stated at half or twice their size fail.
     double square = 0;

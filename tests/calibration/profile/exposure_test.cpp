@@ -54,7 +54,8 @@ TEST_CASE("Exposures are named with their seconds") {
     CHECK(seconds_text(30) == "30 s");
 }
 
-TEST_CASE("An exposure's time comes from the user, else from the file, and is asked for where neither knows") {
+TEST_CASE("An exposure's time comes from the user, else from the file, and is asked for where neither knows",
+          "[slow]") {
     const io::TemporaryFolder folder;
     const auto write = [&](const std::string& name, double seconds, int bits = 16) {
         io::Photograph photo = even(1, 0.25f).photograph;

@@ -42,7 +42,7 @@ std::string series_fault(const ExposureSeries& series) {
 
 }  // namespace
 
-TEST_CASE("Spots that cannot be measured are refused by name") {
+TEST_CASE("Spots that cannot be measured are refused by name", "[slow]") {
     CHECK(fault(small_camera()) == "accepted");
     SpotCamera camera = small_camera();
     camera.stretch = 1.2;
@@ -58,7 +58,7 @@ TEST_CASE("Spots that cannot be measured are refused by name") {
     CHECK_THAT(fault(camera), Contains("no light"));
 }
 
-TEST_CASE("Doubtful series are measured, and the doubt is said") {
+TEST_CASE("Doubtful series are measured, and the doubt is said", "[slow]") {
     const auto warnings = [](const SpotCamera& camera) {
         const PhotographedSide side = photographed(gaussian_side(camera.grid()), camera);
         return measure_merged(side.picture, side.series, options_for(camera)).warnings;
@@ -78,7 +78,7 @@ TEST_CASE("Doubtful series are measured, and the doubt is said") {
     CHECK_THAT(warnings(camera)[0], Contains("light of all rings") && Contains("shorter reach"));
 }
 
-TEST_CASE("A time that is wrong is told from what the other exposures say") {
+TEST_CASE("A time that is wrong is told from what the other exposures say", "[slow]") {
     const SpotCamera camera = small_camera();
     const SpotScene scene(gaussian_side(camera.grid()), camera);
     const auto measured = [&](double true_over_said) {
@@ -98,7 +98,7 @@ TEST_CASE("A time that is wrong is told from what the other exposures say") {
     CHECK_THROWS_WITH(measured(2), Contains("transmission") && Contains("brighter") && Contains("time is wrong"));
 }
 
-TEST_CASE("Options out of range and series that are not whole are refused by name") {
+TEST_CASE("Options out of range and series that are not whole are refused by name", "[slow]") {
     CHECK_THAT(option_fault([](ProfileMeasureOptions& o) { o.mm_per_px = 0; }), Contains("mm per pixel is 0"));
     CHECK_THAT(option_fault([](ProfileMeasureOptions& o) { o.spacing_mm = 0.03; }),
                Contains("spacing is 0.03") && Contains("0.04 mm"));

@@ -62,7 +62,8 @@ LoopResult run(SmallSlab& slab, const BlurringModel& model, std::span<const Eige
 
 }  // namespace
 
-TEST_CASE("Surface first: a colour takes the thinnest skin that shows it, pure resins all the way down", "[loop]") {
+TEST_CASE("Surface first: a colour takes the thinnest skin that shows it, pure resins all the way down",
+          "[loop][slow]") {
     const SmallSlab slab(2, optics::vero_opaque().subset(Roles{"C", "M", "Y", "K", "W"}));
     const std::size_t resins = 5, white = 4, black = 3;
     std::vector<float> f(slab.skin.size() * resins);
@@ -226,7 +227,7 @@ TEST_CASE("A loop that cannot gain ends with the open loop, and stops by itself"
     CHECK(steps.told.back() == result.state.steps.size());
 }
 
-TEST_CASE("A loop that was told how often to go on says so", "[loop]") {
+TEST_CASE("A loop that was told how often to go on says so", "[loop][slow]") {
     SmallSlab slab(n, black_and_white());
     const BlurringModel model(n, static_cast<int>(slab.white) + 1, 0.5f);
     LoopOptions options;
@@ -289,7 +290,7 @@ TEST_CASE("No iterations leave the open loop", "[loop]") {
     CHECK_FALSE(result.best);
 }
 
-TEST_CASE("A cancelled loop gives the best so far", "[loop]") {
+TEST_CASE("A cancelled loop gives the best so far", "[loop][slow]") {
     SmallSlab slab(n, black_and_white());
     const BlurringModel model(n, static_cast<int>(slab.white) + 1, 0.5f);
     Impatient impatient(3);
@@ -299,7 +300,7 @@ TEST_CASE("A cancelled loop gives the best so far", "[loop]") {
     CHECK(result.state.best > 0);
 }
 
-TEST_CASE("A resumed loop goes on to the same bits", "[loop]") {
+TEST_CASE("A resumed loop goes on to the same bits", "[loop][slow]") {
     SmallSlab slab(n, black_and_white());
     const BlurringModel model(n, static_cast<int>(slab.white) + 1, 0.5f);
     Progress quiet;
@@ -320,7 +321,7 @@ TEST_CASE("A resumed loop goes on to the same bits", "[loop]") {
     CHECK(resumed.state.best == whole.state.best);
 }
 
-TEST_CASE("The same bits for one thread and five", "[loop]") {
+TEST_CASE("The same bits for one thread and five", "[loop][slow]") {
     SmallSlab slab(n, black_and_white());
     const BlurringModel model(n, static_cast<int>(slab.white) + 1, 0.5f);
     Progress quiet;
@@ -335,7 +336,7 @@ TEST_CASE("The same bits for one thread and five", "[loop]") {
     CHECK(controls[0] == controls[1]);
 }
 
-TEST_CASE("Targets without any colour in the gamut, and of one colour", "[loop]") {
+TEST_CASE("Targets without any colour in the gamut, and of one colour", "[loop][slow]") {
     SmallSlab slab(n, black_and_white());
     const BlurringModel model(n, static_cast<int>(slab.white) + 1, 0.3f);
     Progress quiet;
@@ -350,7 +351,7 @@ TEST_CASE("Targets without any colour in the gamut, and of one colour", "[loop]"
     CHECK(flat.state.steps[flat.state.best].seen.mean < 0.7 * flat.state.steps[0].seen.mean);
 }
 
-TEST_CASE("A loop that has nothing visible to gain stops, unless it was told how often to go on", "[loop]") {
+TEST_CASE("A loop that has nothing visible to gain stops, unless it was told how often to go on", "[loop][slow]") {
     SmallSlab slab(n, black_and_white());
     const BlurringModel model(n, static_cast<int>(slab.white) + 1, 0.5f);
     const std::vector<Eigen::Vector3f> white(std::size_t{n} * n, Eigen::Vector3f::Ones());

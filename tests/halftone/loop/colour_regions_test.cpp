@@ -114,7 +114,7 @@ TEST_CASE("Paper is white that there is much of; its level is what a person adap
     CHECK(paper_weight(Eigen::Vector3f(1, 1, 0.8f)) == 0);
 }
 
-TEST_CASE("The measure forgives darker paper, and no solid that is worse than without a loop", "[loop]") {
+TEST_CASE("The measure forgives darker paper, and no solid that is worse than without a loop", "[loop][slow]") {
     const optics::Surface surface = test::flat_surface(n, n, cell_mm);
     const Colours target = card();
     const std::vector<char> in(target.size(), 1);

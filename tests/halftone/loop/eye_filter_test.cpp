@@ -106,7 +106,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("the amplitude of a grating falls by the transfer function of the Gaussians", "[eye_filter]") {
+TEST_CASE("the amplitude of a grating falls by the transfer function of the Gaussians", "[eye_filter][slow]") {
     // Wide enough that the middle does not see a border through any Gaussian but the widest of luminance, whose part of
     // the signal is nothing at these frequencies and whose mean is nothing anywhere.
     const optics::Surface surface = plate(24, 14, 0.0847);
@@ -191,7 +191,7 @@ TEST_CASE("what is transposed is the filter's transpose, far from borders", "[ey
     CHECK(std::abs(product(red, eye.filter(green)) - forth) > 0.1 * std::abs(forth));
 }
 
-TEST_CASE("a small spot looks the same on a large sphere as on a plate", "[eye_filter]") {
+TEST_CASE("a small spot looks the same on a large sphere as on a plate", "[eye_filter][slow]") {
     const double radius = 12, pitch = 0.1;
     const optics::Surface flat = plate(12, 12, pitch);
     const optics::Surface round =

@@ -145,7 +145,7 @@ TEST_CASE("Where feedback helps, the loop starts downhill from it", "[loop]") {
     CHECK(run.result.state.start_control != run.target);
 }
 
-TEST_CASE("The last iteration prints the running mean of the descent, those before it their own", "[loop]") {
+TEST_CASE("The last iteration prints the running mean of the descent, those before it their own", "[loop][slow]") {
     const Run run(0.9f, 8);
     REQUIRE(run.states.size() == 9);
     const auto mean_of = [](const LoopState& before) {

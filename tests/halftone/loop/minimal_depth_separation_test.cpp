@@ -22,7 +22,7 @@ double difference(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
 
 }  // namespace
 
-TEST_CASE("Colours go into the gamut whether or not the lattice around them lies in it", "[loop]") {
+TEST_CASE("Colours go into the gamut whether or not the lattice around them lies in it", "[loop][slow]") {
     const optics::ResinSet set = optics::vero_opaque();
     optics::ShellGeometry geometry;
     geometry.core_resin = set.find("W");

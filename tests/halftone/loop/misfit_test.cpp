@@ -34,7 +34,7 @@ std::vector<float> here_and_there() {
 
 }  // namespace
 
-TEST_CASE("The misfit is 0 at the target, and its derivative is that of differences", "[loop]") {
+TEST_CASE("The misfit is 0 at the target, and its derivative is that of differences", "[loop][slow]") {
     const optics::Surface surface = test::flat_surface(n, n, 0.085);
     const EyeFilter eye(surface, 300, EyeSurround::none), wide(surface, 300 * wider, EyeSurround::none);
     const auto target = colours(1), shown = colours(2);

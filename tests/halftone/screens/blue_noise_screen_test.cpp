@@ -103,7 +103,7 @@ TEST_CASE("A printer whose x and y are exchanged has the same screen, turned") {
     CHECK(moved > 64 * 64 * 62);
 }
 
-TEST_CASE("Any resin of any mixture keeps its share within 1 % in every cube of 16^3 voxels") {
+TEST_CASE("Any resin of any mixture keeps its share within 1 % in every cube of 16^3 voxels", "[slow]") {
     // The worst case over all cubes and all intervals of thresholds, not a sample.
     constexpr double one_percent = 0.01 * 16 * 16 * 16;
     for (const BuiltInScreen& known : built_in_screens) {
@@ -156,7 +156,7 @@ TEST_CASE("The spectrum is blue: power is missing at low frequencies") {
     }
 }
 
-TEST_CASE("The spectrum is the same along x, y and z in cycles per millimetre") {
+TEST_CASE("The spectrum is the same along x, y and z in cycles per millimetre", "[slow]") {
     const Tile tile = tile_of(BlueNoiseScreen(j750));
     // A mask that is isotropic in voxels must be told from one that is so in millimetres.
     VoidAndClusterOptions cubic;

@@ -72,7 +72,7 @@ const std::vector<std::array<double, resins>> colours{{0.05, 0.3, 0.25, 0.1, 0.3
 
 }  // namespace
 
-TEST_CASE("Error diffusion keeps the shares of resins in cubes, slab borders and edges included") {
+TEST_CASE("Error diffusion keeps the shares of resins in cubes, slab borders and edges included", "[slow]") {
     ErrorDiffusionOptions options;
     options.pitch_mm = j750;
     double worst_16 = 0, worst_64 = 0;

@@ -86,7 +86,7 @@ Eigen::Vector3f from_srgb(double r, double g, double b) {
 
 }  // namespace
 
-TEST_CASE("Colours of mixtures are met within 0.5 mean and 1.5 max CIEDE2000") {
+TEST_CASE("Colours of mixtures are met within 0.5 mean and 1.5 max CIEDE2000", "[slow]") {
     for (const Roles& roles :
          {Roles{"C", "M", "Y", "K", "W"}, Roles{"C", "M", "Y", "W"}, Roles{"C", "M", "W"}, Roles{"K", "W"}}) {
         const auto summary = round_trip(roles, {}, 2000, table_colour);
@@ -99,14 +99,14 @@ TEST_CASE("Colours of mixtures are met within 0.5 mean and 1.5 max CIEDE2000") {
     CHECK(round_trip({"C", "M", "Y", "K", "W"}, coarse, 500, table_colour).max > 1.5);
 }
 
-TEST_CASE("Colours of mixtures are met when seen by layered transport without tables") {
+TEST_CASE("Colours of mixtures are met when seen by layered transport without tables", "[slow]") {
     const auto summary = round_trip({"C", "M", "Y", "K", "W"}, {}, 100, exact_colour);
     INFO("mean " << summary.mean << ", max " << summary.max);
     CHECK(summary.mean < 0.5);
     CHECK(summary.max < 1.5);
 }
 
-TEST_CASE("Sets whose gamut the lattice cuts badly are met within 0.5 mean and 3 max CIEDE2000") {
+TEST_CASE("Sets whose gamut the lattice cuts badly are met within 0.5 mean and 3 max CIEDE2000", "[slow]") {
     // Without red and yellow, or with clear as a second way to dilute, many colours lie on the edge of the gamut
     // itself.
     for (const Roles& roles : {Roles{"K", "W", "C"}, Roles{"C", "M", "Y", "K", "W", "T"}}) {
@@ -117,7 +117,7 @@ TEST_CASE("Sets whose gamut the lattice cuts badly are met within 0.5 mean and 3
     }
 }
 
-TEST_CASE("White is white resin exactly, for every set") {
+TEST_CASE("White is white resin exactly, for every set", "[slow]") {
     for (const Roles& roles : {Roles{"C", "M", "Y", "K", "W"}, Roles{"C", "M", "W"}, Roles{"K", "W", "C"}, Roles{"W"},
                                Roles{"C", "M", "Y", "K", "W", "T"}}) {
         const optics::ResinSet set = resin_set(roles);
@@ -143,14 +143,14 @@ TEST_CASE("A set of one resin gives that resin") {
     CHECK(separation.gamut_distance({0, 0, 0}) > 50);
 }
 
-TEST_CASE("Clear resin stays out of white and grey") {
+TEST_CASE("Clear resin stays out of white and grey", "[slow]") {
     const optics::ResinSet set = resin_set({"C", "M", "Y", "K", "W", "T"});
     const optics::ShellAppearance appearance = appearance_of(set);
     const Separation separation(appearance);
     for (double v : {0.25, 0.4, 0.6, 0.8, 0.95, 1.0}) CHECK(separation.fractions(from_srgb(v, v, v))[5] < 0.01);
 }
 
-TEST_CASE("Colours out of gamut keep their hue") {
+TEST_CASE("Colours out of gamut keep their hue", "[slow]") {
     const optics::ResinSet set = resin_set({"C", "M", "Y", "K", "W"});
     const optics::ShellAppearance appearance = appearance_of(set);
     const Separation separation(appearance);
@@ -183,7 +183,7 @@ TEST_CASE("Colours out of gamut keep their hue") {
     CHECK(farthest > 5);
 }
 
-TEST_CASE("The grey ramp is monotone and neutral") {
+TEST_CASE("The grey ramp is monotone and neutral", "[slow]") {
     const optics::ResinSet set = resin_set({"C", "M", "Y", "K", "W"});
     const optics::ShellAppearance appearance = appearance_of(set);
     const Separation separation(appearance);
@@ -200,7 +200,7 @@ TEST_CASE("The grey ramp is monotone and neutral") {
     }
 }
 
-TEST_CASE("Mixtures change smoothly along ramps of colour") {
+TEST_CASE("Mixtures change smoothly along ramps of colour", "[slow]") {
     const optics::ResinSet set = resin_set({"C", "M", "Y", "K", "W"});
     const optics::ShellAppearance appearance = appearance_of(set);
     const Separation separation(appearance);
@@ -223,7 +223,7 @@ TEST_CASE("Mixtures change smoothly along ramps of colour") {
     CHECK(worst < 0.08);
 }
 
-TEST_CASE("Batches of any length give what single colours give, and bounds are in order") {
+TEST_CASE("Batches of any length give what single colours give, and bounds are in order", "[slow]") {
     const optics::ResinSet set = resin_set({"C", "M", "Y", "K", "W"});
     const optics::ShellAppearance appearance = appearance_of(set);
     const Separation separation(appearance);
@@ -251,7 +251,7 @@ TEST_CASE("Batches of any length give what single colours give, and bounds are i
     }
 }
 
-TEST_CASE("A spectral set is separated by the colour of its spectrum under D65") {
+TEST_CASE("A spectral set is separated by the colour of its spectrum under D65", "[slow]") {
     // Five wavelengths with the resins' blue, green and red values: not a real set, but white, cyan, magenta, yellow,
     // black.
     optics::ResinSet set = optics::vero_opaque();
@@ -286,7 +286,7 @@ TEST_CASE("A spectral set is separated by the colour of its spectrum under D65")
     CHECK(summary.max < 3);  // at the edge of the gamut
 }
 
-TEST_CASE("A set with a residual is separated by its corrected colours") {
+TEST_CASE("A set with a residual is separated by its corrected colours", "[slow]") {
     optics::ResinSet set = optics::vero_opaque();
     // Cyan and yellow together darker and greener than physics says, pale magenta redder.
     Eigen::MatrixXd centres(3, 5);

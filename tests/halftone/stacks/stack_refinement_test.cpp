@@ -20,7 +20,7 @@ double total_mm(const std::vector<StackLayer>& layers) {
 
 }  // namespace
 
-TEST_CASE("refinement never makes a stacking worse and keeps the limits") {
+TEST_CASE("refinement never makes a stacking worse and keeps the limits", "[slow]") {
     double before = 0, after = 0;
     int at_limit = 0, converged = 0;
     constexpr int trials = 120;

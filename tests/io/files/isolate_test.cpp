@@ -70,7 +70,7 @@ TEST_CASE("amid its work a program asks who started it") {
     }
 }
 
-TEST_CASE("work in another program") {
+TEST_CASE("work in another program", "[slow]") {
     SECTION("its result comes back, small or large") {
         for (const std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{50} << 20}) {
             const std::vector<std::byte> bytes = ask("make " + std::to_string(size));
@@ -149,7 +149,7 @@ TEST_CASE("another program is given no open file") {
     close(leaky);
 }
 
-TEST_CASE("it works while its result is not yet asked for, and ends with whom it works for") {
+TEST_CASE("it works while its result is not yet asked for, and ends with whom it works for", "[slow]") {
     IsolatedProgram first("a.obj", MISBEHAVING_PROGRAM, bytes_of("make 5"), {.memory_bytes = 0});
     IsolatedProgram second("b.obj", MISBEHAVING_PROGRAM, bytes_of("make 6"), {.memory_bytes = 0});
     CHECK(second.result().size() == 6);

@@ -62,7 +62,7 @@ int read_with_address_space(const fs::path& model, std::uint64_t bytes) {
 
 }  // namespace
 
-TEST_CASE("the largest texture fits what its reader may take", "[limits]") {
+TEST_CASE("the largest texture fits what its reader may take", "[limits][slow]") {
     if (built_with_address_sanitizer()) return test::skip("a sanitizer's memory cannot be limited");
     const TemporaryFolder folder;
     ReadOptions options;
@@ -73,7 +73,7 @@ TEST_CASE("the largest texture fits what its reader may take", "[limits]") {
     CHECK(read_picture(folder.path() / "a.png", options).width_px == 4096);
 }
 
-TEST_CASE("lack of memory is no fault of the file, and no loss of its colours", "[limits]") {
+TEST_CASE("lack of memory is no fault of the file, and no loss of its colours", "[limits][slow]") {
     if (built_with_address_sanitizer()) return test::skip("a sanitizer's memory cannot be limited");
     const TemporaryFolder folder;
     const fs::path model = write_textured(folder.path(), 4096);

@@ -97,7 +97,7 @@ TEST_CASE("the report is the same for any number of threads", "[verify]") {
     CHECK_THAT(text, Contains("and 9 more"));
 }
 
-TEST_CASE("every fault is named", "[verify]") {
+TEST_CASE("every fault is named", "[verify][slow]") {
     TemporaryFolder folder;
     const auto out = folder.path() / "stack";
     (void)write_sample_stack(out, 40);

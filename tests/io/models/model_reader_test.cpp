@@ -630,7 +630,7 @@ TEST_CASE("PLY faces have colours and texture coordinates of their own") {
     }
 }
 
-TEST_CASE("3MF models") {
+TEST_CASE("3MF models", "[slow]") {
     const Folder folder;
     const std::string colours =
         R"(<q:colorgroup id="1"><q:color color="#FF0000"/><q:color color="#00FF00FF"/><q:color color="#808080"/></q:colorgroup>)";

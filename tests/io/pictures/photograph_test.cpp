@@ -82,7 +82,7 @@ void write_dng(const Photograph& photo, const std::filesystem::path& file) {
 
 }  // namespace
 
-TEST_CASE("photographs come back from PNG, TIFF and EXR as they were written") {
+TEST_CASE("photographs come back from PNG, TIFF and EXR as they were written", "[slow]") {
     const TemporaryFolder folder;
     const Photograph photo = smooth(60, 40);
     const Photograph png = written_and_read(photo, "a.png", folder), tiff = written_and_read(photo, "a.tif", folder),
@@ -97,7 +97,7 @@ TEST_CASE("photographs come back from PNG, TIFF and EXR as they were written") {
     CHECK(exr.coding == SampleCoding::linear);
 }
 
-TEST_CASE("eight bits are sRGB codes") {
+TEST_CASE("eight bits are sRGB codes", "[slow]") {
     const TemporaryFolder folder;
     Photograph photo = smooth(60, 40);
     photo.bits = 8;
@@ -111,7 +111,7 @@ TEST_CASE("eight bits are sRGB codes") {
     CHECK_THROWS_AS(photograph_bytes(photo, "a.jpg"), UsageError);
 }
 
-TEST_CASE("a camera's raw file gives what its sensor counted") {
+TEST_CASE("a camera's raw file gives what its sensor counted", "[slow]") {
     const TemporaryFolder folder;
     const Photograph photo = smooth(128, 96);
     write_dng(photo, folder.path() / "a.dng");
@@ -120,7 +120,7 @@ TEST_CASE("a camera's raw file gives what its sensor counted") {
     CHECK(difference(photo, raw, 4) < 0.006);  // colours between the filters are interpolated
 }
 
-TEST_CASE("what is no photograph is refused") {
+TEST_CASE("what is no photograph is refused", "[slow]") {
     const TemporaryFolder folder;
     CHECK_THROWS_AS(read_photograph(folder.path() / "nothing.tif"), FileError);
     CHECK_THROWS_AS(read_photograph(folder.path()), FileError);
@@ -133,7 +133,7 @@ TEST_CASE("what is no photograph is refused") {
     }
 }
 
-TEST_CASE("a TIFF that was cut short or damaged is refused, and not black where its rows are missing") {
+TEST_CASE("a TIFF that was cut short or damaged is refused, and not black where its rows are missing", "[slow]") {
     const TemporaryFolder folder;
     const std::vector<std::uint8_t> whole = photograph_bytes(smooth(200, 300), "a.tif");
     write_whole_file(folder.path() / "whole.tif", whole);
@@ -162,7 +162,7 @@ TEST_CASE("a JPEG ends with a mark that no thumbnail and no code can be taken fo
         CHECK(jpeg_has_its_end(std::span(bytes).first(size)) == (size + 1 >= bytes.size()));
 }
 
-TEST_CASE("the time of exposure is read from EXIF and EXR") {
+TEST_CASE("the time of exposure is read from EXIF and EXR", "[slow]") {
     const TemporaryFolder folder;
     Photograph photo = smooth(8, 6);
     CHECK(written_and_read(photo, "silent.exr", folder).exposure_s == 0);

@@ -72,7 +72,7 @@ TEST_CASE("A profile map of RGB says so") {
     CHECK(read_profile_map(folder.path() / "map.json").channels.is_rgb());
 }
 
-TEST_CASE("A profile map that is cut short at any byte is refused") {
+TEST_CASE("A profile map that is cut short at any byte is refused", "[slow]") {
     const TemporaryFolder folder;
     const auto file = folder.path() / "map.json", picture = folder.path() / "map.png";
     write_profile_map(sample(3), file);

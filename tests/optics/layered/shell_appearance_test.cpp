@@ -41,7 +41,7 @@ double worst_table_error(const ResinSet& set, const ShellGeometry& geometry, int
 
 }  // namespace
 
-TEST_CASE("The shell's table agrees with the exact solution") {
+TEST_CASE("The shell's table agrees with the exact solution", "[slow]") {
     const ResinSet set = vero_opaque();
     const int white = set.find("W");
     ShellGeometry geometry{1.0, white};

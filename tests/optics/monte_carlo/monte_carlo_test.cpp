@@ -58,7 +58,7 @@ TEST_CASE("White furnace: every path of a body that absorbs nothing counts exact
         }
 }
 
-TEST_CASE("Light trapped in clear resin comes out or is ended without bias") {
+TEST_CASE("Light trapped in clear resin comes out or is ended without bias", "[slow]") {
     // A clear sheet with few specks that scatter: what they send sideways is totally reflected until it meets one
     // again, after some ten thousand reflections, more than a path is let without a throw of the dice.
     ResinSet set = one_resin(0, 1);
@@ -189,7 +189,7 @@ TEST_CASE("Every vector unit gives the same bits") {
     for (const auto& other : values) CHECK(other == values[0]);
 }
 
-TEST_CASE("Droplets that have run together look like the ideal mixture, sharp ones do not") {
+TEST_CASE("Droplets that have run together look like the ideal mixture, sharp ones do not", "[slow]") {
     // A halftone of 30 % cyan and 10 % black in white, every voxel drawn by itself.
     const std::vector<double> shares{0.3, 0, 0, 0.1, 0.6};
     ResinSet set = with_mixtures(vero_opaque(), {shares});

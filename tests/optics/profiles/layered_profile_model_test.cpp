@@ -46,7 +46,7 @@ TEST_CASE("The table of bounded layers is what it was made from, and keeps energ
     CHECK(clear.R_bottom + clear.T_up == Approx(1).margin(1e-12));
 }
 
-TEST_CASE("Layers that absorb nothing appear white by layer profiles, whatever lies below or behind") {
+TEST_CASE("Layers that absorb nothing appear white by layer profiles, whatever lies below or behind", "[slow]") {
     const ResinSet set = furnace();
     const LayeredProfileModel model;
     const std::vector<SlabLayer> layers{{material(set, "C"), 3}, {material(set, "Y"), 5}, {material(set, "W"), 40}};
@@ -58,7 +58,7 @@ TEST_CASE("Layers that absorb nothing appear white by layer profiles, whatever l
     for (const float value : lost.value) CHECK(value < 0.99);
 }
 
-TEST_CASE("Homogeneous slabs and two layers appear as exact solutions say, within the model's error") {
+TEST_CASE("Homogeneous slabs and two layers appear as exact solutions say, within the model's error", "[slow]") {
     const ResinSet set = vero_opaque();
     const LayeredProfileModel model;
     const Material W = material(set, "W"), K = material(set, "K"), M = material(set, "M");
@@ -107,7 +107,7 @@ TEST_CASE("Layer profiles see a wall from both sides, and what lies behind it") 
     CHECK(black > 100);
 }
 
-TEST_CASE("Layer profiles answer the same for any number of threads, and refuse materials without a resin") {
+TEST_CASE("Layer profiles answer the same for any number of threads, and refuse materials without a resin", "[slow]") {
     const ResinSet set = vero_opaque();
     const LayeredProfileModel model;
     const ResinVolume volume = make_resin_volume({40, 20, 30}, slab_pitch_mm, [](int x, int y, int z) {
@@ -130,7 +130,8 @@ TEST_CASE("Layer profiles answer the same for any number of threads, and refuse 
 }
 
 TEST_CASE(
-    "A slab that is the same everywhere shows by layer profiles what its layers alone show, whatever goes sideways") {
+    "A slab that is the same everywhere shows by layer profiles what its layers alone show, whatever goes sideways",
+    "[slow]") {
     const ResinSet set = vero_opaque();
     const Material W = material(set, "W"), M = material(set, "M");
     for (const Backing backing : {Backing::none, Backing::black, Backing::white}) {

@@ -179,7 +179,7 @@ TEST_CASE("A smooth surface turns light back as Fresnel says") {
     CHECK(seen.R_top[2] == 0);
 }
 
-TEST_CASE("A layer under its surface has the totals that are traced, in and out") {
+TEST_CASE("A layer under its surface has the totals that are traced, in and out", "[slow]") {
     const HankelGrid grid(10, 32);
     const LayerPathOptions options{1 << 18, 21};
     for (const auto& [of, mm] : {std::pair{medium(10, 0.97), 0.3}, {medium(4, 0.5), 0.2}, {medium(6, 1), 1.0}}) {

@@ -40,7 +40,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("Both ways agree on surfaces, sheets and what one unit is") {
+TEST_CASE("Both ways agree on surfaces, sheets and what one unit is", "[slow]") {
     const ResinSet set = vero_opaque();
     const std::vector<ResinLayer> layers{{resin(set, "W"), 0.6}, {resin(set, "Y"), 0.5}};
     for (const StackEnds& ends : {StackEnds{1.5, 1, 0}, StackEnds{1.5, 1.5, 0}, StackEnds{1, 1.5, 0},

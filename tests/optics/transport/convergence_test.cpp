@@ -60,7 +60,8 @@ struct Case {
 
 }  // namespace
 
-TEST_CASE("Rounds of sweep and correction converge on halftones, walls and clear coats, in cells cut and whole") {
+TEST_CASE("Rounds of sweep and correction converge on halftones, walls and clear coats, in cells cut and whole",
+          "[slow]") {
     const ResinSet set = with_clear();
     const Case cases[] = {
         {"halftone on white", 90, Backing::black,

@@ -46,7 +46,7 @@ double rms(const Appearance& a, const Appearance& b) {
 
 }  // namespace
 
-TEST_CASE("A body that memory cannot hold whole is predicted in tiles, and looks as it does whole") {
+TEST_CASE("A body that memory cannot hold whole is predicted in tiles, and looks as it does whole", "[slow]") {
     const ResinSet set = vero_opaque();
     const ResinVolume volume = halftoned_body({6, 1.1, 1.0});
     const Scene scene{&volume, &set, GENERATE(Backing::none, Backing::black), Sides::open};

@@ -42,7 +42,7 @@ TEST_CASE("Diffuse light goes as far as the phase function says, and no source i
     }
 }
 
-TEST_CASE("Slabs of any phase function and index agree with adding-doubling") {
+TEST_CASE("Slabs of any phase function and index agree with adding-doubling", "[slow]") {
     const double g = GENERATE(-0.3, 0.0, 0.4, 0.7), eta = GENERATE(1.0, 1.33, 1.5);
     // White, a middle tone, a dark one, and a thin scatterer; sigma_s' is alike for all g, as it would be measured.
     const double s = 1 / (1 - g);

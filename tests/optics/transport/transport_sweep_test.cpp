@@ -259,7 +259,7 @@ double largest_difference(const std::vector<Moments>& a, const std::vector<Momen
 
 }  // namespace
 
-TEST_CASE("A sweep is what its equations say, through coarse cells, voxels, and from one to the other") {
+TEST_CASE("A sweep is what its equations say, through coarse cells, voxels, and from one to the other", "[slow]") {
     for (const Refinement where : {Refinement::none, Refinement::contrast, Refinement::all}) {
         const Case c(where);
         REQUIRE(c.grid.core_faces.size() > 50);

@@ -139,7 +139,7 @@ TEST_CASE("A body that absorbs nothing is exactly white, whatever its shape and 
     CHECK(worst < 1e-3);
 }
 
-TEST_CASE("Homogeneous slabs agree with adding-doubling") {
+TEST_CASE("Homogeneous slabs agree with adding-doubling", "[slow]") {
     const auto backing = GENERATE(Backing::black, Backing::none);
     const auto fractions = GENERATE(std::vector<double>{1, 0, 0, 0, 0}, std::vector<double>{0, 1, 0, 0, 0},
                                     std::vector<double>{0, 0, 1, 0, 0}, std::vector<double>{0, 0, 0, 1, 0},
@@ -200,7 +200,7 @@ TEST_CASE("A prediction too large for the memory allowed says what it would need
     CHECK(summary.memory_bytes < options.memory_bytes);
 }
 
-TEST_CASE("A change is felt the farther the smaller the tolerance, and farther in white than in black") {
+TEST_CASE("A change is felt the farther the smaller the tolerance, and farther in white than in black", "[slow]") {
     const ResinSet set = vero_opaque();
     const auto white = static_cast<std::size_t>(set.find("W")), black = static_cast<std::size_t>(set.find("K"));
     const double coarse = interaction_radius(set, j750, white, black, 1e-2),

@@ -189,7 +189,7 @@ Agreement against_differences(const Body& body, const TransportOptions& options)
 
 }  // namespace
 
-TEST_CASE("The gradient on viewing cells agrees with the difference that other resins make") {
+TEST_CASE("The gradient on viewing cells agrees with the difference that other resins make", "[slow]") {
     // A slab and a ball in R, G, B, and the slab in four channels of its own.
     const auto [round, own] = GENERATE(table<bool, bool>({{false, false}, {true, false}, {false, true}}));
     Body body(round);
@@ -200,7 +200,8 @@ TEST_CASE("The gradient on viewing cells agrees with the difference that other r
     CHECK(scale == Approx(1).epsilon(0.05));
 }
 
-TEST_CASE("The gradient at a loop's effort, which stops early, agrees with the difference that other resins make") {
+TEST_CASE("The gradient at a loop's effort, which stops early, agrees with the difference that other resins make",
+          "[slow]") {
     const Body body(GENERATE(false, true));
     TransportOptions loop;  // as slicer/options/model_choice.cpp has it
     loop.refinement = Refinement::none;
@@ -211,7 +212,7 @@ TEST_CASE("The gradient at a loop's effort, which stops early, agrees with the d
     CHECK(scale == Approx(1).epsilon(0.05));
 }
 
-TEST_CASE("A step against the gradient brings what is seen nearer to its target") {
+TEST_CASE("A step against the gradient brings what is seen nearer to its target", "[slow]") {
     const Body body(GENERATE(false, true));
     const ResinVolume volume = body.volume();
     const Surface surface = body.surface(volume);

@@ -60,7 +60,7 @@ TransportOptions on_viewing_cells(int sweeps = 3) {
 
 }  // namespace
 
-TEST_CASE("A sequence arrives where fresh predictions of many sweeps do") {
+TEST_CASE("A sequence arrives where fresh predictions of many sweeps do", "[slow]") {
     const ResinSet set = vero_opaque();
     const ResinVolume first = halftoned_sphere(1.5, 0.5);
     const Scene scene{&first, &set, Backing::none, Sides::open};
@@ -110,7 +110,7 @@ TEST_CASE("A sequence sweeps once where little has changed, and more where much 
     CHECK(steps(0, first) == 6);
 }
 
-TEST_CASE("A twin leaves shape and the light between tiles, and no light to start from") {
+TEST_CASE("A twin leaves shape and the light between tiles, and no light to start from", "[slow]") {
     const ResinSet set = vero_opaque();
     const ResinVolume print = halftoned_sphere(3, 0.5), white = all_of(halftoned_sphere(3, 0), 5);
     const Scene scene{&white, &set, Backing::none, Sides::open};
@@ -139,7 +139,7 @@ TEST_CASE("A twin leaves shape and the light between tiles, and no light to star
     CHECK(own < 1.1 * without);
 }
 
-TEST_CASE("Colour that gets deeper than expected makes a new grid and keeps the light") {
+TEST_CASE("Colour that gets deeper than expected makes a new grid and keeps the light", "[slow]") {
     const ResinSet set = vero_opaque();
     const ResinVolume first = halftoned_sphere(2.0, 0.5), deep = halftoned_sphere(2.0, 0.5, 1.8);
     const Scene scene{&first, &set, Backing::none, Sides::open}, deep_scene{&deep, &set, Backing::none, Sides::open};
@@ -157,7 +157,7 @@ TEST_CASE("Colour that gets deeper than expected makes a new grid and keeps the 
     CHECK(between(seen.value, exact.value).rms < 0.001);  // margins differ a little
 }
 
-TEST_CASE("Where colour came no more the cells go, once, and what is seen stays right") {
+TEST_CASE("Where colour came no more the cells go, once, and what is seen stays right", "[slow]") {
     const ResinSet set = vero_opaque();
     const ResinVolume shape = halftoned_sphere(2.2, 0), deep = halftoned_sphere(2.2, 0.5, 1.8),
                       shallow = halftoned_sphere(2.2, 0.5);
@@ -182,7 +182,7 @@ TEST_CASE("Where colour came no more the cells go, once, and what is seen stays 
     CHECK(sequence.summary().cells > at_first);
 }
 
-TEST_CASE("Deep colour in nodes of diffusion is seen as in cells, in a grid that keeps its shape") {
+TEST_CASE("Deep colour in nodes of diffusion is seen as in cells, in a grid that keeps its shape", "[slow]") {
     const ResinSet set = vero_opaque();
     for (const double strength : {0.05, 0.5}) {
         const ResinVolume white = halftoned_sphere(2.2, 0), deep = halftoned_sphere(2.2, strength, 1.2),
@@ -266,7 +266,7 @@ TEST_CASE("A slab that is asked for from above has cells below its top, and look
     CHECK(error.rms < 0.0015);  // the sides' white is diffusion's at 0.7 mm for 1 mm
 }
 
-TEST_CASE("A sequence gives the same bits for any number of threads") {
+TEST_CASE("A sequence gives the same bits for any number of threads", "[slow]") {
     const ResinSet set = vero_opaque();
     const bool deep_in_nodes = GENERATE(false, true);
     const ResinVolume first = halftoned_sphere(1.6, 0.5, 0.8), second = halftoned_sphere(1.6, 0.7, 1.0);
@@ -330,7 +330,7 @@ TEST_CASE("Cells of the eye: a flat surface looks alike wherever it cuts the cel
     }
 }
 
-TEST_CASE("Deep colour in nodes: margins suffice wherever a flat surface cuts the cells") {
+TEST_CASE("Deep colour in nodes: margins suffice wherever a flat surface cuts the cells", "[slow]") {
     const ResinSet set = vero_opaque();
     for (const int resin : {1, 2, 3, 4, 5})
         for (int empty = 0; empty < 12; ++empty) {  // of the layers of a block

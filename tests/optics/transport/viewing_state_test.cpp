@@ -65,7 +65,7 @@ std::vector<std::byte> state_of(const ViewingSequence& sequence) {
 
 }  // namespace
 
-TEST_CASE("A sequence that goes on from a saved state says the same, whole and in tiles") {
+TEST_CASE("A sequence that goes on from a saved state says the same, whole and in tiles", "[slow]") {
     const bool deep_in_nodes = GENERATE(false, true);
     SmallBall ball;
     ball.deep_in_nodes = deep_in_nodes;
@@ -106,7 +106,7 @@ TEST_CASE("What is no state of a sequence is refused") {
     CHECK_FALSE(ball.sequence(ball.surface.cells.size()).read_state(longer));
 }
 
-TEST_CASE("A sequence goes on with the tiles of the state, whatever its own were") {
+TEST_CASE("A sequence goes on with the tiles of the state, whatever its own were", "[slow]") {
     const SmallBall ball;
     ViewingSequence in_tiles = ball.sequence(1500), resumed = ball.sequence(ball.surface.cells.size());
     (void)ball.look(in_tiles, 0);

@@ -197,7 +197,7 @@ TEST_CASE(
     CHECK(w.volume(base) == Approx((size.z() - 0.761) * size.x() * size.y()).epsilon(0.005));
 }
 
-TEST_CASE("Layers of a sphere lie at their radii and have their volumes") {
+TEST_CASE("Layers of a sphere lie at their radii and have their volumes", "[slow]") {
     const double R = 2.4;
     const Wrapped w(shapes::sphere(R, 80), pitch, {{{0, 0.3}, {1, 0.5}}});
     const double reach = 0.5 * pitch.norm() + 0.01;  // half a voxel, and the chords of the mesh
@@ -272,7 +272,7 @@ TEST_CASE("A body whose map has no layers is of the base alone") {
     CHECK(w.volume(white) == 0);
 }
 
-TEST_CASE("Closed surfaces of the layers of a sphere have their volumes, each edge two triangles") {
+TEST_CASE("Closed surfaces of the layers of a sphere have their volumes, each edge two triangles", "[slow]") {
     const double R = 2.4;
     const Wrapped w(shapes::sphere(R, 80), pitch, {{{0, 0.3}, {1, 0.5}}});
     const std::vector<LayerSurface> surfaces = surfaces_of(w, 0.1);
@@ -310,7 +310,7 @@ TEST_CASE("Closed surfaces leave nothing where a layer has thickness zero, and a
     CHECK_THROWS_AS(surfaces_of(empty, 0.001), InputError);
 }
 
-TEST_CASE("The share of the surface without room for its stack is that of its edges, and of thin walls") {
+TEST_CASE("The share of the surface without room for its stack is that of its edges, and of thin walls", "[slow]") {
     const auto fit_of = [](const SolidMesh& mesh, const std::vector<Stack>& stacks) {
         const Wrapped w(mesh, pitch, stacks);
         const JobBody body = body_of(w);

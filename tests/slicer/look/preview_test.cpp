@@ -139,7 +139,7 @@ TEST_CASE("Pictures are true to scale") {
         }
 }
 
-TEST_CASE("The fitting scale fills the picture and no more") {
+TEST_CASE("The fitting scale fills the picture and no more", "[slow]") {
     const Body body = marker();
     for (const int longest_px : {100, 333, 1000}) {
         PreviewOptions options;

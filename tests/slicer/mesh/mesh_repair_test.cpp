@@ -229,7 +229,7 @@ TEST_CASE("Any set of faces becomes a closed chain") {
     }
 }
 
-TEST_CASE("A body in shreds is wrapped", "[wrap]") {
+TEST_CASE("A body in shreds is wrapped", "[wrap][slow]") {
     const SolidMesh sphere = shapes::sphere(3, 8);
     const RepairedMesh r = repair(soup(sphere, 0.2), RepairMode::automatic, 0.1);
     CHECK(r.report.wrapped_faces == sphere.triangles.size());
@@ -265,7 +265,7 @@ TEST_CASE("An edge with a hundred thousand faces is oriented in time", "[bounds]
     CHECK(sum == 0);
 }
 
-TEST_CASE("A large hole beside very many small ones is filled in time", "[bounds]") {
+TEST_CASE("A large hole beside very many small ones is filled in time", "[bounds][slow]") {
     // A fan of 200,000 triangles around a point, open at its rim, and 50,000 triangles alone.
     const std::uint32_t rim = 200'000, alone = 50'000;
     std::vector<Vector3d> positions{Vector3d(0, 0, 1)};

@@ -75,8 +75,8 @@ TEST_CASE("A ball sees nothing but the sky, its steps do not shade it") {
     CHECK(*std::min_element(open.begin(), open.end()) > 0.85f);
 }
 
-TEST_CASE(
-    "Every place of a pit that is part of a ball sees the same share of the sky, and is as dark as it should be") {
+TEST_CASE("Every place of a pit that is part of a ball sees the same share of the sky, and is as dark as it should be",
+          "[slow]") {
     const Body body = pitted_block();
     const PartsInSight parts(body.volume, body.surface);
     const std::vector<float> open = parts.open_sky();
@@ -104,7 +104,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("Light between parts has the same bits for one thread and five, and channels do not mix") {
+TEST_CASE("Light between parts has the same bits for one thread and five, and channels do not mix", "[slow]") {
     const Body body = pitted_block();
     const std::size_t n = body.surface.cells.size();
     std::vector<std::vector<float>> shaded;

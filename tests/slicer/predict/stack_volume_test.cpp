@@ -327,7 +327,7 @@ TEST_CASE("Pixels of alpha 0 are nothing, whatever their colour") {
     CHECK(stack.volume.count()[optics::air] == 0);
 }
 
-TEST_CASE("Smoothed edges are refused with a way out, which is one") {
+TEST_CASE("Smoothed edges are refused with a way out, which is one", "[slow]") {
     struct Edge {
         DrawnStack::Pixel colour;
         int columns;  ///< of the body: whether the edge is nearer to white than to nothing

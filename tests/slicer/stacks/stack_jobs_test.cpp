@@ -80,7 +80,7 @@ struct Warnings final : Progress {
 
 }  // namespace
 
-TEST_CASE("A stack is predicted, wanted, and found again, from resins and with Monte Carlo beside it") {
+TEST_CASE("A stack is predicted, wanted, and found again, from resins and with Monte Carlo beside it", "[slow]") {
     const Bench bench;
     Progress quiet;
     StackPredictJob predict;
@@ -110,7 +110,7 @@ TEST_CASE("A stack is predicted, wanted, and found again, from resins and with M
     CHECK(count(text_of(bench.folder.path() / "out/wanted.svg"), "<polyline") >= 9);
 }
 
-TEST_CASE("The same bits for any number of threads, in files and figures") {
+TEST_CASE("The same bits for any number of threads, in files and figures", "[slow]") {
     const Bench bench;
     Progress quiet;
     const StackSearchJob job =

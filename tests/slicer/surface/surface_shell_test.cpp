@@ -119,7 +119,7 @@ const Vector3d j750(0.0423333, 0.0846667, 0.027);
 
 }  // namespace
 
-TEST_CASE("Shell voxels have the nearest point of all triangles") {
+TEST_CASE("Shell voxels have the nearest point of all triangles", "[slow]") {
     SECTION("torus, deeper than its tube and not") {
         const SolidMesh mesh = shapes::moved(shapes::torus(0.6, 0.25, 24, 10), shapes::tilt());
         for (double depth : {0.08, 0.15, 1.0})
@@ -139,7 +139,7 @@ TEST_CASE("Shell voxels have the nearest point of all triangles") {
     }
 }
 
-TEST_CASE("Random triangles, slivers, segments and points among them") {
+TEST_CASE("Random triangles, slivers, segments and points among them", "[slow]") {
     for (std::uint64_t round = 0; round < 4; ++round) {
         RandomStream random(5, round);
         const auto point = [&] { return Vector3d(random.uniform(), random.uniform(), random.uniform()); };
@@ -184,7 +184,7 @@ TEST_CASE("The shell of a slab with one coloured face is measured from that face
     }
 }
 
-TEST_CASE("Shell results do not depend on the walk, the slabs or the instruction set") {
+TEST_CASE("Shell results do not depend on the walk, the slabs or the instruction set", "[slow]") {
     const SolidMesh mesh = shapes::moved(shapes::torus(1.3, 0.6, 40, 20), shapes::tilt());
     const SurfaceIndex surface(all_of(mesh));
     const VoxelGrid grid = grid_around(mesh, j750);

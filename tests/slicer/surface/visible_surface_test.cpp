@@ -153,7 +153,7 @@ TEST_CASE("A label on a face comes before the body, wherever the file has it, an
     CHECK(body.surface.source_triangle.front() == 0);
 }
 
-TEST_CASE("A wrap leaves the colour to the faces it stands for", "[wrap]") {
+TEST_CASE("A wrap leaves the colour to the faces it stands for", "[wrap][slow]") {
     const SolidMesh both = shapes::joined(cube, shapes::box({0.5, 0.5, 0.5}, {1, 1, 1}));
     const Seen seen(both, RepairMode::wrap);
     CHECK(seen.area() == Approx(24).epsilon(0.01));
@@ -311,7 +311,7 @@ SolidMesh twisted_tower(std::uint32_t sectors) {
 
 }  // namespace
 
-TEST_CASE("Thousands of long thin triangles take bounded work, and are left whole where none cross", "[bounds]") {
+TEST_CASE("Thousands of long thin triangles take bounded work, and are left whole where none cross", "[bounds][slow]") {
     const SolidMesh tower = twisted_tower(600);
     // Far more than of a smooth body of as many triangles, far less than is allowed.
     CHECK(crossing_work(tower) > 1000 * tower.triangles.size());
@@ -331,7 +331,7 @@ TEST_CASE("Thousands of long thin triangles take bounded work, and are left whol
                     Cancelled);
 }
 
-TEST_CASE("A repair moves its bar from the beginning to the end, whatever there is to mend", "[bounds]") {
+TEST_CASE("A repair moves its bar from the beginning to the end, whatever there is to mend", "[bounds][slow]") {
     struct Steps : Listener {
         std::size_t times = 0;
 
