@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -28,12 +29,29 @@ void append_utf8(std::string& out, std::uint32_t c) {
         out += static_cast<char>(0xe0 | (c >> 12));
         out += static_cast<char>(0x80 | ((c >> 6) & 0x3f));
         out += static_cast<char>(0x80 | (c & 0x3f));
-    } else if (c < 0x110000) {
+    } else {
         out += static_cast<char>(0xf0 | (c >> 18));
         out += static_cast<char>(0x80 | ((c >> 12) & 0x3f));
         out += static_cast<char>(0x80 | ((c >> 6) & 0x3f));
         out += static_cast<char>(0x80 | (c & 0x3f));
     }
+}
+
+/// The character that "amp" or "#x41" means; 0: none. Halves of UTF-16 pairs are no characters.
+std::uint32_t referenced(std::string_view entity) {
+    if (entity == "amp") return '&';
+    if (entity == "lt") return '<';
+    if (entity == "gt") return '>';
+    if (entity == "quot") return '"';
+    if (entity == "apos") return '\'';
+    if (!entity.starts_with('#')) return 0;
+    const bool hexadecimal = entity.starts_with("#x");
+    entity.remove_prefix(hexadecimal ? 2 : 1);
+    std::uint32_t code = 0;
+    const char* const end = entity.data() + entity.size();
+    const auto [rest, error] = std::from_chars(entity.data(), end, code, hexadecimal ? 16 : 10);
+    if (error != std::errc{} || rest != end) return 0;
+    return code < 0x110000 && (code < 0xd800 || code > 0xdfff) ? code : 0;
 }
 
 }  // namespace
@@ -162,17 +180,7 @@ std::string XmlReader::decode(std::string_view value) {
             out += value[i];
             continue;
         }
-        const std::string_view entity = value.substr(i + 1, length);
-        std::uint32_t code = 0;
-        if (entity == "amp") code = '&';
-        if (entity == "lt") code = '<';
-        if (entity == "gt") code = '>';
-        if (entity == "quot") code = '"';
-        if (entity == "apos") code = '\'';
-        if (entity.starts_with("#x"))
-            std::from_chars(entity.data() + 2, entity.data() + entity.size(), code, 16);
-        else if (entity.starts_with("#"))
-            std::from_chars(entity.data() + 1, entity.data() + entity.size(), code);
+        const std::uint32_t code = referenced(value.substr(i + 1, length));
         if (code == 0) {
             out += value[i];
             continue;

@@ -57,6 +57,11 @@ TEST_CASE("JSON comes out in the order and the lines that were asked for", "[jso
 TEST_CASE("Character references in XML", "[xml]") {
     CHECK(XmlReader::decode("a&amp;b&#65;&#x0000042;&lt;&unknown;&apos;") == "a&bAB<&unknown;'");
     CHECK(XmlReader::decode("&#xe9; & &;&") == "\xC3\xA9 & &;&");
+    CHECK(XmlReader::decode("&#8364;&#x1F600;&#x10FFFF;") == "\xE2\x82\xAC\xF0\x9F\x98\x80\xF4\x8F\xBF\xBF");
+    // What is no character of Unicode, or no number, is no reference.
+    for (const char* none : {"&#xD800;", "&#xDFFF;", "&#x110000;", "&#99999999999;", "&#0;", "&#;", "&#x;", "&#12x;",
+                             "&#x4G;", "&#-65;", "&# 65;", "&#X41;", "&AMP;"})
+        CHECK(XmlReader::decode(none) == none);
     // No reference is as long as that, so it is text.
     CHECK(XmlReader::decode("&0123456789abc;") == "&0123456789abc;");
     // A million of ampersands takes as long as a million of other letters: searched to the end each, it was an hour.
