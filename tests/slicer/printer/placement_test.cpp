@@ -4,10 +4,11 @@
 #include <cmath>
 #include <functional>
 
-#include <Eigen/Geometry>
+#include <Eigen/Dense>
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "base/random.h"
 #include "base/units.h"
 #include "slicer/printer/up_axis.h"
 
@@ -25,6 +26,46 @@ io::ModelFile marker() {
     model.mesh.material_of_triangle.assign(4, 0);
     model.mesh.materials.emplace_back();
     return model;
+}
+
+/// The marker with a colour and a place in a texture of its own at every corner of every triangle.
+io::ModelFile coloured_marker() {
+    io::ModelFile model = marker();
+    for (std::size_t t = 0; t < model.mesh.triangles.size(); ++t) {
+        auto& uv = model.mesh.corner_uv.emplace_back();
+        auto& rgb = model.mesh.corner_rgb.emplace_back();
+        for (std::size_t c = 0; c < 3; ++c) {
+            RandomStream random(17, 3 * t + c);
+            uv[c] = {float(random.uniform()), float(random.uniform())};
+            rgb[c] = {float(random.uniform()), float(random.uniform()), float(random.uniform())};
+        }
+    }
+    return model;
+}
+
+/// What a mesh shows at a place of its surface: texture coordinates and colour.
+struct Shown {
+    Eigen::Vector2f uv;
+    Eigen::Vector3f rgb;
+};
+
+/// Of the triangle that the place lies in, wherever its corners are listed.
+Shown shown_at(const io::TexturedMesh& mesh, const Eigen::Vector3d& place) {
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        Eigen::Matrix<double, 4, 3> corners;  // positions, and a row that makes the weights sum to 1
+        for (int c = 0; c < 3; ++c) corners.col(c) << mesh.positions[mesh.triangles[t][static_cast<std::size_t>(c)]], 1;
+        const Eigen::Vector4d wanted(place.x(), place.y(), place.z(), 1);
+        const Eigen::Vector3d weight = corners.colPivHouseholderQr().solve(wanted);
+        if ((corners * weight - wanted).norm() > 1e-9 || weight.minCoeff() < 0) continue;
+        Shown shown{Eigen::Vector2f::Zero(), Eigen::Vector3f::Zero()};
+        for (int c = 0; c < 3; ++c) {
+            shown.uv += float(weight[c]) * mesh.corner_uv[t][static_cast<std::size_t>(c)];
+            shown.rgb += float(weight[c]) * mesh.corner_rgb[t][static_cast<std::size_t>(c)];
+        }
+        return shown;
+    }
+    FAIL("no triangle holds the place");
+    return {};
 }
 
 double signed_volume(const io::TexturedMesh& mesh) {
@@ -84,6 +125,40 @@ TEST_CASE("Mirrors move the marker's legs and keep the body right side out") {
     io::ModelFile swapped = marker();
     CHECK(placed(swapped, [](PlacementOptions& o) { o.swap_xy = true; }).extent_mm == Eigen::Vector3d(2, 1, 3));
     CHECK(signed_volume(swapped.mesh) == Approx(1));
+}
+
+TEST_CASE("However the marker is turned and mirrored, each place keeps its texture and its colour") {
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, -1).normalized()).toRotationMatrix();
+    for (int bits = 0; bits < 16; ++bits) {
+        CAPTURE(bits);
+        // x and y are exchanged first, then mirrored: p_mm = flips * swap * rotations * p_file.
+        Eigen::Matrix3d map = bits & 8 ? turn : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+        if (bits & 4) map = (Eigen::Matrix3d() << 0, 1, 0, 1, 0, 0, 0, 0, 1).finished() * map;
+        if (bits & 1) map = Eigen::Vector3d(-1, 1, 1).asDiagonal() * map;
+        if (bits & 2) map = Eigen::Vector3d(1, -1, 1).asDiagonal() * map;
+        const io::ModelFile file = coloured_marker();
+        io::ModelFile model = file;
+        placed(model, [&](PlacementOptions& o) {
+            o.flip_x = bits & 1, o.flip_y = bits & 2, o.swap_xy = bits & 4;
+            if (bits & 8) o.rotation = turn;
+        });
+        Eigen::AlignedBox3d box;
+        for (const Eigen::Vector3d& p : file.mesh.positions) box.extend(map * p);
+        for (std::size_t v = 0; v < file.mesh.positions.size(); ++v)
+            CHECK((model.mesh.positions[v] - (map * file.mesh.positions[v] - box.min())).norm() < 1e-12);
+        CHECK(signed_volume(model.mesh) == Approx(1));
+        for (const auto& triangle : model.mesh.triangles)
+            for (const Eigen::Vector3d& weight :
+                 {Eigen::Vector3d(0.6, 0.3, 0.1), Eigen::Vector3d(0.1, 0.2, 0.7), Eigen::Vector3d(0.2, 0.7, 0.1)}) {
+                Eigen::Vector3d place = Eigen::Vector3d::Zero();
+                for (int c = 0; c < 3; ++c)
+                    place += weight[c] * model.mesh.positions[triangle[static_cast<std::size_t>(c)]];
+                const Shown now = shown_at(model.mesh, place),
+                            before = shown_at(file.mesh, map.inverse() * (place + box.min()));
+                CHECK((now.uv - before.uv).norm() < 1e-5f);
+                CHECK((now.rgb - before.rgb).norm() < 1e-5f);
+            }
+    }
 }
 
 TEST_CASE("A grid holds its box, centred, with no voxel to spare") {
