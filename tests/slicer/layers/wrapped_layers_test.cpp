@@ -7,12 +7,14 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "io/pictures/png_pixels.h"
 #include "slicer/layered/layer_surfaces.h"
 #include "slicer/layers/layer_maker.h"
 #include "slicer/layers/stack_fit.h"
 #include "slicer/look/upright_cut.h"
 #include "slicer/mesh/mesh_repair.h"
 #include "slicer/printer/placement.h"
+#include "tests/slicer/layers/made_voxels.h"
 #include "tests/slicer/mesh/shapes.h"
 
 using namespace voxtone;
@@ -65,18 +67,7 @@ struct Wrapped {
         voxels = made({*solid, nullptr, surface, *shell, base, &*wrapped});
     }
     [[nodiscard]] std::vector<io::Material> made(const LayerSources& sources) const {
-        const LayerMaker maker(sources);
-        std::vector<io::Material> all(grid.voxels());
-        for (int slab = 0; slab * maker.slab_layers() < grid.size[2]; ++slab)
-            (void)maker.make(slab, 0, grid.size[2], [&](int k, const io::LayerRuns& layer) {
-                for (std::uint32_t y = 0; y < layer.height_px(); ++y) {
-                    int i = 0;
-                    for (const io::Run run : layer.row(y))
-                        for (int n = 0; n < run.length; ++n)
-                            all[index(i++, grid.size[1] - 1 - int(y), k)] = io::Material(run.material);
-                }
-            });
-        return all;
+        return test::made_voxels(sources).materials;
     }
     [[nodiscard]] std::size_t index(int i, int j, int k) const {
         return (std::size_t(k) * std::size_t(grid.size[1]) + std::size_t(j)) * std::size_t(grid.size[0]) +
@@ -361,22 +352,71 @@ TEST_CASE("The map lies upright and readable on each side of a box, and by textu
     CHECK(texture.at(3, 0.5f, 0.25f) == Eigen::Vector2f(15, 2.5f));
 }
 
-TEST_CASE("A cut shows the layers upright") {
+namespace {
+
+/// Rows from the top, RGBA.
+std::vector<std::array<std::uint8_t, 4>> pixels_of(const io::ReportPicture& picture) {
+    std::vector<std::array<std::uint8_t, 4>> pixels;
+    const io::PngHeader header =
+        io::read_png(picture.file, "cut", [&](std::uint32_t, std::span<const std::uint8_t> rgba) {
+            for (std::size_t x = 0; x < rgba.size(); x += 4)
+                pixels.push_back({rgba[x], rgba[x + 1], rgba[x + 2], rgba[x + 3]});
+        });
+    CHECK(header.width_px == picture.width_px);
+    CHECK(header.height_px == picture.height_px);
+    return pixels;
+}
+
+}  // namespace
+
+TEST_CASE("A cut shows the layers of its row upright, +x to the right, true to scale") {
+    // Voxels twice as wide as high; row j = 1 of three, layers 4 to 7. Each voxel of that row is of another material
+    // than its neighbours, the other rows are all of the third.
     VoxelGrid grid;
-    grid.size = {2, 3, 2};
-    UprightCut cut(grid, 0, 1, 0);
-    for (int k = 0; k < 2; ++k) {
-        io::LayerRuns layer(2, 3);
-        for (int row = 0; row < 3; ++row) {  // row 2 is j = 0
-            layer.push(1, row == 2 ? io::Material(k + 1) : io::background);
-            layer.push(1, io::background);
+    grid.pitch_mm = {2, 1, 1};
+    grid.size = {3, 3, 9};
+    constexpr io::Material in_row[4][3] = {{1, 0, 2}, {2, 2, 1}, {0, 1, 0}, {1, 1, 2}};  // from the bottom
+    UprightCut cut(grid, 4, 7, 1);
+    for (const int k : {6, 4, 7, 5}) {
+        io::LayerRuns layer(3, 3);
+        for (int row = 0; row < 3; ++row) {
+            for (int i = 0; i < 3; ++i) layer.push(1, row == 1 ? in_row[k - 4][i] : io::Material(3));
             layer.end_row();
         }
         cut.add(k, layer);
     }
-    const io::ReportPicture picture = cut.picture({{0, 0, 0}, {255, 0, 0}, {0, 255, 0}}, "cut", 2);
-    CHECK(picture.width_px == 2);
-    CHECK(picture.height_px == 2);
-    CHECK(picture.px_per_mm == 1);
-    CHECK(picture.file.size() > 50);
+    const io::ReportPicture picture = cut.picture({{9, 9, 9}, {255, 0, 0}, {0, 255, 0}, {0, 0, 255}}, "cut", 12);
+    CHECK(picture.px_per_mm == 2);  // 6 mm are the longer side
+    REQUIRE(picture.width_px == 12);
+    REQUIRE(picture.height_px == 8);
+    const auto pixels = pixels_of(picture);
+    std::size_t wrong = 0;
+    for (std::size_t y = 0; y < 8; ++y)
+        for (std::size_t x = 0; x < 12; ++x) {
+            const auto& pixel = pixels[y * 12 + x];
+            const io::Material material = in_row[3 - y / 2][x / 4];
+            if (material == io::background)
+                wrong += pixel[3] != 0;
+            else
+                wrong += pixel != std::array<std::uint8_t, 4>{std::uint8_t(material == 1 ? 255 : 0),
+                                                              std::uint8_t(material == 2 ? 255 : 0), 0, 255};
+        }
+    CHECK(wrong == 0);
+}
+
+TEST_CASE("A cut is through the row that it was asked for") {
+    VoxelGrid grid;
+    grid.size = {1, 3, 1};
+    for (int j = 0; j < 3; ++j) {
+        io::LayerRuns layer(1, 3);
+        for (int row = 0; row < 3; ++row) {  // row 2 is j = 0
+            layer.push(1, io::Material(3 - row));
+            layer.end_row();
+        }
+        UprightCut cut(grid, 0, 0, j);
+        cut.add(0, layer);
+        const auto pixels = pixels_of(cut.picture({{}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}, "cut", 1));
+        REQUIRE(pixels.size() == 1);
+        CHECK(pixels[0][0] == j + 1);
+    }
 }
