@@ -151,3 +151,51 @@ TEST_CASE("Thick bodies do not grow, and gaps between bodies stay open") {
         CHECK(Thin(pair).added == 0);
     }
 }
+
+namespace {
+
+/// The square [0, 1] x [0, 1] drawn along z from 0 to `length`, leaning by so much along x and y for each voxel of it:
+/// a wire that holds one voxel centre in every layer. `axis`: which axis it is drawn along instead.
+SolidMesh leaning_wire(double lean_x, double lean_y, double length, int axis) {
+    SolidMesh wire = shapes::box({0.31, 0.17, 0}, {1.31, 1.17, length});
+    for (Vector3d& p : wire.positions_mm) {
+        p += p.z() * Vector3d(lean_x, lean_y, 0);
+        p = axis == 0 ? Vector3d(p.z(), p.x(), p.y()) : axis == 1 ? Vector3d(p.y(), p.z(), p.x()) : p;
+    }
+    return wire;
+}
+
+}  // namespace
+
+TEST_CASE("A wire that is a chain of voxels already, each touching the next, gets none more") {
+    for (int axis = 0; axis < 3; ++axis)
+        for (const double lean_x : {0.0, 0.13, -0.37, 0.55})
+            for (const double lean_y : {0.0, 0.07, -0.29, 0.61}) {
+                CAPTURE(axis, lean_x, lean_y);
+                const Thin thin(leaning_wire(lean_x, lean_y, 20, axis));
+                // One centre a layer, and the next layer's beside or above it: nothing is missing.
+                REQUIRE(voxels_of(thin.base).size() == 20);
+                REQUIRE(parts(voxels_of(thin.base)) == 1);
+                CHECK(thin.added == 0);
+            }
+}
+
+TEST_CASE("A plate along the grid gets one voxel for each line through it, and no more") {
+    // Between the centres of voxel 2 and 3 of its axis, 5 x 7 voxels, a little off their borders.
+    for (int axis = 0; axis < 3; ++axis) {
+        CAPTURE(axis);
+        Vector3d low, high;
+        low[axis] = 2.6, high[axis] = 2.9;
+        low[(axis + 1) % 3] = 0.1, high[(axis + 1) % 3] = 4.9;
+        low[(axis + 2) % 3] = 0.1, high[(axis + 2) % 3] = 6.9;
+        const SolidMesh plate = shapes::box(low, high);
+        VoxelGrid grid;
+        grid.size = {8, 8, 8};
+        const Solid solid(plate, grid);
+        SpanSlab kept;
+        const std::uint64_t added = ThinFeatures(SolidIndex(plate), solid).slab(0, 8, kept);
+        CHECK(voxels_of(solid.slab(0, 8)).empty());
+        CHECK(added == 5 * 7);
+        for (const auto& voxel : voxels_of(kept)) CHECK(voxel[std::size_t(axis)] == 2);
+    }
+}
