@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/estimate/orientations.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <catch2/catch.hpp>
+
+#include "slicer/options/option_values.h"
+#include "tests/slicer/estimate/sample_body.h"
+
+using namespace voxtone;
+using namespace voxtone::slicer;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+using voxtone::test::body_of;
+using voxtone::test::SampleJob;
+
+namespace {
+
+Matrix3d turn_of(const std::string& rotate) {
+    return rotate.empty() ? Matrix3d(Matrix3d::Identity()) : parse_rotation(rotate);
+}
+
+/// Two of the triangles of `shapes::box` make each side: -z, +z, -y, +y, -x, +x.
+const Vector3d side_normal[] = {{0, 0, -1}, {0, 0, 1}, {0, -1, 0}, {0, 1, 0}, {-1, 0, 0}, {1, 0, 0}};
+
+/// A box whose sides are coloured where it is said, else white; 1 mm of light grey is white still.
+std::vector<Vector3f> coloured_sides(const std::vector<std::size_t>& sides) {
+    std::vector<Vector3f> rgb(12, Vector3f::Constant(0.95f));
+    for (const std::size_t side : sides) rgb[2 * side] = rgb[2 * side + 1] = Vector3f(1, 1, 0.5f);
+    return rgb;
+}
+
+double side_area(const Vector3d& size, std::size_t side) {
+    return size.prod() / size.dot(side_normal[side].cwiseAbs());
+}
+
+}  // namespace
+
+TEST_CASE("Each of the 24 ways is another, and lays the sides of a box down that its turn does") {
+    const Vector3d size(12, 8, 5);
+    const std::vector<std::size_t> coloured{0, 3};  // below, and behind
+    for (int mirrors = 0; mirrors < 8; ++mirrors) {
+        CAPTURE(mirrors);
+        SampleJob sample;
+        sample.options.flip_x = mirrors & 1, sample.options.flip_y = mirrors & 2, sample.options.swap_xy = mirrors & 4;
+        Matrix3d mirror = Matrix3d::Identity();  // the swap comes first, then the flips
+        if (mirrors & 4) mirror = (Matrix3d() << 0, 1, 0, 1, 0, 0, 0, 0, 1).finished() * mirror;
+        if (mirrors & 1) mirror = Vector3d(-1, 1, 1).asDiagonal() * mirror;
+        if (mirrors & 2) mirror = Vector3d(1, -1, 1).asDiagonal() * mirror;
+        // The body as the job has placed it.
+        SolidMesh placed = shapes::moved(shapes::box(Vector3d::Zero(), size), Eigen::Affine3d(mirror));
+        if (mirror.determinant() < 0) placed = shapes::flipped(placed);
+        const OpenedJob job = sample.opened();
+        const JobBody body = body_of(placed, job.printer.sliced_pitch_mm(), coloured_sides(coloured));
+        const std::vector<Orientation> found = orientations(job, body, Progress());
+        REQUIRE(found.size() == 24);
+        CHECK(found[0].rotate.empty());
+        std::vector<std::vector<long>> keys;
+        for (const Orientation& orientation : found) {
+            CAPTURE(orientation.rotate);
+            // As the job that is asked for this would place the file's box.
+            const Matrix3d map = mirror * turn_of(orientation.rotate);
+            std::vector<long>& turn = keys.emplace_back();
+            for (int n = 0; n < 9; ++n) turn.push_back(std::lround(map.data()[n]));
+            const Vector3d extent = (map * size).cwiseAbs();
+            double down = 0, coloured_down = 0;
+            for (std::size_t side = 0; side < 6; ++side) {
+                if ((map * side_normal[side]).z() > -0.99) continue;
+                down += side_area(size, side);
+                if (std::count(coloured.begin(), coloured.end(), side)) coloured_down += side_area(size, side);
+            }
+            for (int axis = 0; axis < 3; ++axis) CHECK(orientation.size_mm[std::size_t(axis)] == Approx(extent[axis]));
+            CHECK(orientation.layers == int(std::ceil(extent.z() / job.printer.sliced_pitch_mm().z() - 1e-6)));
+            CHECK(orientation.fits);
+            CHECK(orientation.under_ml == 0);
+            // 50,000 pieces of equal area: the root of their number, four times.
+            const double error = 4 * std::sqrt(down / 392 / 50'000) * 392;
+            CHECK(std::abs(orientation.downward_mm2 - down) < error);
+            CHECK(std::abs(orientation.coloured_down_mm2 - coloured_down) < error);
+        }
+        CHECK(std::set(keys.begin(), keys.end()).size() == 24);
+        for (std::size_t n = 2; n < found.size(); ++n) {
+            CHECK(found[n - 1].coloured_down_mm2 <= found[n].coloured_down_mm2);
+            if (found[n - 1].coloured_down_mm2 == found[n].coloured_down_mm2)
+                CHECK(found[n - 1].layers <= found[n].layers);
+        }
+    }
+}
+
+TEST_CASE("A body that is turned is too high for a printer before it is too wide for it") {
+    SampleJob sample;
+    const OpenedJob job = sample.opened();
+    const Vector3d tray = job.printer.sliced_tray_mm();
+    REQUIRE(tray.z() < tray.x());
+    // Lies, and does not stand.
+    const Vector3d size(tray.x() - 1, 30, 0.5 * tray.z());
+    const JobBody body = body_of(shapes::box(Vector3d::Zero(), size), Vector3d::Constant(1));
+    std::size_t fitting = 0;
+    for (const Orientation& orientation : orientations(job, body, Progress())) {
+        const std::array<double, 3>& mm = orientation.size_mm;
+        CHECK(orientation.fits == (mm[0] <= tray.x() && mm[1] <= tray.y() && mm[2] <= tray.z()));
+        fitting += orientation.fits;
+    }
+    CHECK(fitting > 0);
+    CHECK(fitting < 24);
+}
+
+TEST_CASE("Air under a body is what lies below its overhang") {
+    // A mushroom: a stem of 2 x 2 x 4 under a cap of 6 x 6 x 2.
+    const SolidMesh mushroom = shapes::joined(shapes::box({2, 2, 0}, {4, 4, 4}), shapes::box({0, 0, 4}, {6, 6, 6}));
+    const OpenedJob job = SampleJob().opened();
+    const JobBody body = body_of(mushroom, Vector3d::Constant(0.1));
+    for (const Orientation& orientation : orientations(job, body, Progress())) {
+        CAPTURE(orientation.rotate);
+        const Vector3d up = turn_of(orientation.rotate).transpose() * Vector3d::UnitZ();  // of the mushroom as it is
+        // Upright: below the cap beside the stem. On its head: nothing. On its side: the stem lies over a hollow as
+        // wide as itself and as long, 2 mm high.
+        const double wanted = up.z() > 0.5 ? (36 - 4) * 4 : up.z() < -0.5 ? 0 : 2 * 4 * 2;
+        // A grid of 1 % of its 6 mm, half a voxel off on each side.
+        CHECK(orientation.under_ml == Approx(wanted * 1e-3).epsilon(0.06).margin(1e-9));
+    }
+}
