@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <catch2/catch.hpp>
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <filesystem>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "base/parallel.h"
+#include "halftone/stacks/stack_search.h"
 #include "io/files/whole_file.h"
 #include "io/profiles/layer_sequence_file.h"
+#include "io/profiles/profile_file.h"
 #include "slicer/predict/stack_volume.h"
 #include "slicer/stacks/profile_plots.h"
 #include "slicer/stacks/stack_dataset_job.h"
@@ -157,9 +162,46 @@ TEST_CASE("Targets that no stack reaches get the nearest one and the distance to
     StackSearchJob job =
         bench.job({bench.put("bright.json", falling(1.0, 0, 0.1)), bench.put("wide.json", falling(0.9, 0, 3))}, {"K"});
     job.rounds = 0;
+    job.setting.surface = "matched";
     const JobResult result = run_stack_search(job, quiet);
     CHECK(count(result.text, "outside of the gamut by at least") == 2);
     CHECK(count(result.text, "K ") >= 1);
+
+    // Every thickness that four blocks of 1, 2, 4, ... steps make, none of them twice: the nearest; and the least and
+    // the most that any of them reflects, coefficient by coefficient, between which the gamut lies.
+    const StackSetting setting(job.setting);
+    const auto materials = setting.materials(job.known_mm, job.thickness_mm, {job.paths, job.seed}, quiet);
+    const nlohmann::json json = nlohmann::json::parse(result.json);
+    for (std::size_t t = 0; t < 2; ++t) {
+        const auto wanted = setting.target(io::read_profile(job.targets[t]), job.targets[t], quiet);
+        double least = 1e9;
+        halftone::ChannelProfiles low, high;
+        for (std::uint32_t steps = 0; steps <= job.steps; ++steps) {
+            if (std::popcount(steps) > int(job.max_blocks)) continue;
+            std::vector<halftone::StackLayer> layers;
+            if (steps > 0) layers.push_back({0, steps * job.thickness_mm / job.steps});
+            const halftone::ChannelProfiles reflected = halftone::stack_reflection(materials, layers, {});
+            least = std::min(least, halftone::profile_distance(reflected, wanted, job.dc_weight));
+            if (low.empty()) low = high = reflected;
+            for (std::size_t c = 0; c < wanted.size(); ++c)
+                for (std::size_t k = 0; k < wanted[c].size(); ++k) {
+                    low[c][k] = std::min(low[c][k], reflected[c][k]);
+                    high[c][k] = std::max(high[c][k], reflected[c][k]);
+                }
+        }
+        // The nearest that a reflection could be whose coefficients are each one of a stacking's.
+        halftone::ChannelProfiles clamped = wanted;
+        for (std::size_t c = 0; c < wanted.size(); ++c)
+            for (std::size_t k = 0; k < wanted[c].size(); ++k)
+                clamped[c][k] = std::clamp(wanted[c][k], low[c][k], high[c][k]);
+        const double bound = halftone::profile_distance(clamped, wanted, job.dc_weight);
+        CAPTURE(t, least, bound);
+        const double outside = json["results"][t]["outside_of_gamut"], distance = json["results"][t]["distance"];
+        CHECK(bound > 0.05);
+        CHECK(outside == Approx(bound).epsilon(1e-4));  // single precision in its tables
+        CHECK(outside <= least + 1e-9);
+        CHECK(distance <= least + 1e-5);
+    }
 }
 
 TEST_CASE("Bad input to the stack search is refused in one sentence") {
