@@ -101,6 +101,40 @@ TEST_CASE("glTF models") {
         CHECK((at(1, 1) - Vector3d(0, -7, 1)).norm() < 1e-6);
         CHECK((at(1, 2) - Vector3d(-1, -7, 0)).norm() < 1e-6);
     }
+    SECTION("normalised integers are shares of their largest, and -1 is the least") {
+        // As meshes are quantised: x of the largest and the least, y, and half of z. Then z up: (x, -z, y).
+        const auto positions = [&](const std::string& bytes, int type) {
+            Builder b;
+            const int p = b.add(bytes, type, 4, "VEC3", R"(,"normalized":true)");
+            return read(b.file(fmt::format(R"("nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":)"
+                                           R"({{"POSITION":{}}},"mode":5}}]}}])",
+                                           p)))
+                .mesh.positions;
+        };
+        using S = std::int16_t;
+        using B = std::int8_t;
+        const auto shorts =
+            positions(raw(std::vector<S>{32767, 0, 0, -32767, 0, 0, 0, 32767, 0, -32768, 0, 16384}), 5122);
+        REQUIRE(shorts.size() == 4);
+        CHECK(shorts[0] == Vector3d(1, 0, 0));
+        CHECK(shorts[1] == Vector3d(-1, 0, 0));
+        CHECK(shorts[2] == Vector3d(0, 0, 1));
+        CHECK(shorts[3].x() == -1);
+        CHECK(shorts[3].y() == Approx(-16384.0 / 32767).epsilon(1e-7));
+        const auto bytes = positions(raw(std::vector<B>{127, 0, 0, -127, 0, 0, 0, 127, 0, -128, 0, 64}), 5120);
+        REQUIRE(bytes.size() == 4);
+        CHECK(bytes[0] == Vector3d(1, 0, 0));
+        CHECK(bytes[1] == Vector3d(-1, 0, 0));
+        CHECK(bytes[3].x() == -1);
+        CHECK(bytes[3].y() == Approx(-64.0 / 127).epsilon(1e-7));
+        using U = std::uint16_t;
+        const auto unsigned_shorts =
+            positions(raw(std::vector<U>{65535, 0, 0, 0, 0, 0, 0, 65535, 0, 13107, 0, 65535}), 5123);
+        REQUIRE(unsigned_shorts.size() == 4);
+        CHECK(unsigned_shorts[0] == Vector3d(1, 0, 0));
+        CHECK(unsigned_shorts[3].x() == Approx(0.2).epsilon(1e-7));
+        CHECK(unsigned_shorts[3].y() == -1);
+    }
     SECTION("strips, fans, points, interleaved and sparse data") {
         Builder b;
         const int p = b.floats({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}, "VEC3");

@@ -699,6 +699,46 @@ TEST_CASE("3MF models", "[slow]") {
         for (const Vector3d& p : file.mesh.positions) found |= (p - Vector3d(0, 12, 100)).norm() < 1e-12;
         CHECK(found);
     }
+    SECTION("under a mirror each corner keeps its colour") {
+        // The first triangle has a colour at each corner; corners are told by their places, whatever their order.
+        const std::string body =
+            colours + object(R"(id="2")", 1, {R"(pid="1" p1="0" p2="1" p3="2")"}) +
+            R"(<object id="3"><components><component objectid="2" transform="-2 0 0 0 3 0 0 0 1 10 0 0"/></components></object>)";
+        const TexturedMesh plain = read3(body, R"(<item objectid="2"/>)").mesh,
+                           mirrored = read3(body, R"(<item objectid="3"/>)").mesh;
+        REQUIRE(mirrored.triangles.size() == 4);
+        CHECK(volume(mirrored) == Approx(1));
+        for (std::size_t c = 0; c < 3; ++c) {
+            const Vector3d place = plain.positions[plain.triangles[0][c]],
+                           moved(10 - 2 * place.x(), 3 * place.y(), place.z());
+            std::size_t found = 0;
+            for (std::size_t d = 0; d < 3; ++d) {
+                if ((mirrored.positions[mirrored.triangles[0][d]] - moved).norm() > 1e-12) continue;
+                ++found;
+                CHECK(near(corner_colour(mirrored, 0, d), corner_colour(plain, 0, c)));
+            }
+            CHECK(found == 1);
+        }
+        CHECK_FALSE(near(corner_colour(plain, 0, 1), corner_colour(plain, 0, 2)));
+    }
+    SECTION("a colour that is itself transparent, under a transparent texture, lies over white") {
+        // Red of which half is there over white is (1, 1/2, 1/2), and the texture hides nothing or all of it.
+        const std::string resources =
+            R"(<q:colorgroup id="1"><q:color color="#FF000080"/></q:colorgroup><q:texture2d id="3" path="/3D/t.png" contenttype="image/png"/>)"
+            R"(<q:texture2dgroup id="4" texid="3"><q:tex2coord u="0.25" v="0.25"/></q:texture2dgroup>)"
+            R"(<q:multiproperties id="5" pids="1 4"><q:multi pindices="0 0"/></q:multiproperties>)" +
+            object(R"(id="2" pid="5" pindex="0")", 1);
+        const auto seen = [&](std::uint8_t alpha) {
+            std::vector<std::uint8_t> pixels;
+            for (int n = 0; n < 4; ++n) pixels.insert(pixels.end(), {0, 0, 255, alpha});
+            return corner_colour(read3(resources, R"(<item objectid="2"/>)", {{"3D/t.png", png(2, 2, pixels)}}).mesh, 0,
+                                 0);
+        };
+        const float white = 1 - 128 / 255.0f;
+        CHECK(near(seen(0), {1, white, white}, 5e-3f));
+        CHECK(near(seen(255), {0, 0, 1}, 5e-3f));
+        CHECK(near(seen(51), {0.8f, 0.8f * white, 0.8f * white + 0.2f}, 5e-3f));
+    }
     SECTION("textures with tile styles") {
         const auto textured = [&](const std::string& style, const std::string& u) {
             return read3(R"(<q:texture2d id="1" path="/3D/T.png" contenttype="image/png" )" + style +
