@@ -4,12 +4,16 @@
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <csignal>
 #include <fstream>
 #include <iterator>
+#include <string>
+#include <vector>
 
 #include <fmt/core.h>
 #include <catch2/catch.hpp>
@@ -23,6 +27,41 @@ using namespace voxtone;
 using namespace voxtone::io;
 using Catch::Contains;
 namespace fs = std::filesystem;
+
+namespace {
+
+/// What is asked of the system while one lives: "sync FILE" and "rename FROM TO", by names without folders; and whether
+/// syncing fails.
+struct SystemCalls {
+    explicit SystemCalls(bool fail = false) : syncs_fail(fail) { watching = this; }
+    ~SystemCalls() { watching = nullptr; }
+    SystemCalls(const SystemCalls&) = delete;
+    SystemCalls& operator=(const SystemCalls&) = delete;
+
+    bool syncs_fail;
+    std::vector<std::string> made;
+    static SystemCalls* watching;
+};
+SystemCalls* SystemCalls::watching = nullptr;
+
+}  // namespace
+
+// In the place of the C library's, in this program.
+extern "C" int fsync(int file) {
+    if (SystemCalls* const calls = SystemCalls::watching) {
+        std::error_code error;
+        calls->made.push_back("sync " +
+                              fs::read_symlink(fmt::format("/proc/self/fd/{}", file), error).filename().string());
+        if (calls->syncs_fail) return errno = EIO, -1;
+    }
+    return static_cast<int>(syscall(SYS_fsync, file));
+}
+
+extern "C" int rename(const char* from, const char* to) noexcept {
+    if (SystemCalls* const calls = SystemCalls::watching)
+        calls->made.push_back("rename " + fs::path(from).filename().string() + " " + fs::path(to).filename().string());
+    return static_cast<int>(syscall(SYS_renameat2, AT_FDCWD, from, AT_FDCWD, to, 0));
+}
 
 namespace {
 
@@ -66,6 +105,40 @@ TEST_CASE("a file that cannot be written to its end leaves the old one and nothi
     CHECK(files_in(folder.path()) == 1);
     write_whole_file(file, std::string_view("new"));
     CHECK(text_of(file) == "new");
+    CHECK(files_in(folder.path()) == 1);
+}
+
+TEST_CASE("a file is synced before it is renamed, and its folder behind that", "[whole-file]") {
+    const TemporaryFolder folder;
+    const fs::path file = folder.path() / "state.json";
+    const std::string part = part_path(file).filename().string(), place = folder.path().filename().string();
+    const std::vector<std::string> in_turn{"sync " + part, "rename " + part + " state.json", "sync " + place};
+    {
+        const SystemCalls calls;
+        write_whole_file(file, std::string_view("new"));
+        CHECK(calls.made == in_turn);
+    }
+    std::ofstream(part_path(file)) << "newer";
+    const SystemCalls calls;
+    finish_part(file);
+    CHECK(calls.made == in_turn);
+    CHECK(text_of(file) == "newer");
+}
+
+TEST_CASE("what the disk did not take is an error, and the old file stays", "[whole-file]") {
+    const TemporaryFolder folder;
+    const fs::path file = folder.path() / "state.json";
+    write_whole_file(file, std::string_view("old"));
+    std::vector<std::string> made;
+    {
+        const SystemCalls calls(true);
+        CHECK_THROWS_AS(write_whole_file(file, std::string_view("new")), FileError);
+        std::ofstream(part_path(file)) << "newer";
+        CHECK_THROWS_AS(finish_part(file), FileError);
+        made = calls.made;
+    }
+    CHECK(made.size() == 2);  // nothing was renamed
+    CHECK(text_of(file) == "old");
     CHECK(files_in(folder.path()) == 1);
 }
 
