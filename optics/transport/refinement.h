@@ -27,10 +27,15 @@
 
 namespace voxtone::optics {
 
+/// Longer voxels are cut along their axis: a J750's along y, into two that are as long as along x. With whole ones the
+/// suite's mean was 0.67 for 0.50 (docs/benchmarks.md).
+inline constexpr double finest_part_mm = 0.0425;
+
 /// Into how many parts a cell of so many voxels is cut along each axis: into voxels, or pieces of voxels where these
 /// are longer than `finest_mm` (0: never).
 [[nodiscard]] std::array<int, 3> parts_of_cell(const std::array<int, 3>& view_voxels,
-                                               const std::array<double, 3>& pitch_mm, double finest_mm);
+                                               const std::array<double, 3>& pitch_mm,
+                                               double finest_mm = finest_part_mm);
 
 /// The transport blocks that are to be cut, by geometry and resins alone, ascending: a body of one resin has none
 /// unless `which` is all.

@@ -9,22 +9,6 @@
 #include "optics/transport/viewing_sequence.h"
 
 namespace voxtone::optics {
-namespace {
-
-/// body(options), with tiles made smaller until it does not throw for lack of memory any more.
-template <class Body>
-auto in_tiles(std::size_t surface_cells, TransportOptions options, Body&& body) {
-    constexpr std::size_t least_cells = 500;
-    options.tile_cells = std::min(options.tile_cells, std::max(surface_cells, least_cells));
-    for (;; options.tile_cells /= 2) try {
-            return body(options);
-        } catch (const ResourceError&) {
-            if (options.tile_cells / 2 < least_cells) throw;
-        }
-}
-
-}  // namespace
-
 TransportPredictor::TransportPredictor(const TransportOptions& options) : options_(options) {
     if (options.sweeps < 1)
         throw UsageError("the predictor needs at least 1 sweep, not " + std::to_string(options.sweeps));
@@ -40,7 +24,8 @@ Appearance TransportPredictor::predict(const Scene& scene, const Surface& surfac
 Appearance TransportPredictor::predict(const Scene& scene, const Surface& surface, TransportSummary& summary,
                                        const Progress* progress) const {
     VOXTONE_EXPECT(scene.volume && scene.resins);
-    return in_tiles(surface.cells.size(), options_, [&](const TransportOptions& options) {
+    constexpr std::size_t least_cells = 500;
+    return in_smaller_tiles(surface.cells.size(), least_cells, options_, [&](const TransportOptions& options) {
         ViewingSequence sequence(scene, surface, options, progress);
         Appearance seen = sequence.only(*scene.volume, progress);
         summary = sequence.summary();

@@ -23,8 +23,7 @@ struct TransportOptions {
     Refinement refinement = Refinement::contrast;  ///< where they are cut finer
     /// Of Refinement::contrast, in units of L* (refinement.h): blocks of less stay whole. 0: none does.
     double least_contrast = 5;
-    double finest_mm = 0.0425;  ///< there voxels are cut along axes where they are longer; 0: never
-    double colour_mm = 0.8;     ///< how deep below the surface colour is expected to come and go
+    double colour_mm = 0.8;  ///< how deep below the surface colour is expected to come and go
     /// What colour lies deeper: of blocks with cells of their own, or, true, of nodes of diffusion that hold the mean
     /// of their blocks (a node for 64 cells). Then grids keep their shape whatever is printed, and a gradient ends
     /// there.
@@ -33,9 +32,8 @@ struct TransportOptions {
     /// in a channel: the twin of a cow of 30 mm changed 0.015, 0.003 and 0.001 after one, two and three. 0: always
     /// `sweeps`. Not of a prediction that stands alone.
     double first_change = 0.005;
-    /// Of the later predictions of a sequence, >= 1. The first correction of a print moves more than two sweeps follow:
-    /// with two a cow of 40 mm was said to gain 2 % by its second correction, and its loop ended at 2.78 instead of
-    /// 2.35.
+    /// Of the later predictions of a sequence, >= 1: the first correction of a print moves more light than two sweeps
+    /// carry, and a loop that believes them stops early (docs/benchmarks.md).
     int next_sweeps = 3;
     /// A later prediction sweeps no more where the last sweep changed less of what is seen in a channel; of
     /// its adjoint ten times as much. 0: always `next_sweeps`.
@@ -43,12 +41,7 @@ struct TransportOptions {
     std::size_t tile_cells = 250'000;  ///< most surface cells predicted at once (viewing_tiles.h), >= 1
     int tile_halo = 3;                 ///< blocks around a tile that it transports light in, >= 1
     double start_tolerance = 0.05;     ///< of the first diffusion solve
-    /// Keeps the corrections stable on cells as thick as a free path: viewing cells added to D per optical depth of
-    /// one, 0.75 at most (artificial diffusion; the form is that of Zhu et al. 2016, "An optimally diffusive coarse
-    /// mesh finite difference method to accelerate neutron transport calculations", Ann. Nucl. Energy 95:116). 0.55 is
-    /// this iteration's own number, not a value of their polynomial.
-    double ease = 0.55;
-    std::size_t memory_bytes = 0;  ///< most to use; 0: no limit
+    std::size_t memory_bytes = 0;      ///< most to use; 0: no limit
 };
 
 /// What a prediction did and took.

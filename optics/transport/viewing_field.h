@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Light of a viewing grid as it is kept between two predictions: phi and J of each cell in 16 bits each.
+// Light of a viewing grid of whole cells as it is kept between two predictions: phi and J of each in 16 bits each.
 //
 // Of light 1 everywhere phi has steps of 2 / 65535 from 0 to 2 and J of 1 / 32767 from -1 to 1; what lies outside is
 // clipped. Of an adjoint, which has both signs, phi has twice these steps, from -2 to 2, and all is in units of the
@@ -24,12 +24,11 @@ struct ViewingField {
         std::int16_t x = 0, y = 0, z = 0;
     };
     std::vector<Code> cells;
-    std::vector<Code> parts;  ///< of the fine cells; empty: that of the cells they are parts of
     std::vector<float> core;
     std::vector<std::uint16_t> out;  ///< 32 for each open face
     float scale = 0;                 ///< of an adjoint: radiance that stands for 1; 0: of light 1 everywhere
     [[nodiscard]] std::size_t memory_bytes() const {
-        return (cells.capacity() + parts.capacity()) * sizeof(Code) + 4 * core.capacity() + 2 * out.capacity();
+        return cells.capacity() * sizeof(Code) + 4 * core.capacity() + 2 * out.capacity();
     }
 };
 

@@ -4,41 +4,35 @@
 //
 // The first prediction is a diffusion solve and `sweeps` rounds of sweep and correction (transport.h); each later one
 // starts from the light of the one before and takes one, or up to `next_sweeps` where that changed much
-// (`next_change`). What changes in between enters with the first sweep, through sources and extinctions. A block that
-// gets colour deeper than `colour_mm` makes a new grid; the light is carried over. So does, once, a print that leaves
-// many of those blocks without colour again. Where deep colour is in nodes (TransportOptions) grids stay as they are.
+// (`next_change`). What changes in between enters with the first sweep, through sources and extinctions.
 //
 // A twin comes before the first prediction: it leaves grids and what shines across cuts to begin with, and is swept
-// until that changes little (`first_change`). The print's light begins with a diffusion solve of its own, not with the
-// twin's: three sweeps from a white body's light left the open loop of `spot` at 30 mm with a mean error as seen
-// of 4.57, three from such a solve with 4.94, and eight from the former with 4.85.
+// until that changes little (`first_change`). The print's light begins with a diffusion solve of its own: three sweeps
+// from a white body's light leave too much white in dark prints (docs/benchmarks.md).
 //
-// Large bodies are predicted tile by tile (viewing_tiles.h), in a fixed order: equations are made for one tile at a
-// time, its light is kept in 16-bit steps; its grid too where memory allows, which saves time and changes no bit. What
-// shines across a cut is the light that the neighbour had when it was last looked at, so that light travels from tile
-// to tile as the predictions go on (Schwarz's alternating method). The first prediction goes over the tiles
-// `first_rounds` times with diffusion alone before it sweeps; a twin once, and a print after it once, for a print of
-// dark resins is not lit by its white twin.
+// Large bodies are predicted tile by tile (tile_grids.h), in a fixed order: equations are made for one tile at a time,
+// its light is kept in 16-bit steps (viewing_field.h). What shines across a cut is the light that the neighbour had
+// when it was last solved, so that light travels from tile to tile as the predictions go on (Schwarz's alternating
+// method). The first prediction goes over the tiles `first_rounds` times with diffusion alone before it sweeps; a twin
+// once, and a print after it once, for a print of dark resins is not lit by its white twin.
 //
-// Media are those of the halftone (effective_medium.h) of each cell's voxels, seen from above where the surface looks
-// up and from all sides else; where in a cell a resin lies is seen too (seen_medium.h).
+// Cells that are cut finer (refinement.h) are for predictions that stand alone: a sequence keeps the light of whole
+// cells. Iteration error: the mean CIEDE2000 of one open loop is 4.57 to 4.94 by where three sweeps start, 4.85 after
+// eight (docs/benchmarks.md): of a difference of a few tenths between two prints it says nothing.
 //
-// Memory: grid and equations of one tile, 24 bytes a viewing cell for its light, as much again for the adjoint; about
-// 30 bytes a cell for the grids that are kept.
+// Memory: grid and equations of one tile, 24 bytes a viewing cell for its light, as much again for the adjoint, and the
+// grids that are kept (tile_grids.h).
 #pragma once
 
-#include <array>
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "optics/media/effective_medium.h"
+#include "optics/transport/sequence_state.h"
+#include "optics/transport/tile_grids.h"
 #include "optics/transport/transport_options.h"
-#include "optics/transport/viewing_faces.h"
-#include "optics/transport/viewing_tiles.h"
 #include "optics/transport/viewing_transport.h"
 
 namespace voxtone::optics {
@@ -49,6 +43,8 @@ public:
     /// Cancelled too, and is of no use then but to be thrown away.
     ViewingSequence(const Scene& scene, const Surface& surface, const TransportOptions& options,
                     const Progress* progress = nullptr);
+    ViewingSequence(const ViewingSequence&) = delete;
+    ViewingSequence& operator=(const ViewingSequence&) = delete;
     /// With tiles as large as `options` have them, or so much smaller that all of it fits into the memory they allow;
     /// none where it would not with small ones either. Smaller tiles take longer and, as long as light has not come
     /// around, say a little else.
@@ -57,14 +53,13 @@ public:
                                                                         const Progress* progress = nullptr);
     [[nodiscard]] Appearance next(const ResinVolume& volume, const Progress* progress = nullptr) override;
     [[nodiscard]] Appearance twin(const ResinVolume& volume, const Progress* progress = nullptr) override;
-    /// The first prediction and no other: the light of a tile is dropped when the next one's turn comes.
+    /// The first prediction and no other, on cells that are cut where `options` say so: the light of a tile is dropped
+    /// when the next one's turn comes.
     [[nodiscard]] Appearance only(const ResinVolume& volume, const Progress* progress = nullptr);
     /// Of viewing_gradient.h, box by box of the tiles. The adjoint light of each channel is kept for the next one:
     /// `sweeps` the first time, then `next_sweeps`. Contract: there was a prediction.
     [[nodiscard]] bool gradient(std::span<const float> adjoint_seed, const GradientVisitor& visit,
                                 const Progress* progress = nullptr) override;
-    /// The light of all tiles and what is between them, how they were cut, and where their grids have become deeper:
-    /// some 50 bytes a viewing cell.
     void write_state(const StateSink& sink) const override;
     /// Takes over the cut of the tiles too.
     [[nodiscard]] bool read_state(std::span<const std::byte> state) override;
@@ -79,87 +74,46 @@ private:
         double enough = 0;
         int rounds = 0;
     };
-    /// Light of all channels, or of all adjoints.
-    using Fields = std::vector<ViewingField>;
-    /// What does not change with the resins but for `fill`.
-    struct Shape {
-        const ResinVolume* filled = nullptr;  ///< whose resins the grid has
-        std::unique_ptr<ViewingGrid> grid;
-        ViewingFaces seen;
-        std::vector<std::uint32_t> hears;                            ///< places of the grid's ghosts among all
-        std::vector<std::pair<std::uint32_t, std::uint32_t>> tells;  ///< own blocks that are others' ghosts, and these
-        [[nodiscard]] std::size_t memory_bytes() const;
+    /// The light of prints, or of adjoints: in each tile, and at the ghosts between.
+    struct KeptLight {
+        Fields Tile::*fields;
+        GhostLight ghosts{};
     };
-    struct Tile : ViewingTile {
-        std::vector<std::uint8_t> also;          ///< blocks of the window that have had colour deep down
-        bool trimmed = false;                    ///< of those where it came no more, once
-        std::vector<std::uint32_t> fine_blocks;  ///< those of ViewingGrid::Fine that its light is of
-        Fields light, adjoint;
-        std::size_t bytes = 0, cells_of_grid = 0, fine_cells = 0, core_nodes = 0,
-                    open_faces = 0;    ///< of its grid and equations
-        std::unique_ptr<Shape> shape;  ///< none where it has to be made anew
-    };
-    /// phi at the ghosts of all tiles, [channel][ghost]; empty before the first prediction or gradient.
-    using GhostLight = std::vector<std::vector<float>>;
     [[nodiscard]] std::size_t channels() const { return scene_.resins->channels.size(); }
-    /// Every part of what is kept between predictions, in one order for reading and writing.
-    template <class Stream, class Sequence>
-    static void state_in(Stream& stream, Sequence& sequence);
-    [[nodiscard]] bool fits(const Tile& tile) const;
-    [[nodiscard]] bool fits(const GhostLight& ghosts) const;
-    /// Into tiles, of no light.
-    void cut();
-    void list_ghosts();
-    /// Bytes of the light of all tiles, as the first one's grid has it.
-    [[nodiscard]] double expected_light() const;
-    /// Makes it live, with the resins of the last volume.
-    void look_at(std::size_t tile, const Progress* progress);
+    [[nodiscard]] Tile& live() { return grids_.tiles()[live_]; }
+    [[nodiscard]] const Tile& live() const { return grids_.tiles()[live_]; }
+    [[nodiscard]] const ViewingGrid& live_grid() const { return live().shape->grid; }
+    /// Makes a tile live: the one that there are equations for.
     void make_live(std::size_t tile, const Progress* progress);
-    /// The live tile has other blocks with cells now: its grid is made anew, with the resins of the last volume.
-    void make_anew(std::size_t tile, const Progress* progress);
-    void refine_tile(Tile& tile, const Progress* progress);
-    /// Blocks of `also` that have colour in the last volume; empty where most of them have.
-    [[nodiscard]] std::vector<std::uint8_t> still_coloured(const Tile& tile) const;
-    [[nodiscard]] std::unique_ptr<Shape> shape_of(const Tile& tile, const Progress* progress) const;
-    void measure(Tile& tile);
-    void make_shapes(const Progress* progress);
-    [[nodiscard]] const Shape& live() const { return *tiles_[live_].shape; }
-    [[nodiscard]] const ViewingGrid& live_grid() const { return *live().grid; }
-    [[nodiscard]] std::size_t shape_bytes() const;
-    /// Drops shapes of other tiles, the last ones first, until so many bytes more are allowed.
-    void make_room(std::size_t bytes);
-    void carry_over(const ViewingGrid& was, Fields& fields) const;
-    [[nodiscard]] ViewingTransport::Media media(std::size_t channel) const;
-    [[nodiscard]] std::vector<TransportMedium> core_media(std::size_t channel) const;
+    /// Makes it live, with the resins of the last volume.
+    void prepare(std::size_t tile, const Progress* progress);
+    /// The live tile has other blocks with cells now: its grid is made anew, and the light goes over.
+    void remake_live(const Progress* progress);
+    void refine_live(const Progress* progress);
     [[nodiscard]] Appearance predict(const ResinVolume& volume, Effort effort, const Progress* progress);
-    /// Solves all channels of the live tile, with the light of its neighbours where it is to `hear` it, and tells them
-    /// its own; `done` is called after each channel.
+    /// Solves all channels of the live tile, given the light at its ghosts where it `receives` that, and sends its own;
+    /// `done` is called after each channel. `adjoint_seed`: d F / d value of an adjoint.
     template <class Done>
-    void solve(Fields Tile::*fields, GhostLight& ghosts, bool hear, Effort effort, std::span<const float> adjoint_seed,
+    void solve(KeptLight& light, bool receives, Effort effort, std::span<const float> adjoint_seed,
                const Progress* progress, Done&& done);
     /// For the first time: diffusion alone, until light has come around.
-    void begin(Fields Tile::*fields, GhostLight& ghosts, std::span<const float> adjoint_seed, int rounds,
-               const Progress* progress);
+    void begin(KeptLight& light, std::span<const float> adjoint_seed, int rounds, const Progress* progress);
     /// Light that stands for d F / d value.
     [[nodiscard]] std::vector<float> light_of(std::span<const float> adjoint_seed, std::size_t channel) const;
     void read_appearance(std::size_t channel, Appearance& to) const;
-    [[nodiscard]] std::size_t field_bytes() const;
+    /// Bytes of the gradient's solve, with the light and adjoint light of all tiles.
+    [[nodiscard]] std::size_t gradient_bytes() const;
     void count_memory(std::size_t besides);
 
-    Scene scene_;
+    const Scene scene_;
     const Surface& surface_;
-    TransportOptions options_;
-    std::size_t tile_cells_;  ///< of the cut
-    std::array<int, 3> view_voxels_;
-    std::array<int, 3> split_;  ///< of cells that are cut finer
+    const TransportOptions options_;
+    const EffectiveMedium halftone_;
+    TileGrids grids_;
+    KeptLight light_{&Tile::light}, adjoint_{&Tile::adjoint};
     bool keeps_light_ = true;
-    BlockLattice lattice_;
-    EffectiveMedium halftone_;
-    std::vector<Tile> tiles_;
-    std::vector<std::uint64_t> ghost_places_;  ///< in the lattice of the body, ascending
-    GhostLight ghost_light_, ghost_adjoint_;
-    std::size_t live_ = 0;                         ///< the tile that is being looked at
-    std::unique_ptr<ViewingTransport> transport_;  ///< of it
+    std::size_t live_ = 0;
+    std::unique_ptr<ViewingTransport> transport_;  ///< of the live tile
     const ResinVolume* volume_ = nullptr;          ///< of the last prediction
     TransportSummary summary_;
 };

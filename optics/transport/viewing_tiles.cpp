@@ -11,8 +11,6 @@
 namespace voxtone::optics {
 namespace {
 
-using Place = std::array<std::int32_t, 3>;
-
 struct Cut {
     const BlockLattice& lattice;
     const std::array<double, 3>& pitch_mm;

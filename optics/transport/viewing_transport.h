@@ -115,7 +115,6 @@ private:
     void enter_faces(std::size_t t, const ViewingDiffusion::Flows& J);
     void enter_parts(std::size_t t, const ViewingDiffusion::Flows& J);
     void gather_parts(std::size_t t);
-    void spread_over_parts();
     void reflect();
     void sweep();
     void take_sweep();
@@ -135,11 +134,11 @@ private:
 
     std::array<float, 3> edge_{};
     float volume_ = 0;
-    std::array<Octet, 3> flux_weight_{};                  ///< w |Omega_a|
-    std::vector<FaceSums> sums_;                          ///< per law
-    std::vector<float> D_, core_D_, eased_, core_eased_;  ///< per medium
-    std::vector<Moments> moments_;                        ///< per cell: phi and J; the mean of its parts
-    std::vector<Moments> parts_, parts_up_, parts_down_;  ///< per fine cell
+    std::array<Octet, 3> flux_weight_{};                      ///< w |Omega_a|
+    std::vector<FaceSums> sums_;                              ///< per law
+    std::vector<float> D_, core_D_, widened_, core_widened_;  ///< per medium
+    std::vector<Moments> moments_;                            ///< per cell: phi and J; the mean of its parts
+    std::vector<Moments> parts_, parts_up_, parts_down_;      ///< per fine cell
     SweepScratch scratch_;
     std::span<float> x_, right_, p_, z_;  ///< per cell, of the diffusion solve: in scratch_
     std::vector<float> core_phi_, core_x_, core_right_, core_p_, core_z_;

@@ -157,6 +157,31 @@ TEST_CASE("Colour that gets deeper than expected makes a new grid and keeps the 
     CHECK(between(seen.value, exact.value).rms < 0.001);  // margins differ a little
 }
 
+TEST_CASE("Colour that gets deeper than expected beside a mirror makes a new grid with more faces, and keeps the light",
+          "[slow]") {
+    const ResinSet set = vero_opaque();
+    const auto slab = [](double depth_mm) {
+        return make_resin_volume({96, 48, 90}, j750, [&](int x, int y, int z) -> int {
+            if ((89.5 - z) * j750[2] > (x > 48 ? depth_mm : 0.2)) return 5;
+            return RandomStream(6, static_cast<std::uint64_t>((z * 48 + y) * 96 + x)).uniform() < 0.4 ? 1 + x % 4 : 5;
+        });
+    };
+    const ResinVolume shallow = slab(0.2), deep = slab(1.6);
+    const Scene scene{&shallow, &set, Backing::black, Sides::mirrored},
+        deep_scene{&deep, &set, Backing::black, Sides::mirrored};
+    const Surface surface = find_surface(scene, viewing_cell, SurfacePart::top);
+    TransportOptions options = on_viewing_cells();
+    options.colour_mm = 0.3;
+    ViewingSequence sequence(scene, surface, options);
+    (void)sequence.next(shallow);
+    const std::size_t cells = sequence.summary().cells;
+    Appearance seen = sequence.next(deep);
+    CHECK(sequence.summary().cells > cells);
+    for (int k = 0; k < 5; ++k) seen = sequence.next(deep);
+    options.sweeps = 16;
+    CHECK(between(seen.value, TransportPredictor(options).predict(deep_scene, surface).value).rms < 0.001);
+}
+
 TEST_CASE("Where colour came no more the cells go, once, and what is seen stays right", "[slow]") {
     const ResinSet set = vero_opaque();
     const ResinVolume shape = halftoned_sphere(2.2, 0), deep = halftoned_sphere(2.2, 0.5, 1.8),
