@@ -19,7 +19,7 @@ namespace {
 /// Of diffusion alone, before light is swept; of a twin, all of white, for which a cut that is a mirror is a good
 /// guess.
 constexpr int first_rounds = 2, twin_rounds = 1;
-constexpr std::uint32_t nowhere = 0xffffffffu;
+constexpr std::uint32_t no_cell = 0xffffffffu;
 
 }  // namespace
 
@@ -214,7 +214,7 @@ void ViewingSequence::read_appearance(std::size_t channel, Appearance& to) const
             furnace += seen.share[e] * transport.furnace_flux(seen.face[e]);
         }
         // Inside a bubble smaller than a cell the light is that of the cell.
-        return furnace > 0 ? leaving / furnace : seen.cell[k] != nowhere ? transport.phi(seen.cell[k]) : 0;
+        return furnace > 0 ? leaving / furnace : seen.cell[k] != no_cell ? transport.phi(seen.cell[k]) : 0;
     };
     parallel_ranges(0, tile.near.size(), 1 << 12, [&](std::size_t begin, std::size_t end) {
         auto own = std::lower_bound(tile.cells.begin(), tile.cells.end(), tile.near[begin]);
