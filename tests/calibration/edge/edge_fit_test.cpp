@@ -18,6 +18,7 @@
 #include "calibration/resins/resin_coordinates.h"
 #include "io/files/whole_file.h"
 #include "optics/edge/edge_scene_paths.h"
+#include "tests/io/files/temporary_folder.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;
@@ -39,19 +40,6 @@ std::shared_ptr<const EdgeDictionary> traced(const EdgeGrid& grid, const EdgeSet
     for (std::size_t run = 0; run < grid.runs(); ++run) dictionary.records.push_back(edge_record(setup, grid, run));
     return std::make_shared<const EdgeDictionary>(std::move(dictionary));
 }
-
-class Scratch {
-public:
-    explicit Scratch(const std::string& name) : path_(fs::temp_directory_path() / ("voxtone-edge-" + name)) {
-        fs::remove_all(path_);
-        fs::create_directories(path_);
-    }
-    ~Scratch() { fs::remove_all(path_); }
-    std::string operator/(const std::string& file) const { return (path_ / file).string(); }
-
-private:
-    fs::path path_;
-};
 
 std::vector<std::uint8_t> bytes_of(const std::string& file) { return io::read_whole_file(file, 1u << 28); }
 
@@ -215,13 +203,13 @@ TEST_CASE("a fit refuses what it cannot use", "[edge]") {
 }
 
 TEST_CASE("a dictionary goes on where it was stopped, and shards make the same file", "[edge]") {
-    const Scratch folder("dictionary");
+    const io::TemporaryFolder folder;
     DictionaryJob job;
     job.grid.sigma_t = {2, 4, 8};
     job.grid.thickness_mm = {0.5};
     job.grid.g = {0.2, 0.4};
     job.grid.paths = 2048;
-    job.out = folder / "whole.dict";
+    job.out = folder.path() / "whole.dict";
     Progress progress;
     static_cast<void>(run_dictionary_job(job, progress));
     const auto whole = bytes_of(job.out);
@@ -230,7 +218,7 @@ TEST_CASE("a dictionary goes on where it was stopped, and shards make the same f
 
     SECTION("stopped in the middle of a record") {
         DictionaryJob again = job;
-        again.out = folder / "again.dict";
+        again.out = folder.path() / "again.dict";
         io::write_whole_file(again.out + ".partial", std::span(whole).first(whole.size() / 2));
         const JobResult result = run_dictionary_job(again, progress);
         CHECK(bytes_of(again.out) == whole);
@@ -240,9 +228,9 @@ TEST_CASE("a dictionary goes on where it was stopped, and shards make the same f
         DictionaryJob part = job;
         part.shards = 2;
         DictionaryJob join = job;
-        join.out = folder / "joined.dict";
+        join.out = folder.path() / "joined.dict";
         for (part.shard = 1; part.shard <= 2; ++part.shard) {
-            part.out = folder / fmt::format("part{}.dict", part.shard);
+            part.out = folder.path() / fmt::format("part{}.dict", part.shard);
             static_cast<void>(run_dictionary_job(part, progress));
             CHECK(missing_runs(read_dictionary(part.out)).size() == 3);
             join.merge.push_back(part.out);
@@ -262,17 +250,17 @@ TEST_CASE("a dictionary goes on where it was stopped, and shards make the same f
     }
     SECTION("a damaged file is refused at every byte that is cut off, and where a bit turned") {
         for (std::size_t size = 0; size < whole.size(); size += size < 2000 ? 37 : 997) {
-            io::write_whole_file(folder / "cut.dict", std::span(whole).first(size));
+            io::write_whole_file(folder.path() / "cut.dict", std::span(whole).first(size));
             bool seems_whole = false;
             try {
-                seems_whole = missing_runs(read_dictionary(folder / "cut.dict")).empty();
+                seems_whole = missing_runs(read_dictionary(folder.path() / "cut.dict")).empty();
             } catch (const InputError&) {
             }
             CHECK_FALSE(seems_whole);
         }
         auto turned = whole;
         turned[turned.size() - 100] ^= 4;
-        io::write_whole_file(folder / "turned.dict", turned);
-        CHECK_THROWS_WITH(read_dictionary(folder / "turned.dict"), Contains("checksum"));
+        io::write_whole_file(folder.path() / "turned.dict", turned);
+        CHECK_THROWS_WITH(read_dictionary(folder.path() / "turned.dict"), Contains("checksum"));
     }
 }
