@@ -16,7 +16,8 @@ if(VOXTONE_WERROR)
 endif()
 if(VOXTONE_SANITIZE)
   # The check of virtual tables asks the kernel what memory is readable; in a guarded reader the sandbox refuses, and
-  # every object looks broken. TBB's headers hold fences that the thread sanitizer does not see: base/parallel.h tells it.
+  # every object looks broken. TBB's headers hold fences that the thread sanitizer does not see, and a warning says so:
+  # base/parallel.h does without TBB under it.
   target_compile_options(voxtone_flags INTERFACE -fsanitize=${VOXTONE_SANITIZE} -fno-sanitize=vptr -fno-omit-frame-pointer -g1 -Wno-tsan)
   target_link_options(voxtone_flags INTERFACE -fsanitize=${VOXTONE_SANITIZE})
 endif()
