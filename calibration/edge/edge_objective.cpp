@@ -17,6 +17,7 @@ namespace {
 
 constexpr double paper_pitch_mm = 0.0276, most_stretch = 0.15;
 constexpr double step_v = 0.004, step_ln = 0.02;  // of derivatives: wider than the grain of the dictionary's noise
+constexpr double thicker_by = 0.01;               // of the slab whose profile says what thickness does
 constexpr int most_steps = 40, net_v = 14, net_sigma = 14, refined_starts = 3;
 
 // Standard deviation of what changes from sample to sample, by second differences.
@@ -76,8 +77,11 @@ EdgeObservation observation(const EdgeProfile& slab, std::size_t channel, const 
     const optics::PixelView view{pitch, setup.blur_mm, seen.stretch};
     optics::PixelView softer = view;
     softer.blur_mm = std::hypot(view.blur_mm, setup.gel_error_mm);
+    optics::PixelView thicker = view;
+    thicker.stretch *= 1 + thicker_by;
     seen.see = optics::pixels_from_cells(table.geometry(), x, view);
     seen.see_softer = optics::pixels_from_cells(table.geometry(), x, softer);
+    seen.see_thicker = optics::pixels_from_cells(table.geometry(), x, thicker);
     const Eigen::MatrixXd gradient = wavelet_gradient_map(n, metric.wavelet_level) * (paper_pitch_mm / pitch);
     seen.see_gradient = gradient * seen.see;
     seen.gradient = (gradient * seen.value).cwiseAbs();
@@ -261,9 +265,9 @@ Eigen::Matrix2d EdgeObjective::covariance(const Minimum& minimum, double g, doub
         add(moved(Eigen::VectorXd::Constant(slab.x.size(), grain)));
         add(moved(grain * slab.x.cwiseSign()));
         EdgeObservation thicker = slab;
-        thicker.stretch *= 1.01;
-        const Eigen::VectorXd by_thickness =
-            (slab.see * (cells(thicker, minimum.at, g) - c)) * (table_->setup().thickness_error / 0.01);
+        thicker.stretch *= 1 + thicker_by;
+        const Eigen::VectorXd by_thickness = (slab.see_thicker * cells(thicker, minimum.at, g) - slab.see * c) *
+                                             (table_->setup().thickness_error / thicker_by);
         add(moved(by_thickness));
         add(moved((slab.see_softer - slab.see) * c));
         by_mu += moved(slab.value * mu_error);
