@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <Eigen/LU>
 
 #include "base/contracts.h"
 #include "base/error.h"
@@ -73,19 +74,33 @@ std::string disagreement_text(const std::string& role, const std::string& channe
         role, channel, prior, std::sqrt(chi2));
 }
 
+// sigma_a + sigma_s (1 - g) = sigma_t (1 - g alpha), of a value whose coordinates have this covariance.
+FittedValue reduced_of(const ResinPoint& at, const Eigen::Matrix2d& covariance, double g) {
+    const double share = 1 - g * albedo_of_v(at.v, g), value = std::exp(at.ln_sigma_t) * share;
+    const Eigen::Vector2d slope(-g * albedo_by_v(at.v, g) / share, 1);  // of its logarithm
+    const double spread = std::sqrt(std::max(slope.dot(covariance * slope), 0.0));
+    return {value,
+            std::min(value * spread, resin_bounds(g).most_sigma_t),
+            value * std::exp(-spread),
+            value * std::exp(spread),
+            {}};
+}
+
 // A resin without patches.
 FittedResin known_resin(const ResinPrior::Resin& known, double g, optics::ResinSet& set) {
     FittedResin fitted{known.role, {}, {}, {}};
     optics::Resin& resin = set.resins.emplace_back(optics::Resin{known.role, known.role, {}, {}});
     for (const PriorValue& value : known.channel) {
         const ResinPoint& at = value.at;
-        const auto error = [&](Eigen::Index k) {
-            const Eigen::Matrix2d& p = value.precision;
-            const double own = k == 0 ? p(0, 0) : p(1, 1), other = k == 0 ? p(1, 1) : p(0, 0);
-            if (!(own > 0)) return 0.0;
-            return std::sqrt(1 / (other > 0 ? own - p(0, 1) * p(0, 1) / other : own));
-        };
-        const double v = error(0), ln = error(1), albedo = albedo_of_v(at.v, g), sigma_t = std::exp(at.ln_sigma_t);
+        // What is not known at all has a precision of 0, and no error is told.
+        Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+        if (value.known() == 2)
+            covariance = value.precision.inverse();
+        else
+            for (int k = 0; k < 2; ++k)
+                if (value.precision(k, k) > 0) covariance(k, k) = 1 / value.precision(k, k);
+        const Eigen::Vector2d errors = covariance.diagonal().cwiseSqrt();
+        const double v = errors[0], ln = errors[1], albedo = albedo_of_v(at.v, g), sigma_t = std::exp(at.ln_sigma_t);
         fitted.albedo.push_back({albedo,
                                  std::abs(albedo_by_v(at.v, g)) * v,
                                  albedo_of_v(std::min(at.v + v, 1.0), g),
@@ -94,8 +109,7 @@ FittedResin known_resin(const ResinPrior::Resin& known, double g, optics::ResinS
         fitted.sigma_t.push_back({sigma_t, sigma_t * ln, sigma_t * std::exp(-ln), sigma_t * std::exp(ln), {}});
         if (!(v > 0)) doubt(fitted.albedo.back(), Doubt::unsure);
         if (!(ln > 0)) doubt(fitted.sigma_t.back(), Doubt::unsure);
-        const double reduced = sigma_t * (1 - g * albedo);
-        fitted.reduced.push_back({reduced, reduced * ln, reduced * std::exp(-ln), reduced * std::exp(ln), {}});
+        fitted.reduced.push_back(reduced_of(at, covariance, g));
         resin.albedo.push_back(albedo);
         resin.sigma_t_per_mm.push_back(sigma_t);
     }
@@ -119,17 +133,8 @@ void describe(const ChannelFit& fit, std::size_t role, double scale, double thic
     if (fit.opaque[role]) sigma_t.low = sigma_t.value, sigma_t.high = bounds.most_sigma_t;
     sigma_t.standard_error = std::min(sigma_t.value * error.ln_sigma_t, bounds.most_sigma_t);
 
-    // sigma_a + sigma_s (1 - g) = sigma_t (1 - g alpha)
-    FittedValue& reduced = resin.reduced[channel];
-    const double share = 1 - g * albedo.value, by_v = -g * albedo_by_v(at.v, g) / share * error.v;
     const auto i = static_cast<Eigen::Index>(2 * role);
-    const double slope = by_v / std::max(error.v, 1e-300);
-    const double variance =
-        error.ln_sigma_t * error.ln_sigma_t + by_v * by_v + 2 * scale * scale * fit.covariance(i, i + 1) * slope;
-    const double spread = std::sqrt(std::max(variance, 0.0));
-    reduced.value = sigma_t.value * share;
-    reduced.standard_error = std::min(reduced.value * spread, bounds.most_sigma_t);
-    reduced.low = reduced.value * std::exp(-spread), reduced.high = reduced.value * std::exp(spread);
+    resin.reduced[channel] = reduced_of(at, scale * scale * fit.covariance.block<2, 2>(i, i), g);
 
     const bool weak_albedo = error.v > 0.1, weak_sigma_t = error.ln_sigma_t > 0.35;
     const bool dark = at.v + 2 * error.v >= bounds.most_v;

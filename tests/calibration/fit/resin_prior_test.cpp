@@ -136,6 +136,18 @@ TEST_CASE("a resin of the prior that has no patch is taken as it is there", "[pr
     CHECK(yellow.albedo[1] == Approx(albedo_of_v(at.v, 0.4)));
     const FittedValue& value = fit.resins.back().sigma_t[1];
     CHECK(value.standard_error == Approx(value.value * ln_error).epsilon(0.01));
+    // sigma_t (1 - g albedo), where it is dark: by both of its values, which lean on each other.
+    const ResinPoint& dark = options.prior.find("Y")->channel[2].at;
+    const FittedValue& told = fit.resins.back().reduced[2];
+    const auto reduced = [&](double v, double ln) {
+        return std::exp(dark.ln_sigma_t + ln) * (1 - 0.4 * albedo_of_v(dark.v + v, 0.4));
+    };
+    const double by_v = (reduced(v_error, 0) - reduced(-v_error, 0)) / 2,
+                 by_ln = (reduced(0, ln_error) - reduced(0, -ln_error)) / 2,
+                 error = std::sqrt(by_v * by_v + by_ln * by_ln + 2 * leaning * by_v * by_ln);
+    CHECK(told.value == Approx(reduced(0, 0)));
+    CHECK(told.standard_error == Approx(error).epsilon(0.005));
+    CHECK(error > 1.02 * by_ln);  // more than that of the extinction alone
 }
 
 TEST_CASE("edge results are read as a prior, without what they doubt", "[prior]") {
