@@ -66,6 +66,21 @@ TEST_CASE("light, camera and the frame's colour are found exactly where nothing 
     CHECK((model.frame_reflectance() - Vector3d(0.8, 0.85, 0.78)).cwiseAbs().maxCoeff() < 3e-4);
 }
 
+TEST_CASE("noise of a sample becomes as much of its reflectance as samples that differ by it") {
+    const Scene s = scene(0, 1);
+    const PhotoModel model = PhotoModel::fit(s.chart, s.frame, 2400, 1600, "photo");
+    const Vector3d value(0.2, 0.25, 0.15), noise(0.003, 0.001, 0.002);
+    for (const Vector2d& px : {Vector2d(300, 400), Vector2d(1900, 300)}) {  // in a dark corner, and where it is light
+        Vector3d variance = Vector3d::Zero();
+        for (int channel = 0; channel < 3; ++channel)
+            variance +=
+                (model.reflectance(px, value + noise[channel] * Vector3d::Unit(channel)) - model.reflectance(px, value))
+                    .cwiseAbs2();
+        CHECK((model.noise(px, noise) - variance.cwiseSqrt()).cwiseAbs().maxCoeff() < 1e-9);
+    }
+    CHECK(model.light({1900, 300}) > 1.3 * model.light({300, 400}));
+}
+
 TEST_CASE("standard errors of the light and colour fit are honest", "[slow]") {
     // 100 noisy scenes; the mean square of (error / standard error) of three places and channels must be about 1. The
     // 900 values are strongly correlated, so that the bounds are wide; errors stated at half or twice their size fail.

@@ -2,6 +2,7 @@
 #include "calibration/photo/patch_sampling.h"
 
 #include <cmath>
+#include <numbers>
 
 #include <catch2/catch.hpp>
 
@@ -62,6 +63,30 @@ TEST_CASE("areas beyond the picture or too small are not complete, clipped pixel
     CHECK_FALSE(sample_area(photo, identity, {{60, 60}, {101, 90}}, no_clip).complete);
     CHECK_FALSE(sample_area(photo, identity, {{60, 60}, {66, 66}}, no_clip).complete);
     CHECK(sample_area(photo, identity, middle, Eigen::Vector3d::Constant(0.7)).clipped[1] == Approx(0.25).margin(1e-9));
+}
+
+TEST_CASE("what noise adds that is cut off at 0 is told, from the share of it that is") {
+    // Normal noise of 0.01 about a level of so many deviations: cut at 0, E max(0, x) = level Phi(u) + s phi(u).
+    constexpr double s = 0.01;
+    for (const double u : {0.5, 1.0, 2.0}) {
+        io::Photograph photo{"dark", 200, 200, io::SampleCoding::linear, 16, {}};
+        for (std::uint32_t i = 0; i < 200 * 200; ++i) {
+            RandomStream random(3, i);
+            const double z =
+                std::sqrt(-2 * std::log(1 - random.uniform())) * std::cos(2 * std::numbers::pi * random.uniform());
+            photo.pixels.push_back(Eigen::Vector3f::Constant(static_cast<float>(std::max(0.0, s * (u + z)))));
+        }
+        const AreaSample sample = sample_area(photo, identity, {{10, 10}, {190, 190}}, no_clip);
+        const double below = 0.5 * std::erfc(u / std::sqrt(2.0)),
+                     density = std::exp(-0.5 * u * u) / std::sqrt(2 * std::numbers::pi);
+        const double excess = s * (density - u * below);
+        INFO(u << " deviations: " << sample.at_zero[1] << " at 0 for " << below << ", " << sample.zero_excess[1]
+               << " too much for " << excess);
+        const double sampled = 1 / std::sqrt(double(sample.pixels));
+        CHECK(std::abs(sample.at_zero[1] - below) < 4 * std::sqrt(below) * sampled);
+        CHECK(std::abs(sample.mean[1] - s * u - excess) < 4 * s * sampled + sample.error[1]);
+        CHECK(sample.zero_excess[1] == Approx(excess).epsilon(0.1));
+    }
 }
 
 TEST_CASE("floats clip where their largest value is found many times") {
