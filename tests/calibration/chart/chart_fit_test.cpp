@@ -6,7 +6,6 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "base/parallel.h"
 #include "calibration/chart/chart_lengths.h"
 #include "calibration/chart/colour_fit.h"
 #include "calibration/chart/observer_bands.h"
@@ -16,6 +15,7 @@
 #include "calibration/patches/patch_model.h"
 #include "io/profiles/resin_file.h"
 #include "tests/calibration/chart/chart_samples.h"
+#include "tests/same_for_threads.h"
 
 namespace voxtone::calibration {
 namespace {
@@ -87,12 +87,8 @@ TEST_CASE("A chart drawn by a set of four channels is fitted and foretells mixtu
 
 TEST_CASE("A fit of a chart is the same for any number of threads, and survives its file") {
     const PatchTable chart = testing::drawn_chart(testing::wide_gamut_set(), 60, 3, 0.2);
-    const auto text = [&](std::size_t threads) {
-        const ThreadLimit limit(threads);
-        return io::resin_set_text(fit_chart(chart, options_for(3)).set);
-    };
-    const std::string one = text(1);
-    CHECK(one == text(2));
+    const std::string one =
+        test::same_for_threads([&] { return io::resin_set_text(fit_chart(chart, options_for(3)).set); }, {2});
     const optics::ResinSet back = io::parse_resin_set(one, "fit");
     CHECK(io::resin_set_text(back) == one);
     CHECK(back.dot_spread == 1);

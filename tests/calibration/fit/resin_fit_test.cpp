@@ -10,7 +10,6 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "base/parallel.h"
 #include "calibration/fit/channel_fit.h"
 #include "calibration/fit/fit_report.h"
 #include "calibration/fit/patch_page.h"
@@ -19,6 +18,7 @@
 #include "io/files/markup.h"
 #include "tests/calibration/patches/target_samples.h"
 #include "tests/optics/colour/split_channels.h"
+#include "tests/same_for_threads.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;
@@ -192,14 +192,13 @@ TEST_CASE("Mixtures that were not in the fit are predicted as well as the noise 
 
 TEST_CASE("The same values come out for any number of threads") {
     const PatchTable table = measured('B', 0.005);
-    const ThreadLimit one(1);
-    const ResinFit a = fit_resins(table, {});
-    const ThreadLimit four(4);
-    const ResinFit b = fit_resins(table, {});
-    for (std::size_t r = 0; r < a.set.resins.size(); ++r) {
-        CHECK(a.set.resins[r].albedo == b.set.resins[r].albedo);
-        CHECK(a.set.resins[r].sigma_t_per_mm == b.set.resins[r].sigma_t_per_mm);
-    }
+    const auto values = test::same_for_threads([&] {
+        std::vector<std::vector<double>> all;
+        for (const optics::Resin& resin : fit_resins(table, {}).set.resins)
+            all.insert(all.end(), {resin.albedo, resin.sigma_t_per_mm});
+        return all;
+    });
+    CHECK(values.size() == 10);
 }
 
 TEST_CASE("The Principles alone come near in target B, and their errors are the joint fit's to mend") {
@@ -289,6 +288,70 @@ TEST_CASE("Residuals beyond the noise are reported and widen the errors") {
     REQUIRE(off.misfit == std::vector<std::size_t>{0});
     CHECK(resin_of(off, "W").sigma_t[0].standard_error > 1.5 * resin_of(fine, "W").sigma_t[0].standard_error);
     CHECK(off.patches.rms > 2 * fine.patches.rms);
+}
+
+TEST_CASE("The error of the reduced coefficient is that of its two values and of how they go together") {
+    const PatchTable table = measured('B', 0.005);
+    const ResinFit fit = fit_resins(table, {});
+    REQUIRE(fit.misfit.empty());
+    const TargetRoles roles = find_target_roles(table, {}, 0.005);
+    const ChannelFitter fitter(table, roles, {}, 0.005);
+    const double g = fit.set.g;
+    int correlated = 0, within = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const ChannelFit channel = fitter.fit(c);
+        for (std::size_t r = 0; r < roles.roles.size(); ++r) {
+            const ResinPoint& at = channel.resins[r];
+            const FittedValue& reduced = resin_of(fit, roles.roles[r]).reduced[c];
+            const auto of = [&](double v, double ln) { return std::exp(ln) * (1 - g * albedo_of_v(v, g)); };
+            const double value = of(at.v, at.ln_sigma_t), step = 1e-5;
+            const Eigen::Vector2d slope((of(at.v + step, at.ln_sigma_t) - of(at.v - step, at.ln_sigma_t)) / (2 * step),
+                                        (of(at.v, at.ln_sigma_t + step) - of(at.v, at.ln_sigma_t - step)) / (2 * step));
+            const auto i = static_cast<Eigen::Index>(2 * r);
+            const Eigen::Matrix2d covariance = channel.covariance.block<2, 2>(i, i);
+            const double error = std::sqrt(slope.dot(covariance * slope));
+            INFO(roles.roles[r] << " in " << c << ": " << value << " +- " << error);
+            CHECK(reduced.value == Approx(value));
+            CHECK(reduced.standard_error == Approx(error).epsilon(1e-3));
+            CHECK(reduced.low == Approx(value * std::exp(-error / value)).epsilon(1e-3));
+            CHECK(reduced.high == Approx(value * std::exp(error / value)).epsilon(1e-3));
+            // Away from what an albedo can be at most, extinctions lie within one error of their logarithm.
+            const double v_error = channel.errors[r].v, ln_error = channel.errors[r].ln_sigma_t;
+            const FittedValue& sigma_t = resin_of(fit, roles.roles[r]).sigma_t[c];
+            if (std::min(at.v, 1 - at.v) > 3 * v_error && !channel.opaque[r]) {
+                CHECK(sigma_t.low == Approx(sigma_t.value * std::exp(-ln_error)));
+                CHECK(sigma_t.high == Approx(sigma_t.value * std::exp(ln_error)));
+                ++within;
+            }
+            // As independent values, or going the other way, they would have another error.
+            const double without = std::sqrt(slope.dot(covariance.diagonal().asDiagonal() * slope));
+            correlated += std::abs(without / error - 1) > 0.03;
+        }
+    }
+    CHECK(correlated >= 5);
+    CHECK(within >= 8);
+}
+
+TEST_CASE("The limit of an opaque resin's extinction is where chi2 lies one above the least") {
+    const PatchTable table = measured('A', 0.005);
+    const FittedValue magenta = resin_of(fit_resins(table, {}), "M").sigma_t[2];
+    REQUIRE(has(magenta, Doubt::opaque));
+    // chi2 with that extinction held, by a prior that knows it and nothing else.
+    const auto chi2 = [&](double sigma_t) {
+        FitOptions options;
+        options.prior = {"held", 0.4, 1.5, {{"M", {}}}};
+        PriorValue& value = options.prior.resins[0].channel[2];
+        value.at = {0.5, std::log(sigma_t)};
+        value.precision(1, 1) = 1e10;
+        return fit_resins(table, options).chi2[2];
+    };
+    double least = chi2(magenta.value);
+    for (const double factor : {1.5, 2.0, 4.0}) least = std::min(least, chi2(factor * magenta.value));
+    INFO("limit " << magenta.value << ", chi2 " << chi2(magenta.value) - least << " above the least, "
+                  << chi2(0.9 * magenta.value) - least << " a tenth below it");
+    // The limit is found to 3 %, the bases held.
+    CHECK(chi2(magenta.value) < least + 1.1);
+    CHECK(chi2(0.9 * magenta.value) > least + 0.9);
 }
 
 TEST_CASE("Errors given with the patches weigh them") {

@@ -7,9 +7,9 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "base/parallel.h"
 #include "halftone/local_profiles/banded_blocks.h"
 #include "response_samples.h"
+#include "tests/same_for_threads.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;
@@ -138,12 +138,8 @@ TEST_CASE("Logarithms of single counts would lose light; counts do not") {
 
 TEST_CASE("The factorisation has the same bits for any number of threads") {
     const auto data = separable_responses(wandering_profiles({33, 21}, 5, 2), 60, 3);
-    std::vector<LocalProfiles> results;
-    for (const std::size_t threads : {1u, 2u, 7u}) {
-        const ThreadLimit limit(threads);
-        results.push_back(factored(data));
-    }
-    for (const LocalProfiles& other : results) CHECK(other.channels == results[0].channels);
+    const auto channels = test::same_for_threads([&] { return factored(data).channels; }, {2, 7});
+    CHECK(channels.size() == data.channels.size());
 }
 
 TEST_CASE("A single point, a row of points and a window larger than the grid have profiles too") {

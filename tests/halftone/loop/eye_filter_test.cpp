@@ -10,10 +10,10 @@
 #include <Eigen/LU>
 
 #include "base/error.h"
-#include "base/parallel.h"
 #include "base/random.h"
 #include "halftone/loop/eye_filter.h"
 #include "optics/colour/colour.h"
+#include "tests/same_for_threads.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;
@@ -247,14 +247,8 @@ TEST_CASE("the filter has the same bits for any number of threads", "[eye_filter
         RandomStream random(7, i);
         rgb.emplace_back(static_cast<float>(random.uniform()), static_cast<float>(random.uniform()), 0.5F);
     }
-    std::vector<std::vector<Eigen::Vector3f>> seen;
-    for (const std::size_t threads : {1U, 2U, 5U}) {
-        const ThreadLimit limit(threads);
-        seen.push_back(EyeFilter(surface, distance_mm)(rgb));
-    }
-    CHECK(seen[0] == seen[1]);
-    CHECK(seen[0] == seen[2]);
-    CHECK(seen[0] != rgb);
+    const auto seen = test::same_for_threads([&] { return EyeFilter(surface, distance_mm)(rgb); });
+    CHECK(seen != rgb);
 }
 
 TEST_CASE("a viewing distance that is none is refused, and a surface without cells is none", "[eye_filter]") {

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <functional>
 
-#include "base/parallel.h"
 #include "base/random.h"
 #include "flat_surface.h"
 #include "halftone/loop/lost_contrast.h"
 #include "halftone/loop/misfit.h"
+#include "tests/same_for_threads.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;
@@ -66,15 +66,10 @@ TEST_CASE("Levels give way where contrast is lost, up to the most that is allowe
     const EyeFilter wide(surface, 300 * wider, EyeSurround::none);
     const Colours target = greys([](int x, int) { return x >= 58 && x < 62 ? 0.2 : 0.95; }),
                   paper = greys([](int, int) { return 0.95; });
-    std::vector<std::vector<float>> lost;
-    for (const std::size_t threads : {1u, 5u}) {
-        const ThreadLimit limit(threads);
-        lost.push_back(lost_contrast(target, paper, wide));
-    }
-    CHECK(lost[0] == lost[1]);
-    const auto at = [&](int x) { return contrast_parts(lost[0], 0.6f)[std::size_t(n / 2 * n + x)]; };
+    const auto lost = test::same_for_threads([&] { return lost_contrast(target, paper, wide); });
+    const auto at = [&](int x) { return contrast_parts(lost, 0.6f)[std::size_t(n / 2 * n + x)]; };
     CHECK(at(60) > 0.5f);
     CHECK(at(48) > 0.3f);  // 1 mm away
     CHECK(at(5) < 0.05f);  // 5 mm away
-    CHECK(std::is_sorted(&lost[0][n / 2 * n + 5], &lost[0][n / 2 * n + 58]));
+    CHECK(std::is_sorted(&lost[n / 2 * n + 5], &lost[n / 2 * n + 58]));
 }

@@ -8,9 +8,9 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/parallel.h"
 #include "optics/profiles/bounded_table.h"
 #include "tests/optics/transport/slab_scene.h"
+#include "tests/same_for_threads.h"
 
 using namespace voxtone::optics;
 using namespace voxtone::optics::testing;
@@ -115,13 +115,8 @@ TEST_CASE("Layer profiles answer the same for any number of threads, and refuse 
     });
     const Scene scene{&volume, &set, Backing::white, Sides::open};
     const Surface surface = find_surface(scene, {2, 1, 3}, SurfacePart::all);
-    std::vector<float> one;
-    {
-        const voxtone::ThreadLimit limit(1);
-        one = model.predict(scene, surface).value;
-    }
-    CHECK(one == model.predict(scene, surface).value);
-    for (const float value : one) CHECK((value >= 0 && value <= 1));
+    for (const float value : voxtone::test::same_for_threads([&] { return model.predict(scene, surface).value; }))
+        CHECK((value >= 0 && value <= 1));
 
     const ResinVolume strange = make_resin_volume({4, 4, 4}, slab_pitch_mm, [](int, int, int) { return Material{9}; });
     const Scene unknown{&strange, &set, Backing::none, Sides::open};

@@ -7,11 +7,11 @@
 #include <string>
 
 #include "base/error.h"
-#include "base/parallel.h"
 #include "base/random.h"
 #include "optics/transport/transport.h"
 #include "optics/transport/viewing_sequence.h"
 #include "tests/optics/transport/slab_scene.h"
+#include "tests/same_for_threads.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;
@@ -136,7 +136,8 @@ TEST_CASE("A twin leaves shape and the light between tiles, and no light to star
     CAPTURE(own, without);
     CHECK(of_twin < 0.003);
     CHECK(own < 0.005);
-    CHECK(own < 1.1 * without);
+    CHECK(tiled.value != tiled_fresh.value);
+    CHECK(own < 0.95 * without);
 }
 
 TEST_CASE("Colour that gets deeper than expected makes a new grid and keeps the light", "[slow]") {
@@ -299,16 +300,14 @@ TEST_CASE("A sequence gives the same bits for any number of threads", "[slow]") 
     TransportOptions options = on_viewing_cells();
     options.colour_mm = 0.2;
     options.deep_colour_in_nodes = deep_in_nodes;
-    const auto run = [&](std::size_t threads) {
-        const ThreadLimit limit(threads);
+    const auto run = [&] {
         const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
         ViewingSequence sequence(scene, surface, options);
         (void)sequence.next(first);
         return sequence.next(second).value;
     };
-    const std::vector<float> one = run(1), five = run(5);
-    CHECK(one == five);
-    CHECK(std::all_of(one.begin(), one.end(), [](float v) { return std::isfinite(v); }));
+    const std::vector<float> seen = test::same_for_threads(run, {5});
+    CHECK(std::all_of(seen.begin(), seen.end(), [](float v) { return std::isfinite(v); }));
 }
 
 TEST_CASE("Cells of the eye: a body that absorbs nothing is white wherever the surface cuts the cells") {
@@ -431,11 +430,16 @@ TEST_CASE("Cells of the eye: parts thinner than a cell, bubbles and specks have 
     const Scene scene{&volume, &set, Backing::none, Sides::open};
     const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
     const Appearance seen = TransportPredictor(on_viewing_cells()).predict(scene, surface);
+    // All of its resins absorb.
     for (const float v : seen.value) {
-        REQUIRE(std::isfinite(v));
-        REQUIRE(v >= 0.0f);
-        REQUIRE(v < 1.1f);
+        REQUIRE(v > 0.0f);
+        REQUIRE(v < 1.0f);
     }
+    // What absorbs nothing is white on all of its parts, however thin.
+    ResinSet clear = set;
+    for (Resin& resin : clear.resins) resin.albedo.assign(3, 1.0);
+    for (const float v : TransportPredictor(on_viewing_cells(12)).predict({&volume, &clear}, surface).value)
+        REQUIRE(std::abs(v - 1) < 1e-3f);
 }
 
 TEST_CASE("Cells of the eye: too little memory is an error") {
