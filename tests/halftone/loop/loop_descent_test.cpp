@@ -125,7 +125,9 @@ TEST_CASE("Where feedback makes things worse, the loop starts downhill from the 
     // A cell shows its neighbours, which want the opposite: what it does for itself is wrong.
     const Run run(0.9f, 10);
     const auto& steps = run.result.state.steps;
-    CHECK(run.methods() == "offdddddddd");
+    // Then downhill to the end, however many steps that takes.
+    CHECK(run.methods().substr(0, 4) == "offd");
+    CHECK(run.methods().find_first_not_of('d', 3) == std::string::npos);
     CHECK(steps[1].seen.mean > steps[0].seen.mean);
     CHECK(steps[2].seen.mean < 0.97 * steps[1].seen.mean);
     // The second print was that of the target itself, mapped into the gamut of black and white resin.

@@ -65,6 +65,44 @@ double worst_share_error(const std::vector<std::uint8_t>& voxels, const std::arr
     return worst;
 }
 
+/// What a voxel owes to one of its neighbours, measured from outside. The only voxel before it takes resin 0 at shares
+/// of 0.9 and 0.1, so that 0.1 of it is owed away and 0.1 of resin 1 is owed; the neighbour, of shares s and 1 - s,
+/// takes resin 0 where its debt of it and a fifth of s are more than those of resin 1: from s = 0.5 + 0.5 times its
+/// part of the debt. Layers 2 and up have no debts to start from but these.
+double part_owed(const std::array<int, 3>& to, const std::array<double, 3>& pitch_mm, bool leftward) {
+    ErrorDiffusionOptions options;
+    options.pitch_mm = pitch_mm;
+    options.noise = 0;
+    constexpr int across = 5, middle = 2, k = 2;  // an even layer: rows upward; every second row is visited leftward
+    const int y = leftward ? 1 : middle, dx = leftward ? -1 : 1;
+    const auto at = [](int u, int v) { return static_cast<std::size_t>(u + across * v); };
+    const std::size_t from = at(middle, y), neighbour = at(middle + dx * to[0], y + to[1]);
+    double low = 0, high = 1;
+    for (int step = 0; step < 18; ++step) {
+        const double s = 0.5 * (low + high);
+        std::vector<CumulativeMixture> mixtures(across * across, mixture_of({0.9, 0.1, 0, 0, 0}));
+        std::vector<std::uint8_t> none(across * across, 0), body = none, laid(across * across, 99);
+        ErrorDiffusion diffusion(across, across, resins, options);
+        diffusion.layer(0, mixtures, none, laid);
+        diffusion.layer(1, mixtures, none, laid);
+        body[from] = 1;
+        if (to[2] == 0) {
+            mixtures[neighbour] = mixture_of({s, 1 - s, 0, 0, 0});
+            body[neighbour] = 1;
+        }
+        diffusion.layer(k, mixtures, body, laid);
+        REQUIRE(laid[from] == 0);
+        if (to[2] == 1) {
+            body = none;
+            body[neighbour] = 1;
+            mixtures[neighbour] = mixture_of({s, 1 - s, 0, 0, 0});
+            diffusion.layer(k + 1, mixtures, body, laid);
+        }
+        (laid[neighbour] == 0 ? high : low) = s;
+    }
+    return 2 * high - 1;
+}
+
 const std::vector<std::array<double, resins>> colours{{0.05, 0.3, 0.25, 0.1, 0.3},   {0.2, 0.2, 0.2, 0.2, 0.2},
                                                       {0.02, 0.01, 0.03, 0.0, 0.94}, {0.5, 0.0, 0.0, 0.0, 0.5},
                                                       {0.33, 0.33, 0.34, 0, 0},      {0.003, 0.002, 0.001, 0.004, 0.99},
@@ -129,4 +167,30 @@ TEST_CASE("Error diffusion never lays a resin where it has no share") {
         }
     }
     CHECK(strays == 0);
+}
+
+TEST_CASE("What is owed goes to voxels not yet visited, by the square of how near they are in mm") {
+    for (const std::array<double, 3>& pitch_mm : {j750, std::array{0.03, 0.03, 0.03}, std::array{0.02, 0.09, 0.05}}) {
+        const auto nearness = [&](const std::array<int, 3>& to) {
+            double square = 0;
+            for (std::size_t a = 0; a < 3; ++a) square += std::pow(to[a] * pitch_mm[a], 2);
+            return 1 / square;
+        };
+        const std::vector<std::array<int, 3>> above{{0, 0, 1}, {-1, 0, 1}, {1, 0, 1}, {0, -1, 1}, {0, 1, 1}};
+        double next_layer = 0;
+        for (const auto& to : above) next_layer += nearness(to);
+        for (const bool leftward : {false, true}) {
+            for (const auto& to : above) {
+                INFO(leftward << ": " << to[0] << " " << to[1] << " " << to[2]);
+                CHECK(part_owed(to, pitch_mm, leftward) == Approx(nearness(to) / next_layer).margin(2e-4));
+            }
+            // Of a layer's voxels only those of the body count.
+            for (const auto& to :
+                 {std::array{1, 0, 0}, std::array{-1, 1, 0}, std::array{0, 1, 0}, std::array{1, 1, 0}}) {
+                INFO(leftward << ": " << to[0] << " " << to[1] << " " << to[2]);
+                CHECK(part_owed(to, pitch_mm, leftward) ==
+                      Approx(nearness(to) / (nearness(to) + next_layer)).margin(2e-4));
+            }
+        }
+    }
 }
