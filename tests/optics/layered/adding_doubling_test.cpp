@@ -194,3 +194,26 @@ TEST_CASE("One slab is sixteen slabs") {
     CHECK((pile.direct - whole.direct).abs().maxCoeff() < 1e-12);
     CHECK(largest_difference(solver.over(whole, solver.half_space(medium)), solver.half_space(medium)) < 2e-7);
 }
+
+TEST_CASE("It does not matter which two of three layers are laid together first") {
+    const AddingDoubling solver = solver_looking_along(1.5, 0.4, 6, 6, {1.0}, 24);
+    // Three that differ, so that a pile of two is not the same from both sides.
+    const LayerResponse cyan = solver.layer({1.35, 3.15}, 0.2), white = solver.layer({0.0027, 8.9973}, 0.1),
+                        black = solver.layer({4, 1}, 0.05);
+    const LayerResponse upper_first = solver.add(solver.add(cyan, white), black),
+                        lower_first = solver.add(cyan, solver.add(white, black));
+    CHECK(largest_difference(upper_first.R_above, lower_first.R_above) < 1e-12);
+    CHECK(largest_difference(upper_first.R_below, lower_first.R_below) < 1e-12);
+    CHECK(largest_difference(upper_first.D_down, lower_first.D_down) < 1e-12);
+    CHECK(largest_difference(upper_first.D_up, lower_first.D_up) < 1e-12);
+    CHECK((upper_first.direct - lower_first.direct).abs().maxCoeff() < 1e-15);
+    const LayerResponse pile = solver.add(cyan, white);
+    CHECK(largest_difference(pile.R_above, pile.R_below) > 0.1);
+    CHECK(largest_difference(pile.D_down, pile.D_up) > 1e-3);
+    // Turned over it is the same pile.
+    const LayerResponse turned = solver.add(black, solver.add(white, cyan));
+    CHECK(largest_difference(turned.R_above, lower_first.R_below) < 1e-12);
+    CHECK(largest_difference(turned.R_below, lower_first.R_above) < 1e-12);
+    CHECK(largest_difference(turned.D_down, lower_first.D_up) < 1e-12);
+    CHECK(largest_difference(turned.D_up, lower_first.D_down) < 1e-12);
+}

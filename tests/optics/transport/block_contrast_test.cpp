@@ -89,9 +89,16 @@ TEST_CASE("The more contrast is asked for, the fewer blocks are cut; a body of o
         if (y < 16) return (x + 3 * y + 7 * z) % 60 == 0 ? 3 : 5;  // some yellow
         return (x + y + z) % 8 == 0 ? 4 : 5;                       // more black
     });
-    const std::size_t all = slab.chosen(0), some = slab.chosen(8);
-    CHECK(all > some);
-    CHECK(some > 0);
+    // 8 x 8 blocks of 8 x 4 voxels on top, half of them without black. Standard deviations of two resins of which one
+    // has the share p are sqrt(p (1 - p)) times their difference: black's lie above 8, yellow's below.
+    const double yellow = rms_difference(slab.set, 3, 5) * std::sqrt(59.0) / 60,
+                 black = rms_difference(slab.set, 4, 5) * std::sqrt(7.0) / 8;
+    REQUIRE(yellow < 7);
+    REQUIRE(black > 9);
+    CHECK(slab.chosen(0) == 64);
+    // Besides those of black the ones beside it, whose mean is as far off.
+    const double beside = 0.5 * rms_difference(slab.set, 4, 5) / 8;
+    CHECK(slab.chosen(8) == (beside > 8 ? 40u : 32u));
     CHECK(slab.chosen(60) == 0);
     const FilledSlab white([](int, int, int) { return 5; });
     CHECK(blocks_to_refine(white.grid, white.volume, Refinement::contrast).empty());

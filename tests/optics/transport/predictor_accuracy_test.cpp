@@ -151,8 +151,7 @@ constexpr auto loops_predictor = std::to_array<Measured>({{"astronaut", 1.01, 0.
 
 // Predictions have no noise and the references are stored, so what was measured comes back: an error that leaves the
 // means small, because it is in print and white alike, or because it lies in cells that were wrong before, is seen too.
-// Tried: with 0.95 times what each face lets through 136 of the 206 checks fail, with 1.05 times the loss (1 - alpha*)
-// of every medium 109.
+// Biases may get smaller than what was measured, by either sign: they are known defects, not targets.
 TEST_CASE("The loop's predictor is as near to Monte Carlo as it was when it was measured") {
     optics::TransportOptions options;
     options.refinement = optics::Refinement::none;
@@ -165,8 +164,8 @@ TEST_CASE("The loop's predictor is as near to Monte Carlo as it was when it was 
         REQUIRE(known != loops_predictor.end());
         const Comparison c = compare(reference, options);
         CHECK(c.mean_without_noise < 1.03 * known->mean + 0.03);
-        CHECK(c.bias == Approx(known->bias).margin(0.1));
-        for (std::size_t k = 0; k < 3; ++k) CHECK(c.white_bias[k] == Approx(known->white_bias[k]).margin(0.0015));
+        CHECK(std::abs(c.bias) < std::abs(known->bias) + 0.1);
+        for (std::size_t k = 0; k < 3; ++k) CHECK(std::abs(c.white_bias[k]) < std::abs(known->white_bias[k]) + 0.0015);
         sum += c.mean_without_noise;
         ++n;
     }

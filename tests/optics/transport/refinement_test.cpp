@@ -10,9 +10,11 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "optics/transport/lattice.h"
 #include "optics/transport/transport.h"
 #include "optics/transport/transport_sweep.h"
 #include "optics/transport/viewing_grid_builder.h"
+#include "optics/transport/viewing_palette.h"
 #include "optics/transport/viewing_sequence.h"
 
 using namespace voxtone;
@@ -117,6 +119,47 @@ TEST_CASE("Blocks are cut where resins meet, and hold in their parts what they h
            parts_of_cell(viewing_cell, j750, 0.0425), nullptr, 10);
     CHECK(grid.fine.contents.size() == 10);
     CHECK(*std::max_element(grid.fine.medium.begin(), grid.fine.medium.end()) < 10);
+}
+
+TEST_CASE("Each part of a full cell holds the resin of the voxel that is there") {
+    const ResinSet set = vero_opaque();
+    const ResinVolume volume =
+        make_resin_volume({24, 12, 36}, j750, [](int x, int y, int z) { return halftone(x, y, z, 0.7); });
+    for (const Backing backing : {Backing::black, Backing::none}) {
+        // A slab that is lit from above, and a box that is lit from all sides: columns run along every axis.
+        const Scene scene{&volume, &set, backing, backing == Backing::black ? Sides::mirrored : Sides::open};
+        ViewingGrid grid = make_viewing_grid(scene, viewing_cell, {0.8}, {},
+                                             {{}, BlockLattice(volume.size(), viewing_cell).blocks, {}});
+        std::vector<std::uint8_t> wanted;
+        REQUIRE(fill(grid, volume, wanted));
+        for (const std::array<int, 3>& split : {viewing_cell, std::array{2, 2, 3}}) {
+            refine(grid, volume, blocks_to_refine(grid, volume, Refinement::all), split);
+            std::size_t other = 0, parts = 0;
+            std::array<std::size_t, 6> towards{};
+            for (std::size_t t = 0; t < grid.fine.first.size(); ++t) {
+                if (grid.fine.first[t] == not_fine) continue;
+                ++towards[grid.towards[t]];
+                const auto corner = grid.corner_of(grid.transport_block(t).at);
+                for_each({4, 4, 4}, [&](const Place& cell) {
+                    for_each(split, [&](const Place& part) {
+                        Place voxel{};
+                        for (std::size_t a = 0; a < 3; ++a)
+                            voxel[a] = corner[a] + cell[a] * viewing_cell[a] + part[a] * viewing_cell[a] / split[a];
+                        const auto& holds =
+                            grid.fine.contents[grid.fine.medium[grid.fine.first[t] + grid.fine.part(cell, part)]].holds;
+                        other += holds.size() != 1 || holds[0].material != volume.at(voxel[0], voxel[1], voxel[2]) ||
+                                 holds[0].share != 1;
+                        ++parts;
+                    });
+                });
+            }
+            CAPTURE(parts, towards);
+            CHECK(parts > 10000);
+            CHECK(other == 0);
+            if (backing == Backing::none)
+                for (const std::size_t blocks : towards) CHECK(blocks > 0);
+        }
+    }
 }
 
 TEST_CASE("Cells of voxels: a body that absorbs nothing is white wherever the surface cuts the cells") {

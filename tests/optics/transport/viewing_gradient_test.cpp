@@ -8,6 +8,9 @@
 #include "base/random.h"
 #include "optics/transport/seen_medium.h"
 #include "optics/transport/transport.h"
+#include "optics/transport/viewing_gradient.h"
+#include "optics/transport/viewing_grid_builder.h"
+#include "optics/transport/viewing_palette.h"
 #include "optics/transport/viewing_sequence.h"
 #include "tests/optics/colour/split_channels.h"
 
@@ -125,6 +128,57 @@ TEST_CASE("The derivatives of a seen medium agree with finite differences") {
         for (const auto& [material, layer, share] : mixed.holds)
             along += static_cast<double>(share) * by[layer * 5u + material - 1u][1];
         CHECK(along == Approx(seen(mixed, channel).sigma_s).epsilon(1e-6));
+    }
+}
+
+TEST_CASE("A cell's derivatives are the slopes of its transport medium, white's with its little absorption too") {
+    const int height = GENERATE(21, 22, 23);  // the layers of one cell
+    const ResinSet resins = vero_opaque();
+    const EffectiveMedium halftone(resins, j750);
+    const SeenMedium seen{halftone, resins, j750};
+    // Cells of one resin, and of three whose layers differ.
+    for (const Material own : {5, 4, 1, 0}) {
+        const ResinVolume volume = make_resin_volume({16, 8, 24}, j750, [&](int x, int y, int z) {
+            return own > 0 ? own : std::array<Material, 3>{5, 1, 4}[static_cast<std::size_t>(x * y + z * z) % 3];
+        });
+        const Scene scene{&volume, &resins, Backing::black, Sides::mirrored};
+        ViewingGrid grid =
+            make_viewing_grid(scene, {2, 1, 3}, {0.8}, {}, {{}, BlockLattice(volume.size(), {2, 1, 3}).blocks, {}});
+        std::vector<std::uint8_t> wanted;
+        REQUIRE(fill(grid, volume, wanted));
+        const TransportMedia media_of(grid.directions, grid.edge_mm());
+        const Place voxel{5, 3, height};
+        const ViewingGrid::Home home = grid.home_of(voxel);
+        REQUIRE(home.cell >= 0);
+        const ViewingGrid::Mixture& mixture = grid.mixtures[grid.medium[static_cast<std::size_t>(home.cell)]];
+        const auto layers = static_cast<std::size_t>(grid.view_voxels[home.axis]);
+        for (std::size_t channel = 0; channel < 3; ++channel) {
+            // Slopes of sigma_t (0) and sigma_s (1) of the transport medium by both of the medium, well within it.
+            const Medium at = seen(mixture, channel);
+            const auto slope = [&](std::size_t of, bool by_scattering) {
+                const double step = 0.05 * (by_scattering ? at.sigma_s : at.sigma_a);
+                const auto moved = [&](double s) {
+                    return media_of.exact(
+                        {at.sigma_a + (by_scattering ? 0 : s), at.sigma_s + (by_scattering ? s : 0)})[of];
+                };
+                return (moved(step) - moved(-step)) / (2 * step);
+            };
+            std::vector<std::array<double, 2>> by_share(layers * 5);
+            seen.derivatives(mixture, channel, home.axis, layers, by_share);
+            for (const std::size_t of : {0u, 1u}) {
+                ViewingGradient gradient(grid, seen, 3);
+                const std::vector<float> ones(grid.cells(), 1.0f), none(grid.cells(), 0.0f);
+                gradient.add(channel, media_of, seen, of == 0 ? ones : none, of == 0 ? none : ones);
+                for (std::size_t r = 0; r < 5; ++r) {
+                    const auto& [a, s] = by_share[home.layer * 5u + r];
+                    const double by_a = a * slope(of, false), by_s = s * slope(of, true);
+                    INFO("resin " << r << " in " << int(own) << ", channel " << channel << ", of " << of);
+                    CHECK(static_cast<double>(gradient.at(voxel, r)) ==
+                          Approx(static_cast<double>(home.share) * (by_a + by_s))
+                              .margin(0.01 * static_cast<double>(home.share) * (std::abs(by_a) + std::abs(by_s))));
+                }
+            }
+        }
     }
 }
 
