@@ -249,6 +249,33 @@ TEST_CASE("standard errors of photographs are honest with a checker that is one 
     CHECK(square / count < 2.5);
 }
 
+TEST_CASE("dark squares whose noise is cut off at 0 are within errors that count it") {
+    // An amplifier so bad that a fifth of black's pixels would lie below 0: what is left there is too light.
+    const Rendered& r = rendered();
+    PhotoOptions options = options_of(
+        [](O& o) { o.exposure = 0.8, o.electrons = 1e9, o.read_noise = 0.0058, o.dust = o.scratches = 0; }, 5);
+    options.vignetting = 0, options.width_px = 1200, options.height_px = 800;
+    const PhotoMeasurement m =
+        measure_photo(simulate_photo(r.target, r.truth, r.chart, options).photograph, r.target, r.chart, {});
+    double worst = 0, without = 0;
+    int dark = 0;
+    for (std::size_t s = 0; s < m.rho.size(); ++s)
+        for (int c = 0; c < 3; ++c) {
+            const AreaSample& sample = m.squares[s];
+            if (sample.at_zero[c] < 0.1) continue;
+            const double excess = m.model.to_linear_srgb().row(c).cwiseAbs().dot(sample.zero_excess) /
+                                  m.model.light(sample.middle_px),
+                         off = m.rho[s][c] - r.truth.squares[s][c];
+            worst = std::max(worst, off / m.error[s][c]);
+            without = std::max(without, off / std::sqrt(std::pow(m.error[s][c], 2) - excess * excess));
+            ++dark;
+        }
+    CAPTURE(dark, worst, without);
+    CHECK(dark >= 3);
+    CHECK(worst < 1.5);
+    CHECK(without > 2);  // so far off they would be by the errors of noise, light and colours alone
+}
+
 TEST_CASE("photographs as bad as they come are measured within 0.005 or refused") {
     // Which are refused is not laid down: blur, clipping, darkness, dirt and steep light each may do it. What must not
     // be is a value that is off and said to be good: beyond 0.005 only what its own standard error covers four times.
