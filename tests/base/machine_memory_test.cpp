@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -21,8 +22,12 @@ namespace fs = std::filesystem;
 namespace {
 
 struct Groups {
-    fs::path folder = fs::temp_directory_path() / ("voxtone-cgroup-" + std::to_string(getpid()));
-    Groups() { fs::create_directories(folder); }
+    fs::path folder;
+    Groups() {
+        std::string name = (fs::temp_directory_path() / "voxtone-cgroup-").string().append(6, 'X');
+        REQUIRE(mkdtemp(name.data()));
+        folder = name;
+    }
     Groups(const Groups&) = delete;
     Groups& operator=(const Groups&) = delete;
     ~Groups() { fs::remove_all(folder); }
