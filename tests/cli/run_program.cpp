@@ -64,10 +64,20 @@ Outcome run_program(const std::string& arguments) {
     return run(arguments, [](pid_t, const std::string&) {});
 }
 
+/// Of a program that is waited for; it ends a test that would hang, long before ctest ends the program of all tests.
+constexpr std::chrono::seconds longest_silence{300};
+
 Outcome run_and_signal(const std::string& arguments, const std::string& said, int signal) {
     return run(arguments, [&](pid_t child, const std::string& out) {
         siginfo_t ended{};
+        const auto began = std::chrono::steady_clock::now();
         while (read_file(out).find(said) == std::string::npos) {
+            if (std::chrono::steady_clock::now() - began > longest_silence) {
+                kill(child, SIGKILL);
+                waitpid(child, nullptr, 0);
+                throw std::runtime_error(fmt::format("'{}' did not say '{}' in {} s", arguments, said,
+                                                     std::chrono::seconds(longest_silence).count()));
+            }
             if (waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 && ended.si_pid != 0)
                 return;
             std::this_thread::sleep_for(std::chrono::milliseconds(5));

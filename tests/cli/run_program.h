@@ -24,7 +24,7 @@ bool is_here(const std::string& program);
 /// `arguments` as a shell reads them.
 Outcome run_program(const std::string& arguments);
 /// Sends the signal once the program has said `said` on stdout: an event of --json. It ends before that at its own
-/// risk.
+/// risk. Throws where it neither says so nor ends within five minutes; it is killed then.
 Outcome run_and_signal(const std::string& arguments, const std::string& said, int signal);
 
 /// An empty folder of its own for this test, removed at the end.
