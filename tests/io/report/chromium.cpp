@@ -236,6 +236,11 @@ void Chromium::prefer(const std::string& scheme) {
     draw();
 }
 
+void Chromium::prefer_media(const std::string& media) {
+    call("Emulation.setEmulatedMedia", {{"media", media}});
+    draw();
+}
+
 std::array<double, 4> Chromium::box(const std::string& selector) {
     const json box = evaluate("(() => { const b = document.querySelector(" + json(selector).dump() +
                               ").getBoundingClientRect(); return [b.left, b.top, b.width, b.height]; })()");

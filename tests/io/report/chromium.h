@@ -43,6 +43,8 @@ public:
     void wheel(double x, double y, double by);
     /// "light" or "dark", as the user's system prefers.
     void prefer(const std::string& scheme);
+    /// "screen" or "print": the page is laid out for it.
+    void prefer_media(const std::string& media);
     /// As KeyboardEvent.key names it: "a", " ", "ArrowLeft", "Tab".
     void key(const std::string& name);
     /// Of an element: left, top, width, height.

@@ -209,10 +209,27 @@ TEST_CASE("The probe of a picture has the numbers of its pixels") {
         CHECK(browser.pixel(x, y) ==
               (x < left + width / 2 ? sample::picture_target(column, row) : sample::picture_print(column, row)));
     }
-    // A wheel zooms after a click, and pans with a drag: the pixel under the pointer stays.
-    browser.click(left + width / 2 + 30, top + height / 2);
-    browser.wheel(left + width / 2 + 100, top + height / 2 + 20, -600);
+    // A wheel zooms after a click, and a drag pans: the pixel under the pointer stays.
+    const double pixel = 0.25 * px_per_mm, x = left + width / 2 + (26.5 - 20) * pixel,
+                 y = top + height / 2 + (12.5 - 10) * pixel;  // the middle of pixel 26, 12 of 40 x 20
+    const auto probes = [&](double at_x, double at_y, int column, int row) {
+        browser.move(left + 1, top + 1);
+        browser.move(at_x, at_y);
+        CAPTURE(at_x - x, at_y - y, column, row);
+        CHECK(browser.wait_for(fmt::format("/{}  {}|{}, {}/.test(document.getElementById('probe-list').innerText)",
+                                           column, row, column, row),
+                               5));
+    };
+    probes(x, y, 26, 12);
+    probes(x + pixel, y + pixel, 27, 13);
+    browser.click(x, y);
+    browser.wheel(x, y, -600);  // 2^(600/300): four times as large
+    probes(x, y, 26, 12);
+    probes(x + pixel, y + pixel, 26, 12);
+    probes(x + 4 * pixel, y - 4 * pixel, 27, 11);
     browser.drag(left + 100, top + 100, left + 140, top + 120);
+    probes(x + 40, y + 20, 26, 12);
+    probes(x + 40 - 4 * pixel, y + 20, 25, 12);
     check_silent(browser);
 }
 
@@ -345,6 +362,18 @@ TEST_CASE("The page prints on two sheets, without its tools") {
     const std::size_t pages = browser.printed_pages();
     CHECK(pages >= 1);
     CHECK(pages <= 2);
+    // What one clicks and drags is on the screen alone; what it told of, the worst places, is on paper too.
+    const auto seen = [&](const std::string& selector) {
+        return browser
+            .evaluate("[...document.querySelectorAll('" + selector + "')].filter((e) => e.checkVisibility()).length")
+            .get<int>();
+    };
+    const std::string tools = ".screen-only, input, canvas, .tabs, .keys, button:not(.place)";
+    CHECK(seen(tools) > 5);
+    browser.prefer_media("print");
+    CHECK(seen(tools) == 0);
+    CHECK(seen("button.place") > 0);
+    CHECK(seen("section.views") == 1);
 }
 
 TEST_CASE("Pages of one and of eight megabytes open soon") {
