@@ -73,16 +73,22 @@ TEST_CASE("A job in shards, merged, is the job, bit for bit") {
     const auto whole = stack_in(folder, "whole");
     REQUIRE(whole.size() > 400);
     REQUIRE(whole.contains("manifest.json"));
+    const int all_layers = nlohmann::json::parse(whole.at("manifest.json")).at("layers").get<int>();
     for (const int n : {1, 2, 5, 16}) {
         INFO(n << " shards");
         const std::string out = fmt::format("parts{}", n);
         make_shards(plain_job, folder, out, n);
+        int layers = 0, most = 0;
         CHECK_FALSE(fs::exists(folder / (out + "/manifest.json")));
         for (int i = 1; i <= n; ++i) {
             const std::string text = read_file(record(folder, out, fmt::format("{:04}-of-{:04}", i, n)));
             CHECK(voxtone::io::schema_faults("shard", text).empty());
-            CHECK(nlohmann::json::parse(text).at("layers").get<int>() * n < 3 * 445);  // none has most of it
+            const int of_shard = nlohmann::json::parse(text).at("layers").get<int>();
+            layers += of_shard;
+            most = std::max(most, of_shard);
         }
+        CHECK(layers == all_layers);
+        if (n > 1) CHECK(4 * most < 3 * all_layers);  // none has most of it
         REQUIRE(merge(folder, out).exit_code == 0);
         CHECK(stack_in(folder, out) == whole);
         CHECK(voxels_of_page(folder, out) == voxels_of_page(folder, "whole"));
@@ -207,13 +213,17 @@ TEST_CASE("A shard that is made twice at once, killed, or made again does no har
     CHECK_THAT(again.out, Contains("made already"));
 
     const std::string first = record(folder, "parts", "0001-of-0002");
-    fs::remove(first);
-    const Outcome killed = run_and_signal(fmt::format("{} -o {} --shard 1/2 --json", plain_job, folder / "parts"),
-                                          "\"stage\":\"layers\"", SIGKILL);
-    if (killed.exit_code == 128 + SIGKILL) {
-        CHECK_FALSE(fs::exists(first));
-        CHECK(merge(folder, "parts").exit_code == 3);
+    // A kill may come after the end; of some one comes before.
+    bool was_killed = false;
+    for (int trial = 0; trial < 10 && !was_killed; ++trial) {
+        fs::remove(first);
+        const Outcome killed = run_and_signal(fmt::format("{} -o {} --shard 1/2 --json", plain_job, folder / "parts"),
+                                              "\"stage\":\"layers\"", SIGKILL);
+        was_killed = killed.exit_code == 128 + SIGKILL;
     }
+    REQUIRE(was_killed);
+    CHECK_FALSE(fs::exists(first));
+    CHECK(merge(folder, "parts").exit_code == 3);
     REQUIRE(shard(plain_job, folder, "parts", 1, 2).exit_code == 0);
     REQUIRE(merge(folder, "parts").exit_code == 0);
     CHECK(stack_in(folder, "parts") == stack_in(folder, "whole"));
