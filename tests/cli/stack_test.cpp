@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/core.h>
+#include <png.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -40,32 +43,91 @@ TEST_CASE("An asymmetric marker proves every axis and mirror") {
     struct Case {
         const char* options;
         bool left, bottom;  ///< where the tower stands in the bitmap
+        bool swapped = false;
     };
+    // x and y are exchanged before anything is mirrored.
     for (const Case& c : {Case{"", true, true}, Case{"--flip-x", false, true}, Case{"--flip-y", true, false},
-                          Case{"--flip-x --flip-y", false, false}, Case{"--rotate z180", false, false}}) {
+                          Case{"--flip-x --flip-y", false, false}, Case{"--rotate z180", false, false},
+                          Case{"--swap-xy", true, true, true}, Case{"--swap-xy --flip-x", false, true, true},
+                          Case{"--swap-xy --flip-y", true, false, true}}) {
         INFO(c.options);
         REQUIRE(run_program(fmt::format("slice --quiet --no-report --iterations 0 --overwrite {} {} -o {}",
                                         folder / "marker.obj", c.options, folder / "out"))
                     .exit_code == 0);
         const auto description = manifest(folder);
-        CHECK(description["size_px"] == nlohmann::json({142, 36}));  // 6 / 0.0423333 = 141.7, 3 / 0.0846667 = 35.4
-        CHECK(description["layers"] == 186);                         // 5 / 0.027 = 185.2
+        // 6 / 0.0423333 = 141.7, 3 / 0.0846667 = 35.4; the other way round both are 70.9.
+        CHECK(description["size_px"] == (c.swapped ? nlohmann::json({71, 71}) : nlohmann::json({142, 36})));
+        CHECK(description["layers"] == 186);  // 5 / 0.027 = 185.2
         const Box base = printed(read_png(layer_path(folder, 10)));
-        CHECK(base.right - base.left >= 141);
-        CHECK(base.bottom - base.top >= 35);
+        CHECK(base.right - base.left >= (c.swapped ? 70 : 141));
+        CHECK(base.bottom - base.top >= (c.swapped ? 70 : 35));
         const Bitmap top = read_png(layer_path(folder, 180));
         const Box tower = printed(top);
-        CHECK(std::abs(tower.right - tower.left - 2 / (25.4 / 600)) <= 1);
-        CHECK(std::abs(tower.bottom - tower.top - 1 / (25.4 / 300)) <= 1);
+        CHECK(std::abs(tower.right - tower.left - (c.swapped ? 1 : 2) / (25.4 / 600)) <= 1);
+        CHECK(std::abs(tower.bottom - tower.top - (c.swapped ? 2 : 1) / (25.4 / 300)) <= 1);
         CHECK((tower.left <= 1) == c.left);
         CHECK((tower.right >= top.width - 1) == !c.left);
         CHECK((tower.bottom >= top.height - 1) == c.bottom);  // small y is the last row
         CHECK((tower.top <= 1) == !c.bottom);
     }
-    REQUIRE(run_program(fmt::format("slice --quiet --no-report --iterations 0 --overwrite --swap-xy {} -o {}",
-                                    folder / "marker.obj", folder / "out"))
-                .exit_code == 0);
-    CHECK(manifest(folder)["size_px"] == nlohmann::json({71, 71}));  // 3 / 0.0423333 = 70.9, 6 / 0.0846667 = 70.9
+}
+
+TEST_CASE("A mirrored print is that of the model that was mirrored by hand, with its texture") {
+    const Folder folder("mirrored");
+    // A box of which each side shows another part of a picture of many colours.
+    std::vector<std::uint8_t> rgb;
+    for (unsigned n = 0; n < 3 * 32 * 32; ++n)
+        rgb.push_back(std::uint8_t((n / 3 / 4 * 2654435761u) >> (8 * (n % 3) + 4)));
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    image.width = image.height = 32;
+    image.format = PNG_FORMAT_RGB;
+    REQUIRE(png_image_write_to_file(&image, (folder / "skin.png").c_str(), 0, rgb.data(), 0, nullptr));
+    folder.write("skin.mtl", "newmtl skin\nKd 1 1 1\nmap_Kd skin.png\n");
+    // Corners by three bits, sides counter-clockwise from outside; each corner of each side has a place of its own.
+    const std::array<std::array<int, 4>, 6> sides{
+        {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
+    const auto write = [&](const std::string& name, bool x, bool y) {
+        std::string text = "mtllib skin.mtl\nusemtl skin\n";
+        for (int c = 0; c < 8; ++c)
+            text += fmt::format("v {} {} {}\n", (x ? -1 : 1) * (c & 1 ? 3 : 0), (y ? -1 : 1) * (c & 2 ? 2 : 0),
+                                c & 4 ? 1.5 : 0);
+        for (int side = 0; side < 6; ++side)
+            for (int corner = 0; corner < 4; ++corner)
+                text += fmt::format("vt {:.3f} {:.3f}\n", 0.1 + 0.13 * side + 0.05 * (corner % 3),
+                                    0.1 + 0.2 * corner + 0.05 * (side % 3));
+        // A mirror turns each triangle over.
+        for (int side = 0; side < 6; ++side)
+            for (const auto& half : x != y ? std::array{std::array{0, 2, 1}, std::array{0, 3, 2}}
+                                           : std::array{std::array{0, 1, 2}, std::array{0, 2, 3}}) {
+                text += "f";
+                for (const int corner : half)
+                    text +=
+                        fmt::format(" {}/{}", sides[std::size_t(side)][std::size_t(corner)] + 1, 4 * side + corner + 1);
+                text += "\n";
+            }
+        folder.write(name, text);
+    };
+    const auto layers = [&](const std::string& arguments) {
+        REQUIRE(run_program(fmt::format("slice --quiet --no-report --iterations 0 --overwrite {} -o {}", arguments,
+                                        folder / "out"))
+                    .exit_code == 0);
+        std::map<std::string, std::string> files;
+        for (auto& [name, bytes] : read_tree(folder / "out"))
+            if (name.ends_with(".png")) files.emplace(name, std::move(bytes));
+        CHECK(files.size() > 50);
+        return files;
+    };
+    write("box.obj", false, false);
+    const auto plain = layers(folder / "box.obj");
+    for (const auto& [x, y] : {std::pair{true, false}, std::pair{false, true}, std::pair{true, true}}) {
+        CAPTURE(x, y);
+        write("by-hand.obj", x, y);
+        const auto asked =
+            layers(fmt::format("{}{}{}", folder / "box.obj", x ? " --flip-x" : "", y ? " --flip-y" : ""));
+        CHECK(asked == layers(folder / "by-hand.obj"));
+        CHECK(asked != plain);
+    }
 }
 
 TEST_CASE("Colour goes where the model has it, and counts agree with the bitmaps") {
