@@ -12,8 +12,10 @@
 #include <nlohmann/json.hpp>
 
 #include "base/job_outlook.h"
+#include "io/profiles/resin_file.h"
 #include "run_program.h"
 #include "slicer/predict/predict_job.h"
+#include "tests/optics/transport/slab_scene.h"
 
 using namespace voxtone::test;
 using Catch::Matchers::Contains;
@@ -53,14 +55,18 @@ double linear(std::uint8_t code) {
     return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
 }
 
-/// Mean linear green over a part of the picture, in shares of its size.
-double mean_green(const Bitmap& bitmap, double left, double top, double right, double bottom) {
+/// Mean of a linear channel over a part of the picture, in shares of its size.
+double mean_channel(const Bitmap& bitmap, std::size_t channel, double left, double top, double right, double bottom) {
     double sum = 0;
     int count = 0;
     for (int y = int(top * bitmap.height); y < int(bottom * bitmap.height); ++y)
         for (int x = int(left * bitmap.width); x < int(right * bitmap.width); ++x, ++count)
-            sum += linear(bitmap.at(x, y)[1]);
+            sum += linear(bitmap.at(x, y)[channel]);
     return sum / count;
+}
+
+double mean_green(const Bitmap& bitmap, double left, double top, double right, double bottom) {
+    return mean_channel(bitmap, 1, left, top, right, bottom);
 }
 
 bool same_bytes(const std::string& a, const std::string& b) { return read_file(a) == read_file(b); }
@@ -109,14 +115,18 @@ TEST_CASE("The two models agree on the colour of a slab") {
         REQUIRE(outcome.exit_code == 0);
         return result_of(outcome.out);
     };
-    const auto traced = mean("monte-carlo --spp 64"), solved = mean("transport");
+    const auto traced = mean("monte-carlo --spp 128"), solved = mean("transport");
     CHECK(solved["cells"] == traced["cells"]);
     CHECK_FALSE(solved.contains("standard_error"));
-    // Noise of the mean of some hundred cells is below 0.005; the predictor is allowed 0.02 (3 % of this mean) besides.
+    // Noise of the mean of some hundred cells; besides it the predictor may be off by what it is held to on average,
+    // half a unit of CIEDE2000 (tests/optics/transport/predictor_accuracy_test.cpp), which for a grey is half a unit of
+    // L*.
     const double noise = 4 * double(traced["standard_error"]["mean"]) / std::sqrt(double(traced["cells"]));
-    CHECK(noise < 0.02);
-    for (std::size_t c = 0; c < 3; ++c)
-        CHECK(std::abs(double(traced["mean_rgb"][c]) - double(solved["mean_rgb"][c])) < noise + 0.02);
+    CHECK(noise < 0.008);
+    for (std::size_t c = 0; c < 3; ++c) {
+        const double truth = traced["mean_rgb"][c], allowed = 0.5 * 3 / 116 * std::pow(truth, 2.0 / 3);
+        CHECK(std::abs(truth - double(solved["mean_rgb"][c])) < noise + allowed);
+    }
 }
 
 TEST_CASE("An all white slab is white") {
@@ -139,14 +149,33 @@ TEST_CASE("An all white slab is white") {
         fmt::format("predict --overwrite --json --model transport {} -o {}", folder / "out", folder / "p.png"));
     const auto without_noise = result_of(exact.out);
     for (const double mean : without_noise["mean_rgb"]) CHECK(mean == Approx(1).epsilon(1e-6));
-    // Absolute: what is missing was absorbed or went into the black sheet.
+}
+
+TEST_CASE("In absolute terms a wide white slab over black is as white as plane-parallel layers say") {
+    namespace exact = voxtone::optics::testing;
+    const Folder folder("absolute");
+    write_png(folder / "white.png", 2, 2, std::vector<std::uint8_t>(12, 255));
+    // 40 layers of white; in the middle of 12 mm nobody sees the sides.
+    REQUIRE(run_program(fmt::format("slice --quiet --no-report --iterations 0 --resins vero-opaque --load W {} "
+                                    "--width 12mm --thickness 1.08mm -o {}",
+                                    folder / "white.png", folder / "out"))
+                .exit_code == 0);
     const Outcome absolute =
-        run_program(fmt::format("predict --overwrite --json --absolute --model monte-carlo --spp 32 {} -o {}",
+        run_program(fmt::format("predict --overwrite --json --absolute --model monte-carlo --spp 64 {} -o {}",
                                 folder / "out", folder / "p.png"));
-    const auto not_divided = result_of(absolute.out);
-    for (const double mean : not_divided["mean_rgb"]) {
-        CHECK(mean > 0.3);
-        CHECK(mean < 0.95);
+    REQUIRE(absolute.exit_code == 0);
+    const auto result = result_of(absolute.out);
+    const Bitmap picture = read_png(folder / "p.png");
+    const auto set = voxtone::io::find_resin_set("vero-opaque").subset(std::vector<std::string>{"W"});
+    const std::array<exact::SlabLayer, 1> slab{{{1, 40}}};
+    // A fifth of the width and of the height; cells are independent of each other.
+    const double cells = 0.04 * double(result["cells"]),
+                 error = double(result["standard_error"]["mean"]) / std::sqrt(cells);
+    CHECK(error < 0.003);
+    for (std::size_t c = 0; c < 3; ++c) {
+        const double wanted = exact::exact_appearance(set, slab, voxtone::optics::Backing::black, c);
+        INFO(wanted);
+        CHECK(std::abs(mean_channel(picture, c, 0.4, 0.4, 0.6, 0.6) - wanted) < 4 * error);
     }
 }
 
