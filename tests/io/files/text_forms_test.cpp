@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The ways of writing text into other text: base64, mark-up, JSON; and XML read back.
+#include <algorithm>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -67,6 +68,20 @@ TEST_CASE("Character references in XML", "[xml]") {
     // A million of ampersands takes as long as a million of other letters: searched to the end each, it was an hour.
     const std::string ampersands = std::string(1'000'000, '&') + ";";
     CHECK(XmlReader::decode(ampersands).size() == ampersands.size());
+}
+
+TEST_CASE("Elements lie in one another so deep and no deeper", "[xml]") {
+    const auto nested = [](std::size_t depth) {
+        std::string text;
+        for (std::size_t n = 0; n < depth; ++n) text += "<a>";
+        for (std::size_t n = 0; n < depth; ++n) text += "</a>";
+        XmlReader xml(text, "FILE");
+        std::size_t deepest = 0;
+        while (xml.next() != XmlReader::Event::finished) deepest = std::max(deepest, xml.depth());
+        return deepest;
+    };
+    CHECK(nested(256) == 256);
+    CHECK_THROWS_WITH(nested(257), Catch::Contains("nested too deep"));
 }
 
 TEST_CASE("An element's text ends at the next mark", "[xml]") {

@@ -180,3 +180,14 @@ TEST_CASE("a staged file is never in the place of another", "[whole-file]") {
     CHECK_THROWS_AS(write_staged_file(file, std::string_view("second")), Error);
     CHECK(text_of(file) == "first");
 }
+
+TEST_CASE("a file is read up to the size that it may have, and no byte more", "[whole-file]") {
+    const TemporaryFolder folder;
+    const fs::path file = folder.path() / "a.json";
+    write_whole_file(file, std::string(1000, 'x'));
+    CHECK(read_whole_file(file, 1000) == std::vector<std::uint8_t>(1000, 'x'));
+    CHECK_THROWS_WITH(read_whole_file(file, 999), Contains("a.json") && Contains("1000 bytes, more than the 999"));
+    write_whole_file(file, std::string_view());
+    CHECK(read_whole_file(file, 0).empty());
+    CHECK_THROWS_AS(read_whole_file(folder.path() / "none.json", 1000), FileError);
+}
