@@ -32,7 +32,10 @@ bool is_input(const fs::path& path) {
 TEST_CASE("Every model of the corpus gives a stack or a clear error") {
     const fs::path corpus = fs::path(VOXTONE_SOURCE_DIR) / "../shared/models";
     if (!fs::exists(corpus)) return skip("the model corpus is not beside the tree");
-    int stacks = 0, flat = 0, inputs = 0;
+    // Made to be refused: none of its corners is a number. Flat models have fewer than the 30 layers that the printer
+    // asks for.
+    const std::string without_shape = "BoxWithInfinites.glb", flat = "takes no fewer than 30";
+    int inputs = 0;
     for (const auto& entry : fs::recursive_directory_iterator(corpus)) {
         if (!entry.is_regular_file() || !is_input(entry.path())) continue;
         const Folder folder("corpus");
@@ -44,17 +47,14 @@ TEST_CASE("Every model of the corpus gives a stack or a clear error") {
         ++inputs;
         CHECK((outcome.exit_code == 0 || outcome.exit_code == 3));
         if (outcome.exit_code == 0) {
-            ++stacks;
             const Outcome verified = run_program("verify --quiet " + (folder / "out"));
             INFO(verified.out);
             CHECK(verified.exit_code == 0);
         } else {
             CHECK(outcome.err.size() > 40);
             CHECK(outcome.err.find("voxtone: ") != std::string::npos);
-            // Flat models have fewer than the 30 layers that the printer asks for.
-            if (outcome.err.find("takes no fewer than 30") != std::string::npos) ++flat;
+            CHECK((entry.path().filename() == without_shape || outcome.err.find(flat) != std::string::npos));
         }
     }
     CHECK(inputs >= 27);
-    CHECK(stacks + flat >= inputs - 3);
 }
