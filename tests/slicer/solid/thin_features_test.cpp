@@ -180,6 +180,19 @@ TEST_CASE("A wire that is a chain of voxels already, each touching the next, get
             }
 }
 
+TEST_CASE("Square wires almost as wide as a voxel stay whole: across its corners one is left within a diagonal") {
+    RandomStream random(24, 0);
+    int pieces_without = 0;
+    for (int n = 0; n < 60; ++n) {
+        const double side = n % 2 ? 0.75 : 0.85;  // 1.06 and 1.2 across
+        const Thin thin(shapes::moved(shapes::box({0, 0, 0}, {side, side, 20}), turn(random)));
+        CAPTURE(n);
+        CHECK(parts(voxels_of(thin.kept)) == 1);
+        pieces_without += parts(voxels_of(thin.base)) != 1;
+    }
+    CHECK(pieces_without > 5);
+}
+
 TEST_CASE("A plate along the grid gets one voxel for each line through it, and no more") {
     // Between the centres of voxel 2 and 3 of its axis, 5 x 7 voxels, a little off their borders.
     for (int axis = 0; axis < 3; ++axis) {
