@@ -13,7 +13,7 @@
 namespace voxtone::optics {
 namespace {
 
-constexpr std::uint32_t nowhere = 0xffffffffu;
+constexpr std::uint32_t no_ghost = 0xffffffffu;
 
 /// The open faces of a block, in order: they depend on the shape alone.
 template <class Body>
@@ -76,7 +76,7 @@ std::uint32_t TileGrids::ghost_at(const Place& block) const {
     const auto found = std::lower_bound(ghost_places_.begin(), ghost_places_.end(), lattice_.index(block));
     return found != ghost_places_.end() && *found == lattice_.index(block)
                ? static_cast<std::uint32_t>(found - ghost_places_.begin())
-               : nowhere;
+               : no_ghost;
 }
 
 std::unique_ptr<Tile::Shape> TileGrids::shape_of(const Tile& tile, const Progress* progress) const {
@@ -94,7 +94,7 @@ std::unique_ptr<Tile::Shape> TileGrids::shape_of(const Tile& tile, const Progres
     for (std::uint32_t b = 0; b < grid.blocks.size(); ++b) {
         const Place at = place_of(b);
         if (!VoxelBox{tile.begin, tile.end}.holds(at)) continue;
-        if (const std::uint32_t ghost = ghost_at(at); ghost != nowhere) shape->sent.emplace_back(b, ghost);
+        if (const std::uint32_t ghost = ghost_at(at); ghost != no_ghost) shape->sent.emplace_back(b, ghost);
     }
     for (const std::uint32_t ghost : grid.ghosts) shape->received.push_back(ghost_at(place_of(grid.core_block[ghost])));
     return shape;

@@ -139,7 +139,7 @@ private:
             const std::int64_t face = nearest[f].index >= 0 ? nearest[f].index : any.index;
             if (face >= 0) add(static_cast<std::uint32_t>(face), area_[f]);
         }
-        seen_.cell.push_back(solid.index < 0 ? 0xffffffffu : static_cast<std::uint32_t>(solid.index));
+        seen_.cell.push_back(solid.index < 0 ? no_cell : static_cast<std::uint32_t>(solid.index));
     }
 
     const ViewingGrid& grid_;

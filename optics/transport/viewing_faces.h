@@ -15,12 +15,15 @@
 
 namespace voxtone::optics {
 
+/// Of a surface cell that has no solid cell near.
+inline constexpr std::uint32_t no_cell = 0xffffffffu;
+
 /// For each cell of a surface: entries first[i] .. first[i + 1] - 1; `share` is the area of voxel faces seen there /
 /// the area of the face. A cell without entries has no face of the staircase near.
 struct ViewingFaces {
     std::vector<std::uint32_t> first, face;
     std::vector<float> share;
-    std::vector<std::uint32_t> cell;  ///< the solid cell nearest to each surface cell; 0xffffffff: none near
+    std::vector<std::uint32_t> cell;  ///< the solid cell nearest to each surface cell; or `no_cell`
 };
 /// Throws Cancelled.
 [[nodiscard]] ViewingFaces see(const ViewingGrid& grid, const Surface& surface, const Progress* progress = nullptr);

@@ -20,11 +20,11 @@ std::vector<TransportMedium> media_of_mixtures(const TransportMedia& media_of, c
 /// By GridBlock::medium.
 std::vector<TransportMedium> media_of_core(const ViewingGrid& grid, const EffectiveMedium& halftone,
                                            const ResinSet& resins, std::size_t channel) {
-    const std::size_t mixtures = grid.core_shares.size() / grid.resins;
-    std::vector<TransportMedium> media(1 + grid.resins + mixtures);
+    const std::size_t halftones = grid.core_shares.size() / grid.resins;
+    std::vector<TransportMedium> media(1 + grid.resins + halftones);
     for (std::size_t r = 0; r < grid.resins; ++r)
         media[1 + r] = similar_medium(grid.directions, resins.resins[r].medium(channel));
-    parallel_for(0, mixtures, media_per_task, [&](std::size_t i) {
+    parallel_for(0, halftones, media_per_task, [&](std::size_t i) {
         const std::span<const float> shares = std::span(grid.core_shares).subspan(i * grid.resins, grid.resins);
         const std::vector<double> fractions(shares.begin(), shares.end());
         media[1 + grid.resins + i] = similar_medium(grid.directions, halftone(fractions, channel));

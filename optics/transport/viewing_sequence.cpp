@@ -19,7 +19,6 @@ namespace {
 /// Of diffusion alone, before light is swept; of a twin, all of white, for which a cut that is a mirror is a good
 /// guess.
 constexpr int first_rounds = 2, twin_rounds = 1;
-constexpr std::uint32_t no_cell = 0xffffffffu;
 
 }  // namespace
 
