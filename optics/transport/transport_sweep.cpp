@@ -264,75 +264,29 @@ private:
     }
 };
 
-void sweep_block(const SweepJob& job, const Octant& o, const std::vector<MediumWays>& media_ways,
-                 const GridBlock& block, const BlockFaces& faces) {
-    const ViewingGrid& grid = job.grid;
-    const Ways ways = o.ways[1];
-    const MediumWays* const media = media_ways.data();
-    const std::uint16_t* const medium = grid.medium.data() + block.first_cell;
-    const std::uint8_t* const outer = grid.outer.data() + block.first_cell;
-    const Moments* const light = job.cells.light.data() + block.first_cell;
-    Moments* const sum = job.cells.sum.data() + block.first_cell;
-    const std::int32_t* const links = block.first_link < 0 ? nullptr : grid.face_of_cell.data() + block.first_link;
-    const Outside outside{job, o};
-    for (int kz = 0; kz < ways.nz; ++kz) {
-        const int z = o.back[2] ? ways.nz - 1 - kz : kz;
-        for (int ky = 0; ky < ways.ny; ++ky) {
-            const int y = o.back[1] ? ways.ny - 1 - ky : ky;
-            const int row = (z * ways.ny + y) * ways.nx;
-            V8 px = faces.x[z * ways.ny + y];
-            V8* const row_y = faces.y + z * ways.nx;
-            V8* const row_z = faces.z + y * ways.nx;
-            unsigned any = 0;
-            if (links)
-                for (int x = 0; x < ways.nx; ++x) any |= outer[row + x];
-            if (any == 0) {
-                if (o.back[0])
-                    inner_row<-1>(o, ways, media, medium, light, sum, row, row_y, row_z, px);
-                else
-                    inner_row<1>(o, ways, media, medium, light, sum, row, row_y, row_z, px);
-                faces.x[z * ways.ny + y] = px;
-                continue;
-            }
-            const int step = o.back[0] ? -1 : 1;
-            for (int kx = 0, x = o.back[0] ? ways.nx - 1 : 0; kx < ways.nx; ++kx, x += step) {
-                const int cell = row + x;
-                const unsigned bits = outer[cell];
-                if (bits & not_solid) continue;
-                const auto first_face = static_cast<std::size_t>(links[cell]);
-                const auto face_of = [&](unsigned bit) {
-                    return first_face + static_cast<unsigned>(__builtin_popcount(bits & ((1u << bit) - 1)));
-                };
-                const auto take = [&](int axis, unsigned bit, V8& p) { outside.take(axis, face_of(bit), p); };
-                const auto give = [&](int axis, unsigned bit, const V8& p) { outside.give(axis, face_of(bit), p); };
-                V8 py = row_y[x], pz = row_z[x];
-                if (bits >> o.in_bit[0] & 1) take(0, o.in_bit[0], px);
-                if (bits >> o.in_bit[1] & 1) take(1, o.in_bit[1], py);
-                if (bits >> o.in_bit[2] & 1) take(2, o.in_bit[2], pz);
-                cross_cell(o, ways, media[medium[cell]], light[cell], sum[cell], px, py, pz);
-                row_y[x] = py;
-                row_z[x] = pz;
-                if (bits >> o.out_bit[0] & 1) give(0, o.out_bit[0], px);
-                if (bits >> o.out_bit[1] & 1) give(1, o.out_bit[1], py);
-                if (bits >> o.out_bit[2] & 1) give(2, o.out_bit[2], pz);
-            }
-            faces.x[z * ways.ny + y] = px;
-        }
-    }
+/// Parts of a cell along each axis: one in a whole block, where the compiler leaves out all that is said of them.
+template <bool has_parts>
+HWY_INLINE std::array<int, 3> split_of(const ViewingGrid& grid) {
+    if constexpr (has_parts)
+        return grid.fine.split;
+    else
+        return {1, 1, 1};
 }
 
-/// A block of fine cells. Its outer faces are those of the cells that these are parts of: all parts get the light that
-/// enters there, and what leaves is their mean.
-void sweep_fine_block(const SweepJob& job, const Octant& o, const std::vector<MediumWays>& media_ways, std::size_t t,
-                      const GridBlock& block, const BlockFaces& faces) {
+/// Cells of a block, or parts of them. Outer faces are those of whole cells: all parts get the light that enters there,
+/// and what leaves is their mean.
+template <bool has_parts>
+void sweep_block(const SweepJob& job, const Octant& o, const std::vector<MediumWays>& media_ways, std::size_t t,
+                 const GridBlock& block, const BlockFaces& faces) {
     const ViewingGrid& grid = job.grid;
-    const ViewingGrid::Fine& fine = grid.fine;
-    const Ways ways = o.ways[0];
+    const Ways ways = o.ways[has_parts ? 0 : 1];
     const MediumWays* const media = media_ways.data();
-    const std::array<int, 3> split = fine.split;
-    const std::uint16_t* const medium = fine.medium.data() + fine.first[t];
-    const Moments* const light = job.parts.light.data() + fine.first[t];
-    Moments* const sum = job.parts.sum.data() + fine.first[t];
+    const std::array<int, 3> split = split_of<has_parts>(grid);
+    const std::size_t first_cell = has_parts ? grid.fine.first[t] : block.first_cell;
+    const SweepCells& cells = has_parts ? job.parts : job.cells;
+    const std::uint16_t* const medium = (has_parts ? grid.fine.medium : grid.medium).data() + first_cell;
+    const Moments* const light = cells.light.data() + first_cell;
+    Moments* const sum = cells.sum.data() + first_cell;
     const std::uint8_t* const outer = grid.outer.data() + block.first_cell;
     const std::int32_t* const links = block.first_link < 0 ? nullptr : grid.face_of_cell.data() + block.first_link;
     const Outside outside{job, o};
@@ -343,21 +297,22 @@ void sweep_fine_block(const SweepJob& job, const Octant& o, const std::vector<Me
         first[a] = o.back[a] ? split[a] - 1 : 0;
         last[a] = o.back[a] ? 0 : split[a] - 1;
     }
-    for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
-        const auto facing = static_cast<unsigned>(grid.faces[f].facing);
-        if (o.out_bit[facing / 2] == facing) outside.clear(static_cast<int>(facing / 2), f);
-    }
+    if constexpr (has_parts)
+        for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
+            const auto facing = static_cast<unsigned>(grid.faces[f].facing);
+            if (o.out_bit[facing / 2] == facing) outside.clear(static_cast<int>(facing / 2), f);
+        }
     for (int kz = 0; kz < ways.nz; ++kz) {
         const int z = o.back[2] ? ways.nz - 1 - kz : kz;
         for (int ky = 0; ky < ways.ny; ++ky) {
             const int y = o.back[1] ? ways.ny - 1 - ky : ky;
-            const int row = (z * ways.ny + y) * ways.nx, cells = (z / split[2] * 4 + y / split[1]) * 4;
+            const int row = (z * ways.ny + y) * ways.nx, whole = (z / split[2] * 4 + y / split[1]) * 4;
             V8 px = faces.x[z * ways.ny + y];
             V8* const row_y = faces.y + z * ways.nx;
             V8* const row_z = faces.z + y * ways.nx;
             unsigned any = 0;
             if (links)
-                for (int x = 0; x < 4; ++x) any |= outer[cells + x];
+                for (int x = 0; x < 4; ++x) any |= outer[whole + x];
             // Faces across y and z concern the parts along them alone.
             for (int a = 1; a < 3; ++a) {
                 const int part = a == 1 ? y % split[1] : z % split[2];
@@ -374,7 +329,7 @@ void sweep_fine_block(const SweepJob& job, const Octant& o, const std::vector<Me
             }
             const int step = o.back[0] ? -1 : 1;
             for (int kx = 0, x = o.back[0] ? ways.nx - 1 : 0; kx < ways.nx; ++kx, x += step) {
-                const int cell = cells + x / split[0], part[3] = {x % split[0], y % split[1], z % split[2]};
+                const int cell = whole + x / split[0], part[3] = {x % split[0], y % split[1], z % split[2]};
                 const unsigned bits = outer[cell];
                 if (bits & not_solid) continue;
                 const auto face_of = [&](unsigned bit) {
@@ -388,9 +343,13 @@ void sweep_fine_block(const SweepJob& job, const Octant& o, const std::vector<Me
                 px = p[0];
                 row_y[x] = p[1];
                 row_z[x] = p[2];
-                for (int a = 0; a < 3; ++a)
-                    if (bits >> o.out_bit[a] & 1 && part[a] == last[a])
+                for (int a = 0; a < 3; ++a) {
+                    if (!(bits >> o.out_bit[a] & 1) || part[a] != last[a]) continue;
+                    if constexpr (has_parts)
                         outside.give_part(a, face_of(o.out_bit[a]), p[a], share[a]);
+                    else
+                        outside.give(a, face_of(o.out_bit[a]), p[a]);
+                }
             }
             faces.x[z * ways.ny + y] = px;
         }
@@ -457,9 +416,9 @@ void sweep(const SweepJob& job, int half) {
             fit(faces.y, front.y_fine[by], in_parts, 0, 2);
             fit(faces.z, front.z_fine[bz], in_parts, 0, 1);
             if (in_parts)
-                sweep_fine_block(job, o, media[0], t, block, faces);
+                sweep_block<true>(job, o, media[0], t, block, faces);
             else
-                sweep_block(job, o, media[1], block, faces);
+                sweep_block<false>(job, o, media[1], t, block, faces);
         }
     };
     // All four octants of one way along z cross a plane of blocks before the next one, and both ways along x a row,
