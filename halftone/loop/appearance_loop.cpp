@@ -46,16 +46,14 @@ constexpr double just_noticeable = 0.8;
 /// to 0.9, thin type kept 0.48 for 0.58 (docs/benchmarks.md, "Level and contrast, place by place").
 constexpr float most_contrast_part = 0.6f, part_for_contrast = 0.7f;
 
-/// Steps of the descent are as long near the target as far from it (d is scaled), until their rates have adapted: a
-/// flat grey that feedback has brought within 0.9 CIEDE2000 was thrown to 8. The first ones go by the mean error as
-/// seen of what it starts from.
-DescentOptions first_rates(double mean) {
+/// Steps of the descent are as long near the target as far from it (d is scaled) until their rates have adapted: a
+/// print that feedback has brought near would be thrown off. So the first ones go by the mean error as seen of what it
+/// starts from.
+DescentRates first_rates(double mean) {
     constexpr double far = 5;
-    DescentOptions options;
     const auto part = static_cast<float>(std::min(1.0, mean / far));
-    options.own_rate = std::max(options.least_rate, part * options.own_rate);
-    options.shared_rate = std::max(options.least_rate, part * options.shared_rate);
-    return options;
+    const DescentRates whole;
+    return {part * whole.own, part * whole.shared};
 }
 
 /// What light below the surface spreads over, about: a Gaussian, made when it is first asked for.
@@ -482,7 +480,7 @@ bool LoopRun::move_downhill() {
         [&](const LoopTask::GradientVisitor& visit) { return sequence_->gradient(seed, visit, &progress_); });
     if (mixture_gradient.empty()) return false;
     descend(
-        std::move(mixture_gradient), {}, [this](Colours& values) { around_.smooth(values); }, state_.descent);
+        std::move(mixture_gradient), [this](Colours& values) { around_.smooth(values); }, state_.descent);
     hold_in_descent();
     return true;
 }

@@ -56,7 +56,7 @@ namespace voxtone::halftone {
 
 /// What the widest Gaussian of luminance, which is negative, does.
 enum class EyeSurround {
-    published,  ///< as the authors have it
+    published,  ///< as the authors have it, for scores in S-CIELAB (benchmarks/slicer/job/scores.h)
     none,       ///< left out, the other two scaled to the sum 1: a low-pass
 };
 
@@ -68,7 +68,7 @@ enum class OpponentSpace {
 class EyeFilter {
 public:
     /// The surface is not needed afterwards. Throws InputError for a distance that is not above 0.
-    EyeFilter(const optics::Surface& surface, double viewing_distance_mm, EyeSurround surround = EyeSurround::published,
+    EyeFilter(const optics::Surface& surface, double viewing_distance_mm, EyeSurround surround = EyeSurround::none,
               OpponentSpace space = OpponentSpace::neutral);
     ~EyeFilter();
     EyeFilter(EyeFilter&&) noexcept;
@@ -99,7 +99,7 @@ private:
 /// What the eye makes of stripes: amplitude of a grating of `cycles_per_degree` in an opponent channel (0: luminance,
 /// 1: red-green, 2: blue-yellow), sum of weight exp(-(pi spread f)^2).
 [[nodiscard]] double eye_transfer(std::size_t opponent_channel, double cycles_per_degree,
-                                  EyeSurround surround = EyeSurround::published);
+                                  EyeSurround surround = EyeSurround::none);
 
 /// Rows luminance, red-green, blue-yellow; columns X, Y, Z.
 [[nodiscard]] const Eigen::Matrix3d& opponent_from_xyz_matrix(OpponentSpace space = OpponentSpace::neutral);

@@ -40,21 +40,11 @@
 
 namespace voxtone::halftone {
 
-/// Rates are without unit: exponents per unit of d. The figures were chosen on the fitting set (benchmarks/sets.json,
-/// without the colour checker and the gratings): `appearance_loop_benchmark slabs --crop 10x10 --set iterations=12`
-/// (docs/benchmarks.md, "What the descent looks at"); the most that rates may become on pieces of 8 x 6 mm by Monte
-/// Carlo, ten iterations ("Steps that swing less").
-struct DescentOptions {
-    /// rate_o: of the first step far from the target, and the most it may become after it.
-    float own_rate = 0.36f, most_own_rate = 0.35f;
-    float shared_rate = 0.1f, most_shared_rate = 0.5f;  ///< rate_s, likewise
-    float least_rate = 0.01f;                           ///< of all
-    float slower = 0.4f;                                ///< least factor by which a rate changes in a step
-    float own_faster = 2, shared_faster = 3;            ///< most
-    float own_beyond = 1.3f;     ///< of an own step / the secant's: cells hinder each other less than they did along it
-    float shared_beyond = 0.5f;  ///< likewise
-    float momentum = 0.4f;       ///< mu, in [0, 1); more makes bodies swing, whose cells share light over millimetres
-    float mean_scale = 0.2f;     ///< part of the cells' mean in s
+/// Of the first step, far from the target; exponents per unit of d. What else the descent is made of stands with its
+/// origin in the source.
+struct DescentRates {
+    float own = 0.36f;    ///< rate_o
+    float shared = 0.1f;  ///< rate_s
 };
 
 /// What a descent carries from step to step.
@@ -64,7 +54,7 @@ struct DescentState {
     std::vector<float> shared;    ///< e of the last step, as mixtures; empty before the first
     std::vector<float> scale;     ///< per cell
     std::vector<float> divisor;   ///< s of the last step, per cell
-    std::vector<float> fall;      ///< p0 of the last step: of each resin's shared part, then of the own part; per cell
+    std::vector<float> decrease;  ///< p0 of the last step: of each resin's shared part, then of the own part; per cell
     std::vector<float> rate;      ///< likewise
 };
 
@@ -74,11 +64,10 @@ inline constexpr float least_fraction = 0.03f;  ///< h
 using CellSmoothing = std::function<void(std::vector<Eigen::Vector3f>&)>;
 
 /// From what is to be printed first, some resin in every layer; no momentum.
-[[nodiscard]] DescentState begin_descent(SkinMixtures mixtures, const DescentOptions& options);
+[[nodiscard]] DescentState begin_descent(SkinMixtures mixtures, const DescentRates& rates = {});
 
 /// `gradient`: d F / d fraction of every cell, layer and resin; its contents are used up.
-void descend(std::vector<float> gradient, const DescentOptions& options, const CellSmoothing& smooth,
-             DescentState& state);
+void descend(std::vector<float> gradient, const CellSmoothing& smooth, DescentState& state);
 
 /// A cell that is to be printed so now.
 void set_printed(std::size_t cell, std::span<const float> fractions, DescentState& state);

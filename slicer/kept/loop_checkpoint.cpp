@@ -110,7 +110,7 @@ void state_in(File& file, State& state) {
     file.list(state.descent.scale);
     file.list(state.descent.shared);
     file.list(state.descent.divisor);
-    file.list(state.descent.fall);
+    file.list(state.descent.decrease);
     file.list(state.descent.rate);
     mixtures_in(file, state.recent);
     file.list(state.open);
@@ -251,7 +251,7 @@ std::optional<halftone::ResumedLoop> LoopCheckpoint::read(Progress& progress) co
                           parts = cells == 0 ? 0 : d.mixtures.resins() + 1;
         return d.momentum.size() == d.mixtures.all().size() &&
                (d.shared.empty() || d.shared.size() == d.momentum.size()) && d.scale.size() == cells &&
-               d.rate.size() == cells * parts && d.divisor.size() == stepped && d.fall.size() == stepped * parts;
+               d.rate.size() == cells * parts && d.divisor.size() == stepped && d.decrease.size() == stepped * parts;
     };
     const auto best_is_there = [&] {
         switch (state.steps[state.best].method) {

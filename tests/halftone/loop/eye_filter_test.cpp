@@ -73,7 +73,7 @@ TEST_CASE("a flat colour stays as it is", "[eye_filter]") {
     optics::Surface surface = plate(6, 3, 0.0847);
     append(surface, sphere(2, 3000));
     surface.cells.push_back(cell_at({90, 90, 90}, {0, 1, 0}, 1e-7));  // alone, and tiny
-    const EyeFilter eye(surface, distance_mm);
+    const EyeFilter eye(surface, distance_mm, EyeSurround::published);
     const Eigen::Vector3f colour(0.8F, 0.1F, 0.3F);
     const std::vector<Eigen::Vector3f> flat(surface.cells.size(), colour);
     float worst = 0;
@@ -110,7 +110,7 @@ TEST_CASE("the amplitude of a grating falls by the transfer function of the Gaus
     // Wide enough that the middle does not see a border through any Gaussian but the widest of luminance, whose part of
     // the signal is nothing at these frequencies and whose mean is nothing anywhere.
     const optics::Surface surface = plate(24, 14, 0.0847);
-    const EyeFilter eye(surface, distance_mm);
+    const EyeFilter eye(surface, distance_mm, EyeSurround::published);
     for (std::size_t channel = 0; channel < 3; ++channel)
         for (const double cycles_per_mm : {0.25, 0.5, 1.0, 2.0, 3.0}) {
             const double k = 2 * std::numbers::pi * cycles_per_mm;
@@ -126,7 +126,7 @@ TEST_CASE("the amplitude of a grating falls by the transfer function of the Gaus
                 in_phase += s * opponent(channel, seen[i]);
                 count += s * s;
             }
-            const double wanted = eye_transfer(channel, cycles_per_mm * mm_per_degree);
+            const double wanted = eye_transfer(channel, cycles_per_mm * mm_per_degree, EyeSurround::published);
             CAPTURE(channel, cycles_per_mm, in_phase / count, wanted);
             CHECK(std::abs(in_phase / count - wanted) < 0.015);
             if (cycles_per_mm == 1.0 && channel == 0) CHECK(std::abs(in_phase / count - 1.08 * wanted) > 0.015);
@@ -142,7 +142,7 @@ TEST_CASE("from very near everything is seen, from very far only the mean", "[ey
         rgb.emplace_back(static_cast<float>(random.uniform()), 0.2F, static_cast<float>(random.uniform()));
         mean += rgb.back() / static_cast<float>(surface.cells.size());
     }
-    const auto far = EyeFilter(surface, 1e5)(rgb);
+    const auto far = EyeFilter(surface, 1e5, EyeSurround::published)(rgb);
     for (const auto& c : far) REQUIRE((c - mean).cwiseAbs().maxCoeff() < 5e-3F);
     // From 2 mm the narrow Gaussians are 0.001 mm wide, the wide ones of colour 0.02, that of luminance 0.15 mm: only
     // the part of the latter, 12 %, sees more than one cell.
@@ -155,7 +155,7 @@ TEST_CASE("from very near everything is seen, from very far only the mean", "[ey
 TEST_CASE("without the surround the luminance channel is a low-pass that darkens nothing", "[eye_filter]") {
     CHECK(eye_transfer(0, 0, EyeSurround::none) == Approx(1));
     CHECK(eye_transfer(0, 1, EyeSurround::none) < 1);
-    CHECK(eye_transfer(0, 1) > 1.05);
+    CHECK(eye_transfer(0, 1, EyeSurround::published) > 1.05);
     const optics::Surface surface = plate(6, 6, 0.1);
     std::vector<Eigen::Vector3f> rgb;
     for (const auto& c : surface.cells)
@@ -204,7 +204,8 @@ TEST_CASE("a small spot looks the same on a large sphere as on a plate", "[eye_f
     for (const auto& c : flat.cells) on_flat.push_back(spot(std::hypot(c.centre_mm[0] - 6, c.centre_mm[1] - 6)));
     for (const auto& c : round.cells)
         on_round.push_back(c.centre_mm[2] > 0 ? spot(std::hypot(c.centre_mm[0], c.centre_mm[1])) : spot(9));
-    const auto seen_flat = EyeFilter(flat, distance_mm)(on_flat), seen_round = EyeFilter(round, distance_mm)(on_round);
+    const auto seen_flat = EyeFilter(flat, distance_mm, EyeSurround::published)(on_flat),
+               seen_round = EyeFilter(round, distance_mm, EyeSurround::published)(on_round);
     // Mean over rings, because the points lie elsewhere.
     for (const double ring : {0.1, 0.4, 0.7, 1.1}) {
         const auto mean = [&](const optics::Surface& s, const std::vector<Eigen::Vector3f>& v, double x, double y) {
@@ -231,10 +232,10 @@ TEST_CASE("sides of a wall and sheets behind one another do not mix", "[eye_filt
     append(surface, plate(4, 4, 0.1, -1.0, 1));  // the next wall's upper side
     std::vector<Eigen::Vector3f> rgb(surface.cells.size(), Eigen::Vector3f::Zero());
     for (std::size_t i = 0; i < side; ++i) rgb[i] = Eigen::Vector3f(0.9F, 0.5F, 0.2F);
-    const auto seen = EyeFilter(surface, distance_mm).smoothed(rgb);
+    const auto seen = EyeFilter(surface, distance_mm, EyeSurround::published).smoothed(rgb);
     for (std::size_t i = 0; i < seen.size(); ++i) REQUIRE((seen[i] - rgb[i]).cwiseAbs().maxCoeff() < 1e-6F);
     // With the wide Gaussians too, but for the widest: what is 1.5 mm behind is not told apart at 23 mm.
-    const auto whole = EyeFilter(surface, distance_mm)(rgb);
+    const auto whole = EyeFilter(surface, distance_mm, EyeSurround::published)(rgb);
     for (std::size_t i = 0; i < seen.size(); ++i) REQUIRE((whole[i] - rgb[i]).cwiseAbs().maxCoeff() < 0.15F);
     for (std::size_t i = side; i < 2 * side; ++i) REQUIRE(whole[i].norm() < 1e-6F);
 }
@@ -247,7 +248,8 @@ TEST_CASE("the filter has the same bits for any number of threads", "[eye_filter
         RandomStream random(7, i);
         rgb.emplace_back(static_cast<float>(random.uniform()), static_cast<float>(random.uniform()), 0.5F);
     }
-    const auto seen = test::same_for_threads([&] { return EyeFilter(surface, distance_mm)(rgb); });
+    const auto seen =
+        test::same_for_threads([&] { return EyeFilter(surface, distance_mm, EyeSurround::published)(rgb); });
     CHECK(seen != rgb);
 }
 

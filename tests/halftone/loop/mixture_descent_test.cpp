@@ -29,7 +29,7 @@ TEST_CASE("Descent moves shares towards what lowers the misfit and keeps their s
     for (const float f : state.mixtures.all()) CHECK(f >= 0.99f * least_fraction);
     // Resin 0 helps in the first cell, hurts in the second.
     const std::vector<float> gradient{-1, 0, 0, 1, 0, 0};
-    for (int i = 0; i < 60; ++i) descend(gradient, {}, apart, state);
+    for (int i = 0; i < 60; ++i) descend(gradient, apart, state);
     CHECK(state.mixtures.cell(0)[0] > 0.5f);
     CHECK(state.mixtures.cell(1)[0] < 1.1f * least_fraction);
     for (std::size_t c = 0; c < 2; ++c)
@@ -38,7 +38,7 @@ TEST_CASE("Descent moves shares towards what lowers the misfit and keeps their s
     // No gradient at all: nothing moves.
     DescentState still = begin_descent(start, {});
     const SkinMixtures before = still.mixtures;
-    descend(std::vector<float>(6, 0.0f), {}, apart, still);
+    descend(std::vector<float>(6, 0.0f), apart, still);
     for (std::size_t i = 0; i < 6; ++i) CHECK(still.mixtures.all()[i] == Approx(before.all()[i]).epsilon(0.01));
 }
 
@@ -49,11 +49,11 @@ TEST_CASE("What cells do each for itself only passes resin on", "[loop]") {
         start.cell(c)[0] = 0.1f;
         start.cell(c)[1] = 0.9f;
     }
-    DescentState state = begin_descent(start, {.own_rate = 0.5f});
+    DescentState state = begin_descent(start, {.own = 0.5f});
     // Half of the cells want more of resin 0, half of them less; all together they want nothing.
     std::vector<float> gradient(2 * cells, 0.0f);
     for (std::size_t c = 0; c < cells; ++c) gradient[2 * c] = c % 2 ? 1 : -1;
-    descend(gradient, {.own_rate = 0.5f}, together, state);
+    descend(gradient, together, state);
     double amount = 0;
     const SkinMixtures print = printed(state.mixtures);
     for (std::size_t c = 0; c < cells; ++c) amount += double(print.cell(c)[0]) / cells;
@@ -97,7 +97,7 @@ TEST_CASE("Cells that share their light do not overshoot together", "[loop]") {
         for (std::size_t c = 0; c < cells; ++c) mean += (p[c] - target[c]) / cells;
         std::vector<float> gradient(2 * cells, 0.0f);
         for (std::size_t c = 0; c < cells; ++c) gradient[2 * c] = float(2 * (0.2 * (p[c] - target[c]) + 5 * mean));
-        descend(gradient, {}, together, state);
+        descend(gradient, together, state);
         rose += misfit() > last;
         last = misfit();
     }
@@ -111,7 +111,7 @@ TEST_CASE("A cell that is set is printed so, and its momentum is gone", "[loop]"
     for (std::size_t c = 0; c < 2; ++c) start.cell(c)[2] = 1;
     DescentState state = begin_descent(start, {});
     const std::vector<float> gradient{-1, 0, 0, -1, 0, 0};
-    for (int i = 0; i < 5; ++i) descend(gradient, {}, apart, state);
+    for (int i = 0; i < 5; ++i) descend(gradient, apart, state);
     const std::vector<float> wanted{0, 1, 0};
     set_printed(0, wanted, state);
     const SkinMixtures print = printed(state.mixtures);

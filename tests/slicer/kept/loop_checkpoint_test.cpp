@@ -34,7 +34,7 @@ halftone::LoopState some_state(std::size_t cells) {
     state.recent.all()[2] = 0.375f;
     state.descent.shared.assign(state.descent.momentum.size(), 0.25f);
     state.descent.divisor.assign(cells, 2.5f);
-    state.descent.fall.assign(6 * cells, 1.5f);  // five resins and the own part
+    state.descent.decrease.assign(6 * cells, 1.5f);  // five resins and the own part
     state.descent.rate[1] = 0.125f;
     state.urgency = {1, 2.25f};
     state.held = {0, 1}, state.start_held = {1, 0};
@@ -83,7 +83,7 @@ TEST_CASE("A loop's state comes back as it was", "[loop]") {
     CHECK(back->descent.momentum == state.descent.momentum);
     CHECK(back->descent.shared == state.descent.shared);
     CHECK(back->descent.divisor == state.descent.divisor);
-    CHECK(back->descent.fall == state.descent.fall);
+    CHECK(back->descent.decrease == state.descent.decrease);
     CHECK(back->descent.rate == state.descent.rate);
     CHECK_FALSE(std::filesystem::exists(folder.path() / ".loop.checkpoint.part"));
     LoopCheckpoint::remove_from(folder.path());
