@@ -27,6 +27,17 @@ std::size_t sequence_length(std::string_view text) {
     return 0;
 }
 
+/// Characters that stand for one byte, 0x80 to 0xFF: U+EF80 to U+EFFF, which are EE BE 80 to EE BF BF.
+std::string stand_in(unsigned char byte) {
+    return {'\xEE', static_cast<char>(byte < 0xC0 ? 0xBE : 0xBF), static_cast<char>(0x80 | (byte & 0x3F))};
+}
+
+/// The byte that the well-formed sequence at the start of `text` stands for; -1: it stands for itself.
+int byte_stood_for(std::string_view text) {
+    if (text.size() < 3 || text[0] != '\xEE' || (text[1] != '\xBE' && text[1] != '\xBF')) return -1;
+    return (text[1] == '\xBE' ? 0x80 : 0xC0) | (static_cast<unsigned char>(text[2]) & 0x3F);
+}
+
 }  // namespace
 
 std::string valid_utf8(std::string_view text) {
@@ -58,9 +69,36 @@ std::string printable(std::string_view text) {
     return result;
 }
 
+std::string escaped_bytes(std::string_view bytes) {
+    std::string result;
+    result.reserve(bytes.size());
+    for (std::size_t i = 0; i < bytes.size();) {
+        const std::string_view rest = bytes.substr(i);
+        const std::size_t length = sequence_length(rest);
+        if (length == 0 || byte_stood_for(rest.substr(0, length)) >= 0) {
+            result += stand_in(static_cast<unsigned char>(bytes[i++]));
+            continue;
+        }
+        result += rest.substr(0, length);
+        i += length;
+    }
+    return result;
+}
+
+std::string unescaped_bytes(std::string_view text) {
+    std::string result;
+    result.reserve(text.size());
+    for (std::size_t i = 0; i < text.size();) {
+        const int byte = byte_stood_for(text.substr(i));
+        result += byte < 0 ? text[i] : static_cast<char>(byte);
+        i += byte < 0 ? 1 : 3;
+    }
+    return result;
+}
+
 std::string json_quoted(std::string_view text) {
     std::string result = "\"";
-    for (const char c : valid_utf8(text)) {
+    for (const char c : escaped_bytes(text)) {
         switch (c) {
             case '"':
                 result += "\\\"";

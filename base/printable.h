@@ -15,7 +15,14 @@ namespace voxtone {
 /// So no name can move the cursor or set colours.
 [[nodiscard]] std::string printable(std::string_view text);
 
-/// A JSON string with its quotes (RFC 8259): valid UTF-8, quotes, backslashes and control characters escaped.
+/// Any bytes as valid UTF-8 that tells them again: each byte that does not belong, from 0x80 on, becomes the character
+/// of the private use area U+EF80 + (byte - 0x80), as in MirBSD's OPTU-8; and so does each byte of such a character
+/// itself. What is UTF-8 without them stays as it is.
+[[nodiscard]] std::string escaped_bytes(std::string_view bytes);
+/// The bytes that were escaped.
+[[nodiscard]] std::string unescaped_bytes(std::string_view text);
+
+/// A JSON string with its quotes (RFC 8259): escaped_bytes, with quotes, backslashes and control characters escaped.
 [[nodiscard]] std::string json_quoted(std::string_view text);
 
 }  // namespace voxtone

@@ -230,6 +230,19 @@ TEST_CASE("libraries stay in source files: public headers speak plain values") {
             }
 }
 
+TEST_CASE("JSON that we write goes through one writer") {
+    // A parser of JSON writes it, too, in a form and of names of its own.
+    const Names may_parse{"io/files/json_object.cpp", "io/files/json_lines.cpp", "io/codecs/parse_gltf.cpp"};
+    static const std::regex parser(R"(#include <nlohmann/.*)");
+    for (const Source& source : sources()) {
+        if (source.floor == "calibration" || may_parse.contains(source.path)) continue;
+        for (const std::string& line : lines_of(root / source.path)) {
+            INFO(source.path);
+            CHECK_FALSE(std::regex_match(line, parser));
+        }
+    }
+}
+
 TEST_CASE("a source has its header beside it, and includes it first") {
     for (const Source& source : sources()) {
         if (!source.path.ends_with(".cpp") || source.floor == "cli" || source.path.ends_with("main.cpp")) continue;

@@ -6,11 +6,11 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
 #include "cli/print/print_commands.h"
 #include "cli/program/help.h"
 #include "cli/program/outcome.h"
+#include "io/files/json_writer.h"
 #include "io/profiles/resin_file.h"
 #include "slicer/printer/printer.h"
 
@@ -23,20 +23,12 @@ struct ListArguments {
     bool json = false;
 };
 
-using Json = nlohmann::ordered_json;
-
-Json printer_json(const slicer::PrinterProfile& p) {
-    Json entry{{"id", p.id},
-               {"name", p.name},
-               {"pitch_um", {p.pitch_um.x(), p.pitch_um.y(), p.pitch_um.z()}},
-               {"max_resins", p.max_resins},
-               {"min_layers", p.min_layers},
-               {"default_roles", p.default_roles},
-               {"default_resins", p.default_resins},
-               {"formats", names_of(p.formats)},
-               {"warnings", p.warnings()}};
-    if (p.tray_mm.allFinite()) entry["tray_mm"] = {p.tray_mm.x(), p.tray_mm.y(), p.tray_mm.z()};
-    return entry;
+void add_printer(io::JsonWriter& json, const slicer::PrinterProfile& p) {
+    json.begin_object().add("id", p.id).add("name", p.name).add("pitch_um", p.pitch_um);
+    json.add("max_resins", p.max_resins).add("min_layers", p.min_layers).add("default_roles", p.default_roles);
+    json.add("default_resins", p.default_resins).add("formats", names_of(p.formats)).add("warnings", p.warnings());
+    if (p.tray_mm.allFinite()) json.add("tray_mm", p.tray_mm);
+    json.end_object();
 }
 
 /// A line under the name of what is listed.
@@ -59,14 +51,12 @@ std::string printer_text(const slicer::PrinterProfile& p) {
     return text;
 }
 
-Json resin_set_json(const optics::ResinSet& set) {
-    Json resins = Json::array();
-    for (const optics::Resin& resin : set.resins) resins.push_back({{"name", resin.name}, {"role", resin.role}});
-    return {{"name", set.name},
-            {"source", set.source},
-            {"channels", set.channels.size()},
-            {"channels_are", optics::channels_text(set.channels)},
-            {"resins", resins}};
+void add_resin_set(io::JsonWriter& json, const optics::ResinSet& set) {
+    json.begin_object().add("name", set.name).add("source", set.source).add("channels", set.channels.size());
+    json.add("channels_are", optics::channels_text(set.channels)).key("resins").begin_list();
+    for (const optics::Resin& resin : set.resins)
+        json.begin_object().add("name", resin.name).add("role", resin.role).end_object();
+    json.end_list().end_object();
 }
 
 std::string resin_set_text(const optics::ResinSet& set) {
@@ -82,15 +72,16 @@ std::vector<optics::ResinSet> resin_sets() {
     return sets;
 }
 
-template <class Entries, class AsJson, class AsText>
-void print_list(const Entries& entries, bool json, AsJson as_json, AsText as_text) {
-    Json list = Json::array();
+template <class Entries, class AddTo, class AsText>
+void print_list(const Entries& entries, bool json, AddTo add_to, AsText as_text) {
+    io::JsonWriter list;
+    list.begin_list();
     std::string text;
     for (const auto& entry : entries) {
-        list.push_back(as_json(entry));
+        add_to(list, entry);
         text += as_text(entry);
     }
-    print_out(json ? list.dump() + "\n" : text);
+    print_out(json ? list.end_list().text() + "\n" : text);
 }
 
 }  // namespace
@@ -105,9 +96,9 @@ Command add_list_command(CLI::App& program) {
     add_example(*command, "printers");
     return [arguments] {
         if (arguments->what == "printers")
-            print_list(slicer::list_printers(), arguments->json, printer_json, printer_text);
+            print_list(slicer::list_printers(), arguments->json, add_printer, printer_text);
         else
-            print_list(resin_sets(), arguments->json, resin_set_json, resin_set_text);
+            print_list(resin_sets(), arguments->json, add_resin_set, resin_set_text);
         return 0;
     };
 }

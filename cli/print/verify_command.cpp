@@ -6,11 +6,11 @@
 
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
 #include "cli/print/print_commands.h"
 #include "cli/program/common_options.h"
 #include "cli/program/help.h"
+#include "io/files/json_writer.h"
 #include "io/layers/verify.h"
 #include "slicer/printer/printer.h"
 
@@ -24,16 +24,19 @@ struct VerifyArguments {
 };
 
 std::string report_json(const io::StackReport& report) {
-    nlohmann::ordered_json json{{"format", "voxtone-verify"},          {"version", 1},
-                                {"passed", report.passed()},           {"layers", report.layers},
-                                {"size_px", report.size_px},           {"printer", report.printer},
-                                {"empty_layers", report.empty_layers}, {"content_sha256", report.content_sha256},
-                                {"fault_count", report.fault_count},   {"notes", report.notes}};
-    json["faults"] = nlohmann::ordered_json::array();
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-verify").add("version", 1).add("passed", report.passed());
+    json.add("layers", report.layers).add("size_px", report.size_px).add("printer", report.printer);
+    json.add("empty_layers", report.empty_layers).add("content_sha256", report.content_sha256);
+    json.add("fault_count", report.fault_count).add("notes", report.notes).key("faults").begin_list();
     for (const io::StackFault& fault : report.faults)
-        json["faults"].push_back(
-            {{"rule", fault.rule}, {"where", fault.where}, {"what", fault.what}, {"remedy", fault.remedy}});
-    return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+        json.begin_object()
+            .add("rule", fault.rule)
+            .add("where", fault.where)
+            .add("what", fault.what)
+            .add("remedy", fault.remedy)
+            .end_object();
+    return json.end_list().end_object().text();
 }
 
 io::VerifyRules rules_of(const slicer::PrinterProfile& printer) {

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/printable.h"
 #include "io/files/json_keys.h"
 #include "io/files/json_lines.h"
 
@@ -28,6 +29,8 @@ std::string shown(const json& value) {
     if (text.size() > 60) text = text.substr(0, 57) + "...";
     return text;
 }
+
+std::string raw_text(const json& text) { return unescaped_bytes(text.get_ref<const std::string&>()); }
 
 /// "rows[3][1]" is the key "rows" and two places in lists.
 std::vector<JsonStep> steps_of(std::string_view key, const json& object) {
@@ -161,7 +164,7 @@ std::vector<std::string> JsonObject::keys() const {
 
 std::string JsonObject::any_text(std::string_view key) const {
     const json& value = node_->at(*this, key);
-    if (value.is_string()) return value.get<std::string>();
+    if (value.is_string()) return raw_text(value);
     if (value.is_boolean() || value.is_number()) return value.dump();
     if (!value.is_array())
         fail(key, fmt::format("is {}, expected a text, a number, true, false or a list of texts", shown(value)));
@@ -171,7 +174,7 @@ std::string JsonObject::any_text(std::string_view key) const {
 std::string JsonObject::text(std::string_view key) const {
     const json& value = node_->at(*this, key);
     if (!value.is_string()) fail(key, fmt::format("is {}, expected a text in quotes", shown(value)));
-    return value.get<std::string>();
+    return raw_text(value);
 }
 
 bool JsonObject::boolean(std::string_view key) const {
@@ -266,7 +269,7 @@ std::vector<std::string> JsonObject::texts(std::string_view key) const {
     std::vector<std::string> result;
     for (const json& entry : value) {
         if (!entry.is_string()) fail(key, fmt::format("holds {}, expected texts in quotes", shown(entry)));
-        result.push_back(entry.get<std::string>());
+        result.push_back(raw_text(entry));
     }
     return result;
 }

@@ -40,6 +40,7 @@ public:
     /// A text as it is; a number, true and false as they are written; a list of texts with commas between.
     [[nodiscard]] std::string any_text(std::string_view key) const;
 
+    // Texts are the bytes that JsonWriter wrote, whatever they are (base/printable.h, escaped_bytes).
     // Each throws InputError where the key is missing, of another type or out of range (ends included).
     [[nodiscard]] std::string text(std::string_view key) const;
     [[nodiscard]] bool boolean(std::string_view key) const;

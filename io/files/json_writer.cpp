@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/files/json_writer.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -10,10 +11,12 @@
 
 namespace voxtone::io {
 
+void JsonWriter::break_line() { text_.append("\n").append(depth_ * std::max<std::size_t>(indent_, 1), ' '); }
+
 void JsonWriter::separate() {
     if (!after_key_ && !first_) text_ += ',';
-    if (on_new_line_)
-        text_.append("\n").append(depth_, ' ');
+    if (on_new_line_ || (indent_ > 0 && depth_ > 0 && !after_key_))
+        break_line();
     else if (!after_key_ && !first_)
         text_ += ' ';
     first_ = after_key_ = on_new_line_ = false;
@@ -29,8 +32,9 @@ JsonWriter& JsonWriter::begin(char bracket) {
 
 JsonWriter& JsonWriter::end(char bracket) {
     VOXTONE_EXPECT(depth_ > 0 && !after_key_);
-    text_ += bracket;
     --depth_;
+    if (indent_ > 0 && !first_) break_line();
+    text_ += bracket;
     first_ = on_new_line_ = false;
     return *this;
 }

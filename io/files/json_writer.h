@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// JSON as this program writes it: keys in the order given, ", " and ": " between, line breaks where the writer of a
-// file wants them, numbers as short as they can be and still read back as the same.
+// JSON as this program writes it, all of it: keys in the order given, ", " and ": " between, line breaks where the
+// writer of a file wants them, numbers as short as they can be and still read back as the same.
+//
+// Texts may hold any bytes, as names of files do: what is no UTF-8 is escaped so that JsonObject gives it back
+// (escaped_bytes in base/printable.h).
 //
 // Why not nlohmann-json, which reads ours: its `dump` sets tables of numbers either in one line or one number a line,
 // takes ten times as long to compile, and the whole document would be in memory twice.
@@ -17,6 +20,10 @@ namespace voxtone::io {
 
 class JsonWriter {
 public:
+    JsonWriter() = default;
+    /// With a line for every value, indented by so many blanks a level.
+    explicit JsonWriter(std::size_t indent) : indent_(indent) {}
+
     JsonWriter& begin_object() { return begin('{'); }
     JsonWriter& end_object() { return end('}'); }
     JsonWriter& begin_list() { return begin('['); }
@@ -26,7 +33,7 @@ public:
     /// Within an object, before each value.
     JsonWriter& key(std::string_view name);
 
-    JsonWriter& value(std::string_view text);  ///< what is no valid UTF-8 becomes U+FFFD
+    JsonWriter& value(std::string_view text);
     JsonWriter& value(const char* text) { return value(std::string_view(text)); }
     JsonWriter& value(const std::string& text) { return value(std::string_view(text)); }
     JsonWriter& value(bool truth);
@@ -60,9 +67,10 @@ private:
     JsonWriter& integer(std::int64_t number);
     JsonWriter& integer(std::uint64_t number);
     void separate();
+    void break_line();
 
     std::string text_;
-    std::size_t depth_ = 0;
+    std::size_t depth_ = 0, indent_ = 0;
     bool first_ = true, after_key_ = false, on_new_line_ = false;
 };
 

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/printable.h"
+#include "io/files/xxh64.h"
 
 namespace voxtone::slicer {
 
@@ -69,21 +70,71 @@ std::string NameTemplate::fill(std::string_view name, std::size_t n, const Slice
     return filled;
 }
 
-std::string name_fault(std::string_view name) {
-    constexpr std::size_t longest = 120;  // of 255 bytes that a file may have; temporary names are longer
-    constexpr std::string_view refused = "/\\:*?\"<>|";
-    // What a batch keeps beside its jobs' folders.
+namespace {
+
+constexpr std::size_t longest_name = 120;  // of 255 bytes that a file may have; temporary names are longer
+constexpr std::string_view refused_in_names = "/\\:*?\"<>|";
+
+/// What a batch keeps beside its jobs' folders.
+bool is_taken(std::string_view name) {
     constexpr std::array<std::string_view, 4> taken{"batch", "batch.json", "index.html", "summary.csv"};
+    return std::find(taken.begin(), taken.end(), name) != taken.end();
+}
+
+/// Whether the character of these bytes, or what is no character, can stand in a name, there where it stands.
+bool may_stand(std::string_view character, bool is_first, bool is_last) {
+    if (printable(character) != character || character == "\n" || character == "\t") return false;
+    if (character.size() > 1) return true;
+    const char c = character[0];
+    if (refused_in_names.find(c) != std::string_view::npos) return false;
+    return !(is_first && (c == '.' || c == '-' || c == ' ')) && !(is_last && (c == ' ' || c == '.'));
+}
+
+std::size_t bytes_of_character(std::string_view text) {
+    constexpr std::size_t most = 4;
+    for (std::size_t length = 1; length <= std::min(most, text.size()); ++length)
+        if (valid_utf8(text.substr(0, length)) == text.substr(0, length)) return length;
+    return 1;  // no character
+}
+
+std::string shortened(const std::string& name) {
+    if (name.size() <= longest_name) return name;
+    constexpr std::size_t digits = 8;
+    std::string begin = name.substr(0, longest_name - digits - 1);
+    while (valid_utf8(begin) != begin) begin.pop_back();
+    io::Xxh64 digest;
+    digest.update(name.data(), name.size());
+    return begin + "~" + fmt::format("{:016x}", digest.digest()).substr(0, digits);
+}
+
+}  // namespace
+
+std::string name_fault(std::string_view name) {
     if (name.empty()) return "is empty";
-    if (name.size() > longest) return fmt::format("is longer than {} bytes", longest);
+    if (name.size() > longest_name) return fmt::format("is longer than {} bytes", longest_name);
     if (name.front() == '.' || name.front() == '-') return fmt::format("begins with '{}'", name.front());
     if (name.front() == ' ' || name.back() == ' ' || name.back() == '.') return "begins or ends with a blank or a dot";
-    if (const std::size_t bad = name.find_first_of(refused); bad != std::string_view::npos)
+    if (const std::size_t bad = name.find_first_of(refused_in_names); bad != std::string_view::npos)
         return fmt::format("has a '{}'", name[bad]);
     if (printable(name) != name || name.find_first_of("\n\t") != std::string_view::npos)
         return "has a control character or is no UTF-8";
-    if (std::find(taken.begin(), taken.end(), name) != taken.end()) return "is that of a file of the batch itself";
+    if (is_taken(name)) return "is that of a file of the batch itself";
     return {};
+}
+
+std::string name_after(std::string_view model) {
+    std::string name;
+    for (std::size_t i = 0; i < model.size();) {
+        const std::size_t length = bytes_of_character(model.substr(i));
+        const std::string_view character = model.substr(i, length);
+        if (may_stand(character, i == 0, i + length == model.size()))
+            name += character;
+        else
+            for (const char c : character) name += fmt::format("%{:02X}", static_cast<unsigned char>(c));
+        i += length;
+    }
+    if (is_taken(name)) name += '_';
+    return shortened(name);
 }
 
 }  // namespace voxtone::slicer

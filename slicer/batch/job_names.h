@@ -28,4 +28,9 @@ private:
 /// Why this cannot be a job's name; empty: it can.
 [[nodiscard]] std::string name_fault(std::string_view name);
 
+/// What the job of a model is called whose own name this is: that name, where a job can have it. Else each byte that
+/// cannot stand in one is written as %E9, what is too long ends with a digest, and what the batch itself needs with an
+/// underscore: no file in a folder is in the way of the others because of its name.
+[[nodiscard]] std::string name_after(std::string_view model);
+
 }  // namespace voxtone::slicer

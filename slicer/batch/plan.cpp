@@ -66,7 +66,8 @@ PlannedJob job_of(const PlanRow& row, const std::string& source, const SliceOpti
     });
     job.options = with_absolute_paths(std::move(job.options));
     drop_idle(job.options, said);
-    job.name = object.has(name_key) ? object.any_text(name_key) : fs::path(job.options.model).stem().string();
+    job.name =
+        object.has(name_key) ? object.any_text(name_key) : name_after(fs::path(job.options.model).stem().string());
     job.place = row.line > 0 ? fmt::format("{}: line {}", source, row.line) : std::string();
     return job;
 }

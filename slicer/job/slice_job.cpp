@@ -8,13 +8,13 @@
 #include <vector>
 
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
 #include "base/contracts.h"
 #include "base/parallel.h"
 #include "base/peak_memory.h"
 #include "base/stop_deadline.h"
 #include "base/stopwatch.h"
+#include "io/files/json_object.h"
 #include "io/files/whole_file.h"
 #include "io/layers/layer_stack_writer.h"
 #include "io/layers/stack_folder.h"
@@ -46,6 +46,17 @@ bool holds_this_stack(const OpenedJob& job, const io::StackFolder& folder, const
 
 bool has_checkpoint(const io::StackFolder& folder) { return fs::exists(folder.path() / io::checkpoint_name); }
 
+/// As the report's figures say; one that cannot be read says nothing.
+bool is_judged_bad(const std::string& json, const fs::path& figures) {
+    try {
+        const io::JsonObject report = io::JsonObject::parse(json, figures.string());
+        return report.is_object("verdict") && report.object("verdict").has("level") &&
+               report.object("verdict").text("level") == name_of(io::VerdictLevel::bad);
+    } catch (const InputError&) {
+        return false;
+    }
+}
+
 /// What was said when this very job was done, where nothing is left of it to do.
 std::optional<SliceResult> done_before(const OpenedJob& job, const io::StackFolder& folder, const Progress& progress) {
     const fs::path figures = folder.path() / report_file::figures;
@@ -54,9 +65,7 @@ std::optional<SliceResult> done_before(const OpenedJob& job, const io::StackFold
         return std::nullopt;
     constexpr std::uint64_t most_bytes = std::uint64_t{1} << 30;
     const std::vector<std::uint8_t> json = io::read_whole_file(figures, most_bytes);
-    const auto report = nlohmann::json::parse(json, nullptr, false);
-    const auto level = nlohmann::json::json_pointer("/verdict/level");
-    const bool bad = report.is_object() && report.contains(level) && report[level] == name_of(io::VerdictLevel::bad);
+    const bool bad = is_judged_bad({json.begin(), json.end()}, figures);
     return SliceResult{{json.begin(), json.end()},
                        fmt::format("{}: holds this job's stack already, whole; nothing was done (--overwrite makes it "
                                    "again)\n",

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/options/job_file.h"
 
+#include <charconv>
+#include <cstdint>
+#include <limits>
 #include <sstream>
 
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
 #include "base/error.h"
-#include "io/files/json_object.h"
+#include "io/files/json_writer.h"
 #include "io/profiles/resin_file.h"
 #include "slicer/options/option_words.h"
 
@@ -15,23 +17,38 @@ namespace voxtone::slicer {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-Json json_value(const OptionSpec& spec, const std::string& value) {
+/// As it was written, if it is a whole number that a double would round.
+void add_number(io::JsonWriter& json, const std::string& text) {
+    const char* const begin = text.data();
+    const char* const end = begin + text.size();
+    if (std::uint64_t whole = 0; std::from_chars(begin, end, whole).ptr == end) {
+        json.value(whole);
+        return;
+    }
+    double number = std::numeric_limits<double>::quiet_NaN();
+    std::from_chars(begin, end, number);
+    json.value(number);
+}
+
+void add_option(io::JsonWriter& json, const OptionSpec& spec, const std::string& value) {
+    json.key(spec.key);
     switch (spec.kind) {
         case OptionSpec::Kind::flag:
-            return value == "true";
+            json.value(value == "true");
+            return;
         case OptionSpec::Kind::number:
-            return Json::parse(value);
+            return add_number(json, value);
         case OptionSpec::Kind::list: {
-            Json list = Json::array();
+            json.begin_list();
             std::stringstream parts(value);
-            for (std::string part; std::getline(parts, part, ',');) list.push_back(part);
-            return list;
+            for (std::string part; std::getline(parts, part, ',');) json.value(part);
+            json.end_list();
+            return;
         }
         default:
-            return value;
+            json.value(value);
     }
 }
 
@@ -94,13 +111,12 @@ std::string path_within(const fs::path& folder, const std::string& text) {
     return path.find('/') == std::string::npos && path != "." ? "./" + path : path;
 }
 
-Json options_json(const SliceOptions& options) {
-    Json job{{"format", "voxtone-job"}, {"version", 1}};
-    for (const OptionSpec& spec : slice_option_table()) job[spec.key] = json_value(spec, spec.get(options));
-    return job;
-}
+constexpr std::size_t blanks_a_level = 2;
 
-std::string text_of(const Json& job) { return job.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+void add_options(io::JsonWriter& json, const SliceOptions& options) {
+    json.add("format", "voxtone-job").add("version", 1);
+    for (const OptionSpec& spec : slice_option_table()) add_option(json, spec, spec.get(options));
+}
 
 JobInput input_of(const io::JsonObject& entry, const fs::path& folder) {
     entry.allow_only({"input", "file", "sha256"});
@@ -123,7 +139,12 @@ SliceOptions with_absolute_paths(SliceOptions options) {
     return options;
 }
 
-std::string job_json(const SliceOptions& options) { return text_of(options_json(with_absolute_paths(options))); }
+std::string job_json(const SliceOptions& options) {
+    io::JsonWriter json(blanks_a_level);
+    json.begin_object();
+    add_options(json, with_absolute_paths(options));
+    return json.end_object().text() + "\n";
+}
 
 std::string job_record(const SliceOptions& options, std::span<const JobInput> inputs, const fs::path& folder) {
     SliceOptions left = options;
@@ -132,14 +153,17 @@ std::string job_record(const SliceOptions& options, std::span<const JobInput> in
     left.until = name_of(Until::end);
     left.threads = 0;
     replace_paths(left, fs::path(), every_key, [&](const std::string& text) { return path_within(folder, text); });
-    Json job = options_json(left), list = Json::array();
+    io::JsonWriter json(blanks_a_level);
+    json.begin_object();
+    add_options(json, left);
+    json.key("inputs").begin_list();
     for (const JobInput& input : inputs) {
-        Json& entry = list.emplace_back(Json{{"input", input.key}});
-        if (!input.file.empty()) entry["file"] = path_within(folder, input.file);
-        if (!input.sha256.empty()) entry["sha256"] = input.sha256;
+        json.begin_object().add("input", input.key);
+        if (!input.file.empty()) json.add("file", path_within(folder, input.file));
+        if (!input.sha256.empty()) json.add("sha256", input.sha256);
+        json.end_object();
     }
-    job["inputs"] = std::move(list);
-    return text_of(job);
+    return json.end_list().end_object().text() + "\n";
 }
 
 std::string input_named_in(const fs::path& folder, const std::string& name) {

@@ -8,7 +8,6 @@
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "base/job_outlook.h"
@@ -16,6 +15,7 @@
 #include "base/peak_memory.h"
 #include "base/stopwatch.h"
 #include "io/disk/output_files.h"
+#include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
 #include "io/models/glb_writer.h"
 #include "io/models/ply_writer.h"
@@ -190,28 +190,21 @@ PredictResult describe(const ResolvedPrediction& job, const StackVolume& stack, 
     const PredictOptions& options = job.asked;
     const bool errors = !prediction.standard_error.empty();
     const double seconds = f.read_s + f.surface_s + f.predict_s + f.write_s;
-    nlohmann::ordered_json json{{"format", "voxtone-prediction"},
-                                {"version", 1},
-                                {"stack", options.stack},
-                                {"files", options.files},
-                                {"model", name_of(job.model)},
-                                {"view", f.from_above ? "top" : "body"},
-                                {"backing", name_of(f.backing)},
-                                {"boundary", name_of(f.boundary)},
-                                {"light_outside", name_of(job.outside)},
-                                {"relative_to", options.absolute ? "entered light" : "white resin"},
-                                {"resins", stack.resins.name},
-                                {"channels", prediction.channels},
-                                {"voxels", stack.volume.size()},
-                                {"volume_bytes", stack.volume.memory_bytes()},
-                                {"cell_um", f.cell_um},
-                                {"cells", prediction.surface.cells.size()},
-                                {"mean_rgb", f.mean}};
-    if (f.from_above) json["size_px"] = picture_cells(stack.volume, prediction.surface.cell_voxels);
-    if (errors) json["standard_error"] = {{"mean", f.mean_error}, {"max", f.largest_error}};
-    json["warnings"] = prediction.remarks;
-    json["seconds"] = {{"read", f.read_s}, {"surface", f.surface_s}, {"predict", f.predict_s}, {"write", f.write_s}};
-    json["peak_memory_bytes"] = peak_memory_bytes();
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-prediction").add("version", 1).add("stack", options.stack);
+    json.add("files", options.files).add("model", name_of(job.model)).add("view", f.from_above ? "top" : "body");
+    json.add("backing", name_of(f.backing)).add("boundary", name_of(f.boundary));
+    json.add("light_outside", name_of(job.outside));
+    json.add("relative_to", options.absolute ? "entered light" : "white resin").add("resins", stack.resins.name);
+    json.add("channels", prediction.channels).add("voxels", stack.volume.size());
+    json.add("volume_bytes", stack.volume.memory_bytes()).add("cell_um", f.cell_um);
+    json.add("cells", prediction.surface.cells.size()).add("mean_rgb", f.mean);
+    if (f.from_above) json.add("size_px", picture_cells(stack.volume, prediction.surface.cell_voxels));
+    if (errors)
+        json.key("standard_error").begin_object().add("mean", f.mean_error).add("max", f.largest_error).end_object();
+    json.add("warnings", prediction.remarks).key("seconds").begin_object().add("read", f.read_s);
+    json.add("surface", f.surface_s).add("predict", f.predict_s).add("write", f.write_s).end_object();
+    json.add("peak_memory_bytes", peak_memory_bytes()).end_object();
 
     std::string text = fmt::format(
         "{}: {} cells of {:.1f} x {:.1f} x {:.1f} um, {}, {} values, {} under it\n", fmt::join(options.files, ", "),
@@ -224,7 +217,7 @@ PredictResult describe(const ResolvedPrediction& job, const StackVolume& stack, 
             fmt::format("  standard error of a value: mean {:.4f}, largest {:.4f}\n", f.mean_error, f.largest_error);
     text += fmt::format("  {} in {:.2f} s ({:.2f} s of them in the model), peak memory {:.0f} MB\n", name_of(job.model),
                         seconds, f.predict_s, double(peak_memory_bytes()) * 1e-6);
-    return {json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), text};
+    return {json.text(), text};
 }
 
 /// Before anything is read: a body has half the surface of its box, about; of a slab the top is seen.

@@ -2,19 +2,20 @@
 #include "slicer/proof/proof_job.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <vector>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/peak_memory.h"
 #include "base/stopwatch.h"
 #include "io/disk/output_files.h"
+#include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
 #include "io/pictures/exr_writer.h"
 #include "io/pictures/picture_writer.h"
@@ -116,23 +117,14 @@ JobResult describe(const CameraPicture& picture, const ProofScene& scene, const 
     const optics::CameraView& view = scene.camera.view;
     std::vector<std::string> surfaces;
     for (const auto& print : scene.prints) surfaces.push_back(print->boundary_is);
-    const nlohmann::ordered_json json{{"format", "voxtone-proof"},
-                                      {"version", 1},
-                                      {"stacks", job.asked.stacks},
-                                      {"files", job.asked.files},
-                                      {"size_px", {picture.width_px, picture.height_px}},
-                                      {"camera_mm", view.position},
-                                      {"look_at_mm", view.target},
-                                      {"focal_mm", view.focal_mm},
-                                      {"light", job.asked.light},
-                                      {"finish", name_of(job.finish)},
-                                      {"surface", surfaces},
-                                      {"samples", {*least, *most}},
-                                      {"paths", picture.paths},
-                                      {"standard_error", picture.rms_error},
-                                      {"complete", picture.complete},
-                                      {"seconds", seconds},
-                                      {"peak_memory_bytes", peak_memory_bytes()}};
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-proof").add("version", 1).add("stacks", job.asked.stacks);
+    json.add("files", job.asked.files).add("size_px", std::array{picture.width_px, picture.height_px});
+    json.add("camera_mm", view.position).add("look_at_mm", view.target).add("focal_mm", view.focal_mm);
+    json.add("light", job.asked.light).add("finish", name_of(job.finish)).add("surface", surfaces);
+    json.add("samples", std::array{*least, *most}).add("paths", picture.paths);
+    json.add("standard_error", picture.rms_error).add("complete", picture.complete).add("seconds", seconds);
+    json.add("peak_memory_bytes", peak_memory_bytes()).end_object();
     std::string text = fmt::format(
         "{}: {} x {} pixels, {} to {} samples each\n"
         "  standard error of luminance where a body is seen: {:.4f} (rms; 1 is a white diffuser)\n"
@@ -140,8 +132,7 @@ JobResult describe(const CameraPicture& picture, const ProofScene& scene, const 
         fmt::join(job.asked.files, ", "), picture.width_px, picture.height_px, *least, *most, picture.rms_error,
         double(picture.paths) * 1e-6, seconds, double(peak_memory_bytes()) * 1e-6);
     if (!picture.complete) text += "  stopped before it was as wanted: noisier than asked for\n";
-    return {json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), text,
-            picture.complete ? ExitCode::done : ExitCode::unfinished};
+    return {json.text(), text, picture.complete ? ExitCode::done : ExitCode::unfinished};
 }
 
 }  // namespace

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/stacks/stack_dataset_job.h"
 
+#include <array>
 #include <numeric>
 #include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "base/stopwatch.h"
 #include "io/disk/disk_space.h"
 #include "io/disk/output_files.h"
+#include "io/files/json_writer.h"
 #include "io/profiles/bssrdf_file.h"
 #include "io/profiles/resin_file.h"
 #include "optics/monte_carlo/sampled_bssrdf.h"
@@ -91,15 +92,11 @@ std::vector<double> beyond_windows(const optics::SampledBssrdf& responses) {
 JobResult result_of(const StackDatasetJob& job, const optics::SampledBssrdf& responses, std::uint64_t bytes,
                     double seconds) {
     const std::vector<double> albedo = mean_albedo(responses), beyond = beyond_windows(responses);
-    const nlohmann::ordered_json json{{"format", "voxtone-stack-dataset"},
-                                      {"version", 1},
-                                      {"dataset", job.out},
-                                      {"points", {job.slab.width, job.slab.height}},
-                                      {"bytes", bytes},
-                                      {"mean_albedo", albedo},
-                                      {"beyond_window", beyond},
-                                      {"seconds", seconds}};
-    return {json.dump(),
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-stack-dataset").add("version", 1).add("dataset", job.out);
+    json.add("points", std::array{job.slab.width, job.slab.height}).add("bytes", bytes).add("mean_albedo", albedo);
+    json.add("beyond_window", beyond).add("seconds", seconds).end_object();
+    return {json.text(),
             fmt::format("{}: {} x {} points at {} mm, {:.1f} MB; mean albedo {:.3f}; share of light beyond {:.3g} mm "
                         "{:.4f} (by channel); {} paths a point and channel in {:.1f} s\n",
                         job.out, job.slab.width, job.slab.height, job.slab.pitch_mm, 1e-6 * static_cast<double>(bytes),

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/stacks/stack_factor_job.h"
 
+#include <array>
+
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "io/disk/output_files.h"
+#include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
 #include "slicer/stacks/profile_map_picture.h"
 
@@ -13,7 +15,6 @@ namespace voxtone::slicer {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 /// Of the light, beyond which a window is said to be too small.
 constexpr double most_beyond_window = 0.05;
@@ -67,55 +68,44 @@ std::string check_text(const ChannelOutcome& outcome, const std::string& file) {
         100 * factored.excess, 100 * clustered.excess, factored.albedo_error, clustered.albedo_error);
 }
 
-Json error_json(const halftone::ReconstructionError& error) {
-    return {{"light_error", error.light_error},
-            {"noise_error", error.noise_error},
-            {"excess", error.excess},
-            {"light", error.light},
-            {"albedo_error", error.albedo_error},
-            {"largest_albedo_error", error.largest_albedo_error}};
+void add_error(io::JsonWriter& json, const char* name, const halftone::ReconstructionError& error) {
+    json.key(name).begin_object().add("light_error", error.light_error).add("noise_error", error.noise_error);
+    json.add("excess", error.excess).add("light", error.light).add("albedo_error", error.albedo_error);
+    json.add("largest_albedo_error", error.largest_albedo_error).end_object();
 }
 
-Json channel_json(const ChannelOutcome& outcome, bool checked) {
-    Json json{{"steps", outcome.factor.steps},
-              {"iterations", outcome.factor.iterations},
-              {"residual", outcome.factor.residual},
-              {"converged", outcome.factor.converged},
-              {"factored", error_json(outcome.factored)},
-              {"clustered", error_json(outcome.clustered)},
-              {"beyond_window", outcome.beyond_window}};
+void add_factored_channel(io::JsonWriter& json, const ChannelOutcome& outcome, bool checked) {
+    json.begin_object().add("steps", outcome.factor.steps).add("iterations", outcome.factor.iterations);
+    json.add("residual", outcome.factor.residual).add("converged", outcome.factor.converged);
+    add_error(json, "factored", outcome.factored);
+    add_error(json, "clustered", outcome.clustered);
+    json.add("beyond_window", outcome.beyond_window);
     if (checked) {
-        json["factored_checked"] = error_json(outcome.factored_checked);
-        json["clustered_checked"] = error_json(outcome.clustered_checked);
+        add_error(json, "factored_checked", outcome.factored_checked);
+        add_error(json, "clustered_checked", outcome.clustered_checked);
     }
-    return json;
+    json.end_object();
 }
 
-Json clusters_json(const ProfileMapResult& result, std::size_t points) {
-    Json json = Json::array();
-    for (const halftone::ProfileCluster& cluster : result.clusters.clusters)
-        json.push_back({{"points", cluster.points},
-                        {"share", cluster.points / static_cast<double>(points)},
-                        {"distance", cluster.distance}});
-    return json;
+void add_clusters(io::JsonWriter& json, const ProfileMapResult& result, std::size_t points) {
+    json.key("clusters").begin_list();
+    for (const halftone::ProfileCluster& cluster : result.clusters.clusters) {
+        json.begin_object().add("points", cluster.points);
+        json.add("share", cluster.points / static_cast<double>(points)).add("distance", cluster.distance).end_object();
+    }
+    json.end_list();
 }
 
 std::string result_json(const StackFactorJob& job, const io::BssrdfFile& data, const ProfileMapResult& result) {
-    Json channels = Json::array();
-    for (const ChannelOutcome& outcome : result.channels) channels.push_back(channel_json(outcome, !job.check.empty()));
-    const Json json{{"format", "voxtone-stack-factor"},
-                    {"version", 1},
-                    {"map", job.out},
-                    {"points", {data.responses.width, data.responses.height}},
-                    {"factor_seconds", result.factor_seconds},
-                    {"cluster_seconds", result.cluster_seconds},
-                    {"channels", channels},
-                    {"rounds", result.clusters.rounds},
-                    {"distance", result.clusters.distance},
-                    {"clusters", clusters_json(result, data.responses.points())},
-                    {"brightest_albedo", result.brightest},
-                    {"scale", result.scale}};
-    return json.dump();
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-stack-factor").add("version", 1).add("map", job.out);
+    json.add("points", std::array{data.responses.width, data.responses.height});
+    json.add("factor_seconds", result.factor_seconds).add("cluster_seconds", result.cluster_seconds);
+    json.key("channels").begin_list();
+    for (const ChannelOutcome& outcome : result.channels) add_factored_channel(json, outcome, !job.check.empty());
+    json.end_list().add("rounds", result.clusters.rounds).add("distance", result.clusters.distance);
+    add_clusters(json, result, data.responses.points());
+    return json.add("brightest_albedo", result.brightest).add("scale", result.scale).end_object().text();
 }
 
 std::string result_text(const StackFactorJob& job, const io::BssrdfFile& data, const ProfileMapResult& result) {

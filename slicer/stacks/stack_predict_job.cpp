@@ -5,9 +5,9 @@
 #include <filesystem>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "io/disk/output_files.h"
+#include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
 #include "io/profiles/profile_file.h"
 #include "slicer/stacks/named_stack.h"
@@ -62,17 +62,21 @@ std::string drawing(const StackSetting& setting, const std::string& name, const 
     return profile_plots(setting.grid(), setting.channel_names(), {std::move(R), std::move(T)}, 6);
 }
 
-nlohmann::ordered_json side_json(const StackSetting& setting, const std::vector<double>& coefficients, double error) {
+void add_side(io::JsonWriter& json, const char* name, const StackSetting& setting,
+              const std::vector<double>& coefficients, double error) {
     const SpreadFigures figures = spread_figures(setting.grid(), coefficients);
-    nlohmann::ordered_json json{
-        {"total", figures.total}, {"half_within_mm", figures.half_mm}, {"80_percent_within_mm", figures.most_mm}};
-    if (error > 0) json["standard_error"] = error;
-    return json;
+    json.key(name).begin_object().add("total", figures.total).add("half_within_mm", figures.half_mm);
+    json.add("80_percent_within_mm", figures.most_mm);
+    if (error > 0) json.add("standard_error", error);
+    json.end_object();
 }
 
-nlohmann::ordered_json light_json(const StackSetting& setting, const StackLight& light, std::size_t c) {
-    return {{"R", side_json(setting, light.R[c], light.R_error[c])},
-            {"T", side_json(setting, light.T[c], light.T_error[c])}};
+void add_light(io::JsonWriter& json, const char* name, const StackSetting& setting, const StackLight& light,
+               std::size_t c) {
+    json.key(name).begin_object();
+    add_side(json, "R", setting, light.R[c], light.R_error[c]);
+    add_side(json, "T", setting, light.T[c], light.T_error[c]);
+    json.end_object();
 }
 
 std::string light_text(const char* name, const StackSetting& setting, const StackLight& light, std::size_t c) {
@@ -84,24 +88,23 @@ std::string light_text(const char* name, const StackSetting& setting, const Stac
 JobResult result_of(const NamedStack& stack, const Prediction& prediction) {
     const StackSetting& setting = stack.setting;
     const std::string layers = io::layers_text(stack.sequence.layers);
-    nlohmann::ordered_json channels = nlohmann::json::array();
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-stack-prediction").add("version", 1).add("stack", layers);
+    json.add("surface", setting.surface_name()).add("backing", setting.backing_name()).key("channels").begin_list();
     std::string text = fmt::format("{} mm, top first; surface {}, backing {}\n", layers, setting.surface_name(),
                                    setting.backing_name());
     for (std::size_t c = 0; c < setting.channels().size(); ++c) {
-        channels.push_back(
-            {{"channel", setting.channel_name(c)}, {"layers", light_json(setting, prediction.layers, c)}});
+        json.begin_object().add("channel", setting.channel_name(c));
+        add_light(json, "layers", setting, prediction.layers, c);
         text += light_text("layers", setting, prediction.layers, c);
-        if (prediction.traced.R.empty()) continue;
-        channels.back()["monte_carlo"] = light_json(setting, prediction.traced, c);
-        text += light_text("Monte Carlo", setting, prediction.traced, c);
+        if (!prediction.traced.R.empty()) {
+            add_light(json, "monte_carlo", setting, prediction.traced, c);
+            text += light_text("Monte Carlo", setting, prediction.traced, c);
+        }
+        json.end_object();
     }
-    const nlohmann::ordered_json json{{"format", "voxtone-stack-prediction"},
-                                      {"version", 1},
-                                      {"stack", layers},
-                                      {"surface", setting.surface_name()},
-                                      {"backing", setting.backing_name()},
-                                      {"channels", channels}};
-    return {json.dump(), text};
+    json.end_list().end_object();
+    return {json.text(), text};
 }
 
 }  // namespace

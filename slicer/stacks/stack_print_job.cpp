@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "base/units.h"
 #include "halftone/stacks/whole_layers.h"
+#include "io/files/json_writer.h"
 #include "io/profiles/resin_file.h"
 #include "slicer/stacks/named_stack.h"
 #include "slicer/stacks/print_boxes.h"
@@ -111,28 +111,24 @@ BoxPrint boxes_of(const StackPrintJob& job, const std::vector<Slab>& slabs) {
 
 JobResult result_of(const StackPrintJob& job, const PrinterProfile& printer, const std::vector<Slab>& slabs,
                     const Eigen::Vector3d& size_mm, const io::StackDescription& stack) {
-    nlohmann::ordered_json json_slabs = nlohmann::json::array(), ml = nlohmann::json::object();
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-stack-print").add("version", 1).add("folder", job.out);
+    json.add("printer", printer.id).add("layers", stack.layers).key("slabs").begin_list();
     std::string text = fmt::format("{}: {:.2f} x {:.2f} x {:.3f} mm, {} layers of {:g} um\n", job.out, size_mm.x(),
                                    size_mm.y(), size_mm.z(), stack.layers, printer.pitch_um.z());
     for (const Slab& slab : slabs) {
-        nlohmann::ordered_json layers = nlohmann::json::array();
+        json.begin_object().add("name", slab.name).add("left_mm", slab.left_mm).add("height_mm", slab.height_mm);
+        json.key("layers").begin_list();
         for (const io::SequenceLayer& layer : slab.layers)
-            layers.push_back({{"material", layer.material}, {"mm", layer.mm}});
-        json_slabs.push_back(
-            {{"name", slab.name}, {"left_mm", slab.left_mm}, {"height_mm", slab.height_mm}, {"layers", layers}});
+            json.begin_object().add("material", layer.material).add("mm", layer.mm).end_object();
+        json.end_list().end_object();
         text += fmt::format("  {}, from x = {:g} mm: {} mm, top first ({:.3f} mm in all)\n", slab.name, slab.left_mm,
                             io::layers_text(slab.layers), slab.height_mm);
     }
-    for (const io::StackResin& resin : stack.resins) ml[resin.role] = resin.ml;
-    const nlohmann::ordered_json json{{"format", "voxtone-stack-print"},
-                                      {"version", 1},
-                                      {"folder", job.out},
-                                      {"printer", printer.id},
-                                      {"layers", stack.layers},
-                                      {"slabs", json_slabs},
-                                      {"ml", ml},
-                                      {"content_sha256", stack.content_sha256}};
-    return {json.dump(), text};
+    json.end_list().key("ml").begin_object();
+    for (const io::StackResin& resin : stack.resins) json.add(resin.role, resin.ml);
+    json.end_object().add("content_sha256", stack.content_sha256).end_object();
+    return {json.text(), text};
 }
 
 }  // namespace

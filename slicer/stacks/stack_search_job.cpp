@@ -2,17 +2,18 @@
 #include "slicer/stacks/stack_search_job.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "base/stopwatch.h"
 #include "base/units.h"
 #include "halftone/stacks/stack_design.h"
 #include "io/disk/output_files.h"
+#include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
 #include "io/profiles/layer_sequence_file.h"
 #include "slicer/stacks/profile_plots.h"
@@ -111,40 +112,34 @@ double spread(const std::vector<double>& coefficients) {
     return coefficients[0] != 0 ? sum / (static_cast<double>(coefficients.size()) * coefficients[0]) : 0;
 }
 
-nlohmann::ordered_json channel_json(const StackSetting& setting, const Target& target, const StackDesign& design,
-                                    std::size_t c) {
-    const auto figures = [&](const std::vector<double>& R) {
-        return nlohmann::ordered_json{{"total", R[0]}, {"spread", spread(R)}};
+void add_channel(io::JsonWriter& json, const StackSetting& setting, const Target& target, const StackDesign& design,
+                 std::size_t c) {
+    const auto add_figures = [&](const char* name, const std::vector<double>& R) {
+        json.key(name).begin_object().add("total", R[0]).add("spread", spread(R)).end_object();
     };
     const halftone::ChannelMatch& match = design.found.channels[c];
-    nlohmann::ordered_json json{{"channel", setting.channel_name(c)},
-                                {"target", figures(target.wanted[c])},
-                                {"layers", figures(design.modelled[c])}};
-    if (!design.judged.empty()) json["monte_carlo"] = figures(design.judged[c]);
-    json["reachable_totals_within"] = {match.least_total, match.most_total};
-    return json;
+    json.begin_object().add("channel", setting.channel_name(c));
+    add_figures("target", target.wanted[c]);
+    add_figures("layers", design.modelled[c]);
+    if (!design.judged.empty()) add_figures("monte_carlo", design.judged[c]);
+    json.add("reachable_totals_within", std::array{match.least_total, match.most_total}).end_object();
 }
 
-nlohmann::ordered_json result_json(const StackSetting& setting, const Target& target, const StackDesign& design,
-                                   const io::LayerSequence& sequence, const Times& times) {
-    nlohmann::ordered_json layers = nlohmann::json::array(), channels = nlohmann::json::array();
+void add_result(io::JsonWriter& json, const StackSetting& setting, const Target& target, const StackDesign& design,
+                const io::LayerSequence& sequence, const Times& times) {
+    json.begin_object().add("target", target.file).key("layers").begin_list();
     for (const io::SequenceLayer& layer : sequence.layers)
-        layers.push_back({{"material", layer.material}, {"mm", layer.mm}});
-    for (std::size_t c = 0; c < target.wanted.size(); ++c) channels.push_back(channel_json(setting, target, design, c));
-    nlohmann::ordered_json json{{"target", target.file},
-                                {"layers", layers},
-                                {"distance", design.modelled_distance},
-                                {"outside_of_gamut", design.outside},
-                                {"channels", channels},
-                                {"visited", design.found.count.visited},
-                                {"pruned", design.found.count.pruned},
-                                {"ms", times.search_ms}};
+        json.begin_object().add("material", layer.material).add("mm", layer.mm).end_object();
+    json.end_list().add("distance", design.modelled_distance).add("outside_of_gamut", design.outside);
+    json.key("channels").begin_list();
+    for (std::size_t c = 0; c < target.wanted.size(); ++c) add_channel(json, setting, target, design, c);
+    json.end_list().add("visited", design.found.count.visited).add("pruned", design.found.count.pruned);
+    json.add("ms", times.search_ms);
     if (!design.judged.empty()) {
-        json["monte_carlo_distance"] = design.judged_distance;
-        json["monte_carlo_distances"] = design.judged_distances;
-        json["monte_carlo_ms"] = times.monte_carlo_ms;
+        json.add("monte_carlo_distance", design.judged_distance);
+        json.add("monte_carlo_distances", design.judged_distances).add("monte_carlo_ms", times.monte_carlo_ms);
     }
-    return json;
+    json.end_object();
 }
 
 std::string result_text(const StackSetting& setting, const Target& target, const StackDesign& design,
@@ -239,7 +234,10 @@ JobResult run_stack_search(const StackSearchJob& job, Progress& progress) {
     const halftone::StackSearch search(materials, options.search);
     const halftone::StackJudge judge = monte_carlo(job, setting, progress);
 
-    nlohmann::ordered_json results = nlohmann::json::array();
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-stack-search").add("version", 1).add("folder", job.out);
+    json.add("surface", setting.surface_name()).add("backing", setting.backing_name());
+    json.add("stackings", search.stackings()).key("results").begin_list();
     std::string text;
     progress.begin_stage("Search", targets.size(), "targets");
     for (const Target& target : targets) {
@@ -252,19 +250,13 @@ JobResult run_stack_search(const StackSearchJob& job, Progress& progress) {
         const io::LayerSequence sequence = sequence_of(job, setting, target, design);
         io::write_whole_file(out / (target.name + ".stack.json"), io::layer_sequence_text(sequence));
         io::write_whole_file(out / (target.name + ".svg"), drawing(setting, target, design));
-        results.push_back(result_json(setting, target, design, sequence, times));
+        add_result(json, setting, target, design, sequence, times);
         text += result_text(setting, target, design, sequence, times);
         progress.advance();
     }
     progress.end_stage();
-    const nlohmann::ordered_json json{{"format", "voxtone-stack-search"},
-                                      {"version", 1},
-                                      {"folder", job.out},
-                                      {"surface", setting.surface_name()},
-                                      {"backing", setting.backing_name()},
-                                      {"stackings", search.stackings()},
-                                      {"results", results}};
-    return {json.dump(), text};
+    json.end_list().end_object();
+    return {json.text(), text};
 }
 
 }  // namespace voxtone::slicer

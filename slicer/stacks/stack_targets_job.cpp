@@ -4,11 +4,11 @@
 #include <filesystem>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "halftone/stacks/widening_targets.h"
 #include "io/disk/output_files.h"
+#include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
 #include "slicer/stacks/profile_plots.h"
 #include "slicer/stacks/spread_figures.h"
@@ -93,25 +93,24 @@ void draw(const fs::path& file, const StackSetting& setting, const std::vector<C
 
 JobResult result_of(const StackTargetsJob& job, const StackSetting& setting,
                     const std::vector<ChannelProfiles>& targets) {
-    nlohmann::ordered_json files = nlohmann::json::array();
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-stack-targets").add("version", 1).add("folder", job.out);
+    json.key("targets").begin_list();
     std::string text;
     for (std::size_t t = 0; t < targets.size(); ++t) {
         const std::string file = (fs::path(job.out) / target_name(t)).string();
         text += file + '\n';
-        nlohmann::ordered_json channels = nlohmann::json::array();
+        json.begin_object().add("file", file).key("channels").begin_list();
         for (std::size_t c = 0; c < targets[t].size(); ++c) {
             const SpreadFigures figures = spread_figures(setting.grid(), targets[t][c]);
-            channels.push_back({{"channel", setting.channel_name(c)},
-                                {"total", figures.total},
-                                {"half_within_mm", figures.half_mm},
-                                {"80_percent_within_mm", figures.most_mm}});
+            json.begin_object().add("channel", setting.channel_name(c)).add("total", figures.total);
+            json.add("half_within_mm", figures.half_mm).add("80_percent_within_mm", figures.most_mm).end_object();
             text += fmt::format("  {}: {}\n", setting.channel_name(c), spread_text('R', figures));
         }
-        files.push_back({{"file", file}, {"channels", channels}});
+        json.end_list().end_object();
     }
-    const nlohmann::ordered_json json{
-        {"format", "voxtone-stack-targets"}, {"version", 1}, {"folder", job.out}, {"targets", files}};
-    return {json.dump(), text};
+    json.end_list().end_object();
+    return {json.text(), text};
 }
 
 }  // namespace

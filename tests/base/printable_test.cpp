@@ -31,6 +31,23 @@ TEST_CASE("No text can move the cursor") {
 
 TEST_CASE("JSON strings are escaped") {
     CHECK(json_quoted("a\"b\\c\n\t\x01") == R"("a\"b\\c\n\t\u0001")");
-    CHECK(json_quoted("\xC3\xA4\xFF") == "\"\xC3\xA4\xEF\xBF\xBD\"");
+    CHECK(json_quoted("\xC3\xA4\xFF") == "\"\xC3\xA4\xEE\xBF\xBF\"");
     CHECK(json_quoted("") == "\"\"");
+}
+
+TEST_CASE("Any bytes go through valid UTF-8 and come back") {
+    CHECK(escaped_bytes("plain \xC3\xA4 \xF0\x9F\x90\xAE") == "plain \xC3\xA4 \xF0\x9F\x90\xAE");
+    CHECK(escaped_bytes("caf\xE9") == "caf\xEE\xBF\xA9");  // U+EFE9
+    std::string all;
+    for (int first = 1; first < 256; ++first)
+        for (const char* rest : {"", "\x80", "\xBF\xBF", "\xBE\x80", "\xBF\xBF\xBF", "a", "\xEE\xBE"})
+            for (const std::string& bytes : {std::string(1, char(first)) + rest, rest + std::string(1, char(first))}) {
+                const std::string text = escaped_bytes(bytes);
+                CHECK(valid_utf8(text) == text);
+                CHECK(unescaped_bytes(text) == bytes);
+                all += bytes;
+            }
+    CHECK(unescaped_bytes(escaped_bytes(all)) == all);
+    // No two names become one: what looks like an escaped byte is escaped itself.
+    CHECK(escaped_bytes("\xEE\xBF\xA9") != escaped_bytes("\xE9"));
 }

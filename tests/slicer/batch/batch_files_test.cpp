@@ -49,12 +49,17 @@ JobState full_state() {
 TEST_CASE("A state read back is the same state, and what its schema says") {
     const io::TemporaryFolder folder;
     const fs::path file = folder.path() / "state.json";
-    for (const JobState& state : {full_state(), new_state("x")}) {
+    JobState odd = full_state();  // names of files hold any bytes
+    odd.command[1] = odd.inputs[0].first = "/m/caf\xE9.obj";
+    for (const JobState& state : {full_state(), new_state("x"), odd}) {
         const std::string text = state_json(state);
         CHECK(io::schema_faults("batch-job", text) == std::vector<std::string>{});
         std::ofstream(file) << text;
         CHECK(state_json(read_state(file)) == text);
+        CHECK(read_state(file).command == state.command);
+        CHECK(read_state(file).inputs.size() == state.inputs.size());
     }
+    CHECK(read_state(file).inputs[0].first == "/m/caf\xE9.obj");
 }
 
 TEST_CASE("A state that is cut short or of another version is none") {

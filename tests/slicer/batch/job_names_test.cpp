@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/batch/job_names.h"
 
+#include <set>
+#include <string>
+#include <vector>
+
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
@@ -37,4 +41,34 @@ TEST_CASE("Names are those of folders on any file system") {
         INFO(bad);
         CHECK(!name_fault(bad).empty());
     }
+}
+
+TEST_CASE("Every model's name gives a job's name, and two give two") {
+    CHECK(name_after("Stühle v2") == "Stühle v2");
+    CHECK(name_after("caf\xE9") == "caf%E9");
+    CHECK(name_after("a:b\n") == "a%3Ab%0A");
+    CHECK(name_after(".hidden.") == "%2Ehidden%2E");
+    CHECK(name_after("batch") == "batch_");
+    std::set<std::string> names;
+    std::vector<std::string> models{"-o",
+                                    " a",
+                                    "a ",
+                                    "a.",
+                                    "index.html",
+                                    "a\x1b[2J",
+                                    "\xC2\x9B",
+                                    "\xff",
+                                    "\xfe",
+                                    std::string(250, 'x'),
+                                    std::string(251, 'x'),
+                                    std::string(80, '\xE9')};
+    std::string umlauts;
+    for (int i = 0; i < 100; ++i) umlauts += "ü";
+    models.push_back(umlauts);
+    for (const std::string& model : models) {
+        INFO(model);
+        CHECK(name_fault(name_after(model)).empty());
+        names.insert(name_after(model));
+    }
+    CHECK(names.size() == models.size());
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/batch/plan.h"
 
+#include <algorithm>
 #include <fstream>
 
 #include <fmt/core.h>
@@ -206,4 +207,29 @@ TEST_CASE("What is no plan is refused") {
     options.preset.clear();
     options.name = "{what}";
     CHECK_THROWS_AS(read_plan(options), UsageError);
+}
+
+TEST_CASE("A model whose name is no UTF-8 is a job like any other, through a plan and through its job file") {
+    const Workshop shop;
+    const std::string name = "caf\xE9.obj";
+    shop.write(name, "");
+    for (const char* text : {"", "job"}) {
+        INFO(text);
+        std::vector<PlannedJob> jobs;
+        if (std::string(text).empty()) {
+            jobs = read_plan({{shop.folder.path().string()}, {}, "{name}", shop.folder.path() / "out"});
+            REQUIRE(jobs.size() == 4);
+        } else {
+            jobs = shop.plan("plan.csv", "model\n" + name + "\n");
+            REQUIRE(jobs.size() == 1);
+        }
+        const auto job = std::find_if(jobs.begin(), jobs.end(), [](const auto& one) { return one.name == "caf%E9"; });
+        REQUIRE(job != jobs.end());
+        CHECK(job->options.model == shop.at(name));
+        CHECK(job->command[1] == shop.at(name));
+        shop.write("job.json", job_json(job->options));
+        SliceOptions read;
+        read_job(shop.at("job.json"), read);
+        CHECK(read.model == shop.at(name));
+    }
 }
