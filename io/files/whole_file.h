@@ -15,7 +15,7 @@
 
 namespace voxtone::io {
 
-/// Name of the file while this process writes it: ".NAME.HOST.PID.part" in the same folder.
+/// Name of the file while this process writes it: ".NAME.HOST.SPACE-PID-START.part" in the same folder.
 [[nodiscard]] std::filesystem::path part_path(const std::filesystem::path& file);
 
 /// Throws FileError naming the file and the system's reason, TryAgain where the disk is full; then nothing is left

@@ -211,6 +211,8 @@ StackFolder::~StackFolder() = default;
 
 const fs::path& StackFolder::path() const { return held_->out; }
 
+const std::string& StackFolder::doubt() const { return held_->lock->doubt(); }
+
 bool StackFolder::holds_stack() const { return is_there(held_->out / manifest_name); }
 
 void StackFolder::expect_free() const { expect_free_for_stack(held_->out); }

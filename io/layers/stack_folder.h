@@ -52,6 +52,8 @@ public:
     ~StackFolder();
 
     [[nodiscard]] const std::filesystem::path& path() const;
+    /// FolderLock::doubt of its lock.
+    [[nodiscard]] const std::string& doubt() const;
     [[nodiscard]] bool holds_stack() const;
     /// expect_free_for_stack of `out`.
     void expect_free() const;

@@ -5,7 +5,7 @@
 //   OUT/shards/job.json                the job, as the merged stack will have it beside its layers
 //   OUT/shards/IDENTITY.prepared       the body as the first shard prepared it, for the others
 //   OUT/shards/IDENTITY/layers/        layers of all shards, and resins/; IDENTITY: 16 digits of the job's
-//   OUT/shards/.0003-of-0016.HOST.PID.part/   where a shard that runs makes its layers, under a lock of its own
+//   OUT/shards/.0003-of-0016.HOST.MAKER.part/   where a shard that runs makes its layers, under a lock of its own
 // An old stack in OUT stays untouched until `merge` (merged_stack.h). The same shard made twice, also at once, gives
 // the same files under the same names: whoever renames last changes nothing.
 #pragma once

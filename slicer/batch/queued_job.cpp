@@ -123,6 +123,7 @@ void QueuedJob::take_lock_and_run(int threads) {
         told_elsewhere_ = true;
         return;
     }
+    if (!lock_->doubt().empty()) tell(JobEvent::Kind::warned, lock_->doubt());
     // What another batch has made of it since.
     if (const auto known = context_.folder.state_of(job_.name)) {
         if (is_unchanged(known)) {

@@ -43,6 +43,7 @@ void change_state(const BatchFolder& batch, const std::string& name, Progress& p
             progress.warn(fmt::format("{}: its state is not noted, as a batch on another machine works on it", name));
             return;
         }
+        if (!lock->doubt().empty()) progress.warn(lock->doubt());
         JobState state = batch.state_of(name).value_or(JobState());
         state.name = name;
         change(state);

@@ -158,6 +158,7 @@ SliceResult run_slice_job(const SliceOptions& asked, Progress& progress) {
     std::vector<std::string_view> companions(report_file::all.begin(), report_file::all.end());
     companions.push_back(io::shards_name);
     io::StackFolder folder(opened.options.out, std::move(companions));
+    if (!folder.doubt().empty()) progress.warn(folder.doubt());
     if (auto done = done_before(opened, folder, progress)) return *std::move(done);
     expect_replaceable(opened, folder, progress);
     expect_resumable(opened, folder, progress);

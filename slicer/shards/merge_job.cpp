@@ -82,7 +82,7 @@ std::string job_text(const fs::path& out) {
     return {bytes.begin(), bytes.end()};
 }
 
-void lay_together(const MergeOptions& options, const io::ShardSet& shards) {
+void lay_together(const MergeOptions& options, const io::ShardSet& shards, Progress& progress) {
     if (io::is_merged(options.out, shards)) return;
     if (recorded_identity(io::shards_folder(options.out)) != shards.job())
         throw InputError(
@@ -90,6 +90,7 @@ void lay_together(const MergeOptions& options, const io::ShardSet& shards) {
                         "--overwrite",
                         (io::shards_folder(options.out) / job_file_name).string()));
     io::StackFolder folder(options.out, {report_file::all.begin(), report_file::all.end()});
+    if (!folder.doubt().empty()) progress.warn(folder.doubt());
     expect_replaceable(options, folder, shards);
     io::expect_files(options.out, shards);
     io::merge_shards(folder, shards, job_text(options.out));
@@ -185,7 +186,7 @@ JobResult run_merge_job(const MergeOptions& options, Progress& progress) {
     const io::ShardSet shards = io::read_shards(options.out);
     io::sweep_shards(options.out);
     const bool was_merged = io::is_merged(options.out, shards);
-    lay_together(options, shards);
+    lay_together(options, shards, progress);
     if (std::error_code not_there; !options.report) fs::remove(io::prepared_file(options.out, shards.job()), not_there);
     if (!options.report) return short_result(options.out, shards, was_merged ? "merged already" : "merged");
     if (was_merged && !options.predict && fs::exists(options.out / report_file::figures))

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <fstream>
 #include <iterator>
@@ -145,22 +146,39 @@ TEST_CASE("what the disk did not take is an error, and the old file stays", "[wh
 TEST_CASE("temporary names say whose they are, and what a killed job left is swept", "[whole-file]") {
     const TemporaryFolder folder;
     const fs::path file = folder.path() / "a.png";
-    CHECK(part_path(file).filename() == fmt::format(".a.png.{}.{}.part", host_name(), getpid()));
-    const auto part_of = [&](pid_t process) {
-        return folder.path() / fmt::format(".a.png.{}.{}.part", host_name(), process);
+    const auto name_of = [&](const std::string& of, const std::string& space, pid_t process, std::uint64_t start) {
+        return folder.path() / fmt::format(".{}.{}.{}-{}-{}.part", of, host_name(), space, process, start);
     };
+    const std::string here = process_space(), container = here == "00000000" ? "11111111" : "00000000";
+    CHECK(part_path(file) == name_of("a.png", here, getpid(), start_of_process(getpid())));
     const pid_t first = ended_process();
     pid_t second = ended_process();
     while (second == first) second = ended_process();
-    const fs::path dead = part_of(first), locked = part_of(second), living = part_of(1),
-                   elsewhere = folder.path() / ".a.png.another-host.1.part",
-                   other = folder.path() / fmt::format(".b.png.{}.{}.part", host_name(), first);
-    for (const fs::path& part : {dead, locked, living, elsewhere, other}) std::ofstream(part) << "half";
+    const fs::path dead = name_of("a.png", here, first, 1), later = name_of("a.png", here, 1, start_of_process(1) + 1),
+                   left = name_of("a.png", container, 1, 1);
+    const fs::path locked = name_of("a.png", here, second, 1), living = name_of("a.png", here, 1, start_of_process(1)),
+                   container_s = name_of("a.png", container, 1, 2), other = name_of("b.png", here, first, 1),
+                   elsewhere = folder.path() / fmt::format(".a.png.another-host.{}-{}-1.part", here, first);
+    for (const fs::path& part : {dead, later, left, locked, living, container_s, other, elsewhere})
+        std::ofstream(part) << "half";
+    fs::last_write_time(left, fs::file_time_type::clock::now() - std::chrono::hours(2));
     const OpenFile held(::open(locked.c_str(), O_RDWR | O_CLOEXEC));
     REQUIRE(flock(held.get(), LOCK_EX | LOCK_NB) == 0);
     write_whole_file(file, std::string_view("whole"));
-    CHECK_FALSE(fs::exists(dead));
-    for (const fs::path& kept : {locked, living, elsewhere, other, file}) CHECK(fs::exists(kept));
+    for (const fs::path& swept : {dead, later, left}) CHECK_FALSE(fs::exists(swept));
+    for (const fs::path& kept : {locked, living, container_s, elsewhere, other, file}) CHECK(fs::exists(kept));
+}
+
+TEST_CASE("two containers with one host name and one process number write under two names", "[whole-file]") {
+    // Another start of process 1, and the same process number in another space.
+    const TemporaryFolder folder;
+    const fs::path file = folder.path() / "a.png", mine = part_path(file);
+    std::string of_another = mine.filename().string();
+    of_another.replace(of_another.find(process_space()), process_space().size(), "0123abcd");
+    std::ofstream(folder.path() / of_another) << "half";
+    write_whole_file(file, std::string_view("whole"));
+    CHECK(text_of(file) == "whole");
+    CHECK(text_of(folder.path() / of_another) == "half");
 }
 
 TEST_CASE("two writers of one process number do not write into one file", "[whole-file]") {
