@@ -24,7 +24,6 @@ std::vector<fs::path> helper_folders() {
     if (const fs::path program = fs::read_symlink("/proc/self/exe", error); !error)
         folders = {program.parent_path().parent_path() / "libexec" / "voxtone", program.parent_path()};
     folders.emplace_back(VOXTONE_INSTALLED_HELPERS);
-    folders.emplace_back(VOXTONE_BUILT_HELPERS);
     return folders;
 }
 

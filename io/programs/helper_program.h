@@ -13,8 +13,9 @@ namespace voxtone::io {
 inline constexpr const char* helpers_variable = "VOXTONE_HELPERS";
 
 /// The program of this name: in $VOXTONE_HELPERS if that is set; else in ../libexec/voxtone of the running program's
-/// folder or in that folder; else, for programs that only link the library, where voxtone was installed or built.
-/// Throws FileError naming the places.
+/// folder or in that folder; else, for programs that only link the library, where voxtone was installed. The folder
+/// that it was built in is no such place: who could make that path on another machine would have his programs run
+/// there. Tests and benchmarks set the variable. Throws FileError naming the places.
 [[nodiscard]] std::filesystem::path find_helper(const std::string& name);
 
 }  // namespace voxtone::io

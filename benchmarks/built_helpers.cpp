@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The programs of this folder run the helper programs of the build that they are of, whatever else is installed
+// (io/programs/helper_program.h).
+#include <cstdlib>
+
+namespace {
+
+[[maybe_unused]] const bool is_set = setenv("VOXTONE_HELPERS", VOXTONE_HELPERS, 0) == 0;
+
+}  // namespace
