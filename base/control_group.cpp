@@ -26,13 +26,10 @@ Value least_up_to(const fs::path& mount, const std::string& group, const std::fu
     return least;
 }
 
-/// Of all groups that the file names: version 2, and those of one controller of version 1, which has a mount of its
-/// own.
-template <class Value>
-Value least_of_groups(const fs::path& cgroup, const fs::path& mount, const std::string& controller, Value none,
-                      const std::function<Value(const fs::path&)>& second,
-                      const std::function<Value(const fs::path&)>& first) {
-    Value least = none;
+/// Calls `second(group)` for the group of version 2 that the file names, `first(group)` for that of one controller of
+/// version 1, which has a mount of its own.
+template <class Second, class First>
+void for_groups(const fs::path& cgroup, const std::string& controller, const Second& second, const First& first) {
     std::ifstream in(cgroup);
     for (std::string line; std::getline(in, line);) {  // NUMBER:CONTROLLERS:/GROUP
         const std::size_t left = line.find(':'), right = line.find(':', left + 1);
@@ -40,11 +37,34 @@ Value least_of_groups(const fs::path& cgroup, const fs::path& mount, const std::
         std::string controllers(",");
         controllers.append(line, left + 1, right - left - 1).append(",");
         const std::string group = line.substr(right + 1);
-        if (controllers == ",,") least = std::min(least, least_up_to<Value>(mount, group, second));
-        if (controllers.find("," + controller + ",") != std::string::npos)
-            least = std::min(least, least_up_to<Value>(mount / controller, group, first));
+        if (controllers == ",,") second(group);
+        if (controllers.find("," + controller + ",") != std::string::npos) first(group);
     }
+}
+
+template <class Value>
+Value least_of_groups(const fs::path& cgroup, const fs::path& mount, const std::string& controller, Value none,
+                      const std::function<Value(const fs::path&)>& second,
+                      const std::function<Value(const fs::path&)>& first) {
+    Value least = none;
+    for_groups(
+        cgroup, controller,
+        [&](const std::string& group) { least = std::min(least, least_up_to<Value>(mount, group, second)); },
+        [&](const std::string& group) {
+            least = std::min(least, least_up_to<Value>(mount / controller, group, first));
+        });
     return least;
+}
+
+/// The number behind "oom_kill" in a file of the group, or of the mount where that is the group itself.
+std::uint64_t oom_kills_in(const fs::path& mount, const std::string& group, const char* name) {
+    std::ifstream in(mount / fs::path(group).relative_path() / name);
+    if (!in) in.open(mount / name);
+    std::string key;
+    std::uint64_t count = 0;
+    while (in >> key >> count)
+        if (key == "oom_kill") return count;
+    return 0;
 }
 
 /// The number in a file; "max", and what is no file, are no limit.
@@ -79,6 +99,14 @@ double cgroup_cores(const fs::path& cgroup, const fs::path& mount) {
             double quota = 0, period = 0;
             return quota_file >> quota && period_file >> period ? share(quota, period) : no_quota;  // -1: none
         });
+}
+
+std::uint64_t cgroup_oom_kills(const fs::path& cgroup, const fs::path& mount) {
+    std::uint64_t kills = 0;
+    for_groups(
+        cgroup, "memory", [&](const std::string& group) { kills += oom_kills_in(mount, group, "memory.events"); },
+        [&](const std::string& group) { kills += oom_kills_in(mount / "memory", group, "memory.oom_control"); });
+    return kills;
 }
 
 }  // namespace voxtone

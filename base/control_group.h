@@ -19,4 +19,9 @@ namespace voxtone {
 [[nodiscard]] double cgroup_cores(const std::filesystem::path& cgroup = "/proc/self/cgroup",
                                   const std::filesystem::path& mount = "/sys/fs/cgroup");
 
+/// How many processes of this process's own group the kernel has killed for memory so far (oom_kill in memory.events,
+/// memory.oom_control). 0 where that is not told.
+[[nodiscard]] std::uint64_t cgroup_oom_kills(const std::filesystem::path& cgroup = "/proc/self/cgroup",
+                                             const std::filesystem::path& mount = "/sys/fs/cgroup");
+
 }  // namespace voxtone

@@ -112,8 +112,14 @@ void BatchFolder::publish(const JobState& state) const {
 }
 
 std::unique_ptr<io::FolderLock> BatchFolder::lock(const std::string& name) const {
+    return lock_file(name_of_lock(name));
+}
+
+std::unique_ptr<io::FolderLock> BatchFolder::lock_summary() const { return lock_file("..summary.lock"); }
+
+std::unique_ptr<io::FolderLock> BatchFolder::lock_file(const std::string& file) const {
     try {
-        return std::make_unique<io::FolderLock>(states_folder(), name_of_lock(name));
+        return std::make_unique<io::FolderLock>(states_folder(), file);
     } catch (const io::FolderHeld&) {
         return nullptr;
     }

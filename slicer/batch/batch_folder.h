@@ -45,12 +45,15 @@ public:
 
     /// Nothing where another process holds the job. Throws FileError, TryAgain.
     [[nodiscard]] std::unique_ptr<io::FolderLock> lock(const std::string& name) const;
+    /// Of the summary, for those who need not draw it where another does. As `lock`.
+    [[nodiscard]] std::unique_ptr<io::FolderLock> lock_summary() const;
     /// Removes the lock's file where a killed process left it.
     void sweep_lock(const std::string& name) const;
 
 private:
     explicit BatchFolder(std::filesystem::path out) : out_(std::move(out)) {}
     [[nodiscard]] std::filesystem::path states_folder() const { return out_ / "batch"; }
+    [[nodiscard]] std::unique_ptr<io::FolderLock> lock_file(const std::string& file) const;
     [[nodiscard]] static std::string name_of_lock(const std::string& name) { return "." + name + ".lock"; }
 
     std::filesystem::path out_;

@@ -72,7 +72,7 @@ std::string result_text(const BatchQueue& queue, const BatchOptions& options, do
         if (job->stage() == Stage::failed)
             text += fmt::format("  {} failed (exit code {}): {}\n", job->name(), job->state().exit_code,
                                 job->state().message);
-    return text + fmt::format("summary: {}\n", (options.out / "index.html").string());
+    return text + fmt::format("summary: {}\n", (options.out / batch_page_name).string());
 }
 
 /// A summary that cannot be written takes nothing from what was done.

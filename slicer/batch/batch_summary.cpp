@@ -235,7 +235,7 @@ std::string batch_csv(const std::vector<JobState>& states) {
 void write_batch_summary(const BatchFolder& folder) {
     const std::vector<JobState> states = folder.states();
     io::write_whole_file(folder.path() / "summary.csv", batch_csv(states));
-    io::write_whole_file(folder.path() / "index.html", batch_html(folder, states));
+    io::write_whole_file(folder.path() / batch_page_name, batch_html(folder, states));
 }
 
 }  // namespace voxtone::slicer

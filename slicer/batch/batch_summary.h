@@ -11,6 +11,8 @@
 
 namespace voxtone::slicer {
 
+inline constexpr const char* batch_page_name = "index.html";
+
 /// Publishes both, of all states that there are. Throws FileError, TryAgain.
 void write_batch_summary(const BatchFolder& folder);
 

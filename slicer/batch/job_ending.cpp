@@ -10,7 +10,7 @@
 
 namespace voxtone::slicer {
 
-JobEnding ending_of(const ProcessEnd& end, const std::string& said, bool was_asked) {
+JobEnding ending_of(const ProcessEnd& end, const std::string& said, bool was_asked, std::uint64_t oom_kills) {
     using Kind = JobEnding::Kind;
     constexpr auto number = [](ExitCode code) { return static_cast<int>(code); };
     const auto why = [&](const char* otherwise) { return said.empty() ? std::string(otherwise) : said; };
@@ -19,6 +19,11 @@ JobEnding ending_of(const ProcessEnd& end, const std::string& said, bool was_ask
     if (code == number(ExitCode::done)) return {};
     if (code == number(ExitCode::stopped) || (was_killed && was_asked))
         return {Kind::again, number(ExitCode::stopped), why("stopped on request")};
+    // A job whose reader was killed ends with 75, as if another time might do.
+    const bool starved = oom_kills > 0 && (end.signal == SIGKILL || code == number(ExitCode::try_again));
+    if (starved)
+        return {Kind::starved, number(ExitCode::unfinished),
+                "the kernel killed it for memory: it took more than it was given"};
     if (code == number(ExitCode::try_again))
         return {Kind::again, code, why("it could not go on for no fault of its own")};
     if (was_killed)

@@ -3,6 +3,7 @@
 // What the end of a job's process means for the job.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "slicer/batch/job_process.h"
@@ -15,6 +16,7 @@ struct JobEnding {
         again,    ///< for no fault of its own, or to be saved: the same again may go
         failed,   ///< for a person to mend
         checked,  ///< failed, and its stack and report are there: the print will not look as asked (--strict)
+        starved,  ///< the kernel killed it, or what it had started, for memory: the same again with no more will not go
     };
     Kind kind = Kind::done;
     int exit_code = 0;    ///< of the program, or what stands for a signal
@@ -22,6 +24,8 @@ struct JobEnding {
 };
 
 /// `said`: the last message of the process; empty: none. `was_asked`: it was told to stop by who asks here.
-[[nodiscard]] JobEnding ending_of(const ProcessEnd& end, const std::string& said, bool was_asked);
+/// `oom_kills`: how often the kernel killed for memory in our control group while it ran (base/control_group.h).
+[[nodiscard]] JobEnding ending_of(const ProcessEnd& end, const std::string& said, bool was_asked,
+                                  std::uint64_t oom_kills = 0);
 
 }  // namespace voxtone::slicer

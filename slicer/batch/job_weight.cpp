@@ -57,6 +57,11 @@ std::vector<std::string> estimate_words(const std::vector<std::string>& slice_wo
     return words;
 }
 
+JobWeight with_more_memory(const JobWeight& before) {
+    constexpr std::uint64_t times = 2;
+    return {before.is_known() ? times * before.memory_bytes : before.memory_bytes, before.threads, before.bound};
+}
+
 JobWeight weigh_by_estimate(const JobWeight& before, const std::string& rest_of_line) {
     JobWeight weight{before.memory_bytes, before.threads, false};
     try {

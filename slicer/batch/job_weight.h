@@ -31,6 +31,9 @@ struct JobWeight {
 /// Words behind `voxtone` that estimate what these slice.
 [[nodiscard]] std::vector<std::string> estimate_words(const std::vector<std::string>& slice_words);
 
+/// Of a job that was killed for memory: twice as much, so that it runs beside fewer others, or alone.
+[[nodiscard]] JobWeight with_more_memory(const JobWeight& before);
+
 inline constexpr const char* estimate_begin = R"({"format":"voxtone-estimate",)";
 /// Of what they print behind `estimate_begin`, with the weight that was taken until then where that cannot be read.
 [[nodiscard]] JobWeight weigh_by_estimate(const JobWeight& before, const std::string& rest_of_line);

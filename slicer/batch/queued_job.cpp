@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include "base/control_group.h"
 #include "base/error.h"
 #include "io/disk/disk_space.h"
 #include "io/programs/build_identity.h"
@@ -108,7 +109,7 @@ void QueuedJob::start(int threads) {
     } catch (const Cancelled&) {
         throw;
     } catch (const TryAgain& error) {
-        try_again(static_cast<int>(error.exit_code()), error.what());
+        take_step(next_step({JobEnding::Kind::again, static_cast<int>(error.exit_code()), error.what()}, attempts()));
     } catch (const Error& error) {
         fail(static_cast<int>(error.exit_code()), error.what());
     }
@@ -146,18 +147,12 @@ void QueuedJob::run(const std::vector<std::string>& words) {
     append_line(log, fmt::format("== {} {}", utc_now(), shell_line(shown)));
     log_begin_ = log_size(log);
     began_ns_ = now_ns();
+    oom_kills_before_ = cgroup_oom_kills();
     process_ =
         std::make_unique<JobProcess>(ProcessStart{context_.options.program, words, {}, log, lock_->descriptor()});
     stage_ = Stage::running;
-    state_.phase = JobPhase::running;
-    state_.program = io::build_identity();
+    note_start(state_, {io::host_name(), process_->pid(), process_->start_time(), utc_now()}, tries_);
     state_.command = job_.command;
-    state_.attempts = tries_;
-    state_.runner = JobRunner{io::host_name(), process_->pid(), process_->start_time(), utc_now()};
-    state_.message.clear();
-    state_.finished.clear();
-    state_.figures.reset();
-    state_.after.reset();
     publish();
     context_.view.tell({JobEvent::Kind::started, job_.name, {}, 0, tries_, threads_, 0});
 }
@@ -175,31 +170,40 @@ void QueuedJob::look() {
         take_end_of_job(*end);
 }
 
+Attempts QueuedJob::attempts() const { return {tries_, context_.options.retries, stopping_, !has_got_more_}; }
+
 void QueuedJob::take_end_of_job(const ProcessEnd& end) {
+    const std::string said = last_words(context_.folder.log_file(job_.name), log_begin_);
+    const JobEnding ending = ending_of(end, said, stopping_, cgroup_oom_kills() - oom_kills_before_);
     try {
-        take_end(end);
+        take_step(next_step(ending, attempts()));
     } catch (const TryAgain& error) {
-        try_again(static_cast<int>(error.exit_code()), error.what());
+        take_step(next_step({JobEnding::Kind::again, static_cast<int>(error.exit_code()), error.what()}, attempts()));
     } catch (const Error& error) {
         fail(static_cast<int>(error.exit_code()), fmt::format("what it left cannot be read: {}", error.what()));
     }
 }
 
-void QueuedJob::take_end(const ProcessEnd& end) {
-    state_.runner.reset();
-    const JobEnding ending = ending_of(end, last_words(context_.folder.log_file(job_.name), log_begin_), stopping_);
-    switch (ending.kind) {
-        case JobEnding::Kind::done:
+/// Throws Error where its stack is to be taken and cannot be.
+void QueuedJob::take_step(const NextStep& step) {
+    switch (step.kind) {
+        case NextStep::Kind::finish:
             return finish_stack();
-        case JobEnding::Kind::again:
-            return try_again(ending.exit_code, ending.message);
-        case JobEnding::Kind::checked:
+        case NextStep::Kind::with_more:
+            has_got_more_ = true;
+            weight_ = with_more_memory(weight_);
+            return wait_again(step, JobEvent::Kind::again);
+        case NextStep::Kind::again:
+            return wait_again(step, JobEvent::Kind::again);
+        case NextStep::Kind::put_aside:
+            return wait_again(step, JobEvent::Kind::stopped);
+        case NextStep::Kind::fail_with_stack:
             read_stack();
             break;
-        case JobEnding::Kind::failed:
+        case NextStep::Kind::fail:
             break;
     }
-    fail(ending.exit_code, ending.message);
+    fail(step.exit_code, step.message);
 }
 
 /// Throws Error where that cannot be.
@@ -212,9 +216,7 @@ void QueuedJob::read_stack() {
 /// Throws Error where what was made, or that it was, cannot be kept.
 void QueuedJob::finish_stack() {
     read_stack();
-    state_.phase = JobPhase::done;
-    state_.exit_code = 0;
-    state_.finished = utc_now();
+    note_done(state_);
     if (!context_.options.after.empty()) state_.after = AfterState{};
     context_.folder.publish(state_);  // a result of which no file tells would be forgotten: where it cannot be, again
     tell(JobEvent::Kind::done);
@@ -225,36 +227,21 @@ void QueuedJob::finish_stack() {
 }
 
 void QueuedJob::fail(int exit_code, const std::string& message) {
-    state_.phase = JobPhase::failed;
-    state_.exit_code = exit_code;
-    state_.message = message;
-    state_.finished = utc_now();
+    note_failed(state_, exit_code, message);
     publish();
     tell(JobEvent::Kind::failed, message);
     leave(Stage::failed);
 }
 
-void QueuedJob::try_again(int exit_code, const std::string& message) {
-    if (stopping_) return put_aside(exit_code, message);
-    if (tries_ > context_.options.retries)
-        return fail(exit_code, fmt::format("{} (after {} attempts)", message, tries_));
-    constexpr double longest_s = 60;
-    state_.phase = JobPhase::queued;
-    state_.exit_code = exit_code;
-    state_.message = message;
+void QueuedJob::wait_again(const NextStep& step, JobEvent::Kind event) {
+    note_waiting(state_, step.exit_code, step.message);
     publish();
-    tell(JobEvent::Kind::again, message);
-    since_pause_ = Stopwatch();
-    pause_s_ = std::min(longest_s, context_.options.backoff_s * double(1 << std::min(tries_ - 1, 10)));
-    leave(Stage::waiting);
-}
-
-void QueuedJob::put_aside(int exit_code, const std::string& message) {
-    state_.phase = JobPhase::queued;
-    state_.exit_code = exit_code;
-    state_.message = message;
-    publish();
-    tell(JobEvent::Kind::stopped, message);
+    tell(event, step.message);
+    if (event == JobEvent::Kind::again) {
+        constexpr double longest_s = 60;
+        since_pause_ = Stopwatch();
+        pause_s_ = std::min(longest_s, context_.options.backoff_s * double(1 << std::min(tries_ - 1, 10)));
+    }
     leave(Stage::waiting);
 }
 

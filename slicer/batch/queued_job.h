@@ -14,6 +14,7 @@
 #include "slicer/batch/batch_folder.h"
 #include "slicer/batch/batch_view.h"
 #include "slicer/batch/input_digests.h"
+#include "slicer/batch/job_life.h"
 #include "slicer/batch/job_process.h"
 #include "slicer/batch/job_weight.h"
 #include "slicer/batch/plan.h"
@@ -76,12 +77,12 @@ private:
     void run(const std::vector<std::string>& words);
     void take_end_of_weighing();
     void take_end_of_job(const ProcessEnd& end);
-    void take_end(const ProcessEnd& end);
+    [[nodiscard]] Attempts attempts() const;
+    void take_step(const NextStep& step);
     void finish_stack();
     void read_stack();
     void fail(int exit_code, const std::string& message);
-    void try_again(int exit_code, const std::string& message);
-    void put_aside(int exit_code, const std::string& message);
+    void wait_again(const NextStep& step, JobEvent::Kind event);
     void follow();
     void take_end_of_follower(const ProcessEnd& end);
     void leave(Stage stage);
@@ -93,12 +94,13 @@ private:
     JobState state_;
     JobWeight weight_;
     Stage stage_ = Stage::waiting;
-    bool unchanged_ = false, stopping_ = false, told_elsewhere_ = false;
+    bool unchanged_ = false, stopping_ = false, told_elsewhere_ = false, has_got_more_ = false;
     int threads_ = 0, tries_ = 0;
     double pause_s_ = 0;
     Stopwatch since_pause_, since_start_;
     std::int64_t began_ns_ = 0;
     std::uintmax_t log_begin_ = 0;
+    std::uint64_t oom_kills_before_ = 0;
     std::unique_ptr<io::FolderLock> lock_;
     std::unique_ptr<JobProcess> process_;
 };

@@ -129,3 +129,26 @@ TEST_CASE("a shell's limit of address space is a limit of memory", "[memory]") {
     waitpid(child, &status, 0);
     CHECK(status == 0);
 }
+
+TEST_CASE("what the kernel has killed in a control group for memory is counted", "[memory]") {
+    const Groups groups;
+    const auto kills = [&] { return cgroup_oom_kills(groups.folder / "self", groups.folder / "mount"); };
+    CHECK(kills() == 0);
+    SECTION("version 2") {
+        groups.write("self", "0::/jobs/one");
+        CHECK(kills() == 0);
+        groups.write("mount/memory.events", "low 0\noom 9\noom_kill 9");
+        groups.write("mount/jobs/one/memory.events", "low 0\nhigh 1\nmax 17\noom 2\noom_kill 3\noom_group_kill 0");
+        CHECK(kills() == 3);
+    }
+    SECTION("version 2 in a container") {
+        groups.write("self", "0::/system.slice/docker-1.scope");
+        groups.write("mount/memory.events", "oom 2\noom_kill 4");
+        CHECK(kills() == 4);
+    }
+    SECTION("version 1") {
+        groups.write("self", "5:cpu:/a\n4:memory:/jobs/7\n0::/");
+        groups.write("mount/memory/jobs/7/memory.oom_control", "oom_kill_disable 0\nunder_oom 0\noom_kill 5");
+        CHECK(kills() == 5);
+    }
+}

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A batch's queue, with a shell's script in the place of the program.
+#include "slicer/batch/batch_queue.h"
+
+#include <algorithm>
+#include <fstream>
+
+#include <fmt/core.h>
+#include <catch2/catch.hpp>
+
+#include "slicer/batch/job_result.h"
+#include "slicer/options/job_file.h"
+#include "tests/io/files/temporary_folder.h"
+
+using namespace voxtone;
+using namespace voxtone::slicer;
+using Catch::Matchers::Contains;
+using Kind = JobEvent::Kind;
+namespace fs = std::filesystem;
+
+namespace {
+
+class Events final : public BatchView {
+public:
+    void tell(const JobEvent& event) override { all.push_back(event); }
+    [[nodiscard]] std::vector<JobEvent> of(Kind kind) const {
+        std::vector<JobEvent> found;
+        std::copy_if(all.begin(), all.end(), std::back_inserter(found),
+                     [&](const JobEvent& event) { return event.kind == kind; });
+        return found;
+    }
+    std::vector<JobEvent> all;
+};
+
+struct Workshop {
+    /// `script`: of the program; $OUT is the workshop's folder.
+    explicit Workshop(const std::string& script) {
+        std::ofstream(folder.path() / "program")
+            << fmt::format("#!/bin/sh\nOUT='{}'\n", folder.path().string()) << script;
+        fs::permissions(folder.path() / "program", fs::perms::owner_all);
+        std::ofstream(folder.path() / "a.obj") << "";
+        options.out = folder.path() / "out";
+        options.program = folder.path() / "program";
+        options.backoff_s = 0.001;
+        options.cores = 4;
+        options.memory_bytes = std::uint64_t{1} << 50;
+    }
+    [[nodiscard]] PlannedJob job(const std::string& name) const {
+        PlannedJob planned;
+        planned.name = name;
+        planned.options.model = (folder.path() / "a.obj").string();
+        planned.options.iterations = "0";
+        planned.options.predict = "none";
+        planned.out = options.out / name;
+        planned.options.out = planned.out.string();
+        planned.command = {"slice", planned.options.model};
+        return planned;
+    }
+    [[nodiscard]] std::string said() const {
+        std::ifstream in(folder.path() / "said");
+        return {std::istreambuf_iterator<char>(in), {}};
+    }
+    io::TemporaryFolder folder;
+    BatchOptions options;
+};
+
+/// A queue and what it shares.
+struct Batch {
+    explicit Batch(const Workshop& shop)
+        : folder(BatchFolder::make(shop.options.out)),
+          context{shop.options, folder, digests, events, progress},
+          queue(context) {}
+    void run() {
+        while (queue.step()) at_once = std::max(at_once, queue.snapshot(false).running.size());
+    }
+    BatchFolder folder;
+    InputDigests digests;
+    Events events;
+    Progress progress;
+    BatchContext context;
+    BatchQueue queue;
+    std::size_t at_once = 0;
+};
+
+}  // namespace
+
+TEST_CASE("A job that may go another time is begun once and so many times again as is allowed") {
+    Workshop shop("echo 'voxtone: the disk is full'\nexit 75\n");
+    shop.options.retries = 2;
+    Batch batch(shop);
+    batch.queue.add(shop.job("a"));
+    batch.run();
+    const auto started = batch.events.of(Kind::started);
+    REQUIRE(started.size() == 3);
+    for (int i = 0; i < 3; ++i) CHECK(started[std::size_t(i)].attempt == i + 1);
+    CHECK(batch.events.of(Kind::again).size() == 2);
+    const auto failed = batch.events.of(Kind::failed);
+    REQUIRE(failed.size() == 1);
+    CHECK(failed[0].message == "the disk is full (after 3 attempts)");
+    CHECK(failed[0].exit_code == 75);
+    const auto state = batch.folder.state_of("a");
+    REQUIRE(state);
+    CHECK(state->phase == JobPhase::failed);
+    CHECK(state->attempts == 3);
+}
+
+TEST_CASE("What is for a person to mend is begun once, and stops no other") {
+    Workshop shop("case \"$2\" in *bad*) echo 'voxtone: no model'; exit 3;; esac\nkill -9 $$\n");
+    shop.options.retries = 1;
+    Batch batch(shop);
+    PlannedJob bad = shop.job("bad");
+    bad.command[1] = "bad";
+    batch.queue.add(bad);
+    batch.queue.add(shop.job("killed"));
+    batch.run();
+    CHECK(batch.events.of(Kind::started).size() == 3);
+    CHECK(batch.folder.state_of("bad")->exit_code == 3);
+    CHECK(batch.folder.state_of("bad")->message == "no model");
+    CHECK_THAT(batch.folder.state_of("killed")->message, Contains("signal 9") && Contains("after 2 attempts"));
+}
+
+TEST_CASE("No more jobs run at once than are allowed, and cores are shared among those that do") {
+    Workshop shop("echo \"$@\" >>$OUT/said\nexit 3\n");
+    shop.options.jobs = 2;
+    Batch batch(shop);
+    for (const char* name : {"a", "b", "c", "d", "e"}) batch.queue.add(shop.job(name));
+    batch.run();
+    CHECK(batch.at_once <= 2);
+    for (const JobEvent& event : batch.events.of(Kind::started)) {
+        CHECK(event.threads >= 2);
+        CHECK(event.threads <= 4);
+    }
+    CHECK(batch.queue.ended() == 5);
+}
+
+TEST_CASE("What another batch has made of a job since is its batch's, and may be made again") {
+    const Workshop shop("echo \"$@\" >>$OUT/said\nexit 3\n");
+    Batch batch(shop);
+    fs::create_directories(shop.options.out / "a");
+    std::ofstream(shop.options.out / "a/foreign") << "";
+    batch.queue.add(shop.job("a"));
+    REQUIRE(batch.folder.state_of("a"));
+    CHECK_FALSE(batch.folder.state_of("a")->folder_is_ours);
+    // Its owner clears the folder; another batch takes it, and is killed in the midst of its work.
+    fs::remove(shop.options.out / "a/foreign");
+    JobState others = *batch.folder.state_of("a");
+    others.folder_is_ours = true;
+    batch.folder.publish(others);
+    std::ofstream(shop.options.out / "a/left") << "";
+    batch.run();
+    CHECK_THAT(shop.said(), Contains("--overwrite"));
+    CHECK(batch.folder.state_of("a")->folder_is_ours);
+}
+
+TEST_CASE("A folder that no batch has made is not replaced") {
+    const Workshop shop("echo \"$@\" >>$OUT/said\nexit 3\n");
+    Batch batch(shop);
+    fs::create_directories(shop.options.out / "a");
+    std::ofstream(shop.options.out / "a/foreign") << "";
+    batch.queue.add(shop.job("a"));
+    batch.run();
+    CHECK_THAT(shop.said(), Contains("slice") && !Contains("--overwrite"));
+}
+
+TEST_CASE("What runs when a batch is stopped waits for the next, however often it was tried") {
+    Workshop shop("touch $OUT/runs\ntrap 'exit 85' TERM\nwhile :; do sleep 0.01; done\n");
+    shop.options.retries = 0;
+    Batch batch(shop);
+    batch.queue.add(shop.job("a"));
+    while (!fs::exists(shop.folder.path() / "runs")) REQUIRE(batch.queue.step());
+    batch.queue.stop();
+    CHECK(batch.events.of(Kind::stopped).size() == 1);
+    CHECK(batch.events.of(Kind::failed).empty());
+    const auto state = batch.folder.state_of("a");
+    REQUIRE(state);
+    CHECK(state->phase == JobPhase::queued);
+    CHECK(state->exit_code == 85);
+    CHECK_FALSE(state->runner);
+}
+
+TEST_CASE("What an input held is known of one that was last changed long before the job began, and of no other") {
+    const io::TemporaryFolder folder;
+    const std::string model = (folder.path() / "a.obj").string();
+    std::ofstream(model) << "v 0 0 0\n";
+    SliceOptions options;
+    options.model = model;
+    const std::vector<JobInput> inputs{{"model", model, std::string(64, 'a')}};
+    std::ofstream(folder.path() / "job.json") << job_record(options, inputs, folder.path());
+    const auto stamp = FileStamp::of(model);
+    REQUIRE(stamp);
+    constexpr std::int64_t second = 1'000'000'000;
+    InputDigests young, old;
+    learn_inputs(folder.path(), stamp->changed_ns + second, young);
+    CHECK_FALSE(young.find(model));
+    CHECK(known_inputs(folder.path(), young).empty());
+    learn_inputs(folder.path(), stamp->changed_ns + 3 * second, old);
+    REQUIRE(old.find(model));
+    CHECK(old.find(model)->sha256 == std::string(64, 'a'));
+    REQUIRE(known_inputs(folder.path(), old).size() == 1);
+    CHECK(known_inputs(folder.path(), old)[0].first == model);
+}
