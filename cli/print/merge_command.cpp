@@ -7,6 +7,7 @@
 #include "cli/print/print_commands.h"
 #include "cli/program/common_options.h"
 #include "cli/program/help.h"
+#include "io/shards/shard_number.h"
 #include "slicer/shards/merge_job.h"
 
 namespace voxtone::cli {
@@ -46,6 +47,10 @@ Command add_merge_command(CLI::App& program) {
         ->add_flag("--predict,!--no-predict", options.predict,
                    "predict the print for the report, as the job asked for it; makes its layers once more, in memory")
         ->default_str("false");
+    add_count(*command, "--shards", options.shards,
+              "how many shards there are known to be, all made: one that is not seen yet, as on a network file system, "
+              "is waited for, for a minute; 0: those that lie there")
+        ->check(CLI::Range(0, int(io::ShardNumber::most)));
     add_run_options(*command, arguments->run);
     add_example(*command, "out/cow");
     return [arguments] { return run(*arguments); };

@@ -1,14 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/shards/merged_stack.h"
 
+#include <fcntl.h>
+
 #include <algorithm>
+#include <cerrno>
+#include <chrono>
 #include <map>
+#include <numeric>
 #include <system_error>
+#include <thread>
 
 #include <fmt/core.h>
 
 #include "base/counted.h"
 #include "base/error.h"
+#include "base/stopwatch.h"
+#include "io/disk/open_file.h"
 #include "io/files/whole_file.h"
 #include "io/shards/shard_folder.h"
 
@@ -61,6 +69,11 @@ ShardRecord read_record(const fs::path& out, const ShardNumber& number) {
                                  file.string(), shard_text(number)));
 }
 
+std::string missing_text(const std::vector<std::uint32_t>& tasks, std::uint32_t of) {
+    return fmt::format("{} of {} missing: --array={} makes what is left, then merge again",
+                       tasks.size() == 1 ? "one shard" : counted(tasks.size(), "shard"), of, ranges_text(tasks));
+}
+
 void expect_all(const fs::path& out, const std::vector<ShardRecord>& records, std::uint32_t of) {
     const std::uint32_t first = records.front().first_task;
     std::vector<std::uint32_t> missing;
@@ -71,9 +84,7 @@ void expect_all(const fs::path& out, const std::vector<ShardRecord>& records, st
         else
             missing.push_back(shard - 1 + first);
     if (missing.empty()) return;
-    throw InputError(fmt::format("{}: {} of {} missing: --array={} makes what is left, then merge again", out.string(),
-                                 missing.size() == 1 ? "one shard" : counted(missing.size(), "shard"), of,
-                                 ranges_text(missing)));
+    throw InputError(fmt::format("{}: {}", out.string(), missing_text(missing, of)));
 }
 
 void expect_one_job(const fs::path& out, const std::vector<ShardRecord>& records) {
@@ -130,19 +141,57 @@ std::string text_in(const fs::path& file) {
     return {bytes.begin(), bytes.end()};
 }
 
-}  // namespace
+/// Whether the server knows the name, whatever is remembered of its folder here.
+bool is_there(const fs::path& file) {
+    const OpenFile opened(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+    return opened || (errno != ENOENT && errno != ESTALE);  // what else is wrong is told by who reads it
+}
 
-ShardSet read_shards(const fs::path& out) {
-    const std::vector<ShardNumber> numbers = shards_in(out);
+void wait_for_all(const fs::path& out, const KnownShards& known, const Progress* progress) {
+    constexpr std::chrono::milliseconds between(200);
+    std::vector<std::uint32_t> late(known.count);  // as tasks of an array from 1
+    std::iota(late.begin(), late.end(), 1);
+    const Stopwatch waited;
+    for (;;) {
+        std::erase_if(late, [&](std::uint32_t shard) { return is_there(shard_file(out, {shard, known.count})); });
+        if (late.empty()) return;
+        if (waited.total() > known.patience_s)
+            throw TryAgain(
+                fmt::format("{}: {}, though all were to be there; it was waited for them, as a network file "
+                            "system may tell of them late",
+                            out.string(), missing_text(late, known.count)));
+        if (progress) progress->check_cancelled();
+        std::this_thread::sleep_for(between);
+    }
+}
+
+/// The numbers of one job's shards, in their order.
+std::vector<ShardNumber> numbers_in(const fs::path& out) {
+    std::vector<ShardNumber> numbers = shards_in(out);
     if (numbers.empty())
         throw InputError(
             fmt::format("{}: holds no shards; make them with `voxtone slice ... --shard 1/4 -o {}` and "
                         "so on",
                         out.string(), out.string()));
     const std::uint32_t of = shards_of(numbers);
+    std::erase_if(numbers, [&](const ShardNumber& number) { return number.of != of; });
+    return numbers;
+}
+
+std::vector<ShardNumber> numbers_up_to(std::uint32_t of) {
+    std::vector<ShardNumber> numbers;
+    for (std::uint32_t shard = 1; shard <= of; ++shard) numbers.push_back({shard, of});
+    return numbers;
+}
+
+}  // namespace
+
+ShardSet read_shards(const fs::path& out, const KnownShards& known, const Progress* progress) {
+    if (known.count > 0) wait_for_all(out, known, progress);
+    const std::vector<ShardNumber> numbers = known.count > 0 ? numbers_up_to(known.count) : numbers_in(out);
+    const std::uint32_t of = numbers.front().of;
     ShardSet set;
-    for (const ShardNumber& number : numbers)
-        if (number.of == of) set.records.push_back(read_record(out, number));
+    for (const ShardNumber& number : numbers) set.records.push_back(read_record(out, number));
     expect_one_job(out, set.records);
     expect_all(out, set.records, of);
     expect_tiles(out, set.records);

@@ -5,10 +5,12 @@
 // around it, so that a kill at any moment leaves the old stack and all shards, or the new stack.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string_view>
 #include <vector>
 
+#include "base/progress.h"
 #include "io/layers/stack_folder.h"
 #include "io/shards/shard_record.h"
 
@@ -22,9 +24,20 @@ struct ShardSet {
     [[nodiscard]] const std::string& job() const { return records.front().job; }
 };
 
+/// Which shards there are known to be: by whoever waited for their makers.
+struct KnownShards {
+    std::uint32_t count = 0;  ///< 0: what lies in the folder is all that is known
+    double patience_s = 60;   ///< for one that is not there yet
+};
+
 /// Reads the records in OUT/shards. Throws InputError where there is none, one is broken, one is missing (named as a
 /// scheduler takes it: --array=3,7-9), they are of several jobs or versions, or do not tile the stack.
-[[nodiscard]] ShardSet read_shards(const std::filesystem::path& out);
+///
+/// Where their number is known none is looked for in a listing, which a network file system may give as it was a minute
+/// ago: each is opened by its name, which asks the server, and a late one is waited for. Then throws TryAgain for what
+/// is still missing; Cancelled.
+[[nodiscard]] ShardSet read_shards(const std::filesystem::path& out, const KnownShards& known = {},
+                                   const Progress* progress = nullptr);
 
 /// Whether OUT holds the stack of these shards already, every file in its size.
 [[nodiscard]] bool is_merged(const std::filesystem::path& out, const ShardSet& shards);

@@ -5,15 +5,17 @@
 #include <chrono>
 #include <csignal>
 #include <fstream>
-#include <system_error>
 #include <thread>
 
 #include <fmt/core.h>
 
+#include "base/control_group.h"
 #include "base/error.h"
+#include "base/machine_memory.h"
+#include "io/disk/disk_space.h"
 #include "io/files/json_writer.h"
-#include "io/programs/build_identity.h"
 #include "slicer/batch/job_ending.h"
+#include "slicer/batch/job_life.h"
 #include "slicer/batch/job_log.h"
 #include "slicer/batch/job_process.h"
 #include "slicer/batch/job_result.h"
@@ -30,30 +32,27 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::steady_clock;
 
-ChainStage stage_in(const Submission& submission, const TaskOptions& options) {
-    for (const SubmittedStage& submitted : submission.stages) {
-        if (submitted.stage != options.stage) continue;
-        ChainStage stage;
-        stage.stage = submitted.stage;
-        stage.words = submitted.words;
-        stage.tasks = submitted.tasks;
-        return stage;
-    }
+const SubmittedStage& stage_in(const Submission& submission, const TaskOptions& options) {
+    for (const SubmittedStage& submitted : submission.stages)
+        if (submitted.stage == options.stage) return submitted;
     throw InputError(fmt::format("{}: job {} was handed over without a stage {}: it was submitted anew since",
                                  options.out.string(), options.job, name_of(options.stage)));
 }
 
-/// What a task has said becomes a part of what its job has said.
-void move_log(const fs::path& from, const fs::path& to) {
-    const std::string text = [&] {
-        std::ifstream in(from, std::ios::binary);
-        return std::string(std::istreambuf_iterator<char>(in), {});
-    }();
-    if (text.empty()) return;
-    std::ofstream out(to, std::ios::app | std::ios::binary);
-    if (!(out << text << std::flush)) return;
-    std::error_code none;
-    fs::remove(from, none);
+ChainStage chain_stage(const SubmittedStage& submitted) {
+    ChainStage stage;
+    stage.stage = submitted.stage;
+    stage.words = submitted.words;
+    stage.tasks = submitted.tasks;
+    return stage;
+}
+
+/// That of this very stage: who does a task by hand, or for another scheduler, within an allocation of Slurm's has no
+/// say over that.
+SlurmAllocation allocation_of(const SubmittedStage& stage) {
+    SlurmAllocation own = own_slurm_allocation();
+    const bool is_ours = std::find(stage.numbers.begin(), stage.numbers.end(), own.number) != stage.numbers.end();
+    return is_ours ? own : SlurmAllocation();
 }
 
 /// Passes the messages of Open Job Description on that the work writes to its log.
@@ -87,7 +86,8 @@ public:
           files_(batch_),
           job_(handed_over_job(batch_, options.job)),
           submission_(read_submission()),
-          stage_(stage_in(submission_, options)),
+          stage_(chain_stage(stage_in(submission_, options))),
+          allocation_(allocation_of(stage_in(submission_, options))),
           index_(options.shard ? int(options.shard->shard) : 1) {
         if (options.shard && int(options.shard->of) != stage_.tasks)
             throw InputError(fmt::format("{}: job {} has {} shards, and not {}: it was submitted anew since",
@@ -101,17 +101,22 @@ public:
         shown.insert(shown.end(), words.begin(), words.end());
         append_line(log, fmt::format("== {} {}: {}", utc_now(), io::host_name(), shell_line(shown)));
         const std::uintmax_t begin = log_size(log);
+        const std::uint64_t kills_before = cgroup_oom_kills();
         JobProcess process(ProcessStart{options_.program, words, {}, log, -1});
         note_start(process);
         const ProcessEnd end = wait_for(process, log, begin);
-        const JobEnding ending = ending_of(end, last_words(log, begin), progress_.cancelled());
-        move_log(log, batch_.log_file(job_.name));
-        return take(ending);
+        return take(ending_of(end, last_words(log, begin), progress_.cancelled(), cgroup_oom_kills() - kills_before));
     }
 
 private:
+    /// One that is not complete is just being handed over, under the job's lock: this task has begun at once.
     Submission read_submission() const {
-        if (auto submission = files_.read(options_.job)) return *std::move(submission);
+        auto submission = files_.read(options_.job);
+        if (!submission || !submission->complete) {
+            (void)wait_for_job(batch_, options_.job);
+            submission = files_.read(options_.job);
+        }
+        if (submission) return *std::move(submission);
         throw InputError(
             fmt::format("{}: nothing says that job {} was handed over", options_.out.string(), options_.job));
     }
@@ -140,14 +145,7 @@ private:
         change_state(batch_, job_.name, progress_, [&](JobState& state) {
             // A shard that failed is not forgotten because others run.
             if (state.phase == JobPhase::failed && stage_.stage == TaskStage::layers) return;
-            state.phase = JobPhase::running;
-            state.runner = runner_;
-            state.program = io::build_identity();
-            state.attempts = own_slurm_restarts() + 1;
-            state.message.clear();
-            state.finished.clear();
-            state.figures.reset();
-            state.after.reset();
+            voxtone::slicer::note_start(state, runner_, allocation_.restarts + 1);
         });
     }
 
@@ -171,16 +169,19 @@ private:
     }
 
     JobResult take(const JobEnding& ending) {
-        switch (ending.kind) {
-            case JobEnding::Kind::done:
+        const NextStep step = next_step(ending, {allocation_.restarts + 1, options_.retries, false, false});
+        switch (step.kind) {
+            case NextStep::Kind::finish:
                 return take_done();
-            case JobEnding::Kind::again:
-                return try_again(ending);
-            case JobEnding::Kind::checked:
-            case JobEnding::Kind::failed:
+            case NextStep::Kind::again:
+            case NextStep::Kind::with_more:
+            case NextStep::Kind::put_aside:
+                return try_again(step);
+            case NextStep::Kind::fail:
+            case NextStep::Kind::fail_with_stack:
                 break;
         }
-        return fail(ending, static_cast<ExitCode>(ending.exit_code));
+        return fail(ending, step);
     }
 
     JobResult take_done() {
@@ -193,47 +194,47 @@ private:
                 state.message = fmt::format("{}: {} is done", submission_.text(), told());
             }
         });
-        if (is_last) summarise_batch(batch_, progress_);
+        if (is_last) summarise_at_times(batch_, job_.name, submission_.jobs, progress_);
         return result(ExitCode::done, "done");
     }
 
-    /// To the queue, where that is to be; else it has failed.
-    JobResult try_again(const JobEnding& ending) {
-        const int before = own_slurm_restarts();
-        const std::string slurm_job = own_slurm_job();
-        const auto code = static_cast<ExitCode>(ending.exit_code);
-        if (before >= options_.retries) {
-            JobEnding given_up = ending;
-            given_up.message += fmt::format(" (after {} attempts)", before + 1);
-            return fail(given_up, ExitCode::unfinished);
-        }
+    /// To the queue, where it came from there.
+    JobResult try_again(const NextStep& step) {
         change_state(batch_, job_.name, progress_, [&](JobState& state) {
             if (state.phase == JobPhase::failed) return;
             leave(state);
-            state.exit_code = ending.exit_code;
-            state.message = fmt::format("{}: {}", told(), ending.message);
+            state.exit_code = step.exit_code;
+            state.message = fmt::format("{}: {}", told(), step.message);
         });
-        if (!slurm_job.empty() && requeue_in_slurm(slurm_job)) {
+        if (!allocation_.task.empty() && requeue_in_slurm(allocation_.task)) {
             // Slurm ends this task now; one that ended by itself before would be counted as failed.
-            constexpr std::chrono::seconds patience(20);
-            std::this_thread::sleep_for(patience);
+            std::this_thread::sleep_for(std::chrono::duration<double>(options_.requeue_patience_s));
         }
-        return result(code, ending.message);
+        return result(static_cast<ExitCode>(step.exit_code), step.message);
     }
 
-    JobResult fail(const JobEnding& ending, ExitCode code) {
+    JobResult fail(const JobEnding& ending, const NextStep& step) {
+        std::string message = step.message;
+        if (ending.kind == JobEnding::Kind::starved) message += what_it_was_given();
         change_state(batch_, job_.name, progress_, [&](JobState& state) {
-            if (ending.kind == JobEnding::Kind::checked)
+            if (step.kind == NextStep::Kind::fail_with_stack)
                 note_stack(state, batch_, job_, submission_, digests_, progress_);
-            state.phase = JobPhase::failed;
-            state.runner.reset();
-            state.exit_code = ending.exit_code;
-            state.message =
-                stage_.stage == TaskStage::whole ? ending.message : fmt::format("{}: {}", told(), ending.message);
-            state.finished = utc_now();
+            note_failed(state, step.exit_code,
+                        stage_.stage == TaskStage::whole ? message : fmt::format("{}: {}", told(), message));
         });
-        summarise_batch(batch_, progress_);
-        return result(code, ending.message);
+        summarise_at_times(batch_, job_.name, submission_.jobs, progress_);
+        // What was tried often enough no scheduler is to try again.
+        const bool given_up = ending.kind == JobEnding::Kind::again;
+        return result(given_up ? ExitCode::unfinished : static_cast<ExitCode>(step.exit_code), message);
+    }
+
+    [[nodiscard]] std::string what_it_was_given() const {
+        const std::uint64_t bytes = resident_memory_bytes();
+        constexpr std::uint64_t mib = std::uint64_t{1} << 20;
+        return fmt::format(", {}; hand it over again with more: {}", io::bytes_text(bytes),
+                           allocation_.number.empty()
+                               ? std::string("on a machine that has it")
+                               : fmt::format("--sbatch-option mem={}M, twice as much", 2 * bytes / mib));
     }
 
     /// Others may work on it still.
@@ -258,6 +259,7 @@ private:
     PlannedJob job_;
     Submission submission_;
     ChainStage stage_;
+    SlurmAllocation allocation_;  ///< of Slurm's that this task was submitted for; empty: of none
     int index_;
     InputDigests digests_;
     JobRunner runner_;
@@ -276,16 +278,12 @@ void settle(JobState& state, const BatchFolder& batch, const Submission& submiss
     } catch (const Error&) {
         // It is told as failed.
     }
-    const int code = state.exit_code != 0 ? state.exit_code : static_cast<int>(ExitCode::try_again);
-    state.phase = JobPhase::failed;
-    state.runner.reset();
-    state.exit_code = code;
-    state.finished = utc_now();
     const std::string before = state.message.empty() ? "" : fmt::format("; before that: {}", state.message);
-    state.message = fmt::format(
-        "its tasks ended before it was done ({}); what the scheduler said of them{} and the job's log may say why; "
-        "hand it over again to go on{}",
-        submission.text(), submission.numbers().empty() ? "" : ", in batch/slurm.out,", before);
+    note_failed(
+        state, state.exit_code != 0 ? state.exit_code : static_cast<int>(ExitCode::try_again),
+        fmt::format("its tasks ended before it was done ({}); what they{} said, in batch/slurm/{}, may say "
+                    "why; hand it over again to go on{}",
+                    submission.text(), submission.numbers().empty() ? "" : " and Slurm", submission.job, before));
 }
 
 /// Where squeue is not on the nodes, or none of these was submitted to Slurm, nothing is known to work on any job: what
@@ -326,10 +324,6 @@ JobResult close_cluster_batch(const fs::path& out, Progress& progress) {
         const std::vector<std::string> numbers = submission.numbers();
         if (std::any_of(numbers.begin(), numbers.end(), [&](const auto& number) { return queue.contains(number); }))
             continue;
-        for (const SubmittedStage& stage : submission.stages)
-            for (int i = 1; i <= stage.tasks; ++i)
-                move_log(SubmissionFolder(batch).task_log(submission.job, stage.stage, i),
-                         batch.log_file(submission.job));
         change_state(batch, submission.job, progress,
                      [&](JobState& state) { settle(state, batch, submission, progress); });
     }

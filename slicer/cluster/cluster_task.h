@@ -30,7 +30,8 @@ struct TaskOptions {
     TaskStage stage = TaskStage::whole;
     std::optional<io::ShardNumber> shard;  ///< of the stage `layers`
     int retries = 5;
-    int threads = 0;    ///< of the work, where its job does not say; 0: as many as it was given
+    int threads = 0;                 ///< of the work, where its job does not say; 0: as many as it was given
+    double requeue_patience_s = 20;  ///< until Slurm has ended a task that it was told to put back
     MessageSink relay;  ///< where messages of Open Job Description go; empty: the work is not asked for them
 };
 

@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
@@ -86,6 +87,25 @@ void read_all(int out, int err, CommandOutput& said) {
     }
 }
 
+[[noreturn]] void fail_to_start(std::span<const std::string> words, int fault) {
+    if (fault == EAGAIN || fault == ENOMEM)
+        throw TryAgain(fmt::format("{} cannot be started: the system makes no process ({}); try again", words[0],
+                                   std::strerror(fault)));
+    if (fault == E2BIG) {
+        std::size_t bytes = 0, longest = 0;
+        for (const std::string& word : words) {
+            bytes += word.size() + 1;
+            longest = std::max(longest, word.size());
+        }
+        throw ResourceError(
+            fmt::format("{} cannot be started: its words are longer than this system takes for one program ({} bytes, "
+                        "the longest word {}; {}); hand over fewer jobs at once, or with shorter options",
+                        words[0], bytes, longest, std::strerror(fault)));
+    }
+    throw FileError(fmt::format("{} is here and cannot be run ({}); is PATH that of this machine?", words[0],
+                                std::strerror(fault)));
+}
+
 }  // namespace
 
 std::string CommandOutput::reason() const {
@@ -109,10 +129,9 @@ CommandOutput run_command(std::span<const std::string> words) {
     CommandOutput said;
     const int fault =
         posix_spawnp(&pid, arguments[0], &descriptors.value, &attributes.value, arguments.data(), environ);
-    if (fault == EAGAIN || fault == ENOMEM)
-        throw TryAgain(fmt::format("{} cannot be started: the system makes no process ({}); try again", words[0],
-                                   std::strerror(fault)));
-    if (fault != 0) return {CommandOutput::no_such_program, {}, fmt::format("{}: {}", words[0], std::strerror(fault))};
+    if (fault == ENOENT || fault == ENOTDIR)
+        return {CommandOutput::no_such_program, {}, fmt::format("{}: {}", words[0], std::strerror(fault))};
+    if (fault != 0) fail_to_start(words, fault);
     out.write = {};
     err.write = {};
     read_all(out.read.get(), err.read.get(), said);

@@ -1,19 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/cluster/job_record.h"
 
+#include <algorithm>
 #include <chrono>
+#include <filesystem>
+#include <system_error>
 #include <thread>
 
 #include <fmt/core.h>
 
 #include "base/error.h"
-#include "io/programs/build_identity.h"
 #include "slicer/batch/batch_summary.h"
+#include "slicer/batch/job_life.h"
 #include "slicer/batch/job_result.h"
 #include "slicer/options/command_words.h"
 #include "slicer/options/job_file.h"
 
 namespace voxtone::slicer {
+
+namespace fs = std::filesystem;
 
 PlannedJob handed_over_job(const BatchFolder& batch, const std::string& name) {
     PlannedJob job;
@@ -58,18 +63,29 @@ void note_stack(JobState& state, const BatchFolder& batch, const PlannedJob& job
     const std::string no_picture =
         take_stack(job.out, submission.began_ns, batch.picture_file(job.name), digests, state);
     if (!no_picture.empty()) progress.warn(fmt::format("{}: {}", job.name, no_picture));
-    state.phase = JobPhase::done;
-    state.program = io::build_identity();
+    note_done(state);
     state.command = job.command;
-    state.runner.reset();
-    state.exit_code = 0;
-    state.message.clear();
-    state.finished = utc_now();
 }
 
 void summarise_batch(const BatchFolder& batch, Progress& progress) {
     try {
         write_batch_summary(batch);
+    } catch (const Error& error) {
+        progress.warn(fmt::format("the summary could not be written: {}", error.what()));
+    }
+}
+
+void summarise_at_times(const BatchFolder& batch, const std::string& name, std::size_t jobs, Progress& progress) {
+    constexpr double least_s = 60, each_s = 0.1;
+    std::error_code none;
+    // Both times are those of the file system, whose clock may not be ours.
+    const auto page = fs::last_write_time(batch.path() / batch_page_name, none);
+    const auto state = none ? page : fs::last_write_time(batch.state_file(name), none);
+    const std::chrono::duration<double> age = state - page;
+    if (!none && age.count() < std::max(least_s, each_s * double(jobs))) return;
+    try {
+        const auto lock = batch.lock_summary();
+        if (lock) summarise_batch(batch, progress);
     } catch (const Error& error) {
         progress.warn(fmt::format("the summary could not be written: {}", error.what()));
     }

@@ -32,5 +32,9 @@ void note_stack(JobState& state, const BatchFolder& batch, const PlannedJob& job
 
 /// A summary that cannot be written takes nothing from what was done.
 void summarise_batch(const BatchFolder& batch, Progress& progress);
+/// For a task whose job's state has just been published: the summary reads all states, so it is drawn where the last
+/// one is older than a minute and than a tenth of a second for each job of the plan (`jobs`; 0: not known). However
+/// many tasks end, states are read ten times a second at most. One task draws it, others leave it to that.
+void summarise_at_times(const BatchFolder& batch, const std::string& name, std::size_t jobs, Progress& progress);
 
 }  // namespace voxtone::slicer

@@ -32,8 +32,8 @@ struct Counts {
     std::string failures;
 };
 
-Submission submission_of(const std::string& job, const TaskChain& chain) {
-    Submission submission{job, utc_now(), now_ns(), true, {}};
+Submission submission_of(const std::string& job, const TaskChain& chain, std::size_t jobs) {
+    Submission submission{job, utc_now(), now_ns(), true, {}, jobs};
     for (const ChainStage& stage : chain.stages)
         submission.stages.push_back(SubmittedStage{stage.stage, stage.words, stage.tasks, {}});
     return submission;
@@ -41,8 +41,8 @@ Submission submission_of(const std::string& job, const TaskChain& chain) {
 
 class TemplateJobs {
 public:
-    TemplateJobs(const OpenJobOptions& options, Progress& progress)
-        : options_(options), batch_(BatchFolder::make(options.out)), progress_(progress) {}
+    TemplateJobs(const OpenJobOptions& options, std::size_t jobs, Progress& progress)
+        : options_(options), jobs_(jobs), batch_(BatchFolder::make(options.out)), progress_(progress) {}
 
     void take(const PlannedJob& job, std::size_t number) {
         if (is_done(batch_, job, digests_, progress_)) {
@@ -73,7 +73,7 @@ private:
         PlannedJob settled = job;
         settled.options = options_on_cluster(job.options);
         files.write_job(settled);
-        files.write(submission_of(job.name, chain));
+        files.write(submission_of(job.name, chain, jobs_));
         JobState state = state_to_hand_over(batch_, job, number);
         state.phase = JobPhase::queued;
         state.message = fmt::format("is in {}", options_.file.string());
@@ -83,6 +83,7 @@ private:
     }
 
     const OpenJobOptions& options_;
+    std::size_t jobs_;  ///< planned
     BatchFolder batch_;
     Progress& progress_;
     InputDigests digests_;
@@ -119,7 +120,7 @@ JobResult run_openjd_job(const PlanOptions& plan, const OpenJobOptions& options,
     std::vector<OpenJobChain> names;
     for (const PlannedJob& job : planned) names.push_back({job.name, {}});
     (void)openjd_template(names, frame);
-    TemplateJobs jobs(options, progress);
+    TemplateJobs jobs(options, planned.size(), progress);
     for (std::size_t i = 0; i < planned.size(); ++i) {
         progress.check_cancelled();
         jobs.take(planned[i], i + 1);

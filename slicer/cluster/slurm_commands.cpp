@@ -66,7 +66,7 @@ SlurmConfig slurm_config() {
 }
 
 std::set<std::string> slurm_queue() {
-    const std::array<std::string, 3> words{"squeue", "--noheader", "--format=%F"};
+    const std::array<std::string, 4> words{"squeue", "--me", "--noheader", "--format=%F"};
     const CommandOutput said = run_command(words);
     if (said.exit_code != 0) refuse("squeue", said);
     std::set<std::string> numbers;
@@ -92,21 +92,26 @@ std::string submit_to_slurm(std::span<const std::string> words) {
 }
 
 void cancel_in_slurm(const std::vector<std::string>& numbers) {
-    if (numbers.empty()) return;
-    std::vector<std::string> words{"scancel", "--quiet"};
-    words.insert(words.end(), numbers.begin(), numbers.end());
-    (void)run_command(words);
+    constexpr std::size_t most_at_once = 1000;
+    for (std::size_t begin = 0; begin < numbers.size(); begin += most_at_once) {
+        const std::size_t end = std::min(begin + most_at_once, numbers.size());
+        std::vector<std::string> words{"scancel", "--quiet"};
+        words.insert(words.end(), numbers.begin() + std::ptrdiff_t(begin), numbers.begin() + std::ptrdiff_t(end));
+        (void)run_command(words);
+    }
 }
 
-std::string own_slurm_job() {
+SlurmAllocation own_slurm_allocation() {
     const std::string array = variable("SLURM_ARRAY_JOB_ID"), task = variable("SLURM_ARRAY_TASK_ID");
-    return !array.empty() && !task.empty() ? array + "_" + task : variable("SLURM_JOB_ID");
+    const int restarts = std::atoi(variable("SLURM_RESTART_COUNT").c_str());
+    // A task's own number may be the whole array's too.
+    if (!array.empty() && !task.empty()) return {array, array + "_" + task, restarts};
+    const std::string job = variable("SLURM_JOB_ID");
+    return {job, job, restarts};
 }
 
-int own_slurm_restarts() { return std::atoi(variable("SLURM_RESTART_COUNT").c_str()); }
-
-bool requeue_in_slurm(const std::string& job) {
-    const std::array<std::string, 3> words{"scontrol", "requeue", job};
+bool requeue_in_slurm(const std::string& task) {
+    const std::array<std::string, 3> words{"scontrol", "requeue", task};
     return run_command(words).exit_code == 0;
 }
 

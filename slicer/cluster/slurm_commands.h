@@ -19,8 +19,8 @@ struct SlurmConfig {
 /// controller does not answer.
 [[nodiscard]] SlurmConfig slurm_config();
 
-/// Numbers of the jobs that wait or run, whoever submitted them; an array's is that of all of its tasks. Throws
-/// FileError, TryAgain.
+/// Numbers of this user's jobs that wait or run; an array's is that of all of its tasks. Of others' jobs nothing is
+/// asked: a site may have a hundred thousand. Throws FileError, TryAgain.
 [[nodiscard]] std::set<std::string> slurm_queue();
 
 /// `words`: behind `sbatch --parsable`. The job's number. Throws InputError that gives what sbatch said, TryAgain where
@@ -30,12 +30,14 @@ struct SlurmConfig {
 /// What cannot be cancelled, as it has ended, is left.
 void cancel_in_slurm(const std::vector<std::string>& numbers);
 
-/// The job that this process runs in: "17", or "17_3" for a task of an array, whose own number may be the whole array's
-/// too. Empty: in none.
-[[nodiscard]] std::string own_slurm_job();
-/// How often that job was put back into the queue before.
-[[nodiscard]] int own_slurm_restarts();
-/// Puts it back: false where Slurm refuses. Slurm ends this process soon after.
-[[nodiscard]] bool requeue_in_slurm(const std::string& job);
+/// The job of Slurm that this process runs in, whoever submitted it.
+struct SlurmAllocation {
+    std::string number;  ///< as sbatch said it; of an array, that of all of its tasks. Empty: it runs in none
+    std::string task;    ///< of this process alone: "17", or "17_3"
+    int restarts = 0;    ///< how often it was put back into the queue
+};
+[[nodiscard]] SlurmAllocation own_slurm_allocation();
+/// Puts the task back: false where Slurm refuses. Slurm ends its processes soon after.
+[[nodiscard]] bool requeue_in_slurm(const std::string& task);
 
 }  // namespace voxtone::slicer

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <optional>
 #include <set>
+#include <span>
 #include <utility>
 
 #include <fmt/core.h>
@@ -17,6 +19,7 @@
 #include "slicer/cluster/job_record.h"
 #include "slicer/cluster/slurm_commands.h"
 #include "slicer/cluster/slurm_entry.h"
+#include "slicer/cluster/slurm_joins.h"
 #include "slicer/cluster/slurm_lanes.h"
 #include "slicer/cluster/slurm_script.h"
 #include "slicer/options/command_words.h"
@@ -87,47 +90,87 @@ public:
         for (const ChainStage& stage : entry.chain.stages) {
             SubmittedStage& made =
                 entry.submission.stages.emplace_back(SubmittedStage{stage.stage, stage.words, stage.tasks, {}});
+            const Dependencies after =
+                with_joins({before, before.empty() ? lane.before : std::vector<std::string>()}, made.numbers, entry);
             const std::string text = stage_script(frame_, entry.job.name, stage);
             const fs::path script = script_of(entry.job.name, stage.stage);
             if (batch_) SubmissionFolder(*batch_).write_script(script, text);
             std::string shown;
-            for (const ArrayPart& part : array_parts(stage.tasks, config_.max_array_size)) {
-                Dependencies after{before, before.empty() ? lane.before : std::vector<std::string>()};
-                // Parts of one array share its throttle: one after the other.
-                if (lane.throttle > 0 && !made.numbers.empty()) after.ended.push_back(made.numbers.back());
-                const auto words = sbatch_words(script, folder_, part, lane.throttle, after, options_.sbatch_words);
-                shown += shown_call(words);
-                made.numbers.push_back(number_of(words, entry, stage.stage));
-                if (batch_) SubmissionFolder(*batch_).write(entry.submission);
-            }
+            before = submit_parts(entry, stage, script, after, lane.throttle, made.numbers, shown);
             if (!batch_) entry.scripts += shown + text + "\n";
-            before = made.numbers;
         }
     }
 
     /// What waits for all of these to end.
-    std::string submit_last(const std::vector<std::string>& numbers, std::string& scripts) {
-        const std::string text = last_script(frame_);
-        const fs::path script = folder_ / "slurm-last.sh";
-        const auto words = sbatch_words(script, folder_, {}, 0, {{}, numbers}, options_.sbatch_words);
-        if (!batch_) {
-            scripts += shown_call(words) + text;
-            return {};
+    std::string submit_last(std::vector<std::string> numbers, SlurmEntry& shown_with) {
+        std::vector<std::string> joins;
+        try {
+            const Dependencies after = with_joins({{}, std::move(numbers)}, joins, shown_with);
+            const std::string text = last_script(frame_);
+            const fs::path script = folder_ / "slurm-last.sh";
+            const auto words = sbatch_words(script, folder_, {}, 0, after, "slurm/last.%j.out", options_.sbatch_words);
+            if (!batch_) {
+                shown_with.scripts += shown_call(words) + text;
+                return {};
+            }
+            SubmissionFolder(*batch_).write_script(script, text);
+            return submit_to_slurm(words);
+        } catch (const Error&) {
+            cancel_in_slurm(joins);
+            throw;
         }
-        SubmissionFolder(*batch_).write_script(script, text);
-        return submit_to_slurm(words);
     }
 
 private:
+    /// The numbers of the stage's parts; all that is submitted is noted in `noted` at once.
+    std::vector<std::string> submit_parts(SlurmEntry& entry, const ChainStage& stage, const fs::path& script,
+                                          const Dependencies& stage_after, int throttle,
+                                          std::vector<std::string>& noted, std::string& shown) {
+        std::vector<std::string> parts;
+        for (const ArrayPart& part : array_parts(stage.tasks, config_.max_array_size)) {
+            Dependencies after = stage_after;
+            // Parts of one array share its throttle: one after the other.
+            if (throttle > 0 && !parts.empty()) after.ended.push_back(parts.back());
+            const auto words = sbatch_words(script, folder_, part, throttle, after,
+                                            output_of(entry.job.name, stage.stage, part), options_.sbatch_words);
+            shown += shown_call(words);
+            parts.push_back(number_of(words, fmt::format("{}-{}", entry.job.name, name_of(stage.stage))));
+            noted.push_back(parts.back());
+            if (batch_) SubmissionFolder(*batch_).write(entry.submission);
+        }
+        return parts;
+    }
+    /// The same in as few numbers as one word of sbatch holds. What is submitted for that is added to `noted`.
+    Dependencies with_joins(Dependencies after, std::vector<std::string>& noted, SlurmEntry& shown_with) const {
+        const auto join_as = [&](std::vector<std::string> Dependencies::*kind) {
+            after.*kind = joined(after.*kind, [&](std::span<const std::string> some) {
+                Dependencies of_join;
+                (of_join.*kind).assign(some.begin(), some.end());
+                noted.push_back(submit_join(of_join, noted.size() + 1, shown_with));
+                return noted.back();
+            });
+        };
+        join_as(&Dependencies::succeeded);
+        join_as(&Dependencies::ended);
+        return after;
+    }
+    std::string submit_join(const Dependencies& after, std::size_t count, SlurmEntry& shown_with) const {
+        const fs::path script = folder_ / "slurm-join.sh";
+        const auto words = sbatch_words(script, folder_, {}, 0, after, "/dev/null", options_.sbatch_words);
+        if (batch_)
+            SubmissionFolder(*batch_).write_script(script, join_script());
+        else
+            shown_with.scripts += shown_call(words) + join_script();
+        return number_of(words, fmt::format("{}-join-{}", shown_with.job.name, count));
+    }
     [[nodiscard]] fs::path script_of(const std::string& job, TaskStage stage) const {
         return folder_ / "slurm" / job / fmt::format("{}.sh", name_of(stage));
     }
     static std::string shown_call(const std::vector<std::string>& words) {
         return "# ==> sbatch --parsable " + shell_line(words) + "\n";
     }
-    std::string number_of(const std::vector<std::string>& words, const SlurmEntry& entry, TaskStage stage) const {
-        if (!batch_) return fmt::format("NUMBER-OF-{}-{}", entry.job.name, name_of(stage));
-        return submit_to_slurm(words);
+    [[nodiscard]] std::string number_of(const std::vector<std::string>& words, const std::string& of) const {
+        return batch_ ? submit_to_slurm(words) : "NUMBER-OF-" + of;
     }
 
     const SlurmOptions& options_;
@@ -138,7 +181,8 @@ private:
 };
 
 /// Into the queue, whole, and noted; or not at all.
-void hand_over(SlurmEntry& entry, const Lane& lane, const BatchFolder& batch, Submitting& submitting) {
+void hand_over(SlurmEntry& entry, const Lane& lane, std::size_t jobs, const BatchFolder& batch,
+               Submitting& submitting) {
     const auto lock = batch.lock(entry.job.name);  // its tasks wait for it where they begin at once
     if (!lock) {
         entry.state = EntryState::elsewhere;
@@ -150,7 +194,7 @@ void hand_over(SlurmEntry& entry, const Lane& lane, const BatchFolder& batch, Su
     state.phase = JobPhase::queued;
     state.message = "is being submitted to Slurm";
     batch.publish(state);
-    entry.submission = Submission{entry.job.name, utc_now(), now_ns(), false, {}};
+    entry.submission = Submission{entry.job.name, utc_now(), now_ns(), false, {}, jobs};
     PlannedJob settled = entry.job;
     settled.options = options_on_cluster(entry.job.options);
     files.write_job(settled);
@@ -220,38 +264,64 @@ public:
             if (progress.cancelled()) return;
             Lane& lane = lanes_.next();
             try {
-                batch ? hand_over(entry, lane, *batch, submitting_) : submitting_.submit(entry, lane);
+                batch ? hand_over(entry, lane, entries_.size(), *batch, submitting_) : submitting_.submit(entry, lane);
             } catch (const Error& error) {
                 refused_.emplace(&entry, error);
                 return;
             }
             if (entry.state == EntryState::elsewhere) continue;
             ++submitted_;
-            const std::vector<std::string> numbers = entry.submission.numbers();
-            lane.take(numbers, lasts_s(entry.chain, lane.throttle));
-            numbers_.insert(numbers_.end(), numbers.begin(), numbers.end());
+            lane.take(entry.submission.ends(), lasts_s(entry.chain, lane.throttle));
         }
     }
-    /// Number of the job that waits for all of them.
-    std::string close() {
-        std::string shown;
-        const std::string number = numbers_.empty() ? "" : submitting_.submit_last(numbers_, shown);
-        if (!shown.empty()) entries_.back().scripts += shown;
-        return number;
+    /// Number of the job that waits for all that waits or runs; empty: nothing does, or one that was submitted before
+    /// waits for it still, or it is refused. `waits_since_ns`: what was submitted before that is waited for already.
+    std::string close(const BatchFolder* batch, std::int64_t waits_since_ns) {
+        std::vector<std::string> numbers;
+        bool is_waited_for = true;
+        for (const SlurmEntry& entry : entries_) {
+            if (entry.state != EntryState::submitted && entry.state != EntryState::queued && batch) continue;
+            const std::vector<std::string> ends = entry.submission.ends();
+            numbers.insert(numbers.end(), ends.begin(), ends.end());
+            is_waited_for = is_waited_for && (ends.empty() || entry.submission.began_ns < waits_since_ns);
+        }
+        if (is_waited_for) return {};
+        try {
+            const std::int64_t since_ns = now_ns();
+            std::string number = submitting_.submit_last(std::move(numbers), entries_.back());
+            if (batch) SubmissionFolder(*batch).write_closing({number, since_ns});
+            return number;
+        } catch (const Error& error) {
+            closing_refused_.emplace(error);
+            return {};
+        }
     }
-    /// Throws what a job was refused for.
+    /// Throws what a job, or the one that waits for all, was refused for.
     void expect_none_refused() const {
         if (refused_) refuse(*refused_->first, refused_->second, submitted_, entries_.size());
+        if (closing_refused_)
+            throw Error(
+                closing_refused_->exit_code(),
+                fmt::format("{} submitted, but not the task that is to tell what became of them: {}; run the "
+                            "same command again to submit it",
+                            submitted_ == 1 ? std::string("1 job was") : fmt::format("{} jobs were", submitted_),
+                            closing_refused_->what()));
     }
 
 private:
     std::vector<SlurmEntry>& entries_;
     Submitting& submitting_;
     Lanes lanes_;
-    std::vector<std::string> numbers_;
     std::size_t submitted_ = 0;
     std::optional<std::pair<const SlurmEntry*, Error>> refused_;
+    std::optional<Error> closing_refused_;
 };
+
+/// Since when what is submitted is not waited for by any job in the queue.
+std::int64_t waited_for_since(const BatchFolder& batch, const std::set<std::string>& queue) {
+    const auto closing = SubmissionFolder(batch).read_closing();
+    return closing && queue.contains(closing->number) ? closing->since_ns : 0;
+}
 
 SlurmConfig config_for(bool dry_run, Progress& progress) {
     try {
@@ -291,7 +361,7 @@ JobResult run_slurm_job(const PlanOptions& plan, const SlurmOptions& options, Pr
     Submitting submitting(options, config, written, out);
     HandingOver handing_over(entries, options, submitting);
     handing_over.run(written, progress);
-    const std::string last = handing_over.close();
+    const std::string last = handing_over.close(written, written ? waited_for_since(*written, queue) : 0);
     if (written) summarise_batch(*written, progress);
     handing_over.expect_none_refused();
     progress.check_cancelled();

@@ -51,7 +51,6 @@ std::string directives(const std::string& name, int cores, std::uint64_t memory_
     add("requeue");
     add("kill-on-invalid-dep=yes");
     add("open-mode=append");
-    add("output=slurm.out");
     return text;
 }
 
@@ -89,6 +88,19 @@ std::string last_script(const ScriptFrame& frame) {
            fmt::format("exec {} task {} --last\n", shell_word(frame.program.string()), shell_word(frame.out.string()));
 }
 
+std::string join_script() {
+    constexpr std::uint64_t memory_bytes = std::uint64_t{64} << 20;
+    constexpr double limit_s = 60;
+    return "#!/bin/sh\n" + comment("Stands for many jobs where one waits for all of them; there is nothing to do.") +
+           directives("voxtone:join", 1, memory_bytes, limit_s) + "exit 0\n";
+}
+
+std::string output_of(const std::string& job, TaskStage stage, const ArrayPart& part) {
+    std::string folder = "slurm/";
+    for (const char c : job) folder += c == '%' ? std::string("%%") : std::string(1, c);
+    return fmt::format("{}/{}.{}.out", folder, name_of(stage), part.is_array ? "%A_%a" : "%j");
+}
+
 std::vector<ArrayPart> array_parts(int tasks, std::uint32_t max_array_size) {
     const int most = max_array_size < 2 ? 1 : int(std::min<std::uint32_t>(max_array_size - 1, 1 << 30));
     std::vector<ArrayPart> parts;
@@ -99,8 +111,8 @@ std::vector<ArrayPart> array_parts(int tasks, std::uint32_t max_array_size) {
 
 std::vector<std::string> sbatch_words(const std::filesystem::path& script, const std::filesystem::path& folder,
                                       const ArrayPart& part, int throttle, const Dependencies& after,
-                                      const std::vector<std::string>& more) {
-    std::vector<std::string> words{"--chdir=" + folder.string()};
+                                      const std::string& output, const std::vector<std::string>& more) {
+    std::vector<std::string> words{"--chdir=" + folder.string(), "--output=" + output};
     if (part.is_array)
         words.push_back(fmt::format("--array=1-{}{}", part.tasks,
                                     throttle > 0 && throttle < part.tasks ? fmt::format("%{}", throttle) : ""));

@@ -23,6 +23,8 @@ struct ScriptFrame {
 [[nodiscard]] std::string stage_script(const ScriptFrame& frame, const std::string& job, const ChainStage& stage);
 /// Of what comes when all has ended: states and summary.
 [[nodiscard]] std::string last_script(const ScriptFrame& frame);
+/// Of what stands for many in a dependency: it ends at once.
+[[nodiscard]] std::string join_script();
 
 /// A part of a stage that is submitted at once.
 struct ArrayPart {
@@ -39,11 +41,14 @@ struct Dependencies {
     std::vector<std::string> succeeded;  ///< all of these must have ended well
     std::vector<std::string> ended;      ///< all of these must have ended
 };
+/// What Slurm itself says of a stage goes there, seen from OUT/batch: a file for each task, as sbatch has it written (a
+/// '%' begins a number there).
+[[nodiscard]] std::string output_of(const std::string& job, TaskStage stage, const ArrayPart& part);
 /// The words behind `sbatch --parsable`. `throttle`: most tasks of the array at once; 0: any number. `more`: words of
 /// the user's.
 [[nodiscard]] std::vector<std::string> sbatch_words(const std::filesystem::path& script,
                                                     const std::filesystem::path& folder, const ArrayPart& part,
-                                                    int throttle, const Dependencies& after,
+                                                    int throttle, const Dependencies& after, const std::string& output,
                                                     const std::vector<std::string>& more);
 
 }  // namespace voxtone::slicer

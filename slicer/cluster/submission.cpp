@@ -21,6 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* submission_name = "submission.json";
+constexpr const char* closing_name = ".last.json";  // no job's name begins with a dot
+constexpr std::uint64_t latest_ns = std::numeric_limits<std::int64_t>::max();
 
 void make_folder(const fs::path& folder) {
     std::error_code error;
@@ -46,10 +48,10 @@ Submission read_submission(const fs::path& file) {
     Submission submission;
     submission.job = json.text("job");
     submission.since = json.text("since");
-    submission.began_ns =
-        static_cast<std::int64_t>(json.integer("began_ns", 0, std::uint64_t{std::numeric_limits<std::int64_t>::max()}));
+    submission.began_ns = static_cast<std::int64_t>(json.integer("began_ns", 0, latest_ns));
     submission.complete = json.boolean("complete");
     for (const io::JsonObject& stage : json.objects("stages")) submission.stages.push_back(read_stage(stage));
+    if (json.has("jobs")) submission.jobs = json.integer("jobs", 0, std::numeric_limits<std::uint32_t>::max());
     return submission;
 }
 
@@ -58,6 +60,14 @@ Submission read_submission(const fs::path& file) {
 std::vector<std::string> Submission::numbers() const {
     std::vector<std::string> all;
     for (const SubmittedStage& stage : stages) all.insert(all.end(), stage.numbers.begin(), stage.numbers.end());
+    return all;
+}
+
+std::vector<std::string> Submission::ends() const {
+    std::vector<std::string> all;
+    for (const SubmittedStage& stage : stages)
+        if (stage.numbers.size() > 1 || &stage == &stages.back())
+            all.insert(all.end(), stage.numbers.begin(), stage.numbers.end());
     return all;
 }
 
@@ -111,10 +121,28 @@ void SubmissionFolder::write_script(const fs::path& script, const std::string& t
     io::write_whole_file(script, text);
 }
 
+std::optional<Closing> SubmissionFolder::read_closing() const {
+    try {
+        const io::JsonObject json = io::JsonObject::read(batch_ / "slurm" / closing_name);
+        return Closing{json.text("number"), static_cast<std::int64_t>(json.integer("since_ns", 0, latest_ns))};
+    } catch (const Error&) {
+        return std::nullopt;  // then one more is submitted, which harms nothing
+    }
+}
+
+void SubmissionFolder::write_closing(const Closing& closing) const {
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-closing").add("version", 1);
+    json.add("number", closing.number).add("since_ns", closing.since_ns).end_object();
+    make_folder(batch_ / "slurm");
+    io::write_whole_file(batch_ / "slurm" / closing_name, json.text() + "\n");
+}
+
 std::string submission_json(const Submission& submission) {
     io::JsonWriter json;
     json.begin_object().add("format", "voxtone-submission").add("version", 1).line().add("job", submission.job);
     json.add("since", submission.since).add("began_ns", submission.began_ns).add("complete", submission.complete);
+    if (submission.jobs > 0) json.add("jobs", submission.jobs);
     json.line().key("stages").begin_list();
     for (const SubmittedStage& stage : submission.stages)
         json.line()

@@ -165,7 +165,7 @@ TaskChain task_chain(const PlannedJob& job, const JobEstimate& estimate, const C
     }
     if (loop_comes_first(job.options)) add(TaskStage::prepare, with(slice, {"--until", "loop"}), 1);
     add(TaskStage::layers, slice, chain.shards);
-    std::vector<std::string> merge{"merge", job.out.string()};
+    std::vector<std::string> merge{"merge", job.out.string(), "--shards", std::to_string(chain.shards)};
     if (estimate.prediction) merge.emplace_back("--predict");
     add(TaskStage::merge, std::move(merge), 1);
     return chain;

@@ -183,7 +183,7 @@ JobResult run_merge_job(const MergeOptions& options, Progress& progress) {
     const Stopwatch watch;
     if (std::error_code none; !fs::is_directory(options.out, none))
         throw FileError(fmt::format("{}: is no folder; name the output folder of the shards", options.out.string()));
-    const io::ShardSet shards = io::read_shards(options.out);
+    const io::ShardSet shards = io::read_shards(options.out, {std::uint32_t(options.shards)}, &progress);
     io::sweep_shards(options.out);
     const bool was_merged = io::is_merged(options.out, shards);
     lay_together(options, shards, progress);

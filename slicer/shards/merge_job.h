@@ -21,6 +21,7 @@ struct MergeOptions {
     bool report = true;      ///< where the job asked for one
     bool predict = false;    ///< as the job asks
     int threads = 0;
+    int shards = 0;  ///< how many there are known to be; 0: those that lie there
 };
 
 /// Where all is there already, nothing is done. Throws Error: OUT is what it was then, or holds the whole stack without

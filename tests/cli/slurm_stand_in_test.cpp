@@ -122,12 +122,15 @@ TEST_CASE("Chains are submitted with arrays that Slurm takes, within the throttl
     const auto calls = shop.calls();
     REQUIRE(calls.size() == 9);
     const std::string at = shop.folder / "out/batch", chdir = "sbatch --parsable --chdir=" + at + " ";
-    CHECK(calls[0] == chdir + "--array=1-2 " + at + "/slurm/box1/layers.sh");
-    CHECK(calls[1] == chdir + "--array=1-2 --dependency=afterany:1 " + at + "/slurm/box1/layers.sh 2");
-    CHECK(calls[2] == chdir + "--array=1-1 --dependency=afterany:2 " + at + "/slurm/box1/layers.sh 4");
-    CHECK(calls[3] == chdir + "--dependency=afterok:1:2:3 " + at + "/slurm/box1/merge.sh");
-    CHECK(calls[4] == chdir + "--array=1-2 --dependency=afterany:1:2:3:4 " + at + "/slurm/box2/layers.sh");
-    CHECK(calls[8] == chdir + "--dependency=afterany:1:2:3:4:5:6:7:8 " + at + "/slurm-last.sh");
+    const std::string array = "--output=slurm/box1/layers.%A_%a.out --array=1-";
+    CHECK(calls[0] == chdir + array + "2 " + at + "/slurm/box1/layers.sh");
+    CHECK(calls[1] == chdir + array + "2 --dependency=afterany:1 " + at + "/slurm/box1/layers.sh 2");
+    CHECK(calls[2] == chdir + array + "1 --dependency=afterany:2 " + at + "/slurm/box1/layers.sh 4");
+    CHECK(calls[3] ==
+          chdir + "--output=slurm/box1/merge.%j.out --dependency=afterok:1:2:3 " + at + "/slurm/box1/merge.sh");
+    CHECK_THAT(calls[4], Contains(" --array=1-2 --dependency=afterany:1:2:3:4 " + at + "/slurm/box2/layers.sh"));
+    CHECK(calls[8] ==
+          chdir + "--output=slurm/last.%j.out --dependency=afterany:1:2:3:4:5:6:7:8 " + at + "/slurm-last.sh");
     const auto told = nlohmann::json::parse(last_line(first.out));
     CHECK_THAT(told.dump(), Contains("\"numbers\":[\"1\",\"2\",\"3\"]") && Contains("\"last\":\"9\""));
     CHECK(shop.state("box1")["message"] == "submitted: in Slurm (layers 1 2 3, merge 4)");
@@ -156,7 +159,7 @@ TEST_CASE("Where sbatch refuses, what was submitted before is noted, and nothing
     const auto calls = shop.calls();
     REQUIRE(calls.size() == 5);
     CHECK(calls[3] == "scancel --quiet 3");
-    CHECK_THAT(calls[4], Contains("--dependency=afterany:1:2 ") && Contains("slurm-last.sh"));
+    CHECK_THAT(calls[4], Contains("--dependency=afterany:2 ") && Contains("slurm-last.sh"));
     CHECK(shop.state("box1")["message"] == "submitted: in Slurm (layers 1, merge 2)");
     CHECK_THAT(shop.state("box2")["message"].get<std::string>(), Contains("was not submitted: "));
 
@@ -167,6 +170,69 @@ TEST_CASE("Where sbatch refuses, what was submitted before is noted, and nothing
     shop.program("sbatch",
                  "echo 'sbatch: error: Batch job submission failed: Socket timed out on send/recv' >&2\nexit 1\n");
     CHECK(shop.batch("--shards 2 --quiet").exit_code == 75);
+}
+
+TEST_CASE("A refused task that waits for all is submitted by the next call, and not twice") {
+    const Workshop shop;
+    shop.slurm();
+    const std::string sbatch = read_file(shop.folder.path() / "bin/sbatch");
+    shop.folder.write("bin/sbatch",
+                      "#!/bin/sh\ncase \"$*\" in *slurm-last*) echo 'sbatch: error: QOSMaxSubmitJobPerUser"
+                      "Limit: job submit limit' >&2; exit 1;; esac\n" +
+                          sbatch);
+    const Outcome refused = shop.batch("--quiet");
+    CHECK(refused.exit_code == 75);
+    CHECK(lines_of(refused.err) == 1);
+    CHECK_THAT(refused.err, Contains("2 jobs were submitted, but not the task that is to tell") &&
+                                Contains("job submit limit") && Contains("run the same command again"));
+    CHECK(shop.calls().size() == 2);
+    CHECK(shop.state("box2")["message"] == "submitted: in Slurm (whole 2)");
+    CHECK(fs::exists(shop.folder.path() / "out/index.html"));
+
+    shop.folder.write("bin/sbatch", sbatch);
+    CHECK_THAT(shop.batch("").out, Contains("2 jobs, 2 queued") && Contains("when all has ended, job 3 says"));
+    REQUIRE(shop.calls().size() == 3);
+    CHECK_THAT(shop.calls()[2], Contains("--dependency=afterany:1:2 ") && Contains("slurm-last.sh"));
+    CHECK_THAT(shop.batch("").out, Contains("2 jobs, 2 queued"));
+    CHECK(shop.calls().size() == 3);
+    // It was cancelled, and the jobs are still in the queue.
+    shop.folder.write("queue", "1\n2\n");
+    CHECK_THAT(shop.batch("").out, Contains("2 jobs, 2 queued") && Contains("when all has ended"));
+    CHECK(shop.calls().size() == 4);
+    // What is submitted later is waited for by another one, with what is there still.
+    shop.folder.write("box3.obj", ramp_box_obj(2, 2, 2));
+    shop.folder.write("plan.jsonl",
+                      "{\"model\": \"box1.obj\"}\n{\"model\": \"box2.obj\"}\n{\"model\": \"box3.obj\"}\n");
+    CHECK_THAT(shop.batch("").out, Contains("3 jobs, 1 submitted, 2 queued"));
+    REQUIRE(shop.calls().size() == 6);
+    CHECK_THAT(shop.calls()[5], Contains("--dependency=afterany:1:2:4 ") && Contains("slurm-last.sh"));
+}
+
+TEST_CASE("A model whose name is no UTF-8 goes through plan, submission and tasks whole") {
+    const Workshop shop;
+    shop.slurm();
+    fs::rename(shop.folder.path() / "box1.obj", shop.folder.path() / "caf\xE9.obj");
+    fs::create_directory(shop.folder.path() / "models");
+    for (const char* name : {"caf\xE9.obj", "box2.obj"})
+        fs::rename(shop.folder.path() / name, shop.folder.path() / "models" / name);
+    const std::string common =
+        fmt::format("--preset {} -o {} --quiet", shop.folder / "quick.json", shop.folder / "out");
+    const Outcome submitted =
+        run_program(fmt::format("batch {} {} --slurm --threads 1 --shards 2", shop.folder / "models", common));
+    INFO(submitted.err);
+    REQUIRE(submitted.exit_code == 0);
+    const std::string task = fmt::format("task {} --quiet --job 'caf%E9' --stage ", shop.folder / "out");
+    for (const char* stage : {"layers --shard 1/2", "layers --shard 2/2", "merge"}) {
+        const Outcome done = run_program(task + stage);
+        INFO(done.err);
+        CHECK(done.exit_code == 0);
+    }
+    CHECK(shop.state("caf%E9")["state"] == "done");
+    // Its job file, too, names it for a local batch, which finds it done.
+    const Outcome local = run_program(fmt::format("batch {} {}", shop.folder / "models", common));
+    INFO(local.err);
+    CHECK(local.exit_code == 0);
+    CHECK_THAT(local.out, Contains("2 of 2 jobs done (1 before, and unchanged)"));
 }
 
 TEST_CASE("A job that cannot be estimated is told and stands as failed, and the others are submitted") {

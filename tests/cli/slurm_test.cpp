@@ -41,6 +41,13 @@ struct Workshop {
     [[nodiscard]] nlohmann::json state(const std::string& name) const {
         return nlohmann::json::parse(read_file(folder.path() / "cluster/batch" / (name + ".json")), nullptr, false);
     }
+    /// What its tasks and Slurm said.
+    [[nodiscard]] std::string said(const std::string& name) const {
+        std::string all;
+        for (const auto& entry : fs::directory_iterator(folder.path() / "cluster/batch/slurm" / name))
+            all += "--- " + entry.path().filename().string() + "\n" + read_file(entry.path());
+        return all;
+    }
     /// Of a stack, all that does not tell of times.
     [[nodiscard]] std::vector<std::pair<std::string, std::string>> stack(const std::string& job) const {
         auto files = read_tree(folder.path() / job / "layers");
@@ -93,13 +100,12 @@ TEST_CASE("Five jobs in two shards each, with a node that dies, are what a local
     slurm.start_node();
     const bool all_ended = OneNodeSlurm::queue_empties();
     INFO(OneNodeSlurm::ask("squeue 2>&1"));
-    INFO(read_file(shop.folder.path() / "cluster/batch/slurm.out"));
     if (!all_ended) FAIL(slurm.logs());
     CHECK_THAT(OneNodeSlurm::ask("scontrol show jobs"), Contains("Restarts=1"));
 
     for (const std::string& name : names) {
         INFO(name);
-        INFO(read_file(shop.folder.path() / "cluster/batch" / (name + ".log")));
+        INFO(shop.said(name));
         CHECK(shop.state(name).value("state", "") == "done");
         CHECK(io::schema_faults("batch-job", read_file(shop.folder.path() / "cluster/batch" / (name + ".json"))) ==
               std::vector<std::string>{});
@@ -156,7 +162,7 @@ TEST_CASE("A loop that Slurm asks to stop saves itself, is put back into the que
     REQUIRE(OneNodeSlurm::wait_until([&] { return fs::exists(checkpoint); }));
     REQUIRE(run_shell("scancel --batch --signal=TERM 1") == 0);
     INFO(slurm.logs());
-    const std::string log = (shop.folder.path() / "cluster/batch/loop.log").string();
+    const std::string log = (shop.folder.path() / "cluster/batch/slurm/loop/whole-1.log").string();
     REQUIRE(OneNodeSlurm::wait_until([&] { return fs::exists(log); }));
     REQUIRE(OneNodeSlurm::queue_empties());
     INFO(read_file(log));

@@ -3,6 +3,7 @@
 
 #include <fstream>
 #include <map>
+#include <thread>
 
 #include <catch2/catch.hpp>
 
@@ -164,4 +165,30 @@ TEST_CASE("Ranges that leave a gap or lie over one another are refused", "[shard
     const TemporaryFolder folder;
     make_shard(folder.path(), {1, 1}, 0, 4);
     CHECK_THROWS_WITH(read_shards(folder.path()), Catch::Matchers::Contains("the shards end before layer"));
+}
+
+TEST_CASE("Where the number of shards is known each is asked for by name, and a late one is waited for", "[shards]") {
+    const TemporaryFolder folder;
+    const fs::path out = folder.path() / "out", late = shard_file(out, {2, 3});
+    make_three(out);
+    fs::rename(late, folder.path() / "late.json");
+    CHECK_THROWS_AS(read_shards(out), InputError);
+    try {
+        (void)read_shards(out, {3, 0});
+        FAIL("it was not missed");
+    } catch (const TryAgain& error) {
+        CHECK_THAT(error.what(), Catch::Contains("--array=2 ") && Catch::Contains("late"));
+    }
+    constexpr double long_s = 300;
+    std::thread maker([&] { fs::rename(folder.path() / "late.json", late); });
+    const ShardSet shards = read_shards(out, {3, long_s});
+    maker.join();
+    CHECK(shards.records.size() == 3);
+    // Nobody is asked to wait who was asked to stop.
+    fs::remove(late);
+    Progress stopped;
+    stopped.cancel();
+    CHECK_THROWS_AS(read_shards(out, {3, long_s}, &stopped), Cancelled);
+    // Records of another cut are none of these.
+    CHECK_THROWS_AS(read_shards(out, {4, 0}), TryAgain);
 }

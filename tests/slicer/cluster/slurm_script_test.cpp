@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/cluster/slurm_script.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 #include <fmt/core.h>
 #include <catch2/catch.hpp>
 
+#include "slicer/cluster/slurm_joins.h"
 #include "slicer/cluster/slurm_lanes.h"
 #include "tests/io/files/temporary_folder.h"
 
@@ -57,7 +60,7 @@ TEST_CASE("A script asks for what the stage is to be given, and says in words wh
     CHECK_THAT(text, Contains("'/opt/vox tone/voxtone' slice '/m/it'\\''s \"one\".obj' --size 60mm --shard I/16\n"));
     for (const char* line :
          {"--job-name=it_s_one:layers", "--nodes=1", "--ntasks=1", "--cpus-per-task=4", "--mem=954M", "--time=11",
-          "--signal=B:TERM@60", "--requeue", "--kill-on-invalid-dep=yes", "--open-mode=append", "--output=slurm.out"})
+          "--signal=B:TERM@60", "--requeue", "--kill-on-invalid-dep=yes", "--open-mode=append"})
         CHECK_THAT(text, Contains(std::string("\n#SBATCH ") + line + "\n"));
     // No name can end a comment and begin a command.
     ChainStage broken = layers(1);
@@ -98,12 +101,48 @@ TEST_CASE("An array that Slurm would not take is cut") {
 }
 
 TEST_CASE("sbatch is told whom a job waits for") {
-    CHECK(sbatch_words("/o/a.sh", "/o", {0, 16, true}, 4, {{"7", "8"}, {"3"}}, {"--partition=long"}) ==
-          Words{"--chdir=/o", "--array=1-16%4", "--dependency=afterok:7:8,afterany:3", "--partition=long", "/o/a.sh"});
-    CHECK(sbatch_words("/o/a.sh", "/o", {10, 3, true}, 4, {}, {}) ==
-          Words{"--chdir=/o", "--array=1-3", "/o/a.sh", "10"});
-    CHECK(sbatch_words("/o/a.sh", "/o", {}, 0, {{}, {"3"}}, {}) ==
-          Words{"--chdir=/o", "--dependency=afterany:3", "/o/a.sh"});
+    CHECK(sbatch_words("/o/a.sh", "/o", {0, 16, true}, 4, {{"7", "8"}, {"3"}}, "a.out", {"--partition=long"}) ==
+          Words{"--chdir=/o", "--output=a.out", "--array=1-16%4", "--dependency=afterok:7:8,afterany:3",
+                "--partition=long", "/o/a.sh"});
+    CHECK(sbatch_words("/o/a.sh", "/o", {10, 3, true}, 4, {}, "a.out", {}) ==
+          Words{"--chdir=/o", "--output=a.out", "--array=1-3", "/o/a.sh", "10"});
+    CHECK(sbatch_words("/o/a.sh", "/o", {}, 0, {{}, {"3"}}, "a.out", {}) ==
+          Words{"--chdir=/o", "--output=a.out", "--dependency=afterany:3", "/o/a.sh"});
+}
+
+TEST_CASE("What Slurm says of a task goes into a file of its own, whatever its job is called") {
+    CHECK(output_of("50% cow", TaskStage::layers, {0, 16, true}) == "slurm/50%% cow/layers.%A_%a.out");
+    CHECK(output_of("cow", TaskStage::merge, {}) == "slurm/cow/merge.%j.out");
+    CHECK_THAT(join_script(), Contains("\nexit 0\n") && Contains("--kill-on-invalid-dep=yes"));
+}
+
+TEST_CASE("However many jobs are waited for, their numbers go into one word, and each is waited for once") {
+    for (const std::size_t count : {0u, 1u, 1000u, 1001u, 16'000u, 1'000'001u}) {
+        Words numbers;
+        for (std::size_t i = 0; i < count; ++i) numbers.push_back(std::to_string(10'000'000 + i));
+        std::map<std::string, Words> stands_for;
+        const Words few = joined(numbers, [&](std::span<const std::string> some) {
+            CHECK(some.size() <= 1000);
+            const std::string number = "j" + std::to_string(stands_for.size());
+            stands_for[number] = {some.begin(), some.end()};
+            return number;
+        });
+        CHECK(few.size() <= 1000);
+        CHECK(sbatch_words("/o/last.sh", "/o", {}, 0, {{}, few}, "last.out", {})[2 - (count == 0)].size() < 128 * 1024);
+        if (count <= 1000) CHECK(few == numbers);
+        Words reached, left = few;
+        while (!left.empty()) {
+            const std::string number = left.back();
+            left.pop_back();
+            const auto join = stands_for.find(number);
+            if (join == stands_for.end())
+                reached.push_back(number);
+            else
+                left.insert(left.end(), join->second.begin(), join->second.end());
+        }
+        std::sort(reached.begin(), reached.end());
+        CHECK(reached == numbers);
+    }
 }
 
 TEST_CASE("Lanes keep to the number of tasks that is allowed") {

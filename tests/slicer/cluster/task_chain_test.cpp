@@ -52,6 +52,9 @@ bool has(const Words& words, const Words& in_a_row) {
     return std::search(words.begin(), words.end(), in_a_row.begin(), in_a_row.end()) != words.end();
 }
 
+/// An eighth more than the largest phase, beside 64 MB for what starts it.
+std::uint64_t with_margin(std::uint64_t bytes) { return bytes + bytes / 8 + 64 * mb; }
+
 }  // namespace
 
 TEST_CASE("A job whose layers take minutes is one task") {
@@ -65,7 +68,7 @@ TEST_CASE("A job whose layers take minutes is one task") {
     CHECK(has(whole.words, {"--out", (shop.folder.path() / "out/a").string()}));
     CHECK_FALSE(has(whole.words, {"--until"}));
     CHECK(words_of(whole, 1) == whole.words);
-    CHECK(whole.memory_bytes > 3000 * mb);
+    CHECK(whole.memory_bytes >= with_margin(3000 * mb));
     CHECK(whole.memory_bytes < 4000 * mb);
     CHECK(whole.cores == 8);  // 768 s of processors
     CHECK(whole.expected_s > 768.0 / 8);
@@ -79,21 +82,21 @@ TEST_CASE("Layers that take hours are cut, and each shard takes minutes") {
     const ChainStage &prepare = chain.stages[0], &layers = chain.stages[1], &merge = chain.stages[2];
     CHECK(prepare.stage == TaskStage::prepare);
     CHECK(has(prepare.words, {"--until", "loop"}));
-    CHECK(prepare.memory_bytes > 2000 * mb);
+    CHECK(prepare.memory_bytes >= with_margin(2000 * mb));
     CHECK(layers.stage == TaskStage::layers);
     CHECK(layers.tasks == chain.shards);
     CHECK(chain.shards == 29);  // 100000 s on eight cores of which one does 5 % alone: 16875 s, in parts of 600 s
     CHECK(layers.expected_s < 600 + 10 + 1);
-    CHECK(layers.memory_bytes > 800 * mb);
+    CHECK(layers.memory_bytes >= with_margin(800 * mb));
     CHECK(layers.memory_bytes < 1100 * mb);  // without the loop's and the prediction's
     CHECK_FALSE(has(layers.words, {"--until"}));
     CHECK(has(words_of(layers, 3), {"--shard", "3/29"}));
-    CHECK(merge.words == Words{"merge", (shop.folder.path() / "out/a").string(), "--predict"});
-    CHECK(merge.memory_bytes > 3000 * mb);
+    CHECK(merge.words == Words{"merge", (shop.folder.path() / "out/a").string(), "--shards", "29", "--predict"});
+    CHECK(merge.memory_bytes >= with_margin(3000 * mb));
     CHECK(merge.expected_s > 100'000.0 / 8);  // a prediction needs all layers in memory
 
     const TaskChain unpredicted = shop.chain(estimate_with(600, 100'000));
-    CHECK(unpredicted.stages[2].words.size() == 2);
+    CHECK_FALSE(has(unpredicted.stages[2].words, {"--predict"}));
     CHECK(unpredicted.stages[2].memory_bytes < 700 * mb);
     CHECK(unpredicted.stages[2].expected_s < 60);
 }

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A task of a cluster, with scripts in the place of the program and of Slurm's.
+#include "slicer/cluster/cluster_task.h"
+
+#include <chrono>
+#include <thread>
+
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "slicer/batch/batch_folder.h"
+#include "slicer/cluster/job_record.h"
+#include "slicer/cluster/submission.h"
+#include "stand_ins.h"
+
+using namespace voxtone;
+using namespace voxtone::slicer;
+using Catch::Matchers::Contains;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A job of one stage, `whole`, that was handed to Slurm as its job 17.
+struct Workshop {
+    explicit Workshop(const std::string& program) : batch(BatchFolder::make(slurm.at("out"))) {
+        slurm.program("program", "echo \"$@\" >>$AT/run\n" + program);
+        slurm.program("scontrol", "echo \"$@\" >>$AT/asked");
+        slurm.program("a.obj", "");
+        PlannedJob job;
+        job.name = "a";
+        job.options.model = slurm.at("a.obj").string();
+        job.options.out = (slurm.at("out") / "a").string();
+        SubmissionFolder(batch).write_job(job);
+        SubmissionFolder(batch).write(submission());
+        JobState state;
+        state.name = "a";
+        batch.publish(state);
+        options.out = slurm.at("out");
+        options.program = slurm.at("program");
+        options.job = "a";
+        options.requeue_patience_s = 0;
+    }
+    static Submission submission() {
+        return {"a", "2026-11-26T12:00:00Z", 0, true, {{TaskStage::whole, {"slice", "a.obj"}, 1, {"17"}}}, 1};
+    }
+    [[nodiscard]] JobState state() const { return *batch.state_of("a"); }
+
+    StandIns slurm;
+    BatchFolder batch;
+    TaskOptions options;
+    Progress progress;
+};
+
+}  // namespace
+
+TEST_CASE("A task that may go another time puts back its own allocation, and no other that it runs in") {
+    Workshop shop("echo 'voxtone: the disk is full'\nexit 75\n");
+    {
+        const SlurmEnvironment none({}, {}, {});
+        CHECK(run_cluster_task(shop.options, shop.progress).exit_code == ExitCode::try_again);
+    }
+    {  // by hand, or of a render manager whose worker is a job of Slurm's
+        const SlurmEnvironment foreign("18", {}, {}, "9");
+        CHECK(run_cluster_task(shop.options, shop.progress).exit_code == ExitCode::try_again);
+    }
+    {
+        const SlurmEnvironment foreign_array("17", "16", "17", "9");
+        CHECK(run_cluster_task(shop.options, shop.progress).exit_code == ExitCode::try_again);
+    }
+    CHECK_FALSE(fs::exists(shop.slurm.at("asked")));
+    CHECK(shop.state().attempts == 1);  // what others were put back is not counted
+    const SlurmEnvironment own("17", {}, {}, "1");
+    CHECK(run_cluster_task(shop.options, shop.progress).exit_code == ExitCode::try_again);
+    CHECK(shop.slurm.text("asked") == "requeue 17\n");
+    CHECK(shop.state().attempts == 2);
+    CHECK(shop.state().phase == JobPhase::queued);
+    CHECK(shop.state().message == "whole: the disk is full");
+}
+
+TEST_CASE("A task that was put back often enough ends so that nobody tries it again") {
+    Workshop shop("echo 'voxtone: the disk is full'\nexit 75\n");
+    shop.options.retries = 2;
+    const SlurmEnvironment last("17", {}, {}, "2");
+    const JobResult result = run_cluster_task(shop.options, shop.progress);
+    CHECK(result.exit_code == ExitCode::unfinished);
+    CHECK_FALSE(fs::exists(shop.slurm.at("asked")));
+    CHECK(shop.state().phase == JobPhase::failed);
+    CHECK(shop.state().exit_code == 75);
+    CHECK(shop.state().message == "the disk is full (after 3 attempts)");
+}
+
+TEST_CASE("A task that is for a person to mend says so, and its words stay in a file of its own") {
+    Workshop shop("echo 'voxtone: no model'\nexit 3\n");
+    const SlurmEnvironment own("17", {}, {});
+    CHECK(run_cluster_task(shop.options, shop.progress).exit_code == ExitCode::invalid_input);
+    CHECK(shop.state().message == "no model");
+    CHECK_FALSE(fs::exists(shop.slurm.at("asked")));
+    const fs::path log = SubmissionFolder(shop.batch).task_log("a", TaskStage::whole, 1);
+    REQUIRE(fs::exists(log));
+    CHECK_FALSE(fs::exists(shop.batch.log_file("a")));
+    const auto size = fs::file_size(log);
+    (void)run_cluster_task(shop.options, shop.progress);
+    CHECK(fs::file_size(log) > size);
+}
+
+TEST_CASE("A task that begins before its submission is noted waits for that") {
+    Workshop shop("exit 3\n");
+    Submission incomplete = Workshop::submission();
+    incomplete.complete = false;
+    incomplete.stages.clear();
+    SubmissionFolder(shop.batch).write(incomplete);
+    auto lock = shop.batch.lock("a");
+    REQUIRE(lock);
+    std::thread handing_over([&] {
+        SubmissionFolder(shop.batch).write(Workshop::submission());
+        lock.reset();
+    });
+    CHECK(run_cluster_task(shop.options, shop.progress).exit_code == ExitCode::invalid_input);
+    handing_over.join();
+    CHECK(shop.slurm.text("run") == "slice a.obj\n");
+}
+
+TEST_CASE("However many tasks end, the summary is drawn at times") {
+    const Workshop shop("");
+    Progress progress;
+    const fs::path page = shop.batch.path() / "index.html";
+    const auto age_of_page = [&](int seconds) {
+        fs::last_write_time(page, fs::last_write_time(shop.batch.state_file("a")) - std::chrono::seconds(seconds));
+        return fs::last_write_time(page);
+    };
+    summarise_at_times(shop.batch, "a", 10, progress);
+    REQUIRE(fs::exists(page));
+    auto before = age_of_page(30);
+    summarise_at_times(shop.batch, "a", 10, progress);
+    CHECK(fs::last_write_time(page) == before);
+    before = age_of_page(90);
+    summarise_at_times(shop.batch, "a", 10'000, progress);  // of so many a summary takes long
+    CHECK(fs::last_write_time(page) == before);
+    summarise_at_times(shop.batch, "a", 10, progress);
+    CHECK(fs::last_write_time(page) > before);
+    before = age_of_page(90);
+    const auto another = shop.batch.lock_summary();
+    summarise_at_times(shop.batch, "a", 10, progress);
+    CHECK(fs::last_write_time(page) == before);
+}

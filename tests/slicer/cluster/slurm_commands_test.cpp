@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/cluster/slurm_commands.h"
+
+#include <algorithm>
+
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "slicer/cluster/command_output.h"
+#include "stand_ins.h"
+
+using namespace voxtone;
+using namespace voxtone::slicer;
+using Catch::Matchers::Contains;
+using Words = std::vector<std::string>;
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string submit(const StandIns& slurm, const std::string& sbatch) {
+    slurm.program("sbatch", sbatch);
+    return submit_to_slurm(Words{"script"});
+}
+
+}  // namespace
+
+TEST_CASE("The configuration's longest array is read, wherever it stands") {
+    const StandIns slurm;
+    slurm.program("scontrol", "echo 'ClusterName = x'; echo 'MaxArraySize            = 31'; echo 'MaxJobCount = 9'");
+    CHECK(slurm_config().max_array_size == 31);
+    slurm.program("scontrol", "echo 'MaxArraySize = 0'");
+    CHECK(slurm_config().max_array_size == 0);
+    slurm.program("scontrol", "echo 'ClusterName = x'");
+    CHECK(slurm_config().max_array_size == 1001);
+    slurm.program("scontrol", "echo 'Unable to contact slurm controller' >&2; exit 1");
+    CHECK_THROWS_AS(slurm_config(), TryAgain);
+    slurm.program("scontrol", "echo 'fatal: Could not establish a configuration source' >&2; exit 1");
+    CHECK_THROWS_AS(slurm_config(), FileError);
+}
+
+TEST_CASE("The queue is this user's, and others' jobs are not asked for") {
+    const StandIns slurm;
+    slurm.program("squeue", "echo \"$@\" >$AT/asked; echo 17; echo 17; echo ' 18 '");
+    CHECK(slurm_queue() == std::set<std::string>{"17", "18"});
+    CHECK_THAT(slurm.text("asked"), Contains("--me"));
+}
+
+TEST_CASE("sbatch's answer is a number, or says why there is none") {
+    const StandIns slurm;
+    CHECK(submit(slurm, "echo 4711") == "4711");
+    CHECK(submit(slurm, "echo '4711;cluster'") == "4711");
+    CHECK_THROWS_AS(submit(slurm, "echo Submitted"), InputError);
+    CHECK_THROWS_AS(submit(slurm, "exit 0"), InputError);
+    CHECK_THROWS_WITH(submit(slurm, "echo 'sbatch: error: invalid partition' >&2; exit 1"),
+                      Contains("refuses") && Contains("invalid partition"));
+    for (const char* later : {"Socket timed out on send/recv operation", "Slurm temporarily unable to accept job",
+                              "Job violates accounting/QOS policy (job submit limit, user's size)"}) {
+        INFO(later);
+        CHECK_THROWS_AS(submit(slurm, std::string("echo \"") + later + "\" >&2; exit 1"), TryAgain);
+    }
+}
+
+TEST_CASE("What cannot be started is told as what it is") {
+    const StandIns slurm;
+    CHECK(run_command(Words{"voxtone-no-such-program"}).exit_code == CommandOutput::no_such_program);
+    {
+        const Variable path("PATH", slurm.at("nothing").string());
+        CHECK_THROWS_WITH(slurm_config(), Contains("scontrol is not on this machine") && Contains("--dry-run"));
+    }
+    // One word of more than Linux takes (MAX_ARG_STRLEN, 128 KiB).
+    slurm.program("sbatch", "echo 1");
+    try {
+        (void)submit_to_slurm(Words{"--dependency=afterany:" + std::string(200'000, '1')});
+        FAIL("it was started");
+    } catch (const ResourceError& error) {
+        CHECK_THAT(error.what(),
+                   Contains("longer than this system takes") && Contains("200022") && !Contains("not on this machine"));
+    }
+    // There, and no program: for root, too.
+    fs::permissions(slurm.at("sbatch"), fs::perms::owner_read);
+    CHECK_THROWS_WITH(run_command(Words{slurm.at("sbatch").string()}), Contains("is here and cannot be run"));
+}
+
+TEST_CASE("Any number of jobs is cancelled, in words that a command takes") {
+    const StandIns slurm;
+    slurm.program("scancel", "echo $# >>$AT/counts");
+    cancel_in_slurm({});
+    CHECK_FALSE(fs::exists(slurm.at("counts")));
+    cancel_in_slurm(Words(2500, "1234567"));
+    CHECK(slurm.text("counts") == "1001\n1001\n501\n");
+}
+
+TEST_CASE("An allocation is that of a job, or of one task of an array") {
+    {
+        const SlurmEnvironment none({}, {}, {});
+        CHECK(own_slurm_allocation().number.empty());
+        CHECK(own_slurm_allocation().task.empty());
+    }
+    {
+        const SlurmEnvironment job("17", {}, {}, "3");
+        CHECK(own_slurm_allocation().number == "17");
+        CHECK(own_slurm_allocation().task == "17");
+        CHECK(own_slurm_allocation().restarts == 3);
+    }
+    const SlurmEnvironment task("20", "17", "3");
+    CHECK(own_slurm_allocation().number == "17");
+    CHECK(own_slurm_allocation().task == "17_3");
+    CHECK(own_slurm_allocation().restarts == 0);
+}
