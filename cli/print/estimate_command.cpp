@@ -4,10 +4,12 @@
 
 #include <CLI/CLI.hpp>
 
+#include "base/error.h"
 #include "cli/print/job_options.h"
 #include "cli/print/print_commands.h"
 #include "cli/program/console.h"
 #include "cli/program/help.h"
+#include "slicer/batch/plan_estimate.h"
 #include "slicer/estimate/estimate_job.h"
 #include "slicer/estimate/estimate_text.h"
 
@@ -22,11 +24,26 @@ struct EstimateArguments {
     ConsoleOptions console;
 };
 
+/// What the command line says holds for all jobs that do not say otherwise.
+slicer::PlanOptions plan_of(const slicer::SliceOptions& options) {
+    slicer::PlanOptions plan;
+    plan.plan = {options.model};
+    plan.out = options.out.empty() ? "." : options.out;
+    plan.begin_with = options;
+    return plan;
+}
+
 int run(const EstimateArguments& arguments) {
     const slicer::SliceOptions options = options_of(arguments.job);
     slicer::EstimateScope scope = arguments.scope;
     scope.resins = !arguments.quick;
     return run_on_console(arguments.console, [&](Progress& progress) {
+        if (slicer::is_plan(options.model)) {
+            if (scope.orientations)
+                throw UsageError(
+                    "--orientations is a table of one body; name its model, and not a plan of several jobs");
+            return slicer::run_plan_estimate(plan_of(options), scope, progress);
+        }
         const slicer::JobEstimate estimate = slicer::estimate_job(options, progress, scope);
         return JobResult{slicer::estimate_json(estimate), slicer::estimate_text(estimate)};
     });
@@ -37,7 +54,10 @@ int run(const EstimateArguments& arguments) {
 Command add_estimate_command(CLI::App& program) {
     auto arguments = std::make_shared<EstimateArguments>();
     CLI::App* command = program.add_subcommand(
-        "estimate", "Say what slicing would take, without doing it: size, layers, resins, time, memory, disk");
+        "estimate",
+        "Say what slicing would take, without doing it: size, layers, resins, time, memory, disk. In the place of a "
+        "model "
+        "also of a plan as `batch` takes it (table, job list, folder, pattern): a line a job, and what they add up to");
     add_job_options(*command, arguments->job);
     command
         ->add_flag(

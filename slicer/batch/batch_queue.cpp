@@ -100,6 +100,28 @@ void BatchQueue::start_what_fits() {
     }
 }
 
+/// Of the jobs that this batch has done; 0: of none.
+double BatchQueue::mean_seconds() const {
+    double sum = 0;
+    int count = 0;
+    for (const auto& job : jobs_) {
+        if (job->stage() != Stage::done || job->was_unchanged() || !job->state().figures) continue;
+        sum += job->state().figures->seconds;
+        ++count;
+    }
+    return count > 0 ? sum / count : 0;
+}
+
+/// So that it can be told when the rest will be done (batch_outlook.h). An estimate takes half a second of a core,
+/// which is little beside jobs that take so long; one is made at a time, whatever else runs.
+void BatchQueue::estimate_one_that_waits() {
+    const auto is_weighed = [](const auto& job) { return job->stage() == Stage::weighing; };
+    if (std::any_of(jobs_.begin(), jobs_.end(), is_weighed) || mean_seconds() < context_.options.estimate_from_s)
+        return;
+    const auto next = std::find_if(jobs_.begin(), jobs_.end(), [](const auto& job) { return job->wants_estimate(); });
+    if (next != jobs_.end()) (*next)->begin_to_weigh();
+}
+
 bool BatchQueue::step() {
     bool failed = false, left = false;
     for (const auto& job : jobs_) {
@@ -111,6 +133,7 @@ bool BatchQueue::step() {
         return false;
     }
     start_what_fits();
+    estimate_one_that_waits();
     for (const auto& job : jobs_) left = left || !has_ended(*job);
     if (left) std::this_thread::sleep_for(look_every);
     return left;

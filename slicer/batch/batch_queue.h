@@ -40,6 +40,8 @@ private:
     };
     [[nodiscard]] Free what_is_free() const;
     void start_what_fits();
+    void estimate_one_that_waits();
+    [[nodiscard]] double mean_seconds() const;
     [[nodiscard]] int could_start(const Free& free) const;
 
     BatchContext& context_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <ctime>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "io/disk/folder_lock.h"
 #include "io/files/json_writer.h"
 #include "slicer/batch/batch_folder.h"
+#include "slicer/batch/batch_outlook.h"
 
 namespace voxtone::slicer {
 
@@ -79,6 +81,12 @@ JobResult batch_status(const std::filesystem::path& out) {
     for (std::size_t i = 0; i < words.size(); ++i) {
         jobs.add(words[i], counts[i]);
         if (counts[i] > 0) text += fmt::format(", {} {}", counts[i], words[i]);
+    }
+    if (const auto outlook = batch_outlook(states, double(std::time(nullptr)))) {
+        text += "; " + outlook_text(*outlook);
+        jobs.key("rest").begin_object().add("jobs", outlook->left).add("measured_jobs", outlook->measured);
+        jobs.add("seconds", outlook->seconds).add("least_seconds", outlook->least_s);
+        jobs.add("most_seconds", outlook->most_s).end_object();
     }
     return {jobs.end_object().text(), text + "\n" + lines};
 }

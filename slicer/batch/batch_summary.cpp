@@ -17,6 +17,7 @@
 #include "io/files/markup.h"
 #include "io/files/whole_file.h"
 #include "io/programs/build_identity.h"
+#include "slicer/batch/batch_outlook.h"
 #include "slicer/kept/report_files.h"
 
 namespace voxtone::embedded {
@@ -130,6 +131,8 @@ void add_cards(std::string& html, const std::vector<JobState>& states) {
     card("Failed", std::to_string(failed));
     card("Resin", ml_text(ml) + " ml");
     card("Time, all jobs", duration_text(seconds));
+    if (const auto outlook = batch_outlook(states, double(std::time(nullptr))))
+        card("The rest in", fmt::format("{} to {}", duration_text(outlook->least_s), duration_text(outlook->most_s)));
     html += "</dl></section>\n";
 }
 

@@ -48,11 +48,12 @@ NextStep next_step(const JobEnding& ending, const Attempts& attempts) {
     return {StepKind::fail, ending.exit_code, ending.message};
 }
 
-void note_start(JobState& state, const JobRunner& runner, int attempt) {
+void note_start(JobState& state, const JobRunner& runner, int attempt, int threads) {
     state.phase = JobPhase::running;
     state.runner = runner;
     state.program = io::build_identity();
     state.attempts = attempt;
+    state.threads = threads;
     state.message.clear();
     state.finished.clear();
     state.figures.reset();

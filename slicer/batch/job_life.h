@@ -40,8 +40,8 @@ struct Attempts {
 
 [[nodiscard]] NextStep next_step(const JobEnding& ending, const Attempts& attempts);
 
-/// Another attempt begins; what the last one left is forgotten.
-void note_start(JobState& state, const JobRunner& runner, int attempt);
+/// Another attempt begins, on so many threads (0: not known); what the last one left is forgotten.
+void note_start(JobState& state, const JobRunner& runner, int attempt, int threads);
 /// Its stack is there, and `state` has its figures.
 void note_done(JobState& state);
 void note_failed(JobState& state, int exit_code, const std::string& message);

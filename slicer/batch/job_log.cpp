@@ -19,7 +19,7 @@ std::uintmax_t log_size(const std::filesystem::path& log) {
 }
 
 std::string tail_of_log(const std::filesystem::path& log, std::uintmax_t begin) {
-    constexpr std::uintmax_t most = 8192;
+    constexpr std::uintmax_t most = std::uintmax_t{1} << 16;
     const std::uintmax_t size = log_size(log);
     std::ifstream in(log, std::ios::binary);
     in.seekg(static_cast<std::streamoff>(std::max(begin, size > most ? size - most : 0)));

@@ -82,7 +82,8 @@ void expect_format(const io::JsonObject& json) {
     if (json.integer("version", 0, 1000000) != 1)
         json.fail("version", "another version of the program made it; this one reads version 1");
     json.allow_only({"format", "version", "name", "number", "state", "command", "program", "folder_is_ours", "attempts",
-                     "runner", "exit_code", "message", "finished", "inputs", "figures", "after"});
+                     "threads", "expected_cpu_seconds", "runner", "exit_code", "message", "finished", "inputs",
+                     "figures", "after"});
 }
 
 }  // namespace
@@ -105,6 +106,8 @@ std::string state_json(const JobState& state) {
     json.line().add("command", state.command);
     json.line().add("program", state.program).add("folder_is_ours", state.folder_is_ours);
     json.add("attempts", state.attempts);
+    if (state.threads > 0) json.add("threads", state.threads);
+    if (state.expected_cpu_s > 0) json.add("expected_cpu_seconds", state.expected_cpu_s);
     if (state.runner) write_runner(json, *state.runner);
     json.line().add("exit_code", state.exit_code);
     if (!state.message.empty()) json.line().add("message", state.message);
@@ -131,6 +134,8 @@ JobState read_state(const std::filesystem::path& file) {
     state.program = json.text("program");
     state.folder_is_ours = json.boolean("folder_is_ours");
     state.attempts = static_cast<int>(json.integer("attempts", 0, 1000000));
+    if (json.has("threads")) state.threads = static_cast<int>(json.integer("threads", 0, 1000000));
+    if (json.has("expected_cpu_seconds")) state.expected_cpu_s = json.number("expected_cpu_seconds", 0, 1e12);
     if (json.has("runner")) state.runner = read_runner(json.object("runner"));
     state.exit_code = static_cast<int>(json.number("exit_code", -1, 255));
     if (json.has("message")) state.message = json.text("message");
@@ -146,6 +151,13 @@ JobState read_state(const std::filesystem::path& file) {
 
 bool lives_here(const JobRunner& runner) {
     return runner.host == io::host_name() && runner.start != 0 && io::start_of_process(runner.pid) == runner.start;
+}
+
+std::optional<double> seconds_of(const std::string& utc) {
+    std::tm time{};
+    const char* const end = strptime(utc.c_str(), "%Y-%m-%dT%H:%M:%SZ", &time);
+    if (!end || *end != '\0') return std::nullopt;
+    return static_cast<double>(timegm(&time));
 }
 
 std::string utc_now() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }

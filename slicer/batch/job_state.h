@@ -67,6 +67,8 @@ struct JobState {
     std::string program;               ///< version of the program that did or does it
     bool folder_is_ours = false;       ///< OUT/NAME was not there or empty when the batch took it
     int attempts = 0;                  ///< so far, of the run that ended or runs
+    int threads = 0;                   ///< of the last attempt; 0: not known
+    double expected_cpu_s = 0;         ///< of processors, by the estimate; 0: none was made
     std::optional<JobRunner> runner;   ///< while it runs
     int exit_code = 0;                 ///< of the last attempt
     std::string message;               ///< why it failed or was stopped
@@ -88,6 +90,8 @@ void read_shared_figures(const io::JsonObject& json, StackFigures& figures);
 
 /// Now, as states have it.
 [[nodiscard]] std::string utc_now();
+/// Seconds since 1970; nothing for what is no such time.
+[[nodiscard]] std::optional<double> seconds_of(const std::string& utc);
 
 }  // namespace voxtone::slicer
 

@@ -40,14 +40,14 @@ bool JobWeight::is_known() const { return memory_bytes < beyond_every_machine; }
 JobWeight weigh(const SliceOptions& options, const std::vector<std::string>& command, const JobState* known) {
     constexpr double allowance = 1.25;  // the peak of one job differs by a few percent from run to run
     if (known && known->command == command && known->figures && known->figures->peak_memory_bytes > 0)
-        return {static_cast<std::uint64_t>(allowance * double(known->figures->peak_memory_bytes)), options.threads,
+        return {static_cast<std::uint64_t>(allowance * double(known->figures->peak_memory_bytes)), options.threads, 0,
                 false};
     const std::uint64_t model = bytes_of_model(options.model);
-    if (options.iterations == "0" && options.predict == "none") return {model, options.threads, true};
+    if (options.iterations == "0" && options.predict == "none") return {model, options.threads, 0, true};
     const std::optional<double> area_mm2 = most_surface_mm2(options);
-    if (!area_mm2) return {beyond_every_machine, options.threads, true};
+    if (!area_mm2) return {beyond_every_machine, options.threads, 0, true};
     return {model + static_cast<std::uint64_t>(most_bytes_of_surface(*area_mm2, options.predict_cell_mm)),
-            options.threads, true};
+            options.threads, 0, true};
 }
 
 std::vector<std::string> estimate_words(const std::vector<std::string>& slice_words) {
@@ -59,14 +59,20 @@ std::vector<std::string> estimate_words(const std::vector<std::string>& slice_wo
 
 JobWeight with_more_memory(const JobWeight& before) {
     constexpr std::uint64_t times = 2;
-    return {before.is_known() ? times * before.memory_bytes : before.memory_bytes, before.threads, before.bound};
+    JobWeight more = before;
+    if (before.is_known()) more.memory_bytes *= times;
+    return more;
 }
 
 JobWeight weigh_by_estimate(const JobWeight& before, const std::string& rest_of_line) {
-    JobWeight weight{before.memory_bytes, before.threads, false};
+    JobWeight weight = before;
+    weight.bound = false;
     try {
-        weight.memory_bytes = io::JsonObject::parse(estimate_begin + rest_of_line, "estimate")
-                                  .integer("memory_bytes", 0, std::numeric_limits<std::uint64_t>::max());
+        const auto event = io::JsonObject::parse(estimate_begin + rest_of_line, "estimate");
+        const auto estimate = event.object("result");
+        const std::uint64_t bytes = estimate.integer("memory_bytes", 0, std::numeric_limits<std::uint64_t>::max());
+        weight.cpu_s = estimate.number("cpu_seconds", 0, 1e12);
+        if (before.bound) weight.memory_bytes = bytes;  // else it is known from its last run
     } catch (const Error&) {
         // The job itself will say what is wrong with it.
     }

@@ -19,6 +19,7 @@ namespace voxtone::slicer {
 struct JobWeight {
     std::uint64_t memory_bytes = 0;       ///< at its peak
     int threads = 0;                      ///< that the job was told to take; 0: as many as it is given
+    double cpu_s = 0;                     ///< of processors; 0: not known
     bool bound = false;                   ///< the memory is no more than a bound, that of a body like a full box
     [[nodiscard]] bool is_known() const;  ///< something can be said of the memory
 };
@@ -34,8 +35,9 @@ struct JobWeight {
 /// Of a job that was killed for memory: twice as much, so that it runs beside fewer others, or alone.
 [[nodiscard]] JobWeight with_more_memory(const JobWeight& before);
 
-inline constexpr const char* estimate_begin = R"({"format":"voxtone-estimate",)";
-/// Of what they print behind `estimate_begin`, with the weight that was taken until then where that cannot be read.
+/// How the line begins that they print at last.
+inline constexpr const char* estimate_begin = R"({"event":"result","result":)";
+/// Of what stands behind that, with the weight that was taken until then where that cannot be read.
 [[nodiscard]] JobWeight weigh_by_estimate(const JobWeight& before, const std::string& rest_of_line);
 
 }  // namespace voxtone::slicer

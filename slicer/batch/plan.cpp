@@ -72,9 +72,10 @@ PlannedJob job_of(const PlanRow& row, const std::string& source, const SliceOpti
     return job;
 }
 
-SliceOptions read_preset(const std::string& file) {
-    SliceOptions preset;
-    if (!file.empty()) read_job(file, preset);
+SliceOptions preset_of(const PlanOptions& options) {
+    SliceOptions preset = options.begin_with.value_or(SliceOptions());
+    if (!options.preset.empty()) read_job(options.preset, preset);
+    preset.model.clear();
     preset.out.clear();
     preset.overwrite = preset.resume = false;
     preset.recorded_inputs.clear();
@@ -162,7 +163,7 @@ void find_doubles(const std::vector<PlannedJob>& jobs, std::vector<std::string>&
 
 std::vector<PlannedJob> plan_jobs(const PlanRows& rows, const PlanOptions& options, const Progress* progress) {
     (void)NameTemplate(options.name);
-    const SliceOptions preset = read_preset(options.preset);
+    const SliceOptions preset = preset_of(options);
     std::vector<PlannedJob> jobs;
     std::vector<std::string> faults = rows.faults;
     std::size_t n = 0;

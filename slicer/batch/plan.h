@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,10 +16,11 @@
 namespace voxtone::slicer {
 
 struct PlanOptions {
-    std::vector<std::string> plan;  ///< as read_plan_rows takes it
-    std::string preset;             ///< job file whose options all jobs begin with; empty: none
-    std::string name = "{name}";    ///< template of the jobs' names (job_names.h)
-    std::filesystem::path out;      ///< OUT
+    std::vector<std::string> plan;                ///< as read_plan_rows takes it
+    std::string preset;                           ///< job file whose options all jobs begin with; empty: none
+    std::string name = "{name}";                  ///< template of the jobs' names (job_names.h)
+    std::filesystem::path out;                    ///< OUT
+    std::optional<SliceOptions> begin_with = {};  ///< options that all jobs begin with, in the place of a preset
 };
 
 struct PlannedJob {

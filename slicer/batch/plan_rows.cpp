@@ -129,6 +129,11 @@ std::vector<fs::path> models_in(const fs::path& folder) {
     return models;
 }
 
+bool is_plan(const std::string& word) {
+    std::error_code none;
+    return is_list(word) || fs::is_directory(word, none) || (is_pattern(word) && !fs::exists(word, none));
+}
+
 PlanRow row_of(const fs::path& model) {
     io::JsonWriter json;
     json.begin_object().add("model", model.string()).end_object();

@@ -31,6 +31,9 @@ struct PlanRows {
 /// all.
 [[nodiscard]] PlanRows read_plan_rows(std::span<const std::string> plan);
 
+/// Whether this word, given alone, is a plan of many jobs, and no model.
+[[nodiscard]] bool is_plan(const std::string& word);
+
 /// The models in a folder, by name; not those in folders below it, nor hidden ones. Throws FileError.
 [[nodiscard]] std::vector<std::filesystem::path> models_in(const std::filesystem::path& folder);
 

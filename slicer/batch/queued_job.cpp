@@ -41,6 +41,8 @@ QueuedJob::QueuedJob(BatchContext& context, PlannedJob job, std::size_t number)
         return;
     }
     claim_folder();
+    if (state_.command != job_.command) state_.expected_cpu_s = 0;
+    was_weighed_ = state_.expected_cpu_s > 0;
     state_.command = job_.command;
     if (known && known->phase != JobPhase::done) return;
     state_.phase = JobPhase::queued;
@@ -71,6 +73,7 @@ std::vector<std::string> QueuedJob::words_to_start() const {
 }
 
 void QueuedJob::begin_to_weigh() {
+    was_weighed_ = true;
     const fs::path log = context_.folder.log_file(job_.name);
     const std::vector<std::string> words = estimate_words(job_.command);
     std::vector<std::string> shown{context_.options.program.string()};
@@ -87,9 +90,24 @@ void QueuedJob::begin_to_weigh() {
 
 void QueuedJob::take_end_of_weighing() {
     stage_ = Stage::waiting;
-    if (!stopping_)
-        weight_ =
-            weigh_by_estimate(weight_, last_line(context_.folder.log_file(job_.name), log_begin_, estimate_begin));
+    if (stopping_) return;
+    weight_ = weigh_by_estimate(weight_, last_line(context_.folder.log_file(job_.name), log_begin_, estimate_begin));
+    state_.expected_cpu_s = weight_.cpu_s;
+    note_expected_time();
+}
+
+/// For who asks how far the batch is. Where another batch works on it, that is not told what it takes.
+void QueuedJob::note_expected_time() {
+    if (state_.expected_cpu_s <= 0) return;
+    try {
+        const auto lock = context_.folder.lock(job_.name);
+        if (!lock) return;
+        JobState known = context_.folder.state_of(job_.name).value_or(state_);
+        known.expected_cpu_s = state_.expected_cpu_s;
+        context_.folder.publish(known);
+    } catch (const Error& error) {
+        tell(JobEvent::Kind::warned, fmt::format("its state could not be written: {}", error.what()));
+    }
 }
 
 void QueuedJob::warn_that_it_runs_alone(std::uint64_t memory_there_is) const {
@@ -151,7 +169,7 @@ void QueuedJob::run(const std::vector<std::string>& words) {
     process_ =
         std::make_unique<JobProcess>(ProcessStart{context_.options.program, words, {}, log, lock_->descriptor()});
     stage_ = Stage::running;
-    note_start(state_, {io::host_name(), process_->pid(), process_->start_time(), utc_now()}, tries_);
+    note_start(state_, {io::host_name(), process_->pid(), process_->start_time(), utc_now()}, tries_, threads_);
     state_.command = job_.command;
     publish();
     context_.view.tell({JobEvent::Kind::started, job_.name, {}, 0, tries_, threads_, 0});

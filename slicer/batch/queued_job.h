@@ -28,6 +28,7 @@ struct BatchOptions {
     int cores = 0;                   ///< that all share; 0: every one there is
     std::uint64_t memory_bytes = 0;  ///< that all share; 0: the machine's
     int retries = 5;                 ///< of a job that failed for no fault of its own
+    double estimate_from_s = 25;     ///< jobs are estimated while they wait where those of this batch take so long
     double backoff_s = 2;            ///< before the first of them; twice as long before each further one
     bool fail_fast = false;
     std::string after;  ///< command for the shell, once a result is whole; empty: none
@@ -60,6 +61,8 @@ public:
 
     /// Begins to ask the estimate what the job takes, where only a bound is known; it waits again after that.
     void begin_to_weigh();
+    /// Whether nothing is known yet of the time that it takes.
+    [[nodiscard]] bool wants_estimate() const { return stage_ == Stage::waiting && tries_ == 0 && !was_weighed_; }
     void warn_that_it_runs_alone(std::uint64_t memory_there_is) const;
     /// Begins to run, unless another batch holds it or has just done it. Throws Cancelled.
     void start(int threads);
@@ -76,6 +79,7 @@ private:
     void take_lock_and_run(int threads);
     void run(const std::vector<std::string>& words);
     void take_end_of_weighing();
+    void note_expected_time();
     void take_end_of_job(const ProcessEnd& end);
     [[nodiscard]] Attempts attempts() const;
     void take_step(const NextStep& step);
@@ -94,7 +98,7 @@ private:
     JobState state_;
     JobWeight weight_;
     Stage stage_ = Stage::waiting;
-    bool unchanged_ = false, stopping_ = false, told_elsewhere_ = false, has_got_more_ = false;
+    bool unchanged_ = false, stopping_ = false, told_elsewhere_ = false, has_got_more_ = false, was_weighed_ = false;
     int threads_ = 0, tries_ = 0;
     double pause_s_ = 0;
     Stopwatch since_pause_, since_start_;

@@ -51,6 +51,8 @@ JobState state_to_hand_over(const BatchFolder& batch, const PlannedJob& job, std
     state.figures.reset();
     state.after.reset();
     state.exit_code = 0;
+    state.threads = 0;
+    state.expected_cpu_s = 0;
     return state;
 }
 

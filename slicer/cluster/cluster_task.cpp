@@ -12,6 +12,7 @@
 #include "base/control_group.h"
 #include "base/error.h"
 #include "base/machine_memory.h"
+#include "base/parallel.h"
 #include "io/disk/disk_space.h"
 #include "io/files/json_writer.h"
 #include "slicer/batch/job_ending.h"
@@ -145,7 +146,8 @@ private:
         change_state(batch_, job_.name, progress_, [&](JobState& state) {
             // A shard that failed is not forgotten because others run.
             if (state.phase == JobPhase::failed && stage_.stage == TaskStage::layers) return;
-            voxtone::slicer::note_start(state, runner_, allocation_.restarts + 1);
+            voxtone::slicer::note_start(state, runner_, allocation_.restarts + 1,
+                                        options_.threads > 0 ? options_.threads : int(thread_count()));
         });
     }
 

@@ -76,6 +76,7 @@ private:
         files.write(submission_of(job.name, chain, jobs_));
         JobState state = state_to_hand_over(batch_, job, number);
         state.phase = JobPhase::queued;
+        state.expected_cpu_s = chain.cpu_s;
         state.message = fmt::format("is in {}", options_.file.string());
         batch_.publish(state);
         chains_.push_back({job.name, chain});

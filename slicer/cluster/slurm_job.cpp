@@ -192,6 +192,7 @@ void hand_over(SlurmEntry& entry, const Lane& lane, std::size_t jobs, const Batc
     cancel_in_slurm(entry.submission.numbers());
     JobState state = state_to_hand_over(batch, entry.job, entry.number);
     state.phase = JobPhase::queued;
+    state.expected_cpu_s = entry.chain.cpu_s;
     state.message = "is being submitted to Slurm";
     batch.publish(state);
     entry.submission = Submission{entry.job.name, utc_now(), now_ns(), false, {}, jobs};

@@ -150,6 +150,7 @@ std::vector<std::string> words_of(const ChainStage& stage, int index) {
 TaskChain task_chain(const PlannedJob& job, const JobEstimate& estimate, const ChainOptions& options) {
     TaskChain chain;
     chain.shards = shards_for(estimate, options);
+    chain.cpu_s = estimate.cpu_s;
     if (chain.shards > 1) {
         chain.why_whole = why_not_cut(job);
         if (!chain.why_whole.empty()) chain.shards = 1;

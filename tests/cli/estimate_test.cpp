@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What `voxtone estimate` says, against known bodies and against the jobs themselves.
+#include <filesystem>
 #include <string>
 
 #include <catch2/catch.hpp>
@@ -10,6 +11,7 @@
 #include "tests/io/files/schema.h"
 
 using namespace voxtone::test;
+namespace fs = std::filesystem;
 using Catch::Matchers::Contains;
 
 namespace {
@@ -98,4 +100,34 @@ TEST_CASE("An estimate refuses what the job would refuse, and writes nothing") {
     CHECK(run_program("estimate " + (folder / "marker.obj") + " --load C,Q").exit_code == 3);
     CHECK(run_program("estimate " + (folder / "marker.obj") + " --iterations 0 -o " + (folder / "out")).exit_code == 0);
     CHECK_FALSE(std::filesystem::exists(folder / "out"));
+}
+
+TEST_CASE("The estimate of a plan is that of its jobs, whatever kind of plan it is, and adds up") {
+    const Folder folder("estimate-plan");
+    fs::create_directory(folder.path() / "models");
+    folder.write("models/a.obj", ramp_box_obj(12, 10, 5));
+    folder.write("models/b.obj", ramp_box_obj(6, 5, 5));
+    folder.write("plan.csv", "model,name,iterations\nmodels/a.obj,first,0\nmodels/b.obj,second,0\n");
+    const std::string quick = " --iterations 0 --predict none --printer generic";
+    const nlohmann::json one = result_of("estimate " + (folder / "models/a.obj") + quick),
+                         plan = result_of("estimate " + (folder / "plan.csv") + quick),
+                         models = result_of("estimate " + (folder / "models") + quick),
+                         pattern = result_of("estimate '" + (folder / "models/*.obj") + "'" + quick);
+    for (const nlohmann::json& all : {plan, models, pattern}) {
+        CHECK(voxtone::io::schema_faults("plan-estimate", all.dump()) == std::vector<std::string>{});
+        REQUIRE(all["jobs"].size() == 2);
+        CHECK(all["jobs"][0]["ml"] == one["ml"]);
+        CHECK(all["totals"]["ml"].get<double>() ==
+              Approx(all["jobs"][0]["ml"].get<double>() + all["jobs"][1]["ml"].get<double>()));
+        CHECK(all["totals"]["most_memory_bytes"].get<double>() >= all["jobs"][1]["memory_bytes"].get<double>());
+    }
+    CHECK(plan["jobs"][0]["job"] == "first");
+    CHECK(models["jobs"][0]["job"] == "a");
+    // One that cannot be sliced is told, and the others are estimated.
+    folder.write("models/b.obj", "v 0 0 0\nf 1 2 3\n");
+    const Outcome broken = run_program("estimate " + (folder / "models") + quick + " --quiet");
+    CHECK(broken.exit_code == 3);
+    CHECK_THAT(broken.out, Contains("b  cannot be sliced: ") && Contains("all 1 job: "));
+    CHECK(run_program("estimate --orientations " + (folder / "models")).exit_code == 2);
+    CHECK_FALSE(fs::exists(folder.path() / "out"));
 }

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "io/files/file_digest.h"
 #include "slicer/batch/batch_folder.h"
+#include "slicer/batch/batch_status.h"
 #include "slicer/batch/batch_summary.h"
 #include "tests/io/files/schema.h"
 #include "tests/io/files/temporary_folder.h"
@@ -34,6 +35,8 @@ JobState full_state() {
     state.program = "0.2.0 build 0123456789abcdef";
     state.folder_is_ours = true;
     state.attempts = 2;
+    state.threads = 4;
+    state.expected_cpu_s = 12.5;
     state.runner = JobRunner{"host", 12, 345, "2026-11-23T09:12:31Z"};
     state.finished = "2026-11-23T09:12:41Z";
     state.inputs = {{"/m/a b.obj", {{10, 11, 1'795'427'256'528'554'634, 13}, std::string(64, 'a')}}};
@@ -114,4 +117,27 @@ TEST_CASE("The summary holds no text that a browser or a spreadsheet would run")
     CHECK_THAT(csv,
                Contains("\"a <b> & \"\"c\"\"\",done,,generic,1.500,2.000,3.000,40,1.2500,0.2500,1.0000,1.250,good,2"));
     CHECK_THAT(csv, Contains("'=cmd,failed,\"a,\"\"b\"\"\nc <i>\","));
+}
+
+TEST_CASE("A status says when the rest will be done, to people and to programs") {
+    const io::TemporaryFolder out;
+    const BatchFolder batch = BatchFolder::make(out.path());
+    JobState done = full_state(), runs = new_state("b"), waits = new_state("c");
+    done.name = "a";
+    done.finished = utc_now();
+    done.threads = 2;
+    runs.phase = JobPhase::running;
+    runs.runner = JobRunner{"another-host", 1, 1, utc_now()};
+    for (const JobState& state : {done, runs, waits}) batch.publish(state);
+    const JobResult status = batch_status(out.path());
+    CHECK_THAT(status.text, Contains("3 jobs, 1 done, 1 running, 1 queued; the rest, 2 jobs, in "));
+    CHECK_THAT(status.json, Contains("\"rest\": {\"jobs\": 2, \"measured_jobs\": 1, \"seconds\": ") &&
+                                Contains("\"least_seconds\": ") && Contains("\"most_seconds\": "));
+    CHECK_THAT(batch_html(batch, batch.states()), Contains("<dt>The rest in</dt>"));
+    runs.phase = JobPhase::failed;
+    runs.runner.reset();
+    waits.phase = JobPhase::failed;
+    for (const JobState& state : {runs, waits}) batch.publish(state);
+    CHECK_THAT(batch_status(out.path()).text, !Contains("the rest"));
+    CHECK_THAT(batch_html(batch, batch.states()), !Contains("The rest in"));
 }

@@ -179,6 +179,40 @@ TEST_CASE("What runs when a batch is stopped waits for the next, however often i
     CHECK_FALSE(state->runner);
 }
 
+TEST_CASE("Jobs are estimated while they wait, where that is little beside what they take") {
+    // Two outcomes of a stack that `slice` would leave, and what `estimate --json` says at last.
+    const std::string program = R"(
+case "$1" in estimate)
+  echo estimate >>$OUT/said
+  echo '{"event":"result","result":{"format": "voxtone-estimate", "cpu_seconds": 123.5, "memory_bytes": 1000}}'
+  exit 0;;
+esac
+[ "$2" = bad ] && exit 3
+mkdir -p $OUT/out/a
+echo '{"content_sha256": ""}' >$OUT/out/a/manifest.json
+echo '{"format": "voxtone-job", "version": 1, "inputs": []}' >$OUT/out/a/job.json
+echo '{"printer": {"id": "x"}, "size_mm": [1, 1, 1], "layers": 1, "voxels": 1, "warnings": [], "resins": [],
+  "seconds": 30, "peak_memory_bytes": 1, "output_bytes": 1}' >$OUT/out/a/report.json
+)";
+    for (const double from_s : {25.0, 35.0}) {
+        Workshop shop(program);
+        shop.options.jobs = 1;
+        shop.options.estimate_from_s = from_s;
+        Batch batch(shop);
+        for (const char* name : {"a", "b", "c"}) {
+            PlannedJob job = shop.job(name);
+            if (job.name != "a") job.command[1] = "bad";
+            batch.queue.add(job);
+        }
+        batch.run();
+        CHECK(batch.folder.state_of("a")->phase == JobPhase::done);
+        const bool worth_it = from_s < 30;
+        CHECK(batch.folder.state_of("c")->expected_cpu_s == (worth_it ? 123.5 : 0));
+        CHECK((shop.said() == "estimate\n" || shop.said() == "estimate\nestimate\n") == worth_it);
+        CHECK(batch.folder.state_of("c")->phase == JobPhase::failed);
+    }
+}
+
 TEST_CASE("What an input held is known of one that was last changed long before the job began, and of no other") {
     const io::TemporaryFolder folder;
     const std::string model = (folder.path() / "a.obj").string();

@@ -85,11 +85,12 @@ TEST_CASE("The other ends are for good") {
 
 TEST_CASE("A state tells of the attempt that runs, or of the end of the last one") {
     JobState state;
-    note_start(state, {"host", 12, 345, "2026-11-23T09:12:31Z"}, 2);
+    note_start(state, {"host", 12, 345, "2026-11-23T09:12:31Z"}, 2, 4);
     CHECK(state.phase == JobPhase::running);
     REQUIRE(state.runner);
     CHECK(state.runner->pid == 12);
     CHECK(state.attempts == 2);
+    CHECK(state.threads == 4);
     CHECK_FALSE(state.program.empty());
 
     note_waiting(state, 75, "disk full");
@@ -104,7 +105,7 @@ TEST_CASE("A state tells of the attempt that runs, or of the end of the last one
     CHECK_FALSE(state.finished.empty());
 
     state.figures = StackFigures();
-    note_start(state, {"host", 13, 346, "2026-11-23T09:13:31Z"}, 1);
+    note_start(state, {"host", 13, 346, "2026-11-23T09:13:31Z"}, 1, 0);
     CHECK(state.message.empty());
     CHECK(state.finished.empty());
     CHECK_FALSE(state.figures);

@@ -59,11 +59,14 @@ TEST_CASE("a job that was done before takes what it took", "[batch]") {
 
 TEST_CASE("what the estimate says takes the place of the bound", "[batch]") {
     const JobWeight bound = weight_of(body_of(0));
-    const JobWeight weight = weigh_by_estimate(bound, R"("version":1,"memory_bytes":1234})");
+    const JobWeight weight =
+        weigh_by_estimate(bound, R"({"format": "voxtone-estimate", "cpu_seconds": 2.5, "memory_bytes": 1234}})");
     CHECK(weight.memory_bytes == 1234);
+    CHECK(weight.cpu_s == 2.5);
     CHECK_FALSE(weight.bound);
     // An estimate that failed is not asked for again.
-    for (const char* broken : {"", "}", R"("memory_bytes":-1})", R"("memory_bytes":1)"}) {
+    for (const char* broken :
+         {"", "}", R"({"cpu_seconds": 1, "memory_bytes": -1}})", R"({"cpu_seconds": 1, "memory_bytes": 1})"}) {
         CHECK(weigh_by_estimate(bound, broken).memory_bytes == bound.memory_bytes);
         CHECK_FALSE(weigh_by_estimate(bound, broken).bound);
     }
