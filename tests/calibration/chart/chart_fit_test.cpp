@@ -11,6 +11,7 @@
 #include "calibration/chart/observer_bands.h"
 #include "calibration/chart/observer_model.h"
 #include "calibration/chart/observer_start.h"
+#include "calibration/chart/residual_fit.h"
 #include "calibration/patches/patch_check.h"
 #include "calibration/patches/patch_model.h"
 #include "io/profiles/resin_file.h"
@@ -83,6 +84,24 @@ TEST_CASE("A chart drawn by a set of four channels is fitted and foretells mixtu
     // Three channels of sRGB, as a set without an observer has them, cannot say as much.
     const auto vero = check_resins(optics::vero_opaque(), others, {}).differences;
     CHECK(vero.mean > 4 * unseen.mean);
+}
+
+TEST_CASE("A residual follows what was left by as much as repeats say that it is no noise") {
+    // Two mixtures too far apart to share anything: each weight is left / (1 + noise / repeats), and so is what is told
+    // there.
+    ChartData data;
+    data.shares = Eigen::MatrixXd::Identity(2, 2);
+    data.repeats = Eigen::Vector2d(1, 4);
+    Eigen::MatrixX3d left(2, 3);
+    left << 0.1, -0.2, 0.3, 0.4, 0.1, -0.1;
+    const ResidualShape shape{{1e-3, 1e-3}, 0.5};
+    const optics::ColourResidual residual = make_residual(data, left, shape);
+    for (Eigen::Index i = 0; i < 2; ++i) {
+        const Eigen::RowVector2d shares = data.shares.row(i);
+        const Eigen::Vector3d told = residual({shares.data(), 2}),
+                              wanted = left.row(i).transpose() / (1 + 0.5 / data.repeats[i]);
+        CHECK((told - wanted).norm() < 1e-9);
+    }
 }
 
 TEST_CASE("A fit of a chart is the same for any number of threads, and survives its file") {
