@@ -3,12 +3,16 @@
 // The distance of profiles and what its minimum is uncertain by, against what happens when the data are moved.
 #include "calibration/edge/edge_objective.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
+#include <tuple>
 
 #include <catch2/catch.hpp>
 
 #include "base/parallel.h"
+#include "calibration/edge/edge_fit.h"
 #include "calibration/edge/edge_simulation_job.h"
 #include "calibration/resins/resin_coordinates.h"
 
@@ -147,4 +151,42 @@ TEST_CASE("each part of a fit's error is how far the minimum goes when what it s
     level.level_error = 0.003, thickness.thickness_error = 0.01, gel.gel_error_mm = 0.04;
     for (const EdgeSetup& one : {level, thickness, gel}) sum += part(one).cwiseAbs2();
     CHECK((part(setup).cwiseAbs2() - sum).cwiseAbs().maxCoeff() < 1e-9);
+}
+
+TEST_CASE("the error of mu is that of leaving one resin out after the other", "[edge]") {
+    const EdgeSetup setup = sure();
+    optics::ResinSet set{"three", "", {}, g, 1.5, {}};
+    for (const auto& [role, extinction, light] :
+         {std::tuple{"A", 5.0, 0.9}, std::tuple{"B", 6.0, 0.985}, std::tuple{"D", 7.0, 0.96}})
+        set.resins.push_back({role, role, {extinction, extinction, extinction}, {light, light, light}});
+    EdgeBench bench;
+    bench.noise = 0, bench.paths = 1u << 15;
+    std::vector<EdgeProfile> profiles = simulate_edge_profiles(set, setup, {0.5}, bench);
+    for (std::size_t k = 0; k < 3; ++k)  // photographs that were not lit alike
+        for (auto& channel : profiles[k].value)
+            for (double& v : channel) v *= 0.94 + 0.06 * double(k);
+    EdgeProfileTable table = table_of(setup);
+    const auto fitted = [&](const std::vector<EdgeProfile>& some) { return fit_edges(some, table, {}); };
+    const EdgeFit fit = fitted(profiles);
+    double sum = 0, squares = 0;
+    for (std::size_t out = 0; out < 3; ++out) {
+        std::vector<EdgeProfile> others = profiles;
+        others.erase(others.begin() + static_cast<std::ptrdiff_t>(out));
+        const double mu = fitted(others).mu;
+        sum += mu, squares += mu * mu;
+    }
+    const double jackknife = std::sqrt(2.0 / 3 * (squares - sum * sum / 3));
+    // Besides, what the dictionary's noise makes of the level of one profile in the middle of all, of three resins.
+    std::vector<double> grain;
+    for (std::size_t r = 0; r < 3; ++r)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const auto& value = profiles[r].value[c];
+            grain.push_back(table.noise(0, edge_medium(fit.resins[r].channel[c].at, g)) /
+                            (std::accumulate(value.begin(), value.end(), 0.0) / double(value.size())));
+        }
+    std::ranges::sort(grain);
+    const double expected = std::hypot(jackknife, grain[4] / std::sqrt(3.0));
+    INFO("mu " << fit.mu << " +- " << fit.mu_error << " for " << expected << ", jackknife " << jackknife);
+    CHECK(jackknife > 0.6 * expected);
+    CHECK(fit.mu_error == Approx(expected).epsilon(0.05));
 }
