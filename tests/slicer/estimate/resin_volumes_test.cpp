@@ -119,6 +119,21 @@ TEST_CASE("Of a tall body one layer in each stretch is counted: a pyramid has th
     query.keep_thin = false;
     query.layers = {0, 999};
     CHECK(resin_volumes(body, query, Progress()).body_ml == Approx(4 * 4 * 10 / 3.0 * 1e-3).epsilon(0.004));
+    // The same where its resins are asked for: each sample stands for its stretch of layers.
+    query.resins = 2;
+    query.core = 1;
+    query.shell_mm = 0.3;
+    query.mixture = [](std::uint32_t, const Eigen::Vector2f&, double, double weight, std::span<double> sum) {
+        sum[0] += weight;
+    };
+    const ResinVolumes coloured = resin_volumes(body, query, Progress());
+    CHECK(coloured.ml[0] + coloured.ml[1] == Approx(coloured.body_ml).epsilon(1e-9));
+    CHECK(coloured.ml[0] == Approx(coloured.shell_ml).epsilon(1e-9));
+    CHECK(coloured.body_ml == Approx(4 * 4 * 10 / 3.0 * 1e-3).epsilon(0.004));
+    // What is deeper is a pyramid again, whose inscribed sphere is so much smaller: 3 V = r A.
+    const double slant = std::hypot(10, 2), radius = 4 * 4 * 10 / (4 * 4 + 4 * 4 * slant / 2);
+    CHECK(coloured.ml[1] == Approx(std::pow(1 - 0.3 / radius, 3) * 4 * 4 * 10 / 3 * 1e-3).epsilon(0.02));
+    query.mixture = nullptr;
     query.layers = {500, 999};  // the upper half is an eighth
     CHECK(resin_volumes(body, query, Progress()).body_ml == Approx(4 * 4 * 10 / 24.0 * 1e-3).epsilon(0.008));
 }

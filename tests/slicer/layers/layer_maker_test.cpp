@@ -190,6 +190,26 @@ TEST_CASE("Two walls with a gap: every voxel has the resin of its nearest triang
         }
 }
 
+TEST_CASE("Layers are the same whichever are asked for, also from within a block") {
+    const Walls walls(3, 5);
+    const Body body(walls.mesh(), walls.grid, 0.06, random_colours(24, 6));
+    const LayerSources sources = body.sources(&screen());
+    REQUIRE(body.shell->block_size()[2] > 4);
+    const MadeVoxels whole = made_voxels(sources);
+    const std::size_t layer = std::size_t(walls.grid.size[0]) * std::size_t(walls.grid.size[1]);
+    for (int begin = 0; begin < walls.grid.size[2]; ++begin)
+        for (int end = begin + 1; end <= walls.grid.size[2]; ++end) {
+            CAPTURE(begin, end);
+            const MadeVoxels part = made_voxels(sources, begin, end);
+            std::size_t wrong = 0;
+            for (std::size_t v = 0; v < part.materials.size(); ++v) {
+                const int k = int(v / layer);
+                wrong += part.materials[v] != (k < begin || k >= end ? io::background : whole.materials[v]);
+            }
+            CHECK(wrong == 0);
+        }
+}
+
 TEST_CASE("By error diffusion the same voxels are shell, and get resins that their colour asks for") {
     for (const auto& [gap, shift] : {std::pair{1, 0}, std::pair{3, 5}, std::pair{7, 7}}) {
         CAPTURE(gap, shift);

@@ -101,6 +101,16 @@ TEST_CASE("Layers take what there are of them, and something besides") {
     CHECK(half > quarter);
     CHECK(whole - half == Approx(2 * (half - quarter)));
     CHECK(whole < 2 * half);
+    // What is left of no layers at all does not know how large the body is.
+    const auto none = [&](const Vector3d& size_mm) {
+        const JobBody other = boxes(job, size_mm);
+        const auto of = [&](int layers) {
+            return phase_of(phase_estimates(job, other, {0, layers - 1}, 1, resident), "layers").cpu_s;
+        };
+        return 2 * of(100) - of(200);
+    };
+    CHECK(none({12, 10, 8}) > 0);
+    CHECK(none({24, 20, 16}) == Approx(none({12, 10, 8})));
     // Other phases do not know of layers.
     CHECK(phase_of(estimates(job, body, {0, 9}, 1, resident), Phase::separate).cpu_s ==
           phase_of(estimates(job, body, all_of(body), 1, resident), Phase::separate).cpu_s);
