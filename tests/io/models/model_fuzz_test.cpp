@@ -17,19 +17,14 @@ using namespace voxtone::test;
 
 namespace {
 
-/// One change in so many may crash a library: assimp's reader of binary PLY dies of 16 of the 150 wrong ones here,
-/// which is why it lives in a process of its own.
-constexpr std::size_t most_crashes = 6;
+/// Crashes that a library is known for: assimp's reader of binary PLY died of 16 of 150 wrong ones, which is why it
+/// lives in a process of its own. Of other files none may die.
+std::size_t most_crashes(const std::string& name, std::size_t changes) { return name == "b.ply" ? changes / 6 : 0; }
 
 struct Tally {
     int models = 0, refused = 0, crashed = 0;
     std::string first_crash;
 };
-
-/// Formats that are read by our own code alone, which must not crash.
-bool ours(const std::string& name) {
-    return name.ends_with(".glb") || name.ends_with(".gltf") || name.ends_with(".3mf");
-}
 
 /// Reads the files with every change in turn, `batch` changes to a child process: what must not reach the parent is the
 /// crash. Where a child dies, its changes are tried one by one, so that one crash costs one change.
@@ -63,8 +58,6 @@ void try_changes(const Folder& folder, const Files& files, std::size_t first, st
             }
             ++tally.crashed;
             if (tally.first_crash.empty()) tally.first_crash = "change " + std::to_string(begin) + ": " + error.what();
-            INFO(name << ", change " << begin << ": " << error.what());
-            CHECK_FALSE(ours(name));
         }
     }
 }
@@ -88,7 +81,7 @@ TEST_CASE("every truncation of small models gives a model or a clear error") {
                 tally);
             INFO(files[0].first << " with " << files[f].first << " cut: " << tally.models << " read, " << tally.refused
                                 << " refused, " << tally.crashed << " crashes of a library; " << tally.first_crash);
-            CHECK(std::size_t(tally.crashed) <= whole.size() / most_crashes);
+            CHECK(std::size_t(tally.crashed) <= most_crashes(files[0].first, whole.size()));
         }
     }
 }
@@ -143,6 +136,6 @@ TEST_CASE("wrong bytes in small models") {
             INFO(files[0].first << " with wrong bytes in " << files[f].first << ": " << tally.models << " read, "
                                 << tally.refused << " refused, " << tally.crashed << " crashes of a library; "
                                 << tally.first_crash);
-            CHECK(std::size_t(tally.crashed) <= changes / most_crashes);
+            CHECK(std::size_t(tally.crashed) <= most_crashes(files[0].first, changes));
         }
 }
