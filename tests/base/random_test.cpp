@@ -15,6 +15,16 @@ TEST_CASE("Philox agrees with the known answers of Salmon et al. 2011") {
           Words{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1});
 }
 
+TEST_CASE("A stream is the blocks of its counter one after the other, each word once") {
+    const std::uint64_t seed = 0x0123456789abcdef, address = 0xfedcba9876543210;
+    RandomStream stream(seed, address, 5);
+    for (std::uint32_t n = 0; n < 1000; ++n)
+        CHECK(stream.bits() == philox4x32({n / 4, 5, 0x76543210u, 0xfedcba98u}, {0x89abcdefu, 0x01234567u})[n % 4]);
+    CHECK(unit_interval(0) == 0);
+    CHECK(unit_interval(0x80000000u) == 0.5);
+    CHECK(unit_interval(0xffffffffu) < 1);
+}
+
 TEST_CASE("A stream is a function of its address and uniform") {
     RandomStream a(7, 42), b(7, 42), other(7, 43);
     double sum = 0, sum_of_squares = 0;
