@@ -280,7 +280,15 @@ TEST_CASE("A heap of triangles is cut coarsely, and at last refused, in a senten
     CHECK(enough.triangles.size() == fine.triangles.size());
     CHECK(!coarse.triangles.empty());
     CHECK(coarse.triangles.size() < fine.triangles.size());
-    CHECK(coloured_area_mm2(coarse) == Approx(coloured_area_mm2(fine)).epsilon(0.25));
+    // Six faces of the first and the last box lie free, 24 mm2. Of the other boxes strips stand out on all six sides,
+    // as wide as the next box is farther: less than a piece, so they may be missed, or seen as twice what they are.
+    const double dx = 0.013, dy = 0.017, dz = 0.011,
+                 strips = 9 * 2 * (12 - (2 - dx) * (2 - dy) - (2 - dy) * (2 - dz) - (2 - dz) * (2 - dx));
+    for (const double area : {coloured_area_mm2(fine), coloured_area_mm2(coarse)}) {
+        CHECK(area > 24 - 1e-9);
+        CHECK(area < 24 + 2 * strips);
+    }
+    CHECK(std::abs(coloured_area_mm2(fine) - (24 + strips)) < strips / 2);
     CHECK_THROWS_AS(find(1000), InputError);
     CHECK_THROWS_WITH(find(1000), Catch::Contains("lie on or across one another") && Catch::Contains("unite"));
 }
