@@ -200,11 +200,23 @@ TEST_CASE("edge photo: what cannot be measured is refused, and nothing is left u
     CHECK(read_file(folder / "p.csv") == written);
 }
 
+namespace {
+
+/// Profiles and a dictionary, made once for all sections of a test.
+struct EdgeInput {
+    Folder folder{"edge-bad"};
+    EdgeInput() {
+        folder.write("bench.json", coarse_bench);
+        static_cast<void>(result_of(run_program(simulate(folder, "-o " + (folder / "good.csv")))));
+        static_cast<void>(result_of(run_program(small_dictionary(folder))));
+    }
+};
+
+}  // namespace
+
 TEST_CASE("edge fit: bad input is refused or told") {
-    const Folder folder("edge-bad");
-    folder.write("bench.json", coarse_bench);
-    static_cast<void>(result_of(run_program(simulate(folder, "-o " + (folder / "good.csv")))));
-    static_cast<void>(result_of(run_program(small_dictionary(folder))));
+    static const EdgeInput input;
+    const Folder& folder = input.folder;
     const auto good = calibration::read_edge_profiles(folder / "good.csv");
     REQUIRE(good.size() == 4);  // M and K, 0.5 and 1 mm each
     const auto fit = [&](const std::vector<calibration::EdgeProfile>& profiles, const std::string& more = {}) {

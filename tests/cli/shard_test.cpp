@@ -100,12 +100,12 @@ TEST_CASE("Pictures, resin bitmaps, error diffusion and a range of layers go in 
     const Folder folder("shards-kinds");
     const std::string picture = std::string(VOXTONE_SOURCE_DIR) + "/examples/models/spot/spot_texture.png";
     const std::string kinds[] = {
-        fmt::format("slice --quiet --iterations 0 --predict none --width 12mm --thickness 2mm {}", picture),
-        fmt::format("slice --quiet --iterations 0 --predict none --printer generic --size 8mm {}", spot),
-        fmt::format("slice --quiet --iterations 0 --predict none --formats tiff --size 8mm --flip-x --swap-xy {}",
+        fmt::format("slice --quiet --iterations 0 --predict none --width 8mm --thickness 1.5mm {}", picture),
+        fmt::format("slice --quiet --iterations 0 --predict none --printer generic --size 5mm {}", spot),
+        fmt::format("slice --quiet --iterations 0 --predict none --formats tiff --size 5mm --flip-x --swap-xy {}",
                     spot),
-        fmt::format("slice --quiet --iterations 0 --predict none --screen error-diffusion --size 8mm {}", spot),
-        fmt::format("slice --quiet --iterations 0 --predict none --layers 37-9999 --size 8mm {}", spot)};
+        fmt::format("slice --quiet --iterations 0 --predict none --screen error-diffusion --size 5mm {}", spot),
+        fmt::format("slice --quiet --iterations 0 --predict none --layers 37-9999 --size 5mm {}", spot)};
     for (std::size_t k = 0; k < std::size(kinds); ++k) {
         INFO(kinds[k]);
         const std::string whole = fmt::format("whole{}", k), parts = fmt::format("parts{}", k);
