@@ -54,21 +54,11 @@ void make_layers(Print& print, const LayerRange& range, const LayerTaker& take, 
     figures.layers_s = watch.total();
 }
 
-/// Pictures of layers are for browsers that cannot show the voxels: fewer of them leave room for these.
-static void keep_some(std::vector<io::ReportLayer>& layers) {
-    constexpr std::size_t enough = 12;
-    const std::size_t step = std::max<std::size_t>(1, layers.size() / enough);
-    std::vector<io::ReportLayer> kept;
-    for (std::size_t i = 0; i < layers.size(); i += step) kept.push_back(std::move(layers[i]));
-    layers = std::move(kept);
-}
-
 std::string write_report(const OpenedJob& job, const Print& print, io::Report& report,
                          std::optional<VoxelSample>& voxels, const Stopwatch& since_begin, Progress& progress) {
     const std::filesystem::path& folder = job.options.out;
     if (job.options.report) {
         const Stopwatch watch;
-        if (voxels) keep_some(report.layers);
         print.draw(report, progress);
         if (voxels) {
             report.viewer.voxels = voxels->take(voxel_bytes_left(report));

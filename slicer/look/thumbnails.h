@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Small pictures of some layers for the report, evenly spaced from the first to the last, made while layers are.
+// Small pictures of some layers for the report, evenly spaced from the first to the last, made while layers are. They are
+// for browsers that cannot show the report's voxels (voxel_sample.h), and few, to leave room for these.
 #pragma once
 
 #include <map>
@@ -15,7 +16,7 @@ namespace voxtone::slicer {
 
 class Thumbnails {
 public:
-    static constexpr int most = 48;
+    static constexpr int most = 12;
 
     /// Of `layers` layers from `first`; `palette`: background and resins.
     Thumbnails(int first, int layers, const VoxelGrid& grid, std::vector<io::Rgb> palette);

@@ -21,13 +21,15 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Voxels of 0.2 mm, which the test body fills without a rest, and the screen that needs no making.
+/// Voxels of 0.2 mm, which the test body fills without a rest, and the screen that needs no making. Where the line does
+/// not ask for amounts of resins white does: asked colours, messages and sizes are the same, and separating colours is
+/// the longest part of so small a job.
 std::string command(const BugLine& line, const Folder& folder) {
     const std::string file = (bug_folder() / line.file).string();
     if (line.verb == "slice")
         return fmt::format(
-            "slice '{}' {} --iterations 0 --predict none --screen error-diffusion --printer '{}' -o '{}'", file,
-            line.options, (bug_folder() / "printer.json").string(), folder / "out");
+            "slice '{}' {} {} --iterations 0 --predict none --screen error-diffusion --printer '{}' -o '{}'", file,
+            line.options, line.top.empty() ? "--load W" : "", (bug_folder() / "printer.json").string(), folder / "out");
     if (line.verb == "predict")
         return fmt::format("predict '{}' {} -o '{}'", file, line.options, folder / "target.png");
     return fmt::format("{} '{}' {}", line.verb, file, line.options);
