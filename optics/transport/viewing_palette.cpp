@@ -15,96 +15,98 @@
 namespace voxtone::optics {
 namespace {
 
-/// Sum of count * constant: as good as unique for a mixture, and one addition a voxel.
-constexpr std::array<std::uint64_t, 256> mixture_codes() {
-    std::array<std::uint64_t, 256> code{};
-    std::uint64_t state = 0x9e3779b97f4a7c15u;
-    for (std::size_t m = 1; m < code.size(); ++m) {  // splitmix64
-        std::uint64_t z = (state += 0x9e3779b97f4a7c15u);
-        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-        z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-        code[m] = (z ^ (z >> 31)) | 1u;
-    }
-    return code;
-}
-constexpr std::array<std::uint64_t, 256> code_of = mixture_codes();
-
-/// Counts of materials in the layers of a cell.
-struct Counts {
-    struct Count {
+/// Counts of materials in the layers of a cell; in a cell of one resin layers are not told apart.
+struct Composition {
+    struct Part {
         Material material;
         std::uint8_t layer;
-        int n;
+        int count;
+        bool operator==(const Part&) const = default;
     };
-    std::vector<Count> counts;
+    std::vector<Part> parts;  ///< ascending in layer, then material
+    std::uint8_t axis = 2;    ///< across the layers
+    bool operator==(const Composition&) const = default;
+
+    void clear() {
+        parts.clear();
+        axis = 2;
+    }
     void add(Material m, int layer) {
-        for (Count& c : counts)
-            if (c.material == m && c.layer == layer) {
-                ++c.n;
+        for (Part& p : parts)
+            if (p.material == m && p.layer == layer) {
+                ++p.count;
                 return;
             }
-        counts.push_back({m, static_cast<std::uint8_t>(layer), 1});
+        parts.push_back({m, static_cast<std::uint8_t>(layer), 1});
     }
-    void sort() {
-        std::sort(counts.begin(), counts.end(), [](const Count& a, const Count& b) {
-            return std::pair(a.layer, a.material) < std::pair(b.layer, b.material);
-        });
+    void close(std::size_t layers_along) {
+        const bool several = std::ranges::any_of(parts, [&](const Part& p) { return p.material != parts[0].material; });
+        if (several) {
+            std::ranges::sort(parts, {}, [](const Part& p) { return std::pair(p.layer, p.material); });
+            axis = static_cast<std::uint8_t>(layers_along);
+        } else if (!parts.empty()) {
+            int all = 0;
+            for (const Part& p : parts) all += p.count;
+            parts = {{parts[0].material, 0, all}};
+        }
     }
-    /// Where there are too many different mixtures: layers are forgotten, the shares are rounded to eighths, the
-    /// largest rests up.
+    /// Where there are too many different ones: layers are forgotten, the shares are rounded to eighths, the largest
+    /// rests up.
     void round_to_eighths(int in_cell) {
         std::array<int, 256> by_material{};
         int all = 0;
-        for (const Count& c : counts) {
-            by_material[c.material] += c.n;
-            all += c.n;
+        for (const Part& p : parts) {
+            by_material[p.material] += p.count;
+            all += p.count;
         }
-        counts.clear();
-        const int parts = std::max(1, (8 * all + in_cell / 2) / in_cell);
+        clear();
+        const int eighths = std::max(1, (8 * all + in_cell / 2) / in_cell);
         std::vector<std::pair<int, std::size_t>> rest;
         int given = 0;
         for (std::size_t m = 1; m < by_material.size(); ++m) {
             if (by_material[m] == 0) continue;
-            const int wanted = by_material[m] * parts;
-            rest.emplace_back(-(wanted % all), counts.size());
-            counts.push_back({static_cast<Material>(m), 0, wanted / all});
+            const int wanted = by_material[m] * eighths;
+            rest.emplace_back(-(wanted % all), parts.size());
+            parts.push_back({static_cast<Material>(m), 0, wanted / all});
             given += wanted / all;
         }
         std::sort(rest.begin(), rest.end());
-        for (std::size_t i = 0; given < parts; ++i, ++given) ++counts[rest[i].second].n;
-        std::erase_if(counts, [](const Count& c) { return c.n == 0; });
+        for (std::size_t i = 0; given < eighths; ++i, ++given) ++parts[rest[i].second].count;
+        std::erase_if(parts, [](const Part& p) { return p.count == 0; });
+    }
+};
+
+struct CompositionHash {
+    std::size_t operator()(const Composition& c) const {
+        std::uint64_t sum = c.axis;
+        for (const Composition::Part& p : c.parts) {
+            sum ^= static_cast<std::uint64_t>(p.count) << 16 | std::uint64_t{p.layer} << 8 | p.material;
+            sum *= 0x9e3779b97f4a7c15u;  // 2^64 / the golden ratio
+            sum ^= sum >> 29;
+        }
+        return sum;
     }
 };
 
 /// Numbers different compositions in the order in which they are first met.
 class CompositionTable {
 public:
-    struct Entry {
-        std::uint64_t key;
-        std::uint8_t axis;
-        Counts counts;
-    };
     explicit CompositionTable(std::uint16_t first_number = 0) : first_(first_number) {}
-    /// The number of the composition with this key, whose counts are asked for where it is new; 0 where there are too
-    /// many.
-    template <class Make>
-    std::uint16_t intern(std::uint64_t key, std::uint8_t axis, Make&& counts) {
-        if (const auto found = known_.find(key); found != known_.end()) return found->second;
-        const std::size_t number = first_ + entries_.size();
-        if (number >= 65535) {
-            overflowed_ = true;
-            return 0;
-        }
-        known_.emplace(key, static_cast<std::uint16_t>(number));
-        entries_.push_back({key, axis, counts()});
-        return static_cast<std::uint16_t>(number);
+    /// 0 where there are too many.
+    std::uint16_t intern(const Composition& composition) {
+        const std::size_t number = first_ + in_order_.size();
+        const auto [at, fresh] = known_.try_emplace(composition, static_cast<std::uint16_t>(number));
+        if (!fresh) return at->second;
+        overflowed_ |= number >= 65535;
+        if (!overflowed_) in_order_.push_back(&at->first);
+        return overflowed_ ? std::uint16_t{0} : at->second;
     }
     [[nodiscard]] bool overflowed() const { return overflowed_; }
-    [[nodiscard]] std::vector<Entry>& entries() { return entries_; }
+    [[nodiscard]] const std::vector<const Composition*>& in_order() const { return in_order_; }
 
 private:
-    std::unordered_map<std::uint64_t, std::uint16_t> known_;
-    std::vector<Entry> entries_;
+    std::unordered_map<Composition, std::uint16_t, CompositionHash> known_;
+    std::vector<const Composition*> in_order_;
     std::size_t first_;
     bool overflowed_ = false;
 };
@@ -194,59 +196,23 @@ private:
         const int only = volume_.uniform_material(grid_.corner_of(block.at), grid_.block_voxels());
         std::uint16_t* const number = grid_.medium.data() + block.first_cell;
         if (only > 0 && grid_.donors_of[t] == grid_.donors_of[t + 1]) {
-            std::fill_n(number, 64, number_of_one(static_cast<Material>(only), table));
+            const Composition whole{{{static_cast<Material>(only), 0, rounded_ ? 8 : in_cell_}}};
+            std::fill_n(number, 64, table.intern(whole));
             return;
         }
         voxels.enter_block(t);
+        Composition found;
         for_each({4, 4, 4}, [&](const Place& at) {
             const std::size_t place = place_in_block(at);
-            if (!(block.solid >> place & 1)) return;
+            if (!(block.solid >> place & 1) || table.overflowed()) return;
             voxels.enter_cell(at);
-            number[place] = rounded_ ? rounded_number(voxels, table) : exact_number(voxels, table);
-        });
-    }
-
-    [[nodiscard]] std::uint16_t number_of_one(Material only, CompositionTable& table) const {
-        return table.intern(static_cast<std::uint64_t>(in_cell_) * code_of[only], 2, [&] {
-            return Counts{{{only, 0, rounded_ ? 8 : in_cell_}}};
-        });
-    }
-
-    [[nodiscard]] std::uint16_t exact_number(CellVoxels& voxels, CompositionTable& table) const {
-        std::uint64_t key = 0;
-        bool several = false;
-        Material first = air;
-        voxels.each([&](Material m, int layer) {
-            if (m == air) return;
-            several |= first != air && m != first;
-            first = m;
-            key += code_of[m] * code_of[static_cast<std::size_t>(255 - layer)];
-        });
-        if (several) {
-            key = key * 31 + voxels.axis() + 1;
-        } else {  // no layers in a cell of one resin
-            key = 0;
-            voxels.each([&](Material m, int) { key += code_of[m]; });
-        }
-        return table.intern(key, static_cast<std::uint8_t>(voxels.axis()), [&] {
-            Counts found;
+            found.clear();
             voxels.each([&](Material m, int layer) {
-                if (m != air) found.add(m, several ? layer : 0);
+                if (m != air) found.add(m, layer);
             });
-            found.sort();
-            return found;
+            rounded_ ? found.round_to_eighths(in_cell_) : found.close(voxels.axis());
+            number[place] = table.intern(found);
         });
-    }
-
-    [[nodiscard]] std::uint16_t rounded_number(CellVoxels& voxels, CompositionTable& table) const {
-        Counts counts;
-        voxels.each([&](Material m, int) {
-            if (m != air) counts.add(m, 0);
-        });
-        counts.round_to_eighths(in_cell_);
-        std::uint64_t key = 1;
-        for (const Counts::Count& c : counts.counts) key += static_cast<std::uint64_t>(c.n) * code_of[c.material];
-        return table.intern(key, 2, [&] { return counts; });
     }
 
     /// From the numbers of each range to those of the grid; 0 is air.
@@ -256,8 +222,7 @@ private:
         for (std::size_t r = 0; r < tables.size(); ++r) {
             if (progress_) progress_->check_cancelled();
             if (tables[r].overflowed()) return false;
-            for (CompositionTable::Entry& entry : tables[r].entries())
-                common[r].push_back(all.intern(entry.key, entry.axis, [&] { return std::move(entry.counts); }));
+            for (const Composition* const one : tables[r].in_order()) common[r].push_back(all.intern(*one));
             if (all.overflowed()) return false;
             tables[r] = CompositionTable();
         }
@@ -275,14 +240,14 @@ private:
         return true;
     }
 
-    void list_mixtures(CompositionTable& all) {
+    void list_mixtures(const CompositionTable& all) {
         const auto whole = static_cast<float>(rounded_ ? 8 : in_cell_);
         grid_.mixtures.assign(1, {});
-        for (const CompositionTable::Entry& entry : all.entries()) {
+        for (const Composition* const one : all.in_order()) {
             ViewingGrid::Mixture& mixture = grid_.mixtures.emplace_back();
-            mixture.axis = entry.axis;
-            for (const Counts::Count& c : entry.counts.counts)
-                mixture.holds.push_back({c.material, c.layer, static_cast<float>(c.n) / whole});
+            mixture.axis = one->axis;
+            for (const Composition::Part& p : one->parts)
+                mixture.holds.push_back({p.material, p.layer, static_cast<float>(p.count) / whole});
         }
     }
 

@@ -2,10 +2,8 @@
 //
 // What the cells of a viewing grid hold: the composition of each is counted, equal ones get one number.
 //
-// A composition is the counts of materials in the layers of a cell, across the way to the surface. Keys of 64 bits
-// stand for compositions: two different ones may meet in one with a probability of about n^2 / 2^65 for n of them,
-// 1e-10 for 65,534; that is not looked at. Where there are more than these 65,534, layers are forgotten and shares
-// rounded to eighths.
+// A composition is the counts of materials in the layers of a cell, across the way to the surface. Where there are more
+// than 65,534 different ones, layers are forgotten and shares rounded to eighths.
 #pragma once
 
 #include <cstdint>
