@@ -399,24 +399,16 @@ struct ViewingGridBuilder {
             }
     }
 
+    /// Solid cells, their outer faces, and who gave them resin.
     void list_faces() {
         VOXTONE_EXPECT(64 * grid.transport_blocks.size() < std::numeric_limits<std::uint32_t>::max());
         grid.medium.assign(64 * grid.transport_blocks.size(), 0);
         grid.outer.assign(64 * grid.transport_blocks.size(), not_solid);
-        std::array<float, 3> area{};
-        for (std::size_t a = 0; a < 3; ++a)
-            area[a] = static_cast<float>(view[(a + 1) % 3] * grid.pitch_mm[(a + 1) % 3] * view[(a + 2) % 3] *
-                                         grid.pitch_mm[(a + 2) % 3]);
         for (const std::uint32_t b : grid.transport_blocks) {
             check();
             GridBlock& block = grid.blocks[b];
-            const std::size_t here = at3(block.at, grid.lattice);
             grid.donors_of.push_back(static_cast<std::uint32_t>(grid.donors.size()));
-            bool inner = state[here] == full;
-            for (const std::int32_t other : block.neighbour)
-                inner &= other >= 0 && grid.blocks[static_cast<std::size_t>(other)].kind != BlockKind::core &&
-                         state[at3(grid.blocks[static_cast<std::size_t>(other)].at, grid.lattice)] == full;
-            if (inner) {
+            if (has_no_outer_face(block)) {
                 block.solid = ~std::uint64_t{0};
                 std::fill_n(grid.outer.begin() + block.first_cell, 64, std::uint8_t{0});
                 continue;
@@ -424,46 +416,72 @@ struct ViewingGridBuilder {
             block.first_link = static_cast<std::int32_t>(grid.face_of_cell.size());
             block.first_face = static_cast<std::uint32_t>(grid.faces.size());
             for_each({4, 4, 4}, [&](const Place& at) {
-                const std::size_t place = place_in_block(at);
-                const Place cell{4 * block.at[0] + at[0], 4 * block.at[1] + at[1], 4 * block.at[2] + at[2]};
                 grid.face_of_cell.push_back(static_cast<std::int32_t>(grid.faces.size()));
-                if (!solid_at(cell)) return;
-                block.solid |= std::uint64_t{1} << place;
-                std::uint8_t& outer = grid.outer[block.first_cell + place] = 0;
-                for (std::size_t f = 0; f < 6; ++f) {
-                    const Place next = beside(cell, f);
-                    OuterFace face;
-                    face.cell = block.first_cell + static_cast<std::uint32_t>(place);
-                    face.facing = static_cast<Facing>(f);
-                    face.area_mm2 = area[f / 2];
-                    for (std::size_t axis = 0; axis < 3; ++axis)
-                        if (at[axis] >= 2) face.region_in_block |= static_cast<std::uint8_t>(1u << axis);
-                    if (solid_at(next)) {
-                        const Place around{next[0] / 4, next[1] / 4, next[2] / 4};
-                        const GridBlock& other =
-                            grid.blocks[static_cast<std::size_t>(grid.block_at[at3(around, grid.lattice)])];
-                        if (other.kind != BlockKind::core) continue;
-                        face.kind = FaceKind::core;
-                        face.beyond = other.core_node;
-                        grid.place_of_face.push_back(into_core | static_cast<std::uint32_t>(grid.core_faces.size()));
-                        grid.core_faces.push_back(static_cast<std::uint32_t>(grid.faces.size()));
-                    } else {
-                        face.kind = kind_of(next, f);
-                        grid.place_of_face.push_back(static_cast<std::uint32_t>(grid.open_faces.size()));
-                        grid.open_faces.push_back(static_cast<std::uint32_t>(grid.faces.size()));
-                        if (fill_at(next) > 0 && receiver(next) == cell) {
-                            Place from{};
-                            for (std::size_t a = 0; a < 3; ++a) from[a] = next[a] * view[a] - grid.shift_voxels[a];
-                            grid.donors.push_back({face.cell, from});
-                        }
-                    }
-                    outer |= static_cast<std::uint8_t>(1u << f);
-                    grid.faces.push_back(face);
-                }
+                list_faces_of_cell(block, at);
             });
             block.faces = static_cast<std::uint32_t>(grid.faces.size()) - block.first_face;
         }
         grid.donors_of.push_back(static_cast<std::uint32_t>(grid.donors.size()));
+    }
+
+    [[nodiscard]] bool has_no_outer_face(const GridBlock& block) const {
+        if (state[at3(block.at, grid.lattice)] != full) return false;
+        return std::ranges::all_of(block.neighbour, [&](std::int32_t other) {
+            if (other < 0) return false;
+            const GridBlock& next = grid.blocks[static_cast<std::size_t>(other)];
+            return next.kind != BlockKind::core && state[at3(next.at, grid.lattice)] == full;
+        });
+    }
+
+    /// Of cell `at` of a block, in order of facing.
+    void list_faces_of_cell(GridBlock& block, const Place& at) {
+        const Place cell{4 * block.at[0] + at[0], 4 * block.at[1] + at[1], 4 * block.at[2] + at[2]};
+        if (!solid_at(cell)) return;
+        const std::size_t place = place_in_block(at);
+        block.solid |= std::uint64_t{1} << place;
+        std::uint8_t& outer = grid.outer[block.first_cell + place] = 0;
+        const std::array<double, 3> edge = grid.edge_mm();
+        for (std::size_t f = 0; f < 6; ++f) {
+            OuterFace face;
+            face.cell = block.first_cell + static_cast<std::uint32_t>(place);
+            face.facing = static_cast<Facing>(f);
+            face.area_mm2 = static_cast<float>(edge[(f / 2 + 1) % 3] * edge[(f / 2 + 2) % 3]);
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                if (at[axis] >= 2) face.region_in_block |= static_cast<std::uint8_t>(1u << axis);
+            const Place next = beside(cell, f);
+            if (solid_at(next)) {
+                const Place around{next[0] / 4, next[1] / 4, next[2] / 4};
+                const GridBlock& other =
+                    grid.blocks[static_cast<std::size_t>(grid.block_at[at3(around, grid.lattice)])];
+                if (other.kind != BlockKind::core) continue;
+                add_core_face(face, other);
+            } else {
+                add_open_face(face, kind_of(next, f));
+                if (fill_at(next) > 0 && receiver(next) == cell) add_donor(face.cell, next);
+            }
+            outer |= static_cast<std::uint8_t>(1u << f);
+        }
+    }
+
+    void add_core_face(OuterFace face, const GridBlock& beyond) {
+        face.kind = FaceKind::core;
+        face.beyond = beyond.core_node;
+        grid.place_of_face.push_back(into_core | static_cast<std::uint32_t>(grid.core_faces.size()));
+        grid.core_faces.push_back(static_cast<std::uint32_t>(grid.faces.size()));
+        grid.faces.push_back(face);
+    }
+
+    void add_open_face(OuterFace face, FaceKind kind) {
+        face.kind = kind;
+        grid.place_of_face.push_back(static_cast<std::uint32_t>(grid.open_faces.size()));
+        grid.open_faces.push_back(static_cast<std::uint32_t>(grid.faces.size()));
+        grid.faces.push_back(face);
+    }
+
+    void add_donor(std::uint32_t to, const Place& from_cell) {
+        Place from{};
+        for (std::size_t a = 0; a < 3; ++a) from[a] = from_cell[a] * view[a] - grid.shift_voxels[a];
+        grid.donors.push_back({to, from});
     }
 
     /// The laws of the faces: of the mean normal of the voxel faces seen through each; where there are none, of faces

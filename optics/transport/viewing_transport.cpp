@@ -539,7 +539,8 @@ void ViewingTransport::sweep() {
     });
 }
 
-/// What the sweep changed, as sources in right_; moments_ become the sweep's.
+/// What the sweep changed, as sources in right_; moments_ become the sweep's. `right_` lies over `down`
+/// (sweep_scratch.h): sources stay in the phi of `up` until all of both has been read.
 void ViewingTransport::take_sweep() {
     const std::span<Moments> up = scratch_.up(), down = scratch_.down();
     parallel_ranges(0, moments_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
