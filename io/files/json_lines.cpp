@@ -2,13 +2,34 @@
 #include "io/files/json_lines.h"
 
 #include <algorithm>
-#include <optional>
+#include <unordered_set>
+#include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
 namespace voxtone::io {
 
 namespace {
+
+std::size_t line_of(std::string_view text, std::size_t at) {
+    const auto end = static_cast<std::ptrdiff_t>(std::min(at, text.size()));
+    return 1 + static_cast<std::size_t>(std::count(text.begin(), text.begin() + end, '\n'));
+}
+
+/// What stands between these quotes, escapes undone.
+std::string text_of_string(std::string_view quoted) {
+    if (quoted.find('\\') == std::string_view::npos) return std::string(quoted.substr(1, quoted.size() - 2));
+    const auto text = nlohmann::json::parse(quoted, nullptr, false);
+    return text.is_string() ? text.get<std::string>() : std::string(quoted);
+}
+
+/// Behind the string that begins here.
+std::size_t end_of_string(std::string_view text, std::size_t begin) {
+    std::size_t at = begin + 1;
+    while (at < text.size() && text[at] != '"') at += text[at] == '\\' ? 2 : 1;
+    return std::min(at + 1, text.size());
+}
 
 /// Walks valid JSON; never past its end, whatever the text.
 class JsonWalk {
@@ -85,8 +106,7 @@ private:
     }
     static bool is_key(std::string_view quoted, const std::string& key) {
         if (quoted.find('\\') == std::string_view::npos) return quoted.substr(1, quoted.size() - 2) == key;
-        const auto name = nlohmann::json::parse(quoted, nullptr, false);
-        return name.is_string() && name.get<std::string>() == key;
+        return text_of_string(quoted) == key;
     }
 
     std::string_view text_;
@@ -94,6 +114,32 @@ private:
 };
 
 }  // namespace
+
+std::optional<RepeatedKey> repeated_key(std::string_view text) {
+    std::vector<bool> is_object;                        // of all that is open here
+    std::vector<std::unordered_set<std::string>> keys;  // of the objects among it
+    for (std::size_t at = text.find_first_of("\"{}[]"); at < text.size(); at = text.find_first_of("\"{}[]", at)) {
+        const char c = text[at];
+        if (c != '"') {
+            if (c == '{') keys.emplace_back();
+            if (c == '{' || c == '[') {
+                is_object.push_back(c == '{');
+            } else if (!is_object.empty()) {
+                if (is_object.back()) keys.pop_back();
+                is_object.pop_back();
+            }
+            ++at;
+            continue;
+        }
+        const std::size_t begin = at;
+        at = end_of_string(text, begin);
+        const std::size_t next = text.find_first_not_of(" \t\r\n", at);
+        if (keys.empty() || next == std::string_view::npos || text[next] != ':') continue;  // a value
+        std::string key = text_of_string(text.substr(begin, at - begin));
+        if (!keys.back().insert(key).second) return RepeatedKey{std::move(key), line_of(text, begin)};
+    }
+    return std::nullopt;
+}
 
 std::size_t line_in_json(std::string_view text, std::span<const JsonStep> path) {
     JsonWalk walk(text);
@@ -103,8 +149,7 @@ std::size_t line_in_json(std::string_view text, std::span<const JsonStep> path) 
         if (!found) return 0;
         place = *found;
     }
-    return 1 + static_cast<std::size_t>(std::count(
-                   text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min(place, text.size())), '\n'));
+    return line_of(text, place);
 }
 
 }  // namespace voxtone::io

@@ -105,6 +105,11 @@ JsonObject JsonObject::parse(std::string_view text, std::string source) {
     if (!document->root.is_object())
         throw InputError(
             fmt::format("{}: expected a JSON object, {{...}}, found {}", source, document->root.type_name()));
+    if (const auto repeated = repeated_key(text))
+        throw InputError(
+            fmt::format("{}: line {}: key `{}` stands here a second time, and only one of the two could "
+                        "count; leave one out",
+                        source, repeated->line, repeated->key));
     document->text = text;
     document->source = std::move(source);
     const json* const value = &document->root;
@@ -127,6 +132,8 @@ JsonObject JsonObject::read(const std::filesystem::path& file) {
     if (stream.bad()) throw FileError(fmt::format("{}: reading failed", file.string()));
     return parse(text, file.string());
 }
+
+std::string JsonObject::place_of(std::string_view key) const { return node_->place_of(key); }
 
 void JsonObject::fail(std::string_view key, std::string_view rule) const {
     throw InputError(fmt::format("{}key `{}`: {}", node_->place_of(key), node_->name(key), rule));

@@ -20,12 +20,12 @@ const std::string text = R"({"first": 1,
  "strange \"}{\u0041": {"deep": [[1, 2],
    [3, "]", {"a": true}]],
   "last": 2},
- "twice": 1,
+ "once": 1,
  "rows": [
   {"name": "one"},
   {"name": "two",
    "share": 7}],
- "twice": 2
+ "end": 2
 })";
 
 std::size_t line_of(const std::vector<JsonStep>& path) { return line_in_json(text, path); }
@@ -52,8 +52,7 @@ TEST_CASE("What stands in a JSON text has a line, whatever stands before it") {
     CHECK(line_of({strange, "last"}) == 4);
     CHECK(line_of({"rows", std::size_t{1}}) == 8);
     CHECK(line_of({"rows", std::size_t{1}, "share"}) == 9);
-    CHECK(line_of({"twice"}) == 10);  // the one that counts
-    CHECK(JsonObject::parse(text, "a.json").integer("twice", 0, 9) == 2);
+    CHECK(line_of({"end"}) == 10);
     // Not there.
     CHECK(line_of({"second"}) == 0);
     CHECK(line_of({"rows", std::size_t{2}}) == 0);
@@ -90,4 +89,25 @@ TEST_CASE("A value of any kind can be had as a text") {
     CHECK(object.any_text("d") == "C,M");
     CHECK(object.any_text("e").empty());
     for (const char* key : {"f", "g", "h"}) CHECK_THROWS_AS(object.any_text(key), InputError);
+}
+
+TEST_CASE("A key that an object has twice is refused with the line of the second") {
+    const auto refusal = [](const std::string& json) -> std::string {
+        try {
+            (void)JsonObject::parse(json, "a.json");
+        } catch (const InputError& error) {
+            return error.what();
+        }
+        return "taken";
+    };
+    CHECK_THAT(refusal("{\"size\": 1,\n \"depth\": 2,\n \"size\": 1}"),
+               Contains("a.json: line 3: key `size` stands here a second time"));
+    // Within lists and objects, and however it is written.
+    CHECK_THAT(refusal("{\"rows\": [{\"a\": 1},\n {\"a\": [1, {\"b\": 2}], \"b\": {},\n \"a\": 2}]}"),
+               Contains("line 3: key `a`"));
+    CHECK_THAT(refusal("{\"si\\u007ae\": 1,\n\"size\": 2}"), Contains("line 2: key `size`"));
+    CHECK_THAT(refusal("{\"a\\\"\": 1, \"a\\\"\": 2}"), Contains("key `a\"`"));
+    // The same word in another object, or as a value, is none.
+    CHECK(refusal(R"({"a": {"a": {"a": "a"}}, "b": ["a", "a", {"a": 1}, {"a": 1}], "c": "a\": \"a"})") == "taken");
+    CHECK(refusal(text) == "taken");
 }
