@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <utility>
 
 #include <fmt/core.h>
@@ -30,6 +32,7 @@ void JobOutlook::expect(std::vector<ExpectedStage> stages) { to_come_ = std::mov
 void JobOutlook::begin(std::string_view stage, double now_s) {
     began_s_ = reached_s_ = now_s;
     share_ = 0;
+    marks_.assign(1, {0, now_s});
     running_ = true;
     expected_s_ = 0;
     const auto found =
@@ -53,12 +56,25 @@ double JobOutlook::pace() const {
     return (over_taken_s_ + weight_of_one_s) / (over_expected_s_ + weight_of_one_s);
 }
 
+/// When the last step was done.
+double JobOutlook::left_by_steps() const {
+    constexpr double expected_share = 0.5;
+    constexpr std::size_t one_step = 2;  // the beginning and it
+    const double taken_s = reached_s_ - began_s_;
+    if (marks_.size() <= one_step && expected_s_ > 0)
+        return (taken_s + expected_share * expected_s_ * pace()) / (share_ + expected_share) * (1 - share_);
+    const auto later =
+        std::find_if(marks_.begin(), marks_.end(), [&](const auto& mark) { return mark.first > share_ / 2; });
+    const auto& [share, at_s] = *std::prev(later);
+    return (reached_s_ - at_s) / (share_ - share) * (1 - share_);
+}
+
 double JobOutlook::left_of_stage(double now_s) const {
     constexpr double longer = 0.1;
     if (!running_) return 0;
     const double taken_s = now_s - began_s_;
     if (share_ >= least_share) {
-        const double left_s = (reached_s_ - began_s_) * (1 - share_) / share_;
+        const double left_s = left_by_steps();
         return std::max(left_s - (now_s - reached_s_), longer * left_s);
     }
     // One that takes longer than expected is taken to be near its end, but never at it.
@@ -77,6 +93,8 @@ std::optional<double> JobOutlook::seconds_left(double share, double now_s) {
     if (running_ && share > share_) {
         share_ = share;
         reached_s_ = now_s;
+        constexpr double apart = 0.01;
+        if (share >= marks_.back().first + apart) marks_.emplace_back(share, now_s);
     }
     if (overdue(now_s)) {
         told_s_.reset();

@@ -6,14 +6,17 @@
 //
 // pace: how much longer than expected the stages took that are over, weighted by their expected seconds (with ten
 // seconds of weight for 1, so that a short first stage says little). The running stage is measured by its own steps
-// where it has some (between two of them the clock counts down); else by what was expected of it. A time that was told
-// is not taken back for a little more: it stands still until it is true, unless the work will take twice as long.
+// where it has some (between two of them the clock counts down); else by what was expected of it. The first step of a
+// stage is often unlike the others (it sets things up), so it alone counts with what was expected, as if half the stage
+// had gone that way; later ones are measured since the stage was half as far. A time that was told is not taken back
+// for a little more: it stands still until it is true, unless the work will take twice as long.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/progress.h"
@@ -55,11 +58,13 @@ private:
     [[nodiscard]] bool overdue(double now_s) const;
     [[nodiscard]] double steadily(double left_s);
     [[nodiscard]] double left_of_stage(double now_s) const;
+    [[nodiscard]] double left_by_steps() const;
 
     std::vector<ExpectedStage> to_come_;
     double expected_s_ = 0;  ///< of the running stage; 0: it was not expected
     double began_s_ = 0;
-    double share_ = 0, reached_s_ = 0;  ///< the last share that was seen to be reached, and when
+    double share_ = 0, reached_s_ = 0;              ///< the last share that was seen to be reached, and when
+    std::vector<std::pair<double, double>> marks_;  ///< shares that were reached, in steps of a hundredth, and when
     bool running_ = false;
     double over_expected_s_ = 0, over_taken_s_ = 0;  ///< of expected stages that are over
     std::optional<double> told_s_;                   ///< what was said to be left

@@ -12,9 +12,9 @@ TEST_CASE("What is left of a job is what is left of its stage and the stages to 
     CHECK(*outlook.seconds_left(0, 0) == Approx(62));
     outlook.begin("loop", 100);
     CHECK(*outlook.seconds_left(0, 110) == Approx(30 + 22));    // not a step yet: as expected
-    CHECK(*outlook.seconds_left(0.25, 120) == Approx(52));      // its steps say 60 + 22: not told, but waited for
-    CHECK(*outlook.seconds_left(0.5, 130) == Approx(30 + 22));  // true again
-    CHECK(*outlook.seconds_left(0.5, 140) == Approx(20 + 22));  // and no step since
+    CHECK(*outlook.seconds_left(0.25, 120) == Approx(52));      // (20 + 20) / 0.75 * 0.75 + 22: waited for
+    CHECK(*outlook.seconds_left(0.5, 130) == Approx(20 + 22));  // the second step took 10 s
+    CHECK(*outlook.seconds_left(0.5, 131) == Approx(19 + 22));  // and no step since
     outlook.end(181);                                           // 81 s for 40: all is nearly half as fast
     CHECK(*outlook.seconds_left(0, 181) == Approx(22 * 1.82));  // (81 + 10) / (40 + 10)
     outlook.begin("checkpoint", 181);                           // nobody expected it
@@ -33,9 +33,27 @@ TEST_CASE("A time that was grossly wrong is corrected") {
     outlook.expect({{"loop", 10}});
     outlook.begin("loop", 0);
     CHECK(*outlook.seconds_left(0, 0) == Approx(10));
-    CHECK(*outlook.seconds_left(0.1, 5) == Approx(45));   // more than twice as long, and not by seconds only
-    CHECK(*outlook.seconds_left(0.2, 20) == Approx(45));  // 80
-    CHECK(*outlook.seconds_left(0.5, 25) == Approx(25));
+    CHECK(*outlook.seconds_left(0.1, 5) == Approx(10));    // (5 + 5) / 0.6 * 0.9: a little more
+    CHECK(*outlook.seconds_left(0.2, 20) == Approx(120));  // more than twice as long, and not by seconds only
+    CHECK(*outlook.seconds_left(0.5, 50) == Approx(50));   // 30 s for three tenths
+}
+
+TEST_CASE("A first step that is unlike the others does not make minutes of seconds") {
+    JobOutlook outlook;
+    outlook.expect({{"loop", 25}});
+    outlook.begin("loop", 0);
+    // As on a machine with other work: 158 s for the first of 11 steps, 13 s for each of the others.
+    const double first_s = 158, step_s = 13, end_s = first_s + 10 * step_s;
+    double before_s = 0;
+    for (int step = 1; step < 11; ++step) {
+        const double now_s = first_s + (step - 1) * step_s;
+        const double left_s = outlook.seconds_left(step / 11.0, now_s).value();
+        INFO(step);
+        CHECK(left_s >= 0.9 * (end_s - now_s));
+        CHECK(left_s <= (step == 1 ? 2.1 : 1.1) * (end_s - now_s));  // all of 158 s a step would be 29 min
+        if (step > 1) CHECK(left_s < before_s);
+        before_s = left_s;
+    }
 }
 
 TEST_CASE("The time left is written coarsely") {

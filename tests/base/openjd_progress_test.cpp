@@ -35,11 +35,11 @@ TEST_CASE("Open Job Description's messages are one a line, and percent never fal
           "openjd_status: layers, 0 of 40 layers\n"
           "openjd_progress: 20.0\n"
           "openjd_status: layers, 20 of 40 layers\n"
-          "openjd_progress: 42.9\n"
+          "openjd_progress: 46.2\n"
           "warning: a name with a line\n"
           "note: openjd_fail: a model may be called so\n"
           "openjd_status: layers, 20 of 40 layers\n"
-          "openjd_progress: 42.9\n"
+          "openjd_progress: 46.2\n"
           "openjd_status: between two stages\n"
           "openjd_progress: 100\n");
     CHECK(openjd_failure("one\ntwo") == "openjd_fail: one two");
