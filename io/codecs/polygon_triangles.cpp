@@ -25,9 +25,30 @@ using Triangulation =
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 using Outline = std::vector<Eigen::Vector2d>;
 
-constexpr std::size_t most_corners = 20'000;  // what lies within is told corner by corner
+constexpr std::size_t most_corners = 1'000'000;  // beyond it an outline is taken for convex
 
-Triangles fan(std::size_t corners) {
+/// Corners; beyond it the slivers at one of them cost all who search among them.
+constexpr std::size_t most_of_fan = 1'000;
+
+/// The outline halved again and again: no corner has more triangles than there are halvings on its two sides.
+Triangles halved(std::size_t corners) {
+    Triangles triangles;
+    std::vector<std::array<std::uint32_t, 2>> chains{{0, static_cast<std::uint32_t>(corners - 1)}};
+    while (!chains.empty()) {
+        const auto [first, last] = chains.back();
+        chains.pop_back();
+        if (last - first < 2) continue;
+        const std::uint32_t middle = first + (last - first) / 2;
+        triangles.push_back({first, middle, last});
+        chains.push_back({first, middle});
+        chains.push_back({middle, last});
+    }
+    return triangles;
+}
+
+/// Of a convex outline; of others what closes a surface as well as any.
+Triangles without_inside(std::size_t corners) {
+    if (corners > most_of_fan) return halved(corners);
     Triangles triangles;
     for (std::uint32_t i = 2; i < corners; ++i) triangles.push_back({0, i - 1, i});
     return triangles;
@@ -64,15 +85,46 @@ bool is_convex(const Outline& outline) {
     return turns <= 1;
 }
 
-bool is_within(const Outline& outline, const Eigen::Vector2d& p) {
-    bool within = false;
-    for (std::size_t i = 0, j = outline.size() - 1; i < outline.size(); j = i++) {
-        const Eigen::Vector2d &a = outline[i], &b = outline[j];
-        if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x())
-            within = !within;
+/// Which points are within an outline: its edges, sorted into strips by how high they reach, so that a point is held
+/// against those of its strip alone.
+class Inside {
+public:
+    explicit Inside(const Outline& outline) : outline_(outline) {
+        const auto below = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.y() < b.y(); };
+        const auto [low, high] = std::ranges::minmax_element(outline, below);
+        low_ = low->y();
+        height_ = high->y() - low_;
+        edges_.resize(std::clamp<std::size_t>(outline.size() / 8, 1, most_strips));
+        for (std::size_t i = 0, j = outline.size() - 1; i < outline.size(); j = i++) {
+            const auto [from, to] = std::minmax({strip_of(outline[i].y()), strip_of(outline[j].y())});
+            for (std::size_t strip = from; strip <= to; ++strip)
+                edges_[strip].push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j)});
+        }
     }
-    return within;
-}
+    [[nodiscard]] bool has(const Eigen::Vector2d& p) const {
+        bool within = false;
+        for (const auto& [i, j] : edges_[strip_of(p.y())]) {
+            const Eigen::Vector2d &a = outline_[i], &b = outline_[j];
+            if ((a.y() > p.y()) != (b.y() > p.y()) &&
+                p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x())
+                within = !within;
+        }
+        return within;
+    }
+
+private:
+    static constexpr std::size_t most_strips = 512;
+    /// Never higher for what is lower.
+    [[nodiscard]] std::size_t strip_of(double y) const {
+        if (!(height_ > 0)) return 0;
+        const double place = (y - low_) / height_ * static_cast<double>(edges_.size());
+        return static_cast<std::size_t>(std::clamp(place, 0.0, static_cast<double>(edges_.size() - 1)));
+    }
+
+    const Outline& outline_;
+    double low_ = 0, height_ = 0;
+    std::vector<std::vector<std::array<std::uint32_t, 2>>> edges_;
+};
 
 std::optional<Triangles> constrained(const Outline& outline) {
     Triangulation triangulation;
@@ -90,12 +142,12 @@ std::optional<Triangles> constrained(const Outline& outline) {
         return std::nullopt;
     }
     if (triangulation.dimension() < 2) return std::nullopt;
+    const Inside inside(outline);
     Triangles triangles;
     for (auto face = triangulation.finite_faces_begin(); face != triangulation.finite_faces_end(); ++face) {
         const std::array<std::uint32_t, 3> corner{face->vertex(0)->info(), face->vertex(1)->info(),
                                                   face->vertex(2)->info()};
-        if (is_within(outline, (outline[corner[0]] + outline[corner[1]] + outline[corner[2]]) / 3))
-            triangles.push_back(corner);
+        if (inside.has((outline[corner[0]] + outline[corner[1]] + outline[corner[2]]) / 3)) triangles.push_back(corner);
     }
     return triangles;
 }
@@ -106,11 +158,11 @@ std::vector<std::array<std::uint32_t, 3>> polygon_triangles(std::span<const Eige
     VOXTONE_EXPECT(corners.size() >= 3);
     if (corners.size() == 3) return {{0, 1, 2}};
     const bool finite = std::ranges::all_of(corners, [](const Eigen::Vector3d& c) { return c.allFinite(); });
-    if (!finite || corners.size() > most_corners) return fan(corners.size());
+    if (!finite || corners.size() > most_corners) return without_inside(corners.size());
     const Outline outline = flattened(corners);
-    if (is_convex(outline)) return fan(corners.size());
+    if (is_convex(outline)) return without_inside(corners.size());
     std::optional<Triangles> triangles = constrained(outline);
-    return triangles && !triangles->empty() ? std::move(*triangles) : fan(corners.size());
+    return triangles && !triangles->empty() ? std::move(*triangles) : without_inside(corners.size());
 }
 
 }  // namespace voxtone::io

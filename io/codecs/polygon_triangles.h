@@ -2,8 +2,9 @@
 //
 // Polygons of any shape cut into triangles, without new corners: convex ones as fans, others by a constrained Delaunay
 // triangulation of their outline (CGAL), in the plane that lies nearest to them (M. E. Newell's normal). Holes that are
-// joined to the outline by a bridge come out as holes. Where an outline crosses itself a fan is made of it, which
-// closes a surface as well as any: what lies doubly within it cancels.
+// joined to the outline by a bridge come out as holes. Where an outline crosses itself, or has more than a million
+// corners, it is cut as if it were convex, which closes a surface as well as any: what lies doubly within it cancels.
+// Convex ones of more than 1,000 corners are halved again and again, as the slivers of a fan all lie at one corner.
 #pragma once
 
 #include <array>
