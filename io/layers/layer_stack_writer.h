@@ -88,6 +88,9 @@ public:
     LayerStackWriter(std::filesystem::path out, StackDescription description, StackOutputs outputs = {},
                      bool overwrite = false);
 
+    /// As StackFolder has it.
+    [[nodiscard]] std::string strangers_note() const { return folder_.strangers_note(); }
+
     /// Layer `index` from the bottom, 0 .. layers - 1, as sliced. Any order, any thread, each layer once; the work is
     /// done on the caller's thread. Throws FileError.
     void write(std::uint32_t index, const LayerRuns& layer);

@@ -70,19 +70,34 @@ std::vector<fs::path> make_folders(const fs::path& out) {
     return made;
 }
 
-/// What lies in the folder of an old stack and is no layer of it is not ours: it goes to where the new one is.
-void carry_strangers(const fs::path& from, const fs::path& to) {
-    if (!fs::is_directory(fs::symlink_status(from))) return;
-    const std::vector<fs::directory_entry> entries(fs::directory_iterator(from), {});
+/// Calls visit(path within `from`) for all that lies in the folder of an old stack and is no layer of it.
+template <class Visit>
+void for_each_stranger(const fs::path& from, const fs::path& within, Visit&& visit) {
+    if (!fs::is_directory(fs::symlink_status(from / within))) return;
+    const std::vector<fs::directory_entry> entries(fs::directory_iterator(from / within), {});
     for (const fs::directory_entry& entry : entries) {
         const fs::path name = entry.path().filename();
-        if (fs::is_directory(entry.symlink_status())) {
-            carry_strangers(entry.path(), to / name);
-        } else if (!is_slice(name.string()) && !is_there(to / name)) {
-            fs::create_directories(to);
-            fs::rename(entry.path(), to / name);
-        }
+        if (fs::is_directory(entry.symlink_status()))
+            for_each_stranger(from, within / name, visit);
+        else if (!is_slice(name.string()))
+            visit(within / name);
     }
+}
+
+/// `wanted`, or where that is taken "wanted-2" and so on.
+fs::path free_name(const fs::path& wanted) {
+    fs::path name = wanted;
+    for (int n = 2; is_there(name); ++n)
+        name.replace_filename(fmt::format("{}-{}{}", wanted.stem().string(), n, wanted.extension().string()));
+    return name;
+}
+
+/// Strangers among an old stack's layers are not ours, and among the new ones they would be printed or refused.
+void set_strangers_aside(const fs::path& old, std::string_view name, const fs::path& aside) {
+    for_each_stranger(old, name, [&](const fs::path& file) {
+        fs::create_directories((aside / file).parent_path());
+        fs::rename(old / file, free_name(aside / file));
+    });
 }
 
 void move_all(const fs::path& from, const fs::path& to) {
@@ -119,7 +134,8 @@ void put_new_in_place(const fs::path& out) {
     move_all(out / new_name, out);
     sync_folder(out);
     fs::remove(out / new_name / adopted_name);
-    for (const auto name : {layers_name, resin_folder_name}) carry_strangers(out / old_name / name, out / name);
+    for (const auto name : {layers_name, resin_folder_name})
+        set_strangers_aside(out / old_name, name, out / aside_name);
     fs::remove_all(out / old_name);
     fs::remove(out / new_name);  // last: as long as it is there, an old stack beside it is not to be put back
 }
@@ -214,6 +230,19 @@ const fs::path& StackFolder::path() const { return held_->out; }
 const std::string& StackFolder::doubt() const { return held_->lock->doubt(); }
 
 bool StackFolder::holds_stack() const { return is_there(held_->out / manifest_name); }
+
+std::string StackFolder::strangers_note() const {
+    std::string first;
+    std::size_t count = 0;
+    for (const auto name : {layers_name, resin_folder_name})
+        for_each_stranger(held_->out, name, [&](const fs::path& file) {
+            if (count++ == 0) first = file.string();
+        });
+    if (count == 0) return {};
+    return fmt::format("{}: {}{} {} no layer, and would be taken for one beside the new layers: {} moved to {}",
+                       held_->out.string(), first, count > 1 ? fmt::format(" and {} more", count - 1) : "",
+                       count > 1 ? "are" : "is", count > 1 ? "they are" : "it is", (held_->out / aside_name).string());
+}
 
 void StackFolder::expect_free() const { expect_free_for_stack(held_->out); }
 

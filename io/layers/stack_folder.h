@@ -9,11 +9,12 @@
 //   3. its files move to OUT, the manifest last (layers that were made elsewhere, `adopt`, move first); then
 //      .voxtone-old goes, and .voxtone-new, empty, after it.
 // Who takes the folder after a job that was killed in between (a few milliseconds) goes back from 1, or on from 3.
-// What is not ours in OUT is never removed.
+// What is not ours in OUT is never removed; what of it lies among the old layers goes to OUT/set-aside.
 #pragma once
 
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -31,6 +32,8 @@ inline constexpr std::string_view resin_folder_name = "resins";
 /// Where a stack is made, where a whole one waits to be put in place, and where the old one waits to go.
 inline constexpr std::string_view unfinished_name = ".voxtone-unfinished", new_name = ".voxtone-new",
                                   old_name = ".voxtone-old";
+/// Where strangers among an old stack's layers go.
+inline constexpr std::string_view aside_name = "set-aside";
 /// Of an interrupted job, to go on with; it is no stack and stays when one is swapped.
 inline constexpr std::string_view checkpoint_name = "loop.checkpoint";
 /// What the appearance loop came to, and what shards made: no stack either.
@@ -55,6 +58,8 @@ public:
     /// FolderLock::doubt of its lock.
     [[nodiscard]] const std::string& doubt() const;
     [[nodiscard]] bool holds_stack() const;
+    /// For the user: which files among the old layers `publish` will set aside; empty: there are none.
+    [[nodiscard]] std::string strangers_note() const;
     /// expect_free_for_stack of `out`.
     void expect_free() const;
 

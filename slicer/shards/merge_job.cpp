@@ -92,6 +92,7 @@ void lay_together(const MergeOptions& options, const io::ShardSet& shards, Progr
     io::StackFolder folder(options.out, {report_file::all.begin(), report_file::all.end()});
     if (!folder.doubt().empty()) progress.warn(folder.doubt());
     expect_replaceable(options, folder, shards);
+    if (const std::string note = folder.strangers_note(); !note.empty()) progress.warn(note);
     io::expect_files(options.out, shards);
     io::merge_shards(folder, shards, job_text(options.out));
 }

@@ -131,6 +131,7 @@ io::StackDescription print_boxes(const BoxPrint& print, const PrinterProfile& pr
     const BoxLayers layers(print.boxes, print.size_mm, printer.sliced_pitch_um(), print.seed);
     check(print, printer, layers.size());
     io::LayerStackWriter writer(out, describe(print, printer, layers.size()), outputs, overwrite);
+    if (const std::string note = writer.strangers_note(); !note.empty()) progress.warn(note);
     progress.begin_stage("layers", layers.size()[2], "layers");
     parallel_for(
         0, layers.size()[2], 1,

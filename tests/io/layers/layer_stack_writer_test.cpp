@@ -17,6 +17,7 @@
 #include "io/layers/orient.h"
 #include "io/layers/stack_folder.h"
 #include "io/layers/stack_reader.h"
+#include "io/layers/verify.h"
 #include "layer_samples.h"
 #include "tests/io/files/temporary_folder.h"
 
@@ -175,13 +176,38 @@ TEST_CASE("an old stack stays whole until the new one is", "[stack]") {
     const auto files = contents(out);
     CHECK(files.size() == 31 + 3 + 2);
     CHECK(files.at("notes.txt") == "mine");
-    CHECK(files.at("layers/remarks.txt") == "mine too");
+    CHECK(files.at("set-aside/layers/remarks.txt") == "mine too");
 }
 
 TEST_CASE("a folder that a job made and left without a stack goes again", "[stack]") {
     TemporaryFolder folder;
     { const LayerStackWriter writer(folder.path() / "new" / "stack", description(1)); }
     CHECK_FALSE(fs::exists(folder.path() / "new"));
+}
+
+TEST_CASE("a stranger among the layers of an old stack is set aside, and the new stack is good", "[stack]") {
+    TemporaryFolder folder;
+    const auto out = folder.path() / "stack";
+    const auto make = [&](bool overwrite) {
+        LayerStackWriter writer(out, description(31), {}, overwrite);
+        const std::string note = writer.strangers_note();
+        for (std::uint32_t k = 0; k < 31; ++k) writer.write(k, layer_of(k));
+        (void)writer.finish();
+        return note;
+    };
+    CHECK(make(false).empty());
+    for (const char* text : {"first", "second"}) {
+        write_whole_file(out / "layers" / "photo.png", std::string_view(text));
+        fs::create_directory(out / "layers" / "more");
+        write_whole_file(out / "layers" / "more" / "notes.txt", std::string_view("mine"));
+        CHECK_THAT(make(true), Contains("layers") && Contains("and 1 more are no layer") && Contains("set-aside"));
+        CHECK(verify_stack(out).faults.empty());
+    }
+    const auto files = contents(out);
+    CHECK(files.at("set-aside/layers/photo.png") == "first");
+    CHECK(files.at("set-aside/layers/photo-2.png") == "second");
+    CHECK(files.at("set-aside/layers/more/notes.txt") == "mine");
+    CHECK(make(true).empty());
 }
 
 TEST_CASE("a second job hears who holds the folder", "[stack]") {
