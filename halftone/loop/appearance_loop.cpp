@@ -116,7 +116,8 @@ const char* name_of(LoopMethod method) {
 std::string report_line(const LoopState& state) {
     const LoopStep& step = state.steps.back();
     return fmt::format(
-        "iteration {} ({}): mean error as seen {:.2f}, median {:.2f} (open loop {:.2f}, {:.2f}), {:.1f} s",
+        "iteration {} ({}): error as seen where the resins reach: mean {:.2f}, median {:.2f} "
+        "(open loop {:.2f}, {:.2f}), {:.1f} s",
         step.iteration, name_of(step.method), step.seen.mean, step.seen.median, state.steps.front().seen.mean,
         state.steps.front().seen.median, step.seconds);
 }
