@@ -26,16 +26,26 @@ std::string size_options(const Placement& placement) {
                                 : "Give the right --unit, or a --size, or turn it with --rotate";
 }
 
+/// A length in mm as a person writes it, four digits or all before the point, whatever a file holds.
+std::string plain_mm(double mm) {
+    constexpr double least = 1e-4, most = 1e6, whole = 1e3;
+    if (mm != 0 && mm < least) return fmt::format("under {}", least);
+    if (!(mm < most)) return "over 1 000 000";
+    return mm < whole ? fmt::format("{:.4g}", mm) : fmt::format("{:.0f}", mm);
+}
+
+std::string extent_text(const Eigen::Vector3d& mm) {
+    return fmt::format("{} x {} x {} mm", plain_mm(mm.x()), plain_mm(mm.y()), plain_mm(mm.z()));
+}
+
 [[noreturn]] void refuse_for_tray(const Eigen::Vector3d& size_mm, const Eigen::Vector3d& tray_mm, int axis,
                                   const Placement& placement) {
     const std::string unit = placement.is_picture     ? ""
                              : placement.unit_assumed ? " (mm was assumed)"
                                                       : fmt::format(" ({:g} mm per unit)", placement.mm_per_file_unit);
-    throw InputError(fmt::format(
-        "the model is {:.4g} x {:.4g} x {:.4g} mm{} and the printer's tray {:.4g} x {:.4g} x {:.4g} mm: too large "
-        "along {}. {}",
-        size_mm.x(), size_mm.y(), size_mm.z(), unit, tray_mm.x(), tray_mm.y(), tray_mm.z(), "xyz"[axis],
-        size_options(placement)));
+    throw InputError(fmt::format("the model is {}{} and the printer's tray {}: too large along {}. {}",
+                                 extent_text(size_mm), unit, extent_text(tray_mm), "xyz"[axis],
+                                 size_options(placement)));
 }
 
 }  // namespace
@@ -75,9 +85,9 @@ Placement place(io::ModelFile& model, const PlacementOptions& options, const std
                              : placement.unit_assumed  ? "mm assumed (the format has no unit; --unit says otherwise)"
                              : options.unit            ? fmt::format("{} as asked", options.unit->name)
                                                        : fmt::format("{} mm by the file", placement.mm_per_file_unit);
-    placement.summary = fmt::format("unit: {}; size {:.4g} x {:.4g} x {:.4g} mm{}", unit, placement.extent_mm.x(),
-                                    placement.extent_mm.y(), placement.extent_mm.z(),
-                                    options.size_mm > 0 ? fmt::format(" (scaled to {:.6g} mm)", options.size_mm) : "");
+    placement.summary =
+        fmt::format("unit: {}; size {}{}", unit, extent_text(placement.extent_mm),
+                    options.size_mm > 0 ? fmt::format(" (scaled to {} mm)", plain_mm(options.size_mm)) : "");
     return placement;
 }
 
@@ -90,10 +100,9 @@ void check_extent(const Placement& placement, const Eigen::Vector3d& pitch_mm, c
     // A picture's slab has a thickness of its own: its width says how large it is.
     const double largest_extent = placement.is_picture ? extent.head<2>().maxCoeff() : extent.maxCoeff();
     if (largest_extent < pitch_mm.maxCoeff())
-        throw InputError(fmt::format(
-            "the model is {:.3g} x {:.3g} x {:.3g} mm, less than one voxel of the printer ({:.3g} x {:.3g} x {:.3g} "
-            "mm): nothing of it could be printed. {}",
-            extent.x(), extent.y(), extent.z(), pitch_mm.x(), pitch_mm.y(), pitch_mm.z(), size_options(placement)));
+        throw InputError(
+            fmt::format("the model is {}, less than one voxel of the printer ({}): nothing of it could be printed. {}",
+                        extent_text(extent), extent_text(pitch_mm), size_options(placement)));
 }
 
 VoxelGrid grid_around(const Eigen::Vector3d& low_mm, const Eigen::Vector3d& high_mm, const Eigen::Vector3d& pitch_mm) {

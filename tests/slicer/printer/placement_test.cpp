@@ -235,3 +235,21 @@ TEST_CASE("A model that stands on its y axis is told from one that stands on z, 
     CHECK_FALSE(looks_y_up({}));
     CHECK_FALSE(looks_y_up(std::vector<Vector3d>{{1, 2, 3}}));
 }
+
+TEST_CASE("Sizes are told as a person writes them, whatever a file holds") {
+    const Eigen::Vector3d tray(490, 390, 200), pitch(0.04, 0.08, 0.03);
+    for (const double scale : {1e-30, 1e-4, 0.02, 1.0, 123456.7, 1e6, 1e30}) {
+        INFO(scale);
+        io::ModelFile model = marker();
+        const Placement placement = placed(model, [&](PlacementOptions& o) { o.scale = scale; });
+        CHECK_THAT(placement.summary, !Contains("e+") && !Contains("e-"));
+        try {
+            check_extent(placement, pitch, tray);
+        } catch (const InputError& error) {
+            CHECK_THAT(error.what(), !Contains("e+") && !Contains("e-"));
+        }
+    }
+    io::ModelFile model = marker();
+    model.mesh.positions[2].y() = 3e5;
+    CHECK_THAT(placed(model).summary, Contains("1 x 300000 x 3 mm"));
+}
