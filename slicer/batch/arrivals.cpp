@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 Arrivals::Arrivals(fs::path folder, double quiet_s, std::function<double()> clock_s)
     : folder_(std::move(folder)), quiet_s_(quiet_s), clock_s_(std::move(clock_s)) {}
 
-std::vector<fs::path> Arrivals::look() {
+Arrivals::Arrived Arrivals::look() {
     const double now_s = clock_s_();
     std::map<std::string, Seen> there;
     std::error_code error;
@@ -34,12 +34,14 @@ std::vector<fs::path> Arrivals::look() {
     const bool others_are_quiet = std::all_of(seen_.begin(), seen_.end(), [&](const auto& file) {
         return io::is_model_name(file.first) || is_quiet(file.second);
     });
-    std::vector<fs::path> arrived;
+    Arrived arrived;
+    if (!others_are_quiet) return arrived;
     for (auto& [file, seen] : seen_) {
-        if (seen.told || !others_are_quiet || !io::is_model_name(file) || !is_quiet(seen)) continue;
+        if (seen.told || !is_quiet(seen)) continue;
         seen.told = true;
-        arrived.emplace_back(file);
+        (io::is_model_name(file) ? arrived.models : arrived.strays).emplace_back(file);
     }
+    if (!arrived.models.empty()) arrived.strays.clear();
     return arrived;
 }
 

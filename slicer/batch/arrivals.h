@@ -2,7 +2,7 @@
 //
 // Models that arrive in a folder, each told once it is complete: no size and no time has changed for some seconds, not
 // of the model, nor of any file beside it that is no model (its material library, its textures). A model that is
-// written anew arrives again.
+// written anew arrives again. Other files are told too, unless a model arrived with them, whose they may be.
 #pragma once
 
 #include <filesystem>
@@ -20,9 +20,14 @@ public:
     /// `quiet_s`: how long files have to be unchanged. `clock_s`: seconds since some fixed moment.
     Arrivals(std::filesystem::path folder, double quiet_s, std::function<double()> clock_s);
 
-    /// Looks at the folder; models that have become complete since the last look, by name. Throws FileError where the
-    /// folder cannot be looked into.
-    [[nodiscard]] std::vector<std::filesystem::path> look();
+    /// By name.
+    struct Arrived {
+        std::vector<std::filesystem::path> models;
+        std::vector<std::filesystem::path> strays;  ///< no models, and none arrived with them
+    };
+    /// Looks at the folder: what has become complete since the last look. Throws FileError where the folder cannot be
+    /// looked into.
+    [[nodiscard]] Arrived look();
 
 private:
     struct Seen {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/batch/batch_job.h"
 
+#include <array>
 #include <chrono>
 #include <map>
 #include <thread>
@@ -14,6 +15,8 @@
 #include "base/stop_deadline.h"
 #include "io/disk/disk_space.h"
 #include "io/files/json_writer.h"
+#include "io/models/foreign_kind.h"
+#include "io/models/model_reader.h"
 #include "slicer/batch/arrivals.h"
 #include "slicer/batch/batch_queue.h"
 #include "slicer/batch/batch_summary.h"
@@ -150,6 +153,17 @@ private:
     std::vector<PlannedJob> waiting_;
 };
 
+/// What is said of a file that was dropped into a watched folder and is no model.
+std::string why_not_sliced(const std::filesystem::path& file) {
+    if (std::string why = io::foreign_kind(file); !why.empty()) return why;
+    if (io::is_picture_name(file))
+        return fmt::format(
+            "{}: is a picture, and --watch slices models only; it is left where it lies, for it may be the texture of "
+            "a model to come. To slice it, name it: `voxtone batch {}`",
+            file.string(), shell_line(std::array{file.string()}));
+    return fmt::format("{}: is no model ({}) and is left where it lies", file.string(), io::model_name_endings);
+}
+
 }  // namespace
 
 void run_watch_job(const std::filesystem::path& watched, const PlanOptions& plan, const BatchOptions& options,
@@ -169,7 +183,9 @@ void run_watch_job(const std::filesystem::path& watched, const PlanOptions& plan
     std::size_t summed_up = 0;
     for (double next_look_s = clock();;) {
         if (clock() >= next_look_s) {
-            for (const std::filesystem::path& model : arrivals.look()) jobs.take(model);
+            const Arrivals::Arrived arrived = arrivals.look();
+            for (const std::filesystem::path& model : arrived.models) jobs.take(model);
+            for (const std::filesystem::path& file : arrived.strays) progress.warn(why_not_sliced(file));
             next_look_s = clock() + look_every_s;
         }
         jobs.queue_what_waits();

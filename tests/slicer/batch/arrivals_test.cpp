@@ -19,7 +19,7 @@ TEST_CASE("A model is told once it and the files beside it have been quiet") {
     const auto look_at = [&](double s) {
         now_s = s;
         std::string names;
-        for (const auto& model : arrivals.look()) names += model.filename().string() + " ";
+        for (const auto& model : arrivals.look().models) names += model.filename().string() + " ";
         return names;
     };
     CHECK(look_at(0).empty());
@@ -42,4 +42,31 @@ TEST_CASE("A model is told once it and the files beside it have been quiet") {
     std::filesystem::remove(folder.path() / "a.obj");
     CHECK(look_at(40).empty());
     CHECK_THROWS_AS(Arrivals(folder.path() / "gone", 3, [] { return 0.0; }).look(), FileError);
+}
+
+TEST_CASE("A file that is no model is told once, unless a model arrives with it") {
+    const io::TemporaryFolder folder;
+    const auto append = [&](const char* name) { std::ofstream(folder.path() / name, std::ios::app) << "x"; };
+    double now_s = 0;
+    Arrivals arrivals(folder.path(), 3, [&] { return now_s; });
+    const auto strays_at = [&](double s) {
+        now_s = s;
+        std::string names;
+        for (const auto& file : arrivals.look().strays) names += file.filename().string() + " ";
+        return names;
+    };
+    append("a.obj");
+    append("a.mtl");
+    append("skin.png");
+    CHECK(strays_at(0).empty());
+    CHECK(strays_at(4).empty());  // they came with a.obj
+    append("photo.png");
+    append("scene.fbx");
+    append(".hidden.png");
+    CHECK(strays_at(5).empty());
+    CHECK(strays_at(9) == "photo.png scene.fbx ");
+    CHECK(strays_at(20).empty());
+    append("photo.png");  // another one
+    CHECK(strays_at(21).empty());
+    CHECK(strays_at(25) == "photo.png ");
 }
