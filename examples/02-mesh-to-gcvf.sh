@@ -4,6 +4,6 @@ set -eu
 voxtone=${VOXTONE:-build/release/bin/voxtone}
 out=${OUT:-out}/02-mesh-to-gcvf
 here=$(dirname "$0")
-"$voxtone" slice "$here/models/spot/spot.obj" --size 15mm --flip-x --formats png,gcvf --iterations 0 --overwrite -o "$out"
+"$voxtone" slice "$here/models/spot/spot.obj" --size 15mm --flip-x --formats png,gcvf --quality draft --overwrite -o "$out"
 "$voxtone" verify "$out"
 "$voxtone" verify "$out"/*.gcvf

@@ -4,5 +4,5 @@ set -eu
 voxtone=${VOXTONE:-build/release/bin/voxtone}
 out=${OUT:-out}/03-job-file
 here=$(dirname "$0")
-"$voxtone" slice --job "$here/03-job.json" --size 12mm --iterations 0 --overwrite -o "$out"
+"$voxtone" slice --job "$here/03-job.json" --size 12mm --quality draft --overwrite -o "$out"
 "$voxtone" verify "$out"

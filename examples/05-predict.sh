@@ -7,9 +7,9 @@ voxtone=${VOXTONE:-build/release/bin/voxtone}
 out=${OUT:-out}/05-predict
 here=$(dirname "$0")
 mkdir -p "$out"
-"$voxtone" slice "$here/models/spot/spot_texture.png" --width 5mm --thickness 2mm --no-report --iterations 0 --overwrite -o "$out/slab"
+"$voxtone" slice "$here/models/spot/spot_texture.png" --width 5mm --thickness 2mm --no-report --quality draft --overwrite -o "$out/slab"
 "$voxtone" predict "$out/slab" --overwrite --cell 0.17mm -o "$out/slab.png" -o "$out/slab.exr"
-"$voxtone" slice "$here/models/spot/spot.obj" --size 6mm --rotate x90,z180 --no-report --iterations 0 --overwrite -o "$out/cow"
+"$voxtone" slice "$here/models/spot/spot.obj" --size 6mm --rotate x90,z180 --no-report --quality draft --overwrite -o "$out/cow"
 "$voxtone" predict "$out/cow" --overwrite --cell 0.25mm -o "$out/cow.glb" -o "$out/cow.ply" -o "$out/cow.png"
 "$voxtone" predict "$out/slab" --overwrite --model monte-carlo --spp 16 --cell 0.17mm -o "$out/slab-reference.exr"
 "$voxtone" predict "$out/slab/layers" --overwrite --printer stratasys-j750-hm \

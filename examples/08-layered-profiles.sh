@@ -25,6 +25,6 @@ resins="--resins vero-opaque-clear"
 
 # 5. The marble wrapped around a mesh, as layers under each point of its surface. The stacks are by the layered model alone
 # (--stack-rounds 0): leave that out to have them corrected by Monte Carlo, in some ten seconds for each cluster.
-"$voxtone" slice "$here/models/spot/spot.obj" --size 30mm --rotate x90,z180 --model layered-profile --profiles "$out/marble.json" \
+"$voxtone" slice "$here/models/spot/spot.obj" --size 30mm --rotate x90,z180 --show layered-profile --profiles "$out/marble.json" \
     --profile-placement box $resins --load W,K,T --dc-weight 10 --stack-thickness 2mm --stack-rounds 0 --overwrite -o "$out/marble"
 "$voxtone" verify "$out/marble"

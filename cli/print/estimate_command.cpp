@@ -38,6 +38,7 @@ int run(const EstimateArguments& arguments) {
     slicer::EstimateScope scope = arguments.scope;
     scope.resins = !arguments.quick;
     return run_on_console(arguments.console, [&](Progress& progress) {
+        tell_notes(options, progress);
         if (slicer::is_plan(options.model)) {
             if (scope.orientations)
                 throw UsageError(

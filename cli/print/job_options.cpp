@@ -8,34 +8,78 @@
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
+#include "base/error.h"
 #include "slicer/options/job_file.h"
 #include "slicer/options/option_scope.h"
+#include "slicer/options/option_table.h"
 
 namespace voxtone::cli {
 
+namespace {
+
+using slicer::OptionSpec;
+
+/// "mesh,--mesh", "-o,--out".
+std::string names_of_option(const OptionSpec& spec) {
+    std::string names = "--" + spec.option;
+    if (!spec.letter.empty()) names = "-" + spec.letter + "," + names;
+    return spec.positional ? spec.option + "," + names : names;
+}
+
+CLI::Option* add_flag(CLI::App& command, const OptionSpec& spec, bool usual, bool& value) {
+    value = usual;
+    return command.add_flag(fmt::format("--{0},!--no-{0}", spec.option), value, spec.help)
+        ->default_str(usual ? "true" : "false");
+}
+
+CLI::Option* add_value(CLI::App& command, const OptionSpec& spec, const std::string& usual, std::string& value) {
+    const std::string help =
+        spec.choices.empty() ? spec.help : fmt::format("{} [{}]", spec.help, fmt::join(spec.choices, "|"));
+    CLI::Option* const option = command.add_option(names_of_option(spec), value, help)->type_name(spec.metavar);
+    if (!usual.empty()) option->default_str(usual);
+    if (!spec.bare.empty()) option->expected(0, 1)->default_str("");
+    return option;
+}
+
+/// An option of an earlier name: taken, and told of nowhere.
+void add_former(CLI::App& command, const OptionSpec& spec, JobArguments& arguments) {
+    if (spec.former_option.empty()) return;
+    arguments.former_options[spec.key] =
+        command.add_option("--" + spec.former_option, arguments.former_values[spec.key])->group("");
+}
+
+/// What the command line says of an option; nothing: it does not name it.
+std::optional<std::string> said(const JobArguments& arguments, const OptionSpec& spec, slicer::SliceOptions& options) {
+    const auto former = arguments.former_options.find(spec.key);
+    if (former != arguments.former_options.end() && former->second->count() > 0) {
+        const std::string& value = arguments.former_values.at(spec.key);
+        if (std::ranges::find(spec.choices, value) == spec.choices.end())
+            throw UsageError(
+                fmt::format("--{}: '{}' is none of {}; this is what --{} was called earlier, and a file to "
+                            "slice stands alone: `voxtone slice FILE`",
+                            spec.former_option, value, fmt::join(spec.choices, ", "), spec.option));
+        options.notes.push_back(fmt::format("--{0} is called --{1} now, which means the same; it was taken",
+                                            spec.former_option, spec.option));
+        return value;
+    }
+    if (arguments.options.at(spec.key)->count() == 0) return std::nullopt;
+    if (spec.kind() == OptionSpec::Kind::flag) return arguments.flags.at(spec.key) ? "true" : "false";
+    const std::string& value = arguments.values.at(spec.key);
+    return value.empty() && !spec.bare.empty() ? spec.bare : value;
+}
+
+}  // namespace
+
 void add_job_options(CLI::App& command, JobArguments& arguments) {
     const slicer::SliceOptions defaults;
-    for (const slicer::OptionSpec& spec : slicer::slice_option_table()) {
-        CLI::Option* option;
-        if (spec.kind == slicer::OptionSpec::Kind::flag) {
-            arguments.flags[spec.key] = spec.get(defaults) == "true";
-            option =
-                command.add_flag(fmt::format("--{0},!--no-{0}", spec.option), arguments.flags[spec.key], spec.help);
-            option->default_str(spec.get(defaults));
-        } else {
-            const std::string names = spec.key == "model" ? "mesh,--mesh"
-                                      : spec.key == "out" ? "-o,--out"
-                                                          : "--" + spec.option;
-            option = command.add_option(
-                names, arguments.values[spec.key],
-                spec.choices.empty() ? spec.help : fmt::format("{} [{}]", spec.help, fmt::join(spec.choices, "|")));
-            option->type_name(spec.metavar);
-            if (const std::string text = spec.get(defaults); !text.empty()) option->default_str(text);
-        }
-        // Without a value: as the scheduler says.
-        if (spec.key == "shard") option->expected(0, 1)->default_str("");
+    for (const OptionSpec& spec : slicer::slice_option_table()) {
+        const std::string usual = spec.get(defaults);
+        CLI::Option* const option = spec.kind() == OptionSpec::Kind::flag
+                                        ? add_flag(command, spec, usual == "true", arguments.flags[spec.key])
+                                        : add_value(command, spec, usual, arguments.values[spec.key]);
         option->group(spec.group);
         arguments.options[spec.key] = option;
+        add_former(command, spec, arguments);
     }
     command
         .add_option("--job", arguments.job,
@@ -48,17 +92,19 @@ slicer::SliceOptions options_of(const JobArguments& arguments) {
     slicer::SliceOptions options;
     std::vector<std::string> named;
     if (!arguments.job.empty()) slicer::read_job(arguments.job, options);
-    for (const slicer::OptionSpec& spec : slicer::slice_option_table()) {
-        if (arguments.options.at(spec.key)->count() == 0) continue;
-        const bool is_bare = spec.key == "shard" && arguments.values.at(spec.key).empty();
-        spec.set(options, spec.kind == slicer::OptionSpec::Kind::flag
-                              ? (arguments.flags.at(spec.key) ? "true" : "false")
-                              : (is_bare ? "auto" : arguments.values.at(spec.key)));
+    for (const OptionSpec& spec : slicer::slice_option_table()) {
+        const std::optional<std::string> value = said(arguments, spec, options);
+        if (!value) continue;
+        spec.set(options, *value);
         named.push_back(spec.key);
     }
     if (std::any_of(named.begin(), named.end(), slicer::decides_scope)) options.named.clear();
     options.named.insert(options.named.end(), named.begin(), named.end());
     return options;
+}
+
+void tell_notes(const slicer::SliceOptions& options, Progress& progress) {
+    for (const std::string& note : options.notes) progress.note(note);
 }
 
 }  // namespace voxtone::cli

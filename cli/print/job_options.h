@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The options of a slice job on a command line (slicer/options/slice_options.h), for every verb that takes such a job.
+// The options of a slice job on a command line (slicer/options/option_table.h), for every verb that takes such a job.
 #pragma once
 
 #include <map>
 #include <string>
 
+#include "base/progress.h"
 #include "slicer/options/slice_options.h"
 
 namespace CLI {
@@ -24,6 +25,8 @@ struct JobArguments {
     std::map<std::string, std::string> values;  ///< by key
     std::map<std::string, bool> flags;
     std::map<std::string, CLI::Option*> options;
+    std::map<std::string, std::string> former_values;  ///< of options by their earlier names
+    std::map<std::string, CLI::Option*> former_options;
     std::string job;  ///< file
 };
 
@@ -33,5 +36,8 @@ void add_job_options(CLI::App& command, JobArguments& arguments);
 /// Those of the job file, if one was named, with the command line's on top. Throws what reading the file throws, and
 /// UsageError.
 [[nodiscard]] slicer::SliceOptions options_of(const JobArguments& arguments);
+
+/// What there is to say of how they were written.
+void tell_notes(const slicer::SliceOptions& options, Progress& progress);
 
 }  // namespace voxtone::cli

@@ -39,6 +39,7 @@ int run(const SliceArguments& arguments) {
         return 0;
     }
     return run_on_console(arguments.console, [&](Progress& progress) {
+        tell_notes(options, progress);
         if (!options.shard.empty()) return slicer::run_shard_job(options, progress);
         slicer::SliceResult result = slicer::run_slice_job(options, progress);
         return JobResult{std::move(result.json), std::move(result.summary), result.exit_code};

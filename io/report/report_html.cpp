@@ -327,10 +327,10 @@ void add_resins(std::string& html, const Report& report) {
         total_voxels += resin.voxels;
     }
     for (const ReportResin& resin : report.resins) {
-        const std::string material =
-            resin.material_name.empty() || resin.material_name == resin.name
-                ? std::string()
-                : fmt::format(" <span class=\"soft\">{}</span>", html_text(resin.material_name));
+        // As everywhere else it is called what the printer's software calls it; the set's own name stands behind.
+        const std::string& name = resin.material_name.empty() ? resin.name : resin.material_name;
+        const std::string in_set =
+            name == resin.name ? std::string() : fmt::format(" <span class=\"soft\">{}</span>", html_text(resin.name));
         const double share =
             total_voxels ? 100.0 * static_cast<double>(resin.voxels) / static_cast<double>(total_voxels) : 0;
         html += fmt::format(
@@ -339,7 +339,7 @@ void add_resins(std::string& html, const Report& report) {
             "<td class=\"n wide-only\">{4}</td><td class=\"n\">{5}</td><td class=\"meter wide-only\" title=\"{6:.1f} "
             "%\"><i "
             "style=\"--share:{6:.2f}%\"></i></td></tr>\n",
-            rgb_text(resin.rgb), html_text(resin.name), material, html_text(resin.role), grouped(resin.voxels),
+            rgb_text(resin.rgb), html_text(name), in_set, html_text(resin.role), grouped(resin.voxels),
             volume_text(resin.ml), share);
     }
     html += fmt::format(

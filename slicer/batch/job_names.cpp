@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/printable.h"
 #include "io/files/xxh64.h"
+#include "slicer/options/option_table.h"
 
 namespace voxtone::slicer {
 

@@ -112,10 +112,8 @@ bool holds_job(const fs::path& folder, const PlannedJob& job, InputDigests& dige
     if (!fs::exists(folder / io::manifest_name, none) || !fs::exists(folder / report_file::figures, none) ||
         fs::exists(folder / io::checkpoint_name, none))
         return false;
-    SliceOptions looked_at = job.options;
-    looked_at.overwrite = true;
     try {
-        return is_same_job(folder, open_job(looked_at),
+        return is_same_job(folder, open_job(job.options),
                            [&](const std::string& file) { return digests.of(absolute(file), progress); });
     } catch (const Cancelled&) {
         throw;
@@ -127,10 +125,8 @@ bool holds_job(const fs::path& folder, const PlannedJob& job, InputDigests& dige
 bool waits_to_go_on(const fs::path& folder, const PlannedJob& job) {
     std::error_code none;
     if (!fs::exists(folder / io::checkpoint_name, none)) return false;
-    SliceOptions looked_at = job.options;
-    looked_at.overwrite = true;
     try {
-        LoopCheckpoint::expect_same_job(folder, opened_loop_identity(open_job(looked_at)));
+        LoopCheckpoint::expect_same_job(folder, opened_loop_identity(open_job(job.options)));
         return true;
     } catch (const Error&) {
         return false;  // it is another job's, or broken

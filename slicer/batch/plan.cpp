@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <map>
@@ -16,6 +17,7 @@
 #include "slicer/batch/job_names.h"
 #include "slicer/options/command_words.h"
 #include "slicer/options/job_file.h"
+#include "slicer/options/option_table.h"
 #include "slicer/prepare/opened_job.h"
 
 namespace voxtone::slicer {
@@ -34,7 +36,7 @@ io::JsonObject object_of(const PlanRow& row, const std::string& source, bool in_
 
 void expect_keys(const io::JsonObject& object) {
     std::vector<std::string> known{std::string(name_key), "format", "version", "inputs"};
-    for (const OptionSpec& spec : slice_option_table()) known.push_back(spec.key);
+    for (std::string& key : option_keys()) known.push_back(std::move(key));
     object.allow_only(known);
 }
 
@@ -49,6 +51,11 @@ void refuse_what_batches_decide(const io::JsonObject& object) {
             object.fail(key,
                         "a batch finds out by itself which jobs are to go on and which to be made again: leave "
                         "it out");
+}
+
+/// "plan.csv: line 4"; empty where the plan is no file.
+std::string place_of(const PlanRow& row, const std::string& source) {
+    return row.line > 0 ? fmt::format("{}: line {}", source, row.line) : std::string();
 }
 
 /// The job of a row but for its name, which is what the row or the model is called.
@@ -68,13 +75,16 @@ PlannedJob job_of(const PlanRow& row, const std::string& source, const SliceOpti
     drop_idle(job.options, said);
     job.name =
         object.has(name_key) ? object.any_text(name_key) : name_after(fs::path(job.options.model).stem().string());
-    job.place = row.line > 0 ? fmt::format("{}: line {}", source, row.line) : std::string();
+    job.place = place_of(row, source);
     return job;
 }
 
-SliceOptions preset_of(const PlanOptions& options) {
+SliceOptions preset_of(const PlanOptions& options, Progress* progress) {
     SliceOptions preset = options.begin_with.value_or(SliceOptions());
     if (!options.preset.empty()) read_job(options.preset, preset);
+    if (progress)
+        for (const std::string& note : preset.notes) progress->note(note);
+    preset.notes.clear();
     preset.model.clear();
     preset.out.clear();
     preset.overwrite = preset.resume = false;
@@ -100,9 +110,7 @@ void expect_sound(const PlannedJob& job) {
             fmt::format("the job's name '{}' {}; give it another under \"name\" or with --name", job.name, fault));
     expect_file(job.options.model, "model");
     expect_file(job.options.texture, "texture");
-    SliceOptions goes_on = job.options;
-    goes_on.overwrite = true;  // what lies in its folder is looked at when its turn comes
-    (void)open_job(goes_on);
+    (void)open_job(job.options);  // what lies in its folder is looked at when its turn comes
 }
 
 /// Gives the job its name and place in the batch.
@@ -122,7 +130,7 @@ std::string told(const std::string& place, const std::string& source, const std:
 /// Adds the row's job, or what is wrong with it.
 void take_row(const PlanRow& row, std::size_t n, const PlanRows& rows, const SliceOptions& preset,
               const PlanOptions& options, std::vector<PlannedJob>& jobs, std::vector<std::string>& faults) {
-    const std::string place = row.line > 0 ? fmt::format("{}: line {}", rows.source, row.line) : std::string();
+    const std::string place = place_of(row, rows.source);
     try {
         PlannedJob job = job_of(row, rows.source, preset, false);
         settle(job, NameTemplate(options.name), n, options.out);
@@ -153,6 +161,20 @@ void find_doubles(const std::vector<PlannedJob>& jobs, std::vector<std::string>&
     }
 }
 
+/// What there is to say of how rows were written, in full of the first: the others are likely to be like it.
+void tell_notes(std::vector<PlannedJob>& jobs, const PlanRows& rows, const SliceOptions& preset, Progress& progress) {
+    const auto noted = [](const PlannedJob& job) { return !job.options.notes.empty(); };
+    const auto count = std::ranges::count_if(jobs, noted);
+    if (count == 0) return;
+    const PlannedJob& first = *std::ranges::find_if(jobs, noted);
+    for (const PlanRow& row : rows.rows) {
+        if (first.place != place_of(row, rows.source)) continue;
+        const std::string more = count > 1 ? fmt::format(" (and so in {} more)", counted(count - 1, "line")) : "";
+        for (const std::string& note : job_of(row, rows.source, preset, true).options.notes) progress.note(note + more);
+    }
+    for (PlannedJob& job : jobs) job.options.notes.clear();
+}
+
 [[noreturn]] void refuse(const std::string& source, const std::vector<std::string>& faults) {
     if (faults.size() == 1) throw InputError(faults[0] + "; no job was started");
     throw InputError(fmt::format("{}: {}; no job was started, mend them and run it again:\n{}", source,
@@ -161,9 +183,9 @@ void find_doubles(const std::vector<PlannedJob>& jobs, std::vector<std::string>&
 
 }  // namespace
 
-std::vector<PlannedJob> plan_jobs(const PlanRows& rows, const PlanOptions& options, const Progress* progress) {
+std::vector<PlannedJob> plan_jobs(const PlanRows& rows, const PlanOptions& options, Progress* progress) {
     (void)NameTemplate(options.name);
-    const SliceOptions preset = preset_of(options);
+    const SliceOptions preset = preset_of(options, progress);
     std::vector<PlannedJob> jobs;
     std::vector<std::string> faults = rows.faults;
     std::size_t n = 0;
@@ -171,12 +193,13 @@ std::vector<PlannedJob> plan_jobs(const PlanRows& rows, const PlanOptions& optio
         if (progress) progress->check_cancelled();
         take_row(row, ++n, rows, preset, options, jobs, faults);
     }
+    if (progress) tell_notes(jobs, rows, preset, *progress);
     find_doubles(jobs, faults);
     if (!faults.empty()) refuse(rows.source, faults);
     return jobs;
 }
 
-std::vector<PlannedJob> read_plan(const PlanOptions& options, const Progress* progress) {
+std::vector<PlannedJob> read_plan(const PlanOptions& options, Progress* progress) {
     return plan_jobs(read_plan_rows(options.plan), options, progress);
 }
 

@@ -32,12 +32,12 @@ struct PlannedJob {
 };
 
 /// The plan's jobs in its order. Every model is there and every option valid: what can refuse a job before its model is
-/// read was asked. Changes nothing on disk. Throws InputError that lists every fault with its line, UsageError,
-/// FileError, Cancelled.
-[[nodiscard]] std::vector<PlannedJob> read_plan(const PlanOptions& options, const Progress* progress = nullptr);
+/// read was asked. Notes of earlier spellings are told. Changes nothing on disk. Throws InputError that lists every
+/// fault with its line, UsageError, FileError, Cancelled.
+[[nodiscard]] std::vector<PlannedJob> read_plan(const PlanOptions& options, Progress* progress = nullptr);
 
 /// The same for rows that were found otherwise.
 [[nodiscard]] std::vector<PlannedJob> plan_jobs(const PlanRows& rows, const PlanOptions& options,
-                                                const Progress* progress = nullptr);
+                                                Progress* progress = nullptr);
 
 }  // namespace voxtone::slicer

@@ -23,7 +23,6 @@ bool is_done(const BatchFolder& batch, const PlannedJob& job, InputDigests& dige
 
 ChainEstimate estimate_chain(const PlannedJob& job, const ChainOptions& options, Progress& progress) {
     SliceOptions asked = options_on_cluster(job.options);
-    asked.overwrite = true;  // what its folder holds is looked at when its turn comes
     if (asked.threads == 0) asked.threads = options.most_cores;
     ChainEstimate made;
     try {

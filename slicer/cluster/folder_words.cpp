@@ -25,7 +25,7 @@ bool is_there(const fs::path& file) {
 bool skin_is_foreign(const OpenedJob& job, const Progress& progress) {
     try {
         SkinFile::expect_same_job(job.options.loop.mixtures, opened_loop_identity(job, &progress),
-                                  job.options.asked.iterations);
+                                  job.options.loop.iterations);
         return false;
     } catch (const InputError&) {
         return true;
@@ -52,9 +52,7 @@ std::vector<std::string> words_for_folder(TaskStage stage, const PlannedJob& job
     const bool makes_loop = stage == TaskStage::whole || stage == TaskStage::prepare;
     if (makes_loop && waits_to_go_on(job.out, job)) return {"--resume"};
     if (!ours || is_missing_or_empty(job.out)) return {};
-    SliceOptions looked_at = job.options;
-    looked_at.overwrite = true;
-    if (holds_anothers(job.out, open_job(looked_at), makes_loop, digests, progress)) return {"--overwrite"};
+    if (holds_anothers(job.out, open_job(job.options), makes_loop, digests, progress)) return {"--overwrite"};
     return {};
 }
 

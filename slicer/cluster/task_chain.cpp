@@ -89,9 +89,7 @@ int cores_for(double cpu_s, int most) {
 
 /// Why the layers cannot be made in parts; empty: they can.
 std::string why_not_cut(const PlannedJob& job) {
-    SliceOptions looked_at = job.options;
-    looked_at.overwrite = true;  // what its folder holds does not matter here
-    const OpenedJob opened = open_job(looked_at);
+    const OpenedJob opened = open_job(job.options);
     if (opened.options.layered) return "layers of profiles are searched for once for the whole body";
     const io::StackOutputs outputs = opened.outputs();
     if (outputs.gcvf || outputs.vdb)
@@ -100,7 +98,10 @@ std::string why_not_cut(const PlannedJob& job) {
 }
 
 /// Whether shards ask for what a loop came to, or for why there was none.
-bool loop_comes_first(const SliceOptions& options) { return options.iterations != "0" && options.mixtures.empty(); }
+bool loop_comes_first(const SliceOptions& options) {
+    const JobLoopOptions loop = resolve(options).loop;
+    return loop.iterations != 0 && !loop.mixtures_named;
+}
 
 int shards_for(const JobEstimate& estimate, const ChainOptions& options) {
     const int most = std::clamp(int(estimate.layers), 1, options.most_shards);
@@ -134,7 +135,8 @@ ChainStage stage_of(TaskStage stage, std::vector<std::string> words, int tasks, 
 
 SliceOptions options_on_cluster(const SliceOptions& options) {
     SliceOptions settled = options;
-    const bool predicts = options.iterations != "0" || options.predict != predict_none;
+    const ResolvedJob job = resolve(options);
+    const bool predicts = job.loop.iterations != 0 || job.prediction.automatic || job.prediction.model;
     if (settled.memory_gib == 0 && predicts) settled.memory_gib = gib_of(memory_budget(0));
     if (settled.read_memory_gib == 0) settled.read_memory_gib = gib_of(io::default_read_memory());
     return settled;

@@ -44,7 +44,7 @@ ColourPrint::ColourPrint(const OpenedJob& job, const JobBody& body, const JobIde
       why_no_loop_(plan.loop.why_not) {}
 
 SkinFile ColourPrint::skin_file() const {
-    return {job_.options.loop.mixtures, identity_.opened_loop, identity_.loop, job_.options.asked.iterations};
+    return {job_.options.loop.mixtures, identity_.opened_loop, identity_.loop, job_.options.loop.iterations};
 }
 
 bool ColourPrint::may_loop() const {

@@ -128,7 +128,7 @@ std::vector<Orientation> orientations(const OpenedJob& job, const JobBody& body,
                 const std::string turn = joined(up_turns[up], turns_about_z[about]);
                 Orientation& orientation = found[up * turns_about_z.size() + about];
                 orientation = seen;
-                orientation.rotate = joined(job.options.asked.rotate, turn);
+                orientation.rotate = joined(placed.rotation_text, turn);
                 measure(job, (turn_of(turn) * body.placement.extent_mm).cwiseAbs(), orientation);
             }
         },

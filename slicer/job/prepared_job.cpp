@@ -34,7 +34,7 @@ JobBody read_body(const OpenedJob& job, JobMeasurements& figures, Progress& prog
 
 JobIdentity identify_said(const OpenedJob& job, const JobBody& body, Progress& progress) {
     JobIdentity identity = identify(job, body.side_files, &progress);
-    for (const std::string& changed : changed_inputs(job.options.asked.recorded_inputs, identity.inputs))
+    for (const std::string& changed : changed_inputs(job.options.raw.recorded_inputs, identity.inputs))
         progress.warn(changed);
     return identity;
 }
@@ -75,7 +75,7 @@ void expect_own_loop(const OpenedJob& job, const Progress* progress) {
     if (options.layered || options.loop.iterations == 0 || is_replaced) return;
     if (options.until == Until::loop && options.overwrite) return;
     if (std::error_code none; !std::filesystem::exists(options.loop.mixtures, none)) return;
-    SkinFile::expect_same_job(options.loop.mixtures, opened_loop_identity(job, progress), options.asked.iterations);
+    SkinFile::expect_same_job(options.loop.mixtures, opened_loop_identity(job, progress), options.loop.iterations);
 }
 
 void expect_disk_space(const std::filesystem::path& out, std::uint64_t needed_bytes, Progress& progress) {

@@ -138,7 +138,7 @@ const io::StackDescription& finish_stack(PreparedJob& ready, io::LayerStackWrite
     io::PreviewMesh preview;
     if (!positions.empty()) preview = {positions, solid.triangles};
     const ResolvedJob& options = ready.job.options;
-    writer.add_file(job_file_name, job_record(options.asked, ready.identity.inputs, options.out));
+    writer.add_file(job_file_name, job_record(options.raw, ready.identity.inputs, options.out));
     const io::StackDescription& stack = writer.finish(preview, &progress);
     ready.figures.layer_bytes = writer.bytes_written();
     progress.end_stage();
@@ -161,6 +161,7 @@ SliceResult run_slice_job(const SliceOptions& asked, Progress& progress) {
     if (!folder.doubt().empty()) progress.warn(folder.doubt());
     if (auto done = done_before(opened, folder, progress)) return *std::move(done);
     expect_replaceable(opened, folder, progress);
+    if (const std::string note = folder.strangers_note(); !note.empty()) progress.warn(note);
     expect_resumable(opened, folder, progress);
     const ThreadLimit threads(static_cast<std::size_t>(opened.options.threads));
     for (const std::string& warning : opened.printer.warnings()) progress.warn(warning);

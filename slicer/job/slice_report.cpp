@@ -7,6 +7,7 @@
 #include "base/progress_bar.h"
 #include "io/programs/build_identity.h"
 #include "slicer/kept/report_files.h"
+#include "slicer/options/option_table.h"
 #include "slicer/prepare/phase.h"
 
 namespace voxtone::slicer {
@@ -76,7 +77,8 @@ void add_print(const OpenedJob& job, const JobBody& body, const io::StackDescrip
         report.resins.push_back(
             {job.resins.set.resins[r].name, resin.role, resin.name, resin.rgb, resin.voxels, resin.ml});
     }
-    for (const OptionSpec& spec : slice_option_table()) report.job.emplace_back(spec.key, spec.get(job.options.asked));
+    for (const OptionSpec& spec : slice_option_table())
+        if (!spec.is_preset()) report.job.emplace_back(spec.key, spec.get(job.options.raw));
 }
 
 std::vector<std::string> warnings_of(const OpenedJob& job, const JobBody& body, const JobMeasurements& f) {
@@ -126,7 +128,8 @@ std::string summary_text(const Print& print, const io::Report& report, double to
                                    folder.string(), report.size_mm[0], report.size_mm[1], report.size_mm[2],
                                    report.size_px[0], report.size_px[1], report.size_px[2], report.pitch_um[2]);
     for (const io::ReportResin& resin : report.resins)
-        text += fmt::format("  {:<3} {:<16} {:9.3f} ml\n", resin.role, resin.name, resin.ml);
+        text += fmt::format("  {:<3} {:<16} {:9.3f} ml\n", resin.role,
+                            resin.material_name.empty() ? resin.name : resin.material_name, resin.ml);
     text += print.summary(report);
     text += fmt::format("  done in {}{}; peak memory {:.0f} MB\n", duration_text(total_s),
                         longest_stages(report.stages, total_s), double(report.peak_memory_bytes) * 1e-6);

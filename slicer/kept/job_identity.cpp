@@ -2,7 +2,6 @@
 #include "slicer/kept/job_identity.h"
 
 #include <algorithm>
-#include <array>
 #include <optional>
 #include <string_view>
 #include <system_error>
@@ -16,6 +15,7 @@
 #include "io/profiles/resin_file.h"
 #include "io/programs/build_identity.h"
 #include "slicer/options/job_file.h"
+#include "slicer/options/option_table.h"
 
 namespace voxtone::slicer {
 
@@ -23,8 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Options that come after the loop, or that end it.
-constexpr std::array<std::string_view, 5> not_of_the_loop{"report", "predict", "iterations", "formats", "layers"};
 constexpr std::string_view model_key = "model", map_key = "profiles", program_key = "program";
 
 std::string text_sha256(std::string_view text) {
@@ -74,15 +72,10 @@ void sort(std::vector<JobInput>& inputs) {
     inputs.erase(std::unique(inputs.begin(), inputs.end(), same), inputs.end());
 }
 
-/// Of options that decide the result, as text, and of what the inputs hold.
-std::string digest_of(const SliceOptions& options, std::span<const JobInput> inputs,
-                      std::span<const std::string_view> without) {
-    std::string text = "voxtone job 1\n";
-    for (const OptionSpec& spec : slice_option_table()) {
-        if (spec.of_the_run || spec.names != OptionSpec::Names::nothing) continue;
-        if (std::find(without.begin(), without.end(), spec.key) != without.end()) continue;
-        text += fmt::format("{}={}\n", spec.key, spec.get(options));
-    }
+/// Of options that decide so much of the result, as text, and of what the inputs hold.
+std::string digest_of(std::string_view title, const SliceOptions& options, std::span<const JobInput> inputs,
+                      Decides least) {
+    std::string text = fmt::format("voxtone {} 2\n{}", title, deciding_lines(options, least));
     // How a model is read goes by the end of its name; the printer's name goes into the manifest.
     text += fmt::format("extension={}\nprinter={}\n", io::extension_of(options.model),
                         fs::path(options.printer).stem().string());
@@ -93,8 +86,8 @@ std::string digest_of(const SliceOptions& options, std::span<const JobInput> inp
 JobIdentity identity_of(const SliceOptions& options, std::vector<JobInput> inputs) {
     sort(inputs);
     JobIdentity identity;
-    identity.job = digest_of(options, inputs, {});
-    identity.loop = digest_of(options, inputs, not_of_the_loop);
+    identity.job = digest_of("job", options, inputs, Decides::looks);
+    identity.loop = digest_of("loop", options, inputs, Decides::bits);
     identity.inputs = std::move(inputs);
     return identity;
 }
@@ -121,17 +114,17 @@ bool same_file(const std::string& a, const std::string& b) {
 
 JobIdentity identify(const OpenedJob& job, std::span<const io::SideFile> beside_model, const Progress* progress) {
     std::vector<JobInput> inputs = named_inputs(job, by_reading(progress));
-    std::string opened_loop = identity_of(job.options.asked, inputs).loop;
+    std::string opened_loop = identity_of(job.options.raw, inputs).loop;
     const fs::path folder = fs::path(job.options.model).parent_path();
     for (const io::SideFile& file : beside_model)
         inputs.push_back({fmt::format("{}:{}", model_key, file.name), (folder / file.name).string(), file.sha256});
-    JobIdentity identity = identity_of(job.options.asked, std::move(inputs));
+    JobIdentity identity = identity_of(job.options.raw, std::move(inputs));
     identity.opened_loop = std::move(opened_loop);
     return identity;
 }
 
 std::string opened_loop_identity(const OpenedJob& job, const Progress* progress) {
-    return identity_of(job.options.asked, named_inputs(job, by_reading(progress))).loop;
+    return identity_of(job.options.raw, named_inputs(job, by_reading(progress))).loop;
 }
 
 bool is_same_job(const fs::path& folder, const OpenedJob& job, const Progress* progress) {
@@ -150,8 +143,7 @@ bool is_same_job(const fs::path& folder, const OpenedJob& job, const DigestOfFil
         inputs.push_back(
             input_beside(std::string(model_key), job.options.model, then.key.substr(beside.size()), digest));
     }
-    return identity_of(*recorded, recorded->recorded_inputs).job ==
-           identity_of(job.options.asked, std::move(inputs)).job;
+    return identity_of(*recorded, recorded->recorded_inputs).job == identity_of(job.options.raw, std::move(inputs)).job;
 }
 
 std::optional<std::string> recorded_identity(const fs::path& folder) {

@@ -5,8 +5,9 @@
 //
 // Inputs are the model (or picture), the files beside it that it names, the printer's profile, the resins, and the
 // profiles of a layered print; those that come with the program count like files. Left out are the names of files, the
-// output folder, and what only says how the work is done (OptionSpec::of_the_run). --memory is one of these: where it
-// is too little for a loop, the job says so and stops.
+// output folder, options at their defaults (so that a new option makes no job of old a stranger), and what only says
+// how the work is done (Decides::work in slicer/options/option_table.h). --memory is one of these: where it is too
+// little for a loop, the job says so and stops.
 #pragma once
 
 #include <filesystem>

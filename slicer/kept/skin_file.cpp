@@ -40,8 +40,9 @@ void skin_in(Stream& stream, Skin& skin) {
     stream(state.steps, state.open, state.shown, result.in_gamut, result.why_stopped, result.remarks);
 }
 
-std::uint64_t digest_of_job(std::string_view identity, std::string_view iterations) {
-    const std::string text = fmt::format("{}\niterations={}\nvoxtone {}\n", identity, iterations, io::build_identity());
+std::uint64_t digest_of_job(std::string_view identity, std::optional<int> iterations) {
+    const std::string text = fmt::format("{}\niterations={}\nvoxtone {}\n", identity,
+                                         iterations ? fmt::format("{}", *iterations) : "auto", io::build_identity());
     return io::xxh64({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
@@ -102,7 +103,7 @@ bool fits_together(const SavedSkin& skin, std::size_t layers) {
 }  // namespace
 
 SkinFile::SkinFile(std::filesystem::path file, std::string_view opened_identity, std::string_view loop_identity,
-                   std::string_view iterations)
+                   std::optional<int> iterations)
     : file_(std::move(file)),
       opened_digest_(digest_of_job(opened_identity, iterations)),
       digest_(digest_of_job(loop_identity, iterations)) {}
@@ -164,7 +165,7 @@ SavedSkin SkinFile::read(std::size_t layers) const {
 }
 
 void SkinFile::expect_same_job(const std::filesystem::path& file, std::string_view opened_identity,
-                               std::string_view iterations) {
+                               std::optional<int> iterations) {
     if (std::error_code none; !std::filesystem::exists(file, none)) return;
     if (number_in(head_of(file), 0) != digest_of_job(opened_identity, iterations)) fail_foreign(file);
 }

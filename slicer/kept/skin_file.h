@@ -41,9 +41,9 @@ struct SavedSkin {
 
 class SkinFile {
 public:
-    /// `opened_identity`, `loop_identity`: as LoopCheckpoint takes them. `iterations`: as the user wrote them.
+    /// `opened_identity`, `loop_identity`: as LoopCheckpoint takes them. `iterations`: as JobLoopOptions has them.
     SkinFile(std::filesystem::path file, std::string_view opened_identity, std::string_view loop_identity,
-             std::string_view iterations);
+             std::optional<int> iterations);
 
     [[nodiscard]] const std::filesystem::path& path() const { return file_; }
     [[nodiscard]] bool exists() const;
@@ -57,7 +57,7 @@ public:
 
     /// What of `read` can be said before the model is read. Nothing there is no fault.
     static void expect_same_job(const std::filesystem::path& file, std::string_view opened_identity,
-                                std::string_view iterations);
+                                std::optional<int> iterations);
 
 private:
     std::filesystem::path file_;

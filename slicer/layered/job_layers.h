@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The layered half of a job (`--model layered-profile`): from a map of wanted scattering profiles to layers of resin
+// The layered half of a job (`--show layered-profile`): from a map of wanted scattering profiles to layers of resin
 // wrapped around the body, in the place of colours, screens and the appearance loop.
 //
 // Materials are the loaded resins, known by their profiles. For each cluster of the map the best stack of blocks is

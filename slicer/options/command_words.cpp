@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "io/models/model_reader.h"
 #include "slicer/options/option_scope.h"
+#include "slicer/options/option_table.h"
 
 namespace voxtone::slicer {
 
@@ -47,13 +48,13 @@ std::vector<std::string> command_words(const SliceOptions& options) {
     std::vector<std::string> words{"slice"};
     for (const OptionSpec& spec : slice_option_table()) {
         const std::string value = spec.get(options);
-        if (value == spec.get(defaults)) continue;
-        if (spec.kind == OptionSpec::Kind::flag) {
+        if (spec.is_preset() || value == spec.get(defaults)) continue;
+        if (spec.kind() == OptionSpec::Kind::flag) {
             words.push_back((value == "true" ? "--" : "--no-") + spec.option);
         } else if (value.starts_with('-')) {
             words.push_back("--" + spec.option + "=" + value);
         } else {
-            if (spec.key != "model") words.push_back("--" + spec.option);
+            if (!spec.positional) words.push_back("--" + spec.option);
             words.push_back(value);
         }
     }
@@ -69,7 +70,8 @@ std::string shell_line(std::span<const std::string> words) {
 void drop_idle(SliceOptions& options, std::span<const std::string> kept) {
     options.named.assign(kept.begin(), kept.end());
     for (const OptionSpec& spec : slice_option_table()) {
-        if (spec.get(options) == spec.get(defaults) || std::find(kept.begin(), kept.end(), spec.key) != kept.end())
+        if (spec.is_preset() || spec.get(options) == spec.get(defaults) ||
+            std::find(kept.begin(), kept.end(), spec.key) != kept.end())
             continue;
         if (would_be_ignored(options, spec.key))
             spec.set(options, spec.get(defaults));

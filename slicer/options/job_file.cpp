@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/options/job_file.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <limits>
@@ -11,7 +12,7 @@
 #include "base/error.h"
 #include "io/files/json_writer.h"
 #include "io/profiles/resin_file.h"
-#include "slicer/options/option_words.h"
+#include "slicer/options/option_table.h"
 
 namespace voxtone::slicer {
 
@@ -34,7 +35,7 @@ void add_number(io::JsonWriter& json, const std::string& text) {
 
 void add_option(io::JsonWriter& json, const OptionSpec& spec, const std::string& value) {
     json.key(spec.key);
-    switch (spec.kind) {
+    switch (spec.kind()) {
         case OptionSpec::Kind::flag:
             json.value(value == "true");
             return;
@@ -69,7 +70,7 @@ io::JsonObject parse_job(const std::string& path) {
         job.fail("version",
                  fmt::format("version {} is unknown to this program, which reads version 1", job.any_text("version")));
     std::vector<std::string> known{"format", "version", "inputs"};
-    for (const OptionSpec& spec : slice_option_table()) known.push_back(spec.key);
+    for (std::string& key : option_keys()) known.push_back(std::move(key));
     job.allow_only(known);
     return job;
 }
@@ -115,7 +116,8 @@ constexpr std::size_t blanks_a_level = 2;
 
 void add_options(io::JsonWriter& json, const SliceOptions& options) {
     json.add("format", "voxtone-job").add("version", 1);
-    for (const OptionSpec& spec : slice_option_table()) add_option(json, spec, spec.get(options));
+    for (const OptionSpec& spec : slice_option_table())
+        if (!spec.is_preset()) add_option(json, spec, spec.get(options));
 }
 
 JobInput input_of(const io::JsonObject& entry, const fs::path& folder) {
@@ -130,6 +132,17 @@ JobInput input_of(const io::JsonObject& entry, const fs::path& folder) {
 }
 
 constexpr auto every_key = [](const std::string&) { return true; };
+
+/// The key under which the object has this option, an earlier one with a note; empty: it has it not.
+std::string key_in(const io::JsonObject& from, const OptionSpec& spec, SliceOptions& options) {
+    if (spec.former_key.empty() || !from.has(spec.former_key)) return from.has(spec.key) ? spec.key : std::string();
+    if (from.has(spec.key))
+        from.fail(spec.former_key,
+                  fmt::format("is what `{}` was called earlier, and both are here; leave it out", spec.key));
+    options.notes.push_back(fmt::format("{}key `{}` is called `{}` now, which means the same; it was taken",
+                                        from.place_of(spec.former_key), spec.former_key, spec.key));
+    return spec.former_key;
+}
 
 }  // namespace
 
@@ -148,10 +161,9 @@ std::string job_json(const SliceOptions& options) {
 
 std::string job_record(const SliceOptions& options, std::span<const JobInput> inputs, const fs::path& folder) {
     SliceOptions left = options;
-    left.overwrite = left.resume = false;
-    left.shard = left.mixtures = {};
-    left.until = name_of(Until::end);
-    left.threads = 0;
+    const SliceOptions defaults;
+    for (const OptionSpec& spec : slice_option_table())
+        if (spec.decides == Decides::this_run) spec.set(left, spec.get(defaults));
     replace_paths(left, fs::path(), every_key, [&](const std::string& text) { return path_within(folder, text); });
     io::JsonWriter json(blanks_a_level);
     json.begin_object();
@@ -171,14 +183,23 @@ std::string input_named_in(const fs::path& folder, const std::string& name) {
 }
 
 std::vector<std::string> take_options(const io::JsonObject& from, const fs::path& folder, SliceOptions& options) {
-    std::vector<std::string> taken;
+    const SliceOptions defaults;
+    std::vector<std::string> taken, set_by_preset;
     for (const OptionSpec& spec : slice_option_table()) {
-        if (!from.has(spec.key)) continue;
+        const std::string key = key_in(from, spec, options);
+        if (key.empty()) continue;
         try {
-            spec.set(options, from.any_text(spec.key));
+            SliceOptions said;
+            spec.set(said, from.any_text(key));
+            if (spec.get(said) == spec.get(defaults) &&
+                std::ranges::find(set_by_preset, spec.key) != set_by_preset.end())
+                continue;
+            spec.set(options, from.any_text(key));
         } catch (const UsageError& error) {
-            from.fail(spec.key, error.what());
+            from.fail(key, error.what());
         }
+        for (const OptionSpec::Preset& preset : spec.presets)
+            for (const auto& [set, value] : preset.values) set_by_preset.push_back(set);
         taken.push_back(spec.key);
     }
     replace_paths(

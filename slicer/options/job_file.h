@@ -19,11 +19,11 @@ namespace voxtone::slicer {
 /// What `slice` calls the one that it leaves beside its layers.
 using io::job_file_name;
 
-/// A job file as text, complete: every key with its value. Paths are made absolute, so that it may lie anywhere.
+/// A job file as text, complete: every key with its value, and for presets what they stand for. Paths are made
+/// absolute, so that it may lie anywhere.
 [[nodiscard]] std::string job_json(const SliceOptions& options);
 /// The job file that a job leaves in `folder`, beside what it made: paths relative to that folder, the SHA-256 of every
-/// input, and neither --overwrite, --resume, --threads, --shard, --until nor --mixtures, which were said to that run
-/// alone.
+/// input, and no option that was said to that run alone (Decides::this_run).
 [[nodiscard]] std::string job_record(const SliceOptions& options, std::span<const JobInput> inputs,
                                      const std::filesystem::path& folder);
 
@@ -36,7 +36,9 @@ using io::job_file_name;
 void read_job(const std::string& path, SliceOptions& options);
 
 /// The options among this object's keys, all others being somebody else's: sets those that it has, and gives back their
-/// keys. Relative paths in it are relative to `folder`. Throws InputError.
+/// keys. Earlier names of keys are taken with a note. Relative paths in it are relative to `folder`. A preset such as
+/// `quality` comes first: what it sets is set otherwise by a value that is not the default, as complete job files name
+/// all defaults. Throws InputError.
 std::vector<std::string> take_options(const io::JsonObject& from, const std::filesystem::path& folder,
                                       SliceOptions& options);
 

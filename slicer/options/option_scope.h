@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Options that do nothing beside others: a width of a mesh, the layers of a colour print, the loop's intent without a
-// loop. A user who names one expects it to do something, so it is refused and not ignored.
+// loop. A user who names one expects it to do something, so it is refused and not ignored. What makes an option idle
+// says its entry in the table (OptionSpec::only_for, idle).
 #pragma once
 
 #include "slicer/options/slice_options.h"

@@ -9,11 +9,12 @@
 #include "halftone/loop/appearance_loop.h"
 #include "optics/scene/backing.h"
 #include "slicer/mesh/mesh_repair.h"
+#include "slicer/options/model_choice.h"
 
 namespace voxtone::slicer {
 
 /// What the surface shows.
-enum class Arrange {
+enum class Show {
     colour,           ///< colours of the model, by mixtures of resins
     layered_profile,  ///< how light spreads, by layers of resin under each point
 };
@@ -72,8 +73,8 @@ enum class PredictedView {
 namespace voxtone {
 
 template <>
-struct NamesOf<slicer::Arrange> {
-    using E = slicer::Arrange;
+struct NamesOf<slicer::Show> {
+    using E = slicer::Show;
     static constexpr auto table =
         std::to_array<Named<E>>({{E::colour, "colour"}, {E::layered_profile, "layered-profile"}});
 };

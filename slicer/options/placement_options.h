@@ -21,6 +21,7 @@ struct PlacementOptions {
     double scale = 1;                ///< > 0
     double size_mm = 0;              ///< largest extent, after `scale`; 0: as the file has it
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+    std::string rotation_text{};                           ///< the same as option_values.h reads it; empty: none
     bool flip_x = false, flip_y = false, swap_xy = false;  ///< the swap comes first
 };
 

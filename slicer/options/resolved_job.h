@@ -82,8 +82,9 @@ struct VerdictLimits {
 
 /// One job, checked as far as that can be done without looking at a file.
 struct ResolvedJob {
-    /// What it was resolved from, for those who print it again: job.json, the report's table, the checkpoint's digest.
-    SliceOptions asked;
+    /// What it was resolved from, for who writes it down: job.json, the report's table, the job's identity. Nobody else
+    /// looks at it. What was left open there and is found in the printer's profile or the map is filled in.
+    SliceOptions raw;
 
     std::string model;    ///< file
     std::string texture;  ///< file, for a mesh without pictures of its own; empty: none
@@ -120,6 +121,6 @@ struct ResolvedJob {
 
 /// Throws UsageError that names the key, the value and the rule: for a text that is no value of its option, and for
 /// values that do not go together.
-[[nodiscard]] ResolvedJob resolve(const SliceOptions& asked);
+[[nodiscard]] ResolvedJob resolve(const SliceOptions& options);
 
 }  // namespace voxtone::slicer

@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Everything that a slice job can be told, in one table: the command line, the job file, `--dump-default`, `--help` and
-// job.json are all made from it, so that a key means the same everywhere.
+// A slice job as the user wrote it. What each option is called, means and decides is declared in option_table.h.
 #pragma once
 
 #include <cstdint>
-#include <functional>
-#include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "slicer/options/job_input.h"
@@ -34,8 +30,8 @@ struct SliceOptions {
     std::string texture;  ///< file; empty: the mesh's own
     std::string backing = "black";
 
-    std::string arrange = "colour";  ///< what is arranged: colour, or layers of the map's profiles (see job_layers.h)
-    std::string profiles;            ///< file of the map
+    std::string show = "colour";  ///< colour, or how light spreads: layers of the map's profiles (see job_layers.h)
+    std::string profiles;         ///< file of the map
     std::string profile_placement = "uv";
     double stack_thickness_mm = 5;
     std::uint32_t stack_steps = 64, stack_blocks = 6;
@@ -85,36 +81,11 @@ struct SliceOptions {
     /// would be ignored is refused (option_scope.h).
     std::vector<std::string> named;
 
+    /// Sentences for the user: earlier spellings that were taken.
+    std::vector<std::string> notes;
+
     /// What the inputs held when the job file was written that these options come from; empty where it does not say.
     std::vector<JobInput> recorded_inputs;
 };
-
-/// One entry of the table.
-struct OptionSpec {
-    enum class Kind { text, list, number, length, flag };
-    /// What its text is the name of.
-    enum class Names { nothing, input, input_or_known, inputs_by_role, output };
-    std::string key;     ///< key of the job file
-    std::string option;  ///< `--option` of the command line; that of the mesh may also stand alone
-    Kind kind;
-    std::string metavar;               ///< "MM", "ID", "a-b"
-    std::string group;                 ///< heading in --help
-    std::string help;                  ///< what it does, with its unit and its choices
-    std::vector<std::string> choices;  ///< empty: free
-    std::function<std::string(const SliceOptions&)> get;
-    /// Throws UsageError that names the key, the value and the rule.
-    std::function<void(SliceOptions&, const std::string&)> set;
-    Names names = Names::nothing;
-    bool of_the_run = false;  ///< decides how the work is done, and not what it makes
-};
-
-[[nodiscard]] std::span<const OptionSpec> slice_option_table();
-/// The entry of this key; nullptr: there is none.
-[[nodiscard]] const OptionSpec* find_option(std::string_view key);
-
-/// Words of `predict` besides the models' names.
-inline constexpr std::string_view predict_auto = "auto", predict_none = "none";
-/// All that `predict` may be.
-[[nodiscard]] std::vector<std::string> predict_choices();
 
 }  // namespace voxtone::slicer

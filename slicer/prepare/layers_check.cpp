@@ -54,7 +54,7 @@ void check_layers(const LayeredOptions& options, const io::ProfileMap& map, cons
             options.profiles, channels_in_full(map.channels), resins.set.name, channels_in_full(resins.set.channels)));
     if (resins.set.resins.size() < 2)
         throw InputError(
-            "--model layered-profile: only one resin is loaded, so there are no layers to choose; load at least two, "
+            "--show layered-profile: only one resin is loaded, so there are no layers to choose; load at least two, "
             "such as --load W,K");
     if (!options.materials.empty()) (void)material_files(options, resins);
     for (const ClearTop& clear : options.clear_top)

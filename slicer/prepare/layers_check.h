@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What is wrong with a print of layers (`--model layered-profile`), known without a body.
+// What is wrong with a print of layers (`--show layered-profile`), known without a body.
 #pragma once
 
 #include <string>

@@ -10,12 +10,12 @@ namespace {
 
 void take_width(ResolvedJob& job, const io::ProfileMap& map) {
     if (!job.is_picture || job.picture.width_mm != 0) return;
-    job.picture.width_mm = job.asked.width_mm = map.width_mm;
+    job.picture.width_mm = job.raw.width_mm = map.width_mm;
 }
 
 /// How thick a picture's slab is, is known without the picture; which way it is turned then, not here.
 void check_thickness(const ResolvedJob& job, const PrinterProfile& printer) {
-    if (!job.is_picture || !job.asked.rotate.empty()) return;
+    if (!job.is_picture || !job.placement.rotation.isIdentity(0)) return;
     const Eigen::Vector3d slab_mm(1, 1, job.picture.thickness_mm);
     check_layer_count(grid_around(Eigen::Vector3d::Zero(), slab_mm, printer.sliced_pitch_mm()).size[2], printer,
                       "thicker (--thickness)");
@@ -39,7 +39,7 @@ OpenedJob open_job(const SliceOptions& asked) {
         take_width(job.options, *job.map);
     }
     job.printer = find_printer(job.options.printer);
-    if (job.options.resins.empty()) job.options.resins = job.options.asked.resins = usual_resins(job);
+    if (job.options.resins.empty()) job.options.resins = job.options.raw.resins = usual_resins(job);
     job.resins = load_resins(job.options, job.printer);
     check_thickness(job.options, job.printer);
     if (job.map) check_layers(*job.options.layered, *job.map, job.resins);

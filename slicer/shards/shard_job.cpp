@@ -193,7 +193,7 @@ JobResult run_shard_job(const SliceOptions& asked, Progress& progress) {
         shard_layers(slab_work(body, job.options.colour.depth_mm, slab_layers), slab_layers, plan.layers, task.number);
     expect_disk_space(out, disk_bytes(job, body, mine), progress);
 
-    claim_folder_for_shards(job, folder, job_record(job.options.asked, identity.inputs, out), progress);
+    claim_folder_for_shards(job, folder, job_record(job.options.raw, identity.inputs, out), progress);
     if (body.separation.empty()) keep_prepared(out, identity.job, body, print->separation());
 
     io::ShardRecord record;

@@ -47,7 +47,7 @@ std::string write_map(const Folder& folder, const io::ProfileMap& map = two_halv
 /// The slab of the map's own picture, 1 mm thick.
 std::string slab_job(const Folder& folder, const std::string& map) {
     return fmt::format(
-        "slice --quiet --load W,K --stack-thickness 0.6mm --stack-steps 16 --thickness 1.08mm --model layered-profile "
+        "slice --quiet --load W,K --stack-thickness 0.6mm --stack-steps 16 --thickness 1.08mm --show layered-profile "
         "--profiles {} {}",
         map, folder / "map.png");
 }
@@ -74,7 +74,7 @@ TEST_CASE("slice prints layered profiles on a slab as wide as the map, with a re
     CHECK(report["size_mm"][0].get<double>() == Approx(6));
     CHECK(report["layers"] == 40);
     CHECK_FALSE(report.contains("gamut"));
-    CHECK(report["job"]["arrange"] == "layered-profile");
+    CHECK(report["job"]["show"] == "layered-profile");
     CHECK(report["sections"][0]["title"] == "Scattering profiles");
     const auto& clusters = report["sections"][0]["tables"][0]["rows"];
     REQUIRE(clusters.size() == 2);
@@ -101,7 +101,7 @@ TEST_CASE("Layered profiles are the same for any number of threads and from the 
     const std::string job = fmt::format(
         "slice --quiet --no-report --load W,K --stack-thickness 0.6mm --stack-steps 16 --profile-placement box "
         "--surfaces "
-        "--model layered-profile --profiles {} {}",
+        "--show layered-profile --profiles {} {}",
         write_map(folder), folder / "box.obj");
     REQUIRE(run_program(job + " --threads 1 -o " + (folder / "one")).exit_code == 0);
     REQUIRE(run_program(job + " --threads 4 -o " + (folder / "four")).exit_code == 0);
@@ -168,10 +168,10 @@ TEST_CASE("slice says what is wrong with a job of layered profiles") {
         CHECK_THAT(outcome.err, Contains(text));
         CHECK_FALSE(std::filesystem::exists(folder.path() / "out/manifest.json"));
     };
-    const std::string box = folder / "box.obj", layered = box + " --model layered-profile --profiles ";
-    fails(box + " --model layered-profile", 2, "needs a map of profiles");
-    fails(box + " --model layered", 2, "--model: 'layered' is none of colour, layered-profile");
-    fails(box + " --profiles " + map, 2, "only goes with --model layered-profile");
+    const std::string box = folder / "box.obj", layered = box + " --show layered-profile --profiles ";
+    fails(box + " --show layered-profile", 2, "needs a map of profiles");
+    fails(box + " --show layered", 2, "--show: 'layered' is none of colour, layered-profile");
+    fails(box + " --profiles " + map, 2, "only goes with --show layered-profile");
     fails(layered + (folder / "none.json"), 4, "none.json");
     fails(layered + map, 3, "--profile-placement box");
     fails(layered + map + " --profile-placement box --load K", 3, "only one resin");

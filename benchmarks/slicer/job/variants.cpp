@@ -14,6 +14,7 @@
 #include "io/files/whole_file.h"
 #include "slicer/job/slice_job.h"
 #include "slicer/options/job_file.h"
+#include "slicer/options/option_table.h"
 
 namespace voxtone::loop_benchmark {
 namespace {

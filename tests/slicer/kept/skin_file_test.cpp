@@ -40,7 +40,7 @@ SavedSkin some_skin(std::size_t cells) {
 TEST_CASE("What the loop came to comes back as it was, for its own job alone", "[loop]") {
     const io::TemporaryFolder folder;
     const auto path = folder.path() / "skin.mixtures";
-    const SkinFile file(path, "opened", "job", "8");
+    const SkinFile file(path, "opened", "job", 8);
     CHECK_FALSE(file.exists());
     CHECK_THROWS_AS(file.read(layers), FileError);
     const SavedSkin skin = some_skin(30);
@@ -55,13 +55,13 @@ TEST_CASE("What the loop came to comes back as it was, for its own job alone", "
     CHECK(file.is_of_this_job());
 
     CHECK_THROWS_AS(file.read(layers + 1), FileError);
-    for (const SkinFile& other : {SkinFile(path, "opened", "job", "9"), SkinFile(path, "opened", "another", "8"),
-                                  SkinFile(path, "unopened", "job", "8")}) {
+    for (const SkinFile& other : {SkinFile(path, "opened", "job", 9), SkinFile(path, "opened", "another", 8),
+                                  SkinFile(path, "unopened", "job", 8)}) {
         CHECK_FALSE(other.is_of_this_job());
         CHECK_THROWS_AS(other.read(layers), InputError);
     }
-    CHECK_NOTHROW(SkinFile::expect_same_job(path, "opened", "8"));
-    CHECK_THROWS_AS(SkinFile::expect_same_job(path, "unopened", "8"), InputError);
+    CHECK_NOTHROW(SkinFile::expect_same_job(path, "opened", 8));
+    CHECK_THROWS_AS(SkinFile::expect_same_job(path, "unopened", 8), InputError);
 
     SavedSkin none;
     none.left_out = "There was too little memory.";
@@ -72,7 +72,7 @@ TEST_CASE("What the loop came to comes back as it was, for its own job alone", "
 TEST_CASE("A skin file that was cut or changed anywhere is refused", "[loop]") {
     const io::TemporaryFolder folder;
     const auto path = folder.path() / "skin.mixtures";
-    const SkinFile file(path, "opened", "job", "8");
+    const SkinFile file(path, "opened", "job", 8);
     file.write(some_skin(5));
     const std::string bytes = io::text_of(path);
     for (std::size_t at = 0; at < bytes.size(); ++at) {

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/options/job_file.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <set>
 
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "slicer/options/option_table.h"
 #include "tests/io/files/schema.h"
 #include "tests/io/files/temporary_folder.h"
 
@@ -38,11 +39,8 @@ std::string failure(const std::string& text) {
 }  // namespace
 
 TEST_CASE("Every option says and takes its own value") {
-    std::set<std::string> keys;
     for (const OptionSpec& spec : slice_option_table()) {
         INFO(spec.key);
-        CHECK(keys.insert(spec.key).second);
-        CHECK_FALSE(spec.help.empty());
         SliceOptions options;
         const std::string value = spec.get(options);
         if (!value.empty()) CHECK_NOTHROW(spec.set(options, value));
@@ -152,23 +150,44 @@ TEST_CASE("A wrong job file is refused with file, key and what to try") {
     CHECK_THROWS_AS(read_job("/nowhere/job.json", options), FileError);
 }
 
-TEST_CASE("On the command line --model is what is arranged, in a job file `model` is the mesh") {
-    std::set<std::string> names;
-    for (const OptionSpec& spec : slice_option_table()) {
-        INFO(spec.option);
-        CHECK(names.insert(spec.option).second);
-        if (spec.option == "model") CHECK(spec.key == "arrange");
-        if (spec.key == "model") CHECK(spec.option == "mesh");
-    }
+TEST_CASE("An earlier name of a key is taken with a note, beside the new one it is refused") {
     SliceOptions options;
     const JobFile job(
         R"({"format": "voxtone-job", "version": 1, "model": "a.obj", "arrange": "layered-profile", "profiles": "maps/b.json"})");
     read_job(job.path(), options);
-    CHECK(options.arrange == "layered-profile");
+    CHECK(options.show == "layered-profile");
+    REQUIRE(options.notes.size() == 1);
+    CHECK_THAT(options.notes[0], Catch::Matchers::Contains("job.json: line 1: key `arrange` is called `show` now"));
+    CHECK(options.named.back() == "profiles");
+    CHECK(std::find(options.named.begin(), options.named.end(), "show") != options.named.end());
+    CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "arrange": "colour", "show": "colour"})"),
+               Catch::Matchers::Contains("`arrange`: is what `show` was called earlier"));
     CHECK(options.model == (job.folder.path() / "a.obj").string());
     CHECK(options.profiles == (job.folder.path() / "maps/b.json").string());
     read_job(JobFile(job_json(SliceOptions{})).path(), options);
     CHECK(options.profiles.empty());
-    CHECK(failure(R"({"format": "voxtone-job", "version": 1, "arrange": "layers"})")
+    CHECK(failure(R"({"format": "voxtone-job", "version": 1, "show": "layers"})")
               .find("none of colour, layered-profile") != std::string::npos);
+}
+
+TEST_CASE("A job file's quality is what it stands for, and what the file says beside it wins") {
+    const auto read = [](const std::string& keys) {
+        SliceOptions options;
+        read_job(JobFile(R"({"format": "voxtone-job", "version": 1)" + keys + "}").path(), options);
+        return options;
+    };
+    const SliceOptions draft = read(R"(, "quality": "draft")");
+    CHECK(draft.iterations == "0");
+    CHECK(draft.predict == "none");
+    CHECK(read(R"(, "iterations": "3", "quality": "draft")").iterations == "3");
+    CHECK(read(R"(, "iterations": "3", "quality": "draft")").predict == "none");
+    // A complete file names every default: these say nothing.
+    CHECK(read(R"(, "quality": "draft", "iterations": "auto")").iterations == "0");
+    CHECK(io::schema_faults("job", R"({"format": "voxtone-job", "version": 1, "quality": "draft"})").empty());
+    // What is written are the options that it stands for.
+    CHECK(job_json(draft).find("quality") == std::string::npos);
+    SliceOptions back;
+    read_job(JobFile(job_json(draft)).path(), back);
+    CHECK(back.iterations == "0");
+    CHECK(back.predict == "none");
 }

@@ -27,7 +27,7 @@ void check_round_trip() {
 }  // namespace
 
 TEST_CASE("Every word among the options is a value, and that value has its name") {
-    check_round_trip<Arrange>();
+    check_round_trip<Show>();
     check_round_trip<Mixing>();
     check_round_trip<ScreenKind>();
     check_round_trip<ProfilePlacement>();

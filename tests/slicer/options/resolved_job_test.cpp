@@ -28,7 +28,7 @@ SliceOptions named() {
 
 SliceOptions layered() {
     SliceOptions options = named();
-    options.arrange = "layered-profile";
+    options.show = "layered-profile";
     options.profiles = "map.json";
     return options;
 }
@@ -78,7 +78,7 @@ TEST_CASE("What the user wrote becomes values") {
     CHECK(job.prediction.memory_bytes == std::uint64_t{2} << 30);
     CHECK_FALSE(job.prediction.automatic);
     CHECK(job.prediction.model == PredictionModel::monte_carlo);
-    CHECK(job.asked.rotate == "z90");
+    CHECK(job.raw.rotate == "z90");
 }
 
 TEST_CASE("What the job is to decide is nothing") {
@@ -140,7 +140,7 @@ TEST_CASE("A bad value is refused, its key named") {
         {"loop-model", [](SliceOptions& o) { o.loop_model = "none"; }},
         {"loop-method", [](SliceOptions& o) { o.loop_method = "ascent"; }},
         {"predict", [](SliceOptions& o) { o.predict = "luck"; }},
-        {"model", [](SliceOptions& o) { o.arrange = "layers"; }},
+        {"show", [](SliceOptions& o) { o.show = "layers"; }},
         {"profiles", [](SliceOptions& o) { o.profiles = "map.json"; }},
         {"stack-materials", [](SliceOptions& o) { o.stack_materials = {"W=w.json"}; }},
         {"surfaces", [](SliceOptions& o) { o.surfaces = true; }}};

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/options/table_of_body.h"
+
+#include "io/models/model_reader.h"
+#include "slicer/options/table_parts.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+using O = SliceOptions;
+using Job = ResolvedJob;
+using Names = OptionSpec::Names;
+using Length = OptionSpec::Length;
+
+std::vector<io::LayerFormat> formats_of(const SliceOptions& o) {
+    std::vector<io::LayerFormat> formats;
+    for (const std::string& name : o.formats) formats.push_back(parse_choice<io::LayerFormat>("formats", name));
+    return formats;
+}
+
+std::vector<OptionSpec> files_entries() {
+    const std::string group = "Input and output";
+    return {
+        {.key = "model",
+         .option = "mesh",
+         .positional = true,
+         .metavar = "FILE",
+         .group = group,
+         .help = "textured mesh (OBJ, PLY, STL, glTF, GLB, 3MF) or picture",
+         .member = &O::model,
+         .names = Names::input,
+         .decides_scope = true,
+         .rule = [](const O& o) { return unless(!o.model.empty(), "name a mesh or a picture"); },
+         .resolve =
+             [](const O& o, Job& job) {
+                 job.model = o.model;
+                 job.is_picture = !io::is_model_name(o.model);
+             }},
+        plain(&O::out, at(&Job::out),
+              {.key = "out",
+               .letter = "o",
+               .metavar = "FOLDER",
+               .group = group,
+               .help = "output folder; nothing is written outside it",
+               .names = Names::output,
+               .decides = Decides::work,
+               .rule = [](const O& o) { return unless(!o.out.empty(), "name the output folder: -o FOLDER"); }}),
+        {.key = "formats",
+         .metavar = "LIST",
+         .group = group,
+         .help = "what to write: png (RGBA stack for Voxel Print), gcvf, tiff or png1 (one per resin and layer), vdb; "
+                 "empty: the printer's default",
+         .choices = names_of<io::LayerFormat>(),
+         .member = &O::formats,
+         .decides = Decides::bits_after_loop,
+         .resolve = [](const O& o, Job& job) { job.formats = formats_of(o); }},
+        plain(
+            &O::overwrite, at(&Job::overwrite),
+            {.key = "overwrite",
+             .group = group,
+             .help = "replace a stack that the folder holds, make the same one again; other things in the folder stay",
+             .decides = Decides::this_run}),
+        plain(&O::report, at(&Job::report),
+              {.key = "report",
+               .group = group,
+               .help = "write report.html, target and predicted pictures",
+               .decides = Decides::looks,
+               .decides_scope = true}),
+    };
+}
+
+std::vector<OptionSpec> size_entries() {
+    const std::string group = "Placement";
+    return {
+        plain(&O::printer, at(&Job::printer),
+              {.key = "printer",
+               .metavar = "ID|FILE",
+               .group = group,
+               .help = "printer profile; see `voxtone list printers`",
+               .names = Names::input_or_known}),
+        {.key = "unit",
+         .metavar = "UNIT",
+         .group = group,
+         .help = "unit of the model's numbers: um, mm, cm, m, in, ft, or auto (the file's own; mm where it has none)",
+         .member = &O::unit,
+         .idle = {[](const O&, bool is_picture) {
+             return unless(!is_picture, "it is the unit of a mesh's numbers; a picture is as wide as --width says");
+         }},
+         .resolve = [](const O& o, Job& job) { job.placement.unit = parse_file_unit(o.unit); }},
+        plain(Length{&O::size_mm}, at(&Job::placement, &PlacementOptions::size_mm),
+              {.key = "size",
+               .group = group,
+               .help = "scale so that the largest extent is this; 0: leave the size",
+               .decides_scope = true,
+               .idle = {[](const O&, bool is_picture) {
+                   return unless(!is_picture, "a picture has no --size; give --width and --thickness");
+               }},
+               .rule = [](const O& o) { return unless(o.size_mm >= 0, "must be above 0"); }}),
+        plain(&O::scale, at(&Job::placement, &PlacementOptions::scale),
+              {.key = "scale",
+               .metavar = "FACTOR",
+               .group = group,
+               .help = "scale by this factor; does not go with --size",
+               .idle = {[](const O& o, bool) {
+                   return unless(!(o.size_mm > 0), "--size decides how large the model is; give one of them");
+               }},
+               .rule = [](const O& o) { return unless(o.scale > 0, "must be above 0"); }}),
+        plain(Length{&O::width_mm}, at(&Job::picture, &PictureOptions::width_mm),
+              {.key = "width",
+               .group = group,
+               .help = "pictures: width of the slab; 0: from the picture's own resolution",
+               .idle = {idle::of_a_mesh},
+               .rule = [](const O& o) { return unless(o.width_mm >= 0, "must be above 0"); }}),
+        plain(Length{&O::thickness_mm}, at(&Job::picture, &PictureOptions::thickness_mm),
+              {.key = "thickness",
+               .group = group,
+               .help = "pictures: thickness of the slab",
+               .idle = {idle::of_a_mesh},
+               .rule = [](const O& o) { return unless(o.thickness_mm > 0, "must be above 0"); }}),
+    };
+}
+
+std::vector<OptionSpec> turn_entries() {
+    const std::string group = "Placement";
+    return {
+        {.key = "rotate",
+         .metavar = "AXES",
+         .group = group,
+         .help = "turn about the axes in this order, degrees, right-handed: x90 or z45,x-30",
+         .member = &O::rotate,
+         .resolve =
+             [](const O& o, Job& job) {
+                 job.placement.rotation = parse_rotation(o.rotate);
+                 job.placement.rotation_text = o.rotate;
+             }},
+        plain(&O::flip_x, at(&Job::placement, &PlacementOptions::flip_x),
+              {.key = "flip-x", .group = group, .help = "mirror the print along x (columns of the bitmaps)"}),
+        plain(&O::flip_y, at(&Job::placement, &PlacementOptions::flip_y),
+              {.key = "flip-y", .group = group, .help = "mirror the print along y (rows of the bitmaps)"}),
+        plain(
+            &O::swap_xy, at(&Job::placement, &PlacementOptions::swap_xy),
+            {.key = "swap-xy", .group = group, .help = "exchange x and y of the model (mirrors it; before the flips)"}),
+        {.key = "layers",
+         .metavar = "A-B",
+         .group = group,
+         .help = "only these layers, counted from 0 at the bottom; empty: all",
+         .member = &O::layers,
+         .decides = Decides::bits_after_loop,
+         .resolve = [](const O& o, Job& job) { job.layers = parse_layer_range(o.layers); }},
+    };
+}
+
+std::vector<OptionSpec> mesh_entries() {
+    const std::string group = "Body";
+    return {
+        choice(&O::repair, at(&Job::repair),
+               {.key = "repair",
+                .metavar = "HOW",
+                .group = group,
+                .help = "broken meshes: off (refuse), auto (close holes; wrap what stays open) or wrap (always)"}),
+        plain(&O::keep_thin, at(&Job::keep_thin),
+              {.key = "keep-thin",
+               .group = group,
+               .help = "features thinner than a voxel get one voxel instead of vanishing"}),
+    };
+}
+
+}  // namespace
+
+std::vector<OptionSpec> table_of_body() {
+    std::vector<OptionSpec> table;
+    for (const std::vector<OptionSpec>& part : {files_entries(), size_entries(), turn_entries(), mesh_entries()})
+        table.insert(table.end(), part.begin(), part.end());
+    return table;
+}
+
+}  // namespace voxtone::slicer

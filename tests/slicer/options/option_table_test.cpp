@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/options/option_table.h"
+
+#include <algorithm>
+#include <set>
+
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "slicer/options/job_file.h"
+#include "slicer/options/option_scope.h"
+#include "slicer/options/resolved_job.h"
+
+using namespace voxtone;
+using namespace voxtone::slicer;
+using Catch::Matchers::Contains;
+
+namespace {
+
+SliceOptions named(const std::string& model = "a.obj") {
+    SliceOptions options;
+    options.model = model;
+    options.out = "out";
+    return options;
+}
+
+SliceOptions with(SliceOptions options, const std::string& key, const std::string& value) {
+    find_option(key)->set(options, value);
+    options.named.push_back(key);
+    return options;
+}
+
+/// A value of the option that is not its default.
+std::string other_value(const OptionSpec& spec) {
+    const std::string usual = spec.get({});
+    for (const std::string& choice : spec.choices)
+        if (choice != usual) return choice;
+    switch (spec.kind()) {
+        case OptionSpec::Kind::flag:
+            return usual == "true" ? "false" : "true";
+        case OptionSpec::Kind::number:
+        case OptionSpec::Kind::length:
+            return "7";
+        default:
+            return spec.key == "stack-materials" ? "W=w.json" : "7";
+    }
+}
+
+}  // namespace
+
+TEST_CASE("Every option is declared whole, and no two of one name") {
+    std::set<std::string> keys, options;
+    for (const OptionSpec& spec : slice_option_table()) {
+        INFO(spec.key);
+        CHECK(keys.insert(spec.key).second);
+        CHECK(options.insert(spec.option).second);
+        if (!spec.former_key.empty()) CHECK(keys.insert(spec.former_key).second);
+        if (!spec.former_option.empty()) CHECK(options.insert(spec.former_option).second);
+        CHECK_FALSE(spec.help.empty());
+        CHECK_FALSE(spec.group.empty());
+        CHECK((spec.kind() == OptionSpec::Kind::flag) == spec.metavar.empty());
+        CHECK((spec.is_preset() || spec.resolve));  // otherwise it would be taken and forgotten
+        for (const OptionSpec::Preset& preset : spec.presets)
+            for (const auto& [key, value] : preset.values) {
+                SliceOptions set;
+                CHECK_NOTHROW(find_option(key)->set(set, value));
+            }
+    }
+}
+
+TEST_CASE("An option that is new and at its default makes no job another") {
+    std::vector<OptionSpec> table(slice_option_table().begin(), slice_option_table().end());
+    OptionSpec added = *find_option("depth");
+    added.key = added.option = "halo";
+    added.member = OptionSpec::Length{&SliceOptions::surface_cell_mm};
+    table.push_back(added);
+    SliceOptions options = with(named(), "size", "30mm");
+    const std::string lines = deciding_lines(options, Decides::looks, table);
+    CHECK(lines == deciding_lines(options, Decides::looks));
+    CHECK(lines == "size=30mm\n");
+    options.surface_cell_mm = 0.3;
+    CHECK_THAT(deciding_lines(options, Decides::looks, table), Contains("halo=0.3mm"));
+}
+
+TEST_CASE("What an option decides says whom another value makes a stranger, and what job.json keeps") {
+    for (const OptionSpec& spec : slice_option_table()) {
+        if (spec.is_preset()) continue;
+        INFO(spec.key);
+        const SliceOptions options = with({}, spec.key, other_value(spec));
+        REQUIRE(spec.get(options) != spec.get({}));
+        const bool by_content = spec.names != OptionSpec::Names::nothing;
+        CHECK(deciding_lines(options, Decides::looks).empty() == (by_content || spec.decides > Decides::looks));
+        CHECK(deciding_lines(options, Decides::bits).empty() == (by_content || spec.decides > Decides::bits));
+        const bool kept = job_record(options, {}, "/out") != job_record({}, {}, "/out");
+        CHECK(kept == (spec.decides != Decides::this_run));
+    }
+}
+
+TEST_CASE("A quality is a name for other options") {
+    const OptionSpec& quality = *find_option("quality");
+    CHECK(quality.get({}) == "good");
+    SliceOptions options = named();
+    quality.set(options, "draft");
+    CHECK(resolve(options).loop.iterations == 0);
+    CHECK_FALSE(resolve(options).prediction.automatic);
+    CHECK_FALSE(resolve(options).prediction.model);
+    CHECK(quality.get(options) == "draft");
+    CHECK(deciding_lines(options, Decides::looks) == "iterations=0\npredict=none\n");
+    quality.set(options, "best");
+    CHECK_FALSE(resolve(options).loop.iterations);
+    CHECK(resolve(options).prediction.model == PredictionModel::transport);
+    options.iterations = "3";
+    CHECK(quality.get(options).empty());
+    CHECK_THROWS_WITH(quality.set(options, "superb"), Contains("draft, good, best"));
+    SliceOptions layered = with(with(named(), "show", "layered-profile"), "profiles", "map.json");
+    CHECK_NOTHROW(resolve(layered));
+    CHECK_THROWS_WITH(resolve(with(layered, "quality", "draft")),
+                      Contains("--quality") && Contains("would be ignored"));
+}
+
+TEST_CASE("An option that would do nothing is refused where it is named") {
+    struct Case {
+        const char *key, *value, *why;
+        SliceOptions beside;
+    };
+    const SliceOptions mesh = named(), picture = named("a.png"), open = with(named(), "quality", "draft");
+    const SliceOptions layered = with(with(named(), "show", "layered-profile"), "profiles", "map.json");
+    const std::vector<Case> cases{{"size", "3mm", "a picture has no --size", picture},
+                                  {"unit", "cm", "unit of a mesh's numbers", picture},
+                                  {"texture", "b.png", "a picture is its own texture", picture},
+                                  {"width", "3mm", "it is for pictures", mesh},
+                                  {"backing", "white", "a mesh floats in light", mesh},
+                                  {"intent", "contrast", "no appearance loop", open},
+                                  {"loop-method", "descent", "no appearance loop", open},
+                                  {"predict-cell", "0.2mm", "neither a loop nor a prediction", open},
+                                  {"stack-steps", "32", "only goes with --show layered-profile", mesh},
+                                  {"depth", "0.5mm", "only goes with --show colour", layered},
+                                  {"iterations", "3", "only goes with --show colour", layered},
+                                  {"predict", "transport", "only goes with --show colour", layered},
+                                  {"surface-cell", "0.3mm", "meshes of --surfaces", layered}};
+    for (const auto& [key, value, why, beside] : cases) {
+        INFO(key);
+        CHECK_THROWS_WITH(resolve(with(beside, key, value)), Contains(why) && Contains("would be ignored"));
+        SliceOptions unnamed = with(beside, key, value);
+        unnamed.named.clear();
+        if (std::string(key) != "size") CHECK_NOTHROW(resolve(unnamed));  // a default of a job file, say
+    }
+    CHECK_NOTHROW(resolve(with(with(named(), "scale", "2"), "size", "0")));
+    CHECK_THROWS_WITH(resolve(with(with(named(), "scale", "2"), "size", "3mm")), Contains("--size decides"));
+    CHECK(decides_scope("show"));
+    CHECK_FALSE(decides_scope("depth"));
+}
