@@ -72,16 +72,34 @@ std::vector<optics::ResinSet> resin_sets() {
     return sets;
 }
 
-template <class Entries, class AddTo, class AsText>
-void print_list(const Entries& entries, bool json, AddTo add_to, AsText as_text) {
-    io::JsonWriter list;
-    list.begin_list();
+struct Listed {
+    io::JsonWriter json;
     std::string text;
+};
+
+template <class Entries, class AddTo, class AsText>
+Listed listed(const Entries& entries, AddTo add_to, AsText as_text) {
+    Listed list;
+    list.json.begin_list();
     for (const auto& entry : entries) {
-        add_to(list, entry);
-        text += as_text(entry);
+        add_to(list.json, entry);
+        list.text += as_text(entry);
     }
-    print_out(json ? list.end_list().text() + "\n" : text);
+    list.json.end_list();
+    return list;
+}
+
+void print_lists(const ListArguments& arguments) {
+    const Listed printers = listed(slicer::list_printers(), add_printer, printer_text);
+    const Listed resins = listed(resin_sets(), add_resin_set, resin_set_text);
+    if (arguments.what.empty() && arguments.json)
+        print_out(fmt::format("{{\"printers\":{},\"resins\":{}}}\n", printers.json.text(), resins.json.text()));
+    else if (arguments.what.empty())
+        print_out("Printers (--printer):\n\n" + printers.text + "\nResin sets (--resins):\n\n" + resins.text);
+    else if (const Listed& list = arguments.what == "printers" ? printers : resins; arguments.json)
+        print_out(list.json.text() + "\n");
+    else
+        print_out(list.text);
 }
 
 }  // namespace
@@ -89,16 +107,12 @@ void print_list(const Entries& entries, bool json, AddTo add_to, AsText as_text)
 Command add_list_command(CLI::App& program) {
     auto arguments = std::make_shared<ListArguments>();
     CLI::App* command = program.add_subcommand("list", "List the printers or the resin sets that the program knows");
-    command->add_option("what", arguments->what, "printers or resins")
-        ->required()
+    command->add_option("what", arguments->what, "printers or resins; both where it is left out")
         ->check(CLI::IsMember({"printers", "resins"}));
-    command->add_flag("--json", arguments->json, "one JSON array instead of text");
+    command->add_flag("--json", arguments->json, "one JSON array instead of text; of both an object of two");
     add_example(*command, "printers");
     return [arguments] {
-        if (arguments->what == "printers")
-            print_list(slicer::list_printers(), arguments->json, add_printer, printer_text);
-        else
-            print_list(resin_sets(), arguments->json, add_resin_set, resin_set_text);
+        print_lists(*arguments);
         return 0;
     };
 }

@@ -3,14 +3,16 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
 #include <span>
+#include <system_error>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
 #include "base/error.h"
-#include "base/units.h"
+#include "cli/program/parser_message.h"
 #include "io/files/json_keys.h"
 
 namespace voxtone::cli {
@@ -32,8 +34,10 @@ std::vector<std::string> verb_names(const CLI::App& command) {
 
 std::vector<std::string> option_names(const CLI::App& command) {
     std::vector<std::string> names;
-    for (const CLI::Option* option : command.get_options())
+    for (const CLI::Option* option : command.get_options()) {
+        if (option->get_group().empty()) continue;  // an earlier spelling
         for (const std::string& name : option->get_lnames()) names.push_back(name);
+    }
     return names;
 }
 
@@ -86,7 +90,17 @@ const CLI::App& parsed_command(const CLI::App& program) {
     return *command;
 }
 
+/// A file whose name begins as options do.
+bool may_be_file(const std::string& word) {
+    std::error_code none;
+    return std::filesystem::exists(word, none) ||
+           (word.find('=') == std::string::npos && word.find_first_of("/.") != std::string::npos);
+}
+
 std::string unknown_option(const CLI::App& command, const std::string& word) {
+    if (may_be_file(word))
+        return fmt::format("{}: `{}` has no such option; if it is a file, write ./{}, or put it behind --", word,
+                           full_name(command), word);
     const std::size_t begin = std::min(word.find_first_not_of('-'), word.size());
     const std::string name = word.substr(begin, word.find('=') - begin);
     const std::vector<std::string> known = option_names(command);
@@ -102,26 +116,6 @@ std::string one_too_many(const CLI::App& command, const std::string& word) {
     return fmt::format(
         "'{}' is one word too many: `{}` takes {} besides its options; put a name with spaces into quotes", word,
         full_name(command), wanted.empty() ? "nothing" : wanted);
-}
-
-/// "what: foo not in {a,b}", as CLI11 writes it, in words.
-std::string choices_in_words(const std::string& message) {
-    const std::string between = " not in {";
-    const std::size_t colon = message.find(": "), open = message.find(between);
-    if (colon == std::string::npos || open == std::string::npos || open < colon || message.back() != '}')
-        return message;
-    std::string choices;
-    for (const char c : message.substr(open + between.size(), message.size() - open - between.size() - 1))
-        choices += c == ',' ? std::string(", ") : std::string(1, c);
-    return fmt::format("{}: '{}' is none of {}", message.substr(0, colon), message.substr(colon + 2, open - colon - 2),
-                       choices);
-}
-
-/// What is missing is told with its help.
-std::string missing_in_words(const CLI::App& command, const std::string& message) {
-    for (const CLI::Option* option : command.get_options())
-        if (message == option->get_name() + " is required") return message + ": " + option->get_description();
-    return message;
 }
 
 }  // namespace
@@ -163,11 +157,7 @@ std::string usage_message(const CLI::App& program, const CLI::ParseError& error)
     for (const std::string& word : extras)
         if (is_option_word(word) && word != "--") return unknown_option(command, word);
     if (dynamic_cast<const CLI::ExtrasError*>(&error) && !extras.empty()) return one_too_many(command, extras.front());
-    std::string message = missing_in_words(command, choices_in_words(error.what()));
-    if (const std::string point = with_decimal_point(message);
-        dynamic_cast<const CLI::ConversionError*>(&error) && !point.empty())
-        message += " (decimals stand behind a point: " + point.substr(point.rfind(' ') + 1) + ")";
-    return fmt::format("{}; `{} --help` tells more", message, full_name(command));
+    return fmt::format("{}; `{} --help` tells more", parser_message(command, error), full_name(command));
 }
 
 std::string full_name(const CLI::App& command) {

@@ -43,11 +43,103 @@ TEST_CASE("Unknown verbs, steps and options are answered with the nearest known 
     refused("stack search --materiels W,K", 2, "did you mean '--materials'?");
     refused("slice a.obj b.obj -o out", 2, "'b.obj' is one word too many");
     refused("verify", 2, "stack is required: output folder");
-    refused("list", 2, "what is required: printers or resins");
     refused("list cows", 2, "what: 'cows' is none of printers, resins; `voxtone list --help`");
     refused("slice model.obj", 2, "name the output folder");
     refused("stack", 2, "wants a verb: dataset");
     refused("", 2, "wants a verb: slice");
+}
+
+TEST_CASE("The parser's own sentences are told in ours, whatever kind of error it is") {
+    struct Case {
+        const char *arguments, *told;
+    };
+    const std::vector<Case> cases{
+        {"slice a.obj -o out --size 5mm --size 6mm", "--size is given 2 times (5mm, 6mm), and only one can count"},
+        {"slice a.obj -o out --read-size 1 --read-size 2", "--read-size is given 2 times (1, 2)"},
+        {"slice a.obj -o", "--out: its value is missing"},
+        {"slice a.obj -o out --size", "--size: its value is missing"},
+        {"slice a.obj -o out --report=maybe", "--report is on or off: it takes no value but"},
+        {"predict out -o x.png --threads two", "--threads: two is not 0 to 1024"},
+        {"predict out -o x.png --threads 9999", "--threads: 9999 is not 0 to 1024"},
+        {"predict out -o x.png --seed x", "--seed: 'x' is not a whole number"},
+        {"predict out -o x.png --spp 1 --error x", "--error: 'x' is not a number"},
+        {"slice a.obj -o out --json --progress openjd", "--json does not go with --progress: leave one of them out"},
+        {"calibrate photo a.tif --target t.json -o p.csv --corners 1,2,3", "--corners wants 8 values"},
+        {"calibrate edge fit p.csv --setup s.json -o r.json --chart-angle 3", "has no such option"},
+        {"calibrate edge fit p.csv --setup s.json -o r.json --base black", "only goes with --chart: give both"},
+        {"predict out", "--out is required: "},
+        {"list cows", "what: 'cows' is none of printers, resins"}};
+    for (const auto& [arguments, told] : cases) {
+        refused(arguments, 2, told);
+        const std::string err = run_program(arguments).err;
+        for (const char* own : {"At Most", "At Least", "At least", "required but", "Could not convert", "excludes",
+                                " requires ", "Value ", "not in {", "Expected", "disallowed", "allowed value"})
+            CHECK_THAT(err, !Contains(own));
+    }
+}
+
+TEST_CASE("A file whose name begins as an option does is pointed at its own spelling") {
+    for (const char* word : {"-dash/x.obj", "-x.obj", "--cow.glb"})
+        refused(fmt::format("slice {} -o out", word), 2,
+                fmt::format("if it is a file, write ./{}, or put it behind --", word));
+    refused("slice a.obj -o out --frob", 2, "has no such option");
+    CHECK_THAT(run_program("slice a.obj -o out --frob").err, !Contains("if it is a file"));
+}
+
+TEST_CASE("An earlier spelling is taken with a note and told of nowhere") {
+    const Folder folder("former");
+    folder.write("marker.obj", marker_obj());
+    const std::string slice =
+        "slice --quality draft --no-report " + (folder / "marker.obj") + " -o " + (folder / "out");
+    const Outcome former = run_program(slice + " --model colour");
+    CHECK(former.exit_code == 0);
+    CHECK_THAT(former.err, Contains("--model is called --show now"));
+    CHECK_THAT(run_program(slice + " --show colour --overwrite").err, !Contains("is called"));
+    CHECK_THAT(run_program("slice --help-all").out, !Contains("--model ") && Contains("--show"));
+    refused("slice --model cow.obj -o out", 2, "a file to slice stands alone");
+    // So it is in a job file and in a plan.
+    folder.write("job.json", R"({"format": "voxtone-job", "version": 1, "model": "marker.obj", "arrange": "colour",
+        "quality": "draft", "report": false})");
+    const Outcome job = run_program("slice --overwrite --job " + (folder / "job.json") + " -o " + (folder / "out"));
+    CHECK(job.exit_code == 0);
+    CHECK_THAT(job.err, Contains("line 1: key `arrange` is called `show` now"));
+    folder.write("plan.csv", "model,arrange,quality\nmarker.obj,colour,draft\n");
+    const Outcome batch = run_program("batch " + (folder / "plan.csv") + " -o " + (folder / "batch"));
+    CHECK(batch.exit_code == 0);
+    CHECK_THAT(batch.err, Contains("`arrange` is called `show` now"));
+}
+
+TEST_CASE("A quality stands for other options, and what is said beside it wins") {
+    const Folder folder("quality");
+    folder.write("marker.obj", marker_obj());
+    const auto dumped = [&](const std::string& options) {
+        return nlohmann::json::parse(run_program("slice a.obj -o out --dump-default " + options).out);
+    };
+    const nlohmann::json draft = dumped("--quality draft"), best = dumped("--quality best");
+    CHECK(draft["iterations"] == "0");
+    CHECK(draft["predict"] == "none");
+    CHECK(best["iterations"] == "auto");
+    CHECK(best["predict"] == "transport");
+    CHECK(dumped("--quality good") == dumped(""));
+    // In whatever order.
+    CHECK(dumped("--quality draft --iterations 3")["iterations"] == "3");
+    CHECK(dumped("--iterations 3 --quality draft")["iterations"] == "3");
+    CHECK(dumped("--iterations 3 --quality draft")["predict"] == "none");
+    refused("slice a.obj -o out --quality draft --intent contrast", 2, "--quality draft means too");
+    refused("slice a.obj -o out --quality superb", 2, "none of draft, good, best");
+    // The same job, whichever way it is said.
+    const std::string slice = "slice --no-report --layers 0-5 " + (folder / "marker.obj") + " -o " + (folder / "out");
+    CHECK(run_program(slice + " --iterations 0 --predict none").exit_code == 0);
+    CHECK_THAT(run_program(slice + " --quality draft").out, Contains("nothing was done"));
+}
+
+TEST_CASE("list alone lists both") {
+    const Outcome both = run_program("list");
+    CHECK(both.exit_code == 0);
+    CHECK_THAT(both.out, Contains("stratasys-j750-hm") && Contains("vero-opaque"));
+    const nlohmann::json json = nlohmann::json::parse(run_program("list --json").out);
+    CHECK(json["printers"] == nlohmann::json::parse(run_program("list printers --json").out));
+    CHECK(json["resins"] == nlohmann::json::parse(run_program("list resins --json").out));
 }
 
 TEST_CASE("help is a verb, -o= is -o, and an option is no value of another") {
@@ -107,11 +199,11 @@ TEST_CASE("An option that would be ignored is refused") {
     refused("slice model.unheard -o out --size 10mm", 3, "model.unheard has no name of a model (.obj, .ply");
     refused("slice photo.png -o out --unit cm", 2, "--unit cm would be ignored");
     refused(mesh + "--size 10mm --scale 2", 2, "--scale 2 would be ignored");
-    refused(mesh + "--stack-steps 64", 2, "only goes with --model layered-profile");
+    refused(mesh + "--stack-steps 64", 2, "only goes with --show layered-profile");
     refused(mesh + "--iterations 0 --intent relative", 2, "--intent relative would be ignored");
     refused(mesh + "--no-report --predict transport", 2, "--predict transport would be ignored");
     refused(mesh + "--iterations 0 --predict none --predict-cell 1mm", 2, "neither a loop nor a prediction");
-    refused(mesh + "--model layered-profile --profiles x.json --depth 1mm", 2, "only goes with --model colour");
+    refused(mesh + "--show layered-profile --profiles x.json --depth 1mm", 2, "only goes with --show colour");
     refused("predict out -o x.png --model monte-carlo --sweeps 3", 2, "only goes with --model transport");
     refused("predict out -o x.png --spp 64", 2, "only goes with --model monte-carlo");
     CHECK_FALSE(std::filesystem::exists(folder / "out"));
