@@ -335,7 +335,7 @@ private:
             used_ = true;
         else
             unknown_.insert(face.material);
-        for (const auto& triangle : polygon_triangles(outline)) {
+        for (const auto& triangle : polygon_triangles(outline, context_.name())) {
             const auto vertex = [&](std::size_t c) { return static_cast<std::uint32_t>(corners[triangle[c]].vertex); };
             const std::size_t t = parts_.add_triangle({vertex(0), vertex(1), vertex(2)}, m);
             if (!uv.empty()) parts_.set_uv(t, {uv[triangle[0]], uv[triangle[1]], uv[triangle[2]]});

@@ -297,7 +297,7 @@ private:
         const auto m = static_cast<std::uint32_t>(textured ? page : pages_);
         const bool picture = textured && coordinates && parts_.materials[m].image >= 0;
         const bool coloured = !picture && (by_face_ || !of_vertices_.empty());
-        for (const auto& triangle : polygon_triangles(outline)) {
+        for (const auto& triangle : polygon_triangles(outline, context_.name())) {
             const std::array<std::uint32_t, 3> corner{vertex[triangle[0]], vertex[triangle[1]], vertex[triangle[2]]};
             const std::size_t t = parts_.add_triangle(corner, m);
             if (coordinates) {

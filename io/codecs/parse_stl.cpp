@@ -48,10 +48,10 @@ void note_colours(std::span<const std::byte> bytes, std::uint32_t count, const s
             name, by_magics ? "Magics" : "VisCAM"));
 }
 
-void add_facet(const std::vector<Eigen::Vector3d>& corners, ModelParts& parts) {
+void add_facet(const std::vector<Eigen::Vector3d>& corners, const std::string& name, ModelParts& parts) {
     const auto first = static_cast<std::uint32_t>(parts.positions.size());
     parts.positions.insert(parts.positions.end(), corners.begin(), corners.end());
-    for (const auto& triangle : polygon_triangles(corners))
+    for (const auto& triangle : polygon_triangles(corners, name))
         parts.add_triangle({first + triangle[0], first + triangle[1], first + triangle[2]}, 0);
 }
 
@@ -63,7 +63,7 @@ void read_binary(std::span<const std::byte> bytes, std::uint32_t count, ModelPar
             std::memcpy(corner.data(), bytes.data() + stl_header_bytes + i * facet_bytes + 12 * (c + 1), 12);
             corners[c] = corner.cast<double>();
         }
-        add_facet(corners, parts);
+        add_facet(corners, {}, parts);
     }
 }
 
@@ -74,7 +74,7 @@ void read_text(std::string_view text, const std::string& name, ModelParts& parts
     std::size_t too_few = 0;
     const auto finish = [&] {
         if (corners.size() >= 3)
-            add_facet(corners, parts);
+            add_facet(corners, name, parts);
         else
             too_few += corners.empty() ? 0 : 1;
         corners.clear();

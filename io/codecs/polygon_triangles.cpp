@@ -8,9 +8,11 @@
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
+#include <fmt/core.h>
 #include <Eigen/Geometry>
 
 #include "base/contracts.h"
+#include "base/error.h"
 
 namespace voxtone::io {
 
@@ -25,7 +27,7 @@ using Triangulation =
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 using Outline = std::vector<Eigen::Vector2d>;
 
-constexpr std::size_t most_corners = 1'000'000;  // beyond it an outline is taken for convex
+constexpr std::size_t most_corners = 50'000;  // of one that is not convex
 
 /// Corners; beyond it the slivers at one of them cost all who search among them.
 constexpr std::size_t most_of_fan = 1'000;
@@ -154,13 +156,19 @@ std::optional<Triangles> constrained(const Outline& outline) {
 
 }  // namespace
 
-std::vector<std::array<std::uint32_t, 3>> polygon_triangles(std::span<const Eigen::Vector3d> corners) {
+std::vector<std::array<std::uint32_t, 3>> polygon_triangles(std::span<const Eigen::Vector3d> corners,
+                                                            std::string_view file) {
     VOXTONE_EXPECT(corners.size() >= 3);
     if (corners.size() == 3) return {{0, 1, 2}};
     const bool finite = std::ranges::all_of(corners, [](const Eigen::Vector3d& c) { return c.allFinite(); });
-    if (!finite || corners.size() > most_corners) return without_inside(corners.size());
+    if (!finite) return without_inside(corners.size());
     const Outline outline = flattened(corners);
     if (is_convex(outline)) return without_inside(corners.size());
+    if (corners.size() > most_corners)
+        throw InputError(
+            fmt::format("{}: a face has {} corners and is not convex, and such faces are cut into triangles up to {} "
+                        "corners; export the model with triangles",
+                        file, corners.size(), most_corners));
     std::optional<Triangles> triangles = constrained(outline);
     return triangles && !triangles->empty() ? std::move(*triangles) : without_inside(corners.size());
 }

@@ -11,6 +11,7 @@
 #include "io/files/read_options.h"
 #include "slicer/options/command_words.h"
 #include "slicer/options/model_choice.h"
+#include "slicer/options/resolve_job.h"
 #include "slicer/plan/phase_estimates.h"
 #include "slicer/prepare/opened_job.h"
 

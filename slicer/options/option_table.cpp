@@ -3,15 +3,10 @@
 
 #include <algorithm>
 #include <iterator>
-#include <set>
 
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 
 #include "base/contracts.h"
-#include "base/error.h"
-#include "base/units.h"
-#include "slicer/options/option_values.h"
 #include "slicer/options/table_of_body.h"
 #include "slicer/options/table_of_colour.h"
 #include "slicer/options/table_of_layers.h"
@@ -21,80 +16,16 @@ namespace voxtone::slicer {
 
 namespace {
 
-using Kind = OptionSpec::Kind;
-
-void expect_choice(const OptionSpec& spec, const std::string& value) {
-    if (!spec.choices.empty() && std::ranges::find(spec.choices, value) == spec.choices.end())
-        refuse_choice(spec.option, value, spec.choices);
+std::string preset_of(const OptionSpec& spec, const SliceOptions& options) {
+    const auto agrees = [&](const auto& entry) { return find_option(entry.first)->get(options) == entry.second; };
+    for (const OptionSpec::Preset& preset : spec.presets)
+        if (std::ranges::all_of(preset.values, agrees)) return preset.name;
+    return {};
 }
 
-/// The kind, the text and the value of each type of member.
-struct MemberKind {
-    Kind operator()(std::monostate) const { return Kind::text; }
-    Kind operator()(std::string SliceOptions::*) const { return Kind::text; }
-    Kind operator()(std::vector<std::string> SliceOptions::*) const { return Kind::list; }
-    Kind operator()(bool SliceOptions::*) const { return Kind::flag; }
-    Kind operator()(OptionSpec::Length) const { return Kind::length; }
-    template <class Number>
-    Kind operator()(Number SliceOptions::*) const {
-        return Kind::number;
-    }
-};
-
-struct MemberText {
-    const OptionSpec& spec;
-    const SliceOptions& options;
-
-    std::string operator()(std::monostate) const {
-        for (const OptionSpec::Preset& preset : spec.presets)
-            if (std::ranges::all_of(preset.values,
-                                    [&](const auto& at) { return find_option(at.first)->get(options) == at.second; }))
-                return preset.name;
-        return {};
-    }
-    std::string operator()(std::string SliceOptions::*text) const { return options.*text; }
-    std::string operator()(std::vector<std::string> SliceOptions::*list) const {
-        return fmt::format("{}", fmt::join(options.*list, ","));
-    }
-    std::string operator()(bool SliceOptions::*flag) const { return options.*flag ? "true" : "false"; }
-    std::string operator()(OptionSpec::Length length) const { return fmt::format("{}mm", options.*length.mm); }
-    template <class Number>
-    std::string operator()(Number SliceOptions::*number) const {
-        return fmt::format("{}", options.*number);
-    }
-};
-
-struct MemberSetter {
-    const OptionSpec& spec;
-    SliceOptions& options;
-    const std::string& value;
-
-    void operator()(std::monostate) const {
-        expect_choice(spec, value);
-        for (const OptionSpec::Preset& preset : spec.presets)
-            if (preset.name == value)
-                for (const auto& [key, set] : preset.values) find_option(key)->set(options, set);
-    }
-    void operator()(std::string SliceOptions::*text) const {
-        expect_choice(spec, value);
-        options.*text = value;
-    }
-    void operator()(std::vector<std::string> SliceOptions::*list) const {
-        const std::vector<std::string> parts = parse_list(value);
-        for (const std::string& part : parts) expect_choice(spec, part);
-        if (std::set<std::string>(parts.begin(), parts.end()).size() != parts.size())
-            throw UsageError(fmt::format("--{}: '{}' names something twice", spec.option, value));
-        options.*list = parts;
-    }
-    void operator()(bool SliceOptions::*flag) const { options.*flag = parse_flag(spec.option, value); }
-    void operator()(OptionSpec::Length length) const {
-        options.*length.mm = parse_length_mm(value, "--" + spec.option);
-    }
-    template <class Number>
-    void operator()(Number SliceOptions::*number) const {
-        options.*number = parse_number<Number>(spec.option, value);
-    }
-};
+void apply(const OptionSpec::Preset& preset, SliceOptions& options) {
+    for (const auto& [key, value] : preset.values) find_option(key)->set(options, value);
+}
 
 std::vector<OptionSpec> whole_table() {
     std::vector<OptionSpec> table;
@@ -102,22 +33,16 @@ std::vector<OptionSpec> whole_table() {
         table.insert(table.end(), std::make_move_iterator(part.begin()), std::make_move_iterator(part.end()));
     for (OptionSpec& spec : table) {
         if (spec.option.empty()) spec.option = spec.key;
+        if (spec.is_preset()) {
+            spec.get_preset = [key = spec.key](const SliceOptions& o) { return preset_of(*find_option(key), o); };
+            spec.set_preset = [](SliceOptions& o, const OptionSpec::Preset& preset) { apply(preset, o); };
+        }
         VOXTONE_EXPECT(spec.is_preset() == std::holds_alternative<std::monostate>(spec.member));
     }
     return table;
 }
 
 }  // namespace
-
-Kind OptionSpec::kind() const { return std::visit(MemberKind{}, member); }
-
-std::string OptionSpec::get(const SliceOptions& options) const {
-    return std::visit(MemberText{*this, options}, member);
-}
-
-void OptionSpec::set(SliceOptions& options, const std::string& value) const {
-    std::visit(MemberSetter{*this, options, value}, member);
-}
 
 std::span<const OptionSpec> slice_option_table() {
     static const std::vector<OptionSpec> table = whole_table();
@@ -155,12 +80,6 @@ std::string deciding_lines(const SliceOptions& options, Decides least, std::span
         if (value != spec.get(defaults)) lines += fmt::format("{}={}\n", spec.key, value);
     }
     return lines;
-}
-
-std::vector<std::string> predict_choices() {
-    std::vector<std::string> choices{std::string(predict_auto), std::string(predict_none)};
-    for (const std::string& model : names_of<PredictionModel>()) choices.push_back(model);
-    return choices;
 }
 
 }  // namespace voxtone::slicer

@@ -119,8 +119,4 @@ struct ResolvedJob {
     int threads = 0;  ///< 0: one per core
 };
 
-/// Throws UsageError that names the key, the value and the rule: for a text that is no value of its option, and for
-/// values that do not go together.
-[[nodiscard]] ResolvedJob resolve(const SliceOptions& options);
-
 }  // namespace voxtone::slicer

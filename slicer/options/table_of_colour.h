@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "slicer/options/option_table.h"
+#include "slicer/options/option_spec.h"
 
 namespace voxtone::slicer {
 

@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "slicer/options/option_table.h"
+#include "slicer/options/option_spec.h"
 #include "slicer/options/option_values.h"
 #include "slicer/options/resolved_job.h"
 

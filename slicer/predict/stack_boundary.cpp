@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "io/files/file_digest.h"
 #include "slicer/options/job_file.h"
-#include "slicer/options/resolved_job.h"
+#include "slicer/options/resolve_job.h"
 #include "slicer/prepare/job_body.h"
 #include "slicer/printer/printer.h"
 

@@ -2,6 +2,7 @@
 #include "slicer/prepare/opened_job.h"
 
 #include "io/profiles/resin_file.h"
+#include "slicer/options/resolve_job.h"
 #include "slicer/prepare/layers_check.h"
 
 namespace voxtone::slicer {

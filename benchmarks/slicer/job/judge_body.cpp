@@ -15,6 +15,7 @@
 #include "optics/colour/observed_colour.h"
 #include "optics/scene/surface_smoothing.h"
 #include "slicer/mesh/mesh_boundary.h"
+#include "slicer/options/resolve_job.h"
 #include "slicer/predict/stack_volume.h"
 #include "slicer/prepare/job_body.h"
 #include "slicer/surface/target_cells.h"

@@ -10,6 +10,7 @@
 #include "base/progress.h"
 #include "flat_white.h"
 #include "optics/colour/observed_colour.h"
+#include "slicer/options/resolve_job.h"
 #include "slicer/predict/stack_volume.h"
 #include "slicer/prepare/job_body.h"
 #include "slicer/prepare/job_colour.h"

@@ -8,6 +8,8 @@
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+
 using namespace voxtone::io;
 
 namespace {
@@ -75,4 +77,10 @@ TEST_CASE("A face of twenty thousand corners that is not convex keeps to its out
     const Cut cut(comb);
     CHECK(cut.triangles == comb.size() - 2);
     CHECK(cut.area == Approx(area_of(comb)));
+}
+
+TEST_CASE("A face that is not convex and has more corners than are cut in seconds is refused") {
+    CHECK_THROWS_AS(polygon_triangles(star(60000, 0.5), "a.obj"), voxtone::InputError);
+    CHECK_THROWS_WITH(polygon_triangles(star(60000, 0.5), "a.obj"),
+                      Catch::Contains("a.obj: a face has 60000 corners") && Catch::Contains("export the model"));
 }

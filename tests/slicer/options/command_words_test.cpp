@@ -6,7 +6,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "slicer/options/resolved_job.h"
+#include "slicer/options/resolve_job.h"
 
 using namespace voxtone::slicer;
 using Words = std::vector<std::string>;

@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "slicer/options/job_file.h"
 #include "slicer/options/option_scope.h"
-#include "slicer/options/resolved_job.h"
+#include "slicer/options/resolve_job.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;

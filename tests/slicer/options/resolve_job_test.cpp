@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "slicer/options/resolved_job.h"
+#include "slicer/options/resolve_job.h"
 
 #include <functional>
 #include <string>

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/options/option_spec.h"
+
+#include <algorithm>
+#include <set>
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include "base/error.h"
+#include "base/units.h"
+#include "slicer/options/option_values.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+using Kind = OptionSpec::Kind;
+
+void expect_choice(const OptionSpec& spec, const std::string& value) {
+    if (!spec.choices.empty() && std::ranges::find(spec.choices, value) == spec.choices.end())
+        refuse_choice(spec.option, value, spec.choices);
+}
+
+/// The kind, the text and the value of each type of member.
+struct MemberKind {
+    Kind operator()(std::monostate) const { return Kind::text; }
+    Kind operator()(std::string SliceOptions::*) const { return Kind::text; }
+    Kind operator()(std::vector<std::string> SliceOptions::*) const { return Kind::list; }
+    Kind operator()(bool SliceOptions::*) const { return Kind::flag; }
+    Kind operator()(OptionSpec::Length) const { return Kind::length; }
+    template <class Number>
+    Kind operator()(Number SliceOptions::*) const {
+        return Kind::number;
+    }
+};
+
+struct MemberText {
+    const OptionSpec& spec;
+    const SliceOptions& options;
+
+    std::string operator()(std::monostate) const { return spec.get_preset ? spec.get_preset(options) : std::string(); }
+    std::string operator()(std::string SliceOptions::*text) const { return options.*text; }
+    std::string operator()(std::vector<std::string> SliceOptions::*list) const {
+        return fmt::format("{}", fmt::join(options.*list, ","));
+    }
+    std::string operator()(bool SliceOptions::*flag) const { return options.*flag ? "true" : "false"; }
+    std::string operator()(OptionSpec::Length length) const { return fmt::format("{}mm", options.*length.mm); }
+    template <class Number>
+    std::string operator()(Number SliceOptions::*number) const {
+        return fmt::format("{}", options.*number);
+    }
+};
+
+struct MemberSetter {
+    const OptionSpec& spec;
+    SliceOptions& options;
+    const std::string& value;
+
+    void operator()(std::monostate) const {
+        expect_choice(spec, value);
+        for (const OptionSpec::Preset& preset : spec.presets)
+            if (preset.name == value && spec.set_preset) spec.set_preset(options, preset);
+    }
+    void operator()(std::string SliceOptions::*text) const {
+        expect_choice(spec, value);
+        options.*text = value;
+    }
+    void operator()(std::vector<std::string> SliceOptions::*list) const {
+        const std::vector<std::string> parts = parse_list(value);
+        for (const std::string& part : parts) expect_choice(spec, part);
+        if (std::set<std::string>(parts.begin(), parts.end()).size() != parts.size())
+            throw UsageError(fmt::format("--{}: '{}' names something twice", spec.option, value));
+        options.*list = parts;
+    }
+    void operator()(bool SliceOptions::*flag) const { options.*flag = parse_flag(spec.option, value); }
+    void operator()(OptionSpec::Length length) const {
+        options.*length.mm = parse_length_mm(value, "--" + spec.option);
+    }
+    template <class Number>
+    void operator()(Number SliceOptions::*number) const {
+        options.*number = parse_number<Number>(spec.option, value);
+    }
+};
+
+}  // namespace
+
+Kind OptionSpec::kind() const { return std::visit(MemberKind{}, member); }
+
+std::string OptionSpec::get(const SliceOptions& options) const {
+    return std::visit(MemberText{*this, options}, member);
+}
+
+void OptionSpec::set(SliceOptions& options, const std::string& value) const {
+    std::visit(MemberSetter{*this, options, value}, member);
+}
+
+std::vector<std::string> predict_choices() {
+    std::vector<std::string> choices{std::string(predict_auto), std::string(predict_none)};
+    for (const std::string& model : names_of<PredictionModel>()) choices.push_back(model);
+    return choices;
+}
+
+}  // namespace voxtone::slicer
