@@ -14,10 +14,11 @@
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <span>
 
 #include "optics/media/effective_medium.h"
-#include "optics/transport/viewing_grid.h"
+#include "optics/transport/viewing_transport.h"
 
 namespace voxtone::optics {
 
@@ -37,5 +38,13 @@ private:
     /// Weight of layer l is exp(-fall * l).
     [[nodiscard]] double fall(const Medium& mean, std::size_t axis) const;
 };
+
+/// The media of a grid that was filled (viewing_palette.h): seen media of its cells and parts, with the albedo that
+/// makes half-spaces exact (transport_medium.h), and what its core is to diffusion.
+[[nodiscard]] ViewingTransport::Media media_of_grid(const ViewingGrid& grid, const EffectiveMedium& halftone,
+                                                    const ResinSet& resins, std::size_t channel);
+
+/// Of its cells, as media_of_grid has them.
+[[nodiscard]] std::shared_ptr<const TransportMedia> media_of_cells(const ViewingGrid& grid);
 
 }  // namespace voxtone::optics

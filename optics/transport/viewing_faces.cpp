@@ -11,6 +11,9 @@
 namespace voxtone::optics {
 namespace {
 
+// About half a cell. The textured sphere of the suite is 1.80, 1.83 and 2.24 off with 0.025, 0.05 and 0.1 mm
+// refined, 2.01, 1.98 and 2.31 on whole cells (`predictor_accuracy compare --only sphere`); no other case of it is
+// curved.
 constexpr double blur_mm = 0.05;
 constexpr double least_share = 0.01;  // of a cell's faces of one facing: fainter ones are left out
 constexpr int cells_around = 2;       // cells around that are looked at

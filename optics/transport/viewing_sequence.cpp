@@ -11,7 +11,6 @@
 #include "optics/transport/refinement.h"
 #include "optics/transport/seen_medium.h"
 #include "optics/transport/viewing_gradient.h"
-#include "optics/transport/viewing_media.h"
 
 namespace voxtone::optics {
 namespace {
