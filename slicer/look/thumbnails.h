@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Small pictures of some layers for the report, evenly spaced from the first to the last, made while layers are. They are
-// for browsers that cannot show the report's voxels (voxel_sample.h), and few, to leave room for these.
+// Small pictures of some layers for the report, evenly spaced from the first to the last, made while layers are. They
+// are for browsers that cannot show the report's voxels (voxel_sample.h), and few, to leave room for these.
 #pragma once
 
 #include <map>

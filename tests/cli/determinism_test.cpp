@@ -20,8 +20,8 @@ TEST_CASE("The same bits for any number of threads, for ranges run apart, and fo
     const Folder folder("same");
     for (const char* screen : {"blue-noise", "error-diffusion"}) {
         INFO(screen);
-        const std::string slice = fmt::format(
-            "slice --quiet --no-report --iterations 0 --overwrite --screen {} --size 9mm {}", screen, spot);
+        const std::string slice =
+            fmt::format("slice --quiet --no-report --iterations 0 --overwrite --screen {} --size 9mm {}", screen, spot);
         REQUIRE(run_program(fmt::format("{} --threads 1 -o {}", slice, folder / "one")).exit_code == 0);
         REQUIRE(run_program(fmt::format("{} --threads 5 -o {}", slice, folder / "five")).exit_code == 0);
         const auto whole = layers_of(folder, "one");
