@@ -105,7 +105,7 @@ TEST_CASE("Layers take what there are of them, and something besides") {
     const auto none = [&](const Vector3d& size_mm) {
         const JobBody other = boxes(job, size_mm);
         const auto of = [&](int layers) {
-            return phase_of(phase_estimates(job, other, {0, layers - 1}, 1, resident), "layers").cpu_s;
+            return phase_of(estimates(job, other, {0, layers - 1}, 1, resident), Phase::layers).cpu_s;
         };
         return 2 * of(100) - of(200);
     };
