@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "optics/profiles/resin_stack.h"
+
 namespace voxtone::slicer {
 
 SpreadFigures spread_figures(const optics::HankelGrid& grid, const std::vector<double>& coefficients) {
