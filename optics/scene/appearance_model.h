@@ -73,8 +73,8 @@ public:
     /// Takes the derivatives of the voxels in a box; they are good during the call.
     using GradientVisitor = std::function<void(const ResinGradient&, const VoxelBox&)>;
     /// At the last prediction, of a function F with these d F / d value (as Appearance::value): handed over box by box,
-    /// which together hold every voxel once. False, and nothing visited, where the model has none or not the memory for
-    /// it.
+    /// which together hold every voxel once. False, and nothing visited, where the model has none. Throws
+    /// ResourceError.
     [[nodiscard]] virtual bool gradient(std::span<const float> adjoint_seed, const GradientVisitor& visit,
                                         const Progress* progress = nullptr);
 };

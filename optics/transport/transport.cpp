@@ -24,13 +24,10 @@ Appearance TransportPredictor::predict(const Scene& scene, const Surface& surfac
 Appearance TransportPredictor::predict(const Scene& scene, const Surface& surface, TransportSummary& summary,
                                        const Progress* progress) const {
     VOXTONE_EXPECT(scene.volume && scene.resins);
-    constexpr std::size_t least_cells = 500;
-    return in_smaller_tiles(surface.cells.size(), least_cells, options_, [&](const TransportOptions& options) {
-        ViewingSequence sequence(scene, surface, options, progress);
-        Appearance seen = sequence.only(*scene.volume, progress);
-        summary = sequence.summary();
-        return seen;
-    });
+    ViewingSequence sequence(scene, surface, options_, progress);
+    Appearance seen = sequence.only(*scene.volume, progress);
+    summary = sequence.summary();
+    return seen;
 }
 
 std::size_t TransportPredictor::least_bytes(double solid_mm3, const std::array<double, 3>& pitch_mm) const {
@@ -44,8 +41,7 @@ std::size_t TransportPredictor::least_bytes(double solid_mm3, const std::array<d
 
 std::unique_ptr<AppearanceSequence> TransportPredictor::sequence(const Scene& scene, const Surface& surface,
                                                                  const Progress* progress) const {
-    if (auto sequence = ViewingSequence::within_memory(scene, surface, options_, progress)) return sequence;
-    return AppearanceModel::sequence(scene, surface, progress);
+    return ViewingSequence::within_memory(scene, surface, options_, progress);
 }
 
 }  // namespace voxtone::optics

@@ -20,10 +20,6 @@ std::vector<std::string> remarks_of(const TransportSummary& s) {
                 " of its light clipped to what 16 bits hold (from 0 to 2 times the light around the body): "
                 "dark or very bright places may be wrong there; compare with --model monte-carlo");
     }
-    if (s.cut_for_memory)
-        remarks.push_back("the prediction was cut into " + std::to_string(s.pieces) +
-                          " pieces to fit into the memory allowed (--memory): with more of it it is faster, and its "
-                          "first looks at a print are more exact");
     if (s.open_solves > 0)
         remarks.push_back(std::to_string(s.open_solves) +
                           " diffusion solves of the prediction ended before they reached their tolerance: light may "

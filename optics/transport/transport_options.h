@@ -49,7 +49,6 @@ struct TransportSummary {
     std::size_t cells = 0;  ///< viewing cells of transport, whole ones
     std::size_t nodes = 0, memory_bytes = 0;
     std::size_t pieces = 0;
-    bool cut_for_memory = false;  ///< into more of them than would be best
     double grid_s = 0, diffusion_s = 0, sweep_s = 0, total_s = 0;
     int diffusion_steps = 0;  ///< of all channels
     /// Per channel: largest change of a face's appearance by the last sweep's correction.

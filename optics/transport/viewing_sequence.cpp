@@ -34,25 +34,18 @@ ViewingSequence::ViewingSequence(const Scene& scene, const Surface& surface, con
 std::unique_ptr<ViewingSequence> ViewingSequence::within_memory(const Scene& scene, const Surface& surface,
                                                                 const TransportOptions& options,
                                                                 const Progress* progress) {
-    constexpr std::size_t least_cells = 4000;  // smaller ones are all halo
-    constexpr double slack = 1.3;              // tiles are not alike, and colour gets deeper
+    constexpr double slack = 1.3;  // tiles are not alike, and colour gets deeper
     TransportOptions whole_cells = options;
     whole_cells.refinement = Refinement::none;
-    const auto fitting = [&](const TransportOptions& cut) -> std::unique_ptr<ViewingSequence> {
-        auto sequence = std::make_unique<ViewingSequence>(scene, surface, cut, progress);
-        const auto allowed = static_cast<double>(options.memory_bytes);
-        const double light = slack * sequence->grids_.expected_light(),
-                     tile = slack * static_cast<double>(sequence->live().bytes);
-        if (allowed > 0 && light > allowed) return nullptr;  // so it would in smaller tiles
-        if (allowed > 0 && light + tile > allowed) throw ResourceError("light and one tile take more than is allowed");
-        sequence->summary_.cut_for_memory = cut.tile_cells < std::min(options.tile_cells, surface.cells.size());
-        return sequence;
-    };
-    try {
-        return in_smaller_tiles(surface.cells.size(), least_cells, whole_cells, fitting);
-    } catch (const ResourceError&) {
-        return nullptr;
-    }
+    auto sequence = std::make_unique<ViewingSequence>(scene, surface, whole_cells, progress);
+    const double needed = slack * (sequence->grids_.expected_light() + static_cast<double>(sequence->live().bytes));
+    if (options.memory_bytes > 0 && needed > static_cast<double>(options.memory_bytes))
+        throw ResourceError("predictions of " + std::to_string(surface.cells.size()) +
+                            " surface cells, one after the other, need " +
+                            std::to_string((std::size_t(needed) >> 20) + 1) + " MiB of memory and " +
+                            std::to_string(options.memory_bytes >> 20) +
+                            " are allowed: allow more, expect colour less deep, or take larger cells");
+    return sequence;
 }
 
 void ViewingSequence::make_live(std::size_t index, const Progress* progress) {
@@ -254,7 +247,10 @@ bool ViewingSequence::gradient(std::span<const float> adjoint_seed, const Gradie
     VOXTONE_EXPECT(adjoint_seed.size() == surface_.cells.size() * channels());
     VOXTONE_EXPECT(volume_ != nullptr && keeps_light_);
     const std::size_t needed = gradient_bytes();
-    if (options_.memory_bytes > 0 && needed > options_.memory_bytes) return false;
+    if (options_.memory_bytes > 0 && needed > options_.memory_bytes)
+        throw ResourceError("the gradient of a print needs " + std::to_string((needed >> 20) + 1) +
+                            " MiB of memory and " + std::to_string(options_.memory_bytes >> 20) +
+                            " are allowed: allow more, or take larger cells");
     const bool first = adjoint_.ghosts.empty();
     if (first) begin(adjoint_, adjoint_seed, first_rounds, progress);
     // An adjoint is wanted less exactly than what is seen.

@@ -45,9 +45,9 @@ public:
                     const Progress* progress = nullptr);
     ViewingSequence(const ViewingSequence&) = delete;
     ViewingSequence& operator=(const ViewingSequence&) = delete;
-    /// With tiles as large as `options` have them, or so much smaller that all of it fits into the memory they allow;
-    /// none where it would not with small ones either. Smaller tiles take longer and, as long as light has not come
-    /// around, say a little else.
+    /// The same, and throws where light and the equations of a tile would not fit before the first prediction is made.
+    /// Tiles are as `options` have them, whatever memory there is: smaller ones say a little else as long as light has
+    /// not come around, and a print must not depend on the machine.
     [[nodiscard]] static std::unique_ptr<ViewingSequence> within_memory(const Scene& scene, const Surface& surface,
                                                                         const TransportOptions& options,
                                                                         const Progress* progress = nullptr);

@@ -11,9 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/error.h"
 #include "optics/scene/appearance_model.h"
-#include "optics/transport/transport_options.h"
 #include "optics/transport/viewing_grid.h"
 
 namespace voxtone::optics {
@@ -31,16 +29,5 @@ struct ViewingTile {
                                                      const std::array<double, 3>& pitch_mm,
                                                      const std::array<int, 3>& view_voxels, std::size_t most_cells,
                                                      int halo);
-
-/// body(options), with tiles of half as many cells as often as it throws ResourceError and they keep `least_cells`.
-template <class Body>
-auto in_smaller_tiles(std::size_t surface_cells, std::size_t least_cells, TransportOptions options, Body&& body) {
-    options.tile_cells = std::min(options.tile_cells, std::max(surface_cells, least_cells));
-    for (;; options.tile_cells /= 2) try {
-            return body(options);
-        } catch (const ResourceError&) {
-            if (options.tile_cells / 2 < least_cells) throw;
-        }
-}
 
 }  // namespace voxtone::optics

@@ -68,7 +68,7 @@ LoopCost expected_cost(const LoopPlan& plan, double area_mm2, double cell_mm, st
     // Of `slice` with bodies of 15 to 60 mm and a photograph 20 mm wide (docs/benchmarks.md, "What a job with a loop").
     constexpr double first_s = 1e-4, feedback_s = 2.3e-5, descent_s = 8.5e-5;  // a surface cell
     constexpr double feedback_bytes = 2900, descent_bytes = 4500;              // a surface cell, where not limited
-    constexpr double when_short = 2.5;                                         // 1.4 in pieces, 3 without what is kept
+    constexpr double when_short = 1.4;                                         // grids of pieces are made again
     constexpr int usual_by_feedback = 4, usual_by_descent = halftone::most_iterations;
     const double cells = area_mm2 / (cell_mm * cell_mm);
     LoopCost cost;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
 #include "base/parallel.h"
 #include "base/random.h"
 #include "optics/transport/viewing_sequence.h"
@@ -174,29 +175,20 @@ TEST_CASE("Grids of tiles that are kept change no bit, and memory decides how ma
     CHECK(some.memory_bytes < all.memory_bytes);
 }
 
-TEST_CASE("Where memory is short a sequence has smaller tiles, and none where it is too short for these") {
+TEST_CASE("What is predicted does not depend on the memory that there is: it fits, or it is refused") {
     const Ball ball;
     const auto sequence_in = [&](std::size_t memory_bytes) {
-        TransportOptions options = Ball::options(ball.surface.cells.size());
+        TransportOptions options = Ball::options(ball.surface.cells.size() / 3);
         options.memory_bytes = memory_bytes;
         options.tile_halo = 1;
         return ViewingSequence::within_memory(ball.scene, ball.surface, options);
     };
-    const auto whole = sequence_in(0);
-    REQUIRE(whole);
-    const Appearance seen = whole->next(ball.volume);
-    CHECK(whole->summary().pieces == 1);
-    CHECK_FALSE(whole->summary().cut_for_memory);
-    const std::size_t allowed = whole->summary().memory_bytes * 9 / 10;
-    const auto in_tiles = sequence_in(allowed);
-    REQUIRE(in_tiles);
-    const Appearance tiled = in_tiles->next(ball.volume);
-    CHECK(in_tiles->summary().pieces > 1);
-    CHECK(in_tiles->summary().memory_bytes <= allowed);
-    REQUIRE(tiled.remarks.size() == 1);
-    CHECK(tiled.remarks[0].find("--memory") != std::string::npos);
-    const Difference differ = between(seen, tiled);
-    CAPTURE(differ.mean, differ.most);
-    CHECK(differ.mean < 0.005);
-    CHECK(sequence_in(allowed / 20) == nullptr);
+    const auto free = sequence_in(0);
+    const Appearance seen = free->next(ball.volume);
+    CHECK(free->summary().pieces > 1);
+    const std::size_t taken = free->summary().memory_bytes;
+    const auto tight = sequence_in(taken * 2);
+    CHECK(tight->next(ball.volume).value == seen.value);
+    CHECK(tight->summary().pieces == free->summary().pieces);
+    CHECK_THROWS_AS(sequence_in(taken / 4), voxtone::ResourceError);
 }
