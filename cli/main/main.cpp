@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
     const Words words = command_words(argc, argv);
     const auto add_calibrate = [&](CLI::App& app) { return add_calibrate_elsewhere(app, argv[0], words); };
     return run_program(words, {{"slice", add_slice_command},
+                               {"tray", add_tray_command},
                                {"estimate", add_estimate_command},
                                {"merge", add_merge_command},
                                {"predict", add_predict_command},

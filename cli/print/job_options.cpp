@@ -62,7 +62,8 @@ std::optional<std::string> said(const JobArguments& arguments, const OptionSpec&
                                             spec.former_option, spec.option));
         return value;
     }
-    if (arguments.options.at(spec.key)->count() == 0) return std::nullopt;
+    const auto option = arguments.options.find(spec.key);
+    if (option == arguments.options.end() || option->second->count() == 0) return std::nullopt;
     if (spec.kind() == OptionSpec::Kind::flag) return arguments.flags.at(spec.key) ? "true" : "false";
     const std::string& value = arguments.values.at(spec.key);
     return value.empty() && !spec.bare.empty() ? spec.bare : value;
@@ -70,9 +71,10 @@ std::optional<std::string> said(const JobArguments& arguments, const OptionSpec&
 
 }  // namespace
 
-void add_job_options(CLI::App& command, JobArguments& arguments) {
+void add_job_options(CLI::App& command, JobArguments& arguments, const std::vector<std::string>& without) {
     const slicer::SliceOptions defaults;
     for (const OptionSpec& spec : slicer::slice_option_table()) {
+        if (std::ranges::find(without, spec.key) != without.end()) continue;
         const std::string usual = spec.get(defaults);
         CLI::Option* const option = spec.kind() == OptionSpec::Kind::flag
                                         ? add_flag(command, spec, usual == "true", arguments.flags[spec.key])

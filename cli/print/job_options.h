@@ -5,6 +5,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "base/progress.h"
 #include "slicer/options/slice_options.h"
@@ -30,8 +31,8 @@ struct JobArguments {
     std::string job;  ///< file
 };
 
-/// All of the table, and --job.
-void add_job_options(CLI::App& command, JobArguments& arguments);
+/// All of the table, and --job. `without`: keys of options that this verb does not take.
+void add_job_options(CLI::App& command, JobArguments& arguments, const std::vector<std::string>& without = {});
 
 /// Those of the job file, if one was named, with the command line's on top. Throws what reading the file throws, and
 /// UsageError.

@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 constexpr std::array stack_names{manifest_name, layers_name,     resin_folder_name, gcvf_name,
                                  vdb_name,      sheet_text_name, sheet_page_name};
 /// Of jobs, in OUT.
-constexpr std::array job_names{unfinished_name, new_name, old_name, lock_name, shards_name};
+constexpr std::array job_names{unfinished_name, new_name, old_name, lock_name, shards_name, parts_name};
 /// In the new stack's folder until it is in place: where its layers come from.
 constexpr std::string_view adopted_name = "adopted-from";
 
@@ -197,7 +197,7 @@ void expect_free_for_stack(const fs::path& out) {
             "{}: holds {} already, which would be replaced: name another folder, or allow it with --overwrite",
             out.string(), stack_in_words(out)));
     if (!is_there(out)) return;
-    constexpr std::array kept{lock_name, checkpoint_name, skin_name, shards_name};
+    constexpr std::array kept{lock_name, checkpoint_name, skin_name, shards_name, parts_name};
     for (const fs::directory_entry& entry : fs::directory_iterator(out)) {
         const std::string name = entry.path().filename().string();
         // Half-written ones are of another host, or of a living job.

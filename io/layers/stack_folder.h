@@ -38,6 +38,8 @@ inline constexpr std::string_view aside_name = "set-aside";
 inline constexpr std::string_view checkpoint_name = "loop.checkpoint";
 /// What the appearance loop came to, and what shards made: no stack either.
 inline constexpr std::string_view skin_name = "skin.mixtures", shards_name = "shards";
+/// What a tray keeps of its parts, a folder for each.
+inline constexpr std::string_view parts_name = "parts";
 
 /// Throws InputError where `out` holds a stack, or something else than what a job without end left and what shards and
 /// the appearance loop keep there. Nothing there is free.

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Several parts in one print, voxel by voxel: each lies a whole number of voxels from the print's corner. Where two
+// fill a voxel, it is the one of higher priority that has it, and of equal ones the later in the list. A part that cuts
+// leaves air where it would have filled.
+//
+// A part that stands at several places is made once for each slab of the print, and laid down as often.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "slicer/layers/layer_source.h"
+
+namespace voxtone::slicer {
+
+struct PlacedPart {
+    std::shared_ptr<const LayerSource> layers;  ///< of the print's pitch; may stand elsewhere too
+    std::array<int, 3> at{};                    ///< voxels from the corner of the print, each >= 0
+    int priority = 0;
+    bool cuts = false;  ///< leaves air
+};
+
+class ComposedLayers final : public LayerSource {
+public:
+    /// Contract: there is a part, and all lie within the grid.
+    ComposedLayers(const VoxelGrid& grid, std::vector<PlacedPart> parts);
+
+    [[nodiscard]] const VoxelGrid& grid() const override { return grid_; }
+    [[nodiscard]] int slab_layers() const override { return slab_layers_; }
+    LayerCounts make(int slab, int k_begin, int k_end, const LayerSink& sink) const override;
+
+    /// Voxels of each part, in the order in which they were given, that another one has in these layers.
+    [[nodiscard]] std::vector<std::uint64_t> overlapped(int k_begin, int k_end) const;
+
+private:
+    VoxelGrid grid_;
+    std::vector<PlacedPart> parts_;   ///< as given
+    std::vector<std::size_t> order_;  ///< in which they are laid down: later ones win
+    int slab_layers_;
+};
+
+}  // namespace voxtone::slicer

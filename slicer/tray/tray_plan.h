@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The plan of a tray (data/schema/tray.schema.json):
+//   {"format": "voxtone-tray", "version": 1, "printer": "stratasys-j750-hm", "resins": "vero-opaque", "gap": "2mm",
+//    "parts": [{"model": "spot.obj", "size": "40mm", "copies": 3},
+//              {"model": "card.png", "width": "30mm", "at": [0, 0], "priority": 1}]}
+// or a table (.csv) whose header names options and the words of a part: model,size,copies,priority.
+// Options of a job (docs/job-files) stand beside the parts, for all of them, or in a part, for that one.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "slicer/options/slice_options.h"
+
+namespace voxtone::slicer {
+
+struct TrayPart {
+    std::string name;      ///< no other part of the plan has it; a folder below OUT/parts is called so
+    SliceOptions options;  ///< of the job that it would be alone
+    int copies = 1;        ///< >= 1
+    std::vector<std::array<double, 3>> at_mm;  ///< lowest corner of each copy's box on the tray; empty: to be arranged
+    int priority = 0;   ///< where parts fill the same voxel the higher has it, of equal ones the later in the plan
+    bool cuts = false;  ///< leaves air where it would be
+    std::string place;  ///< in the plan, for messages: "tray.json: parts[2]"
+};
+
+struct TrayPlan {
+    SliceOptions common;  ///< what all parts begin with
+    double gap_mm = 1;    ///< between the boxes of what is arranged
+    std::vector<TrayPart> parts;
+};
+
+/// Paths are made absolute. Nothing but the plan is read. Throws FileError, InputError that names the place and the
+/// key. `common`: what was said besides, which the plan's own options replace.
+[[nodiscard]] TrayPlan read_tray_plan(const std::string& file, const SliceOptions& common);
+
+/// A part for each model, in this order.
+[[nodiscard]] TrayPlan tray_of_models(const std::vector<std::string>& models, const SliceOptions& common);
+
+}  // namespace voxtone::slicer
