@@ -14,6 +14,7 @@
 #include "io/files/json_object.h"
 #include "slicer/batch/job_names.h"
 #include "slicer/batch/plan_rows.h"
+#include "slicer/options/command_words.h"
 #include "slicer/options/job_file.h"
 #include "slicer/options/option_table.h"
 
@@ -73,9 +74,10 @@ TrayPart part_of(const io::JsonObject& object, const fs::path& folder, const Sli
     TrayPart part;
     part.options = common;
     part.place = std::move(place);
-    (void)take_options(object, folder, part.options);
+    const std::vector<std::string> said = take_options(object, folder, part.options);
     if (part.options.model.empty()) object.fail("model", "names the part's model or picture");
     part.options = with_absolute_paths(std::move(part.options));
+    drop_idle(part.options, said);  // what is said for all is meant where it can be: a picture has no size
     part.name = object.has(name_key) ? object.any_text(name_key) : fs::path(part.options.model).stem().string();
     if (object.has(at_key)) part.at_mm = places_of(object);
     part.copies = static_cast<int>(part.at_mm.empty() ? 1 : part.at_mm.size());
@@ -169,6 +171,7 @@ TrayPlan tray_of_models(const std::vector<std::string>& models, const SliceOptio
         part.options = common;
         part.options.model = model;
         part.options = with_absolute_paths(std::move(part.options));
+        drop_idle(part.options, {});
         part.name = fs::path(model).stem().string();
         part.place = model;
         plan.parts.push_back(std::move(part));

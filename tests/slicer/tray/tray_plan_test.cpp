@@ -74,8 +74,12 @@ TEST_CASE("A table is a plan, too, and so are models") {
     CHECK(plan.parts[0].priority == 1);
     CHECK(plan.parts[0].options.size_mm == 20);
     CHECK(plan.parts[1].name == "b");
-    const TrayPlan models = tray_of_models({"x/cow.obj", "y/cow.obj", "z.png"}, {});
+    SliceOptions common;
+    common.size_mm = 30;
+    const TrayPlan models = tray_of_models({"x/cow.obj", "y/cow.obj", "z.png"}, common);
     REQUIRE(models.parts.size() == 3);
+    CHECK(models.parts[0].options.size_mm == 30);
+    CHECK(models.parts[2].options.size_mm == 0);  // a picture has no size, which is no fault of what is said for all
     CHECK(models.parts[1].name == "cow-2");
     CHECK(models.parts[2].name == "z");
 }
