@@ -463,9 +463,11 @@ TEST_CASE("slice --predict shows target, prediction and difference, upright, wit
     CHECK_THAT(std::string(part["prediction"]), Contains("a part is not predicted"));
 
     // Too little memory: the print is whole, and the job says why it is not predicted.
-    const Outcome little = run_program(fmt::format(
-        "slice --quiet {} --width 2.4mm --thickness 1mm --predict monte-carlo --memory 0.00001 --overwrite -o {}",
-        marked_picture(folder), folder / "out"));
+    const Outcome little =
+        run_program(fmt::format("slice --quiet {} --width 2.4mm --thickness 1mm --predict monte-carlo --iterations 0 "
+                                "--memory 0.00001 --overwrite "
+                                "-o {}",
+                                marked_picture(folder), folder / "out"));
     CHECK(little.exit_code == 0);
     CHECK_THAT(little.err, Contains("not predicted") && Contains("--memory"));
     CHECK_FALSE(nlohmann::json::parse(read_file(folder / "out/report.json")).contains("predicted"));
