@@ -139,8 +139,8 @@ TEST_CASE("The summary names the report and the time of the whole job") {
 TEST_CASE("Manual pages hold every option, and man finds nothing wrong with them") {
     const Folder folder("manual");
     REQUIRE(run_program("manual " + folder.path().string()).exit_code == 0);
-    CHECK(read_tree(folder.path()).size() == 13);
-    for (const std::string verb : {"slice", "estimate", "merge", "batch", "status", "task", "predict", "proof",
+    CHECK(read_tree(folder.path()).size() == 14);
+    for (const std::string verb : {"slice", "tray", "estimate", "merge", "batch", "status", "task", "predict", "proof",
                                    "verify", "list", "stack", "calibrate"}) {
         const std::string page = without_roff(read_file(folder / ("voxtone-" + verb + ".1")));
         const std::vector<std::string> options = option_words(run_program(verb + " --help-all").out);

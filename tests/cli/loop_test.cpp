@@ -64,7 +64,7 @@ TEST_CASE(
     for (const int threads : {1, 5}) {
         const std::string out = folder / fmt::format("out{}", threads);
         REQUIRE(
-            run_program(fmt::format("slice --quiet --iterations 4 --threads {} {} --width 2.4mm --thickness 1mm -o {}",
+            run_program(fmt::format("slice --quiet --iterations 4 --threads {} {} --width 4mm --thickness 1mm -o {}",
                                     threads, picture, out))
                 .exit_code == 0);
         CHECK(run_program("verify --quiet " + out).exit_code == 0);

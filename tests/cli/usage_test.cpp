@@ -36,7 +36,7 @@ TEST_CASE("Unknown verbs, steps and options are answered with the nearest known 
     refused("slcie model.obj", 2, "did you mean 'slice'?");
     refused("stack serch", 2, "did you mean 'search'?");
     refused("calibrate phtoo", 2, "did you mean 'photo'?");
-    refused("cows", 2, "there are slice, estimate, merge, predict, proof");
+    refused("cows", 2, "there are slice, tray, estimate, merge, predict, proof");
     refused("slice model.obj --sise 10mm -o out", 2, "did you mean '--size'?");
     refused("slice model.obj --sise=10mm -o out", 2, "did you mean '--size'?");
     refused("predict out --ouptut x.png", 2, "--ouptut: `voxtone predict` has no such option");
