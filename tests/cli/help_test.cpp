@@ -20,6 +20,7 @@ namespace {
 /// The program itself and families of verbs, which show one of theirs, included.
 const std::vector<std::string> every_command{"",
                                              "slice",
+                                             "tray",
                                              "estimate",
                                              "batch",
                                              "status",
