@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
 #include "base/random.h"
 #include "optics/transport/transport.h"
 
@@ -46,7 +47,8 @@ double rms(const Appearance& a, const Appearance& b) {
 
 }  // namespace
 
-TEST_CASE("A body that memory cannot hold whole is predicted in tiles, and looks as it does whole", "[slow]") {
+TEST_CASE("A body in tiles takes less memory and looks as it does whole; what memory cannot hold is refused",
+          "[slow]") {
     const ResinSet set = vero_opaque();
     const ResinVolume volume = halftoned_body({6, 1.1, 1.0});
     const Scene scene{&volume, &set, GENERATE(Backing::none, Backing::black), Sides::open};
@@ -55,10 +57,12 @@ TEST_CASE("A body that memory cannot hold whole is predicted in tiles, and looks
     TransportSummary one_tile, tiles;
     const Appearance one = TransportPredictor(options).predict(scene, surface, one_tile);
     REQUIRE(one_tile.pieces == 1);
-    options.memory_bytes = one_tile.memory_bytes * 4 / 5;
+    options.tile_cells = surface.cells.size() / 3;
     const Appearance several = TransportPredictor(options).predict(scene, surface, tiles);
-    CHECK(tiles.memory_bytes <= options.memory_bytes);
+    CHECK(tiles.memory_bytes < one_tile.memory_bytes);
     CHECK(tiles.pieces > 1);
+    options.memory_bytes = tiles.memory_bytes / 3;
+    CHECK_THROWS_AS(TransportPredictor(options).predict(scene, surface), voxtone::ResourceError);
     CAPTURE(rms(one, several), tiles.pieces);
     CHECK(rms(one, several) < 0.001);
 }
