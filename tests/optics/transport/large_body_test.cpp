@@ -47,7 +47,7 @@ double rms(const Appearance& a, const Appearance& b) {
 
 }  // namespace
 
-TEST_CASE("A body in tiles takes less memory and looks as it does whole; what memory cannot hold is refused",
+TEST_CASE("A body in tiles takes less memory and looks as it does whole, and what memory cannot hold is refused",
           "[slow]") {
     const ResinSet set = vero_opaque();
     const ResinVolume volume = halftoned_body({6, 1.1, 1.0});
