@@ -104,7 +104,7 @@ TEST_CASE("A limit of this process is named, and not the file that was read unde
     }
 }
 
-TEST_CASE("Colour that is lost is said once; with --strict it ends the job with 3") {
+TEST_CASE("Colour that is lost is said once, with --strict it ends the job with 3") {
     const Folder folder("lost");
     const std::string corners = "v 0 0 0\nv 5 0 0\nv 0 5 0\nv 0 0 5\n", faces = "f 1 3 2\nf 1 2 4\nf 1 4 3\n";
     const std::string options = " --layers 0-1 --iterations 0 --predict none --no-report -o ";

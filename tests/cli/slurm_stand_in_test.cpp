@@ -78,7 +78,7 @@ std::string last_line(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("Without Slurm nothing is submitted, in one sentence; a dry run prints the scripts") {
+TEST_CASE("Without Slurm nothing is submitted, in one sentence, a dry run prints the scripts") {
     const Workshop shop;
     setenv("PATH", (shop.folder / "bin").c_str(), 1);
     const Outcome none = shop.batch("--quiet");

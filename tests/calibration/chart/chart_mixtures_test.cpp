@@ -43,7 +43,7 @@ std::string refusal_of(const PatchTable& table) {
 
 }  // namespace
 
-TEST_CASE("A chart holds every solid and half once, and no mixture twice; larger charts hold the smaller ones") {
+TEST_CASE("A chart holds every solid and half once, and no mixture twice, larger charts hold the smaller ones") {
     const optics::ResinSet set = optics::vero_opaque();
     CHECK(least_chart_patches(5) == 15);
     const auto chart = chart_mixtures(set, 60);

@@ -66,7 +66,7 @@ TEST_CASE("Patches lie on the map where their squares lie on the target, and wha
     CHECK(patch_at(map, target.markers[0].area.min_mm + Eigen::Vector2d::Constant(0.5)) == patch_of("K", "W"));
 }
 
-TEST_CASE("A photograph of the target lies under the map; one of something else is refused") {
+TEST_CASE("A photograph of the target lies under the map, one of something else is refused") {
     const Target target = small_target();
     const PatchTable table = table_of(target);
     io::Photograph photo;
@@ -84,7 +84,7 @@ TEST_CASE("A photograph of the target lies under the map; one of something else 
     CHECK_THROWS_WITH(patches_on_target(table, target, &photo), Contains("straight.png") && Contains("straightened"));
 }
 
-TEST_CASE("A table of another target is refused; one that lacks squares is shown") {
+TEST_CASE("A table of another target is refused, one that lacks squares is shown") {
     const Target target = small_target();
     PatchTable other = table_of(target);
     for (Patch& patch : other.patches) patch.top = {{"M", 1}};

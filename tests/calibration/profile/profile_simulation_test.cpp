@@ -113,7 +113,7 @@ TEST_CASE("Noise is shot and read noise, the same for any number of threads") {
     CHECK(std::abs(chi2 / samples - 1) < 4 * std::sqrt(2 / samples));
 }
 
-TEST_CASE("A slab's coefficients begin with its albedos; sets and cameras that cannot be are refused") {
+TEST_CASE("A slab's coefficients begin with its albedos, sets and cameras that cannot be are refused") {
     const SpotCamera camera = small_camera();
     const optics::HankelGrid grid(1, 16);
     const SlabProfiles slab = slab_profiles(optics::vero_opaque(), "K", 0.75, grid, 4096, 1);

@@ -114,7 +114,7 @@ TEST_CASE("Profiles from counts are as far off as counts must be, and keep the l
     CHECK(errors[1] > 0.2 * errors[0]);
 }
 
-TEST_CASE("Logarithms of single counts would lose light; counts do not") {
+TEST_CASE("Logarithms of single counts would lose light, counts do not") {
     // What Eq. 7 in logarithms by plain least squares gives of homogeneous data of about one count a pair: the mean of
     // the logarithms of what is not 0.
     LocalProfiles truth{{30, 30}, 3, 0.5, {ProfileImages(4 * 900)}};

@@ -42,7 +42,7 @@ Colours card() {
 
 }  // namespace
 
-TEST_CASE("A card has paper, a solid and strokes; blurred edges are none of them", "[loop]") {
+TEST_CASE("A card has paper, a solid and strokes, blurred edges are none of them", "[loop]") {
     const optics::Surface surface = test::flat_surface(n, n, cell_mm);
     const std::vector<ColourRegion> regions = colour_regions(surface, card());
     REQUIRE(regions.size() == 3);
@@ -99,7 +99,7 @@ TEST_CASE("A region is judged by its mean and by its evenness", "[loop]") {
     CHECK(worse_by(same, striped) == 0);
 }
 
-TEST_CASE("Paper is white that there is much of; its level is what a person adapts to", "[loop]") {
+TEST_CASE("Paper is white that there is much of, its level is what a person adapts to", "[loop]") {
     const optics::Surface surface = test::flat_surface(n, n, cell_mm);
     const auto level = [&](int columns_of_paper) {
         const Colours target = painted([&](int x, int) { return x < columns_of_paper ? white : black; });

@@ -9,7 +9,7 @@
 
 using namespace voxtone;
 
-TEST_CASE("Flat halftoned colours are within 1.0 CIEDE2000 of the target; by Eq. 7 they are not") {
+TEST_CASE("Flat halftoned colours are within 1.0 CIEDE2000 of the target, by Eq. 7 they are not") {
     // Noise of a colour with these paths: 0.15 in the mean (the benchmark prints it).
     for (const char* name :
          {"Vero C M Y K W, J750 High Mix", "Vero C M Y K W, J55", "strong C M Y K W, J750 High Mix"}) {

@@ -176,7 +176,7 @@ TEST_CASE("Resins are known at a thickness that fits them, and their totals ther
 }
 
 TEST_CASE(
-    "Measured profiles of other spacings and lengths become one grid; bad ones are refused by material and channel") {
+    "Measured profiles of other spacings and lengths become one grid, bad ones are refused by material and channel") {
     const optics::HankelGrid grid(10, 16);
     const auto falling = [](double spacing, std::size_t samples, double total) {
         optics::RadialSamples of;

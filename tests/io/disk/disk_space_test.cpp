@@ -16,7 +16,7 @@ using namespace voxtone;
 using namespace voxtone::io;
 using Catch::Contains;
 
-TEST_CASE("a full disk is a reason to try again, said as such; other faults are not", "[whole-file]") {
+TEST_CASE("a full disk is a reason to try again, said as such, other faults are not", "[whole-file]") {
     CHECK_THROWS_AS(fail_to_write("a.png", "could not be written", ENOSPC), TryAgain);
     CHECK_THROWS_WITH(fail_to_write("a.png", "could not be written", EDQUOT), Contains("a.png") && Contains("full"));
     CHECK_THROWS_AS(fail_to_write("a.png", "could not be written", EIO), FileError);

@@ -66,7 +66,7 @@ TEST_CASE("Without voxels, or with voxels of vanishing size, mixtures are ideal"
     CHECK(largest > 0.1);
 }
 
-TEST_CASE("A resin alone, or beside its equals, is itself; equal resins may be told apart or not") {
+TEST_CASE("A resin alone, or beside its equals, is itself, equal resins may be told apart or not") {
     ResinSet set = random_resins(5, 4);
     set.resins[2].sigma_t_per_mm = set.resins[0].sigma_t_per_mm;
     set.resins[2].albedo = set.resins[0].albedo;
@@ -84,7 +84,7 @@ TEST_CASE("A resin alone, or beside its equals, is itself; equal resins may be t
     }
 }
 
-TEST_CASE("A body seen from all sides lies between its views along the axes; cubes look the same from everywhere") {
+TEST_CASE("A body seen from all sides lies between its views along the axes, cubes look the same from everywhere") {
     const ResinSet set = random_resins(6, 4);
     const std::vector<double> f{0.2, 0.4, 0.1, 0.3};
     const std::array<double, 3> cube{0.04, 0.04, 0.04};

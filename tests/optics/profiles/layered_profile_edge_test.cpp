@@ -23,7 +23,7 @@ double root_mean_square(const Appearance& model, const Appearance& truth) {
 
 }  // namespace
 
-TEST_CASE("An edge is blurred by layer profiles as paths blur it, within the model's error; sharp it is not") {
+TEST_CASE("An edge is blurred by layer profiles as paths blur it, within the model's error, sharp it is not") {
     const ResinSet set = vero_opaque();
     const auto W = static_cast<Material>(set.find("W") + 1), K = static_cast<Material>(set.find("K") + 1);
     const ResinVolume volume =

@@ -207,7 +207,7 @@ TEST_CASE("A layer under its surface has the totals that are traced, in and out"
     CHECK(plain.T[0] == Approx(own.T[0]).margin(1e-5));
 }
 
-TEST_CASE("Composites of single layers have the totals of the composite within 2 % of the light; films have not") {
+TEST_CASE("Composites of single layers have the totals of the composite within 2 % of the light, films have not") {
     // Totals alone, exact on both sides: the first coefficients, without noise.
     const auto single = [](const PlainLayer& of) {
         const DiffuseTotals totals = diffuse_totals({{of}, 0.4, 1, 1});

@@ -84,7 +84,7 @@ TEST_CASE("The contrast of a block is the spread of its resins, or what sets it 
     CHECK(slab.contrast_at(60, 28) == Approx(0).margin(0.05));
 }
 
-TEST_CASE("The more contrast is asked for, the fewer blocks are cut; a body of one resin is not cut at all") {
+TEST_CASE("The more contrast is asked for, the fewer blocks are cut, a body of one resin is not cut at all") {
     const FilledSlab slab([](int x, int y, int z) {
         if (y < 16) return (x + 3 * y + 7 * z) % 60 == 0 ? 3 : 5;  // some yellow
         return (x + y + z) % 8 == 0 ? 4 : 5;                       // more black

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
 #include "base/parallel.h"
 #include "base/random.h"
 #include "optics/transport/seen_medium.h"
@@ -355,7 +356,7 @@ TEST_CASE("Any number of threads gives the same gradient, and predictions do not
     CHECK(seen == seen_alone);
 }
 
-TEST_CASE("Where there is nothing to gain, or no model of it, the gradient says so") {
+TEST_CASE("Where there is nothing to gain the gradient says so, and what memory cannot hold is refused") {
     const Body body(true);
     const ResinVolume volume = body.volume();
     const Surface surface = body.surface(volume);
@@ -373,8 +374,7 @@ TEST_CASE("Where there is nothing to gain, or no model of it, the gradient says 
     ViewingSequence small(body.scene(volume), surface, tight);
     (void)small.next(volume);
     const auto never = [](const ResinGradient&, const VoxelBox&) { FAIL("visited"); };
-    CHECK(!small.gradient(none, never));
-    // Not even for a sequence: predictions anew each time.
+    CHECK_THROWS_AS(small.gradient(none, never), voxtone::ResourceError);
     tight.memory_bytes = 1'000'000;
-    CHECK(!TransportPredictor(tight).sequence(body.scene(volume), surface)->gradient(none, never));
+    CHECK_THROWS_AS(TransportPredictor(tight).sequence(body.scene(volume), surface), voxtone::ResourceError);
 }

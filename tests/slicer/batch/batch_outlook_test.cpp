@@ -153,7 +153,7 @@ TEST_CASE("Before any job is done, estimates alone are told with their own doubt
     CHECK_FALSE(batch_outlook(std::vector<JobState>{running(begin_s, 2, 200), queued()}, begin_s));
 }
 
-TEST_CASE("Nothing is told of a batch that is done or that nobody works on; what failed is not waited for") {
+TEST_CASE("Nothing is told of a batch that is done or that nobody works on, what failed is not waited for") {
     CHECK_FALSE(batch_outlook({}, begin_s));
     CHECK_FALSE(batch_outlook(std::vector<JobState>{done(begin_s, 10, 1)}, begin_s));
     CHECK_FALSE(batch_outlook(std::vector<JobState>{done(begin_s, 10, 1), queued()}, begin_s + 3600));

@@ -67,7 +67,7 @@ TEST_CASE("The cells of a ball are a closed mesh that looks outward, of the ball
     CHECK(f.volume_mm3 == Approx(4.0 / 3 * M_PI * radius * radius * radius).epsilon(0.08));
 }
 
-TEST_CASE("Boxes, rings and bodies that touch along an edge are closed meshes; one on a sheet is open below") {
+TEST_CASE("Boxes, rings and bodies that touch along an edge are closed meshes, one on a sheet is open below") {
     const auto mesh = [](const optics::ResinVolume& volume, optics::Backing backing) {
         const optics::Surface surface =
             optics::find_surface({&volume, nullptr, backing}, {2, 1, 3}, optics::SurfacePart::all);

@@ -149,7 +149,7 @@ TEST_CASE("Each view is from the side of its name") {
     CHECK(stand.z() > 0.1 * stand.norm());
 }
 
-TEST_CASE("Without a view a body is seen from three quarters and a picture from above; places that are named count") {
+TEST_CASE("Without a view a body is seen from three quarters and a picture from above, places that are named count") {
     const Matrix3d axes = room_axes(ProofUp::y, 10);
     const auto position = [&](std::optional<ProofView> view, bool flat) {
         return place_camera(proof(view), room, axes, flat).position;

@@ -72,7 +72,7 @@ TEST_CASE("Faces on voxel centres: boxes side by side share no voxel and leave n
                 CHECK(count[i][j][k] == (std::min({i, j, k}) >= 1 && std::max({i, j, k}) < 7 ? 1 : 0));
 }
 
-TEST_CASE("Nested and overlapping shells are a union; cavities and inverted bodies go by the winding number") {
+TEST_CASE("Nested and overlapping shells are a union, cavities and inverted bodies go by the winding number") {
     VoxelGrid grid;
     grid.size = {20, 12, 12};
     const auto at = [&](const SolidMesh& m) { return voxels(Solid(m, grid).slab(0, 12)); };
