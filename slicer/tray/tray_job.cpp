@@ -180,6 +180,8 @@ JobResult run_tray_job(const TrayPlan& plan, Progress& progress) {
     std::vector<std::string_view> companions(report_file::all.begin(), report_file::all.end());
     companions.push_back(tray_file_name);
     io::StackFolder folder(out, std::move(companions));
+    // A strange folder is refused before anything is made in it; whose stack is there is known once the parts are.
+    if (!plan.common.overwrite && !folder.holds_stack()) folder.expect_free();
     const ThreadLimit threads(static_cast<std::size_t>(plan.common.threads));
     std::vector<ReadyPart> parts = prepare_parts(plan, progress);
     const VoxelGrid grid = arrange(parts, plan.gap_mm);

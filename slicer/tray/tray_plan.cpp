@@ -100,7 +100,11 @@ TrayPart part_of(const io::JsonObject& object, const fs::path& folder, const Sli
     if (!part.at_mm.empty() && part.at_mm.size() != static_cast<std::size_t>(part.copies))
         object.fail(at_key, fmt::format("gives {} places for {} copies; give one for each, or none", part.at_mm.size(),
                                         part.copies));
-    if (object.has(cuts_key)) part.cuts = object.any_text(cuts_key) == "true";
+    if (object.has(cuts_key)) {
+        const std::string text = object.any_text(cuts_key);
+        if (text != "true" && text != "false") object.fail(cuts_key, "is true or false");
+        part.cuts = text == "true";
+    }
     return part;
 }
 

@@ -93,6 +93,7 @@ TEST_CASE("What is wrong with a plan is said with its place") {
     CHECK_THAT(desk.fault(R"([{"model": "a.obj", "copies": 0}])"), Contains("from 1 to 10000"));
     CHECK_THAT(desk.fault(R"([{"model": "a.obj", "copies": 2.5}])"), Contains("whole number"));
     CHECK_THAT(desk.fault(R"([{"model": "a.obj", "copies": 3, "at": [1, 2]}])"), Contains("1 places for 3 copies"));
+    CHECK_THAT(desk.fault(R"([{"model": "a.obj", "cuts": "yes"}])"), Contains("true or false"));
     CHECK_THAT(desk.fault(R"([{"model": "a.obj", "at": [1]}])"), Contains("[x, y]"));
     CHECK_THAT(desk.fault(R"([{"model": "a.obj", "at": [-1, 2]}])"), Contains("at"));
     CHECK_THAT(desk.fault(R"([{"model": "a.obj", "printer": "generic"}])"), Contains("whole tray"));
