@@ -28,8 +28,8 @@ struct TrayArguments {
 
 slicer::TrayPlan plan_of(const TrayArguments& arguments) {
     const slicer::SliceOptions common = options_of(arguments.job);
-    const std::string ending = std::filesystem::path(arguments.plan[0]).extension().string();
-    const bool is_plan = ending == ".json" || ending == ".csv";
+    const std::string suffix = std::filesystem::path(arguments.plan[0]).extension().string();
+    const bool is_plan = suffix == ".json" || suffix == ".csv";
     if (is_plan && arguments.plan.size() > 1)
         throw UsageError("tray: name one plan, or models and pictures; a plan names its parts itself");
     slicer::TrayPlan plan =
