@@ -26,8 +26,10 @@ namespace voxtone::io {
 struct BakedLayer {
     std::int32_t image = -1;  ///< index; -1: a colour
     Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
-    std::array<Eigen::Vector2f, 3> uv;    ///< of a picture
-    std::array<Eigen::Vector4f, 3> rgba;  ///< of a colour, linear
+    std::array<Eigen::Vector2f, 3> uv = {Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero(),
+                                         Eigen::Vector2f::Zero()};  ///< of a picture
+    std::array<Eigen::Vector4f, 3> rgba = {Eigen::Vector4f::Zero(), Eigen::Vector4f::Zero(),
+                                           Eigen::Vector4f::Zero()};  ///< of a colour, linear
     bool multiply = false;
 };
 
