@@ -48,7 +48,7 @@ Command add_tray_command(CLI::App& program) {
         ->add_option("plan", arguments->plan, "plan of the tray (.json, .csv), or the models and pictures themselves")
         ->required()
         ->type_name("FILE");
-    command->add_option("--gap", arguments->gap, "between parts whose places are not given; 1mm where no plan says")
+    command->add_option("--gap", arguments->gap, "between parts whose places are not given; 2mm where no plan says")
         ->type_name("LENGTH")
         ->group("Placement");
     add_job_options(*command, arguments->job, {"model", "layers", "shard", "until", "mixtures", "resume"});

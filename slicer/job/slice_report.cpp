@@ -65,7 +65,7 @@ void append_stages(std::vector<io::ReportStage>& to, const std::vector<io::Repor
 
 /// What was printed, on what, of which resins.
 void add_print(const OpenedJob& job, const JobBody& body, const io::StackDescription& stack, io::Report& report) {
-    report.title = std::filesystem::path(job.options.model).filename().string();
+    report.title = body.name.empty() ? std::filesystem::path(job.options.model).filename().string() : body.name;
     report.program_version = io::program_version();
     report.printer_id = job.printer.id;
     report.printer_name = job.printer.name;

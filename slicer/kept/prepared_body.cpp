@@ -59,7 +59,7 @@ void rest_in(Stream& stream, Body& body) {
     auto& model = body.model;
     stream(model.format, model.mm_per_file_unit, model.has_colour, model.wants_colour, model.warnings,
            model.lost_colour);
-    stream(body.is_picture, body.warnings, body.notes);
+    stream(body.name, body.is_picture, body.warnings, body.notes);
     auto& placement = body.placement;
     stream(placement.mm_per_file_unit, placement.unit_assumed, placement.is_picture, placement.summary);
     vector_in(stream, placement.extent_mm);
@@ -70,7 +70,7 @@ void rest_in(Stream& stream, Body& body) {
     diagnosis_in(stream, r.before);
     diagnosis_in(stream, r.after);
     stream(r.welded_vertices, r.dropped_faces, r.turned_faces, r.turned_shells, r.cavities, r.filled_holes,
-           r.filled_area_mm2, r.wrapped_faces, r.wrap_alpha_mm, r.wrap_offset_mm, r.messages);
+           r.filled_area_mm2, r.wrapped_faces, r.wrap_alpha_mm, r.wrap_offset_mm, r.messages, body.wrapped_triangles);
 }
 
 /// Materials share textures, and these their pyramids: each pyramid is written once.

@@ -31,6 +31,8 @@ private:
     static constexpr std::uint32_t none = 0xffffffffu;
     [[nodiscard]] std::uint32_t lookup(const std::array<int, 3>& place) const;
     [[nodiscard]] std::uint32_t nearest(const Eigen::Vector3f& place_mm) const;
+    template <class Consider>
+    void for_each_in_ring(const std::array<int, 3>& home, int ring, Consider&& consider) const;
     void offer(const std::array<int, 3>& place, std::uint32_t cell);
 
     std::array<float, 3> per_mm_{};

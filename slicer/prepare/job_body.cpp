@@ -116,17 +116,21 @@ JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Prog
     check_tray(body.grid, printer.sliced_tray_mm(), body.placement);
 
     progress.begin_stage("find the visible surface", 2 * repaired.solid->triangles.size(), "steps");
-    VisibleSurfaceOptions seeing;
-    seeing.label_mm = printer.sliced_pitch_mm().maxCoeff();
-    body.surface =
-        SurfaceIndex(body.is_picture ? picture_surface(body.model.mesh)
-                                     : find_visible_surface(body.model.mesh.positions, body.model.mesh.triangles,
-                                                            repaired, seeing, nullptr, &progress));
+    body.surface = SurfaceIndex(coloured_surface_of(body, repaired, progress));
     look_for_colour(job, body);
     progress.end_stage();
     body.repair = std::move(repaired.report);
+    body.wrapped_triangles = std::move(repaired.wrapped_triangles);
     body.solid = std::move(repaired.solid);
     return body;
+}
+
+VisibleSurface coloured_surface_of(const JobBody& body, const RepairedMesh& repaired, Progress& progress) {
+    if (body.is_picture) return picture_surface(body.model.mesh);
+    VisibleSurfaceOptions seeing;
+    seeing.label_mm = body.grid.pitch_mm.maxCoeff();
+    return find_visible_surface(body.model.mesh.positions, body.model.mesh.triangles, repaired, seeing, nullptr,
+                                &progress);
 }
 
 MeshBoundary boundary_of(const JobBody& body) {

@@ -3,6 +3,7 @@
 // First half of a job: from the file to a body on the voxel grid with its coloured surface.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,12 +24,14 @@
 namespace voxtone::slicer {
 
 struct JobBody {
+    std::string name;                      ///< empty: as the model's file
     std::vector<io::SideFile> side_files;  ///< that reading the model looked for beside it
     io::ModelFile model;                   ///< positions in mm on the tray
     bool is_picture = false;
     Placement placement;
     SolidIndex solid;
     RepairReport repair;
+    std::vector<std::uint32_t> wrapped_triangles;  ///< of the model, that a wrap stands for (mesh/mesh_repair.h)
     SurfaceIndex surface;
     VoxelGrid grid;                     ///< of the body alone; where it lies in the print, the plan says (job_plan.h)
     std::vector<std::string> warnings;  ///< of reader, placement and repair
@@ -43,6 +46,9 @@ void check_model(const ResolvedJob& job);
 
 /// Throws FileError, InputError.
 [[nodiscard]] JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Progress& progress);
+
+/// What of a repaired body is seen and coloured. `body`: its model and grid.
+[[nodiscard]] VisibleSurface coloured_surface_of(const JobBody& body, const RepairedMesh& repaired, Progress& progress);
 
 /// The mesh of a body as its boundary for light paths, in mm from the corner of its grid: the staircase of its voxels
 /// lets light out near corners at once and shows slanting faces up to 7 CIEDE2000 too light (docs/benchmarks.md,

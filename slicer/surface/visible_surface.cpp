@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <numeric>
 #include <unordered_map>
@@ -21,6 +20,7 @@
 #include "slicer/mesh/mesh_crossings.h"
 #include "slicer/mesh/step_share.h"
 #include "slicer/mesh/winding_number.h"
+#include "slicer/surface/surface_piece.h"
 
 namespace voxtone::slicer {
 
@@ -31,50 +31,6 @@ namespace {
 
 constexpr double just_off_mm = 1e-5;  // how far beside the surface its sides are looked at
 constexpr int most_doublings = 8;     // of the pieces' size, where a finer cut takes too much work
-
-// A triangle or a part of one.
-struct Piece {
-    std::array<Vector3d, 3> corner;
-    std::array<Vector2f, 3> uv;
-    std::uint32_t source;
-
-    [[nodiscard]] Vector3d centre() const { return (corner[0] + corner[1] + corner[2]) / 3; }
-    [[nodiscard]] double longest() const {
-        return std::sqrt(std::max({(corner[1] - corner[0]).squaredNorm(), (corner[2] - corner[1]).squaredNorm(),
-                                   (corner[0] - corner[2]).squaredNorm()}));
-    }
-    // In two, across the longest edge.
-    [[nodiscard]] std::array<Piece, 2> halves() const {
-        int c = 0;
-        double longest2 = -1;
-        for (int e = 0; e < 3; ++e) {
-            const double l = (corner[(e + 1) % 3] - corner[e]).squaredNorm();
-            if (l > longest2) longest2 = l, c = e;
-        }
-        std::array<Piece, 2> half{*this, *this};
-        const int d = (c + 1) % 3;
-        half[0].corner[d] = half[1].corner[c] = (corner[c] + corner[d]) / 2;
-        half[0].uv[d] = half[1].uv[c] = (uv[c] + uv[d]) / 2;
-        return half;
-    }
-};
-
-enum class Sight { visible, hidden, mixed };
-
-// Adds the visible parts of a piece, in as few pieces as it takes. Returns what it is as a whole.
-Sight add_visible(const Piece& piece, const std::function<Sight(const Piece&)>& look, std::vector<Piece>& out) {
-    Sight sight = look(piece);
-    if (sight == Sight::mixed) {
-        const std::size_t before = out.size();
-        const auto [a, b] = piece.halves();
-        const Sight first = add_visible(a, look, out), second = add_visible(b, look, out);
-        if (first != second || first == Sight::mixed) return Sight::mixed;
-        out.resize(before);
-        sight = first;
-    }
-    if (sight == Sight::visible) out.push_back(piece);
-    return sight;
-}
 
 // Where corners of `mine` are in `source`: (u, v) of each.
 std::array<Vector2f, 3> corner_uv(const Triangle& mine, const Triangle& source,

@@ -26,6 +26,7 @@
 #include "slicer/kept/report_files.h"
 #include "slicer/layers/composed_layers.h"
 #include "slicer/printer/placement.h"
+#include "slicer/tray/joined_parts.h"
 #include "slicer/tray/tray_parts.h"
 
 namespace voxtone::slicer {
@@ -57,6 +58,7 @@ std::string identity_in(const fs::path& out) {
 /// The appearance loop of a part, which is kept for the next time.
 void rearrange(ReadyPart& part, Progress& progress) {
     Print& print = *part.ready->print;
+    print.prepare(progress);
     print.rearrange(progress);
     (void)print.keep_loop();
     LoopCheckpoint::remove_from(part.ready->job.options.out);
@@ -84,8 +86,10 @@ void report_part(ReadyPart& part, const io::StackDescription& stack, Progress& p
 ComposedLayers compose(const std::vector<ReadyPart>& parts, const VoxelGrid& grid) {
     std::vector<PlacedPart> placed;
     for (const ReadyPart& part : parts) {
+        if (part.alone.empty()) continue;
         const std::shared_ptr<const LayerSource> layers = part.ready->print->layers();
-        for (const std::array<int, 3>& at : part.at) placed.push_back({layers, at, part.part.priority, part.part.cuts});
+        for (const std::array<int, 3>& at : part.alone)
+            placed.push_back({layers, at, part.part.priority, part.part.cuts});
     }
     return {grid, std::move(placed)};
 }
@@ -114,7 +118,7 @@ std::vector<double> overlaps_mm3(const std::vector<ReadyPart>& parts, const Comp
     std::size_t at = 0;
     for (const ReadyPart& part : parts) {
         std::uint64_t voxels = 0;
-        for (int copy = 0; copy < part.part.copies; ++copy) voxels += lost[at++];
+        for (std::size_t copy = 0; copy < part.alone.size(); ++copy) voxels += lost[at++];
         mm3.push_back(double(voxels) * layers.grid().voxel_volume_mm3());
         if (voxels > 0)
             progress.note(
@@ -135,6 +139,7 @@ std::string tray_json(const std::vector<ReadyPart>& parts, const std::vector<dou
         const ReadyPart& part = parts[p];
         const VoxelGrid& own = part.ready->body.grid;
         json.line().begin_object().add("name", part.part.name).add("model", part.ready->job.options.model);
+        if (part.is_joined) json.add("joined", true);
         json.add("priority", part.part.priority).add("cuts", part.part.cuts).add("size_px", own.size);
         json.key("at_px").begin_list();
         for (const std::array<int, 3>& at : part.at) json.value(at);
@@ -143,7 +148,7 @@ std::string tray_json(const std::vector<ReadyPart>& parts, const std::vector<dou
             const Eigen::Vector3d mm = grid.pitch_mm.cwiseProduct(Eigen::Vector3d(at[0], at[1], at[2]));
             json.value(std::array{mm.x(), mm.y(), mm.z()});
         }
-        json.end_list().add("overlapped_mm3", lost_mm3[p]);
+        json.end_list().add("overlapped_mm3", lost_mm3[p] + parts[p].shared_mm3 * double(parts[p].alone.size()));
         if (!part.report.empty()) {
             json.add("report", (fs::path(io::parts_name) / part.part.name / report_file::page).generic_string());
             const io::JsonObject report = io::JsonObject::parse(part.report, "report");
@@ -185,6 +190,7 @@ JobResult run_tray_job(const TrayPlan& plan, Progress& progress) {
     const ThreadLimit threads(static_cast<std::size_t>(plan.common.threads));
     std::vector<ReadyPart> parts = prepare_parts(plan, progress);
     const VoxelGrid grid = arrange(parts, plan.gap_mm);
+    join_near_parts(parts, out, progress);
     const OpenedJob& first = parts[0].ready->job;
     for (const std::string& warning : first.printer.warnings()) progress.warn(warning);
     check_layer_count(grid.size[2], first.printer, "larger (\"size\")");
@@ -200,6 +206,7 @@ JobResult run_tray_job(const TrayPlan& plan, Progress& progress) {
     const LayerRange all{0, grid.size[2] - 1};
     io::LayerStackWriter writer(std::move(folder), first.describe(grid, all), first.outputs());
     for (ReadyPart& part : parts) {
+        if (part.alone.empty()) continue;
         progress.note(fmt::format("part {}", part.part.name));
         rearrange(part, progress);
         const LayerRange& range = part.ready->plan.layers;

@@ -4,7 +4,7 @@
 // go, in OUT/parts/NAME, where what it came to is kept: a tray that is stopped goes on with the part at which it was.
 // Then its layers, as many copies as are wanted, are laid together into one stack in OUT.
 //
-// Parts are looked at alone: light that passes from one to another that touches it is not predicted, and said to be so.
+// Parts that lie within 2 mm of each other are looked at as one body (joined_parts.h), the others alone.
 #pragma once
 
 #include <filesystem>

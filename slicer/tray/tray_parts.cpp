@@ -46,14 +46,6 @@ std::vector<std::string> roles_of(const OpenedJob& job) {
     return roles;
 }
 
-ReadyPart prepare_part(const TrayPart& part, const SliceOptions& options, Progress& progress) {
-    OpenedJob job = open_part(options, progress);
-    fs::create_directories(job.options.out);
-    ReadyPart made{part, std::make_unique<PreparedJob>(std::move(job), std::nullopt, progress), {}, {}};
-    made.ready->print->prepare(progress);
-    return made;
-}
-
 Eigen::Vector3d size_mm(const VoxelGrid& grid) {
     return grid.pitch_mm.cwiseProduct(Eigen::Vector3d(grid.size[0], grid.size[1], grid.size[2]));
 }
@@ -181,6 +173,14 @@ VoxelGrid take_box(std::vector<ReadyPart>& parts) {
 
 }  // namespace
 
+std::unique_ptr<PreparedJob> open_ready(const SliceOptions& options, std::optional<JobBody> kept, Progress& progress) {
+    OpenedJob job = open_part(options, progress);
+    fs::create_directories(job.options.out);
+    auto ready = std::make_unique<PreparedJob>(std::move(job), std::move(kept), progress);
+    if (!ready->plan.loop.does_not_fit.empty()) throw ResourceError(ready->plan.loop.does_not_fit);
+    return ready;
+}
+
 std::vector<ReadyPart> prepare_parts(const TrayPlan& plan, Progress& progress) {
     const fs::path out = plan.common.out;
     std::vector<std::string> roles;
@@ -198,7 +198,7 @@ std::vector<ReadyPart> prepare_parts(const TrayPlan& plan, Progress& progress) {
     std::vector<ReadyPart> parts;
     for (const TrayPart& part : plan.parts) {
         progress.note(fmt::format("part {} ({} of {})", part.name, parts.size() + 1, plan.parts.size()));
-        parts.push_back(prepare_part(part, job_options(part, out, roles), progress));
+        parts.push_back({part, open_ready(job_options(part, out, roles), std::nullopt, progress), {}, {}, {}});
     }
     return parts;
 }
@@ -235,7 +235,9 @@ VoxelGrid arrange(std::vector<ReadyPart>& parts, double gap_mm) {
     const Eigen::Vector3d tray_mm = parts[0].ready->job.printer.sliced_tray_mm();
     for (ReadyPart& part : parts) place_as_planned(part, tray_mm);
     place_the_others(parts, gap_mm, tray_mm);
-    return take_box(parts);
+    const VoxelGrid grid = take_box(parts);
+    for (ReadyPart& part : parts) part.alone = part.at;
+    return grid;
 }
 
 }  // namespace voxtone::slicer

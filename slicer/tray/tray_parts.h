@@ -6,6 +6,7 @@
 #include <array>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,9 +20,18 @@ namespace voxtone::slicer {
 struct ReadyPart {
     TrayPart part;
     std::unique_ptr<PreparedJob> ready;
-    std::string report;                    ///< report.json of the part; empty: none
-    std::vector<std::array<int, 3>> at{};  ///< voxels from the print's corner, one for each copy
+    std::string report;                       ///< report.json of the part; empty: none
+    std::vector<std::array<int, 3>> at{};     ///< voxels from the print's corner, one for each copy
+    std::vector<std::array<int, 3>> alone{};  ///< those of them that no joined part holds (joined_parts.h)
+    bool is_joined = false;
+    double shared_mm3 = 0;  ///< of a joined part: that more than one of its bodies fills
 };
+
+/// Opens a part's job, whose options say where it keeps what it comes to. `kept`: its body, where that is known. It
+/// goes on from where an interrupted loop of the same job was. Throws what the job throws, ResourceError where its loop
+/// takes more memory than is allowed.
+[[nodiscard]] std::unique_ptr<PreparedJob> open_ready(const SliceOptions& options, std::optional<JobBody> kept,
+                                                      Progress& progress);
 
 /// Reads and prepares each part; all get the resins that the first one loads. Parts keep what they come to in
 /// OUT/parts/NAME. Throws what the jobs throw, beginning with the part's place.

@@ -28,7 +28,7 @@ struct TrayPart {
 
 struct TrayPlan {
     SliceOptions common;  ///< what all parts begin with
-    double gap_mm = 1;    ///< between the boxes of what is arranged
+    double gap_mm = 2;    ///< between the outlines of what is arranged; less joins parts (joined_parts.h)
     std::vector<TrayPart> parts;
 };
 

@@ -35,7 +35,7 @@ optics::Surface ball(optics::ResinVolume& volume, double radius_mm) {
 namespace {
 
 struct Cells {
-    Cells() : surface(ball(volume, 0.9)) {}
+    explicit Cells(double radius_mm = 0.9) : surface(ball(volume, radius_mm)) {}
     [[nodiscard]] double distance(std::uint32_t c, const std::array<double, 3>& p) const {
         const auto& centre = surface.cells[c].centre_mm;
         return std::hypot(centre[0] - p[0], centre[1] - p[1], centre[2] - p[2]);
@@ -126,6 +126,21 @@ TEST_CASE("Points of the surface, and points beside it, find the cell that all c
     // Far outside: still some cell.
     CHECK(index.at({100, 100, 100}) < cells.surface.cells.size());
     CHECK(index.at({-100, 0, 0}) < cells.surface.cells.size());
+}
+
+TEST_CASE("Far inside, beyond the places that are looked up, the nearest cell of all is found", "[loop]") {
+    const Cells cells(1.5);
+    const CellIndex index(cells.surface, pitch);
+    for (std::uint64_t n = 0; n < 300; ++n) {
+        RandomStream random(4, n);
+        const Eigen::Vector3d d(random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5);
+        const Eigen::Vector3f point =
+            (0.1 * random.uniform() * d.normalized() + Eigen::Vector3d::Constant(1.5)).cast<float>();
+        const std::array<double, 3> p{point.x(), point.y(), point.z()};
+        double least = 1e9;
+        for (std::uint32_t c = 0; c < cells.surface.cells.size(); ++c) least = std::min(least, cells.distance(c, p));
+        CHECK(cells.distance(index.at(point), p) < least + 1e-5);
+    }
 }
 
 TEST_CASE("Places on triangles come from their place in the source triangle", "[loop]") {
