@@ -51,6 +51,15 @@ std::string markup_text(std::string_view text) {
 
 std::string html_text(std::string_view text) { return markup_text(printable(text)); }
 
+std::string link_text(std::string_view path) {
+    std::string link;
+    constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.~/";
+    for (const char c : path)
+        link += plain.find(c) != std::string_view::npos ? std::string(1, c)
+                                                        : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+    return link;
+}
+
 std::string_view page_asset(std::string_view name) {
     for (const EmbeddedFile& file : embedded::page_assets())
         if (file.name == name) return file.text;

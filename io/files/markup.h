@@ -15,6 +15,9 @@ namespace voxtone::io {
 /// For pages that people look at: valid UTF-8 without control characters (base/printable.h), then as above.
 [[nodiscard]] std::string html_text(std::string_view text);
 
+/// A path of the file system as it stands in a link: slashes stay.
+[[nodiscard]] std::string link_text(std::string_view path);
+
 /// By its name without folder and extension.
 [[nodiscard]] std::string_view page_asset(std::string_view name);
 

@@ -151,6 +151,17 @@ struct ReportSection {
     bool printed = false;      ///< also where the page is put on paper
 };
 
+/// One of many bodies in one print.
+struct ReportPart {
+    std::string name, page;  ///< of its own report, seen from this one's folder; empty: none
+    ReportPicture picture;   ///< small; without a file: none
+    std::uint32_t copies = 1;
+    double ml = 0;  ///< of resin, each
+    VerdictLevel level = VerdictLevel::unknown;
+    std::string headline;             ///< of its verdict; may be empty
+    std::optional<double> seen_mean;  ///< CIEDE2000 from the viewing distance
+};
+
 struct Report {
     std::string title;            ///< the model's name
     std::string program_version;  ///< "0.2.0"
@@ -169,7 +180,8 @@ struct Report {
     std::optional<ReportGamut> gamut;
     std::optional<ReportPrediction> prediction;
     std::optional<ReportLoop> loop;
-    std::string prediction_note;  ///< what the prediction is and what it leaves out; one paragraph
+    std::string prediction_note;    ///< what the prediction is and what it leaves out; one paragraph
+    std::vector<ReportPart> parts;  ///< the viewer's worst places are theirs then, one for each
     std::vector<ReportView> views;
     ReportViewer viewer;                  ///< stands in the place of `views` and `layers` where a browser can show it
     std::vector<ReportLayer> layers;      ///< some of them, from the bottom up

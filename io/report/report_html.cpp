@@ -193,6 +193,45 @@ void add_warnings(std::string& html, const Report& report) {
     html += "</ul>\n</section>\n";
 }
 
+/// Which of many bodies is worth a look: the pictures in the order in which they were asked for.
+void add_parts(std::string& html, const Report& report) {
+    if (report.parts.empty()) return;
+    std::uint64_t copies = 0;
+    for (const ReportPart& part : report.parts) copies += part.copies;
+    html += fmt::format(
+        "<section class=\"parts\">\n<h2>Parts</h2>\n<p class=\"soft\">{} bodies, {} in all. A name opens the part's "
+        "own "
+        "page.<span class=\"screen-only\"> A click on a place turns the view above to it.</span></p>\n<div "
+        "class=\"table\"><table>\n<thead><tr><th></th><th>Part</th><th class=\"n\">Copies</th><th class=\"n\">ml each"
+        "</th><th class=\"n\">Difference as seen</th><th>Worst place</th></tr></thead>\n<tbody>\n",
+        report.parts.size(), copies);
+    for (std::size_t i = 0; i < report.parts.size(); ++i) {
+        const ReportPart& part = report.parts[i];
+        const std::string picture = part.picture.file.empty()
+                                        ? std::string()
+                                        : fmt::format("<img alt=\"\" src=\"{}\">", data_url(part.picture));
+        const std::string name = part.page.empty()
+                                     ? html_text(part.name)
+                                     : fmt::format("<a href=\"{}\">{}</a>", link_text(part.page), html_text(part.name));
+        html += fmt::format(
+            "<tr><td class=\"picture\">{}</td><td>{}<small>{}</small></td><td class=\"n\">{}</td><td "
+            "class=\"n\">{:#.3g}"
+            "</td><td class=\"n\"><i class=\"mark {}\"></i>{}</td><td>",
+            picture, name, html_text(part.headline), part.copies, part.ml, name_of(part.level),
+            part.seen_mean ? fmt::format("{:.1f}", *part.seen_mean) : std::string("not predicted"));
+        if (i < report.viewer.worst.size()) {
+            const ViewerPlace& place = report.viewer.worst[i];
+            const std::string text = place.cause.empty()
+                                         ? std::string("show it")
+                                         : fmt::format("{:.1f}: {}", place.seen, html_text(place.cause));
+            html +=
+                fmt::format("<button type=\"button\" class=\"place\" data-place=\"{}\" disabled>{}</button>", i, text);
+        }
+        html += "</td></tr>\n";
+    }
+    html += "</tbody>\n</table></div>\n</section>\n";
+}
+
 void add_views(std::string& html, const Report& report) {
     if (report.views.empty()) return;
     html += fmt::format("<section class=\"views\">\n<h2>{}</h2>\n<div class=\"tabs\"></div>\n",
@@ -460,6 +499,7 @@ std::size_t picture_bytes(const std::vector<ReportPicture>& pictures) {
 std::size_t still_page_bytes(const Report& report) {
     std::size_t bytes = 200'000;  // texts, style, scripts
     for (const ReportView& view : report.views) bytes += picture_bytes(view.pictures);
+    for (const ReportPart& part : report.parts) bytes += picture_bytes({part.picture}) + 600;
     for (const ReportLayer& layer : report.layers) bytes += picture_bytes({layer.picture});
     if (report.loop) bytes += picture_bytes(report.loop->crops) + picture_bytes(report.loop->sections);
     for (const ReportSection& section : report.sections) {
@@ -479,7 +519,8 @@ std::string report_html(const Report& report) {
     add_views(html, report);
     if (report.verdict) add_warnings(html, report);
     if (report.verdict) add_regions(html, report.verdict->regions);
-    html += worst_section(report);
+    add_parts(html, report);
+    if (report.parts.empty()) html += worst_section(report);
     if (is_of_a_stack(report)) add_summary(html, report);
     add_prediction(html, report);
     add_loop(html, report);

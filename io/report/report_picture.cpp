@@ -93,6 +93,12 @@ ReportPicture report_picture(std::string caption, const Picture8& picture, doubl
     return {std::move(caption), webp_bytes(picture), picture.width_px, picture.height_px, px_per_mm};
 }
 
+ReportPicture small_report_picture(const ReportPicture& picture, std::uint32_t most_px) {
+    const std::span<const std::uint8_t> file = picture.file;
+    const Picture8 small = is_webp(file) ? small_webp(file, most_px) : small_png(file, most_px);
+    return report_picture(picture.caption, small, 0);
+}
+
 std::vector<std::uint8_t> small_report_picture(std::string_view html, std::uint32_t most_px) {
     const std::vector<std::byte> bytes = base64_bytes(picture_in(html));
     if (bytes.empty()) return {};

@@ -21,4 +21,7 @@ namespace voxtone::io {
 /// there is no picture.
 [[nodiscard]] std::vector<std::uint8_t> small_report_picture(std::string_view html, std::uint32_t most_px);
 
+/// The same picture, at most `most_px` a side, not to scale.
+[[nodiscard]] ReportPicture small_report_picture(const ReportPicture& picture, std::uint32_t most_px);
+
 }  // namespace voxtone::io

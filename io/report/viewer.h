@@ -84,6 +84,7 @@ struct ViewerPlace {
     Rgb target{}, print{};                    ///< as seen from there
     std::string cause, advice;                ///< a few words each
     std::string name = {};                    ///< instead of where it is; may be empty
+    double span_mm = 0;                       ///< so much of it fills the view; 0: a centimetre
 };
 
 struct ReportViewer {

@@ -30,6 +30,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using io::html_text;
+using io::link_text;
 
 std::string style() {
     std::string text(io::page_asset("style"));
@@ -90,16 +91,6 @@ std::string picture_source(const BatchFolder& folder, const std::string& name) {
     } catch (const Error&) {
         return {};
     }
-}
-
-/// A path of the file system within a link.
-std::string link_text(const std::string& name) {
-    std::string link;
-    constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.~";
-    for (const char c : name)
-        link += plain.find(c) != std::string_view::npos ? std::string(1, c)
-                                                        : fmt::format("%{:02X}", static_cast<unsigned char>(c));
-    return link;
 }
 
 /// Two figures of little, hundredths of more.

@@ -220,6 +220,10 @@ void ColourPrint::draw(io::Report& report, Progress& progress) const {
     add_viewer(sources, report, progress);
 }
 
+std::optional<io::ViewerSurface> ColourPrint::viewer_surface(std::size_t bytes, Progress& progress) const {
+    return slicer::viewer_surface({job_, body_, *colour_, parts_.surface_colour(), prediction_}, bytes, progress);
+}
+
 std::string ColourPrint::summary(const io::Report& report) const { return colour_summary(report); }
 
 }  // namespace voxtone::slicer

@@ -41,6 +41,8 @@ public:
     [[nodiscard]] std::vector<io::ReportStage> stages_after_layers() const override;
     void add_to(io::Report& report) const override;
     void draw(io::Report& report, Progress& progress) const override;
+    [[nodiscard]] std::optional<io::ViewerSurface> viewer_surface(std::size_t bytes, Progress& progress) const override;
+    void forget_looks() override { prediction_.reset(); }
     [[nodiscard]] std::string summary(const io::Report& report) const override;
     [[nodiscard]] std::string written_text() const override { return {}; }
 

@@ -84,17 +84,14 @@ io::ViewerPlace place_of(const ColourReport& s, const JobPrediction& p, std::siz
     return place;
 }
 
-void add_predicted_surface(const ColourReport& s, const JobPrediction& p, std::size_t bytes, io::Report& report) {
-    if (s.body.is_picture) {
-        report.viewer.surface = viewer_picture(p.volume, p.predicted.surface, predicted_looks(p), bytes);
-        return;
-    }
+std::optional<io::ViewerSurface> predicted_surface(const ColourReport& s, const JobPrediction& p, std::size_t bytes) {
+    if (s.body.is_picture) return viewer_picture(p.volume, p.predicted.surface, predicted_looks(p), bytes);
     const io::ColouredMesh mesh = body_mesh(p.volume, {0, 0, 0}, p.predicted);
-    if (mesh.triangles.empty()) return;
+    if (mesh.triangles.empty()) return std::nullopt;
     const double grain_mm = *std::max_element(p.cell_um.begin(), p.cell_um.end()) * 1e-3;
     SurfaceLooks looks = predicted_looks(p);
     looks.looks.push_back(support_look(p));
-    report.viewer.surface = viewer_body(mesh, looks, grain_mm, bytes);
+    return viewer_body(mesh, looks, grain_mm, bytes);
 }
 
 }  // namespace
@@ -123,24 +120,25 @@ std::vector<io::ViewerPlace> worst_places(const ColourReport& s, const JobPredic
     return places;
 }
 
+std::optional<io::ViewerSurface> viewer_surface(const ColourReport& s, std::size_t bytes, const Progress& progress) {
+    if (s.prediction) return predicted_surface(s, *s.prediction, bytes);
+    const std::array painted{
+        PaintedSurface{"target", "what was asked for", target_surface(s)},
+        PaintedSurface{"print", "what the resins can reach on a thick body, by the separation's own model",
+                       separated_surface(s)}};
+    return viewer_painted(painted, s.body.grid.origin_mm, s.body.is_picture, true, bytes, &progress);
+}
+
 void add_viewer(const ColourReport& s, io::Report& report, const Progress& progress) {
     constexpr std::size_t least_bytes = 50'000;  // less shows no surface
     const std::size_t bytes = surface_bytes_left(report);
     progress.check_cancelled();
     if (bytes < least_bytes) return;
-    if (!s.prediction) {
-        const std::array painted{PaintedSurface{"target", "what was asked for", target_surface(s)},
-                                 PaintedSurface{"print",
-                                                "what the resins can reach on a thick body, by the "
-                                                "separation's own model",
-                                                separated_surface(s)}};
-        report.viewer.surface =
-            viewer_painted(painted, s.body.grid.origin_mm, s.body.is_picture, true, bytes, &progress);
-        return;
+    if (s.prediction) {
+        report.viewer.viewing_distance_mm = s.job.options.loop.viewing_distance_mm;
+        report.viewer.worst = worst_places(s, *s.prediction);
     }
-    report.viewer.viewing_distance_mm = s.job.options.loop.viewing_distance_mm;
-    report.viewer.worst = worst_places(s, *s.prediction);
-    add_predicted_surface(s, *s.prediction, bytes, report);
+    report.viewer.surface = viewer_surface(s, bytes, progress);
 }
 
 }  // namespace voxtone::slicer

@@ -7,6 +7,8 @@
 // it, so that one bad patch is named once; none below the verdict's "good".
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "io/report/report.h"
@@ -17,6 +19,10 @@ namespace voxtone::slicer {
 
 /// Everything but the voxels. After the pictures of the report are drawn: the page has room for what is left.
 void add_viewer(const ColourReport& sources, io::Report& report, const Progress& progress);
+
+/// The surface alone, in about so many bytes of a page.
+[[nodiscard]] std::optional<io::ViewerSurface> viewer_surface(const ColourReport& sources, std::size_t bytes,
+                                                              const Progress& progress);
 
 /// The worst first, ten at most.
 [[nodiscard]] std::vector<io::ViewerPlace> worst_places(const ColourReport& sources, const JobPrediction& prediction);

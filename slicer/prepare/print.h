@@ -57,6 +57,13 @@ public:
     virtual void add_to(io::Report& report) const = 0;
     /// Draws its surface, as asked for and as it will be, into the report; writes pictures or meshes beside it.
     virtual void draw(io::Report& report, Progress& progress) const = 0;
+    /// Its surface as the viewer has it, in about so many bytes of a page; nothing where there is none to show.
+    [[nodiscard]] virtual std::optional<io::ViewerSurface> viewer_surface(std::size_t /*bytes*/,
+                                                                          Progress& /*progress*/) const {
+        return std::nullopt;
+    }
+    /// Lets go of what it was seen to look like, once all that has been told.
+    virtual void forget_looks() {}
     /// Lines for a person: how well it shows what was asked for, ...
     [[nodiscard]] virtual std::string summary(const io::Report& report) const = 0;
     /// ... and what was written besides the stack.

@@ -2,6 +2,7 @@
 #include "slicer/tray/tray_job.h"
 
 #include <algorithm>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <utility>
@@ -28,6 +29,7 @@
 #include "slicer/printer/placement.h"
 #include "slicer/tray/joined_parts.h"
 #include "slicer/tray/tray_parts.h"
+#include "slicer/tray/tray_report.h"
 
 namespace voxtone::slicer {
 
@@ -65,21 +67,50 @@ void rearrange(ReadyPart& part, Progress& progress) {
     set_stop_advice({});
 }
 
+/// Voxels of each resin in layers that are not written.
+class ResinCounter {
+public:
+    explicit ResinCounter(std::size_t resins) : voxels_(resins + 1) {}
+    /// From any thread.
+    void add(const io::LayerRuns& layer) {
+        std::vector<std::uint64_t> mine(voxels_.size());
+        for (std::uint32_t y = 0; y < layer.height_px(); ++y)
+            for (const io::Run& run : layer.row(y)) mine[run.material] += run.length;
+        const std::scoped_lock lock(mutex_);
+        for (std::size_t m = 0; m < mine.size(); ++m) voxels_[m] += mine[m];
+    }
+    void fill_in(io::StackDescription& stack) const {
+        for (std::size_t r = 0; r < stack.resins.size(); ++r) {
+            stack.resins[r].voxels = voxels_[r + 1];
+            stack.resins[r].ml = io::millilitres(voxels_[r + 1], stack.pitch_um);
+        }
+    }
+
+private:
+    std::mutex mutex_;
+    std::vector<std::uint64_t> voxels_;
+};
+
 /// Predicts the part alone and writes its report: its layers are made for that, and not written.
-void report_part(ReadyPart& part, const io::StackDescription& stack, Progress& progress) {
+void report_part(ReadyPart& part, io::StackDescription stack, TrayReport& tray, Progress& progress) {
     const Stopwatch watch;
     PreparedJob& ready = *part.ready;
     LayerWatchers watchers;
     const LayerRange& range = ready.plan.layers;
     watchers.thumbnails.emplace(range.first, range.layers(), ready.plan.grid, ready.job.palette());
     watchers.voxels.emplace(range.first, range.layers(), ready.plan.grid);
+    ResinCounter resins(stack.resins.size());
     make_layers(
-        *ready.print, range, [](int, const io::LayerRuns&) {}, watchers, ready.figures, progress);
+        *ready.print, range, [&](int, const io::LayerRuns& layer) { resins.add(layer); }, watchers, ready.figures,
+        progress);
+    resins.fill_in(stack);
     ready.print->look(stack, progress);
     progress.begin_stage(name_of(Phase::report), 0);
     io::Report report = make_report(ready.job, ready.body, stack, *ready.print, ready.figures);
     report.layers = watchers.thumbnails->take();
     part.report = write_report(ready.job, *ready.print, report, watchers.voxels, watch, progress);
+    tray.add(part, report, progress);
+    ready.print->forget_looks();
     progress.end_stage();
 }
 
@@ -94,7 +125,8 @@ ComposedLayers compose(const std::vector<ReadyPart>& parts, const VoxelGrid& gri
     return {grid, std::move(placed)};
 }
 
-void write_layers(const ComposedLayers& layers, io::LayerStackWriter& writer, Progress& progress) {
+void write_layers(const ComposedLayers& layers, io::LayerStackWriter& writer, LayerWatchers& watchers,
+                  Progress& progress) {
     const int count = layers.grid().size[2], depth = layers.slab_layers();
     progress.begin_stage(name_of(Phase::layers), std::uint64_t(count), "layers");
     parallel_for(
@@ -103,6 +135,7 @@ void write_layers(const ComposedLayers& layers, io::LayerStackWriter& writer, Pr
             (void)layers.make(int(slab), 0, count, [&](int k, const io::LayerRuns& layer) {
                 progress.check_cancelled();
                 writer.write(std::uint32_t(k), layer);
+                watchers.see(k, layer);
                 progress.advance();
             });
         },
@@ -173,6 +206,8 @@ std::string summary(const TrayPlan& plan, const std::vector<ReadyPart>& parts, c
         text += fmt::format("  {:<3} {:<16} {:9.3f} ml\n", resin.role, resin.name, resin.ml);
     text += fmt::format("  done in {}; peak memory {:.0f} MB\n", duration_text(seconds),
                         double(peak_memory_bytes()) * 1e-6);
+    if (plan.common.report)
+        text += fmt::format("  report: {}\n", (fs::path(plan.common.out) / report_file::page).string());
     return text;
 }
 
@@ -205,20 +240,29 @@ JobResult run_tray_job(const TrayPlan& plan, Progress& progress) {
 
     const LayerRange all{0, grid.size[2] - 1};
     io::LayerStackWriter writer(std::move(folder), first.describe(grid, all), first.outputs());
+    std::size_t copies = 0;
+    for (const ReadyPart& part : parts) copies += part.alone.size();
+    TrayReport report(copies);
     for (ReadyPart& part : parts) {
         if (part.alone.empty()) continue;
         progress.note(fmt::format("part {}", part.part.name));
         rearrange(part, progress);
         const LayerRange& range = part.ready->plan.layers;
-        if (plan.common.report) report_part(part, first.describe(part.ready->plan.grid, range), progress);
+        if (plan.common.report) report_part(part, first.describe(part.ready->plan.grid, range), report, progress);
     }
     const ComposedLayers layers = compose(parts, grid);
-    write_layers(layers, writer, progress);
+    LayerWatchers watchers;
+    if (plan.common.report) {
+        watchers.thumbnails.emplace(0, grid.size[2], grid, first.palette());
+        watchers.voxels.emplace(0, grid.size[2], grid);
+    }
+    write_layers(layers, writer, watchers, progress);
     const std::vector<double> lost_mm3 = overlaps_mm3(parts, layers, progress);
     progress.begin_stage(name_of(Phase::finish), 0);
     const io::StackDescription stack = writer.finish({}, &progress);
     std::string json = tray_json(parts, lost_mm3, stack, grid);
     io::write_whole_file(out / tray_file_name, json);
+    if (plan.common.report) report.write(out, first, stack, grid, watchers, watch.total(), progress);
     progress.end_stage();
     return {std::move(json), summary(plan, parts, stack, watch.total()), ExitCode::done};
 }

@@ -161,9 +161,9 @@ class Stage {
   }
 
   /// Turns to a place and marks it.
-  visit(place, normal) {
+  visit(place, normal, span) {
     const size = Math.hypot(...this.surface.low.map((low, a) => this.surface.high[a] - low));
-    this.camera.lookAt(place, normal, Math.min(10, size / 4));
+    this.camera.lookAt(place, normal, span || Math.min(10, size / 4));
     this.marked = place;
     this.update();
     // Not along the line of sight: the tip of a thin part is easily missed.

@@ -36,7 +36,7 @@ const showWorst = (stage, worst) => {
     const place = worst[Number(button.dataset.place)];
     button.disabled = false;
     button.addEventListener("click", () => {
-      stage.visit(place.at_mm, place.normal);
+      stage.visit(place.at_mm, place.normal, place.span_mm);
       document.getElementById("viewer").scrollIntoView({ block: "nearest" });
     });
   }

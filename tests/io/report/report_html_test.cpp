@@ -106,6 +106,29 @@ TEST_CASE("Pictures are in the page as they are") {
     }
 }
 
+TEST_CASE("Parts of a tray are listed with their figures, each with its page and the place to turn to") {
+    Report report = sample("calm");
+    ReportPart cow, nameless;
+    cow.name = "cow & calf", cow.page = "parts/cow & calf/report.html", cow.picture = picture("", 0);
+    nameless.name = evil;
+    cow.copies = 20, cow.ml = 1.234, cow.level = VerdictLevel::fair, cow.headline = "Nearly", cow.seen_mean = 3.14;
+    report.parts = {cow, nameless};
+    report.viewer.worst.resize(2);
+    report.viewer.worst[0].seen = 9.87, report.viewer.worst[0].cause = "thin walls";
+    const std::string html = report_html(report);
+    CHECK_THAT(html, Contains("2 bodies, 21 in all"));
+    CHECK_THAT(html,
+               Contains("<a href=\"parts/cow%20%26%20calf/report.html\">cow &amp; calf</a><small>Nearly</small>"));
+    CHECK_THAT(html, Contains("<td class=\"n\">20</td><td class=\"n\">1.23</td>"));
+    CHECK_THAT(html, Contains("<i class=\"mark fair\"></i>3.1</td>"));
+    CHECK_THAT(html, Contains("data-place=\"0\" disabled>9.9: thin walls</button>"));
+    CHECK_THAT(html, Contains("data-place=\"1\" disabled>show it</button>"));
+    CHECK_THAT(html, Contains("<i class=\"mark unknown\"></i>not predicted</td>"));
+    CHECK(count(html, "Where it is worst") == 0);  // the parts say so
+    CHECK(count(html, "<script>alert") == 0);
+    CHECK(still_page_bytes(report) > html.size() / 2);
+}
+
 TEST_CASE("Drawings are in the page as they are, their captions as text") {
     const std::string html = report_html(sample("profile <1>"));
     CHECK(count(html, "<svg id=\"curve\"></svg><figcaption>profile &lt;1&gt;</figcaption>") == 1);

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/tray/tray_report.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include "base/peak_memory.h"
+#include "io/files/whole_file.h"
+#include "io/layers/stack_folder.h"
+#include "io/programs/build_identity.h"
+#include "io/report/report_html.h"
+#include "io/report/report_picture.h"
+#include "slicer/kept/report_files.h"
+#include "slicer/look/composed_surface.h"
+#include "slicer/look/report_views.h"
+#include "slicer/look/viewer_surface.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+/// Of the page, for the surfaces of all copies; the rest is for pictures and voxels.
+constexpr std::size_t surface_bytes = 3'600'000;
+
+io::ReportPart row_of(const ReadyPart& part, const io::Report& own) {
+    constexpr std::uint32_t most_px = 112;  // shown half as large
+    io::ReportPart row;
+    row.name = part.ready->body.name.empty() ? part.part.name : part.ready->body.name;
+    row.page = fmt::format("{}/{}/{}", io::parts_name, part.part.name, report_file::page);
+    // Asked for, then expected where that is known, then what is between them.
+    if (!own.views.empty() && !own.views[0].pictures.empty()) {
+        const std::vector<io::ReportPicture>& pictures = own.views[0].pictures;
+        row.picture = io::small_report_picture(pictures[std::min<std::size_t>(1, pictures.size() - 1)], most_px);
+    }
+    row.copies = static_cast<std::uint32_t>(part.alone.size());
+    for (const io::ReportResin& resin : own.resins) row.ml += resin.ml;
+    if (own.verdict) {
+        row.level = own.verdict->level;
+        row.headline = own.verdict->headline;
+        row.seen_mean = own.verdict->seen_mean;
+    }
+    return row;
+}
+
+/// The part's worst place, or its top where nothing is worth naming.
+io::ViewerPlace place_of(const ReadyPart& part, const io::Report& own) {
+    const VoxelGrid& grid = part.ready->body.grid;
+    const Eigen::Vector3d size = grid.pitch_mm.cwiseProduct(Eigen::Vector3d(grid.size[0], grid.size[1], grid.size[2]));
+    io::ViewerPlace place;
+    if (own.viewer.worst.empty()) {
+        place.at_mm = {size.x() / 2, size.y() / 2, size.z()};
+        place.normal = {0, -0.5, 0.8660254};
+    } else {
+        place = own.viewer.worst[0];
+    }
+    place.span_mm = 1.3 * size.maxCoeff();
+    return place;
+}
+
+std::string names_of(const std::vector<const io::ReportPart*>& parts) {
+    constexpr std::size_t most = 5;
+    std::vector<std::string> names;
+    for (const io::ReportPart* part : parts) names.push_back(part->name);
+    if (names.size() <= most) return fmt::format("{}", fmt::join(names, ", "));
+    const std::size_t more = names.size() - most;
+    names.resize(most);
+    return fmt::format("{} and {} more", fmt::join(names, ", "), more);
+}
+
+void add_print(const OpenedJob& job, const io::StackDescription& stack, const VoxelGrid& grid, io::Report& report) {
+    report.program_version = io::program_version();
+    report.printer_id = job.printer.id;
+    report.printer_name = job.printer.name;
+    report.pitch_um = stack.pitch_um;
+    report.size_px = {stack.size_px[0], stack.size_px[1], stack.layers};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        report.size_mm[axis] = grid.size[axis] * grid.pitch_mm[Eigen::Index(axis)];
+    for (std::size_t r = 0; r < stack.resins.size(); ++r) {
+        const io::StackResin& resin = stack.resins[r];
+        report.resins.push_back(
+            {job.resins.set.resins[r].name, resin.role, resin.name, resin.rgb, resin.voxels, resin.ml});
+        report.body_voxels += resin.voxels;
+    }
+    report.warnings = job.printer.warnings();
+}
+
+}  // namespace
+
+void TrayReport::add(const ReadyPart& part, const io::Report& own, Progress& progress) {
+    constexpr std::size_t least_bytes = 12'000;
+    Entry entry{row_of(part, own), std::nullopt, place_of(part, own), {}};
+    for (const std::array<int, 3>& at : part.alone)
+        entry.at_mm.emplace_back(part.ready->body.grid.pitch_mm.cwiseProduct(Eigen::Vector3d(at[0], at[1], at[2])));
+    entry.surface = part.ready->print->viewer_surface(
+        std::max(least_bytes, surface_bytes / std::max<std::size_t>(1, copies_)), progress);
+    entries_.push_back(std::move(entry));
+}
+
+void TrayReport::add_surface(io::Report& report, Progress& progress) const {
+    std::vector<PlacedSurface> placed;
+    for (const Entry& entry : entries_)
+        if (entry.surface) placed.push_back({&*entry.surface, entry.at_mm});
+    if (placed.empty()) return;
+    report.viewer.surface = compose_surfaces(placed);
+    const io::ViewerSurface& surface = *report.viewer.surface;
+    std::vector<Eigen::Vector3d> positions;
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    if (surface.looks.empty()) return;
+    ReportViews views(coloured_surface(surface, surface.looks[0], positions, triangles), false, 0, report, progress);
+    for (const io::ViewerLook& look : surface.looks)
+        if (look.name == surface.asked || look.name == surface.expected)
+            views.add(look.name == surface.asked ? "asked for" : "expected",
+                      coloured_surface(surface, look, positions, triangles));
+}
+
+io::ReportVerdict TrayReport::verdict() const {
+    std::vector<const io::ReportPart*> bad, fair, unknown;
+    for (const Entry& entry : entries_) {
+        if (entry.row.level == io::VerdictLevel::bad) bad.push_back(&entry.row);
+        if (entry.row.level == io::VerdictLevel::fair) fair.push_back(&entry.row);
+        if (entry.row.level == io::VerdictLevel::unknown) unknown.push_back(&entry.row);
+    }
+    io::ReportVerdict verdict;
+    const std::size_t all = entries_.size();
+    if (!bad.empty()) {
+        verdict.level = io::VerdictLevel::bad;
+        verdict.headline = fmt::format("{} of {} bodies will not look as asked", bad.size(), all);
+        verdict.why = names_of(bad) + ". Each has its reason and what to try on its own page.";
+    } else if (!fair.empty()) {
+        verdict.level = io::VerdictLevel::fair;
+        verdict.headline = fmt::format("{} of {} bodies will look nearly as asked", fair.size(), all);
+        verdict.why = names_of(fair) + ". What limits them is on their own pages.";
+    } else if (unknown.size() < all) {
+        verdict.level = io::VerdictLevel::good;
+        verdict.headline = all == unknown.size() + 1 ? "It will look as asked" : "All bodies will look as asked";
+    } else {
+        verdict.headline = "Nothing was predicted";
+    }
+    if (!unknown.empty() && unknown.size() < all) verdict.why += " Not predicted: " + names_of(unknown) + ".";
+    verdict.sentence = verdict.headline + ". " + verdict.why;
+    return verdict;
+}
+
+void TrayReport::write(const std::filesystem::path& out, const OpenedJob& job, const io::StackDescription& stack,
+                       const VoxelGrid& grid, LayerWatchers& watchers, double seconds, Progress& progress) {
+    io::Report report;
+    report.title = out.filename().empty() ? out.parent_path().filename().string() : out.filename().string();
+    add_print(job, stack, grid, report);
+    report.verdict = verdict();
+    report.viewer.viewing_distance_mm = job.options.loop.viewing_distance_mm;
+    for (const Entry& entry : entries_) {
+        report.parts.push_back(entry.row);
+        io::ViewerPlace place = entry.worst;
+        for (std::size_t axis = 0; axis < 3; ++axis) place.at_mm[axis] += entry.at_mm[0][Eigen::Index(axis)];
+        report.viewer.worst.push_back(std::move(place));
+    }
+    report.layers = watchers.thumbnails->take();
+    add_surface(report, progress);
+    report.viewer.voxels = watchers.voxels->take(voxel_bytes_left(report));
+    report.viewer.voxels->layer_file = io::StackDescription{}.pattern;
+    report.total_seconds = seconds;
+    report.peak_memory_bytes = peak_memory_bytes();
+    io::write_whole_file(out / report_file::page, io::report_html(report));
+}
+
+}  // namespace voxtone::slicer
