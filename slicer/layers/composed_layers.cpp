@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <numeric>
 #include <optional>
@@ -18,29 +19,28 @@ namespace {
 
 /// A part as it stands in one layer of the print.
 struct Standing {
-    const io::LayerRuns* layer;
-    int left, bottom;  ///< columns, and rows counted upward, of the print
+    const SlabLayers* layers;
+    std::array<int, 3> at;
+    int k, width, height;  ///< of the part's own
     bool cuts;
     std::size_t part;
 
-    [[nodiscard]] int right() const { return left + static_cast<int>(layer->width_px()); }
-    /// Runs in row `j`, counted upward in the print; empty: none.
-    [[nodiscard]] std::span<const io::Run> row(int j) const {
-        const int height = static_cast<int>(layer->height_px()), y = height - 1 - (j - bottom);
-        if (y < 0 || y >= height) return {};
-        return layer->row(static_cast<std::uint32_t>(y));
-    }
+    [[nodiscard]] int left() const { return at[0]; }
+    [[nodiscard]] int right() const { return at[0] + width; }
+    [[nodiscard]] bool reaches(int j) const { return j >= at[1] && j < at[1] + height; }
+    /// Appends row `j`, counted upward in the print, which it reaches.
+    void push_row(int j, io::LayerRuns& out) const { layers->push_row(j - at[1], k, at, out); }
 };
 
 /// Parts beside each other, from the left: run after run.
 void push_beside(std::span<const Standing* const> parts, int j, int width, io::LayerRuns& out) {
     int i = 0;
     for (const Standing* part : parts) {
-        const std::span<const io::Run> runs = part->row(j);
-        if (runs.empty()) continue;
-        out.push(static_cast<std::uint32_t>(part->left - i), io::background);
-        for (const io::Run& run : runs)
-            out.push(run.length, part->cuts ? io::background : static_cast<io::Material>(run.material));
+        out.push(static_cast<std::uint32_t>(part->left() - i), io::background);
+        if (part->cuts)
+            out.push(static_cast<std::uint32_t>(part->width), io::background);
+        else
+            part->push_row(j, out);
         i = part->right();
     }
     out.push(static_cast<std::uint32_t>(width - i), io::background);
@@ -57,8 +57,12 @@ public:
         std::fill(material_.begin(), material_.end(), io::background);
         std::fill(owner_.begin(), owner_.end(), nobody);
         for (const Standing& part : parts) {
-            auto i = static_cast<std::size_t>(part.left);
-            for (const io::Run& run : part.row(j)) {
+            if (!part.reaches(j)) continue;
+            io::LayerRuns row(static_cast<std::uint32_t>(part.width), 1);
+            part.push_row(j, row);
+            row.end_row();
+            auto i = static_cast<std::size_t>(part.left());
+            for (const io::Run& run : row.row(0)) {
                 if (run.material != io::background) take(part, i, i + run.length, run.material, lost);
                 i += run.length;
             }
@@ -83,47 +87,39 @@ private:
     std::vector<std::uint32_t> owner_;
 };
 
-/// The layers [first, last) of the print as the parts have them, each source made once for each height it stands at.
-class PartLayers {
+/// The slabs that reach the layers [first, last) of the print, each made once for each height its source stands at.
+class PartSlabs {
 public:
-    PartLayers(const std::vector<PlacedPart>& parts, int first, int last, LayerCounts& counts) : first_(first) {
+    PartSlabs(const std::vector<PlacedPart>& parts, int first, int last, LayerCounts& counts) {
         for (const PlacedPart& part : parts) {
-            const Key key{part.layers.get(), part.at[2]};
-            const auto [entry, is_new] = made_.try_emplace(key);
-            if (is_new) make(*part.layers, part.at[2], first, last, entry->second, counts);
+            const auto [entry, is_new] = made_.try_emplace({part.layers.get(), part.at[2]});
+            const int begin = std::max(first - part.at[2], 0),
+                      end = std::min(last - part.at[2], part.layers->grid().size[2]);
+            if (!is_new || begin >= end) continue;
+            const int depth = part.layers->slab_layers();
+            for (int slab = begin / depth; slab <= (end - 1) / depth; ++slab)
+                entry->second.emplace(slab, part.layers->slab_layers_of(slab, begin, end, counts));
         }
     }
-    [[nodiscard]] const io::LayerRuns* layer(const PlacedPart& part, int k) const {
-        const auto& layers = made_.at({part.layers.get(), part.at[2]});
-        const auto& layer = layers[static_cast<std::size_t>(k - first_)];
-        return layer ? &*layer : nullptr;
+    /// Null where the part has nothing at layer `k` of the print.
+    [[nodiscard]] const SlabLayers* at(const PlacedPart& part, int k) const {
+        const int own = k - part.at[2];
+        if (own < 0 || own >= part.layers->grid().size[2]) return nullptr;
+        return made_.at({part.layers.get(), part.at[2]}).at(own / part.layers->slab_layers()).get();
     }
 
 private:
-    using Key = std::pair<const LayerSource*, int>;
-    using Layers = std::vector<std::optional<io::LayerRuns>>;
-
-    static void make(const LayerSource& source, int bottom, int first, int last, Layers& layers, LayerCounts& counts) {
-        layers.resize(static_cast<std::size_t>(last - first));
-        const int begin = std::max(first - bottom, 0), end = std::min(last - bottom, source.grid().size[2]);
-        if (begin >= end) return;
-        const int depth = source.slab_layers();
-        for (int slab = begin / depth; slab <= (end - 1) / depth; ++slab)
-            counts += source.make(slab, begin, end, [&](int k, const io::LayerRuns& layer) {
-                layers[static_cast<std::size_t>(k + bottom - first)].emplace(layer);
-            });
-    }
-
-    int first_;
-    std::map<Key, Layers> made_;
+    std::map<std::pair<const LayerSource*, int>, std::map<int, std::unique_ptr<const SlabLayers>>> made_;
 };
 
 std::vector<Standing> standing_in(const std::vector<PlacedPart>& parts, std::span<const std::size_t> order,
-                                  const PartLayers& made, int k) {
+                                  const PartSlabs& made, int k) {
     std::vector<Standing> standing;
     for (const std::size_t p : order)
-        if (const io::LayerRuns* layer = made.layer(parts[p], k))
-            standing.push_back({layer, parts[p].at[0], parts[p].at[1], parts[p].cuts, p});
+        if (const SlabLayers* layers = made.at(parts[p], k)) {
+            const auto& size = parts[p].layers->grid().size;
+            standing.push_back({layers, parts[p].at, k - parts[p].at[2], size[0], size[1], parts[p].cuts, p});
+        }
     return standing;
 }
 
@@ -131,10 +127,10 @@ std::vector<Standing> standing_in(const std::vector<PlacedPart>& parts, std::spa
 std::optional<std::vector<const Standing*>> beside_each_other(std::span<const Standing> parts, int j) {
     std::vector<const Standing*> here;
     for (const Standing& part : parts)
-        if (!part.row(j).empty()) here.push_back(&part);
-    std::ranges::sort(here, {}, [](const Standing* part) { return part->left; });
+        if (part.reaches(j)) here.push_back(&part);
+    std::ranges::sort(here, {}, [](const Standing* part) { return part->left(); });
     for (std::size_t p = 1; p < here.size(); ++p)
-        if (here[p]->left < here[p - 1]->right()) return std::nullopt;
+        if (here[p]->left() < here[p - 1]->right()) return std::nullopt;
     return here;
 }
 
@@ -158,7 +154,7 @@ LayerCounts ComposedLayers::make(int slab, int k_begin, int k_end, const LayerSi
               last = std::min({k_end, (slab + 1) * slab_layers_, grid_.size[2]});
     LayerCounts counts;
     if (first >= last) return counts;
-    const PartLayers made(parts_, first, last, counts);
+    const PartSlabs made(parts_, first, last, counts);
     Stopwatch watch;
     Row overlaid(grid_.size[0]);
     for (int k = first; k < last; ++k) {
@@ -179,25 +175,46 @@ LayerCounts ComposedLayers::make(int slab, int k_begin, int k_end, const LayerSi
     return counts;
 }
 
+bool ComposedLayers::boxes_overlap(int first, int last) const {
+    const auto low = [&](const PlacedPart& part, std::size_t axis) {
+        return axis == 2 ? std::max(part.at[2], first) : part.at[axis];
+    };
+    const auto high = [&](const PlacedPart& part, std::size_t axis) {
+        const int end = part.at[axis] + part.layers->grid().size[axis];
+        return axis == 2 ? std::min(end, last) : end;
+    };
+    for (std::size_t a = 0; a < parts_.size(); ++a)
+        for (std::size_t b = a + 1; b < parts_.size(); ++b) {
+            bool overlap = true;
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                overlap = overlap && std::max(low(parts_[a], axis), low(parts_[b], axis)) <
+                                         std::min(high(parts_[a], axis), high(parts_[b], axis));
+            if (overlap) return true;
+        }
+    return false;
+}
+
 std::vector<std::uint64_t> ComposedLayers::overlapped(int k_begin, int k_end) const {
     std::vector<std::uint64_t> lost(parts_.size());
     std::mutex mutex;
+    const auto count = [&](std::size_t slab) {
+        const int first = std::max(k_begin, static_cast<int>(slab) * slab_layers_),
+                  last = std::min({k_end, (static_cast<int>(slab) + 1) * slab_layers_, grid_.size[2]});
+        if (!boxes_overlap(first, last)) return;
+        LayerCounts counts;
+        const PartSlabs made(parts_, first, last, counts);
+        std::vector<std::uint64_t> mine(parts_.size());
+        Row row(grid_.size[0]);
+        for (int k = first; k < last; ++k) {
+            const std::vector<Standing> standing = standing_in(parts_, order_, made, k);
+            for (int j = 0; j < grid_.size[1]; ++j)
+                if (!beside_each_other(standing, j)) row.lay(standing, j, &mine);
+        }
+        const std::scoped_lock lock(mutex);
+        for (std::size_t p = 0; p < lost.size(); ++p) lost[p] += mine[p];
+    };
     parallel_for(static_cast<std::size_t>(k_begin / slab_layers_),
-                 static_cast<std::size_t>((k_end + slab_layers_ - 1) / slab_layers_), 1, [&](std::size_t slab) {
-                     const int first = std::max(k_begin, static_cast<int>(slab) * slab_layers_),
-                               last = std::min({k_end, (static_cast<int>(slab) + 1) * slab_layers_, grid_.size[2]});
-                     LayerCounts counts;
-                     const PartLayers made(parts_, first, last, counts);
-                     std::vector<std::uint64_t> mine(parts_.size());
-                     Row row(grid_.size[0]);
-                     for (int k = first; k < last; ++k) {
-                         const std::vector<Standing> standing = standing_in(parts_, order_, made, k);
-                         for (int j = 0; j < grid_.size[1]; ++j)
-                             if (!beside_each_other(standing, j)) row.lay(standing, j, &mine);
-                     }
-                     const std::scoped_lock lock(mutex);
-                     for (std::size_t p = 0; p < lost.size(); ++p) lost[p] += mine[p];
-                 });
+                 static_cast<std::size_t>((k_end + slab_layers_ - 1) / slab_layers_), 1, count);
     return lost;
 }
 

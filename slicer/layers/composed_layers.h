@@ -4,7 +4,8 @@
 // fill a voxel, it is the one of higher priority that has it, and of equal ones the later in the list. A part that cuts
 // leaves air where it would have filled.
 //
-// A part that stands at several places is made once for each slab of the print, and laid down as often.
+// A part that stands at several places is made once for each slab of the print and laid down as often; its screen is
+// addressed in the print's voxels, so that copies differ in voxels and not in looks.
 #pragma once
 
 #include <array>
@@ -37,6 +38,9 @@ public:
     [[nodiscard]] std::vector<std::uint64_t> overlapped(int k_begin, int k_end) const;
 
 private:
+    /// Between these layers; where none do no voxel needs a look.
+    [[nodiscard]] bool boxes_overlap(int first, int last) const;
+
     VoxelGrid grid_;
     std::vector<PlacedPart> parts_;   ///< as given
     std::vector<std::size_t> order_;  ///< in which they are laid down: later ones win

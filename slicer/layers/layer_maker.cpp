@@ -10,13 +10,14 @@
 #include "halftone/screens/error_diffusion.h"
 #include "slicer/layers/block_mixtures.h"
 #include "slicer/layers/diffused_layers.h"
+#include "slicer/layers/row_of_runs.h"
+#include "slicer/layers/screened_slab.h"
 
 namespace voxtone::slicer {
 
 namespace {
 
 constexpr int block_width = ShellBlock::width;
-constexpr io::Material no_shell = 0xff;
 
 /// The near blocks of one row of blocks: which columns they stand in, and for each of their voxels the material, or
 /// `no_shell` where the voxel is core or air.
@@ -51,33 +52,19 @@ private:
     std::vector<io::Material> materials_;
 };
 
-/// One row of voxels as runs: air outside the spans, in them core except where a near block says otherwise.
-void push_row(io::LayerRuns& layer, int width, std::span<const Span> spans, const Strip& strip, int strip_row,
-              io::Material core) {
-    int i = 0;
-    std::size_t block = 0;
-    for (const Span& span : spans) {
-        layer.push(std::uint32_t(span.begin - i), io::background);
-        i = span.begin;
-        while (block < strip.blocks() && strip.column(block) + block_width <= i) ++block;
-        // A block may reach into the next span too, so it is not passed over before its end.
-        for (std::size_t b = block; i < span.end && b < strip.blocks() && strip.column(b) < span.end; ++b) {
-            if (strip.shell(b, strip_row) == 0) continue;
-            const int begin = strip.column(b);
-            if (begin > i) layer.push(std::uint32_t(begin - i), core), i = begin;
-            const int end = std::min(begin + block_width, span.end);
-            const io::Material* materials = strip.materials(b, strip_row);
-            for (; i < end; ++i) {
-                const io::Material material = materials[i - begin];
-                layer.push(1, material == no_shell ? core : material);
-            }
-        }
-        layer.push(std::uint32_t(span.end - i), core);
-        i = span.end;
-    }
-    layer.push(std::uint32_t(width - i), io::background);
-    layer.end_row();
-}
+/// One row of voxels of a strip.
+class StripRow {
+public:
+    StripRow(const Strip& strip, int row) : strip_(strip), row_(row) {}
+    [[nodiscard]] std::size_t blocks() const { return strip_.blocks(); }
+    [[nodiscard]] int column(std::size_t b) const { return strip_.column(b); }
+    [[nodiscard]] std::uint8_t shell(std::size_t b) const { return strip_.shell(b, row_); }
+    [[nodiscard]] const io::Material* materials(std::size_t b) const { return strip_.materials(b, row_); }
+
+private:
+    const Strip& strip_;
+    int row_;
+};
 
 bool shows_core_only(const LayerSources& s) {
     if (s.core_only || s.surface.triangles.empty()) return true;
@@ -123,6 +110,15 @@ LayerCounts LayerMaker::make(int slab, int k_begin, int k_end, const LayerSink& 
     return make_diffused_layers(sources_, std::get<MixtureSources>(sources_.resins), slab, first, last, sink);
 }
 
+std::unique_ptr<const SlabLayers> LayerMaker::slab_layers_of(int slab, int k_begin, int k_end,
+                                                             LayerCounts& counts) const {
+    const auto* by_colour = std::get_if<MixtureSources>(&sources_.resins);
+    if (all_core_ || !by_colour || !by_colour->screen) return LayerSource::slab_layers_of(slab, k_begin, k_end, counts);
+    const int first = std::max(k_begin, slab * slab_layers());
+    const int last = std::min({k_end, (slab + 1) * slab_layers(), sources_.solid.grid().size[2]});
+    return std::make_unique<ScreenedSlab>(sources_, slab, first, std::max(first, last), counts);
+}
+
 LayerCounts LayerMaker::make_screened(int slab, int first, int last, const LayerSink& sink) const {
     const VoxelGrid& grid = sources_.solid.grid();
     LayerCounts counts;
@@ -147,10 +143,12 @@ LayerCounts LayerMaker::make_screened(int slab, int first, int last, const Layer
             });
         counts.shell_s += watch.lap();
         for (int k = first; k < last; ++k)
-            for (int j = std::min((bj + 1) * block_height, grid.size[1]) - 1; j >= bj * block_height; --j)
-                push_row(layers[std::size_t(k - first)], grid.size[0], spans.row(j, k), strip,
-                         all_core_ ? 0 : (k - slab * block_depth) * block_height + (j - bj * block_height),
+            for (int j = std::min((bj + 1) * block_height, grid.size[1]) - 1; j >= bj * block_height; --j) {
+                const int row = all_core_ ? 0 : (k - slab * block_depth) * block_height + (j - bj * block_height);
+                push_row(layers[std::size_t(k - first)], grid.size[0], spans.row(j, k), StripRow(strip, row),
                          sources_.core);
+                layers[std::size_t(k - first)].end_row();
+            }
         counts.runs_s += watch.lap();
     }
     for (int k = first; k < last; ++k) sink(k, layers[std::size_t(k - first)]);

@@ -22,6 +22,9 @@ public:
     [[nodiscard]] const VoxelGrid& grid() const override { return sources_.solid.grid(); }
     [[nodiscard]] int slab_layers() const override;
     LayerCounts make(int slab, int k_begin, int k_end, const LayerSink& sink) const override;
+    /// Each copy is screened where it stands; error diffusion and stacks are the same everywhere.
+    [[nodiscard]] std::unique_ptr<const SlabLayers> slab_layers_of(int slab, int k_begin, int k_end,
+                                                                   LayerCounts& counts) const override;
 
 private:
     LayerCounts make_screened(int slab, int first, int last, const LayerSink& sink) const;

@@ -4,7 +4,9 @@
 // places such parts in its own grid; a part knows its own voxels alone.
 #pragma once
 
+#include <array>
 #include <functional>
+#include <memory>
 
 #include "io/layers/layer_runs.h"
 #include "slicer/layers/layer_counts.h"
@@ -14,6 +16,18 @@ namespace voxtone::slicer {
 
 /// Takes finished layers, from the bottom up.
 using LayerSink = std::function<void(int k, const io::LayerRuns& layer)>;
+
+/// Layers of one slab, to be laid down wherever their part stands in a print.
+class SlabLayers {
+public:
+    SlabLayers() = default;
+    SlabLayers(const SlabLayers&) = delete;
+    SlabLayers& operator=(const SlabLayers&) = delete;
+    virtual ~SlabLayers() = default;
+    /// Appends row `j`, counted upward, of layer `k` of the part, and leaves it open. `at`: of the part's corner in the
+    /// print's voxels, which a screen is addressed in. From any thread.
+    virtual void push_row(int j, int k, const std::array<int, 3>& at, io::LayerRuns& out) const = 0;
+};
 
 class LayerSource {
 public:
@@ -29,6 +43,10 @@ public:
     /// Makes the layers of [k_begin, k_end) that lie in this slab, from the bottom up, and hands each to `sink`. May be
     /// called from any thread, for different slabs at once.
     virtual LayerCounts make(int slab, int k_begin, int k_end, const LayerSink& sink) const = 0;
+    /// The same layers for as many places as are wanted; at {0, 0, 0} they are those that `make` makes. As it stands
+    /// here: the same voxels everywhere.
+    [[nodiscard]] virtual std::unique_ptr<const SlabLayers> slab_layers_of(int slab, int k_begin, int k_end,
+                                                                           LayerCounts& counts) const;
 };
 
 }  // namespace voxtone::slicer

@@ -22,6 +22,7 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 using voxtone::test::made_voxels;
 using voxtone::test::MadeVoxels;
+using voxtone::test::placed_voxels;
 
 namespace {
 
@@ -188,6 +189,39 @@ TEST_CASE("Two walls with a gap: every voxel has the resin of its nearest triang
             CHECK(made.counts.body_voxels == std::uint64_t(34 - 2 - gap) * 4 * 5);
             CHECK(shell_voxels < made.counts.body_voxels);  // there is core
         }
+}
+
+TEST_CASE("A copy of a part is screened where it stands in its print") {
+    const Walls walls(3, 2);
+    const Body body(walls.mesh(), walls.grid, 0.06, random_colours(24, 9));
+    const LayerSources sources = body.sources(&screen());
+    const int layers = walls.grid.size[2];
+    const MadeVoxels at_home = made_voxels(sources);
+    CHECK(placed_voxels(sources, {0, 0, 0}, 0, layers).materials == at_home.materials);
+    // The screen repeats.
+    CHECK(placed_voxels(sources, {64, 128, 64}, 0, layers).materials == at_home.materials);
+    for (const std::array<int, 3>& at : {std::array{7, 0, 0}, std::array{0, 5, 0}, std::array{100, 33, 12}}) {
+        CAPTURE(at[0], at[1], at[2]);
+        const MadeVoxels made = placed_voxels(sources, at, 0, layers);
+        std::uint64_t shell_voxels = 0;
+        const std::size_t wrong =
+            wrong_voxels(body, made, walls, shell_voxels,
+                         [&](int i, int j, int k, const std::vector<std::uint32_t>& near, io::Material material) {
+                             const std::uint16_t threshold = screen().threshold(i + at[0], j + at[1], k + at[2]);
+                             return std::any_of(near.begin(), near.end(), [&](std::uint32_t t) {
+                                 return material == 1 + halftone::select_resin(body.mixture(t), threshold, resins);
+                             });
+                         });
+        CHECK(wrong == 0);
+        CHECK(made.counts.shell_voxels == shell_voxels);
+        CHECK(made.materials != at_home.materials);
+        // Some of its layers, from within a block.
+        const MadeVoxels some = placed_voxels(sources, at, 2, 5);
+        const std::size_t layer = std::size_t(walls.grid.size[0]) * std::size_t(walls.grid.size[1]);
+        CHECK(std::equal(some.materials.begin() + std::ptrdiff_t(2 * layer),
+                         some.materials.begin() + std::ptrdiff_t(5 * layer),
+                         made.materials.begin() + std::ptrdiff_t(2 * layer)));
+    }
 }
 
 TEST_CASE("Layers are the same whichever are asked for, also from within a block") {

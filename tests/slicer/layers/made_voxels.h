@@ -3,6 +3,8 @@
 // Layers as voxels, for tests that look at each of them.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -40,6 +42,28 @@ struct MadeVoxels {
 
 [[nodiscard]] inline MadeVoxels made_voxels(const slicer::LayerSources& sources) {
     return made_voxels(sources, 0, sources.solid.grid().size[2]);
+}
+
+/// The same for a part whose corner stands at `at` of a print, in layers [k_begin, k_end).
+[[nodiscard]] inline MadeVoxels placed_voxels(const slicer::LayerSources& sources, const std::array<int, 3>& at,
+                                              int k_begin, int k_end) {
+    MadeVoxels made{sources.solid.grid(), {}, {}};
+    made.materials.assign(made.grid.voxels(), io::background);
+    const slicer::LayerMaker maker(sources);
+    const int depth = maker.slab_layers();
+    for (int slab = k_begin / depth; slab * depth < k_end; ++slab) {
+        const auto layers = maker.slab_layers_of(slab, k_begin, k_end, made.counts);
+        for (int k = std::max(k_begin, slab * depth); k < std::min(k_end, (slab + 1) * depth); ++k)
+            for (int j = 0; j < made.grid.size[1]; ++j) {
+                io::LayerRuns row(std::uint32_t(made.grid.size[0]), 1);
+                layers->push_row(j, k, at, row);
+                row.end_row();
+                std::size_t next = made.index(0, j, k);
+                for (const io::Run run : row.row(0))
+                    for (int n = 0; n < run.length; ++n) made.materials[next++] = io::Material(run.material);
+            }
+    }
+    return made;
 }
 
 }  // namespace voxtone::test

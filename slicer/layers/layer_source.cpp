@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/layers/layer_source.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace voxtone::slicer {
+
+namespace {
+
+/// Layers as they were made.
+class MadeLayers final : public SlabLayers {
+public:
+    explicit MadeLayers(int first) : first_(first) {}
+    void add(const io::LayerRuns& layer) { layers_.push_back(layer); }
+    void push_row(int j, int k, const std::array<int, 3>&, io::LayerRuns& out) const override {
+        const io::LayerRuns& layer = layers_[static_cast<std::size_t>(k - first_)];
+        for (const io::Run& run : layer.row(layer.height_px() - 1 - static_cast<std::uint32_t>(j)))
+            out.push(run.length, static_cast<io::Material>(run.material));
+    }
+
+private:
+    int first_;
+    std::vector<io::LayerRuns> layers_;
+};
+
+}  // namespace
+
+std::unique_ptr<const SlabLayers> LayerSource::slab_layers_of(int slab, int k_begin, int k_end,
+                                                              LayerCounts& counts) const {
+    auto made = std::make_unique<MadeLayers>(std::max(k_begin, slab * slab_layers()));
+    counts += make(slab, k_begin, k_end, [&](int, const io::LayerRuns& layer) { made->add(layer); });
+    return made;
+}
+
+}  // namespace voxtone::slicer
