@@ -12,6 +12,7 @@
 #include "slicer/options/job_file.h"
 #include "slicer/options/option_scope.h"
 #include "slicer/options/option_table.h"
+#include "slicer/options/option_values.h"
 
 namespace voxtone::cli {
 
@@ -65,6 +66,7 @@ std::optional<std::string> said(const JobArguments& arguments, const OptionSpec&
     const auto option = arguments.options.find(spec.key);
     if (option == arguments.options.end() || option->second->count() == 0) return std::nullopt;
     if (spec.kind() == OptionSpec::Kind::flag) return arguments.flags.at(spec.key) ? "true" : "false";
+    if (spec.key == "model" && arguments.takes_many) return arguments.models.front();
     const std::string& value = arguments.values.at(spec.key);
     return value.empty() && !spec.bare.empty() ? spec.bare : value;
 }
@@ -75,6 +77,12 @@ void add_job_options(CLI::App& command, JobArguments& arguments, const std::vect
     const slicer::SliceOptions defaults;
     for (const OptionSpec& spec : slicer::slice_option_table()) {
         if (std::ranges::find(without, spec.key) != without.end()) continue;
+        if (spec.key == "model" && arguments.takes_many) {
+            arguments.options[spec.key] =
+                command.add_option(names_of_option(spec), arguments.models, spec.help)->type_name(spec.metavar);
+            arguments.options[spec.key]->group(spec.group);
+            continue;
+        }
         const std::string usual = spec.get(defaults);
         CLI::Option* const option = spec.kind() == OptionSpec::Kind::flag
                                         ? add_flag(command, spec, usual == "true", arguments.flags[spec.key])
@@ -103,6 +111,18 @@ slicer::SliceOptions options_of(const JobArguments& arguments) {
     if (std::any_of(named.begin(), named.end(), slicer::decides_scope)) options.named.clear();
     options.named.insert(options.named.end(), named.begin(), named.end());
     return options;
+}
+
+std::vector<std::string> many_models(const JobArguments& arguments) {
+    if (arguments.models.size() < 2) return {};
+    for (const std::string& model : arguments.models) {
+        slicer::SliceOptions one;
+        one.model = model;
+        if (slicer::is_tray(one))
+            throw UsageError(
+                fmt::format("{}: name one plan, or models and pictures; a plan names its parts itself", model));
+    }
+    return arguments.models;
 }
 
 void tell_notes(const slicer::SliceOptions& options, Progress& progress) {

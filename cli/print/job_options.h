@@ -28,7 +28,9 @@ struct JobArguments {
     std::map<std::string, CLI::Option*> options;
     std::map<std::string, std::string> former_values;  ///< of options by their earlier names
     std::map<std::string, CLI::Option*> former_options;
-    std::string job;  ///< file
+    std::string job;          ///< file
+    bool takes_many = false;  ///< models: set before the options are added
+    std::vector<std::string> models;
 };
 
 /// All of the table, and --job. `without`: keys of options that this verb does not take.
@@ -37,6 +39,9 @@ void add_job_options(CLI::App& command, JobArguments& arguments, const std::vect
 /// Those of the job file, if one was named, with the command line's on top. Throws what reading the file throws, and
 /// UsageError.
 [[nodiscard]] slicer::SliceOptions options_of(const JobArguments& arguments);
+
+/// The models, where several were named; empty: one, or a plan. Throws UsageError for a tray's plan beside others.
+[[nodiscard]] std::vector<std::string> many_models(const JobArguments& arguments);
 
 /// What there is to say of how they were written.
 void tell_notes(const slicer::SliceOptions& options, Progress& progress);

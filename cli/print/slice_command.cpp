@@ -11,7 +11,9 @@
 #include "cli/program/outcome.h"
 #include "slicer/job/slice_job.h"
 #include "slicer/options/job_file.h"
+#include "slicer/options/option_values.h"
 #include "slicer/shards/shard_job.h"
+#include "slicer/tray/tray_job.h"
 
 namespace voxtone::cli {
 
@@ -24,6 +26,7 @@ struct SliceArguments {
 };
 
 void add_options(CLI::App& command, SliceArguments& arguments) {
+    arguments.job.takes_many = true;
     add_job_options(command, arguments.job);
     command
         .add_flag("--dump-default", arguments.dump_default,
@@ -40,6 +43,8 @@ int run(const SliceArguments& arguments) {
     }
     return run_on_console(arguments.console, [&](Progress& progress) {
         tell_notes(options, progress);
+        if (arguments.job.models.size() > 1 || slicer::is_tray(options))
+            return slicer::run_tray_job(options, many_models(arguments.job), progress);
         if (!options.shard.empty()) return slicer::run_shard_job(options, progress);
         slicer::SliceResult result = slicer::run_slice_job(options, progress);
         return JobResult{std::move(result.json), std::move(result.summary), result.exit_code};
@@ -50,8 +55,8 @@ int run(const SliceArguments& arguments) {
 
 Command add_slice_command(CLI::App& program) {
     auto arguments = std::make_shared<SliceArguments>();
-    CLI::App* command =
-        program.add_subcommand("slice", "Slice a textured mesh or a picture into a printable layer stack");
+    CLI::App* command = program.add_subcommand(
+        "slice", "Slice a textured mesh or a picture, or many of them, into a printable layer stack");
     add_options(*command, *arguments);
     add_example(*command, "cow.obj --size 60mm -o out/cow");
     return [arguments] { return run(*arguments); };

@@ -14,10 +14,10 @@
 #include "base/counted.h"
 #include "base/error.h"
 #include "io/files/json_object.h"
-#include "slicer/batch/job_names.h"
 #include "slicer/options/command_words.h"
 #include "slicer/options/job_file.h"
 #include "slicer/options/option_table.h"
+#include "slicer/plans/job_names.h"
 #include "slicer/prepare/opened_job.h"
 
 namespace voxtone::slicer {

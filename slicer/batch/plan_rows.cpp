@@ -15,7 +15,7 @@
 #include "io/files/read_bytes.h"
 #include "io/models/foreign_kind.h"
 #include "io/models/model_reader.h"
-#include "slicer/batch/csv_table.h"
+#include "slicer/plans/csv_table.h"
 
 namespace voxtone::slicer {
 

@@ -63,6 +63,7 @@ void rest_in(Stream& stream, Body& body) {
     auto& placement = body.placement;
     stream(placement.mm_per_file_unit, placement.unit_assumed, placement.is_picture, placement.summary);
     vector_in(stream, placement.extent_mm);
+    vector_in(stream, placement.corner_mm);
     vector_in(stream, body.grid.origin_mm);
     vector_in(stream, body.grid.pitch_mm);
     stream(body.grid.size);

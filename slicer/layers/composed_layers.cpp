@@ -24,6 +24,7 @@ struct Standing {
     int k, width, height;  ///< of the part's own
     bool cuts;
     std::size_t part;
+    int priority;
 
     [[nodiscard]] int left() const { return at[0]; }
     [[nodiscard]] int right() const { return at[0] + width; }
@@ -52,10 +53,10 @@ class Row {
 public:
     explicit Row(int width) : material_(static_cast<std::size_t>(width)), owner_(static_cast<std::size_t>(width)) {}
 
-    /// `lost`: by part, voxels that it had and has no more. Null: not counted.
-    void lay(std::span<const Standing> parts, int j, std::vector<std::uint64_t>* lost) {
+    /// `lost`: by part, voxels that it had and has no more.
+    void lay(std::span<const Standing> parts, int j, std::vector<Overlap>& lost) {
         std::fill(material_.begin(), material_.end(), io::background);
-        std::fill(owner_.begin(), owner_.end(), nobody);
+        std::fill(owner_.begin(), owner_.end(), nullptr);
         for (const Standing& part : parts) {
             if (!part.reaches(j)) continue;
             io::LayerRuns row(static_cast<std::uint32_t>(part.width), 1);
@@ -74,17 +75,20 @@ public:
     }
 
 private:
-    static constexpr std::uint32_t nobody = ~std::uint32_t{0};
     void take(const Standing& part, std::size_t begin, std::size_t end, std::uint16_t material,
-              std::vector<std::uint64_t>* lost) {
+              std::vector<Overlap>& lost) {
         for (std::size_t i = begin; i < end; ++i) {
-            if (lost && owner_[i] != nobody) ++(*lost)[owner_[i]];
-            owner_[i] = static_cast<std::uint32_t>(part.part);
+            if (const Standing* const owner = owner_[i]) {
+                Overlap& overlap = lost[owner->part];
+                ++overlap.voxels;
+                if (owner->priority == part.priority && !part.cuts) ++overlap.to_equals;
+            }
+            owner_[i] = &part;
             material_[i] = part.cuts ? io::background : static_cast<io::Material>(material);
         }
     }
     std::vector<io::Material> material_;
-    std::vector<std::uint32_t> owner_;
+    std::vector<const Standing*> owner_;  ///< null: nobody
 };
 
 /// The slabs that reach the layers [first, last) of the print, each made once for each height its source stands at.
@@ -118,7 +122,8 @@ std::vector<Standing> standing_in(const std::vector<PlacedPart>& parts, std::spa
     for (const std::size_t p : order)
         if (const SlabLayers* layers = made.at(parts[p], k)) {
             const auto& size = parts[p].layers->grid().size;
-            standing.push_back({layers, parts[p].at, k - parts[p].at[2], size[0], size[1], parts[p].cuts, p});
+            standing.push_back(
+                {layers, parts[p].at, k - parts[p].at[2], size[0], size[1], parts[p].cuts, p, parts[p].priority});
         }
     return standing;
 }
@@ -134,10 +139,17 @@ std::optional<std::vector<const Standing*>> beside_each_other(std::span<const St
     return here;
 }
 
+void add(const std::vector<Overlap>& from, std::vector<Overlap>& to) {
+    for (std::size_t p = 0; p < to.size(); ++p) {
+        to[p].voxels += from[p].voxels;
+        to[p].to_equals += from[p].to_equals;
+    }
+}
+
 }  // namespace
 
 ComposedLayers::ComposedLayers(const VoxelGrid& grid, std::vector<PlacedPart> parts)
-    : grid_(grid), parts_(std::move(parts)), order_(parts_.size()) {
+    : grid_(grid), parts_(std::move(parts)), order_(parts_.size()), lost_(parts_.size()) {
     VOXTONE_EXPECT(!parts_.empty());
     slab_layers_ = 1;
     for (const PlacedPart& part : parts_) {
@@ -157,6 +169,7 @@ LayerCounts ComposedLayers::make(int slab, int k_begin, int k_end, const LayerSi
     const PartSlabs made(parts_, first, last, counts);
     Stopwatch watch;
     Row overlaid(grid_.size[0]);
+    std::vector<Overlap> lost(parts_.size());
     for (int k = first; k < last; ++k) {
         const std::vector<Standing> standing = standing_in(parts_, order_, made, k);
         io::LayerRuns out(static_cast<std::uint32_t>(grid_.size[0]), static_cast<std::uint32_t>(grid_.size[1]));
@@ -164,7 +177,7 @@ LayerCounts ComposedLayers::make(int slab, int k_begin, int k_end, const LayerSi
             if (const auto beside = beside_each_other(standing, j)) {
                 push_beside(*beside, j, grid_.size[0], out);
             } else {
-                overlaid.lay(standing, j, nullptr);
+                overlaid.lay(standing, j, lost);
                 overlaid.push(out);
             }
         }
@@ -172,7 +185,14 @@ LayerCounts ComposedLayers::make(int slab, int k_begin, int k_end, const LayerSi
         sink(k, out);
         watch.lap();
     }
+    const std::scoped_lock lock(counting_);
+    add(lost, lost_);
     return counts;
+}
+
+std::vector<Overlap> ComposedLayers::overlapped() const {
+    const std::scoped_lock lock(counting_);
+    return lost_;
 }
 
 bool ComposedLayers::boxes_overlap(int first, int last) const {
@@ -194,8 +214,8 @@ bool ComposedLayers::boxes_overlap(int first, int last) const {
     return false;
 }
 
-std::vector<std::uint64_t> ComposedLayers::overlapped(int k_begin, int k_end) const {
-    std::vector<std::uint64_t> lost(parts_.size());
+std::vector<Overlap> ComposedLayers::overlapped(int k_begin, int k_end) const {
+    std::vector<Overlap> lost(parts_.size());
     std::mutex mutex;
     const auto count = [&](std::size_t slab) {
         const int first = std::max(k_begin, static_cast<int>(slab) * slab_layers_),
@@ -203,15 +223,15 @@ std::vector<std::uint64_t> ComposedLayers::overlapped(int k_begin, int k_end) co
         if (!boxes_overlap(first, last)) return;
         LayerCounts counts;
         const PartSlabs made(parts_, first, last, counts);
-        std::vector<std::uint64_t> mine(parts_.size());
+        std::vector<Overlap> mine(parts_.size());
         Row row(grid_.size[0]);
         for (int k = first; k < last; ++k) {
             const std::vector<Standing> standing = standing_in(parts_, order_, made, k);
             for (int j = 0; j < grid_.size[1]; ++j)
-                if (!beside_each_other(standing, j)) row.lay(standing, j, &mine);
+                if (!beside_each_other(standing, j)) row.lay(standing, j, mine);
         }
         const std::scoped_lock lock(mutex);
-        for (std::size_t p = 0; p < lost.size(); ++p) lost[p] += mine[p];
+        add(mine, lost);
     };
     parallel_for(static_cast<std::size_t>(k_begin / slab_layers_),
                  static_cast<std::size_t>((k_end + slab_layers_ - 1) / slab_layers_), 1, count);

@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "slicer/layers/layer_source.h"
@@ -25,6 +26,12 @@ struct PlacedPart {
     bool cuts = false;  ///< leaves air
 };
 
+/// Voxels of a part that another one has.
+struct Overlap {
+    std::uint64_t voxels = 0;
+    std::uint64_t to_equals = 0;  ///< of these, to parts of the same priority, which the order of the list decides
+};
+
 class ComposedLayers final : public LayerSource {
 public:
     /// Contract: there is a part, and all lie within the grid.
@@ -34,8 +41,10 @@ public:
     [[nodiscard]] int slab_layers() const override { return slab_layers_; }
     LayerCounts make(int slab, int k_begin, int k_end, const LayerSink& sink) const override;
 
-    /// Voxels of each part, in the order in which they were given, that another one has in these layers.
-    [[nodiscard]] std::vector<std::uint64_t> overlapped(int k_begin, int k_end) const;
+    /// Of each part, in the order in which they were given, in all layers that `make` has made, each counted as often.
+    [[nodiscard]] std::vector<Overlap> overlapped() const;
+    /// The same of these layers, which are made for that.
+    [[nodiscard]] std::vector<Overlap> overlapped(int k_begin, int k_end) const;
 
 private:
     /// Between these layers; where none do no voxel needs a look.
@@ -45,6 +54,8 @@ private:
     std::vector<PlacedPart> parts_;   ///< as given
     std::vector<std::size_t> order_;  ///< in which they are laid down: later ones win
     int slab_layers_;
+    mutable std::mutex counting_;
+    mutable std::vector<Overlap> lost_;
 };
 
 }  // namespace voxtone::slicer

@@ -25,6 +25,7 @@ std::string why_idle(const OptionSpec& spec, const SliceOptions& o, bool is_pict
 }  // namespace
 
 void check_scope(const SliceOptions& options, bool is_picture) {
+    if (is_tray(options)) return;
     for (const OptionSpec& spec : slice_option_table()) {
         if (std::ranges::find(options.named, spec.key) == options.named.end()) continue;
         if (const std::string why = why_idle(spec, options, is_picture); !why.empty())

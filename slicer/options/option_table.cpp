@@ -11,6 +11,7 @@
 #include "slicer/options/table_of_colour.h"
 #include "slicer/options/table_of_layers.h"
 #include "slicer/options/table_of_run.h"
+#include "slicer/options/table_of_tray.h"
 
 namespace voxtone::slicer {
 
@@ -29,7 +30,8 @@ void apply(const OptionSpec::Preset& preset, SliceOptions& options) {
 
 std::vector<OptionSpec> whole_table() {
     std::vector<OptionSpec> table;
-    for (std::vector<OptionSpec> part : {table_of_body(), table_of_colour(), table_of_layers(), table_of_run()})
+    for (std::vector<OptionSpec> part :
+         {table_of_body(), table_of_tray(), table_of_colour(), table_of_layers(), table_of_run()})
         table.insert(table.end(), std::make_move_iterator(part.begin()), std::make_move_iterator(part.end()));
     for (OptionSpec& spec : table) {
         if (spec.option.empty()) spec.option = spec.key;

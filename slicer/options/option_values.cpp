@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/units.h"
+#include "io/models/model_reader.h"
 
 namespace voxtone::slicer {
 
@@ -35,6 +36,11 @@ std::optional<int> count_or_auto(std::string_view key, const std::string& text, 
 }
 
 }  // namespace
+
+bool is_tray(const SliceOptions& options) {
+    const std::string extension = io::extension_of(options.model);
+    return extension == "json" || extension == "csv";
+}
 
 void refuse_choice(std::string_view key, std::string_view text, const std::vector<std::string>& choices) {
     throw UsageError(fmt::format("--{}: '{}' is none of {}", key, text, fmt::join(choices, ", ")));

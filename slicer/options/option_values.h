@@ -17,8 +17,13 @@
 #include "base/named_values.h"
 #include "io/shards/shard_number.h"
 #include "slicer/options/placement_options.h"
+#include "slicer/options/slice_options.h"
 
 namespace voxtone::slicer {
+
+/// Whether the job is a tray of many parts: its model is their plan, by its name. What the options say is then meant
+/// for the parts, of which each has a scope of its own.
+[[nodiscard]] bool is_tray(const SliceOptions& options);
 
 /// "--KEY: 'TEXT' is none of A, B".
 [[noreturn]] void refuse_choice(std::string_view key, std::string_view text, const std::vector<std::string>& choices);

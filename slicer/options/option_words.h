@@ -61,6 +61,13 @@ enum class LightOutside {
     followed,  ///< it may meet another part of the body
 };
 
+/// Where the parts of a tray stand that the plan gives no place.
+enum class Arrange : std::uint8_t {
+    none,     ///< where their files' own coordinates put them
+    plate,    ///< beside each other
+    stacked,  ///< beside and over each other
+};
+
 /// What of a stack is predicted.
 enum class PredictedView {
     automatic,  ///< top for pictures and flat boxes, else body
@@ -104,6 +111,12 @@ struct NamesOf<slicer::LoopMethod> {
     using E = slicer::LoopMethod;
     static constexpr auto table =
         std::to_array<Named<E>>({{E::automatic, "auto"}, {E::descent, "descent"}, {E::feedback, "feedback"}});
+};
+template <>
+struct NamesOf<slicer::Arrange> {
+    using E = slicer::Arrange;
+    static constexpr auto table =
+        std::to_array<Named<E>>({{E::none, "none"}, {E::plate, "plate"}, {E::stacked, "stacked"}});
 };
 template <>
 struct NamesOf<slicer::BodyEnd> {

@@ -29,6 +29,7 @@ void check_rules(const SliceOptions& o) {
 
 /// What a file is that cannot be read is more than that an option does not go with its name.
 void refuse_foreign_files(const SliceOptions& o) {
+    if (is_tray(o)) return;
     if (const std::string why = io::foreign_kind(o.model); !why.empty()) throw InputError(why);
     const bool is_named = io::is_model_name(o.model) || io::is_picture_name(o.model);
     if (!is_named && std::ranges::find(o.named, "size") != o.named.end())

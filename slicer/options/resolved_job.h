@@ -72,6 +72,15 @@ struct JobPredictionOptions {
     std::string why_not;                   ///< a sentence: nothing is predicted, whatever was asked for
 };
 
+/// What only a tray of many parts has (slicer/tray).
+struct TrayOptions {
+    double gap_mm = 2;  ///< between parts whose places are not given; less joins them (slicer/tray/joined_parts.h)
+    Arrange arrange = Arrange::plate;
+    bool turn = false;       ///< by right angles about the vertical, where parts come to lie closer so
+    int trays = 1;           ///< at most
+    bool fail_fast = false;  ///< a part that fails is the end of the tray
+};
+
 /// When a print is said to look as asked: means of CIEDE2000 over its coloured surface as seen.
 struct VerdictLimits {
     /// What ISO 12647-7:2016 allows a contract proof on average.
@@ -112,6 +121,7 @@ struct ResolvedJob {
     JobLoopOptions loop;
     JobPredictionOptions prediction;
     VerdictLimits verdict;
+    TrayOptions tray;
 
     io::ReadOptions reading;  ///< limits of reading the model
 

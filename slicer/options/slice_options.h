@@ -44,6 +44,12 @@ struct SliceOptions {
     bool surfaces = false;
     double surface_cell_mm = 0.1;
 
+    double gap_mm = 2;  ///< of a tray: between parts that are arranged
+    std::string arrange = "plate";
+    bool turn = false;
+    int trays = 1;
+    bool fail_fast = false;
+
     double depth_mm = 1;
     std::string repair = "auto";
     bool keep_thin = true;

@@ -27,7 +27,9 @@ std::vector<OptionSpec> files_entries() {
          .positional = true,
          .metavar = "FILE",
          .group = group,
-         .help = "textured mesh (OBJ, PLY, STL, glTF, GLB, 3MF) or picture",
+         .help =
+             "textured mesh (OBJ, PLY, STL, glTF, GLB, 3MF) or picture; several, or a tray's plan (JSON, CSV), come in "
+             "one print",
          .member = &O::model,
          .names = Names::input,
          .decides_scope = true,
@@ -35,7 +37,7 @@ std::vector<OptionSpec> files_entries() {
          .resolve =
              [](const O& o, Job& job) {
                  job.model = o.model;
-                 job.is_picture = !io::is_model_name(o.model);
+                 job.is_picture = !io::is_model_name(o.model) && !is_tray(o);
              }},
         plain(&O::out, at(&Job::out),
               {.key = "out",

@@ -80,6 +80,7 @@ Placement place(io::ModelFile& model, const PlacementOptions& options, const std
     const double factor = options.size_mm > 0 ? options.size_mm / largest : 1.0;
     for (Eigen::Vector3d& position : mesh.positions) position = (position - box.min()) * factor;
     placement.extent_mm = box.sizes() * factor;
+    placement.corner_mm = box.min() * factor;
 
     const std::string unit = model.format == "picture" ? "mm"
                              : placement.unit_assumed  ? "mm assumed (the format has no unit; --unit says otherwise)"

@@ -24,6 +24,7 @@ struct Placement {
     double mm_per_file_unit = 1;
     bool unit_assumed = false;  ///< the format has no unit and the user gave none
     Eigen::Vector3d extent_mm = Eigen::Vector3d::Zero();
+    Eigen::Vector3d corner_mm = Eigen::Vector3d::Zero();  ///< where the lowest corner was before it was moved to 0
     bool is_picture = false;
     std::string summary;  ///< one line for the user: unit and size
 };

@@ -13,10 +13,10 @@
 
 #include "io/files/sha256.h"
 #include "io/layers/stack_folder.h"
-#include "slicer/batch/job_names.h"
 #include "slicer/mesh/disjoint_sets.h"
 #include "slicer/mesh/mesh_gap.h"
 #include "slicer/options/option_table.h"
+#include "slicer/plans/job_names.h"
 #include "slicer/prepare/joined_body.h"
 #include "slicer/solid/solid.h"
 
@@ -29,6 +29,7 @@ using Place = std::array<int, 3>;
 struct Copy {
     std::size_t part;
     Place at;
+    int tray = 0;
     friend auto operator<=>(const Copy&, const Copy&) = default;
 };
 
@@ -37,7 +38,7 @@ Place operator-(const Place& a, const Place& b) { return {a[0] - b[0], a[1] - b[
 std::vector<Copy> copies_of(const std::vector<ReadyPart>& parts) {
     std::vector<Copy> copies;
     for (std::size_t p = 0; p < parts.size(); ++p)
-        for (const Place& at : parts[p].at) copies.push_back({p, at});
+        for (const PlacedCopy& copy : parts[p].copies) copies.push_back({p, copy.at, copy.tray});
     return copies;
 }
 
@@ -47,6 +48,7 @@ public:
     explicit Nearness(const std::vector<ReadyPart>& parts) : parts_(parts) {}
 
     bool operator()(const Copy& a, const Copy& b) {
+        if (a.tray != b.tray) return false;
         const auto [entry, is_new] = known_.try_emplace({a.part, b.part, b.at - a.at});
         if (is_new) entry->second = measure(a, b);
         return entry->second;
@@ -217,13 +219,14 @@ void join_near_parts(std::vector<ReadyPart>& parts, const std::filesystem::path&
     std::map<std::vector<Copy>, std::size_t> kinds;  // the part that each has become
     for (auto& [root, group] : groups) {
         if (group.size() == 1) {
-            parts[group[0].part].alone.push_back(group[0].at);
+            parts[group[0].part].alone.push_back({group[0].at, group[0].tray});
             continue;
         }
         Place low = group[0].at;
         for (const Copy& copy : group)
             for (std::size_t axis = 0; axis < 3; ++axis) low[axis] = std::min(low[axis], copy.at[axis]);
-        for (Copy& copy : group) copy.at = copy.at - low;
+        const PlacedCopy place{low, group[0].tray};
+        for (Copy& copy : group) copy = {copy.part, copy.at - low};
         std::ranges::sort(group);
         const auto [kind, is_new] = kinds.try_emplace(group, parts.size());
         if (is_new) {
@@ -231,8 +234,8 @@ void join_near_parts(std::vector<ReadyPart>& parts, const std::filesystem::path&
                                       names_of(parts, group), near_mm));
             parts.push_back(join(parts, group, out, progress));
         }
-        parts[kind->second].at.push_back(low);
-        parts[kind->second].alone.push_back(low);
+        parts[kind->second].copies.push_back(place);
+        parts[kind->second].alone.push_back(place);
     }
 }
 

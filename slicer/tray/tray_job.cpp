@@ -2,9 +2,9 @@
 #include "slicer/tray/tray_job.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <mutex>
 #include <optional>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -12,23 +12,17 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "base/peak_memory.h"
-#include "base/progress_bar.h"
-#include "base/stop_deadline.h"
 #include "base/stopwatch.h"
-#include "io/files/json_object.h"
 #include "io/files/json_writer.h"
-#include "io/files/sha256.h"
 #include "io/files/whole_file.h"
 #include "io/layers/layer_stack_writer.h"
 #include "io/layers/stack_folder.h"
+#include "io/shards/shard_folder.h"
 #include "slicer/job/job_phases.h"
-#include "slicer/kept/loop_checkpoint.h"
 #include "slicer/kept/report_files.h"
-#include "slicer/layers/composed_layers.h"
-#include "slicer/printer/placement.h"
-#include "slicer/tray/joined_parts.h"
-#include "slicer/tray/tray_parts.h"
+#include "slicer/options/job_file.h"
+#include "slicer/tray/opened_tray.h"
+#include "slicer/tray/tray_record.h"
 #include "slicer/tray/tray_report.h"
 
 namespace voxtone::slicer {
@@ -37,34 +31,34 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What decides the stack: the parts' jobs and the places of their copies.
-std::string identity_of(const std::vector<ReadyPart>& parts) {
-    std::string text = "voxtone tray 1\n";
-    for (const ReadyPart& part : parts) {
-        text +=
-            fmt::format("{} {} {} {}\n", part.part.name, part.ready->identity.job, part.part.priority, part.part.cuts);
-        for (const std::array<int, 3>& at : part.at) text += fmt::format("{} {} {}\n", at[0], at[1], at[2]);
-    }
-    return io::sha256({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+std::vector<std::string_view> companions_of_tray() {
+    std::vector<std::string_view> names(report_file::all.begin(), report_file::all.end());
+    names.insert(names.end(), {tray_file_name, tray_picture_name, io::shards_name});
+    return names;
 }
 
-/// Of the tray that OUT holds; empty: none, or one that cannot be read.
-std::string identity_in(const fs::path& out) {
-    try {
-        return io::JsonObject::read(out / tray_file_name).text("identity");
-    } catch (const Error&) {
-        return {};
-    }
+/// This very tray, with every part that can be made.
+std::optional<JobResult> done_before(const OpenedTray& tray, const io::StackFolder& folder, const Progress& progress) {
+    const SliceOptions& common = tray.plan.common;
+    if (common.overwrite || !folder.holds_stack() || !is_same_job(folder.path(), tray.job, &progress))
+        return std::nullopt;
+    const std::optional<TrayEnding> ending = ending_in(folder.path());
+    if (!ending || !ending->failed.empty()) return std::nullopt;
+    const std::vector<std::uint8_t> json = io::read_whole_file(folder.path() / tray_file_name, std::uint64_t{1} << 30);
+    return JobResult{{json.begin(), json.end()},
+                     fmt::format("{}: holds this tray already, whole; nothing was done (--overwrite makes it again)\n",
+                                 folder.path().string()),
+                     exit_code_of(tray, {}, ending->verdicts)};
 }
 
-/// The appearance loop of a part, which is kept for the next time.
-void rearrange(ReadyPart& part, Progress& progress) {
-    Print& print = *part.ready->print;
-    print.prepare(progress);
-    print.rearrange(progress);
-    (void)print.keep_loop();
-    LoopCheckpoint::remove_from(part.ready->job.options.out);
-    set_stop_advice({});
+/// Takes the folder of a tray; another tray's stack is replaced only where that was allowed.
+io::StackFolder take_folder(const OpenedTray& tray, int number, Progress& progress) {
+    io::StackFolder folder(folder_of_tray(tray.plan.common.out, number), companions_of_tray());
+    if (!folder.doubt().empty()) progress.warn(folder.doubt());
+    if (!tray.plan.common.overwrite && !(folder.holds_stack() && is_same_job(folder.path(), tray.job, &progress)))
+        folder.expect_free();
+    if (const std::string note = folder.strangers_note(); !note.empty()) progress.warn(note);
+    return folder;
 }
 
 /// Voxels of each resin in layers that are not written.
@@ -92,11 +86,12 @@ private:
 };
 
 /// Predicts the part alone and writes its report: its layers are made for that, and not written.
-void report_part(ReadyPart& part, io::StackDescription stack, TrayReport& tray, Progress& progress) {
+void report_part(ReadyPart& part, TrayReport& tray, Progress& progress) {
     const Stopwatch watch;
     PreparedJob& ready = *part.ready;
     LayerWatchers watchers;
     const LayerRange& range = ready.plan.layers;
+    io::StackDescription stack = ready.job.describe(ready.plan.grid, range);
     watchers.thumbnails.emplace(range.first, range.layers(), ready.plan.grid, ready.job.palette());
     watchers.voxels.emplace(range.first, range.layers(), ready.plan.grid);
     ResinCounter resins(stack.resins.size());
@@ -112,17 +107,6 @@ void report_part(ReadyPart& part, io::StackDescription stack, TrayReport& tray, 
     tray.add(part, report, progress);
     ready.print->forget_looks();
     progress.end_stage();
-}
-
-ComposedLayers compose(const std::vector<ReadyPart>& parts, const VoxelGrid& grid) {
-    std::vector<PlacedPart> placed;
-    for (const ReadyPart& part : parts) {
-        if (part.alone.empty()) continue;
-        const std::shared_ptr<const LayerSource> layers = part.ready->print->layers();
-        for (const std::array<int, 3>& at : part.alone)
-            placed.push_back({layers, at, part.part.priority, part.part.cuts});
-    }
-    return {grid, std::move(placed)};
 }
 
 void write_layers(const ComposedLayers& layers, io::LayerStackWriter& writer, LayerWatchers& watchers,
@@ -143,128 +127,81 @@ void write_layers(const ComposedLayers& layers, io::LayerStackWriter& writer, La
     progress.end_stage();
 }
 
-/// mm3 that a part would have filled and another one has, by copy.
-std::vector<double> overlaps_mm3(const std::vector<ReadyPart>& parts, const ComposedLayers& layers,
-                                 Progress& progress) {
-    const std::vector<std::uint64_t> lost = layers.overlapped(0, layers.grid().size[2]);
-    std::vector<double> mm3;
-    std::size_t at = 0;
-    for (const ReadyPart& part : parts) {
-        std::uint64_t voxels = 0;
-        for (std::size_t copy = 0; copy < part.alone.size(); ++copy) voxels += lost[at++];
-        mm3.push_back(double(voxels) * layers.grid().voxel_volume_mm3());
-        if (voxels > 0)
-            progress.note(
-                fmt::format("{}: {:.1f} mm3 of it lie where another part is printed (\"priority\" says whose "
-                            "voxels they are)",
-                            part.part.name, mm3.back()));
+/// One tray, from its layers to its files. What there is to read of it.
+JobResult make_tray(const OpenedTray& tray, const PreparedTray& prepared, int number, io::StackFolder folder,
+                    const TrayReport& report, const Stopwatch& watch, Progress& progress) {
+    const fs::path out = folder.path();
+    const ComposedLayers layers = compose(prepared, number);
+    const OpenedJob& any = prepared.any_job();
+    io::LayerStackWriter writer(std::move(folder), any.describe(layers.grid(), {0, layers.grid().size[2] - 1}),
+                                any.outputs());
+    LayerWatchers watchers;
+    if (tray.plan.common.report) {
+        watchers.thumbnails.emplace(0, layers.grid().size[2], layers.grid(), any.palette());
+        watchers.voxels.emplace(0, layers.grid().size[2], layers.grid());
     }
-    return mm3;
+    write_layers(layers, writer, watchers, progress);
+    const std::vector<Overlap> overlaps = overlaps_of(prepared, number, layers.overlapped());
+    const std::vector<std::string> notes = overlap_notes(prepared, number, overlaps);
+    for (const std::string& note : notes) progress.warn(note);
+    progress.begin_stage(name_of(Phase::finish), 0);
+    writer.add_file(job_file_name, job_record(tray.job.options.raw, prepared.identity.inputs, out));
+    const io::StackDescription stack = writer.finish({}, &progress);
+    std::string json = tray_json(prepared, number, overlaps, stack);
+    io::write_whole_file(out / tray_file_name, json);
+    report.write({out, number, any, stack, layers.grid(), notes}, watchers, watch.total(), progress);
+    progress.end_stage();
+    return {std::move(json), tray_summary(prepared, number, stack, watch.total(), out), ExitCode::done};
 }
 
-/// tray.json: what stands where, and what became of it.
-std::string tray_json(const std::vector<ReadyPart>& parts, const std::vector<double>& lost_mm3,
-                      const io::StackDescription& stack, const VoxelGrid& grid) {
+/// Of a tray that goes as far as the loops.
+JobResult loops_kept(const OpenedTray& tray, const PreparedTray& prepared) {
     io::JsonWriter json;
-    json.begin_object().add("format", "voxtone-tray-stack").add("version", 1).add("identity", identity_of(parts));
-    json.add("content_sha256", stack.content_sha256).add("layers", stack.layers).key("parts").begin_list();
-    for (std::size_t p = 0; p < parts.size(); ++p) {
-        const ReadyPart& part = parts[p];
-        const VoxelGrid& own = part.ready->body.grid;
-        json.line().begin_object().add("name", part.part.name).add("model", part.ready->job.options.model);
-        if (part.is_joined) json.add("joined", true);
-        json.add("priority", part.part.priority).add("cuts", part.part.cuts).add("size_px", own.size);
-        json.key("at_px").begin_list();
-        for (const std::array<int, 3>& at : part.at) json.value(at);
-        json.end_list().key("at_mm").begin_list();
-        for (const std::array<int, 3>& at : part.at) {
-            const Eigen::Vector3d mm = grid.pitch_mm.cwiseProduct(Eigen::Vector3d(at[0], at[1], at[2]));
-            json.value(std::array{mm.x(), mm.y(), mm.z()});
-        }
-        json.end_list().add("overlapped_mm3", lost_mm3[p] + parts[p].shared_mm3 * double(parts[p].alone.size()));
-        if (!part.report.empty()) {
-            json.add("report", (fs::path(io::parts_name) / part.part.name / report_file::page).generic_string());
-            const io::JsonObject report = io::JsonObject::parse(part.report, "report");
-            if (report.has("verdict") && report.is_object("verdict"))
-                json.add("verdict", report.object("verdict").text("level"));
-        }
-        json.end_object();
-    }
-    json.end_list().end_object();
-    return json.text();
-}
-
-std::string summary(const TrayPlan& plan, const std::vector<ReadyPart>& parts, const io::StackDescription& stack,
-                    double seconds) {
-    std::string text = fmt::format("{}: {:.2f} x {:.2f} x {:.2f} mm, {} x {} px, {} layers of {:g} um\n",
-                                   plan.common.out, stack.size_mm[0], stack.size_mm[1], stack.size_mm[2],
-                                   stack.size_px[0], stack.size_px[1], stack.layers, stack.pitch_um[2]);
-    for (const ReadyPart& part : parts)
-        text += fmt::format("  {:<20} {}\n", part.part.name,
-                            part.part.copies == 1 ? "once" : fmt::format("{} copies", part.part.copies));
-    for (const io::StackResin& resin : stack.resins)
-        text += fmt::format("  {:<3} {:<16} {:9.3f} ml\n", resin.role, resin.name, resin.ml);
-    text += fmt::format("  done in {}; peak memory {:.0f} MB\n", duration_text(seconds),
-                        double(peak_memory_bytes()) * 1e-6);
-    if (plan.common.report)
-        text += fmt::format("  report: {}\n", (fs::path(plan.common.out) / report_file::page).string());
-    return text;
+    json.begin_object().add("format", "voxtone-tray-loops").add("version", 1).key("parts").begin_list();
+    for (const ReadyPart& part : prepared.parts.ready) json.value(part.part.name);
+    return {json.end_list().end_object().text(),
+            fmt::format("{}: what the loops of {} parts came to is kept\n",
+                        (fs::path(tray.plan.common.out) / io::parts_name).string(), prepared.parts.ready.size()),
+            exit_code_of(tray, prepared.parts.failed, {})};
 }
 
 }  // namespace
 
-JobResult run_tray_job(const TrayPlan& plan, Progress& progress) {
+JobResult run_tray_job(const SliceOptions& asked, std::span<const std::string> models, Progress& progress) {
     const Stopwatch watch;
-    const fs::path out = plan.common.out;
-    if (out.empty()) throw UsageError("tray: name the folder for the print (-o OUT)");
-    std::vector<std::string_view> companions(report_file::all.begin(), report_file::all.end());
-    companions.push_back(tray_file_name);
-    io::StackFolder folder(out, std::move(companions));
-    // A strange folder is refused before anything is made in it; whose stack is there is known once the parts are.
-    if (!plan.common.overwrite && !folder.holds_stack()) folder.expect_free();
-    const ThreadLimit threads(static_cast<std::size_t>(plan.common.threads));
-    std::vector<ReadyPart> parts = prepare_parts(plan, progress);
-    const VoxelGrid grid = arrange(parts, plan.gap_mm);
-    join_near_parts(parts, out, progress);
-    const OpenedJob& first = parts[0].ready->job;
-    for (const std::string& warning : first.printer.warnings()) progress.warn(warning);
-    check_layer_count(grid.size[2], first.printer, "larger (\"size\")");
-    if (folder.holds_stack() && identity_in(out) == identity_of(parts) && !plan.common.overwrite) {
-        std::vector<std::uint8_t> json = io::read_whole_file(out / tray_file_name, std::uint64_t{1} << 30);
-        return {{json.begin(), json.end()},
-                fmt::format("{}: holds this tray already, whole; nothing was done (--overwrite makes it again)\n",
-                            out.string()),
-                ExitCode::done};
-    }
-    if (!plan.common.overwrite) folder.expect_free();
+    if (asked.out.empty()) throw UsageError("tray: name the folder for the print (-o OUT)");
+    const bool only_loops = asked.until == name_of(Until::loop);
+    // A strange folder is refused before anything is made in it; whose stack is there is known once the plan is read.
+    std::optional<io::StackFolder> first(std::in_place, asked.out, companions_of_tray());
+    if (!asked.overwrite && !first->holds_stack()) first->expect_free();
+    const OpenedTray tray = open_tray(with_plan(asked, models));
+    if (!only_loops)
+        if (auto done = done_before(tray, *first, progress)) return *std::move(done);
+    first.reset();
+    std::vector<io::StackFolder> folders;
+    folders.push_back(take_folder(tray, 0, progress));
+    const ThreadLimit threads(static_cast<std::size_t>(tray.plan.common.threads));
+    PreparedTray prepared = prepare_tray(tray, progress);
+    for (int number = 1; number < prepared.trays(); ++number) folders.push_back(take_folder(tray, number, progress));
 
-    const LayerRange all{0, grid.size[2] - 1};
-    io::LayerStackWriter writer(std::move(folder), first.describe(grid, all), first.outputs());
+    // From here on hours may be spent.
+    rearrange_parts(tray, prepared, progress);
+    if (only_loops) return loops_kept(tray, prepared);
     std::size_t copies = 0;
-    for (const ReadyPart& part : parts) copies += part.alone.size();
-    TrayReport report(copies);
-    for (ReadyPart& part : parts) {
-        if (part.alone.empty()) continue;
-        progress.note(fmt::format("part {}", part.part.name));
-        rearrange(part, progress);
-        const LayerRange& range = part.ready->plan.layers;
-        if (plan.common.report) report_part(part, first.describe(part.ready->plan.grid, range), report, progress);
+    for (const ReadyPart& part : prepared.parts.ready) copies += part.alone.size();
+    TrayReport report(copies, folder_of_tray(tray.plan.common.out, 0).filename().string());
+    if (tray.plan.common.report)
+        for (ReadyPart& part : prepared.parts.ready)
+            if (!part.alone.empty()) report_part(part, report, progress);
+    JobResult result;
+    for (int number = 0; number < prepared.trays(); ++number) {
+        JobResult made =
+            make_tray(tray, prepared, number, std::move(folders[std::size_t(number)]), report, watch, progress);
+        if (number == 0) result.json = std::move(made.json);
+        result.text += made.text;
     }
-    const ComposedLayers layers = compose(parts, grid);
-    LayerWatchers watchers;
-    if (plan.common.report) {
-        watchers.thumbnails.emplace(0, grid.size[2], grid, first.palette());
-        watchers.voxels.emplace(0, grid.size[2], grid);
-    }
-    write_layers(layers, writer, watchers, progress);
-    const std::vector<double> lost_mm3 = overlaps_mm3(parts, layers, progress);
-    progress.begin_stage(name_of(Phase::finish), 0);
-    const io::StackDescription stack = writer.finish({}, &progress);
-    std::string json = tray_json(parts, lost_mm3, stack, grid);
-    io::write_whole_file(out / tray_file_name, json);
-    if (plan.common.report) report.write(out, first, stack, grid, watchers, watch.total(), progress);
-    progress.end_stage();
-    return {std::move(json), summary(plan, parts, stack, watch.total()), ExitCode::done};
+    result.exit_code = exit_code_of(tray, prepared.parts.failed, verdicts_of(prepared));
+    return result;
 }
 
 }  // namespace voxtone::slicer

@@ -2,16 +2,15 @@
 #include "slicer/tray/tray_parts.h"
 
 #include <algorithm>
-#include <cmath>
+#include <functional>
 #include <optional>
 #include <utility>
 
 #include <fmt/core.h>
 
-#include "base/error.h"
 #include "io/layers/stack_folder.h"
 #include "slicer/kept/loop_checkpoint.h"
-#include "slicer/solid/solid.h"
+#include "slicer/tray/arrangement.h"
 
 namespace voxtone::slicer {
 
@@ -29,15 +28,15 @@ SliceOptions job_options(const TrayPart& part, const fs::path& out, const std::v
     return options;
 }
 
-OpenedJob open_part(const SliceOptions& options, const Progress& progress) {
-    OpenedJob job = open_job(options);
-    if (fs::exists(job.options.out / io::checkpoint_name)) try {
-            LoopCheckpoint::expect_same_job(job.options.out, opened_loop_identity(job, &progress));
-            job.options.resume = true;
-        } catch (const InputError&) {
-            LoopCheckpoint::remove_from(job.options.out);  // of what the part was before
-        }
-    return job;
+/// Goes on with a loop that was interrupted, if it is this job's.
+void look_for_checkpoint(OpenedJob& job, const Progress& progress) {
+    if (!fs::exists(job.options.out / io::checkpoint_name)) return;
+    try {
+        LoopCheckpoint::expect_same_job(job.options.out, opened_loop_identity(job, &progress));
+        job.options.resume = true;
+    } catch (const InputError&) {
+        LoopCheckpoint::remove_from(job.options.out);  // of what the part was before
+    }
 }
 
 std::vector<std::string> roles_of(const OpenedJob& job) {
@@ -46,198 +45,111 @@ std::vector<std::string> roles_of(const OpenedJob& job) {
     return roles;
 }
 
-Eigen::Vector3d size_mm(const VoxelGrid& grid) {
-    return grid.pitch_mm.cwiseProduct(Eigen::Vector3d(grid.size[0], grid.size[1], grid.size[2]));
-}
-
-/// Where the plan puts the copies of a part.
-void place_as_planned(ReadyPart& part, const Eigen::Vector3d& tray_mm) {
-    const VoxelGrid& grid = part.ready->body.grid;
-    for (const std::array<double, 3>& mm : part.part.at_mm) {
-        std::array<int, 3>& at = part.at.emplace_back();
-        for (int axis = 0; axis < 3; ++axis) {
-            at[std::size_t(axis)] = static_cast<int>(std::lround(mm[std::size_t(axis)] / grid.pitch_mm[axis]));
-            const double end = (at[std::size_t(axis)] + grid.size[std::size_t(axis)]) * grid.pitch_mm[axis];
-            if (end > tray_mm[axis] * (1 + 1e-9))
-                throw InputError(fmt::format(
-                    "{}: reaches to {:.1f} mm along {} where the plan puts it, and the tray ends at {:.1f}: move it "
-                    "(\"at\"), or make it smaller",
-                    part.part.place, end, "xyz"[axis], tray_mm[axis]));
-        }
-    }
-}
-
-/// Edge of the cells in which outlines are laid out: fine enough for a gap of a millimetre.
-constexpr double cell_mm = 0.5;
-
-int cells_of(double mm) { return static_cast<int>(std::ceil(mm / cell_mm - 1e-9)); }
-
-struct Waiting {
-    std::size_t part;
-    Outline outline;
+/// A part on its way.
+struct WaitingPart {
+    TrayPart part;
+    SliceOptions options;  ///< as a job
+    std::optional<JobBody> body = std::nullopt;
 };
 
-/// On a plate without end a square of twice the area of all boxes, or the longest side, holds them.
-std::array<int, 2> plate_cells(const Eigen::Vector3d& tray_mm, const std::vector<Waiting>& waiting) {
-    double area = 0;
-    int longest = 1;
-    for (const Waiting& one : waiting) {
-        area += double(one.outline.width()) * one.outline.height();
-        longest = std::max({longest, one.outline.width(), one.outline.height()});
+/// All are opened before the first is worked on: what refuses one is known before time is spent.
+std::vector<WaitingPart> open_parts(const TrayPlan& plan, std::vector<FailedPart>& failed, Progress& progress) {
+    std::vector<WaitingPart> waiting;
+    std::vector<std::string> roles;
+    for (const TrayPart& part : plan.parts) {
+        const SliceOptions options = job_options(part, plan.common.out, roles);
+        const bool good = goes_well(part, plan.common.fail_fast, failed, progress, [&] {
+            const OpenedJob opened = open_job(options);
+            if (opened.options.layered)
+                throw InputError("shows how light spreads, which a tray's parts cannot yet: print it alone");
+            if (!roles.empty() && roles_of(opened) != roles)
+                throw InputError("loads other resins than the first part: say \"load\" beside \"parts\"");
+            if (roles.empty()) roles = roles_of(opened);
+        });
+        if (good) waiting.push_back({part, job_options(part, plan.common.out, roles)});
     }
-    const int enough = 2 * (static_cast<int>(std::ceil(std::sqrt(2 * area))) + longest);
-    const auto cells = [&](double mm) {
-        return std::isfinite(mm) ? static_cast<int>(std::floor(mm / cell_mm + 1e-9)) : enough;
-    };
-    return {cells(tray_mm.x()), cells(tray_mm.y())};
+    return waiting;
 }
 
-/// Columns and rows of what the plan has put on the plate, as one outline of the whole plate.
-std::optional<Outline> planned_outline(const std::vector<ReadyPart>& parts, const std::array<int, 2>& plate) {
-    std::optional<Outline> taken;
-    for (const ReadyPart& part : parts)
-        for (const std::array<int, 3>& at : part.at) {
-            if (!taken) taken.emplace(plate[0], plate[1]);
-            const VoxelGrid& grid = part.ready->body.grid;
-            const Outline outline = outline_of(part.ready->body, cell_mm);
-            const int left = static_cast<int>(std::floor(at[0] * grid.pitch_mm.x() / cell_mm)),
-                      front = static_cast<int>(std::floor(at[1] * grid.pitch_mm.y() / cell_mm));
-            // One cell more: the place is no whole number of cells.
-            for (int y = 0; y < outline.height(); ++y)
-                for (int x = 0; x < outline.width(); ++x)
-                    for (int more = 0; more < 4 && outline.at(x, y); ++more)
-                        if (left + x + more % 2 < plate[0] && front + y + more / 2 < plate[1])
-                            taken->set(left + x + more % 2, front + y + more / 2);
-        }
-    return taken;
-}
-
-void refuse_for_room(const std::vector<ReadyPart>& parts, const std::vector<int>& left_over,
-                     const Eigen::Vector3d& tray_mm) {
-    std::string names;
-    for (std::size_t p = 0; p < parts.size(); ++p)
-        if (left_over[p] > 0)
-            names += fmt::format("{}{} of {}", names.empty() ? "" : ", ", left_over[p], parts[p].part.name);
-    throw InputError(
-        fmt::format("{} find no room on the tray of {:.0f} x {:.0f} mm: print fewer copies, smaller ones, turn them "
-                    "(\"rotate\"), or leave less between them (\"gap\")",
-                    names, tray_mm.x(), tray_mm.y()));
-}
-
-void place_the_others(std::vector<ReadyPart>& parts, double gap_mm, const Eigen::Vector3d& tray_mm) {
-    std::vector<Waiting> waiting;
-    for (std::size_t p = 0; p < parts.size(); ++p) {
-        if (!parts[p].at.empty()) continue;
-        const Outline outline = outline_of(parts[p].ready->body, cell_mm);
-        for (int copy = 0; copy < parts[p].part.copies; ++copy) waiting.push_back({p, outline});
-    }
+/// Turns parts that may be; their bodies are kept, so that none is read twice but those that are turned.
+void turn_parts(const TrayPlan& plan, std::vector<WaitingPart>& waiting, std::vector<FailedPart>& failed,
+                Progress& progress) {
+    if (std::ranges::none_of(waiting, [](const WaitingPart& part) { return part.part.turn; })) return;
+    std::erase_if(waiting, [&](WaitingPart& part) {
+        return !goes_well(part.part, plan.common.fail_fast, failed, progress, [&] {
+            const OpenedJob job = open_job(part.options);
+            part.body.emplace(prepare_body(job.options, job.printer, progress));
+        });
+    });
     if (waiting.empty()) return;
-    const std::array<int, 2> plate = plate_cells(tray_mm, waiting);
-    std::vector<Outline> outlines;
-    for (const Waiting& one : waiting) outlines.push_back(one.outline);
-    const auto places = nest(outlines, plate, cells_of(gap_mm), planned_outline(parts, plate));
-    std::vector<int> left_over(parts.size());
-    for (std::size_t w = 0; w < waiting.size(); ++w) {
-        ReadyPart& part = parts[waiting[w].part];
-        if (!places[w]) {
-            ++left_over[waiting[w].part];
-            continue;
-        }
-        const Eigen::Vector3d& pitch = part.ready->body.grid.pitch_mm;
-        part.at.push_back({static_cast<int>(std::ceil((*places[w])[0] * cell_mm / pitch.x() - 1e-9)),
-                           static_cast<int>(std::ceil((*places[w])[1] * cell_mm / pitch.y() - 1e-9)), 0});
+    std::vector<StandingPart> standing;
+    for (const WaitingPart& part : waiting) standing.push_back({&part.part, &*part.body});
+    const std::vector<int> turns =
+        turns_on_plate(standing, open_job(waiting[0].options).printer.sliced_tray_mm(), plan.common.gap_mm);
+    for (std::size_t p = 0; p < waiting.size(); ++p) {
+        if (turns[p] == 0) continue;
+        progress.note(fmt::format("{}: is turned by {} degrees", waiting[p].part.name, 90 * turns[p]));
+        waiting[p].options.rotate = turned_further(waiting[p].options, turns[p]);
+        waiting[p].body.reset();
     }
-    if (std::ranges::any_of(left_over, [](int n) { return n > 0; })) refuse_for_room(parts, left_over, tray_mm);
 }
 
-/// The box of all copies becomes the print: its corner is the tray's.
-VoxelGrid take_box(std::vector<ReadyPart>& parts) {
-    std::array<int, 3> low = parts[0].at[0], high = low;
-    for (const ReadyPart& part : parts)
-        for (const std::array<int, 3>& at : part.at)
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                low[axis] = std::min(low[axis], at[axis]);
-                high[axis] = std::max(high[axis], at[axis] + part.ready->body.grid.size[axis]);
-            }
-    low[2] = 0;
-    VoxelGrid grid;
-    grid.pitch_mm = parts[0].ready->body.grid.pitch_mm;
-    // One part alone lies where it lies in a print of its own.
-    if (parts.size() == 1 && parts[0].at.size() == 1) grid.origin_mm = parts[0].ready->body.grid.origin_mm;
-    for (std::size_t axis = 0; axis < 3; ++axis) grid.size[axis] = high[axis] - low[axis];
-    for (ReadyPart& part : parts)
-        for (std::array<int, 3>& at : part.at)
-            for (std::size_t axis = 0; axis < 3; ++axis) at[axis] -= low[axis];
-    return grid;
+ReadyPart prepare_part(WaitingPart& part, Progress& progress) {
+    if (part.body)
+        for (const std::string& warning : part.body->warnings) progress.warn(warning);
+    ReadyPart made;
+    made.part = part.part;
+    made.ready = open_ready(part.options, std::move(part.body), progress);
+    return made;
 }
 
 }  // namespace
 
+bool goes_well(const TrayPart& part, bool fail_fast, std::vector<FailedPart>& failed, Progress& progress,
+               const std::function<void()>& work) {
+    const auto placed = [&](const Error& error) {
+        const std::string what = error.what();
+        return what.starts_with(part.place) ? what : part.place + ": " + what;
+    };
+    try {
+        work();
+        return true;
+    } catch (const TryAgain&) {
+        throw;
+    } catch (const Cancelled&) {
+        throw;
+    } catch (const Error& error) {
+        if (fail_fast) throw Error(error.exit_code(), placed(error));
+        failed.push_back({part.name, placed(error), error.exit_code()});
+    }
+    progress.warn(fmt::format("{}: fails, and the tray is made without it (--fail-fast stops there): {}", part.name,
+                              failed.back().message));
+    return false;
+}
+
 std::unique_ptr<PreparedJob> open_ready(const SliceOptions& options, std::optional<JobBody> kept, Progress& progress) {
-    OpenedJob job = open_part(options, progress);
+    OpenedJob job = open_job(options);
     fs::create_directories(job.options.out);
+    look_for_checkpoint(job, progress);
     auto ready = std::make_unique<PreparedJob>(std::move(job), std::move(kept), progress);
     if (!ready->plan.loop.does_not_fit.empty()) throw ResourceError(ready->plan.loop.does_not_fit);
     return ready;
 }
 
-std::vector<ReadyPart> prepare_parts(const TrayPlan& plan, Progress& progress) {
-    const fs::path out = plan.common.out;
-    std::vector<std::string> roles;
-    // All are opened before the first is worked on: what refuses one refuses the tray.
-    for (const TrayPart& part : plan.parts) {
-        const OpenedJob opened = open_job(job_options(part, out, roles));
-        if (opened.options.layered)
-            throw InputError(fmt::format("{}: shows how light spreads, which a tray's parts cannot yet: print it alone",
-                                         part.place));
-        if (roles.empty()) roles = roles_of(opened);
-        if (roles_of(opened) != roles)
-            throw InputError(
-                fmt::format("{}: loads other resins than the first part: say \"load\" beside \"parts\"", part.place));
+TrayParts prepare_parts(const TrayPlan& plan, Progress& progress) {
+    TrayParts parts;
+    std::vector<WaitingPart> waiting = open_parts(plan, parts.failed, progress);
+    turn_parts(plan, waiting, parts.failed, progress);
+    std::size_t number = 0;
+    for (WaitingPart& part : waiting) {
+        progress.note(fmt::format("part {} ({} of {})", part.part.name, ++number, waiting.size()));
+        (void)goes_well(part.part, plan.common.fail_fast, parts.failed, progress,
+                        [&] { parts.ready.push_back(prepare_part(part, progress)); });
     }
-    std::vector<ReadyPart> parts;
-    for (const TrayPart& part : plan.parts) {
-        progress.note(fmt::format("part {} ({} of {})", part.name, parts.size() + 1, plan.parts.size()));
-        parts.push_back({part, open_ready(job_options(part, out, roles), std::nullopt, progress), {}, {}, {}});
-    }
+    if (parts.ready.empty())
+        throw Error(parts.failed.front().exit_code,
+                    fmt::format("none of the tray's parts can be printed; {}", parts.failed.front().message));
     return parts;
-}
-
-Outline outline_of(const JobBody& body, double cell) {
-    const VoxelGrid& grid = body.grid;
-    const Eigen::Vector3d size = size_mm(grid);
-    Outline outline(std::max(1, static_cast<int>(std::ceil(size.x() / cell - 1e-9))),
-                    std::max(1, static_cast<int>(std::ceil(size.y() / cell - 1e-9))));
-    const Solid solid(*body.solid, grid);
-    constexpr int layers_at_once = 16;
-    SpanSlab spans;
-    for (int first = 0; first < grid.size[2]; first += layers_at_once) {
-        const int last = std::min(first + layers_at_once, grid.size[2]);
-        solid.slab(first, last, spans);
-        for (int k = first; k < last; ++k)
-            for (int j = 0; j < grid.size[1]; ++j) {
-                const int y_low = static_cast<int>(j * grid.pitch_mm.y() / cell),
-                          y_high = std::min(outline.height() - 1,
-                                            static_cast<int>((j + 1) * grid.pitch_mm.y() / cell - 1e-9));
-                for (const Span& span : spans.row(j, k)) {
-                    const int x_low = static_cast<int>(span.begin * grid.pitch_mm.x() / cell),
-                              x_high = std::min(outline.width() - 1,
-                                                static_cast<int>(span.end * grid.pitch_mm.x() / cell - 1e-9));
-                    for (int y = y_low; y <= y_high; ++y)
-                        for (int x = x_low; x <= x_high; ++x) outline.set(x, y);
-                }
-            }
-    }
-    return outline;
-}
-
-VoxelGrid arrange(std::vector<ReadyPart>& parts, double gap_mm) {
-    const Eigen::Vector3d tray_mm = parts[0].ready->job.printer.sliced_tray_mm();
-    for (ReadyPart& part : parts) place_as_planned(part, tray_mm);
-    place_the_others(parts, gap_mm, tray_mm);
-    const VoxelGrid grid = take_box(parts);
-    for (ReadyPart& part : parts) part.alone = part.at;
-    return grid;
 }
 
 }  // namespace voxtone::slicer

@@ -1,31 +1,46 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The parts of a tray, ready to be printed, and the places of their copies.
+// The parts of a tray, ready to be printed.
 #pragma once
 
-#include <array>
-#include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "slicer/job/prepared_job.h"
-#include "slicer/layers/composed_layers.h"
-#include "slicer/tray/nesting.h"
-#include "slicer/tray/tray_plan.h"
+#include "slicer/plans/tray_plan.h"
+#include "slicer/tray/placed_copy.h"
 
 namespace voxtone::slicer {
 
 struct ReadyPart {
     TrayPart part;
     std::unique_ptr<PreparedJob> ready;
-    std::string report;                       ///< report.json of the part; empty: none
-    std::vector<std::array<int, 3>> at{};     ///< voxels from the print's corner, one for each copy
-    std::vector<std::array<int, 3>> alone{};  ///< those of them that no joined part holds (joined_parts.h)
+    std::string report;                ///< report.json of the part; empty: none
+    std::vector<PlacedCopy> copies{};  ///< once they have places
+    std::vector<PlacedCopy> alone{};   ///< those of them that no joined part holds (joined_parts.h)
     bool is_joined = false;
     double shared_mm3 = 0;  ///< of a joined part: that more than one of its bodies fills
 };
+
+/// A part without which the tray is made.
+struct FailedPart {
+    std::string name, message;
+    ExitCode exit_code = ExitCode::done;
+};
+
+struct TrayParts {
+    std::vector<ReadyPart> ready;    ///< at least one
+    std::vector<FailedPart> failed;  ///< of them none is among the others
+};
+
+/// Keeps what `work` throws for the part's own fault; with `fail_fast`, and what is not the part's fault (the disk, a
+/// request to stop), it is thrown on. Whether all went well.
+[[nodiscard]] bool goes_well(const TrayPart& part, bool fail_fast, std::vector<FailedPart>& failed, Progress& progress,
+                             const std::function<void()>& work);
 
 /// Opens a part's job, whose options say where it keeps what it comes to. `kept`: its body, where that is known. It
 /// goes on from where an interrupted loop of the same job was. Throws what the job throws, ResourceError where its loop
@@ -33,16 +48,9 @@ struct ReadyPart {
 [[nodiscard]] std::unique_ptr<PreparedJob> open_ready(const SliceOptions& options, std::optional<JobBody> kept,
                                                       Progress& progress);
 
-/// Reads and prepares each part; all get the resins that the first one loads. Parts keep what they come to in
-/// OUT/parts/NAME. Throws what the jobs throw, beginning with the part's place.
-[[nodiscard]] std::vector<ReadyPart> prepare_parts(const TrayPlan& plan, Progress& progress);
-
-/// What stands above each cell of `cell_mm` of the plate.
-[[nodiscard]] Outline outline_of(const JobBody& body, double cell_mm);
-
-/// Gives every copy its place: those that the plan says, and the others beside them. Returns the print's grid, which
-/// begins at the corner of the tray's occupied box. Throws InputError for parts that the plan puts off the tray, and
-/// for what finds no room.
-[[nodiscard]] VoxelGrid arrange(std::vector<ReadyPart>& parts, double gap_mm);
+/// Reads and prepares each part; all get the resins that the first one loads. Those that may be are turned where they
+/// come to lie closer so, before they are voxelised. Parts keep what they come to in OUT/parts/NAME. Throws what the
+/// jobs throw, beginning with the part's place; where every part fails, what the first threw.
+[[nodiscard]] TrayParts prepare_parts(const TrayPlan& plan, Progress& progress);
 
 }  // namespace voxtone::slicer

@@ -13,6 +13,7 @@
 #include "io/layers/stack_folder.h"
 #include "io/programs/build_identity.h"
 #include "io/report/report_html.h"
+#include "io/report/report_json.h"
 #include "io/report/report_picture.h"
 #include "slicer/kept/report_files.h"
 #include "slicer/look/composed_surface.h"
@@ -36,7 +37,6 @@ io::ReportPart row_of(const ReadyPart& part, const io::Report& own) {
         const std::vector<io::ReportPicture>& pictures = own.views[0].pictures;
         row.picture = io::small_report_picture(pictures[std::min<std::size_t>(1, pictures.size() - 1)], most_px);
     }
-    row.copies = static_cast<std::uint32_t>(part.alone.size());
     for (const io::ReportResin& resin : own.resins) row.ml += resin.ml;
     if (own.verdict) {
         row.level = own.verdict->level;
@@ -92,18 +92,32 @@ void add_print(const OpenedJob& job, const io::StackDescription& stack, const Vo
 
 void TrayReport::add(const ReadyPart& part, const io::Report& own, Progress& progress) {
     constexpr std::size_t least_bytes = 12'000;
-    Entry entry{row_of(part, own), std::nullopt, place_of(part, own), {}};
-    for (const std::array<int, 3>& at : part.alone)
-        entry.at_mm.emplace_back(part.ready->body.grid.pitch_mm.cwiseProduct(Eigen::Vector3d(at[0], at[1], at[2])));
+    Entry entry{row_of(part, own), std::nullopt, place_of(part, own), part.alone, part.ready->body.grid.pitch_mm};
     entry.surface = part.ready->print->viewer_surface(
         std::max(least_bytes, surface_bytes / std::max<std::size_t>(1, copies_)), progress);
     entries_.push_back(std::move(entry));
 }
 
-void TrayReport::add_surface(io::Report& report, Progress& progress) const {
-    std::vector<PlacedSurface> placed;
+std::vector<Eigen::Vector3d> TrayReport::places(const Entry& entry, int tray) {
+    std::vector<Eigen::Vector3d> mm;
+    for (const PlacedCopy& copy : entry.copies)
+        if (copy.tray == tray)
+            mm.emplace_back(entry.pitch_mm.cwiseProduct(Eigen::Vector3d(copy.at[0], copy.at[1], copy.at[2])));
+    return mm;
+}
+
+std::vector<const TrayReport::Entry*> TrayReport::on(int tray) const {
+    std::vector<const Entry*> here;
     for (const Entry& entry : entries_)
-        if (entry.surface) placed.push_back({&*entry.surface, entry.at_mm});
+        if (!places(entry, tray).empty()) here.push_back(&entry);
+    return here;
+}
+
+void TrayReport::add_surface(const std::vector<const Entry*>& entries, int tray, io::Report& report,
+                             Progress& progress) {
+    std::vector<PlacedSurface> placed;
+    for (const Entry* entry : entries)
+        if (entry->surface) placed.push_back({&*entry->surface, places(*entry, tray)});
     if (placed.empty()) return;
     report.viewer.surface = compose_surfaces(placed);
     const io::ViewerSurface& surface = *report.viewer.surface;
@@ -117,15 +131,15 @@ void TrayReport::add_surface(io::Report& report, Progress& progress) const {
                       coloured_surface(surface, look, positions, triangles));
 }
 
-io::ReportVerdict TrayReport::verdict() const {
+io::ReportVerdict TrayReport::verdict_of(const std::vector<const Entry*>& entries) {
     std::vector<const io::ReportPart*> bad, fair, unknown;
-    for (const Entry& entry : entries_) {
-        if (entry.row.level == io::VerdictLevel::bad) bad.push_back(&entry.row);
-        if (entry.row.level == io::VerdictLevel::fair) fair.push_back(&entry.row);
-        if (entry.row.level == io::VerdictLevel::unknown) unknown.push_back(&entry.row);
+    for (const Entry* entry : entries) {
+        if (entry->row.level == io::VerdictLevel::bad) bad.push_back(&entry->row);
+        if (entry->row.level == io::VerdictLevel::fair) fair.push_back(&entry->row);
+        if (entry->row.level == io::VerdictLevel::unknown) unknown.push_back(&entry->row);
     }
     io::ReportVerdict verdict;
-    const std::size_t all = entries_.size();
+    const std::size_t all = entries.size();
     if (!bad.empty()) {
         verdict.level = io::VerdictLevel::bad;
         verdict.headline = fmt::format("{} of {} bodies will not look as asked", bad.size(), all);
@@ -145,26 +159,36 @@ io::ReportVerdict TrayReport::verdict() const {
     return verdict;
 }
 
-void TrayReport::write(const std::filesystem::path& out, const OpenedJob& job, const io::StackDescription& stack,
-                       const VoxelGrid& grid, LayerWatchers& watchers, double seconds, Progress& progress) {
+void TrayReport::write(const Tray& tray, LayerWatchers& watchers, double seconds, Progress& progress) const {
+    const std::filesystem::path& out = tray.out;
+    const std::vector<const Entry*> entries = on(tray.number);
     io::Report report;
     report.title = out.filename().empty() ? out.parent_path().filename().string() : out.filename().string();
-    add_print(job, stack, grid, report);
-    report.verdict = verdict();
-    report.viewer.viewing_distance_mm = job.options.loop.viewing_distance_mm;
-    for (const Entry& entry : entries_) {
-        report.parts.push_back(entry.row);
-        io::ViewerPlace place = entry.worst;
-        for (std::size_t axis = 0; axis < 3; ++axis) place.at_mm[axis] += entry.at_mm[0][Eigen::Index(axis)];
+    add_print(tray.job, tray.stack, tray.grid, report);
+    report.warnings.insert(report.warnings.end(), tray.warnings.begin(), tray.warnings.end());
+    if (!entries.empty()) report.verdict = verdict_of(entries);
+    report.viewer.viewing_distance_mm = tray.job.options.loop.viewing_distance_mm;
+    for (const Entry* entry : entries) {
+        const std::vector<Eigen::Vector3d> at_mm = places(*entry, tray.number);
+        io::ReportPart row = entry->row;
+        row.copies = static_cast<std::uint32_t>(at_mm.size());
+        // The parts' pages lie in the folder of the first tray.
+        if (tray.number > 0) row.page = fmt::format("../{}/{}", first_folder_, row.page);
+        report.parts.push_back(std::move(row));
+        io::ViewerPlace place = entry->worst;
+        for (std::size_t axis = 0; axis < 3; ++axis) place.at_mm[axis] += at_mm[0][Eigen::Index(axis)];
         report.viewer.worst.push_back(std::move(place));
     }
-    report.layers = watchers.thumbnails->take();
-    add_surface(report, progress);
-    report.viewer.voxels = watchers.voxels->take(voxel_bytes_left(report));
-    report.viewer.voxels->layer_file = io::StackDescription{}.pattern;
     report.total_seconds = seconds;
     report.peak_memory_bytes = peak_memory_bytes();
-    io::write_whole_file(out / report_file::page, io::report_html(report));
+    if (watchers.thumbnails) {
+        report.layers = watchers.thumbnails->take();
+        add_surface(entries, tray.number, report, progress);
+        report.viewer.voxels = watchers.voxels->take(voxel_bytes_left(report));
+        report.viewer.voxels->layer_file = io::StackDescription{}.pattern;
+        io::write_whole_file(out / report_file::page, io::report_html(report));
+    }
+    io::write_whole_file(out / report_file::figures, io::report_json(report));
 }
 
 }  // namespace voxtone::slicer

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "io/layers/manifest.h"
@@ -18,27 +19,42 @@ namespace voxtone::slicer {
 
 class TrayReport {
 public:
-    /// `copies`: of all parts, among which the page's room is shared out.
-    explicit TrayReport(std::size_t copies) : copies_(copies) {}
+    /// `copies`: of all parts, among which the page's room is shared out. `first_folder`: name of that of the first
+    /// tray.
+    TrayReport(std::size_t copies, std::string first_folder)
+        : copies_(copies), first_folder_(std::move(first_folder)) {}
 
     /// Once a part's own report is written, while it still knows what was predicted.
     void add(const ReadyPart& part, const io::Report& own, Progress& progress);
-    /// Writes the page. `watchers`: of the tray's layers; nothing is left there. `seconds`: of the whole job. The
-    /// grid is the print's.
-    void write(const std::filesystem::path& out, const OpenedJob& job, const io::StackDescription& stack,
-               const VoxelGrid& grid, LayerWatchers& watchers, double seconds, Progress& progress);
+    /// What is on one tray, as files of the folder.
+    struct Tray {
+        std::filesystem::path out;
+        int number = 0;
+        const OpenedJob& job;  ///< of any part
+        const io::StackDescription& stack;
+        const VoxelGrid& grid;
+        std::vector<std::string> warnings;
+    };
+    /// Writes the figures, and the page where `watchers` have seen the tray's layers; nothing is left there. `seconds`:
+    /// of the whole job.
+    void write(const Tray& tray, LayerWatchers& watchers, double seconds, Progress& progress) const;
 
 private:
     struct Entry {
         io::ReportPart row;
         std::optional<io::ViewerSurface> surface;
         io::ViewerPlace worst;  ///< in the part's own mm
-        std::vector<Eigen::Vector3d> at_mm;
+        std::vector<PlacedCopy> copies;
+        Eigen::Vector3d pitch_mm;
     };
-    void add_surface(io::Report& report, Progress& progress) const;
-    [[nodiscard]] io::ReportVerdict verdict() const;
+    /// Of an entry, on one tray, in its mm.
+    [[nodiscard]] static std::vector<Eigen::Vector3d> places(const Entry& entry, int tray);
+    [[nodiscard]] std::vector<const Entry*> on(int tray) const;
+    static void add_surface(const std::vector<const Entry*>& entries, int tray, io::Report& report, Progress& progress);
+    [[nodiscard]] static io::ReportVerdict verdict_of(const std::vector<const Entry*>& entries);
 
     std::size_t copies_;
+    std::string first_folder_;
     std::vector<Entry> entries_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "slicer/batch/csv_table.h"
+#include "slicer/plans/csv_table.h"
 
 #include <algorithm>
 

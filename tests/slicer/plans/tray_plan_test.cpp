@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "slicer/tray/tray_plan.h"
+#include "slicer/plans/tray_plan.h"
 
 #include <fstream>
 
@@ -44,7 +44,7 @@ TEST_CASE("A plan of a tray: options for all, options of a part, places and copi
     SliceOptions common;
     common.size_mm = 50;
     const TrayPlan plan = read_tray_plan(desk.write(text), common);
-    CHECK(plan.gap_mm == 2.5);
+    CHECK(plan.common.gap_mm == 2.5);
     REQUIRE(plan.parts.size() == 3);
     CHECK(plan.parts[0].name == "a-1");  // two are called a
     CHECK(plan.parts[1].name == "a-2");
@@ -70,14 +70,19 @@ TEST_CASE("A table is a plan, too, and so are models") {
     const TrayPlan plan =
         read_tray_plan(desk.write("model,size,copies,priority\na.obj,20mm,4,1\nb.png,,1,0\n", "tray.csv"), {});
     REQUIRE(plan.parts.size() == 2);
+    CHECK(plan.parts[0].place.ends_with("tray.csv: line 2"));
     CHECK(plan.parts[0].copies == 4);
     CHECK(plan.parts[0].priority == 1);
     CHECK(plan.parts[0].options.size_mm == 20);
     CHECK(plan.parts[1].name == "b");
+    const std::vector<std::string> files{"x/cow.obj", "y/cow.obj", "/z.png"};
+    const std::string text = tray_plan_of(files, desk.folder.path());
+    CHECK(io::schema_faults("tray", text) == std::vector<std::string>{});
     SliceOptions common;
     common.size_mm = 30;
-    const TrayPlan models = tray_of_models({"x/cow.obj", "y/cow.obj", "z.png"}, common);
+    const TrayPlan models = read_tray_plan(desk.write(text), common);
     REQUIRE(models.parts.size() == 3);
+    CHECK(models.parts[0].options.model == std::filesystem::absolute("x/cow.obj").string());
     CHECK(models.parts[0].options.size_mm == 30);
     CHECK(models.parts[2].options.size_mm == 0);  // a picture has no size, which is no fault of what is said for all
     CHECK(models.parts[1].name == "cow-2");
@@ -101,8 +106,68 @@ TEST_CASE("What is wrong with a plan is said with its place") {
     CHECK_THAT(
         desk.fault(R"([{"model": "a.obj", "name": "b"}, {"model": "b.obj", "name": "b-1"}, {"model": "b.obj"}])"),
         Contains("b-1"));
-    CHECK_THAT(desk.fault(R"([{"model": "a.obj"}])", R"("gap": "-1mm", )"), Contains("gap"));
+    CHECK_THAT(desk.fault(R"([{"model": "a.obj"}])", R"("gap": "wide", )"), Contains("gap"));
+    CHECK_THAT(desk.fault(R"([{"model": "a.obj", "gap": "2mm"}])"), Contains("whole tray"));
+    CHECK_THAT(desk.fault(R"([{"model": "a.obj"}])", R"("gapp": "1mm", )"), Contains("gapp") && Contains("gap"));
     CHECK_THAT(desk.fault(R"([{"model": "a.obj"}])", R"("model": "b.obj", )"), Contains("belongs to a part"));
     CHECK_THAT(desk.fault(R"([{"model": "a.obj"}])", R"("out": "x", )"), Contains("-o"));
     CHECK(io::schema_faults("tray", R"({"format": "voxtone-tray", "version": 1, "parts": []})").size() > 0);
+}
+
+TEST_CASE("A table says what an object would, and is wrong where that would be") {
+    const Desk desk;
+    const auto fault = [&](const std::string& table) -> std::string {
+        try {
+            (void)read_tray_plan(desk.write(table, "tray.csv"), {});
+            return "none";
+        } catch (const Error& error) {
+            return error.what();
+        }
+    };
+    CHECK(fault("model,at,turn\na.obj,10 20,true\n") == "none");
+    CHECK_THAT(fault("model,copys\na.obj,2\n"), Contains("line 2") && Contains("copys") && Contains("copies"));
+    CHECK_THAT(fault("model,printer\na.obj,generic\n"), Contains("whole tray"));
+    CHECK_THAT(fault("model,copies\na.obj\n"), Contains("line 2"));
+    CHECK_THAT(fault("model,name\na.obj,x\nb.obj,x\n"),
+               Contains("line 3") && Contains("named 'x'") && Contains("line 2"));
+    CHECK_THAT(fault("model,at\na.obj,10\n"), Contains("[x, y]"));
+    const TrayPlan plan = read_tray_plan(desk.write("model,at\na.obj,10 20; 30 40 5.5\n", "tray.csv"), {});
+    CHECK(plan.parts[0].at_mm == std::vector<std::array<double, 3>>{{10, 20, 0}, {30, 40, 5.5}});
+    CHECK(plan.parts[0].copies == 2);
+}
+
+TEST_CASE("Two parts for which the plan has one name are a mistake") {
+    const Desk desk;
+    CHECK_THAT(desk.fault(R"([{"model": "a.obj", "name": "x"}, {"model": "b.obj", "name": "x"}])"),
+               Contains("parts[1]") && Contains("parts[0]") && Contains("named 'x'"));
+}
+
+TEST_CASE("What the command line names wins over what the plan says of all parts, not over what it says of one") {
+    const Desk desk;
+    SliceOptions said;
+    said.gap_mm = 5;
+    said.depth_mm = 2;
+    said.named = {"gap", "depth"};
+    const TrayPlan plan = read_tray_plan(desk.write(R"({"format": "voxtone-tray", "version": 1, "gap": "3mm",
+        "depth": "0.5mm", "seed": 7, "turn": true,
+        "parts": [{"model": "a.obj"}, {"model": "b.obj", "depth": "0.8mm", "turn": false}]})"),
+                                         said);
+    CHECK(plan.common.gap_mm == 5);
+    CHECK(plan.common.seed == 7);
+    CHECK(plan.parts[0].options.depth_mm == 2);
+    CHECK(plan.parts[1].options.depth_mm == 0.8);
+    CHECK(plan.parts[0].options.gap_mm == 2);  // which is the tray's
+    CHECK(plan.parts[0].turn);
+    CHECK_FALSE(plan.parts[1].turn);
+    CHECK_FALSE(plan.parts[0].options.turn);
+}
+
+TEST_CASE("A tray's plan is known by what it says") {
+    const Desk desk;
+    CHECK(is_tray_plan(desk.write(R"({"format": "voxtone-tray"})")));
+    CHECK_FALSE(is_tray_plan(desk.write(R"({"format": "voxtone-job"})")));
+    CHECK_FALSE(is_tray_plan(desk.write("{broken")));
+    CHECK(is_tray_plan(desk.write("model,copies\n", "a.csv")));
+    CHECK_FALSE(is_tray_plan(desk.write("model,size\n", "a.csv")));  // of a batch
+    CHECK_FALSE(is_tray_plan(desk.folder.path() / "none.json"));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "slicer/batch/job_names.h"
+#include "slicer/plans/job_names.h"
 
 #include <set>
 #include <string>

@@ -9,7 +9,10 @@
 #pragma once
 
 #include <array>
+#include <filesystem>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "slicer/options/slice_options.h"
@@ -17,26 +20,34 @@
 namespace voxtone::slicer {
 
 struct TrayPart {
-    std::string name;      ///< no other part of the plan has it; a folder below OUT/parts is called so
-    SliceOptions options;  ///< of the job that it would be alone
-    int copies = 1;        ///< >= 1
+    std::string name;           ///< no other part of the plan has it; a folder below OUT/parts is called so
+    bool has_own_name = false;  ///< the plan gives it
+    SliceOptions options;       ///< of the job that it would be alone
+    int copies = 1;             ///< >= 1
     std::vector<std::array<double, 3>> at_mm;  ///< lowest corner of each copy's box on the tray; empty: to be arranged
+    bool turn = false;  ///< it may be turned by right angles about the vertical where it is arranged
     int priority = 0;   ///< where parts fill the same voxel the higher has it, of equal ones the later in the plan
     bool cuts = false;  ///< leaves air where it would be
     std::string place;  ///< in the plan, for messages: "tray.json: parts[2]"
 };
 
 struct TrayPlan {
-    SliceOptions common;  ///< what all parts begin with
-    double gap_mm = 2;    ///< between the outlines of what is arranged; less joins parts (joined_parts.h)
+    SliceOptions common;  ///< what all parts begin with, and what is the whole tray's
     std::vector<TrayPart> parts;
 };
 
 /// Paths are made absolute. Nothing but the plan is read. Throws FileError, InputError that names the place and the
-/// key. `common`: what was said besides, which the plan's own options replace.
+/// key. `common`: what was said besides. What of it was named (SliceOptions::named) wins over what the plan says of all
+/// parts, and what the plan says over the rest.
 [[nodiscard]] TrayPlan read_tray_plan(const std::string& file, const SliceOptions& common);
 
-/// A part for each model, in this order.
-[[nodiscard]] TrayPlan tray_of_models(const std::vector<std::string>& models, const SliceOptions& common);
+/// Of the plan that stands for models alone.
+inline constexpr std::string_view tray_plan_name = "tray-plan.json";
+/// Such a plan, to be written into `folder`: a part for each model, in this order.
+[[nodiscard]] std::string tray_plan_of(std::span<const std::string> models, const std::filesystem::path& folder);
+
+/// Whether the file says that it is the plan of a tray. A table is one where its header has a word of a part that no
+/// job of a batch has.
+[[nodiscard]] bool is_tray_plan(const std::filesystem::path& file);
 
 }  // namespace voxtone::slicer

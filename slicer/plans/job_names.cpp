@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "slicer/batch/job_names.h"
+#include "slicer/plans/job_names.h"
 
 #include <algorithm>
 #include <array>
@@ -76,9 +76,10 @@ namespace {
 constexpr std::size_t longest_name = 120;  // of 255 bytes that a file may have; temporary names are longer
 constexpr std::string_view refused_in_names = "/\\:*?\"<>|";
 
-/// What a batch keeps beside its jobs' folders.
+/// What a batch keeps beside its jobs' folders, and a tray beside its parts'.
 bool is_taken(std::string_view name) {
-    constexpr std::array<std::string_view, 4> taken{"batch", "batch.json", "index.html", "summary.csv"};
+    constexpr std::array<std::string_view, 5> taken{"batch", "batch.json", "index.html", "summary.csv",
+                                                    "tray-plan.json"};
     return std::find(taken.begin(), taken.end(), name) != taken.end();
 }
 
@@ -119,7 +120,7 @@ std::string name_fault(std::string_view name) {
         return fmt::format("has a '{}'", name[bad]);
     if (printable(name) != name || name.find_first_of("\n\t") != std::string_view::npos)
         return "has a control character or is no UTF-8";
-    if (is_taken(name)) return "is that of a file of the batch itself";
+    if (is_taken(name)) return "is that of a file of the batch or tray itself";
     return {};
 }
 

@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/plans/tray_plan.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "base/error.h"
+#include "io/files/json_object.h"
+#include "io/files/json_writer.h"
+#include "io/files/read_bytes.h"
+#include "io/models/model_reader.h"
+#include "slicer/options/command_words.h"
+#include "slicer/options/job_file.h"
+#include "slicer/options/option_table.h"
+#include "slicer/options/option_values.h"
+#include "slicer/plans/csv_table.h"
+#include "slicer/plans/job_names.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int most_copies = 10'000;
+constexpr double most_mm = 10'000;
+constexpr const char *parts_key = "parts", *name_key = "name", *copies_key = "copies", *at_key = "at",
+                     *priority_key = "priority", *cuts_key = "cuts", *turn_key = "turn";
+constexpr std::string_view format_name = "voxtone-tray";
+
+/// Of a print, and so of all its parts.
+constexpr const char* of_the_tray[] = {"out",     "overwrite", "resume",     "printer", "resins", "load",
+                                       "formats", "layers",    "threads",    "shard",   "until",  "mixtures",
+                                       "memory",  "strict",    "read-time",  "report",  "gap",    "layout",
+                                       "trays",   "fail-fast", "read-memory"};
+
+void expect_keys(const io::JsonObject& object, std::vector<std::string> known) {
+    for (const OptionSpec& spec : slice_option_table()) known.push_back(spec.key);
+    object.allow_only(known);
+}
+
+std::array<double, 3> place_of(const io::JsonObject& object, const std::vector<double>& values) {
+    if (values.size() != 2 && values.size() != 3)
+        object.fail(at_key, "is a place, [x, y] or [x, y, z] in mm, or a list of places, one for each copy");
+    for (const double v : values)
+        if (!(v >= 0 && v <= most_mm)) object.fail(at_key, "is counted in mm from the tray's corner: from 0 to 10000");
+    return {values[0], values[1], values.size() == 3 ? values[2] : 0};
+}
+
+/// "10 20; 30 40 5", as a cell of a table has it.
+std::vector<std::vector<double>> numbers_in(const io::JsonObject& object, std::string text) {
+    std::ranges::replace(text, ',', ' ');
+    std::vector<std::vector<double>> lists;
+    std::istringstream places(text);
+    for (std::string place; std::getline(places, place, ';');) {
+        std::vector<double>& list = lists.emplace_back();
+        std::istringstream words(place);
+        for (std::string word; words >> word;) try {
+                list.push_back(parse_number<double>(at_key, word));
+            } catch (const UsageError& error) {
+                object.fail(at_key, error.what());
+            }
+    }
+    return lists;
+}
+
+/// One place, or a list of them.
+std::vector<std::array<double, 3>> places_of(const io::JsonObject& object) {
+    std::vector<std::array<double, 3>> places;
+    std::vector<std::vector<double>> lists;
+    if (object.is_text(at_key)) {
+        lists = numbers_in(object, object.text(at_key));
+    } else {
+        try {
+            lists = object.number_lists(at_key, 0, 0, most_mm);
+        } catch (const InputError&) {
+            lists = {object.numbers(at_key, 0, 0, most_mm)};
+        }
+    }
+    for (const std::vector<double>& list : lists) places.push_back(place_of(object, list));
+    return places;
+}
+
+TrayPart part_of(const io::JsonObject& object, const fs::path& folder, const SliceOptions& common, std::string place) {
+    expect_keys(object, {name_key, copies_key, at_key, priority_key, cuts_key});
+    for (const char* key : of_the_tray)
+        if (object.has(key))
+            object.fail(key,
+                        "is one for the whole tray: say it beside \"parts\", or on the command line, and not in one of "
+                        "them");
+    TrayPart part;
+    part.options = common;
+    part.place = std::move(place);
+    std::vector<std::string> said = take_options(object, folder, part.options);
+    part.turn = part.options.turn;
+    part.options.turn = false;
+    std::erase(said, turn_key);
+    if (part.options.model.empty()) object.fail("model", "names the part's model or picture");
+    part.options = with_absolute_paths(std::move(part.options));
+    drop_idle(part.options, said);  // what is said for all is meant where it can be: a picture has no size
+    part.has_own_name = object.has(name_key);
+    part.name = part.has_own_name ? object.any_text(name_key) : fs::path(part.options.model).stem().string();
+    if (object.has(at_key)) part.at_mm = places_of(object);
+    part.copies = static_cast<int>(part.at_mm.empty() ? 1 : part.at_mm.size());
+    const auto whole = [&](const char* key, int least, int most) {
+        const std::string text = object.any_text(key);
+        int value = 0;
+        try {
+            std::size_t end = 0;
+            value = std::stoi(text, &end);
+            if (end != text.size()) value = least - 1;
+        } catch (const std::exception&) {
+            value = least - 1;
+        }
+        if (value < least || value > most)
+            object.fail(key, fmt::format("is a whole number from {} to {}", least, most));
+        return value;
+    };
+    if (object.has(copies_key)) part.copies = whole(copies_key, 1, most_copies);
+    if (object.has(priority_key)) part.priority = whole(priority_key, -1000, 1000);
+    if (!part.at_mm.empty() && part.at_mm.size() != static_cast<std::size_t>(part.copies))
+        object.fail(at_key, fmt::format("gives {} places for {} copies; give one for each, or none", part.at_mm.size(),
+                                        part.copies));
+    if (object.has(cuts_key)) {
+        const std::string text = object.any_text(cuts_key);
+        if (text != "true" && text != "false") object.fail(cuts_key, "is true or false");
+        part.cuts = text == "true";
+    }
+    return part;
+}
+
+/// Two parts for which the plan has one name are a mistake, two of one model's are not.
+void refuse_equal_names(const TrayPlan& plan) {
+    std::map<std::string, const TrayPart*> named;
+    for (const TrayPart& part : plan.parts) {
+        if (!part.has_own_name) continue;
+        const auto [other, is_new] = named.emplace(part.name, &part);
+        if (!is_new)
+            throw InputError(
+                fmt::format("{}: is named '{}', as {} is; their folders in OUT/parts would be one: give one of them "
+                            "another \"name\", or make it one part of several \"copies\"",
+                            part.place, part.name, other->second->place));
+    }
+}
+
+/// A name for each part that is a folder's; those that the plan does not name are numbered where two are alike.
+void settle_names(TrayPlan& plan) {
+    refuse_equal_names(plan);
+    std::map<std::string, int> times;
+    for (const TrayPart& part : plan.parts) ++times[part.name];
+    std::map<std::string, std::string> taken;
+    std::map<std::string, int> numbers;
+    for (TrayPart& part : plan.parts) {
+        if (times[part.name] > 1 && !part.has_own_name) part.name += fmt::format("-{}", ++numbers[part.name]);
+        if (const std::string fault = name_fault(part.name); !fault.empty())
+            throw InputError(fmt::format("{}: the part's name '{}' {}; give it another under \"name\"", part.place,
+                                         part.name, fault));
+        const auto [other, is_new] = taken.emplace(part.name, part.place);
+        if (!is_new)
+            throw InputError(fmt::format("{}: is called '{}', as {} is; give one of them another \"name\"", part.place,
+                                         part.name, other->second));
+    }
+}
+
+/// A part as a file of either kind has it.
+struct PartRow {
+    io::JsonObject object;
+    std::string place;
+};
+
+struct PlanText {
+    std::optional<io::JsonObject> common;  ///< of a table nothing
+    std::vector<PartRow> parts;
+};
+
+std::string text_of(const fs::path& file) {
+    constexpr std::uint64_t most_bytes = std::uint64_t{64} << 20;
+    const std::vector<std::byte> bytes = io::read_bytes(file, most_bytes);
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+/// A cell is what an object has under the header's word; an empty one is not there.
+PlanText text_of_table(const std::string& file) {
+    const CsvTable table = parse_csv(text_of(file));
+    if (!table.faults.empty()) throw InputError(fmt::format("{}: {}", file, table.faults.front()));
+    PlanText plan;
+    for (const CsvRow& row : table.rows) {
+        io::JsonWriter json;
+        json.begin_object();
+        for (std::size_t i = 0; i < row.cells.size(); ++i)
+            if (!row.cells[i].empty()) json.add(table.header[i], row.cells[i]);
+        const std::string place = fmt::format("{}: line {}", file, row.line);
+        plan.parts.push_back({io::JsonObject::parse(json.end_object().text(), place), place});
+    }
+    return plan;
+}
+
+PlanText text_of_object(const std::string& file) {
+    io::JsonObject object = io::JsonObject::read(file);
+    if (object.has("format") && object.any_text("format") == "voxtone-job")
+        object.fail("format", "is that of a job of one model: `voxtone slice --job FILE` takes it");
+    if (!object.has("format") || object.text("format") != format_name)
+        object.fail("format",
+                    "must be \"voxtone-tray\"; the plan of a batch, a job for each line, is `voxtone batch`'s");
+    expect_keys(object, {"format", "version", parts_key});
+    if (object.integer("version", 1, 1000) != 1) object.fail("version", "is 1: a newer voxtone wrote this plan");
+    if (object.has("model")) object.fail("model", "belongs to a part: {\"parts\": [{\"model\": ...}]}");
+    if (object.has("out")) object.fail("out", "is not the plan's to say: name the folder with -o");
+    PlanText plan;
+    int number = 0;
+    for (io::JsonObject& part : object.objects(parts_key))
+        plan.parts.push_back({std::move(part), fmt::format("{}: parts[{}]", file, number++)});
+    plan.common = std::move(object);
+    return plan;
+}
+
+/// What the plan says of all parts; where the user said it besides, that.
+void take_common(const io::JsonObject& object, const fs::path& folder, const SliceOptions& said, SliceOptions& common) {
+    (void)take_options(object, folder, common);
+    for (const std::string& key : said.named)
+        if (const OptionSpec& spec = *find_option(key); key != "model") spec.set(common, spec.get(said));
+}
+
+}  // namespace
+
+TrayPlan read_tray_plan(const std::string& file, const SliceOptions& common) {
+    const PlanText text = io::extension_of(file) == "csv" ? text_of_table(file) : text_of_object(file);
+    if (text.parts.empty()) throw InputError(fmt::format("{}: has no part; name a model for each in \"parts\"", file));
+    const fs::path folder = fs::path(file).parent_path();
+    TrayPlan plan;
+    plan.common = common;
+    plan.common.model.clear();
+    if (text.common) take_common(*text.common, folder, common, plan.common);
+    for (const PartRow& part : text.parts) plan.parts.push_back(part_of(part.object, folder, plan.common, part.place));
+    settle_names(plan);
+    return plan;
+}
+
+std::string tray_plan_of(std::span<const std::string> models, const fs::path& folder) {
+    io::JsonWriter json;
+    json.begin_object().add("format", format_name).add("version", 1).key(parts_key).begin_list();
+    for (const std::string& model : models)
+        json.line()
+            .begin_object()
+            .add("model", fs::proximate(fs::absolute(model), fs::absolute(folder)).generic_string())
+            .end_object();
+    return json.end_list().end_object().text() + "\n";
+}
+
+bool is_tray_plan(const fs::path& file) {
+    const std::string extension = io::extension_of(file);
+    if (std::error_code none; (extension != "json" && extension != "csv") || !fs::is_regular_file(file, none))
+        return false;
+    try {
+        if (extension == "json") {
+            const io::JsonObject object = io::JsonObject::read(file);
+            return object.has("format") && object.any_text("format") == format_name;
+        }
+        const std::vector<std::string> header = parse_csv(text_of(file)).header;
+        return std::ranges::any_of(header, [](const std::string& word) {
+            return word == copies_key || word == at_key || word == priority_key || word == cuts_key || word == turn_key;
+        });
+    } catch (const Error&) {
+        return false;  // whoever reads it says what is wrong
+    }
+}
+
+}  // namespace voxtone::slicer

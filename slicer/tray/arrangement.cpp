@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/tray/arrangement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "base/contracts.h"
+#include "base/error.h"
+#include "slicer/tray/part_outline.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+constexpr int right_angles = 4;
+
+/// A copy that waits for a place.
+struct Waiting {
+    std::size_t part;
+    NestItem item;
+};
+
+/// `may_turn`: those parts that the plan lets.
+std::vector<Waiting> waiting_copies(std::span<const StandingPart> parts, bool may_turn) {
+    std::vector<Waiting> waiting;
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+        if (!parts[p].part->at_mm.empty()) continue;
+        const Outline outline = outline_of(*parts[p].body);
+        NestItem item{{outline}, p};
+        for (int turn = 1; may_turn && parts[p].part->turn && turn < right_angles; ++turn)
+            item.turns.push_back(outline.turned(turn));
+        for (int copy = 0; copy < parts[p].part->copies; ++copy) waiting.push_back({p, item});
+    }
+    return waiting;
+}
+
+/// On a plate without end a square of twice the area of all boxes, or the longest side, holds them.
+std::array<int, 2> plate_cells(const Eigen::Vector3d& tray_mm, const std::vector<Waiting>& waiting) {
+    double area = 0;
+    int longest = 1;
+    for (const Waiting& one : waiting) {
+        const Outline& outline = one.item.turns[0];
+        area += double(outline.width()) * outline.height();
+        longest = std::max({longest, outline.width(), outline.height()});
+    }
+    const int enough = 2 * (static_cast<int>(std::ceil(std::sqrt(2 * area))) + longest);
+    const auto cells = [&](double mm) { return std::isfinite(mm) ? cells_within(mm) : enough; };
+    return {cells(tray_mm.x()), cells(tray_mm.y())};
+}
+
+/// What the plan has put on the plate.
+std::optional<Outline> planned_outline(std::span<const StandingPart> parts, const std::array<int, 2>& plate) {
+    std::optional<Outline> taken;
+    for (const StandingPart& part : parts) {
+        if (part.part->at_mm.empty()) continue;
+        if (!taken) taken.emplace(plate[0], plate[1]);
+        const Outline outline = outline_of(*part.body);
+        for (const std::array<double, 3>& mm : part.part->at_mm) take_at(*taken, outline, mm[0], mm[1]);
+    }
+    return taken;
+}
+
+class Arranger {
+public:
+    Arranger(std::span<const StandingPart> parts, const Eigen::Vector3d& tray_mm, const TrayOptions& options)
+        : parts_(parts), tray_mm_(tray_mm), options_(options), pitch_(parts[0].body->grid.pitch_mm) {
+        made_.copies.resize(parts.size());
+    }
+
+    [[nodiscard]] Arrangement arrange() {
+        place_as_planned();
+        if (options_.arrange == Arrange::none)
+            place_by_coordinates();
+        else
+            place_the_others();
+        for (int tray = 0; tray < trays_; ++tray) take_box(tray);
+        return std::move(made_);
+    }
+
+private:
+    [[nodiscard]] const std::array<int, 3>& size_of(std::size_t part) const { return parts_[part].body->grid.size; }
+
+    void place_as_planned() {
+        for (std::size_t p = 0; p < parts_.size(); ++p) {
+            double moved_um = 0;
+            for (const std::array<double, 3>& mm : parts_[p].part->at_mm) {
+                PlacedCopy copy;
+                for (int axis = 0; axis < 3; ++axis) {
+                    int& at = copy.at[std::size_t(axis)];
+                    at = static_cast<int>(std::lround(mm[std::size_t(axis)] / pitch_[axis]));
+                    moved_um = std::max(moved_um, 1e3 * std::abs(at * pitch_[axis] - mm[std::size_t(axis)]));
+                }
+                add(p, copy);
+            }
+            // What the plan's own digits round is not worth a word.
+            if (constexpr double least_um = 1; moved_um >= least_um)
+                made_.notes.push_back(
+                    fmt::format("{}: lies up to {:.0f} um from where \"at\" puts it: parts lie on whole voxels of "
+                                "{:.4g} x {:.4g} x "
+                                "{:.4g} um",
+                                parts_[p].part->name, moved_um, pitch_.x() * 1e3, pitch_.y() * 1e3, pitch_.z() * 1e3));
+        }
+    }
+
+    /// Throws InputError where it is off the tray.
+    void add(std::size_t part, const PlacedCopy& copy) {
+        for (int axis = 0; axis < 3; ++axis) {
+            const double end = (copy.at[std::size_t(axis)] + size_of(part)[std::size_t(axis)]) * pitch_[axis];
+            if (end > tray_mm_[axis] * (1 + 1e-9))
+                throw InputError(
+                    fmt::format("{}: reaches to {:.1f} mm along {} where it is put, and the tray {} at {:.1f}: move it "
+                                "(\"at\"), or "
+                                "make it smaller",
+                                parts_[part].part->place, end, "xyz"[axis], axis == 2 ? "may be built up to" : "ends",
+                                tray_mm_[axis]));
+        }
+        made_.copies[part].push_back(copy);
+    }
+
+    /// As an assembly that was exported part by part.
+    void place_by_coordinates() {
+        Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+        const auto corner = [&](std::size_t p) -> Eigen::Vector3d {
+            return parts_[p].body->placement.corner_mm + parts_[p].body->grid.origin_mm;
+        };
+        for (std::size_t p = 0; p < parts_.size(); ++p) {
+            if (!made_.copies[p].empty()) continue;
+            expect_own_place(parts_[p]);
+            low = low.cwiseMin(corner(p));
+        }
+        for (std::size_t p = 0; p < parts_.size(); ++p) {
+            if (!made_.copies[p].empty()) continue;
+            const Eigen::Vector3d mm = corner(p) - low;
+            PlacedCopy copy;
+            for (int axis = 0; axis < 3; ++axis)
+                copy.at[std::size_t(axis)] = static_cast<int>(std::lround(mm[axis] / pitch_[axis]));
+            add(p, copy);
+        }
+    }
+
+    static void expect_own_place(const StandingPart& part) {
+        const char* why = nullptr;
+        if (part.body->is_picture) why = "is a picture, which has no place of its own";
+        if (part.part->copies > 1) why = "has several copies, which would lie in one place";
+        if (part.part->options.size_mm > 0)
+            why =
+                "is scaled by \"size\", each part by a factor of its own, so that their coordinates do not go together";
+        if (why)
+            throw InputError(fmt::format(
+                "{}: {}: say where it lies (\"at\"), scale by \"scale\", or let it be arranged (--arrange plate)",
+                part.part->place, why));
+    }
+
+    /// Fills tray after tray, and where parts may lie over each other level after level.
+    void place_the_others() {
+        std::vector<Waiting> waiting = waiting_copies(parts_, false);
+        if (waiting.empty()) return;
+        const std::array<int, 2> plate = plate_cells(tray_mm_, waiting);
+        for (int tray = 0; tray < options_.trays && !waiting.empty(); ++tray) {
+            const auto taken = tray == 0 ? planned_outline(parts_, plate) : std::nullopt;
+            int floor = 0;
+            for (bool more = true; more && !waiting.empty();) {
+                const int top = fill_level(waiting, plate, taken, {{0, 0, floor}, tray});
+                more = top > floor && options_.arrange == Arrange::stacked;
+                if (top > floor) trays_ = tray + 1;
+                floor = next_level(top);
+            }
+        }
+        if (!waiting.empty()) refuse_for_room(waiting);
+    }
+
+    /// Above what ends at `top`, with the gap; where slabs of layers begin, so that none is made twice.
+    [[nodiscard]] int next_level(int top) const {
+        constexpr int slab_layers = 32;
+        const int bottom = top + static_cast<int>(std::ceil(options_.gap_mm / pitch_.z()));
+        return (bottom + slab_layers - 1) / slab_layers * slab_layers;
+    }
+
+    /// Puts what finds room on the level of `corner`, and takes it from those that wait. Where the level ends.
+    int fill_level(std::vector<Waiting>& waiting, const std::array<int, 2>& plate, const std::optional<Outline>& taken,
+                   const PlacedCopy& corner) {
+        std::vector<NestItem> items;
+        std::vector<std::size_t> of_item;
+        for (std::size_t w = 0; w < waiting.size(); ++w) {
+            if ((corner.at[2] + size_of(waiting[w].part)[2]) * pitch_.z() > tray_mm_.z() * (1 + 1e-9)) continue;
+            items.push_back(waiting[w].item);
+            of_item.push_back(w);
+        }
+        int top = corner.at[2];
+        const auto places = nest(items, plate, cells_above(options_.gap_mm), taken);
+        std::vector<bool> stands(waiting.size());
+        for (std::size_t n = 0; n < items.size(); ++n) {
+            if (!places[n]) continue;
+            const std::size_t part = waiting[of_item[n]].part;
+            PlacedCopy copy = corner;
+            copy.at[0] = static_cast<int>(std::ceil(places[n]->x * nest_cell_mm / pitch_.x() - 1e-9));
+            copy.at[1] = static_cast<int>(std::ceil(places[n]->y * nest_cell_mm / pitch_.y() - 1e-9));
+            made_.copies[part].push_back(copy);
+            stands[of_item[n]] = true;
+            top = std::max(top, corner.at[2] + size_of(part)[2]);
+        }
+        std::size_t w = 0;
+        std::erase_if(waiting, [&](const Waiting&) { return stands[w++]; });
+        return top;
+    }
+
+    [[noreturn]] void refuse_for_room(const std::vector<Waiting>& waiting) const {
+        std::vector<int> left_over(parts_.size());
+        for (const Waiting& one : waiting) ++left_over[one.part];
+        std::string names;
+        for (std::size_t p = 0; p < parts_.size(); ++p)
+            if (left_over[p] > 0)
+                names += fmt::format("{}{} of {}", names.empty() ? "" : ", ", left_over[p], parts_[p].part->name);
+        throw InputError(fmt::format(
+            "{} find no room on {} of {:.0f} x {:.0f} x {:.0f} mm: allow more trays (--trays N), parts over each other "
+            "(--arrange stacked) or turned (--turn), print fewer or smaller ones, or leave less between them (--gap)",
+            names, options_.trays == 1 ? std::string("the tray") : fmt::format("{} trays", options_.trays),
+            tray_mm_.x(), tray_mm_.y(), tray_mm_.z()));
+    }
+
+    /// The box of all copies on a tray becomes the print: its corner is the tray's.
+    void take_box(int tray) {
+        std::array<int, 3> low{}, high{};
+        std::size_t count = 0;
+        const auto each = [&](const auto& look) {
+            for (std::size_t p = 0; p < parts_.size(); ++p)
+                for (PlacedCopy& copy : made_.copies[p])
+                    if (copy.tray == tray) look(p, copy.at);
+        };
+        each([&](std::size_t part, std::array<int, 3>& at) {
+            if (count++ == 0) low = high = at;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                low[axis] = std::min(low[axis], at[axis]);
+                high[axis] = std::max(high[axis], at[axis] + size_of(part)[axis]);
+            }
+        });
+        VOXTONE_EXPECT(count > 0);
+        low[2] = 0;
+        VoxelGrid grid;
+        grid.pitch_mm = pitch_;
+        each([&](std::size_t part, std::array<int, 3>& at) {
+            // One part alone lies where it lies in a print of its own.
+            if (count == 1 && trays_ == 1 && at[2] == 0) grid.origin_mm = parts_[part].body->grid.origin_mm;
+            for (std::size_t axis = 0; axis < 3; ++axis) at[axis] -= low[axis];
+        });
+        for (std::size_t axis = 0; axis < 3; ++axis) grid.size[axis] = high[axis] - low[axis];
+        made_.trays.push_back(grid);
+        made_.corner_mm.push_back({low[0] * pitch_.x(), low[1] * pitch_.y(), 0});
+    }
+
+    std::span<const StandingPart> parts_;
+    Eigen::Vector3d tray_mm_;
+    const TrayOptions& options_;
+    Eigen::Vector3d pitch_;
+    Arrangement made_;
+    int trays_ = 1;
+};
+
+}  // namespace
+
+Arrangement arrange(std::span<const StandingPart> parts, const Eigen::Vector3d& tray_mm, const TrayOptions& options) {
+    VOXTONE_EXPECT(!parts.empty());
+    return Arranger(parts, tray_mm, options).arrange();
+}
+
+std::vector<int> turns_on_plate(std::span<const StandingPart> parts, const Eigen::Vector3d& tray_mm, double gap_mm) {
+    const std::vector<Waiting> waiting = waiting_copies(parts, true);
+    std::vector<int> turns(parts.size());
+    if (waiting.empty()) return turns;
+    const std::array<int, 2> plate = plate_cells(tray_mm, waiting);
+    std::vector<NestItem> items;
+    for (const Waiting& one : waiting) items.push_back(one.item);
+    const auto places = nest(items, plate, cells_above(gap_mm), planned_outline(parts, plate));
+    for (std::size_t w = 0; w < waiting.size(); ++w)
+        if (places[w]) turns[waiting[w].part] = places[w]->turn;
+    return turns;
+}
+
+std::string turned_further(const SliceOptions& options, int turn) {
+    // The turn stands before the mirrors, which turn it around where they are odd in number.
+    const bool is_mirrored = (int(options.flip_x) + int(options.flip_y) + int(options.swap_xy)) % 2 == 1;
+    const int degrees = 90 * (is_mirrored ? (right_angles - turn) % right_angles : turn);
+    if (degrees == 0) return options.rotate;
+    return options.rotate + (options.rotate.empty() ? "" : ",") + fmt::format("z{}", degrees);
+}
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/tray/opened_tray.h"
+
+#include <algorithm>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "base/error.h"
+#include "base/stop_deadline.h"
+#include "io/files/whole_file.h"
+#include "io/layers/stack_folder.h"
+#include "slicer/kept/loop_checkpoint.h"
+#include "slicer/printer/placement.h"
+#include "slicer/tray/joined_parts.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What has no meaning for many parts at once.
+void refuse_of_one_body(const SliceOptions& options) {
+    if (!options.layers.empty())
+        throw UsageError("--layers: a tray is sliced whole, or in parts of equal work (--shard I/N)");
+    if (!options.mixtures.empty())
+        throw UsageError(
+            "--mixtures: is what the loop of one body came to; a tray keeps that of its parts in OUT/parts");
+}
+
+/// Every file that a part was made of, by its name from the plan's folder. Those of parts that failed are not: once
+/// they are mended it is this tray still.
+std::vector<io::SideFile> files_of(const OpenedTray& tray, const TrayParts& parts) {
+    const fs::path folder = fs::absolute(tray.job.options.model).parent_path();
+    std::vector<io::SideFile> files;
+    std::set<std::string> seen;
+    const auto add = [&](const std::string& file, const std::string& sha256) {
+        const std::string name = fs::proximate(fs::absolute(file), folder).generic_string();
+        if (seen.insert(name).second) files.push_back({name, sha256});
+    };
+    for (const ReadyPart& part : parts.ready) {
+        if (part.is_joined) continue;  // of files that its parts have
+        for (const JobInput& input : part.ready->identity.inputs)
+            if (!input.file.empty()) add(input.file, input.sha256);
+    }
+    return files;
+}
+
+}  // namespace
+
+SliceOptions with_plan(SliceOptions asked, std::span<const std::string> models) {
+    if (models.empty()) return asked;
+    const fs::path folder = fs::path(asked.out) / io::parts_name;
+    fs::create_directories(folder);
+    io::write_whole_file(folder / tray_plan_name, tray_plan_of(models, folder));
+    asked.model = (folder / tray_plan_name).string();
+    return asked;
+}
+
+OpenedTray open_tray(const SliceOptions& asked) {
+    if (asked.out.empty()) throw UsageError("tray: name the folder for the print (-o OUT)");
+    refuse_of_one_body(asked);
+    return {open_job(asked), read_tray_plan(asked.model, asked)};
+}
+
+PreparedTray prepare_tray(const OpenedTray& tray, Progress& progress) {
+    PreparedTray prepared{prepare_parts(tray.plan, progress), {}, {}};
+    std::vector<StandingPart> standing;
+    for (const ReadyPart& part : prepared.parts.ready) standing.push_back({&part.part, &part.ready->body});
+    const PrinterProfile printer = prepared.any_job().printer;
+    for (const std::string& warning : printer.warnings()) progress.warn(warning);
+    const SliceOptions& common = tray.plan.common;
+    prepared.places = arrange(
+        standing, printer.sliced_tray_mm(),
+        {common.gap_mm, parse_choice<Arrange>("arrange", common.arrange), common.turn, common.trays, common.fail_fast});
+    for (const std::string& note : prepared.places.notes) progress.note(note);
+    for (std::size_t p = 0; p < standing.size(); ++p) prepared.parts.ready[p].copies = prepared.places.copies[p];
+    join_near_parts(prepared.parts.ready, common.out, progress);
+    for (const VoxelGrid& grid : prepared.places.trays) check_layer_count(grid.size[2], printer, "larger (\"size\")");
+    prepared.identity = identify(tray.job, files_of(tray, prepared.parts), &progress);
+    return prepared;
+}
+
+void rearrange_parts(const OpenedTray& tray, PreparedTray& prepared, Progress& progress) {
+    TrayParts& parts = prepared.parts;
+    std::erase_if(parts.ready, [&](ReadyPart& part) {
+        if (part.alone.empty()) return false;  // its copies are all of joined parts
+        progress.note(fmt::format("part {}", part.part.name));
+        return !goes_well(part.part, tray.plan.common.fail_fast, parts.failed, progress, [&] {
+            Print& print = *part.ready->print;
+            print.prepare(progress);
+            print.rearrange(progress);
+            (void)print.keep_loop();
+            LoopCheckpoint::remove_from(part.ready->job.options.out);
+            set_stop_advice({});
+        });
+    });
+}
+
+ComposedLayers compose(const PreparedTray& prepared, int tray) {
+    std::vector<PlacedPart> placed;
+    for (const ReadyPart& part : prepared.parts.ready) {
+        if (part.alone.empty()) continue;
+        const std::shared_ptr<const LayerSource> layers = part.ready->print->layers();
+        for (const PlacedCopy& copy : part.alone)
+            if (copy.tray == tray) placed.push_back({layers, copy.at, part.part.priority, part.part.cuts});
+    }
+    if (placed.empty())
+        throw Error(prepared.parts.failed.front().exit_code,
+                    fmt::format("nothing is left of tray {}; {}", tray + 1, prepared.parts.failed.front().message));
+    return {prepared.places.trays[std::size_t(tray)], std::move(placed)};
+}
+
+fs::path folder_of_tray(const fs::path& out, int tray) {
+    if (tray == 0) return out;
+    // "out/" is no name to add to.
+    const fs::path plain = out.has_filename() ? out : out.parent_path();
+    return plain.parent_path() / fmt::format("{}-{}", plain.filename().string(), tray + 1);
+}
+
+}  // namespace voxtone::slicer
