@@ -6,14 +6,21 @@
 #include <cmath>
 
 #include "base/contracts.h"
-#include "base/parallel.h"
 #include "halftone/separation/lattice_lookup.h"
 
 namespace voxtone::halftone {
 
 namespace {
 
-constexpr std::size_t nodes = 33;
+constexpr std::size_t nodes = 33, all_nodes = nodes * nodes * nodes;
+
+Eigen::Vector3f colour_of(std::size_t node) {
+    const auto coordinate = [](std::size_t i) {
+        const float t = static_cast<float>(i) / static_cast<float>(nodes - 1);
+        return t * t * t;
+    };
+    return {coordinate(node % nodes), coordinate(node / nodes % nodes), coordinate(node / nodes / nodes)};
+}
 
 /// CIEDE2000 from where on a colour is moved towards what can be shown; all the way from twice as much.
 constexpr double moved_from = 1;
@@ -27,50 +34,32 @@ float share_within(double excess, double tolerance) {
 
 }  // namespace
 
-MinimalDepthSeparation::MinimalDepthSeparation(const optics::ResinSet& resins, const optics::ShellGeometry& geometry,
-                                               const SkinLayers& layers, const SeparationOptions& options,
-                                               const Progress* progress, double tolerance)
-    : layers_(layers), resins_(resins.resins.size()), core_(static_cast<std::size_t>(geometry.core_resin)) {
-    VOXTONE_EXPECT(layers.size() >= 2 && tolerance > 0);
-    for (std::size_t l = 1; l < layers.size(); ++l) {
-        optics::ShellGeometry skin = geometry;
+MinimalDepthSeparation::MinimalDepthSeparation(const optics::ShellAppearance& deepest, const SkinLayers& layers,
+                                               const SeparationOptions& options, double tolerance)
+    : layers_(layers),
+      tolerance_(tolerance),
+      resins_(deepest.resins()),
+      core_(static_cast<std::size_t>(deepest.geometry().core_resin)),
+      least_distance_(all_nodes),
+      weight_(all_nodes * (layers.size() - 1)),
+      measured_(all_nodes),
+      weighed_(all_nodes) {
+    VOXTONE_EXPECT(layers.size() >= 2 && tolerance > 0 && deepest.geometry().shell_mm == layers.depth_mm());
+    for (std::size_t l = 1; l + 1 < layers.size(); ++l) {
+        optics::ShellGeometry skin = deepest.geometry();
         skin.shell_mm = layers.bottom_mm[l];
-        skin.core_mm = geometry.core_mm + layers.depth_mm() - skin.shell_mm;
-        skins_.push_back(std::make_unique<const Skin>(resins, skin, options, progress));
+        skin.core_mm = skin.core_mm + layers.depth_mm() - skin.shell_mm;
+        skins_.push_back(std::make_unique<const Skin>(optics::ShellAppearance(deepest.set(), skin), options));
     }
-    weight_.resize(nodes * nodes * nodes * skins_.size());
-    std::vector<char> in_gamut(nodes * nodes * nodes);
-    parallel_for(
-        0, nodes * nodes, 8,
-        [&](std::size_t row) {
-            if (progress) progress->check_cancelled();
-            const auto coordinate = [](std::size_t i) {
-                const float t = static_cast<float>(i) / static_cast<float>(nodes - 1);
-                return t * t * t;
-            };
-            for (std::size_t red = 0; red < nodes; ++red) {
-                const Eigen::Vector3f rgb(coordinate(red), coordinate(row % nodes), coordinate(row / nodes));
-                const double least = deepest().gamut_distance(rgb);
-                in_gamut[row * nodes + red] = least < at_node;
-                float left = 1, *const weight = weight_.data() + (row * nodes + red) * skins_.size();
-                for (std::size_t s = 0; s + 1 < skins_.size(); ++s) {
-                    weight[s] = left * share_within(skins_[s]->separation.gamut_distance(rgb) - least, tolerance);
-                    left -= weight[s];
-                }
-                weight[skins_.size() - 1] = left;
-            }
-        },
-        progress);
-    well_in_gamut_.assign(in_gamut.size(), 0);
-    for (std::size_t z = 0; z + 1 < nodes; ++z)
-        for (std::size_t y = 0; y + 1 < nodes; ++y)
-            for (std::size_t x = 0; x + 1 < nodes; ++x) {
-                bool all = true;
-                for (std::size_t corner = 0; corner < 8; ++corner)
-                    all = all &&
-                          in_gamut[((z + (corner >> 2)) * nodes + y + (corner >> 1 & 1)) * nodes + x + (corner & 1)];
-                well_in_gamut_[(z * nodes + y) * nodes + x] = all;
-            }
+    skins_.push_back(std::make_unique<const Skin>(deepest, options));
+}
+
+double MinimalDepthSeparation::least_distance(std::size_t node) const {
+    measured_.require(node, node, [&] {
+        least_distance_[node] = deepest().gamut_distance(colour_of(node));
+        measured_.mark(node);
+    });
+    return least_distance_[node];
 }
 
 bool MinimalDepthSeparation::well_in_gamut(const Eigen::Vector3f& rgb) const {
@@ -79,15 +68,30 @@ bool MinimalDepthSeparation::well_in_gamut(const Eigen::Vector3f& rgb) const {
         const float place = std::cbrt(std::clamp(rgb[c], 0.0f, 1.0f)) * static_cast<float>(nodes - 1);
         at = at * nodes + std::min(static_cast<std::size_t>(place), nodes - 2);
     }
-    return well_in_gamut_[at] != 0;
+    for (std::size_t corner = 0; corner < 8; ++corner)
+        if (!(least_distance(at + ((corner >> 2) * nodes + (corner >> 1 & 1)) * nodes + (corner & 1)) < at_node))
+            return false;
+    return true;
 }
 
 const float* MinimalDepthSeparation::weights(const Eigen::Vector3f& rgb) const {
-    std::size_t at = 0;
+    std::size_t node = 0;
     for (int c = 2; c >= 0; --c)
-        at = at * nodes + static_cast<std::size_t>(
-                              std::lround(std::cbrt(std::clamp(rgb[c], 0.0f, 1.0f)) * static_cast<float>(nodes - 1)));
-    return weight_.data() + at * skins_.size();
+        node = node * nodes + static_cast<std::size_t>(std::lround(std::cbrt(std::clamp(rgb[c], 0.0f, 1.0f)) *
+                                                                   static_cast<float>(nodes - 1)));
+    float* const weight = weight_.data() + node * skins_.size();
+    weighed_.require(node, node, [&] {
+        const double least = least_distance(node);
+        float left = 1;
+        for (std::size_t s = 0; s + 1 < skins_.size(); ++s) {
+            const double excess = skins_[s]->separation.gamut_distance(colour_of(node)) - least;
+            weight[s] = left * share_within(excess, tolerance_);
+            left -= weight[s];
+        }
+        weight[skins_.size() - 1] = left;
+        weighed_.mark(node);
+    });
+    return weight;
 }
 
 void MinimalDepthSeparation::separate(const Eigen::Vector3f& rgb, std::span<float> fractions) const {

@@ -9,7 +9,7 @@
 // below `tolerance`, bad where it is above 3 tolerance, and in between it is mixed with the next deeper one, so that no
 // border is seen where the depth changes.
 //
-// What it cannot see: neighbours. The loop mends that.
+// What it cannot see: neighbours. The loop mends that. May be asked from any thread; the same bits in any order.
 #pragma once
 
 #include <cstddef>
@@ -19,8 +19,8 @@
 
 #include <Eigen/Core>
 
-#include "base/progress.h"
 #include "halftone/loop/skin.h"
+#include "halftone/separation/made_on_demand.h"
 #include "halftone/separation/separation.h"
 #include "optics/layered/shell_appearance.h"
 
@@ -28,11 +28,9 @@ namespace voxtone::halftone {
 
 class MinimalDepthSeparation {
 public:
-    /// `geometry`: of a skin as deep as all layers; its shell_mm is not read. `core_mm` is the thickness below the
-    /// deepest skin where it is finite. Throws as ShellAppearance and Separation do.
-    MinimalDepthSeparation(const optics::ResinSet& resins, const optics::ShellGeometry& geometry,
-                           const SkinLayers& layers, const SeparationOptions& options,
-                           const Progress* progress = nullptr, double tolerance = 1);
+    /// `deepest`: of a skin as deep as all layers. Throws as ShellAppearance and Separation do.
+    MinimalDepthSeparation(const optics::ShellAppearance& deepest, const SkinLayers& layers,
+                           const SeparationOptions& options, double tolerance = 1);
 
     [[nodiscard]] const SkinLayers& layers() const { return layers_; }
     [[nodiscard]] std::size_t resins() const { return resins_; }
@@ -48,22 +46,27 @@ public:
 
 private:
     struct Skin {
-        Skin(const optics::ResinSet& resins, const optics::ShellGeometry& geometry, const SeparationOptions& options,
-             const Progress* progress)
-            : appearance(resins, geometry), separation(appearance, options, progress) {}
+        Skin(const optics::ShellAppearance& seen, const SeparationOptions& options)
+            : appearance(seen), separation(appearance, options) {}
         optics::ShellAppearance appearance;
         Separation separation;
     };
-    /// Share of each skin, at the nodes of a lattice even in the cube root of each channel, red fastest.
+    /// Share of each skin.
     [[nodiscard]] const float* weights(const Eigen::Vector3f& rgb) const;
     /// All of the lattice's nodes around are within `at_node` of what is shown for them.
     [[nodiscard]] bool well_in_gamut(const Eigen::Vector3f& rgb) const;
+    /// CIEDE2000 between a node's colour and what the deepest skin shows for it.
+    [[nodiscard]] double least_distance(std::size_t node) const;
 
     SkinLayers layers_;
+    double tolerance_;
     std::size_t resins_, core_;
     std::vector<std::unique_ptr<const Skin>> skins_;
-    std::vector<float> weight_;        ///< [node * skins + skin]
-    std::vector<char> well_in_gamut_;  ///< of the lattice's cubes, by their lowest node
+    // Of the nodes of a lattice even in the cube root of each channel, red fastest: found out where they are asked for,
+    // like a separation's mixtures.
+    mutable std::vector<double> least_distance_;
+    mutable std::vector<float> weight_;  ///< [node * skins + skin]
+    mutable MadeOnDemand measured_, weighed_;
 };
 
 }  // namespace voxtone::halftone

@@ -122,6 +122,18 @@ HWY_INLINE void find_corners(const LatticeView& lattice, const float* red, const
     }
 }
 
+/// Before the corners of one of the block's colours are read.
+HWY_INLINE void require_corners(const LatticeView& lattice, const Corners& corners, std::size_t i) {
+    if (!lattice.solved) return;
+    const auto node = [&](std::size_t corner) {
+        return static_cast<std::size_t>(corners.offset[corner][i]) / max_resins;
+    };
+    bool all = true;
+    for (std::size_t corner = 0; corner < 4; ++corner) all &= lattice.solved->made(node(corner));
+    if (all) return;
+    for (std::size_t corner = 0; corner < 4; ++corner) require_node(lattice, node(corner));
+}
+
 /// Resins 0 .. 3 and 4 .. 7.
 struct Eight {
     Four low, high;
@@ -129,6 +141,7 @@ struct Eight {
 
 /// The mean of the interpolated shares and the squares of the interpolated roots, of one of the block's colours.
 HWY_INLINE Eight blend(const LatticeView& lattice, const Corners& corners, std::size_t i) {
+    require_corners(lattice, corners, i);
     const FourTag d;
     Eight root{hn::Zero(d), hn::Zero(d)}, square = root;
     const auto add = [&](Four weight, Four a, Four& roots, Four& squares) {

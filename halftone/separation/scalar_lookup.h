@@ -55,6 +55,7 @@ inline Shares scalar_shares(const LatticeView& lattice, float red, float green, 
                                       axis[2].part};
     Shares root{}, square{}, shares;
     for (std::size_t corner = 0; corner < 4; ++corner) {
+        require_node(lattice, static_cast<std::size_t>(at));
         const float* const node = lattice.root + static_cast<std::size_t>(at) * max_resins;
         for (std::size_t r = 0; r < max_resins; ++r) {
             const float weighed = weight[corner] * node[r];

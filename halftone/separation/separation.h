@@ -3,8 +3,8 @@
 // Colour separation: which mixture of the loaded resins shows a target colour.
 //
 // The forward model is optics::ShellAppearance, media-relative and read as linear sRGB: the white of a target is a
-// body of white resin. It is inverted once, at the nodes of a lattice over the colour cube, and interpolated in
-// between.
+// body of white resin. It is inverted at the nodes of a lattice over the colour cube, when a colour next to a node is
+// first looked up, and interpolated in between.
 //
 // At a node with target T the fractions f of the resins minimise
 //     | W (oklab(A(f)) - oklab(T)) |^2  +  lambda sum_r p_r f_r^2,    f_r >= 0,  sum_r f_r = 1.
@@ -27,19 +27,18 @@
 // 0.19 / 1.07, CMW 0.16 / 1.47, KW 0.05 / 0.5; KWC 0.21 / 2.2 and CMYKW with clear 0.17 / 2.2, because many of their
 // colours lie on the edge of the gamut, where it cuts through cells. Saturated colours out of gamut turn in hue by at
 // most 5.2 degrees (Oklab). What it cannot see: whatever the forward model cannot (edges, curvature, grain of the
-// halftone). Immutable after construction; the same bits for any number of threads.
+// halftone). May be asked from any thread; the same bits for any number of threads and any order.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "base/progress.h"
 #include "halftone/separation/appearance_colour.h"
 #include "halftone/separation/lattice_lookup.h"
 #include "halftone/separation/mixture.h"
+#include "halftone/separation/mixture_lattice.h"
 #include "halftone/separation/separation_options.h"
 #include "optics/layered/shell_appearance.h"
 
@@ -49,13 +48,7 @@ class Separation {
 public:
     /// `appearance` has at most max_resins resins; it must outlive the separation.
     /// Throws InputError for channels that are not those of the options, UsageError for options out of range.
-    /// `lattice`: what `lattice` of one of the same appearance and options gave, so that nothing is inverted; empty, or
-    /// of another size: none.
-    explicit Separation(const optics::ShellAppearance& appearance, const SeparationOptions& options = {},
-                        const Progress* progress = nullptr, const std::vector<float>& lattice = {});
-
-    /// To be kept for another of the same appearance and options.
-    [[nodiscard]] std::vector<float> lattice() const;
+    explicit Separation(const optics::ShellAppearance& appearance, const SeparationOptions& options = {});
 
     [[nodiscard]] std::size_t resins() const { return resins_; }
 
@@ -64,7 +57,7 @@ public:
 
     /// Shares of one colour, max_resins of them; their sum is near 1.
     void shares(const Eigen::Vector3f& rgb, float* out) const {
-        lattice_shares(view(), rgb.x(), rgb.y(), rgb.z(), out);
+        lattice_shares(lattice_.view(), rgb.x(), rgb.y(), rgb.z(), out);
     }
     /// Fractions of one colour; they sum to 1.
     [[nodiscard]] std::vector<double> fractions(const Eigen::Vector3f& rgb) const;
@@ -75,17 +68,9 @@ public:
     [[nodiscard]] double gamut_distance(const Eigen::Vector3f& rgb) const;
 
 private:
-    struct alignas(32) Node {
-        std::array<float, max_resins> root;  ///< sqrt of the fractions; 0 beyond the last resin
-    };
-    [[nodiscard]] LatticeView view() const;
-    void solve(const SeparationOptions& options, const Progress* progress);
-    bool take(const std::vector<float>& lattice);
-
     AppearanceColour colour_;
     std::size_t resins_;
-    int nodes_;
-    std::vector<Node> lattice_;  ///< red fastest
+    mutable MixtureLattice lattice_;  ///< solved where it is asked for
 };
 
 }  // namespace voxtone::halftone

@@ -123,10 +123,7 @@ void ShellAppearance::Tables::tabulate(std::size_t channel, const OrdinatePlan& 
 }
 
 ShellAppearance::ShellAppearance(const ResinSet& resins, const ShellGeometry& geometry)
-    : tables_(std::make_unique<const Tables>(resins, geometry)) {}
-ShellAppearance::~ShellAppearance() = default;
-ShellAppearance::ShellAppearance(ShellAppearance&&) noexcept = default;
-ShellAppearance& ShellAppearance::operator=(ShellAppearance&&) noexcept = default;
+    : tables_(std::make_shared<const Tables>(resins, geometry)) {}
 
 std::size_t ShellAppearance::channels() const { return tables_->tables.size(); }
 std::size_t ShellAppearance::resins() const { return tables_->set.resins.size(); }

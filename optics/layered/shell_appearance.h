@@ -55,9 +55,6 @@ class ShellAppearance {
 public:
     /// Throws InputError for resins that break a rule; the geometry is a contract.
     ShellAppearance(const ResinSet& resins, const ShellGeometry& geometry);
-    ~ShellAppearance();
-    ShellAppearance(ShellAppearance&&) noexcept;
-    ShellAppearance& operator=(ShellAppearance&&) noexcept;
 
     [[nodiscard]] std::size_t channels() const;
     [[nodiscard]] std::size_t resins() const;
@@ -84,7 +81,7 @@ public:
 
 private:
     struct Tables;
-    std::unique_ptr<const Tables> tables_;
+    std::shared_ptr<const Tables> tables_;  ///< a copy shares them
 };
 
 }  // namespace voxtone::optics

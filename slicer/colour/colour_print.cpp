@@ -26,7 +26,7 @@ std::unique_ptr<const JobColour> separate(const OpenedJob& job, const JobBody& b
                                           Progress& progress) {
     const Stopwatch watch;
     auto colour = prepare_colour(job.options.colour, job.resins, body.grid.pitch_mm,
-                                 slab_under_colour(job.options, body), progress, body.separation);
+                                 slab_under_colour(job.options, body), progress);
     seconds = watch.total();
     return colour;
 }

@@ -31,7 +31,6 @@ public:
     /// Runs the loop. Throws ResourceError where memory does not suffice.
     void rearrange(Progress& progress) override;
     [[nodiscard]] JobResult keep_loop() const override;
-    [[nodiscard]] std::vector<float> separation() const override { return colour_->separation.lattice(); }
     [[nodiscard]] std::unique_ptr<const LayerSource> layers() const override;
     void expect_layers(const LayerRange& range) override;
     void see(int k, const io::LayerRuns& layer) override;

@@ -122,7 +122,7 @@ LoopProblem::LoopProblem(const ResolvedJob& of_job, const JobBody& body, const L
       scene(scene_of(shape, resins, body, job.picture.backing)),
       cells(std::make_shared<const LoopCells>(find_viewed_cells(scene, body, job.prediction.cell_mm, progress), body,
                                               colour.appearance.geometry().shell_mm)),
-      recipes(prepare_recipes(resins.set, colour.appearance.geometry(), cells->layers, progress)) {}
+      recipes(prepare_recipes(colour.appearance, cells->layers)) {}
 
 SavedSkin saved_skin(const JobLoop& loop) {
     SavedSkin skin;

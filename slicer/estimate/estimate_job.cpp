@@ -44,8 +44,8 @@ MadeColours make_colours(const PlannedPrint& planned, Progress& progress) {
     made.colour = prepare_colour(job.options.colour, job.resins, planned.body.grid.pitch_mm,
                                  slab_under_colour(job.options, planned.body), progress);
     if (!planned.plan.loop.wanted) return made;
-    const optics::ShellGeometry& shell = made.colour->appearance.geometry();
-    made.recipes = prepare_recipes(job.resins.set, shell, halftone::skin_layers(shell.shell_mm), progress);
+    const optics::ShellAppearance& appearance = made.colour->appearance;
+    made.recipes = prepare_recipes(appearance, halftone::skin_layers(appearance.geometry().shell_mm));
     return made;
 }
 

@@ -146,19 +146,16 @@ JobBody body_from(PackedReader& from) {
     VisibleSurface surface;
     surface_in(from, surface);
     body.surface = SurfaceIndex(std::move(surface));
-    from(body.separation);
     from.expect_end();
     return body;
 }
 
 }  // namespace
 
-void keep_prepared(const std::filesystem::path& out, std::string_view job, const JobBody& body,
-                   const std::vector<float>& separation) {
+void keep_prepared(const std::filesystem::path& out, std::string_view job, const JobBody& body) {
     PackedWriter values;
     values(prepared_magic, std::string(job));
     put_body(values, body);
-    values(separation);
     const std::span<const std::uint8_t> bytes(reinterpret_cast<const std::uint8_t*>(values.bytes.data()),
                                               values.bytes.size());
     values(io::xxh64(bytes));

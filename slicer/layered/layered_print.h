@@ -25,7 +25,6 @@ public:
     void prepare(Progress& progress) override;
     void rearrange(Progress&) override {}
     [[nodiscard]] JobResult keep_loop() const override { return {}; }
-    [[nodiscard]] std::vector<float> separation() const override { return {}; }
     [[nodiscard]] std::unique_ptr<const LayerSource> layers() const override;
     void expect_layers(const LayerRange& range) override;
     void see(int k, const io::LayerRuns& layer) override;

@@ -37,7 +37,6 @@ struct JobBody {
     std::vector<std::string> warnings;  ///< of reader, placement and repair
     std::vector<std::string> notes;     ///< what may be worth a thought
     double read_s = 0;
-    std::vector<float> separation;  ///< lattice of an earlier separation for the very same job; empty: none
 };
 
 /// What is wrong with the model before it is read. Throws InputError for a folder, UsageError for options that do not

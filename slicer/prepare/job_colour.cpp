@@ -86,26 +86,21 @@ optics::ShellGeometry shell_geometry(const ColourOptions& options, const LoadedR
 
 std::unique_ptr<const JobColour> prepare_colour(const ColourOptions& options, const LoadedResins& resins,
                                                 const Eigen::Vector3d& pitch_mm,
-                                                const std::optional<SlabUnderColour>& slab, Progress& progress,
-                                                const std::vector<float>& lattice) {
+                                                const std::optional<SlabUnderColour>& slab, Progress& progress) {
     progress.begin_stage(name_of(Phase::separate), 0);
     const optics::ShellGeometry geometry = shell_geometry(options, resins, pitch_mm, slab);
-    auto colour = std::make_unique<const JobColour>(resins.set, geometry, &progress, lattice);
+    auto colour = std::make_unique<const JobColour>(resins.set, geometry);
     progress.end_stage();
     return colour;
 }
 
-std::unique_ptr<const halftone::MinimalDepthSeparation> prepare_recipes(const optics::ResinSet& resins,
-                                                                        const optics::ShellGeometry& shell,
-                                                                        const halftone::SkinLayers& layers,
-                                                                        const Progress& progress) {
-    optics::ShellGeometry below = shell;
-    below.core_mm += shell.shell_mm - layers.depth_mm();
+std::unique_ptr<const halftone::MinimalDepthSeparation> prepare_recipes(const optics::ShellAppearance& appearance,
+                                                                        const halftone::SkinLayers& layers) {
     halftone::SeparationOptions separation;
-    separation.channels = resins.channels;
+    separation.channels = appearance.set().channels;
     constexpr int nodes = 33;
     separation.nodes = nodes;
-    return std::make_unique<const halftone::MinimalDepthSeparation>(resins, below, layers, separation, &progress);
+    return std::make_unique<const halftone::MinimalDepthSeparation>(appearance, layers, separation);
 }
 
 }  // namespace voxtone::slicer

@@ -44,9 +44,8 @@ struct LoadedResins {
 
 /// Stays where it was made: the separation refers to the appearance.
 struct JobColour {
-    JobColour(const optics::ResinSet& resins, const optics::ShellGeometry& geometry, const Progress* progress,
-              const std::vector<float>& lattice = {})
-        : appearance(resins, geometry), separation(appearance, separation_options(resins), progress, lattice) {}
+    JobColour(const optics::ResinSet& resins, const optics::ShellGeometry& geometry)
+        : appearance(resins, geometry), separation(appearance, separation_options(resins)) {}
     JobColour(const JobColour&) = delete;
     JobColour& operator=(const JobColour&) = delete;
 
@@ -75,17 +74,15 @@ struct SlabUnderColour {
                                                    const Eigen::Vector3d& pitch_mm,
                                                    const std::optional<SlabUnderColour>& slab);
 
-/// `slab`: nothing: a body taken to be thick. `pitch_mm`: of the print's voxels. `lattice`: of an earlier separation
-/// for the same; empty: none.
+/// `slab`: nothing: a body taken to be thick. `pitch_mm`: of the print's voxels.
 [[nodiscard]] std::unique_ptr<const JobColour> prepare_colour(const ColourOptions& options, const LoadedResins& resins,
                                                               const Eigen::Vector3d& pitch_mm,
                                                               const std::optional<SlabUnderColour>& slab,
-                                                              Progress& progress,
-                                                              const std::vector<float>& lattice = {});
+                                                              Progress& progress);
 
-/// The same colours surface first, in these layers of a shell of `shell`, as the appearance loop mixes them.
+/// The same colours surface first, as the appearance loop mixes them in these layers, which are as deep as the shell of
+/// `appearance`.
 [[nodiscard]] std::unique_ptr<const halftone::MinimalDepthSeparation> prepare_recipes(
-    const optics::ResinSet& resins, const optics::ShellGeometry& shell, const halftone::SkinLayers& layers,
-    const Progress& progress);
+    const optics::ShellAppearance& appearance, const halftone::SkinLayers& layers);
 
 }  // namespace voxtone::slicer

@@ -37,9 +37,6 @@ public:
     /// Keeps what came of that for other jobs of this body, and says so: one JSON object, and a line for a person.
     [[nodiscard]] virtual JobResult keep_loop() const = 0;
 
-    /// To be kept for another job of this very body; empty: there is none.
-    [[nodiscard]] virtual std::vector<float> separation() const = 0;
-
     /// Its layers, as it is now.
     [[nodiscard]] virtual std::unique_ptr<const LayerSource> layers() const = 0;
     /// These layers will be made.

@@ -184,6 +184,7 @@ JobResult run_shard_job(const SliceOptions& asked, Progress& progress) {
     std::optional<JobBody> kept;
     if (same_job_before) kept = read_prepared(out, recorded_identity(io::shards_folder(out)).value_or(""));
     if (kept && opened.options.strict && !kept->warnings.empty()) kept.reset();  // one may be a reason to stop
+    const bool is_kept = kept.has_value();
     PreparedJob ready(std::move(opened), std::move(kept), progress);
     const auto& [figures, body, identity, job, plan, print] = ready;
     check_layer_count(plan.grid.size[2], job.printer, "larger (--size), or thicker (--thickness)");
@@ -194,7 +195,7 @@ JobResult run_shard_job(const SliceOptions& asked, Progress& progress) {
     expect_disk_space(out, disk_bytes(job, body, mine), progress);
 
     claim_folder_for_shards(job, folder, job_record(job.options.raw, identity.inputs, out), progress);
-    if (body.separation.empty()) keep_prepared(out, identity.job, body, print->separation());
+    if (!is_kept) keep_prepared(out, identity.job, body);
 
     io::ShardRecord record;
     record.number = task.number;

@@ -7,12 +7,14 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/parallel.h"
 #include "base/random.h"
 #include "halftone/screens/blue_noise_screen.h"
 #include "halftone/screens/built_in_screens.h"
 #include "halftone/screens/error_diffusion.h"
 #include "halftone/screens/void_and_cluster.h"
 #include "halftone/separation/mixture.h"
+#include "halftone/separation/mixture_lattice.h"
 #include "halftone/separation/separation.h"
 
 namespace {
@@ -59,7 +61,11 @@ std::vector<CumulativeMixture> mixtures_of(std::size_t n) {
 /// Argument: 1 for ideal mixtures.
 void separation_lattice(benchmark::State& state) {
     const optics::ShellAppearance appearance = vero(state.range(0) == 1);
-    for (auto _ : state) benchmark::DoNotOptimize(Separation(appearance).resins());
+    const AppearanceColour colour(appearance, {});
+    for (auto _ : state) {
+        MixtureLattice lattice(colour, {});
+        parallel_for(0, lattice.nodes(), 4, [&](std::size_t node) { benchmark::DoNotOptimize(lattice.at(node)); });
+    }
 }
 BENCHMARK(separation_lattice)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
 

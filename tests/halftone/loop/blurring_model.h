@@ -31,12 +31,14 @@ struct SmallSlab {
         surface = optics::find_surface(scene, {2, 1, 3}, optics::SurfacePart::top);
         optics::ShellGeometry geometry;
         geometry.core_resin = white;
+        geometry.shell_mm = skin.depth_mm();
         geometry.pitch_mm = pitch;
         geometry.core_mm = layers * pitch[2] - skin.depth_mm();
         geometry.backing = optics::Backing::black;
         halftone::SeparationOptions options;
         options.nodes = 17;
-        recipes = std::make_unique<const halftone::MinimalDepthSeparation>(resins, geometry, skin, options);
+        recipes = std::make_unique<const halftone::MinimalDepthSeparation>(optics::ShellAppearance(resins, geometry),
+                                                                           skin, options);
     }
     /// Surface cells are in order of y, x.
     [[nodiscard]] optics::ResinVolume print(const halftone::SkinMixtures& mixtures) const {

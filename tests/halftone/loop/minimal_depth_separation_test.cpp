@@ -26,8 +26,9 @@ TEST_CASE("Colours go into the gamut whether or not the lattice around them lies
     const optics::ResinSet set = optics::vero_opaque();
     optics::ShellGeometry geometry;
     geometry.core_resin = set.find("W");
+    geometry.shell_mm = 0.8;
     const SkinLayers layers = skin_layers(0.8);
-    const MinimalDepthSeparation recipes(set, geometry, layers, {});
+    const MinimalDepthSeparation recipes(optics::ShellAppearance(set, geometry), layers, {});
     const Separation& deepest = recipes.deepest();
     constexpr int colours = 4000;
     int stayed = 0, as_computed = 0;

@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "base/random.h"
+#include "halftone/separation/scalar_lookup.h"
 #include "halftone/separation/separation.h"
 #include "optics/colour/colour.h"
 #include "tests/optics/colour/split_channels.h"
@@ -372,8 +374,8 @@ TEST_CASE("At the nodes no exchange of one resin for another comes nearer to wha
     const optics::ShellAppearance appearance = appearance_of(set);
     SeparationOptions options;
     options.nodes = 17;
-    const Separation separation(appearance, options);
     const AppearanceColour colour(appearance, {});
+    MixtureLattice lattice(colour, options);
     const auto white = static_cast<std::size_t>(set.find("W"));
     // The objective of separation.h, of a mixture; chroma and hue fade into one weight at the neutral axis.
     const auto objective = [&](const std::vector<double>& f, const Eigen::Vector3d& target) {
@@ -389,7 +391,6 @@ TEST_CASE("At the nodes no exchange of one resin for another comes nearer to wha
             if (r != white) cost += options.ink_penalty * f[r] * f[r];
         return cost;
     };
-    const std::vector<float> lattice = separation.lattice();
     const auto size = static_cast<std::size_t>(options.nodes);
     std::size_t better = 0, tried = 0;
     double most = 0;
@@ -397,7 +398,7 @@ TEST_CASE("At the nodes no exchange of one resin for another comes nearer to wha
         const auto axis = [&](std::size_t i) { return std::pow(double(i) / double(size - 1), 3); };
         const Eigen::Vector3d target(axis(node % size), axis(node / size % size), axis(node / size / size));
         std::vector<double> f(5);
-        for (std::size_t r = 0; r < 5; ++r) f[r] = std::pow(double(lattice[node * max_resins + r]), 2);
+        for (std::size_t r = 0; r < 5; ++r) f[r] = std::pow(double(lattice.at(node)[r]), 2);
         const double here = objective(f, target);
         for (const double part : {0.01, 0.003})
             for (std::size_t from = 0; from < 5; ++from)
@@ -416,11 +417,83 @@ TEST_CASE("At the nodes no exchange of one resin for another comes nearer to wha
     CHECK(better == 0);  // beyond ten times the gain for which a search goes on
 }
 
-TEST_CASE("The separation has the same bits for one thread and for several") {
+TEST_CASE("The separation has the same bits for any number of threads, whatever is asked for first") {
     const optics::ResinSet set = resin_set({"C", "M", "Y", "K", "W"});
     const optics::ShellAppearance appearance = appearance_of(set);
+    const AppearanceColour colour(appearance, {});
     SeparationOptions options;
     options.nodes = 9;
-    const auto lattice = test::same_for_threads([&] { return Separation(appearance, options).lattice(); });
-    CHECK(lattice.size() == std::size_t{9 * 9 * 9 * max_resins});
+    using Roots = std::vector<MixtureLattice::Roots>;
+    // Of every node, asked for in steps of `stride` nodes.
+    const auto solved = [&](std::size_t stride) {
+        MixtureLattice lattice(colour, options);
+        Roots roots(lattice.nodes());
+        parallel_for(0, roots.size(), 1, [&](std::size_t i) {
+            const std::size_t node = i * stride % roots.size();
+            roots[node] = lattice.at(node);
+        });
+        return roots;
+    };
+    const Roots in_order = test::same_for_threads([&] { return solved(1); });
+    REQUIRE(in_order.size() == std::size_t{9 * 9 * 9});
+    CHECK(in_order.back()[4] == 1.0f);
+    for (const std::size_t stride : {2, 100, 728}) {  // all without a factor of 729 = 3^6
+        CAPTURE(stride);
+        CHECK(test::same_for_threads([&] { return solved(stride); }) == in_order);
+    }
+}
+
+TEST_CASE("Colours are looked up in a lattice that is solved on the way as in one that is solved before") {
+    const optics::ResinSet set = resin_set({"C", "M", "Y", "K", "W"});
+    const optics::ShellAppearance appearance = appearance_of(set);
+    const AppearanceColour colour(appearance, {});
+    SeparationOptions options;
+    options.nodes = 9;
+    MixtureLattice whole(colour, options);
+    for (std::size_t node = 0; node < whole.nodes(); ++node) REQUIRE(whole.at(node)[5] == 0.0f);
+    constexpr std::size_t n = 200;
+    std::vector<float> red(n), green(n), blue(n);
+    RandomStream random(14, 0);
+    for (std::size_t i = 0; i < n; ++i)
+        for (auto* channel : {&red, &green, &blue}) (*channel)[i] = static_cast<float>(random.uniform());
+    std::vector<CumulativeMixture> wanted(n);
+    lattice_mixtures(whole.view(), red.data(), green.data(), blue.data(), n, wanted.data());
+    using Bounds = std::vector<decltype(CumulativeMixture::bound)>;
+    const Bounds bounds = test::same_for_threads([&] {
+        const Separation fresh(appearance, options);
+        Bounds found(n);
+        parallel_for(0, n, 1, [&](std::size_t i) {
+            CumulativeMixture mixture;
+            fresh.mixtures(&red[i], &green[i], &blue[i], 1, &mixture);
+            found[i] = mixture.bound;
+        });
+        return found;
+    });
+    for (std::size_t i = 0; i < n; ++i) {
+        REQUIRE(bounds[i] == wanted[i].bound);
+        // By the scalar definition, of a lattice that nobody has asked yet.
+        MixtureLattice fresh(colour, options);
+        REQUIRE(scalar_mixture(fresh.view(), red[i], green[i], blue[i]).bound == wanted[i].bound);
+    }
+}
+
+TEST_CASE("A colour costs the nodes next to it, not the whole lattice") {
+    const optics::ResinSet set = resin_set({"C", "M", "Y", "K", "W"});
+    const optics::ShellAppearance appearance = appearance_of(set);
+    const AppearanceColour colour(appearance, {});
+    MixtureLattice lattice(colour, {});
+    const auto solved = [&] {
+        std::size_t count = 0;
+        for (std::size_t node = 0; node < lattice.nodes(); ++node) count += lattice.view().solved->made(node);
+        return count;
+    };
+    const auto ask = [&](float red, float green, float blue) {
+        std::vector<float> shares(max_resins);
+        lattice_shares(lattice.view(), red, green, blue, shares.data());
+    };
+    CHECK(solved() == 0);
+    ask(1, 1, 1);
+    CHECK(solved() <= 8);
+    ask(0, 0, 0.5f);
+    CHECK(solved() <= 8 + 4 * 41);
 }
