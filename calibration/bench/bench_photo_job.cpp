@@ -9,12 +9,12 @@
 #include <map>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "calibration/bench/bench_list.h"
 #include "calibration/bench/bench_overlay.h"
 #include "io/disk/output_files.h"
+#include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
 
 namespace voxtone::calibration {
@@ -56,6 +56,8 @@ public:
         : job_(job), list_(list), progress_(progress), folder_(overlay_folder(job)) {
         reading_.setup = setup;
         options_ = {job.square_mm, setup.width_mm, job.length_mm};
+        json_.begin_object().add("format", "voxtone-calibrate-edge-photo").add("version", 1);
+        json_.key("photographs").begin_list();
     }
 
     BenchReading read() {
@@ -68,7 +70,8 @@ public:
         return std::move(reading_);
     }
 
-    [[nodiscard]] const nlohmann::ordered_json& photographs() const { return json_; }
+    /// What the job says of itself, up to the last of its list of photographs.
+    [[nodiscard]] const io::JsonWriter& json() const { return json_; }
     [[nodiscard]] const BenchLight& light() const { return light_; }
 
 private:
@@ -159,18 +162,12 @@ private:
     }
 
     void add_json(const SlabPhotograph& slab, const std::string& picture, const SlabView& view) {
-        json_.push_back({{"photograph", slab.file},
-                         {"resin", slab.resin},
-                         {"thickness_mm", slab.thickness_mm},
-                         {"overlay", (fs::path(folder_) / picture).string()},
-                         {"px_per_mm", view.board.px_per_mm},
-                         {"corners", view.board.corners},
-                         {"residual_px", view.board.residual_px},
-                         {"turn_deg", view.board.turn_deg},
-                         {"edge_offset_mm", view.edge.offset_mm},
-                         {"edge_turn_deg", view.edge.turn_deg},
-                         {"blur_mm", view.blur_mm},
-                         {"left_out", view.strip.left_out_share}});
+        json_.begin_object().add("photograph", slab.file).add("resin", slab.resin);
+        json_.add("thickness_mm", slab.thickness_mm).add("overlay", (fs::path(folder_) / picture).string());
+        json_.add("px_per_mm", view.board.px_per_mm).add("corners", view.board.corners);
+        json_.add("residual_px", view.board.residual_px).add("turn_deg", view.board.turn_deg);
+        json_.add("edge_offset_mm", view.edge.offset_mm).add("edge_turn_deg", view.edge.turn_deg);
+        json_.add("blur_mm", view.blur_mm).add("left_out", view.strip.left_out_share).end_object();
     }
 
     // What a fit will miss is said here, while the slabs still lie on the bench.
@@ -201,7 +198,7 @@ private:
     BoardView board_;
     double exposure_s_ = 0;
     std::array<std::uint32_t, 2> size_px_{};
-    nlohmann::ordered_json json_ = nlohmann::ordered_json::array();
+    io::JsonWriter json_;
 };
 
 std::string numbers(const std::array<double, 3>& v) { return fmt::format("{:.4f}, {:.4f}, {:.4f}", v[0], v[1], v[2]); }
@@ -231,31 +228,24 @@ double worst_error_of(const std::vector<EdgeProfile>& profiles) {
 
 JobResult result_of(const BenchPhotoJob& job, const BenchReading& reading, const BenchReader& reader) {
     const BenchLight& light = reader.light();
-    nlohmann::ordered_json json{{"format", "voxtone-calibrate-edge-photo"},
-                                {"version", 1},
-                                {"profiles", job.out},
-                                {"count", reading.profiles.size()},
-                                {"worst_error", worst_error_of(reading.profiles)},
-                                {"checker_residual", light.model.chart_residual()},
-                                {"sheet",
-                                 {{"white", reading.base.white},
-                                  {"black", reading.base.black},
-                                  {"seen_white", reading.sheet.seen_white},
-                                  {"seen_black", reading.sheet.seen_black},
-                                  {"offset_mm", reading.sheet.edge.offset_mm}}},
-                                {"camera",
-                                 {{"pitch_mm", reading.setup.pitch_mm},
-                                  {"blur_mm", reading.setup.blur_mm},
-                                  {"level_error", reading.setup.level_error}}},
-                                {"photographs", reader.photographs()},
-                                {"warnings", reading.warnings}};
-    if (light.unevenness) json["unevenness"] = *light.unevenness;
+    io::JsonWriter json = reader.json();
+    json.end_list().add("profiles", job.out).add("count", reading.profiles.size());
+    json.add("worst_error", worst_error_of(reading.profiles));
+    json.add("checker_residual", light.model.chart_residual());
+    json.key("sheet").begin_object().add("white", reading.base.white).add("black", reading.base.black);
+    json.add("seen_white", reading.sheet.seen_white).add("seen_black", reading.sheet.seen_black);
+    json.add("offset_mm", reading.sheet.edge.offset_mm).end_object();
+    json.key("camera").begin_object().add("pitch_mm", reading.setup.pitch_mm);
+    json.add("blur_mm", reading.setup.blur_mm).add("level_error", reading.setup.level_error).end_object();
+    json.add("warnings", reading.warnings);
+    if (light.unevenness) json.add("unevenness", *light.unevenness);
+    json.end_object();
     std::string text =
         sheet_text(reading, light) +
         fmt::format("{}: {} profiles, standard errors up to {:.4f}; look at the pictures in {}\n", job.out,
                     reading.profiles.size(), worst_error_of(reading.profiles), overlay_folder(job));
     if (!job.new_setup.empty()) text += fmt::format("Wrote {}\n", job.new_setup);
-    return {json.dump(), text};
+    return {json.text(), text};
 }
 
 }  // namespace

@@ -4,11 +4,11 @@
 #include <filesystem>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "calibration/bench/bench_list.h"
 #include "io/disk/output_files.h"
+#include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
 #include "io/openimageio/photograph_writer.h"
 
@@ -86,21 +86,16 @@ JobResult run_bench_simulation(const BenchSimulationJob& job, Progress& progress
     const std::vector<RenderedSlab> slabs = render_slabs(set, setup, wanted.thickness_mm, wanted.bench, &progress);
     progress.end_stage();
     take_photographs(job, setup, slabs, list, progress);
-    nlohmann::ordered_json json{{"format", "voxtone-calibrate-edge-simulate"}, {"version", 1}};
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-calibrate-edge-simulate").add("version", 1);
     std::string text;
-    if (!wanted.out.empty()) {
-        const JobResult profiles = write_simulated_profiles(wanted, setup, set.name, slabs);
-        json = nlohmann::ordered_json::parse(profiles.json);
-        text = profiles.text;
+    if (!wanted.out.empty()) text = write_simulated_profiles(wanted, setup, set.name, slabs, json);
+    json.add("photographs", (fs::path(job.photos) / list_name).string()).key("slabs").begin_list();
+    for (const RenderedSlab& slab : slabs) {
+        json.begin_object().add("resin", slab.resin).add("thickness_mm", slab.thickness_mm);
+        json.add("gel_above_mm", slab.gel_above_mm).add("gel_below_mm", slab.gel_below_mm).end_object();
     }
-    json["photographs"] = (fs::path(job.photos) / list_name).string();
-    json["slabs"] = nlohmann::ordered_json::array();
-    for (const RenderedSlab& slab : slabs)
-        json["slabs"].push_back({{"resin", slab.resin},
-                                 {"thickness_mm", slab.thickness_mm},
-                                 {"gel_above_mm", slab.gel_above_mm},
-                                 {"gel_below_mm", slab.gel_below_mm}});
-    return {json.dump(),
+    return {json.end_list().end_object().text(),
             text + fmt::format("{}: {} photographs, listed in {}\n", job.photos, list.slabs.size() + 3, list_name)};
 }
 

@@ -3,22 +3,10 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 namespace voxtone::calibration {
 
 namespace {
-
-using ChartJson = nlohmann::ordered_json;
-
-ChartJson object_of(const optics::DifferenceSummary& d) { return ChartJson::parse(difference_json(d)); }
-
-ChartJson patches_of(const std::vector<HeldOutPatch>& patches) {
-    ChartJson list = ChartJson::array();
-    for (const HeldOutPatch& patch : patches)
-        list.push_back({{"mixture", patch.mixture}, {"de2000", patch.difference}});
-    return list;
-}
 
 std::string patches_text(const std::vector<HeldOutPatch>& patches) {
     std::string text;
@@ -40,13 +28,17 @@ std::string difference_line(std::string_view what, const optics::DifferenceSumma
                        d.max);
 }
 
-std::string difference_json(const optics::DifferenceSummary& d) {
-    return ChartJson{{"count", d.count},
-                     {"mean_de2000", d.mean},
-                     {"median_de2000", d.median},
-                     {"p95_de2000", d.percentile_95},
-                     {"max_de2000", d.max}}
-        .dump();
+void add_differences(io::JsonWriter& json, std::string_view key, const optics::DifferenceSummary& d) {
+    json.key(key).begin_object().add("count", d.count).add("mean_de2000", d.mean).add("median_de2000", d.median);
+    json.add("p95_de2000", d.percentile_95).add("max_de2000", d.max).end_object();
+}
+
+void add_patches(io::JsonWriter& json, std::string_view key, std::string_view name,
+                 const std::vector<HeldOutPatch>& patches) {
+    json.key(key).begin_list();
+    for (const HeldOutPatch& patch : patches)
+        json.begin_object().add(name, patch.mixture).add("de2000", patch.difference).end_object();
+    json.end_list();
 }
 
 std::string chart_fit_text(const ChartFit& fit) {
@@ -90,31 +82,28 @@ std::string chart_fit_text(const ChartFit& fit) {
 
 std::string chart_fit_json(const ChartFit& fit) {
     const optics::ResinSet& set = fit.set;
-    ChartJson json{{"format", "voxtone-chart-fit"},
-                   {"version", 1},
-                   {"seconds", fit.seconds},
-                   {"channels", set.channels.size()},
-                   {"observer", observer_word(fit.observer)},
-                   {"mixtures", fit.fitted.count},
-                   {"fitted", object_of(fit.fitted)},
-                   {"held_out", object_of(fit.held_out)},
-                   {"held_out_physics", object_of(fit.held_out_physics)},
-                   {"repeats", object_of(fit.noise)},
-                   {"residual", {{"centres", set.residual.centres().rows()}, {"mean_de2000", fit.residual_size}}},
-                   {"squares_held_out", object_of(fit.squares_held_out)},
-                   {"length_error", fit.length_error},
-                   {"dot_spread", {{"value", set.dot_spread}, {"error", fit.dot_spread_error}}},
-                   {"measured", {{"surface", set.measured.surface}, {"gain", set.measured.gain}}},
-                   {"curve", ChartJson::array()},
-                   {"worst", patches_of(fit.worst)},
-                   {"solids", patches_of(fit.solids)},
-                   {"warnings", fit.warnings}};
-    for (const ChannelChoice& choice : fit.curve)
-        json["curve"].push_back({{"channels", choice.observer.channels},
-                                 {"observer", observer_word(choice.observer)},
-                                 {"physics", choice.physics},
-                                 {"with_residual", choice.with_residual}});
-    return json.dump(-1, ' ', false, ChartJson::error_handler_t::replace);
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-chart-fit").add("version", 1).add("seconds", fit.seconds);
+    json.add("channels", set.channels.size()).add("observer", observer_word(fit.observer));
+    json.add("mixtures", fit.fitted.count);
+    add_differences(json, "fitted", fit.fitted);
+    add_differences(json, "held_out", fit.held_out);
+    add_differences(json, "held_out_physics", fit.held_out_physics);
+    add_differences(json, "repeats", fit.noise);
+    json.key("residual").begin_object().add("centres", set.residual.centres().rows());
+    json.add("mean_de2000", fit.residual_size).end_object();
+    add_differences(json, "squares_held_out", fit.squares_held_out);
+    json.add("length_error", fit.length_error).key("dot_spread").begin_object().add("value", set.dot_spread);
+    json.add("error", fit.dot_spread_error).end_object().key("measured").begin_object();
+    json.add("surface", set.measured.surface).add("gain", set.measured.gain).end_object().key("curve").begin_list();
+    for (const ChannelChoice& choice : fit.curve) {
+        json.begin_object().add("channels", choice.observer.channels).add("observer", observer_word(choice.observer));
+        json.add("physics", choice.physics).add("with_residual", choice.with_residual).end_object();
+    }
+    json.end_list();
+    add_patches(json, "worst", "mixture", fit.worst);
+    add_patches(json, "solids", "mixture", fit.solids);
+    return json.add("warnings", fit.warnings).end_object().text();
 }
 
 }  // namespace voxtone::calibration

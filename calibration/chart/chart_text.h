@@ -13,16 +13,21 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "calibration/chart/chart_fit.h"
+#include "io/files/json_writer.h"
 
 namespace voxtone::calibration {
 
 /// A table of differences: its heading, and a line of it.
 [[nodiscard]] std::string difference_heading();
 [[nodiscard]] std::string difference_line(std::string_view what, const optics::DifferenceSummary& differences);
-/// One JSON object.
-[[nodiscard]] std::string difference_json(const optics::DifferenceSummary& differences);
+/// One JSON object within another.
+void add_differences(io::JsonWriter& json, std::string_view key, const optics::DifferenceSummary& differences);
+/// A list of objects: `name`, and how far the patch is off.
+void add_patches(io::JsonWriter& json, std::string_view key, std::string_view name,
+                 const std::vector<HeldOutPatch>& patches);
 
 [[nodiscard]] std::string chart_fit_text(const ChartFit& fit);
 [[nodiscard]] std::string chart_fit_json(const ChartFit& fit);

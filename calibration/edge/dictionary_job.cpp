@@ -8,12 +8,12 @@
 #include <system_error>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "base/cpu_time.h"
 #include "base/error.h"
 #include "calibration/edge/dictionary_file.h"
 #include "io/disk/output_files.h"
+#include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
 
 namespace voxtone::calibration {
@@ -80,16 +80,11 @@ JobResult result_of(const DictionaryJob& job, const EdgeDictionary& dictionary, 
                     double cpu_seconds) {
     const std::size_t missing = missing_runs(dictionary).size(), runs = dictionary.records.size();
     const std::uint64_t bytes = fs::file_size(job.out);
-    const nlohmann::ordered_json json{{"format", "voxtone-calibrate-edge-dictionary"},
-                                      {"version", 1},
-                                      {"dictionary", job.out},
-                                      {"runs", runs},
-                                      {"missing", missing},
-                                      {"traced", traced},
-                                      {"bytes", bytes},
-                                      {"cpu_seconds", cpu_seconds},
-                                      {"median_noise", median_noise(dictionary)},
-                                      {"largest_noise", largest_noise(dictionary)}};
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-calibrate-edge-dictionary").add("version", 1);
+    json.add("dictionary", job.out).add("runs", runs).add("missing", missing).add("traced", traced);
+    json.add("bytes", bytes).add("cpu_seconds", cpu_seconds).add("median_noise", median_noise(dictionary));
+    json.add("largest_noise", largest_noise(dictionary)).end_object();
     std::string text = fmt::format(
         "{}: {} of {} runs ({} traced now in {:.0f} core seconds), {:.1f} MB; noise of a profile: median {:.2g}, "
         "largest "
@@ -97,7 +92,7 @@ JobResult result_of(const DictionaryJob& job, const EdgeDictionary& dictionary, 
         job.out, runs - missing, runs, traced, cpu_seconds, static_cast<double>(bytes) / 1e6, median_noise(dictionary),
         largest_noise(dictionary));
     if (missing > 0) text += "Put the shards together with --merge before they are used.\n";
-    return {json.dump(), text};
+    return {json.text(), text};
 }
 
 JobResult merge(const DictionaryJob& job) {
@@ -140,12 +135,10 @@ JobResult estimate(const DictionaryJob& job, const EdgeSetup& setup, Progress& p
                  fixed = std::max(0.0, few - per_path * few_paths);
     const double whole =
         (fixed + per_path * grid.paths) * static_cast<double>(grid.runs()) / static_cast<double>(sampled);
-    const nlohmann::ordered_json json{{"format", "voxtone-calibrate-edge-dictionary-estimate"},
-                                      {"version", 1},
-                                      {"runs", grid.runs()},
-                                      {"sampled", sampled},
-                                      {"core_seconds", whole}};
-    return {json.dump(),
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-calibrate-edge-dictionary-estimate").add("version", 1);
+    json.add("runs", grid.runs()).add("sampled", sampled).add("core_seconds", whole).end_object();
+    return {json.text(),
             fmt::format("{} runs of {} paths: about {:.0f} core seconds ({:.2f} core hours), from {} runs of "
                         "{} and {} paths\n",
                         grid.runs(), grid.paths, whole, whole / 3600, sampled, few_paths, many_paths)};

@@ -5,11 +5,11 @@
 #include <filesystem>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "calibration/edge/edge_sheet.h"
 #include "calibration/target/marker_pattern.h"
+#include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
 
 namespace voxtone::calibration {
@@ -106,13 +106,11 @@ JobResult run_edge_samples_job(const EdgeSamplesJob& job, const PrintBoxes& prin
     const io::StackDescription stack = print(slabs.boxes, slabs.size_mm, progress);
     const std::filesystem::path sheet = std::filesystem::path(job.out) / sheet_name;
     io::write_whole_file(sheet, edge_sheet_svg());
-    const nlohmann::ordered_json json{{"format", "voxtone-calibrate-edge-samples"},
-                                      {"version", 1},
-                                      {"slabs", slabs.boxes.size()},
-                                      {"size_mm", {slabs.size_mm.x(), slabs.size_mm.y(), slabs.size_mm.z()}},
-                                      {"layers", stack.layers},
-                                      {"sheet", sheet.string()}};
-    return {json.dump(),
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-calibrate-edge-samples").add("version", 1);
+    json.add("slabs", slabs.boxes.size()).add("size_mm", slabs.size_mm).add("layers", stack.layers);
+    json.add("sheet", sheet.string()).end_object();
+    return {json.text(),
             fmt::format("{}: {} slabs, {:.0f} x {:.0f} x {:.2f} mm, {} layers; print {} on matt waterproof "
                         "paper at 100 %\n",
                         job.out, slabs.boxes.size(), slabs.size_mm.x(), slabs.size_mm.y(), slabs.size_mm.z(),

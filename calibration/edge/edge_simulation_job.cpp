@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "base/random.h"
@@ -144,15 +143,14 @@ optics::ResinSet simulated_set(const EdgeSimulationJob& job) {
     return set;
 }
 
-JobResult write_simulated_profiles(const EdgeSimulationJob& job, const EdgeSetup& setup, const std::string& set_name,
-                                   const std::vector<RenderedSlab>& slabs) {
+std::string write_simulated_profiles(const EdgeSimulationJob& job, const EdgeSetup& setup, const std::string& set_name,
+                                     const std::vector<RenderedSlab>& slabs, io::JsonWriter& json) {
     const std::string comment =
         fmt::format("simulated from {}: values divided by {}, slabs {:+.1f} % thicker than said, {} paths, seed {}",
                     set_name, job.bench.bias, 100 * job.bench.thickness_off, job.bench.paths, job.bench.seed);
     io::write_whole_file(job.out, edge_profiles_text(noisy_profiles(slabs, setup, job.bench), comment));
-    const nlohmann::ordered_json json{
-        {"format", "voxtone-calibrate-edge-simulate"}, {"version", 1}, {"profiles", job.out}, {"count", slabs.size()}};
-    return {json.dump(), fmt::format("{}: {} profiles of {}\n", job.out, slabs.size(), set_name)};
+    json.add("profiles", job.out).add("count", slabs.size());
+    return fmt::format("{}: {} profiles of {}\n", job.out, slabs.size(), set_name);
 }
 
 JobResult run_edge_simulation(const EdgeSimulationJob& job, Progress& progress) {
@@ -163,7 +161,10 @@ JobResult run_edge_simulation(const EdgeSimulationJob& job, Progress& progress) 
     progress.begin_stage("paths", 3 * set.resins.size() * job.thickness_mm.size(), "channels");
     const std::vector<RenderedSlab> slabs = render_slabs(set, setup, job.thickness_mm, job.bench, &progress);
     progress.end_stage();
-    return write_simulated_profiles(job, setup, set.name, slabs);
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-calibrate-edge-simulate").add("version", 1);
+    const std::string text = write_simulated_profiles(job, setup, set.name, slabs, json);
+    return {json.end_object().text(), text};
 }
 
 }  // namespace voxtone::calibration

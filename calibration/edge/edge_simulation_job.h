@@ -16,6 +16,7 @@
 #include "base/progress.h"
 #include "calibration/edge/edge_profiles.h"
 #include "calibration/edge/edge_setup.h"
+#include "io/files/json_writer.h"
 #include "optics/media/resins.h"
 
 namespace voxtone::calibration {
@@ -73,9 +74,10 @@ struct EdgeSimulationJob {
 
 /// The set of the job, RGB, its roles only. Throws FileError, InputError.
 [[nodiscard]] optics::ResinSet simulated_set(const EdgeSimulationJob& job);
-/// Writes profiles that were rendered.
-[[nodiscard]] JobResult write_simulated_profiles(const EdgeSimulationJob& job, const EdgeSetup& setup,
-                                                 const std::string& set_name, const std::vector<RenderedSlab>& slabs);
+/// Writes profiles that were rendered, and says so: to the object that `json` is in, and as a line for a person.
+[[nodiscard]] std::string write_simulated_profiles(const EdgeSimulationJob& job, const EdgeSetup& setup,
+                                                   const std::string& set_name, const std::vector<RenderedSlab>& slabs,
+                                                   io::JsonWriter& json);
 [[nodiscard]] JobResult run_edge_simulation(const EdgeSimulationJob& job, Progress& progress);
 
 }  // namespace voxtone::calibration

@@ -8,17 +8,13 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "calibration/patches/patch_file.h"
+#include "io/files/json_writer.h"
 
 namespace voxtone::calibration {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-std::string dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 // A value to the digits that its error leaves: 0.99910(4), 6.02(8).
 std::string with_error(double value, double error) {
@@ -62,61 +58,60 @@ std::string worst_patches(const PatchCheck& check, const PatchTable& table) {
     return text;
 }
 
-Json value_json(const FittedValue& value) {
-    Json json{
-        {"value", value.value}, {"standard_error", value.standard_error}, {"low", value.low}, {"high", value.high}};
-    json["doubts"] = Json::array();
-    for (const Doubt d : value.doubts) json["doubts"].push_back(std::string(doubt_name(d)));
-    return json;
+void add_value(io::JsonWriter& json, const char* key, const FittedValue& value) {
+    json.key(key).begin_object().add("value", value.value).add("standard_error", value.standard_error);
+    json.add("low", value.low).add("high", value.high).key("doubts").begin_list();
+    for (const Doubt d : value.doubts) json.value(doubt_name(d));
+    json.end_list().end_object();
 }
 
-Json differences_json(const optics::DifferenceSummary& d) {
-    return {
-        {"mean_de2000", d.mean}, {"median_de2000", d.median}, {"p95_de2000", d.percentile_95}, {"max_de2000", d.max}};
+void add_differences_in(io::JsonWriter& json, const optics::DifferenceSummary& d) {
+    json.add("mean_de2000", d.mean).add("median_de2000", d.median).add("p95_de2000", d.percentile_95);
+    json.add("max_de2000", d.max);
 }
 
-Json patches_json(const PatchCheck& check, const PatchTable& table) {
-    Json json = differences_json(check.differences);
-    json["rms"] = check.rms;
-    json["list"] = Json::array();
+void add_patches_of(io::JsonWriter& json, const PatchCheck& check, const PatchTable& table) {
+    json.key("patches").begin_object();
+    add_differences_in(json, check.differences);
+    json.add("rms", check.rms).key("list").begin_list();
     for (std::size_t p = 0; p < check.patches.size(); ++p) {
         const CheckedPatch& patch = check.patches[p];
-        Json entry{{"patch", patch_name(table.patches[p])},
-                   {"thickness_mm", table.patches[p].thickness_mm},
-                   {"de2000", patch.difference},
-                   {"measured", table.patches[p].rho},
-                   {"predicted", patch.predicted}};
+        json.begin_object().add("patch", patch_name(table.patches[p]));
+        json.add("thickness_mm", table.patches[p].thickness_mm).add("de2000", patch.difference);
+        json.add("measured", table.patches[p].rho).add("predicted", patch.predicted);
         if (check.compared_in != table.channels)  // the two lists have nothing to do with each other
-            for (const auto& [key, rgb] :
-                 {std::pair{"measured_rgb", patch.measured_rgb}, std::pair{"predicted_rgb", patch.predicted_rgb}})
-                entry[key] = {rgb[0], rgb[1], rgb[2]};
-        json["list"].push_back(std::move(entry));
+            json.add("measured_rgb", patch.measured_rgb).add("predicted_rgb", patch.predicted_rgb);
+        json.end_object();
     }
-    return json;
+    json.end_list().end_object();
 }
 
-Json check_object(const PatchCheck& check, const PatchTable& table) {
-    return {{"format", "voxtone-check"}, {"version", 1}, {"patches", patches_json(check, table)}};
+void add_check(io::JsonWriter& json, const PatchCheck& check, const PatchTable& table) {
+    json.begin_object().add("format", "voxtone-check").add("version", 1);
+    add_patches_of(json, check, table);
+    json.end_object();
 }
 
-Json sweep_array(const std::vector<SweepLine>& lines) {
-    Json json = Json::array();
+void add_sweep(io::JsonWriter& json, const std::vector<SweepLine>& lines) {
+    json.key("g_sweep").begin_list();
     for (const SweepLine& line : lines) {
-        Json entry{{"g", line.g}, {"chi2_per_freedom", line.chi2}};
-        entry.update(differences_json(line.differences));
-        json.push_back(entry);
+        json.begin_object().add("g", line.g).add("chi2_per_freedom", line.chi2);
+        add_differences_in(json, line.differences);
+        json.end_object();
     }
-    return json;
+    json.end_list();
 }
 
-Json resin_json(const FittedResin& resin, const optics::Channels& channels) {
-    Json json{{"role", resin.role}, {"channels", Json::array()}};
-    for (std::size_t c = 0; c < channels.size(); ++c)
-        json["channels"].push_back({{"channel", channel_name(channels, c)},
-                                    {"albedo", value_json(resin.albedo[c])},
-                                    {"sigma_t_per_mm", value_json(resin.sigma_t[c])},
-                                    {"reduced_per_mm", value_json(resin.reduced[c])}});
-    return json;
+void add_resin(io::JsonWriter& json, const FittedResin& resin, const optics::Channels& channels) {
+    json.begin_object().add("role", resin.role).key("channels").begin_list();
+    for (std::size_t c = 0; c < channels.size(); ++c) {
+        json.begin_object().add("channel", channel_name(channels, c));
+        add_value(json, "albedo", resin.albedo[c]);
+        add_value(json, "sigma_t_per_mm", resin.sigma_t[c]);
+        add_value(json, "reduced_per_mm", resin.reduced[c]);
+        json.end_object();
+    }
+    json.end_list().end_object();
 }
 
 }  // namespace
@@ -160,20 +155,22 @@ std::string fit_text(const ResinFit& fit, const PatchTable& table) {
 }
 
 std::string fit_json(const ResinFit& fit, const PatchTable& table, const FitExtras& extras) {
-    Json json{{"format", "voxtone-fit"}, {"version", 1},           {"g", fit.set.g},
-              {"eta", fit.set.eta},      {"seconds", fit.seconds}, {"freedom", fit.freedom}};
-    json["channels"] = Json::array();
-    for (std::size_t c = 0; c < table.channels.size(); ++c) json["channels"].push_back(channel_name(table.channels, c));
-    json["chi2"] = fit.chi2;
-    json["misfit"] = Json::array();
-    for (const std::size_t c : fit.misfit) json["misfit"].push_back(channel_name(table.channels, c));
-    json["warnings"] = fit.warnings;
-    json["resins"] = Json::array();
-    for (const FittedResin& resin : fit.resins) json["resins"].push_back(resin_json(resin, table.channels));
-    json["patches"] = patches_json(fit.patches, table);
-    if (extras.check) json["check"] = check_object(*extras.check, *extras.checked);
-    if (!extras.sweep.empty()) json["g_sweep"] = sweep_array(extras.sweep);
-    return dump(json);
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-fit").add("version", 1).add("g", fit.set.g).add("eta", fit.set.eta);
+    json.add("seconds", fit.seconds).add("freedom", fit.freedom).key("channels").begin_list();
+    for (std::size_t c = 0; c < table.channels.size(); ++c) json.value(channel_name(table.channels, c));
+    json.end_list().add("chi2", fit.chi2).key("misfit").begin_list();
+    for (const std::size_t c : fit.misfit) json.value(channel_name(table.channels, c));
+    json.end_list().add("warnings", fit.warnings).key("resins").begin_list();
+    for (const FittedResin& resin : fit.resins) add_resin(json, resin, table.channels);
+    json.end_list();
+    add_patches_of(json, fit.patches, table);
+    if (extras.check) {
+        json.key("check");
+        add_check(json, *extras.check, *extras.checked);
+    }
+    if (!extras.sweep.empty()) add_sweep(json, extras.sweep);
+    return json.end_object().text();
 }
 
 std::string check_text(const PatchCheck& check, const PatchTable& table) {
@@ -181,7 +178,11 @@ std::string check_text(const PatchCheck& check, const PatchTable& table) {
                        worst_patches(check, table));
 }
 
-std::string check_json(const PatchCheck& check, const PatchTable& table) { return dump(check_object(check, table)); }
+std::string check_json(const PatchCheck& check, const PatchTable& table) {
+    io::JsonWriter json;
+    add_check(json, check, table);
+    return json.text();
+}
 
 std::string sweep_text(const std::vector<SweepLine>& lines) {
     std::string text = fmt::format("\n{:>6} {:>18} {:>8} {:>8} {:>8} {:>8}\n", "g", "chi2 per freedom", "mean",

@@ -2,31 +2,19 @@
 #include "calibration/layers/layer_text.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "calibration/chart/chart_text.h"
+#include "io/files/json_writer.h"
 
 namespace voxtone::calibration {
 
 namespace {
-
-using LayerJson = nlohmann::ordered_json;
-
-LayerJson object_of(const optics::DifferenceSummary& d) { return LayerJson::parse(difference_json(d)); }
-
-LayerJson worst_json(const std::vector<HeldOutPatch>& worst) {
-    LayerJson list = LayerJson::array();
-    for (const HeldOutPatch& stack : worst) list.push_back({{"stack", stack.mixture}, {"de2000", stack.difference}});
-    return list;
-}
 
 std::string worst_text(const std::vector<HeldOutPatch>& worst) {
     std::string text;
     for (const HeldOutPatch& stack : worst) text += fmt::format("  {:>6.2f}  {}\n", stack.difference, stack.mixture);
     return text;
 }
-
-std::string dumped(const LayerJson& json) { return json.dump(-1, ' ', false, LayerJson::error_handler_t::replace); }
 
 }  // namespace
 
@@ -45,16 +33,15 @@ std::string layer_fit_text(const LayerFit& fit) {
 }
 
 std::string layer_fit_json(const LayerFit& fit) {
-    return dumped({{"format", "voxtone-layer-fit"},
-                   {"version", 1},
-                   {"seconds", fit.seconds},
-                   {"channels", fit.set.channels.size()},
-                   {"stacks", fit.fitted.count},
-                   {"fitted", object_of(fit.fitted)},
-                   {"held_out", object_of(fit.held_out)},
-                   {"measured", {{"surface", fit.set.measured.surface}, {"gain", fit.set.measured.gain}}},
-                   {"worst", worst_json(fit.worst)},
-                   {"warnings", fit.warnings}});
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-layer-fit").add("version", 1).add("seconds", fit.seconds);
+    json.add("channels", fit.set.channels.size()).add("stacks", fit.fitted.count);
+    add_differences(json, "fitted", fit.fitted);
+    add_differences(json, "held_out", fit.held_out);
+    json.key("measured").begin_object().add("surface", fit.set.measured.surface);
+    json.add("gain", fit.set.measured.gain).end_object();
+    add_patches(json, "worst", "stack", fit.worst);
+    return json.add("warnings", fit.warnings).end_object().text();
 }
 
 std::string layer_check_text(const LayerCheck& check) {
@@ -63,10 +50,11 @@ std::string layer_check_text(const LayerCheck& check) {
 }
 
 std::string layer_check_json(const LayerCheck& check) {
-    return dumped({{"format", "voxtone-layer-check"},
-                   {"version", 1},
-                   {"stacks", object_of(check.summary)},
-                   {"worst", worst_json(check.worst)}});
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-layer-check").add("version", 1);
+    add_differences(json, "stacks", check.summary);
+    add_patches(json, "worst", "stack", check.worst);
+    return json.end_object().text();
 }
 
 }  // namespace voxtone::calibration

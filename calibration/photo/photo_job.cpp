@@ -5,7 +5,6 @@
 #include <filesystem>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "calibration/patches/patch_file.h"
@@ -13,6 +12,7 @@
 #include "calibration/photo/target_picture.h"
 #include "calibration/target/target_file.h"
 #include "io/disk/output_files.h"
+#include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
 
 namespace voxtone::calibration {
@@ -73,15 +73,12 @@ std::string table_comment(const PhotoJob& job, const Target& target, const std::
     return comment;
 }
 
-nlohmann::ordered_json photo_json(const PhotoJob& job, const PhotoMeasurement& photo, std::size_t p) {
-    return {{"photograph", job.photos[p]},
-            {"overlay", overlay_name(job, p)},
-            {"markers", photo.view.markers},
-            {"residual_px", photo.view.residual_px},
-            {"px_per_mm", photo.view.px_per_mm},
-            {"blur_mm", photo.view.blur_mm},
-            {"checker_residual", photo.model.chart_residual()},
-            {"frame_residual", photo.model.frame_residual()}};
+void add_photo(io::JsonWriter& json, const PhotoJob& job, const PhotoMeasurement& photo, std::size_t p) {
+    json.begin_object().add("photograph", job.photos[p]).add("overlay", overlay_name(job, p));
+    json.add("markers", photo.view.markers).add("residual_px", photo.view.residual_px);
+    json.add("px_per_mm", photo.view.px_per_mm).add("blur_mm", photo.view.blur_mm);
+    json.add("checker_residual", photo.model.chart_residual());
+    json.add("frame_residual", photo.model.frame_residual()).end_object();
 }
 
 std::string photo_text(const PhotoJob& job, const PhotoMeasurement& photo, std::size_t p) {
@@ -102,20 +99,17 @@ JobResult result_of(const PhotoJob& job, const std::vector<PhotoMeasurement>& ph
                     const std::vector<Eigen::Vector3d>& spread) {
     double worst_spread = 0;
     for (const Eigen::Vector3d& of_square : spread) worst_spread = std::max(worst_spread, of_square.maxCoeff());
-    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-calibrate-photo").add("version", 1).add("patches", job.out);
+    json.add("count", table.patches.size()).add("worst_error", worst_error(table)).add("worst_spread", worst_spread);
+    json.key("photographs").begin_list();
     std::string text;
     for (std::size_t p = 0; p < photos.size(); ++p) {
-        list.push_back(photo_json(job, photos[p], p));
+        add_photo(json, job, photos[p], p);
         text += photo_text(job, photos[p], p);
     }
-    const nlohmann::ordered_json json{{"format", "voxtone-calibrate-photo"},
-                                      {"version", 1},
-                                      {"patches", job.out},
-                                      {"count", table.patches.size()},
-                                      {"worst_error", worst_error(table)},
-                                      {"worst_spread", worst_spread},
-                                      {"photographs", list}};
-    return {json.dump(), text + fmt::format("{}: {} patches, standard errors up to {:.4f}\n", job.out,
+    json.end_list().end_object();
+    return {json.text(), text + fmt::format("{}: {} patches, standard errors up to {:.4f}\n", job.out,
                                             table.patches.size(), worst_error(table))};
 }
 

@@ -9,13 +9,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <Eigen/LU>
-#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "base/random.h"
 #include "calibration/patches/patch_file.h"
 #include "calibration/target/target_file.h"
 #include "io/disk/output_files.h"
+#include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
 #include "io/openimageio/photograph_writer.h"
 #include "io/profiles/resin_file.h"
@@ -89,17 +89,10 @@ JobResult simulate_table(const PhotoSimulationJob& job, const Target& target) {
                         job.out, job.target));
     const optics::ResinSet set = io::find_resin_set(job.resins).subset(target.roles);
     io::write_whole_file(job.out, measured_form(job, target, set));
-    const nlohmann::ordered_json json{{"format", "voxtone-calibrate-simulate"},
-                                      {"version", 1},
-                                      {"table", job.out},
-                                      {"patches", target.squares.size()}};
-    return {json.dump(), fmt::format("{}: {} patches of {}\n", job.out, target.squares.size(), set.name)};
-}
-
-nlohmann::ordered_json points_json(const std::vector<Eigen::Vector2d>& points) {
-    nlohmann::ordered_json list = nlohmann::ordered_json::array();
-    for (const Eigen::Vector2d& p : points) list.push_back({p.x(), p.y()});
-    return list;
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-calibrate-simulate").add("version", 1);
+    json.add("table", job.out).add("patches", target.squares.size()).end_object();
+    return {json.text(), fmt::format("{}: {} patches of {}\n", job.out, target.squares.size(), set.name)};
 }
 
 }  // namespace
@@ -128,12 +121,11 @@ JobResult run_photo_simulation(const PhotoSimulationJob& job, Progress& progress
                                                           "behind {}",
                                                           job.target, set.name, job.out)));
     progress.end_stage();
-    const nlohmann::ordered_json json{{"format", "voxtone-calibrate-simulate"},
-                                      {"version", 1},
-                                      {"photograph", job.out},
-                                      {"target_corners_px", points_json(photo.target_corners_px)},
-                                      {"checker_corners_px", points_json(photo.checker_corners_px)}};
-    return {json.dump(), fmt::format("{}: {} x {} pixels, {} of {}\n", job.out, photo.photograph.width_px,
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-calibrate-simulate").add("version", 1);
+    json.add("photograph", job.out).add("target_corners_px", photo.target_corners_px);
+    json.add("checker_corners_px", photo.checker_corners_px).end_object();
+    return {json.text(), fmt::format("{}: {} x {} pixels, {} of {}\n", job.out, photo.photograph.width_px,
                                      photo.photograph.height_px, job.target, set.name)};
 }
 

@@ -4,11 +4,11 @@
 #include <filesystem>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "calibration/profile/profile_plot.h"
 #include "io/disk/output_files.h"
+#include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
 #include "io/profiles/profile_file.h"
 
@@ -16,7 +16,6 @@ namespace voxtone::calibration {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 void check_side(const ProfileSide& side, const char* total) {
     if (!side.total) throw UsageError(fmt::format("{} is missing: the measured albedo of red, green and blue", total));
@@ -33,21 +32,15 @@ MeasuredSide measured(const ProfileJob& job, const ProfileSide& side, const std:
     return result;
 }
 
-Json side_json(const MeasuredSide& side) {
-    Json channels = Json::array();
-    for (const RadialProfile& p : side.profile)
-        channels.push_back({{"noise", p.noise},
-                            {"asymmetry", p.asymmetry},
-                            {"scale_error", p.scale_error},
-                            {"missing_px", p.missing}});
-    return {{"centre_px", {side.centre.px.x(), side.centre.px.y()}},
-            {"centre_error_px", {side.centre.error_px.x(), side.centre.error_px.y()}},
-            {"samples", side.profile[0].light.size()},
-            {"seconds", side.seconds},
-            {"step", side.step},
-            {"pixels_by_longest_exposure", side.pixels},
-            {"tail", side.tail},
-            {"channels", channels}};
+void add_side(io::JsonWriter& json, const char* key, const MeasuredSide& side) {
+    json.key(key).begin_object().add("centre_px", side.centre.px).add("centre_error_px", side.centre.error_px);
+    json.add("samples", side.profile[0].light.size()).add("seconds", side.seconds).add("step", side.step);
+    json.add("pixels_by_longest_exposure", side.pixels).add("tail", side.tail).key("channels").begin_list();
+    for (const RadialProfile& p : side.profile) {
+        json.begin_object().add("noise", p.noise).add("asymmetry", p.asymmetry).add("scale_error", p.scale_error);
+        json.add("missing_px", p.missing).end_object();
+    }
+    json.end_list().end_object();
 }
 
 std::string side_text(const MeasuredSide& side, const char* name) {
@@ -99,19 +92,20 @@ JobResult run_profile_job(const ProfileJob& job, Progress& progress) {
     job.validate();
     const std::string plot = job.plot.empty() ? fs::path(job.out).replace_extension(".svg").string() : job.plot;
     io::expect_outputs({job.out, plot}, job.overwrite);
-    Json json{{"format", "voxtone-calibrate-profile"}, {"version", 1}, {"profile", job.out}};
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-calibrate-profile").add("version", 1).add("profile", job.out);
     const MeasuredSide R = measured(job, job.reflection, "reflection", progress);
-    json["R"] = side_json(R);
+    add_side(json, "R", R);
     std::string text = side_text(R, "reflection");
     std::optional<MeasuredSide> T;
     if (job.transmission.given()) {
         T = measured(job, job.transmission, "transmission", progress);
-        json["T"] = side_json(*T);
+        add_side(json, "T", *T);
         text += side_text(*T, "transmission");
     }
     if (job.spot_mm) {
         const double k = blurred_from(*job.spot_mm, 0.1);
-        json["blurred_from_per_mm"] = k;
+        json.add("blurred_from_per_mm", k);
         text += fmt::format(
             "The spot lowers coefficients above {:.2f} cycles per mm (waves shorter than {:.3f} mm) by more than 10 "
             "%\n",
@@ -120,8 +114,8 @@ JobResult run_profile_job(const ProfileJob& job, Progress& progress) {
     const io::ProfileFile file = file_of(job, R, T);
     io::write_whole_file(job.out, io::profile_text(file));
     io::write_whole_file(plot, profile_plot(file));
-    json["plot"] = plot;
-    return {json.dump(), text + fmt::format("Wrote {}, drawn in {}\n", job.out, plot)};
+    json.add("plot", plot).end_object();
+    return {json.text(), text + fmt::format("Wrote {}, drawn in {}\n", job.out, plot)};
 }
 
 }  // namespace voxtone::calibration

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "calibration/profile/profile_simulation_job.h"
 
+#include <array>
 #include <filesystem>
 #include <system_error>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "io/disk/output_files.h"
+#include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
 #include "io/openimageio/photograph_writer.h"
 #include "io/profiles/profile_file.h"
@@ -78,15 +79,12 @@ std::string next_command(const ProfileSimulationJob& job, const SlabProfiles& sl
 JobResult result_of(const ProfileSimulationJob& job, const SlabProfiles& slab, const Eigen::Vector2d& centre_px,
                     const std::string& truth_file) {
     const std::string next = next_command(job, slab);
-    const nlohmann::ordered_json json{{"format", "voxtone-calibrate-simulate-profile"},
-                                      {"version", 1},
-                                      {"folder", job.out},
-                                      {"truth", truth_file},
-                                      {"centre_px", {centre_px.x(), centre_px.y()}},
-                                      {"reflectance", {slab.R[0][0], slab.R[1][0], slab.R[2][0]}},
-                                      {"transmittance", {slab.T[0][0], slab.T[1][0], slab.T[2][0]}},
-                                      {"next", next}};
-    return {json.dump(),
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-calibrate-simulate-profile").add("version", 1);
+    json.add("folder", job.out).add("truth", truth_file).add("centre_px", centre_px);
+    json.add("reflectance", std::array{slab.R[0][0], slab.R[1][0], slab.R[2][0]});
+    json.add("transmittance", std::array{slab.T[0][0], slab.T[1][0], slab.T[2][0]}).add("next", next).end_object();
+    return {json.text(),
             fmt::format("{}: {} exposures of {} x {} pixels and as many dark frames of each side; the truth is in "
                         "{}\nMeasure them: {}\n",
                         job.out, job.camera.seconds.size(), job.camera.size_px, job.camera.size_px, truth_file, next)};

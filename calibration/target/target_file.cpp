@@ -2,12 +2,12 @@
 #include "calibration/target/target_file.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "calibration/patches/patch_file.h"
 #include "calibration/target/marker_pattern.h"
 #include "io/files/json_object.h"
+#include "io/files/json_writer.h"
 
 namespace voxtone::calibration {
 
@@ -72,35 +72,27 @@ Target from_json(const io::JsonObject& object, const std::string& source) {
 }  // namespace
 
 std::string target_text(const Target& target) {
-    using nlohmann::ordered_json;
-    ordered_json json{{"format", "voxtone-target"},
-                      {"version", 1},
-                      {"printer", target.printer},
-                      {"pitch_um", target.pitch_um},
-                      {"layout", target.layout},
-                      {"roles", target.roles},
-                      {"light", target.light},
-                      {"dark", target.dark},
-                      {"top_mm", target.top_mm},
-                      {"base_mm", target.base_mm},
-                      {"size_mm", {target.size_mm.x(), target.size_mm.y()}},
-                      {"dark_half_mm", numbers(target.dark_half)}};
-    std::string text = "{";  // one line per key and per square reads better than one per number
-    for (const auto& [key, value] : json.items())
-        text += fmt::format("{}\"{}\": {}", text.size() > 1 ? ",\n " : "", key, value.dump());
-    text += ",\n \"squares\": [";
-    for (std::size_t s = 0; s < target.squares.size(); ++s) {
-        const TargetSquare& square = target.squares[s];
-        const ordered_json entry{
-            {"top", mixture_text(square.top)}, {"backing", square.backing}, {"area_mm", numbers(square.area)}};
-        text += fmt::format("{}\n  {}", s ? "," : "", entry.dump());
-    }
-    text += fmt::format("],\n \"fiducials\": {{\"dictionary\": \"{}\", \"markers\": [", marker_dictionary);
-    for (std::size_t m = 0; m < target.markers.size(); ++m) {
-        const ordered_json entry{{"id", target.markers[m].id}, {"area_mm", numbers(target.markers[m].area)}};
-        text += fmt::format("{}\n  {}", m ? "," : "", entry.dump());
-    }
-    return text + "]}}\n";
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-target").line().add("version", 1);
+    json.line().add("printer", target.printer).line().add("pitch_um", target.pitch_um);
+    json.line().add("layout", target.layout).line().add("roles", target.roles);
+    json.line().add("light", target.light).line().add("dark", target.dark);
+    json.line().add("top_mm", target.top_mm).line().add("base_mm", target.base_mm);
+    json.line().add("size_mm", target.size_mm).line().add("dark_half_mm", numbers(target.dark_half));
+    json.line().key("squares").begin_list();
+    for (const TargetSquare& square : target.squares)
+        json.line()
+            .begin_object()
+            .add("top", mixture_text(square.top))
+            .add("backing", square.backing)
+            .add("area_mm", numbers(square.area))
+            .end_object();
+    json.end_list().line().key("fiducials").begin_object().add("dictionary", marker_dictionary);
+    json.key("markers").begin_list();
+    for (const auto& marker : target.markers)
+        json.line().begin_object().add("id", marker.id).add("area_mm", numbers(marker.area)).end_object();
+    json.end_list().end_object().end_object();
+    return json.text() + "\n";
 }
 
 Target parse_target(std::string_view text, const std::string& source) {

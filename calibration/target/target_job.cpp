@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "base/contracts.h"
 #include "base/error.h"
@@ -17,6 +16,7 @@
 #include "calibration/target/ideal_patch.h"
 #include "calibration/target/target_file.h"
 #include "calibration/target/target_scene.h"
+#include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
 #include "io/pictures/srgb_code.h"
 #include "io/profiles/resin_file.h"
@@ -134,15 +134,12 @@ JobResult result_of(const TargetJob& job, const Target& target, const Eigen::Vec
                     const io::StackDescription& stack) {
     double ml = 0;
     for (const io::StackResin& resin : stack.resins) ml += resin.ml;
-    const nlohmann::ordered_json json{{"format", "voxtone-calibrate-target"},
-                                      {"version", 1},
-                                      {"target", (std::filesystem::path(job.out) / "target.json").string()},
-                                      {"squares", target.squares.size()},
-                                      {"size_mm", {size_mm.x(), size_mm.y(), size_mm.z()}},
-                                      {"layers", stack.layers},
-                                      {"ml", ml},
-                                      {"content_sha256", stack.content_sha256}};
-    return {json.dump(), fmt::format("{}: {}, {} squares, {:.1f} x {:.1f} x {:.2f} mm, {} layers, {:.1f} ml; "
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-calibrate-target").add("version", 1);
+    json.add("target", (std::filesystem::path(job.out) / "target.json").string());
+    json.add("squares", target.squares.size()).add("size_mm", size_mm).add("layers", stack.layers).add("ml", ml);
+    json.add("content_sha256", stack.content_sha256).end_object();
+    return {json.text(), fmt::format("{}: {}, {} squares, {:.1f} x {:.1f} x {:.2f} mm, {} layers, {:.1f} ml; "
                                      "described by target.json, drawn in target.png{}\n",
                                      job.out, target.is_chart() ? "chart" : "layout " + target.layout,
                                      target.squares.size(), size_mm.x(), size_mm.y(), size_mm.z(), stack.layers, ml,

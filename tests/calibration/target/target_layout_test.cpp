@@ -146,15 +146,15 @@ TEST_CASE("faulty descriptions are refused with the place and the rule") {
     refused("voxtone-target", "voxtone-layers", "format");
     refused("\"version\": 1", "\"version\": 2", "version");
     refused("\"base_mm\"", "\"bass_mm\"", "base_mm");
-    refused("\"top\":\"M\"", "\"top\":\"Q\"", "square 2");
+    refused("\"top\": \"M\"", "\"top\": \"Q\"", "square 2");
     refused("K:10+W:90", "K:10+W:80", "top");
-    refused("\"backing\":\"W\"", "\"backing\":\"K\"", "square 1");
-    refused("\"backing\":\"W\"", "\"backing\":\"M\"", "square 1");
-    refused("[14.0,50.0,24.0,60.0]", "[14.0,50.0,29.0,60.0]", "overlap");
-    refused("[14.0,50.0,24.0,60.0]", "[14.0,50.0,24.0,600.0]", "square 1");
+    refused("\"backing\": \"W\"", "\"backing\": \"K\"", "square 1");
+    refused("\"backing\": \"W\"", "\"backing\": \"M\"", "square 1");
+    refused("[14, 50, 24, 60]", "[14, 50, 29, 60]", "overlap");
+    refused("[14, 50, 24, 60]", "[14, 50, 24, 600]", "square 1");
     refused("DICT_5X5_1000", "DICT_4X4_50", "dictionary");
     refused("\"dark\": \"K\"", "\"dark\": \"W\"", "dark");
-    refused("\"size_mm\": [100.0,74.0]", "\"size_mm\": [90.0,74.0]", "t.json");
+    refused("\"size_mm\": [100, 74]", "\"size_mm\": [90, 74]", "t.json");
     for (std::size_t cut = 0; cut + 2 < text.size(); cut += 7)
         CHECK_THROWS_AS(parse_target(text.substr(0, cut), "cut"), InputError);
 }
