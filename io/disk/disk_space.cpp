@@ -47,6 +47,11 @@ void fail_to_write(const fs::path& file, const std::string& what, int error) {
                         file.string(), what, std::strerror(error),
                         free ? fmt::format(", {} free", bytes_text(*free)) : std::string()));
     }
+    if (error == EXDEV)  // all that we move stays within its file system
+        throw FileError(
+            fmt::format("{}: {} ({}): a folder that came with a container's image cannot be moved (overlayfs); nothing "
+                        "was lost; write to a mounted volume, or to a folder that is not there yet",
+                        file.string(), what, std::strerror(error)));
     throw FileError(fmt::format("{}: {} ({})", file.string(), what, std::strerror(error)));
 }
 

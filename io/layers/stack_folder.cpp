@@ -162,7 +162,8 @@ std::string stack_in_words(const fs::path& out) {
 }
 
 [[noreturn]] void refuse_folder(const fs::path& out, const char* what, const fs::filesystem_error& error) {
-    if (const int code = error.code().value(); code == ENOSPC || code == EDQUOT) fail_to_write(out, what, code);
+    const int code = error.code().value();
+    if (code == ENOSPC || code == EDQUOT || code == EXDEV) fail_to_write(out, what, code);
     const fs::path& at = error.path1();
     const std::string where = at.empty() || at == out ? "" : at.string() + ": ";
     throw FileError(fmt::format("{}: {} ({}{})", out.string(), what, where, error.code().message()));

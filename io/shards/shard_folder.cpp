@@ -56,7 +56,8 @@ void check_folder(const fs::path& out) {
 }
 
 [[noreturn]] void refuse(const fs::path& folder, const char* what, const fs::filesystem_error& error) {
-    if (const int code = error.code().value(); code == ENOSPC || code == EDQUOT) fail_to_write(folder, what, code);
+    const int code = error.code().value();
+    if (code == ENOSPC || code == EDQUOT || code == EXDEV) fail_to_write(folder, what, code);
     throw FileError(fmt::format("{}: {} ({})", folder.string(), what, error.code().message()));
 }
 

@@ -20,6 +20,9 @@ TEST_CASE("a full disk is a reason to try again, said as such, other faults are 
     CHECK_THROWS_AS(fail_to_write("a.png", "could not be written", ENOSPC), TryAgain);
     CHECK_THROWS_WITH(fail_to_write("a.png", "could not be written", EDQUOT), Contains("a.png") && Contains("full"));
     CHECK_THROWS_AS(fail_to_write("a.png", "could not be written", EIO), FileError);
+    CHECK_THROWS_AS(fail_to_write("out", "cannot be put in place", EXDEV), FileError);
+    CHECK_THROWS_WITH(fail_to_write("out", "cannot be put in place", EXDEV),
+                      Contains("overlayfs") && Contains("mounted volume"));
     try {
         fail_to_write("a.png", "could not be written", ENOSPC);
     } catch (const Error& error) {
