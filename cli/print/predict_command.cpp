@@ -12,6 +12,7 @@
 #include "cli/print/print_commands.h"
 #include "cli/program/common_options.h"
 #include "cli/program/console.h"
+#include "cli/program/former_option.h"
 #include "cli/program/help.h"
 #include "slicer/predict/predict_job.h"
 
@@ -23,6 +24,7 @@ struct PredictArguments {
     const CLI::App* command = nullptr;
     slicer::PredictOptions options;
     std::string cell = "0.085mm";
+    FormerOption model;
     ConsoleOptions console;
 };
 
@@ -33,13 +35,15 @@ void check_scope(const PredictArguments& a) {
          {std::pair{"--sweeps", Model::transport}, std::pair{"--spp", Model::monte_carlo},
           std::pair{"--error", Model::monte_carlo}, std::pair{"--boundary", Model::monte_carlo}})
         if (a.command->count(option) > 0 && a.options.model != name_of(model))
-            throw UsageError(fmt::format("{} would be ignored: it only goes with --model {}", option, name_of(model)));
+            throw UsageError(
+                fmt::format("{} would be ignored: it only goes with --predict {}", option, name_of(model)));
 }
 
 int run(PredictArguments& arguments) {
     check_scope(arguments);
     arguments.options.cell_mm = parse_length_mm(arguments.cell, "--cell");
     return run_on_console(arguments.console, [&](Progress& progress) {
+        arguments.model.tell(progress);
         slicer::PredictResult result = slicer::run_predict_job(arguments.options, progress);
         return JobResult{std::move(result.json), std::move(result.text)};
     });
@@ -83,7 +87,8 @@ Command add_predict_command(CLI::App& program) {
     group(
         "Model",
         {command
-             ->add_option("--model", o.model, fmt::format("[{}]", fmt::join(names_of<slicer::PredictionModel>(), "|")))
+             ->add_option("--predict", o.model,
+                          fmt::format("by which model [{}]", fmt::join(names_of<slicer::PredictionModel>(), "|")))
              ->capture_default_str(),
          command
              ->add_option("--cell", arguments->cell,
@@ -122,6 +127,7 @@ Command add_predict_command(CLI::App& program) {
                           "what lies under the print [auto|black|white|none]; auto: what the job said, else black "
                           "under a slab, none under a body")
              ->capture_default_str()});
+    arguments->model.add(*command, "--predict", "--model", o.model);
     add_foreign_stack_options(*command, o.resins, o.assign, o.nearest, o.printer, o.pitch);
     group("Run", {command
                       ->add_option("--memory", o.memory_gib,

@@ -18,7 +18,7 @@ std::vector<std::string> remarks_of(const TransportSummary& s) {
             remarks.push_back(
                 "the prediction kept " + percent(share) +
                 " of its light clipped to what 16 bits hold (from 0 to 2 times the light around the body): "
-                "dark or very bright places may be wrong there; compare with --model monte-carlo");
+                "dark or very bright places may be wrong there; compare with --predict monte-carlo");
     }
     if (s.open_solves > 0)
         remarks.push_back(std::to_string(s.open_solves) +

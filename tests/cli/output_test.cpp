@@ -49,7 +49,7 @@ TEST_CASE("No verb replaces a file that is there without --overwrite") {
         run_program("predict " + (folder / "out") + " --view body --overwrite -o " + photo + " -o " + photo);
     CHECK(twice.exit_code == 3);
     CHECK_THAT(twice.err, Contains("twice"));
-    REQUIRE(run_program("predict --quiet --model layered-profile --cell 0.5mm --overwrite " + (folder / "out") +
+    REQUIRE(run_program("predict --quiet --predict layered-profile --cell 0.5mm --overwrite " + (folder / "out") +
                         " --view top -o " + photo)
                 .exit_code == 0);
     CHECK(read_file(photo) != "precious");

@@ -81,7 +81,7 @@ nlohmann::json result_of(const std::string& out) {
 
 TEST_CASE("predict draws a slab upright, one pixel per cell, the same for any number of threads") {
     const Folder folder("predict");
-    const std::string predict = "predict --model monte-carlo --spp 32 " + marked_stack(folder);
+    const std::string predict = "predict --predict monte-carlo --spp 32 " + marked_stack(folder);
     const Outcome outcome =
         run_program(predict + " --json --threads 1 -o " + (folder / "a.png") + " -o " + (folder / "a.exr"));
     REQUIRE(outcome.exit_code == 0);
@@ -111,7 +111,7 @@ TEST_CASE("The two models agree on the colour of a slab") {
     const std::string stack = marked_stack(folder);
     const auto mean = [&](const std::string& model) {
         const Outcome outcome =
-            run_program(fmt::format("predict --overwrite --json {} --model {} -o {}", stack, model, folder / "p.png"));
+            run_program(fmt::format("predict --overwrite --json {} --predict {} -o {}", stack, model, folder / "p.png"));
         REQUIRE(outcome.exit_code == 0);
         return result_of(outcome.out);
     };
@@ -136,7 +136,7 @@ TEST_CASE("An all white slab is white") {
                 fmt::format("slice --quiet --no-report --iterations 0 --load W {} --width 2mm --thickness 1mm -o {}",
                             folder / "white.png", folder / "out"))
                 .exit_code == 0);
-    const Outcome outcome = run_program(fmt::format("predict --overwrite --json --model monte-carlo --spp 32 {} -o {}",
+    const Outcome outcome = run_program(fmt::format("predict --overwrite --json --predict monte-carlo --spp 32 {} -o {}",
                                                     folder / "out", folder / "p.png"));
     REQUIRE(outcome.exit_code == 0);
     const auto result = result_of(outcome.out);
@@ -146,7 +146,7 @@ TEST_CASE("An all white slab is white") {
     for (const double mean : result["mean_rgb"]) CHECK(std::abs(mean - 1) < 4 * error + 0.02);
     // Without noise the body is its own white twin.
     const Outcome exact = run_program(
-        fmt::format("predict --overwrite --json --model transport {} -o {}", folder / "out", folder / "p.png"));
+        fmt::format("predict --overwrite --json --predict transport {} -o {}", folder / "out", folder / "p.png"));
     const auto without_noise = result_of(exact.out);
     for (const double mean : without_noise["mean_rgb"]) CHECK(mean == Approx(1).epsilon(1e-6));
 }
@@ -161,7 +161,7 @@ TEST_CASE("In absolute terms a wide white slab over black is as white as plane-p
                                     folder / "white.png", folder / "out"))
                 .exit_code == 0);
     const Outcome absolute =
-        run_program(fmt::format("predict --overwrite --json --absolute --model monte-carlo --spp 64 {} -o {}",
+        run_program(fmt::format("predict --overwrite --json --absolute --predict monte-carlo --spp 64 {} -o {}",
                                 folder / "out", folder / "p.png"));
     REQUIRE(absolute.exit_code == 0);
     const auto result = result_of(absolute.out);
@@ -182,7 +182,7 @@ TEST_CASE("In absolute terms a wide white slab over black is as white as plane-p
 TEST_CASE("Ctrl-C stops a prediction with 5 and leaves no file") {
     const Folder folder("stop");
     const Outcome outcome = run_and_signal(
-        fmt::format("predict --json --model monte-carlo --spp 20000 {} -o {}", marked_stack(folder), folder / "p.png"),
+        fmt::format("predict --json --predict monte-carlo --spp 20000 {} -o {}", marked_stack(folder), folder / "p.png"),
         "\"stage\":\"predict", SIGINT);
     CHECK(outcome.exit_code == 5);
     CHECK_THAT(outcome.err, Contains("cancelled"));
@@ -199,7 +199,7 @@ TEST_CASE("A spectral resin set gives a picture for the eye and numbers per wave
         {"name": "Black", "role": "K", "sigma_t_per_mm": [5, 5, 5, 5], "albedo": [0.3, 0.3, 0.3, 0.3]}]})");
     const std::string stack = marked_stack(folder, "--load K,W --resins " + (folder / "grey.json"));
     const Outcome outcome = run_program(
-        fmt::format("predict --overwrite --json --model monte-carlo --spp 16 {} -o {}", stack, folder / "p.exr"));
+        fmt::format("predict --overwrite --json --predict monte-carlo --spp 16 {} -o {}", stack, folder / "p.exr"));
     REQUIRE(outcome.exit_code == 0);
     const auto result = result_of(outcome.out);
     CHECK(result["channels"] == 4);
@@ -221,7 +221,7 @@ TEST_CASE("predict makes meshes of bodies") {
                                     folder / "marker.obj", folder / "out"))
                 .exit_code == 0);
     const Outcome outcome = run_program(fmt::format(
-        "predict --overwrite --quiet --model monte-carlo --spp 4 --cell 0.17mm {0} -o {1}.glb -o {1}.ply -o {1}.png",
+        "predict --overwrite --quiet --predict monte-carlo --spp 4 --cell 0.17mm {0} -o {1}.glb -o {1}.ply -o {1}.png",
         folder / "out", folder / "p"));
     REQUIRE(outcome.exit_code == 0);
     CHECK_THAT(read_file(folder / "p.glb"), Contains("KHR_materials_unlit") && Contains("COLOR_0"));
@@ -243,7 +243,7 @@ TEST_CASE("Light paths leave a tilted body at its mesh, so that it has the colou
                                             folder / "box.obj", out))
                         .exit_code == 0);
         const Outcome seen = run_program(
-            fmt::format("predict --overwrite --json --quiet --view body --model monte-carlo --spp 32 --cell 0.2mm {} "
+            fmt::format("predict --overwrite --json --quiet --view body --predict monte-carlo --spp 32 --cell 0.2mm {} "
                         "--boundary {} -o {}",
                         out, boundary, folder / "p.ply"));
         REQUIRE(seen.exit_code == 0);
@@ -260,7 +260,7 @@ TEST_CASE("Light paths leave a tilted body at its mesh, so that it has the colou
     // A convex body is not met again: the same bits.
     const auto followed = [&](const std::string& outside) {
         return run_program(
-            fmt::format("predict --overwrite --json --quiet --view body --model monte-carlo --spp 2 "
+            fmt::format("predict --overwrite --json --quiet --view body --predict monte-carlo --spp 2 "
                         "--cell 0.5mm {} --outside {} -o {}",
                         folder / "out", outside, folder / "p.ply"));
     };
@@ -285,7 +285,7 @@ TEST_CASE("Light paths leave a tilted body at its mesh, so that it has the colou
     CHECK_THAT(from_above.err, Contains("--view body"));
     // What is not the model any more is not taken for it.
     folder.write("box.obj", ramp_box_obj(2.4, 2.4, 1.1));
-    const std::string again = "predict --overwrite --quiet --view body --model monte-carlo --spp 2 --cell 0.5mm " +
+    const std::string again = "predict --overwrite --quiet --view body --predict monte-carlo --spp 2 --cell 0.5mm " +
                               (folder / "out") + " -o " + (folder / "p.ply");
     const Outcome changed = run_program(again);
     CHECK(changed.exit_code == 0);
@@ -307,7 +307,7 @@ TEST_CASE("predict says what is wrong before any work is done") {
     const std::string to = " -o " + (folder / "p.png");
     fails(stack, 2, "out");
     fails(stack + " -o p.jpg", 2, ".png");
-    fails(stack + to + " --model magic", 2, "monte-carlo");
+    fails(stack + to + " --predict magic", 2, "monte-carlo");
     fails(stack + to + " --cell 1m", 2, "--cell");
     fails(stack + to + " --spp 0", 2, "--spp");
     fails(stack + to + " --sweeps 0", 2, "--sweeps");
@@ -329,7 +329,7 @@ TEST_CASE("predict says what is wrong before any work is done") {
     for (const auto& resin : manifest["resins"])
         assign += fmt::format("{}#{:02x}{:02x}{:02x}={}", assign.size() ? "," : "", int(resin["rgb"][0]),
                               int(resin["rgb"][1]), int(resin["rgb"][2]), std::string(resin["role"]));
-    const std::string quick = " --quiet --model monte-carlo --spp 4 --cell 0.3mm";
+    const std::string quick = " --quiet --predict monte-carlo --spp 4 --cell 0.3mm";
     REQUIRE(run_program("predict " + stack + quick + to).exit_code == 0);
     REQUIRE(run_program("predict " + stack + "/layers --printer stratasys-j750-hm --assign \"" + assign + "\"" + quick +
                         " -o " + (folder / "q.png"))
@@ -395,7 +395,7 @@ TEST_CASE("What memory cannot hold, and what does not fit the stack, is refused 
     const auto predicted = [&](const std::string& arguments) {
         return run_program("predict --json --overwrite " + stack + arguments);
     };
-    const std::string picture = " -o " + (folder / "p.png"), quick = " --model monte-carlo --spp 2 --cell 0.4mm";
+    const std::string picture = " -o " + (folder / "p.png"), quick = " --predict monte-carlo --spp 2 --cell 0.4mm";
     REQUIRE_THAT(predicted(picture + quick).out, Contains("read layers"));
     // A slab of 3.9 mm^3 has more than the 32 blocks of 6,400 bytes that the smallest tile has.
     const Outcome memory = predicted(picture + " --memory 0.0001");
@@ -440,7 +440,7 @@ TEST_CASE("slice --predict shows target, prediction and difference, upright, wit
         CHECK(std::filesystem::exists(folder / fmt::format("out/{}.exr", name)));
     }
     // The stack as it lies there gives the same prediction, the seed being the same.
-    REQUIRE(run_program(fmt::format("predict --overwrite --quiet --model monte-carlo --cell 0.17mm {} -o {}",
+    REQUIRE(run_program(fmt::format("predict --overwrite --quiet --predict monte-carlo --cell 0.17mm {} -o {}",
                                     folder / "out", folder / "again.png"))
                 .exit_code == 0);
     CHECK(same_bytes(folder / "again.png", folder / "out/predicted.png"));

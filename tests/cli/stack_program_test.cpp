@@ -78,7 +78,7 @@ TEST_CASE("predict sees a slab by layer profiles") {
                 fmt::format("slice --quiet --no-report --iterations 0 {} -o {}", folder / "box.obj", folder / "out"))
                 .exit_code == 0);
     REQUIRE(run_program(
-                fmt::format("predict --quiet --model layered-profile {} -o {}", folder / "out", folder / "seen.png"))
+                fmt::format("predict --quiet --predict layered-profile {} -o {}", folder / "out", folder / "seen.png"))
                 .exit_code == 0);
     const Bitmap picture = read_png(folder / "seen.png");
     REQUIRE(picture.width > 10);

@@ -97,6 +97,15 @@ TEST_CASE("An earlier spelling is taken with a note and told of nowhere") {
     CHECK_THAT(run_program(slice + " --show colour --overwrite").err, !Contains("is called"));
     CHECK_THAT(run_program("slice --help-all").out, !Contains("--model ") && Contains("--show"));
     refused("slice --model cow.obj -o out", 2, "a file to slice stands alone");
+    // So it is of another verb.
+    const std::string predict = "predict --overwrite --cell 0.5mm " + (folder / "out") + " -o " + (folder / "p.png");
+    const Outcome by_model = run_program(predict + " --model layered-profile");
+    CHECK(by_model.exit_code == 0);
+    CHECK_THAT(by_model.err, Contains("--model is called --predict now"));
+    CHECK_THAT(run_program(predict + " --predict layered-profile").err, !Contains("is called"));
+    refused(predict + " --predict transport --model transport", 2, "--model");
+    refused(predict + " --model magic", 2, "monte-carlo");
+    CHECK_THAT(run_program("predict --help-all").out, !Contains("--model"));
     // So it is in a job file and in a plan.
     folder.write("job.json", R"({"format": "voxtone-job", "version": 1, "model": "marker.obj", "arrange": "colour",
         "quality": "draft", "report": false})");
@@ -204,8 +213,8 @@ TEST_CASE("An option that would be ignored is refused") {
     refused(mesh + "--no-report --predict transport", 2, "--predict transport would be ignored");
     refused(mesh + "--iterations 0 --predict none --predict-cell 1mm", 2, "neither a loop nor a prediction");
     refused(mesh + "--show layered-profile --profiles x.json --depth 1mm", 2, "only goes with --show colour");
-    refused("predict out -o x.png --model monte-carlo --sweeps 3", 2, "only goes with --model transport");
-    refused("predict out -o x.png --spp 64", 2, "only goes with --model monte-carlo");
+    refused("predict out -o x.png --predict monte-carlo --sweeps 3", 2, "only goes with --predict transport");
+    refused("predict out -o x.png --spp 64", 2, "only goes with --predict monte-carlo");
     CHECK_FALSE(std::filesystem::exists(folder / "out"));
     // A job file is looked at likewise, unless the command line changes what its options are for.
     folder.write("job.json", R"({"format": "voxtone-job", "version": 1, "model": "marker.obj", "iterations": "0",
