@@ -16,8 +16,8 @@ namespace {
 
 // Seconds of a processor of 2.5 GHz: of `voxtone slice` of bodies of 15 to 100 mm and photographs of 15 and 20 mm, with
 // and without the loop (docs/estimate.md). Shares that one thread does alone are allowances.
-constexpr double separation_s = 0.75;
-constexpr double recipes_s = 1.3, preparation_s_per_cell = 1.1e-5;
+constexpr double separation_s = 0.3;
+constexpr double recipes_s = 0.5, preparation_s_per_cell = 1.1e-5;
 constexpr double layers_s = 0.4, layers_s_per_voxel = 6e-10, layers_s_per_shell_voxel = 8e-8;
 constexpr double predicted_cpu = 1.07;  // of prediction_seconds
 constexpr double report_s = 0.25, seen_s_per_cell = 1.15e-5, drawn_s_per_cell = 2e-6;
