@@ -18,5 +18,4 @@ if(BUILD_TESTING)
 endif()
 if(VOXTONE_BENCHMARKS)
   find_package(benchmark REQUIRED)
-  find_package(ZXing CONFIG REQUIRED)  # QR and bar codes, made and read
 endif()

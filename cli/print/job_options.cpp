@@ -42,6 +42,13 @@ CLI::Option* add_value(CLI::App& command, const OptionSpec& spec, const std::str
     return option;
 }
 
+/// Said once for each text.
+CLI::Option* add_texts(CLI::App& command, const OptionSpec& spec, std::vector<std::string>& texts) {
+    return command.add_option(names_of_option(spec), texts, spec.help)
+        ->type_name(spec.metavar)
+        ->allow_extra_args(false);
+}
+
 /// An option of an earlier name: taken, and told of nowhere.
 void add_former(CLI::App& command, const OptionSpec& spec, JobArguments& arguments) {
     if (spec.former_option.empty()) return;
@@ -67,6 +74,7 @@ std::optional<std::string> said(const JobArguments& arguments, const OptionSpec&
     if (option == arguments.options.end() || option->second->count() == 0) return std::nullopt;
     if (spec.kind() == OptionSpec::Kind::flag) return arguments.flags.at(spec.key) ? "true" : "false";
     if (spec.key == "model" && arguments.takes_many) return arguments.models.front();
+    if (spec.kind() == OptionSpec::Kind::texts) return fmt::format("{}", fmt::join(arguments.texts.at(spec.key), "\n"));
     const std::string& value = arguments.values.at(spec.key);
     return value.empty() && !spec.bare.empty() ? spec.bare : value;
 }
@@ -84,9 +92,10 @@ void add_job_options(CLI::App& command, JobArguments& arguments, const std::vect
             continue;
         }
         const std::string usual = spec.get(defaults);
-        CLI::Option* const option = spec.kind() == OptionSpec::Kind::flag
-                                        ? add_flag(command, spec, usual == "true", arguments.flags[spec.key])
-                                        : add_value(command, spec, usual, arguments.values[spec.key]);
+        CLI::Option* const option =
+            spec.kind() == OptionSpec::Kind::flag ? add_flag(command, spec, usual == "true", arguments.flags[spec.key])
+            : spec.kind() == OptionSpec::Kind::texts ? add_texts(command, spec, arguments.texts[spec.key])
+                                                     : add_value(command, spec, usual, arguments.values[spec.key]);
         option->group(spec.group);
         arguments.options[spec.key] = option;
         add_former(command, spec, arguments);

@@ -24,6 +24,7 @@ struct JobArguments {
     JobArguments& operator=(const JobArguments&) = delete;
 
     std::map<std::string, std::string> values;  ///< by key
+    std::map<std::string, std::vector<std::string>> texts;
     std::map<std::string, bool> flags;
     std::map<std::string, CLI::Option*> options;
     std::map<std::string, std::string> former_values;  ///< of options by their earlier names

@@ -3,7 +3,8 @@
 // A triangle mesh with its colour, as every reader delivers it.
 //
 // Colour of a surface point = material.rgb * corner colour (interpolated) * texture(uv)      (linear sRGB, per channel)
-// where a factor that is absent counts as 1. Alpha is composed over white by the reader, which says so.
+// where a factor that is absent counts as 1, and over that the decals, one after the other. Alpha of textures is
+// composed over white by the reader, which says so.
 #pragma once
 
 #include <array>
@@ -13,6 +14,8 @@
 #include <vector>
 
 #include <Eigen/Core>
+
+#include "io/models/decal.h"
 
 namespace voxtone::io {
 
@@ -32,6 +35,7 @@ struct TexturedMesh {
         corner_uv;  ///< one per triangle, or empty; (0,0) is the texture's bottom left
     std::vector<std::array<Eigen::Vector3f, 3>> corner_rgb;  ///< one per triangle, linear sRGB factors, or empty
     std::vector<SurfaceMaterial> materials;                  ///< at least one
+    std::vector<Decal> decals;                               ///< in mm of positions; no reader delivers any
 };
 
 /// What a reader has to say beside the mesh.

@@ -24,12 +24,16 @@ bool is_invisible(const TexelImage& texels) {
 }  // namespace
 
 Picture read_picture(const std::filesystem::path& path, const ReadOptions& options) {
+    return finish_picture(read_picture_with_alpha(path, options), path.filename().string());
+}
+
+DecodedImage read_picture_with_alpha(const std::filesystem::path& path, const ReadOptions& options) {
     validate(options);
     std::vector<std::string> warnings;
     DecodedImage image =
         unpack_image(read_guarded(*start_reader(ReadKind::picture, path, options), options.progress, warnings));
     image.warnings.insert(image.warnings.begin(), warnings.begin(), warnings.end());
-    return finish_picture(std::move(image), path.filename().string());
+    return image;
 }
 
 Picture finish_picture(DecodedImage image, const std::string& name) {

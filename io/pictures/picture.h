@@ -24,6 +24,9 @@ struct Picture {
 /// Under the same walls as `read_model`. Throws FileError, InputError.
 [[nodiscard]] Picture read_picture(const std::filesystem::path& path, const ReadOptions& options = {});
 
+/// The same as it is in the file, alpha and all.
+[[nodiscard]] DecodedImage read_picture_with_alpha(const std::filesystem::path& path, const ReadOptions& options = {});
+
 /// A decoded picture, composed over white. `name` is for the warning of that.
 [[nodiscard]] Picture finish_picture(DecodedImage image, const std::string& name);
 

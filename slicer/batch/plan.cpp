@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <iterator>
 #include <map>
 
 #include <fmt/core.h>
@@ -16,6 +17,7 @@
 #include "io/files/json_object.h"
 #include "slicer/options/command_words.h"
 #include "slicer/options/job_file.h"
+#include "slicer/options/label_template.h"
 #include "slicer/options/option_table.h"
 #include "slicer/plans/job_names.h"
 #include "slicer/prepare/opened_job.h"
@@ -37,6 +39,7 @@ io::JsonObject object_of(const PlanRow& row, const std::string& source, bool in_
 void expect_keys(const io::JsonObject& object) {
     std::vector<std::string> known{std::string(name_key), "format", "version", "inputs"};
     for (std::string& key : option_keys()) known.push_back(std::move(key));
+    std::ranges::copy_if(object.keys(), std::back_inserter(known), is_value_key);
     object.allow_only(known);
 }
 
@@ -71,6 +74,7 @@ PlannedJob job_of(const PlanRow& row, const std::string& source, const SliceOpti
         const OptionSpec& spec = *find_option(key);
         return spec.get(job.options) == spec.get(defaults_of_slice);
     });
+    for (std::string& label : job.options.labels) label = with_values(label, template_values(object));
     job.options = with_absolute_paths(std::move(job.options));
     drop_idle(job.options, said);
     job.name =

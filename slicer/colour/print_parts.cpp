@@ -14,7 +14,7 @@ PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const Loaded
     : body_(body),
       resins_(resins),
       seed_(job.seed),
-      solid_(*body.solid, body.grid),
+      solid_(*body.solid, body.grid, body.relief),
       shell_(body.surface, body.grid, shell_mm),
       // Voxels are sampled at their centres: texture details finer than a voxel's footprint would alias.
       surface_colour_(body.model.mesh, std::sqrt(body.grid.pitch_mm.x() * body.grid.pitch_mm.y())) {

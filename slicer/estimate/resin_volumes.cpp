@@ -41,7 +41,7 @@ std::vector<SampledLayer> choose_layers(const LayerRange& range) {
 }
 
 void find_spans(const JobBody& body, bool keep_thin, std::vector<SampledLayer>& layers, const Progress& progress) {
-    const Solid solid(*body.solid, body.grid);
+    const Solid solid(*body.solid, body.grid, body.relief);
     std::optional<ThinFeatures> thin;
     if (keep_thin) thin.emplace(body.solid, solid);
     parallel_for(

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "io/files/file_digest.h"
 #include "io/files/sha256.h"
+#include "io/lettering/font_file.h"
 #include "io/models/model_reader.h"
 #include "io/profiles/resin_file.h"
 #include "io/programs/build_identity.h"
@@ -56,6 +57,12 @@ std::vector<JobInput> named_inputs(const OpenedJob& job, const DigestOfFile& dig
         file_or_known("printer", options.printer, known_printer_text(options.printer), digest),
         file_or_known("resins", options.resins, io::known_resin_set_text(options.resins), digest),
         {std::string(program_key), {}, text_sha256(io::build_digest())}};
+    for (std::size_t m = 0; m < options.marks.size(); ++m) {
+        const MarkOptions& mark = options.marks[m];
+        if (!mark.file.empty()) inputs.push_back(file_input(fmt::format("mark:{}", m + 1), mark.file, digest));
+        if (!mark.font.empty())
+            inputs.push_back(file_input(fmt::format("font:{}", m + 1), io::find_font(mark.font).string(), digest));
+    }
     if (!options.texture.empty()) inputs.push_back(file_input("texture", options.texture, digest));
     if (!options.layered) return inputs;
     const LayeredOptions& layered = *options.layered;

@@ -119,12 +119,46 @@ std::vector<io::SurfaceMaterial> materials_from(PackedReader& from) {
     return materials;
 }
 
+template <class Stream, class Decal>
+void decal_in(Stream& stream, Decal& d) {
+    stream(d.width_mm, d.height_mm, d.slack_mm, d.by_uv, d.first_hit.columns, d.first_hit.rows, d.first_hit.depth_mm);
+    vector_in(stream, d.corner_mm);
+    vector_in(stream, d.right);
+    vector_in(stream, d.up);
+    vector_in(stream, d.out);
+}
+
+void put_decals(PackedWriter& to, const std::vector<io::Decal>& decals) {
+    to(std::uint64_t{decals.size()});
+    for (const io::Decal& decal : decals) {
+        decal_in(to, decal);
+        to(decal.picture->width_px(), decal.picture->height_px(), decal.picture->pixels());
+    }
+}
+
+std::vector<io::Decal> decals_from(PackedReader& from) {
+    std::uint64_t count = 0;
+    from(count);
+    std::vector<io::Decal> decals;
+    for (std::uint64_t i = 0; i < count; ++i) {
+        io::Decal& decal = decals.emplace_back();
+        decal_in(from, decal);
+        std::uint32_t width = 0, height = 0;
+        std::vector<io::AlphaPicture::Pixel> pixels;
+        from(width, height, pixels);
+        decal.picture = std::make_shared<const io::AlphaPicture>(width, height, std::move(pixels));
+    }
+    return decals;
+}
+
 void put_body(PackedWriter& to, const JobBody& body) {
     rest_in(to, body);
     to(std::uint64_t{body.side_files.size()});
     for (const io::SideFile& file : body.side_files) to(file.name, file.sha256);
     mesh_in(to, body.model.mesh);
     put_materials(to, body.model.mesh.materials);
+    put_decals(to, body.model.mesh.decals);
+    to(body.relief.runs());
     solid_in(to, *body.solid);
     surface_in(to, *body.surface);
 }
@@ -140,6 +174,10 @@ JobBody body_from(PackedReader& from) {
     }
     mesh_in(from, body.model.mesh);
     body.model.mesh.materials = materials_from(from);
+    body.model.mesh.decals = decals_from(from);
+    std::vector<ReliefRun> relief;
+    from(relief);
+    body.relief = Relief(relief);
     SolidMesh solid;
     solid_in(from, solid);
     body.solid = SolidIndex(std::move(solid));

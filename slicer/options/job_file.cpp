@@ -2,6 +2,7 @@
 #include "slicer/options/job_file.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstdint>
 #include <limits>
@@ -12,6 +13,7 @@
 #include "base/error.h"
 #include "io/files/json_writer.h"
 #include "io/profiles/resin_file.h"
+#include "slicer/options/mark_words.h"
 #include "slicer/options/option_table.h"
 
 namespace voxtone::slicer {
@@ -45,6 +47,13 @@ void add_option(io::JsonWriter& json, const OptionSpec& spec, const std::string&
             json.begin_list();
             std::stringstream parts(value);
             for (std::string part; std::getline(parts, part, ',');) json.value(part);
+            json.end_list();
+            return;
+        }
+        case OptionSpec::Kind::texts: {
+            json.begin_list();
+            std::stringstream texts(value);
+            for (std::string text; std::getline(texts, text);) json.value(text);
             json.end_list();
             return;
         }
@@ -91,6 +100,12 @@ void replace_paths(SliceOptions& options, const fs::path& folder, Wanted&& wante
             for (std::string& entry : options.stack_materials)
                 if (const std::size_t equals = entry.find('='); equals != std::string::npos)
                     entry = entry.substr(0, equals + 1) + place(entry.substr(equals + 1));
+            continue;
+        }
+        if (spec.kind() == OptionSpec::Kind::texts) {
+            const bool labels = spec.names == OptionSpec::Names::inputs_of_labels;
+            for (std::string& mark : labels ? options.labels : options.decals)
+                mark = with_files(labels ? MarkFamily::label : MarkFamily::decal, mark, place);
             continue;
         }
         const std::string text = spec.get(options);
@@ -182,6 +197,38 @@ std::string input_named_in(const fs::path& folder, const std::string& name) {
     return name.empty() || !is_file_name(name, folder) ? name : path_from(folder, name);
 }
 
+namespace {
+
+/// The words of a mark as an object: {"text": "A-17", "place": "bottom"}.
+std::string spelled_mark(const io::JsonObject& object) {
+    MarkWords words;
+    for (const std::string& key : object.keys()) words.emplace_back(key, object.any_text(key));
+    constexpr std::array subjects{"text", "qr", "datamatrix", "file"};
+    std::ranges::stable_partition(
+        words, [&](const auto& word) { return std::ranges::find(subjects, word.first) != subjects.end(); });
+    return spell_mark(words);
+}
+
+/// An option's value as `OptionSpec::set` takes it. Marks are texts or objects, one or a list of them.
+std::string value_in(const io::JsonObject& from, const OptionSpec& spec, const std::string& key) {
+    if (spec.kind() != OptionSpec::Kind::texts || from.is_text(key)) return from.any_text(key);
+    if (from.is_object(key)) return spelled_mark(from.object(key));
+    std::vector<std::string> marks;
+    try {
+        marks = from.texts(key);
+    } catch (const InputError&) {
+        for (const io::JsonObject& mark : from.objects(key)) marks.push_back(spelled_mark(mark));
+    }
+    std::string lines;
+    for (const std::string& mark : marks) {
+        if (!lines.empty()) lines += '\n';
+        for (const char c : mark) lines += c == '\n' ? "\\n" : std::string(1, c);  // of one text
+    }
+    return lines;
+}
+
+}  // namespace
+
 std::vector<std::string> take_options(const io::JsonObject& from, const fs::path& folder, SliceOptions& options) {
     const SliceOptions defaults;
     std::vector<std::string> taken, set_by_preset;
@@ -190,11 +237,11 @@ std::vector<std::string> take_options(const io::JsonObject& from, const fs::path
         if (key.empty()) continue;
         try {
             SliceOptions said;
-            spec.set(said, from.any_text(key));
+            spec.set(said, value_in(from, spec, key));
             if (spec.get(said) == spec.get(defaults) &&
                 std::ranges::find(set_by_preset, spec.key) != set_by_preset.end())
                 continue;
-            spec.set(options, from.any_text(key));
+            spec.set(options, value_in(from, spec, key));
         } catch (const UsageError& error) {
             from.fail(key, error.what());
         }

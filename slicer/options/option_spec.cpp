@@ -27,6 +27,7 @@ struct MemberKind {
     Kind operator()(std::monostate) const { return Kind::text; }
     Kind operator()(std::string SliceOptions::*) const { return Kind::text; }
     Kind operator()(std::vector<std::string> SliceOptions::*) const { return Kind::list; }
+    Kind operator()(OptionSpec::Texts) const { return Kind::texts; }
     Kind operator()(bool SliceOptions::*) const { return Kind::flag; }
     Kind operator()(OptionSpec::Length) const { return Kind::length; }
     template <class Number>
@@ -43,6 +44,9 @@ struct MemberText {
     std::string operator()(std::string SliceOptions::*text) const { return options.*text; }
     std::string operator()(std::vector<std::string> SliceOptions::*list) const {
         return fmt::format("{}", fmt::join(options.*list, ","));
+    }
+    std::string operator()(OptionSpec::Texts list) const {
+        return fmt::format("{}", fmt::join(options.*list.texts, "\n"));
     }
     std::string operator()(bool SliceOptions::*flag) const { return options.*flag ? "true" : "false"; }
     std::string operator()(OptionSpec::Length length) const { return fmt::format("{}mm", options.*length.mm); }
@@ -72,6 +76,15 @@ struct MemberSetter {
         if (std::set<std::string>(parts.begin(), parts.end()).size() != parts.size())
             throw UsageError(fmt::format("--{}: '{}' names something twice", spec.option, value));
         options.*list = parts;
+    }
+    void operator()(OptionSpec::Texts list) const {
+        std::vector<std::string> texts;
+        for (std::size_t begin = 0; begin < value.size();) {
+            const std::size_t end = std::min(value.find('\n', begin), value.size());
+            if (end > begin) texts.push_back(value.substr(begin, end - begin));
+            begin = end + 1;
+        }
+        options.*list.texts = texts;
     }
     void operator()(bool SliceOptions::*flag) const { options.*flag = parse_flag(spec.option, value); }
     void operator()(OptionSpec::Length length) const {

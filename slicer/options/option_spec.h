@@ -29,16 +29,20 @@ enum class Decides : std::uint8_t {
 };
 
 struct OptionSpec {
-    enum class Kind { text, list, number, length, flag };
+    enum class Kind { text, list, texts, number, length, flag };
     /// What its text is the name of.
-    enum class Names { nothing, input, input_or_known, inputs_by_role, output };
+    enum class Names { nothing, input, input_or_known, inputs_by_role, inputs_of_labels, inputs_of_decals, output };
     /// A number that is a length in mm and written with its unit.
     struct Length {
         double SliceOptions::*mm;
     };
+    /// Texts that may hold commas; said one by one, or in lines.
+    struct Texts {
+        std::vector<std::string> SliceOptions::*texts;
+    };
     using Member = std::variant<std::monostate, std::string SliceOptions::*, std::vector<std::string> SliceOptions::*,
                                 bool SliceOptions::*, int SliceOptions::*, std::uint32_t SliceOptions::*,
-                                std::uint64_t SliceOptions::*, double SliceOptions::*, Length>;
+                                std::uint64_t SliceOptions::*, double SliceOptions::*, Length, Texts>;
     /// A choice that stands for values of other options.
     struct Preset {
         std::string name;

@@ -7,9 +7,11 @@
 #include <fmt/core.h>
 
 #include "base/contracts.h"
+#include "slicer/options/mark_words.h"
 #include "slicer/options/table_of_body.h"
 #include "slicer/options/table_of_colour.h"
 #include "slicer/options/table_of_layers.h"
+#include "slicer/options/table_of_marks.h"
 #include "slicer/options/table_of_run.h"
 #include "slicer/options/table_of_tray.h"
 
@@ -28,10 +30,24 @@ void apply(const OptionSpec::Preset& preset, SliceOptions& options) {
     for (const auto& [key, value] : preset.values) find_option(key)->set(options, value);
 }
 
+/// Names of files are left out, as their contents count; empty where there is nothing besides.
+std::string deciding_text(const OptionSpec& spec, const SliceOptions& options) {
+    using Names = OptionSpec::Names;
+    if (spec.names == Names::nothing) return spec.get(options);
+    if (spec.names != Names::inputs_of_labels && spec.names != Names::inputs_of_decals) return spec.get({});
+    const bool labels = spec.names == Names::inputs_of_labels;
+    std::string text;
+    for (const std::string& mark : labels ? options.labels : options.decals)
+        text += with_files(labels ? MarkFamily::label : MarkFamily::decal, mark,
+                           [](const std::string&) { return std::string("a file"); }) +
+                "\n";
+    return text;
+}
+
 std::vector<OptionSpec> whole_table() {
     std::vector<OptionSpec> table;
     for (std::vector<OptionSpec> part :
-         {table_of_body(), table_of_tray(), table_of_colour(), table_of_layers(), table_of_run()})
+         {table_of_body(), table_of_tray(), table_of_marks(), table_of_colour(), table_of_layers(), table_of_run()})
         table.insert(table.end(), std::make_move_iterator(part.begin()), std::make_move_iterator(part.end()));
     for (OptionSpec& spec : table) {
         if (spec.option.empty()) spec.option = spec.key;
@@ -77,8 +93,8 @@ std::string deciding_lines(const SliceOptions& options, Decides least, std::span
     const SliceOptions defaults;
     std::string lines;
     for (const OptionSpec& spec : table) {
-        if (spec.decides > least || spec.names != OptionSpec::Names::nothing || spec.is_preset()) continue;
-        const std::string value = spec.get(options);
+        if (spec.decides > least || spec.is_preset()) continue;
+        const std::string value = deciding_text(spec, options);
         if (value != spec.get(defaults)) lines += fmt::format("{}={}\n", spec.key, value);
     }
     return lines;

@@ -3,7 +3,8 @@
 // Every option of a slice job, declared in one place: how it is called, what it says, which values it takes, what it
 // decides, beside what it would do nothing, and what becomes of it in the resolved job. The command line, the job file,
 // `--dump-default`, `--help`, the manual, the shells' completion, job.json and the job's identity follow from the
-// table. Its parts are table_of_body (what is printed, where), table_of_colour, table_of_layers and table_of_run.
+// table. Its parts are table_of_body (what is printed, where), table_of_marks (labels, decals), table_of_colour,
+// table_of_layers and table_of_run.
 #pragma once
 
 #include <span>

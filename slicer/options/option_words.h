@@ -9,6 +9,7 @@
 #include "halftone/loop/appearance_loop.h"
 #include "optics/scene/backing.h"
 #include "slicer/mesh/mesh_repair.h"
+#include "slicer/options/mark_options.h"
 #include "slicer/options/model_choice.h"
 
 namespace voxtone::slicer {
@@ -78,6 +79,18 @@ enum class PredictedView {
 }  // namespace voxtone::slicer
 
 namespace voxtone {
+
+template <>
+struct NamesOf<slicer::MarkSide> {
+    using E = slicer::MarkSide;
+    static constexpr auto table = std::to_array<Named<E>>({{E::flattest, "flattest"},
+                                                           {E::front, "front"},
+                                                           {E::back, "back"},
+                                                           {E::left, "left"},
+                                                           {E::right, "right"},
+                                                           {E::top, "top"},
+                                                           {E::bottom, "bottom"}});
+};
 
 template <>
 struct NamesOf<slicer::Show> {

@@ -2,6 +2,7 @@
 #include "slicer/options/resolve_job.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <string_view>
 
 #include <fmt/core.h>
@@ -9,6 +10,8 @@
 #include "base/error.h"
 #include "io/models/foreign_kind.h"
 #include "io/models/model_reader.h"
+#include "slicer/options/label_template.h"
+#include "slicer/options/mark_words.h"
 #include "slicer/options/option_scope.h"
 #include "slicer/options/option_table.h"
 
@@ -42,6 +45,21 @@ void refuse_foreign_files(const SliceOptions& o) {
         throw InputError("--texture: " + why);
 }
 
+/// Names in braces get the values that they have where no tray or plan gave others; the job's identity and job.json
+/// have the texts as they are printed.
+void settle_labels(ResolvedJob& job) {
+    const std::filesystem::path out = std::filesystem::path(job.raw.out).lexically_normal();
+    const TemplateValues values{{"job", (out.has_filename() ? out : out.parent_path()).filename().string()},
+                                {"part", std::filesystem::path(job.raw.model).stem().string()},
+                                {"copy", "1"}};
+    for (const std::string& decal : job.raw.decals) job.marks.push_back(parse_mark(MarkFamily::decal, decal));
+    for (std::string& label : job.raw.labels) {
+        label = with_values(label, values);
+        MarkOptions& mark = job.marks.emplace_back(parse_mark(MarkFamily::label, label));
+        mark.text = settled_text(mark.text, mark.said);
+    }
+}
+
 }  // namespace
 
 ResolvedJob resolve(const SliceOptions& options) {
@@ -53,6 +71,7 @@ ResolvedJob resolve(const SliceOptions& options) {
     const Show show = value_of<Show>(options.show).value();
     for (const OptionSpec& spec : slice_option_table())
         if (spec.resolve && spec.belongs_to(show)) spec.resolve(options, job);
+    settle_labels(job);
     return job;
 }
 

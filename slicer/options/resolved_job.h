@@ -13,6 +13,7 @@
 #include "io/files/read_options.h"
 #include "io/layers/layer_format.h"
 #include "io/shards/shard_number.h"
+#include "slicer/options/mark_options.h"
 #include "slicer/options/model_choice.h"
 #include "slicer/options/option_values.h"
 #include "slicer/options/option_words.h"
@@ -113,6 +114,7 @@ struct ResolvedJob {
 
     PlacementOptions placement;
     PictureOptions picture;
+    std::vector<MarkOptions> marks;  ///< one over the other
     RepairMode repair = RepairMode::automatic;
     bool keep_thin = true;
 

@@ -29,6 +29,7 @@ struct SliceOptions {
     double thickness_mm = 4;
     std::string texture;  ///< file; empty: the mesh's own
     std::string backing = "black";
+    std::vector<std::string> labels, decals;  ///< each as it is spelled (mark_words.h)
 
     std::string show = "colour";  ///< colour, or how light spreads: layers of the map's profiles (see job_layers.h)
     std::string profiles;         ///< file of the map

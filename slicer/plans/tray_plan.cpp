@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <sstream>
@@ -17,10 +18,12 @@
 #include "io/models/model_reader.h"
 #include "slicer/options/command_words.h"
 #include "slicer/options/job_file.h"
+#include "slicer/options/label_template.h"
 #include "slicer/options/option_table.h"
 #include "slicer/options/option_values.h"
 #include "slicer/plans/csv_table.h"
 #include "slicer/plans/job_names.h"
+#include "slicer/plans/labelled_copies.h"
 
 namespace voxtone::slicer {
 
@@ -42,6 +45,7 @@ constexpr const char* of_the_tray[] = {"out",     "overwrite", "resume",     "pr
 
 void expect_keys(const io::JsonObject& object, std::vector<std::string> known) {
     for (const OptionSpec& spec : slice_option_table()) known.push_back(spec.key);
+    std::ranges::copy_if(object.keys(), std::back_inserter(known), is_value_key);
     object.allow_only(known);
 }
 
@@ -108,6 +112,7 @@ TrayPart part_of(const io::JsonObject& object, const fs::path& folder, const Sli
     part.name = part.has_own_name ? object.any_text(name_key) : fs::path(part.options.model).stem().string();
     if (object.has(at_key)) part.at_mm = places_of(object);
     part.copies = static_cast<int>(part.at_mm.empty() ? 1 : part.at_mm.size());
+    part.values = template_values(object);
     const auto whole = [&](const char* key, int least, int most) {
         const std::string text = object.any_text(key);
         int value = 0;
@@ -151,7 +156,6 @@ void refuse_equal_names(const TrayPlan& plan) {
 
 /// A name for each part that is a folder's; those that the plan does not name are numbered where two are alike.
 void settle_names(TrayPlan& plan) {
-    refuse_equal_names(plan);
     std::map<std::string, int> times;
     for (const TrayPart& part : plan.parts) ++times[part.name];
     std::map<std::string, std::string> taken;
@@ -238,6 +242,10 @@ TrayPlan read_tray_plan(const std::string& file, const SliceOptions& common) {
     plan.common.model.clear();
     if (text.common) take_common(*text.common, folder, common, plan.common);
     for (const PartRow& part : text.parts) plan.parts.push_back(part_of(part.object, folder, plan.common, part.place));
+    if (text.common)
+        for (TrayPart& part : plan.parts) part.values.merge(template_values(*text.common));
+    refuse_equal_names(plan);
+    label_copies(plan);
     settle_names(plan);
     return plan;
 }

@@ -8,7 +8,6 @@
 // Options of a job (docs/job-files) stand beside the parts, for all of them, or in a part, for that one.
 #pragma once
 
-#include <array>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -16,25 +15,9 @@
 #include <vector>
 
 #include "slicer/options/slice_options.h"
+#include "slicer/plans/tray_part.h"
 
 namespace voxtone::slicer {
-
-struct TrayPart {
-    std::string name;           ///< no other part of the plan has it; a folder below OUT/parts is called so
-    bool has_own_name = false;  ///< the plan gives it
-    SliceOptions options;       ///< of the job that it would be alone
-    int copies = 1;             ///< >= 1
-    std::vector<std::array<double, 3>> at_mm;  ///< lowest corner of each copy's box on the tray; empty: to be arranged
-    bool turn = false;  ///< it may be turned by right angles about the vertical where it is arranged
-    int priority = 0;   ///< where parts fill the same voxel the higher has it, of equal ones the later in the plan
-    bool cuts = false;  ///< leaves air where it would be
-    std::string place;  ///< in the plan, for messages: "tray.json: parts[2]"
-};
-
-struct TrayPlan {
-    SliceOptions common;  ///< what all parts begin with, and what is the whole tray's
-    std::vector<TrayPart> parts;
-};
 
 /// Paths are made absolute. Nothing but the plan is read. Throws FileError, InputError that names the place and the
 /// key. `common`: what was said besides. What of it was named (SliceOptions::named) wins over what the plan says of all

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/stopwatch.h"
 #include "io/models/model_reader.h"
+#include "slicer/marks/lay_marks.h"
 #include "slicer/mesh/box.h"
 #include "slicer/printer/picture_slab.h"
 #include "slicer/printer/up_axis.h"
@@ -71,6 +72,22 @@ void look_for_colour(const ResolvedJob& job, JobBody& body) {
     body.warnings.push_back(what);
 }
 
+/// Where letters are raised the body is larger than its mesh.
+void mark_body(const ResolvedJob& job, const PrinterProfile& printer, const SolidIndex& solid, JobBody& body) {
+    if (job.marks.empty()) return;
+    const LaidMarks laid = lay_marks(job.marks, {body.model.mesh, solid, body.surface, body.is_picture}, job.reading);
+    append(body.notes, laid.notes);
+    if (laid.embossed.empty()) return;
+    const Eigen::Vector3d pitch_mm = printer.sliced_pitch_mm();
+    const Eigen::AlignedBox3d raised = box_of_raised(laid.embossed, pitch_mm);
+    if (!raised.isEmpty()) {
+        const Eigen::AlignedBox3d box = bounding_box(solid->positions_mm, solid->triangles).merged(raised);
+        body.grid = grid_around(box.min(), box.max(), pitch_mm);
+        check_tray(body.grid, printer.sliced_tray_mm(), body.placement);
+    }
+    body.relief = relief_of(laid.embossed, body.grid);
+}
+
 }  // namespace
 
 void check_model(const ResolvedJob& job) {
@@ -117,6 +134,7 @@ JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Prog
 
     progress.begin_stage("find the visible surface", 2 * repaired.solid->triangles.size(), "steps");
     body.surface = SurfaceIndex(coloured_surface_of(body, repaired, progress));
+    mark_body(job, printer, repaired.solid, body);
     look_for_colour(job, body);
     progress.end_stage();
     body.repair = std::move(repaired.report);

@@ -19,6 +19,7 @@
 #include "slicer/printer/placement.h"
 #include "slicer/printer/printer.h"
 #include "slicer/printer/voxel_grid.h"
+#include "slicer/solid/relief.h"
 #include "slicer/surface/visible_surface.h"
 
 namespace voxtone::slicer {
@@ -33,6 +34,7 @@ struct JobBody {
     RepairReport repair;
     std::vector<std::uint32_t> wrapped_triangles;  ///< of the model, that a wrap stands for (mesh/mesh_repair.h)
     SurfaceIndex surface;
+    Relief relief;                      ///< of marks that are raised or engraved, on the grid
     VoxelGrid grid;                     ///< of the body alone; where it lies in the print, the plan says (job_plan.h)
     std::vector<std::string> warnings;  ///< of reader, placement and repair
     std::vector<std::string> notes;     ///< what may be worth a thought

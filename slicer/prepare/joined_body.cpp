@@ -56,6 +56,15 @@ void append_mesh(io::TexturedMesh& to, const io::TexturedMesh& from, const Eigen
     append_or_fill<Eigen::Vector3f>(to.corner_rgb, from.corner_rgb, before, from.triangles.size(),
                                     Eigen::Vector3f::Ones());
     append(to.materials, from.materials);
+    for (io::Decal decal : from.decals) {
+        decal.corner_mm += shift;
+        to.decals.push_back(std::move(decal));
+    }
+}
+
+void append_relief(std::vector<ReliefRun>& to, const Relief& from, const std::array<int, 3>& at) {
+    for (const ReliefRun& run : from.runs())
+        to.push_back({run.k + at[2], run.j + at[1], run.begin + at[0], run.end + at[0], run.adds});
 }
 
 void append_solid(SolidMesh& to, const SolidMesh& from, const Eigen::Vector3d& shift, std::size_t first_source) {
@@ -102,6 +111,7 @@ JobBody join_bodies(std::span<const BodyAt> bodies, Progress& progress) {
     RepairedMesh repaired;
     SolidMesh solid;
     std::vector<std::uint32_t> first_sources;
+    std::vector<ReliefRun> relief;
     whole.model.format = bodies[0].body->model.format;
     whole.grid.pitch_mm = bodies[0].body->grid.pitch_mm;
     whole.grid.size = {};
@@ -113,6 +123,7 @@ JobBody join_bodies(std::span<const BodyAt> bodies, Progress& progress) {
         first_sources.push_back(static_cast<std::uint32_t>(first_source));
         append_mesh(whole.model.mesh, body.model.mesh, shift);
         append_solid(solid, *body.solid, shift, first_source);
+        append_relief(relief, body.relief, one.at);
         for (const std::uint32_t wrapped : body.wrapped_triangles)
             repaired.wrapped_triangles.push_back(wrapped + static_cast<std::uint32_t>(first_source));
         add_to(repaired.report, body.repair);
@@ -135,6 +146,7 @@ JobBody join_bodies(std::span<const BodyAt> bodies, Progress& progress) {
     whole.wrapped_triangles = std::move(repaired.wrapped_triangles);
     whole.repair = std::move(repaired.report);
     whole.solid = std::move(repaired.solid);
+    whole.relief = Relief(relief);
     return whole;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/contracts.h"
 #include "slicer/solid/line_crossings.h"
@@ -12,7 +13,8 @@
 // time, of bodies of 1e9 voxels.
 namespace voxtone::slicer {
 
-Solid::Solid(const SolidMesh& mesh, const VoxelGrid& grid) : grid_(grid), mesh_(mesh, grid) {}
+Solid::Solid(const SolidMesh& mesh, const VoxelGrid& grid, Relief relief)
+    : grid_(grid), mesh_(mesh, grid), relief_(std::move(relief)) {}
 
 double Solid::winding_volume_mm3() const {
     __extension__ typedef __int128 Int128;
@@ -71,6 +73,7 @@ void Solid::slab(int k_begin, int k_end, SpanSlab& out) const {
         VOXTONE_EXPECT(winding == 0);  // otherwise the surface is not a closed chain
         out.end_row();
     }
+    relief_.apply(out);
 }
 
 }  // namespace voxtone::slicer

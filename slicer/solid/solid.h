@@ -18,14 +18,15 @@
 #include "slicer/mesh/solid_mesh.h"
 #include "slicer/printer/voxel_grid.h"
 #include "slicer/solid/fixed_mesh.h"
+#include "slicer/solid/relief.h"
 #include "slicer/solid/span_slab.h"
 
 namespace voxtone::slicer {
 
 class Solid {
 public:
-    /// `mesh` must be closed as a chain (see mesh_diagnosis.h); it is not kept.
-    Solid(const SolidMesh& mesh, const VoxelGrid& grid);
+    /// `mesh` must be closed as a chain (see mesh_diagnosis.h); it is not kept. `relief`: on this grid.
+    Solid(const SolidMesh& mesh, const VoxelGrid& grid, Relief relief = {});
 
     [[nodiscard]] const VoxelGrid& grid() const { return grid_; }
     /// The layers [k_begin, k_end), 0 <= k_begin <= k_end <= grid().size[2].
@@ -44,6 +45,7 @@ public:
 private:
     VoxelGrid grid_;
     FixedMesh mesh_;
+    Relief relief_;
 };
 
 }  // namespace voxtone::slicer

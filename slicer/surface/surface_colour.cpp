@@ -2,6 +2,9 @@
 #include "slicer/surface/surface_colour.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
 
 #include "base/parallel.h"
 #include "io/pictures/texture.h"
@@ -31,7 +34,7 @@ bool one_colour(const io::TexturedMesh& mesh) {
 }  // namespace
 
 SurfaceColour::SurfaceColour(const io::TexturedMesh& mesh, double sample_spacing_mm)
-    : mesh_(mesh), constant_(one_colour(mesh)) {
+    : mesh_(mesh), sample_spacing_mm_(sample_spacing_mm), constant_(mesh.decals.empty() && one_colour(mesh)) {
     if (!has_texture(mesh)) return;
     lod_.resize(mesh.triangles.size());
     parallel_for(0, mesh.triangles.size(), 4096, [&](std::size_t t) {
@@ -45,6 +48,33 @@ SurfaceColour::SurfaceColour(const io::TexturedMesh& mesh, double sample_spacing
 }
 
 Eigen::Vector3f SurfaceColour::at(std::uint32_t triangle, float u, float v) const {
+    const Eigen::Vector3f rgb = below_decals(triangle, u, v);
+    return mesh_.decals.empty() ? rgb : under_decals(triangle, u, v, rgb);
+}
+
+Eigen::Vector3f SurfaceColour::under_decals(std::uint32_t triangle, float u, float v, Eigen::Vector3f rgb) const {
+    const auto& corner = mesh_.triangles[triangle];
+    const Eigen::Vector3d& a = mesh_.positions[corner[0]];
+    const Eigen::Vector3d along_u = mesh_.positions[corner[1]] - a, along_v = mesh_.positions[corner[2]] - a;
+    const Eigen::Vector3d point = a + double(u) * along_u + double(v) * along_v;
+    const Eigen::Vector3d area = along_u.cross(along_v);
+    for (const io::Decal& decal : mesh_.decals) {
+        Eigen::Vector4f over = Eigen::Vector4f::Zero();
+        if (!decal.by_uv) {
+            over = decal.at(point, area.normalized(), sample_spacing_mm_);
+        } else if (!mesh_.corner_uv.empty()) {
+            const auto& uv = mesh_.corner_uv[triangle];
+            const Eigen::Vector2f du = uv[1] - uv[0], dv = uv[2] - uv[0];
+            const double uv_area = std::abs(double(du.x()) * double(dv.y()) - double(du.y()) * double(dv.x()));
+            const double spacing = area.norm() > 0 ? sample_spacing_mm_ * std::sqrt(uv_area / area.norm()) : 0;
+            over = decal.at_uv(uv[0] + u * du + v * dv, spacing);
+        }
+        rgb = over.head<3>() + (1 - over[3]) * rgb;
+    }
+    return rgb;
+}
+
+Eigen::Vector3f SurfaceColour::below_decals(std::uint32_t triangle, float u, float v) const {
     const io::SurfaceMaterial& material = mesh_.materials[mesh_.material_of_triangle[triangle]];
     Eigen::Vector3f rgb = material.rgb;
     const float w = 1 - u - v;

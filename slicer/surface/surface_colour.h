@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The colour that was asked for at a point of the surface: material * corner colour * texture, in linear sRGB
-// (io/models/mesh.h). Textures are filtered at the level whose texels are as wide as `sample_spacing_mm` on this
-// triangle.
+// (io/models/mesh.h), decals over it. Textures and decals are filtered at the level whose texels are as wide as
+// `sample_spacing_mm` on this triangle.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,11 @@ public:
     [[nodiscard]] bool constant() const { return constant_; }
 
 private:
+    [[nodiscard]] Eigen::Vector3f below_decals(std::uint32_t triangle, float u, float v) const;
+    [[nodiscard]] Eigen::Vector3f under_decals(std::uint32_t triangle, float u, float v, Eigen::Vector3f rgb) const;
+
     const io::TexturedMesh& mesh_;
+    double sample_spacing_mm_;
     std::vector<float> lod_;  ///< per triangle; empty without textures
     bool constant_ = false;
 };

@@ -89,6 +89,8 @@ std::string look_of(const ReadyPart& part) {
 std::string why_alone(const ReadyPart& part) {
     if (part.part.cuts) return "cuts";
     if (part.ready->body.is_picture) return "is a picture";
+    // Texture coordinates of others are others'.
+    if (std::ranges::any_of(part.ready->body.model.mesh.decals, &io::Decal::by_uv)) return "has marks on its texture";
     return {};
 }
 
@@ -131,7 +133,7 @@ SliceOptions options_of(const ReadyPart& first, const std::filesystem::path& fol
 }
 
 std::uint64_t voxels_of(const JobBody& body) {
-    const Solid solid(*body.solid, body.grid);
+    const Solid solid(*body.solid, body.grid, body.relief);
     constexpr int layers_at_once = 16;
     std::uint64_t voxels = 0;
     SpanSlab spans;

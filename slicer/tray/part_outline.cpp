@@ -21,7 +21,7 @@ Outline outline_of(const JobBody& body) {
         return std::pair{static_cast<int>(begin * pitch_mm / nest_cell_mm),
                          std::min(most - 1, static_cast<int>(end * pitch_mm / nest_cell_mm - 1e-9))};
     };
-    const Solid solid(*body.solid, grid);
+    const Solid solid(*body.solid, grid, body.relief);
     constexpr int layers_at_once = 16;
     SpanSlab spans;
     for (int first = 0; first < grid.size[2]; first += layers_at_once) {

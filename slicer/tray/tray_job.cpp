@@ -175,6 +175,7 @@ JobResult run_tray_job(const SliceOptions& asked, std::span<const std::string> m
     std::optional<io::StackFolder> first(std::in_place, asked.out, companions_of_tray());
     if (!asked.overwrite && !first->holds_stack()) first->expect_free();
     const OpenedTray tray = open_tray(with_plan(asked, models));
+    for (const std::string& note : tray.plan.notes) progress.note(note);
     if (!only_loops)
         if (auto done = done_before(tray, *first, progress)) return *std::move(done);
     first.reset();

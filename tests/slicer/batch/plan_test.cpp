@@ -78,6 +78,16 @@ TEST_CASE("A table has one job a row, and empty cells say nothing") {
     CHECK(jobs[1].options.model == shop.at("c d.glb"));
 }
 
+TEST_CASE("Columns whose header is in braces are values for labels") {
+    const Workshop shop;
+    const auto jobs = shop.plan("plan.csv", "model,label,{serial}\na.obj,{job}: {serial},A-17\nb.obj,plain,\n");
+    REQUIRE(jobs.size() == 2);
+    CHECK(jobs[0].options.labels == Words{"text={job}: A-17"});
+    CHECK(jobs[1].options.labels == Words{"text=plain"});
+    CHECK_THAT(shop.fault("plan.csv", "model,label\na.obj,{serial}\n"), Contains("{serial} stands for nothing"));
+    CHECK_THAT(shop.fault("plan.csv", "model,{serial\na.obj,1\n"), Contains("{serial"));
+}
+
 TEST_CASE("A folder is its models, a pattern what it matches, several words are models each") {
     const Workshop shop;
     shop.write(".hidden.obj", "");

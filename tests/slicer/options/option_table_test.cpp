@@ -88,7 +88,8 @@ TEST_CASE("What an option decides says whom another value makes a stranger, and 
         INFO(spec.key);
         const SliceOptions options = with({}, spec.key, other_value(spec));
         REQUIRE(spec.get(options) != spec.get({}));
-        const bool by_content = spec.names != OptionSpec::Names::nothing;
+        // What is said of a label beside its font's file decides too.
+        const bool by_content = spec.names != OptionSpec::Names::nothing && spec.kind() != OptionSpec::Kind::texts;
         CHECK(deciding_lines(options, Decides::looks).empty() == (by_content || spec.decides > Decides::looks));
         CHECK(deciding_lines(options, Decides::bits).empty() == (by_content || spec.decides > Decides::bits));
         const bool kept = job_record(options, {}, "/out") != job_record({}, {}, "/out");
@@ -149,4 +150,39 @@ TEST_CASE("An option that would do nothing is refused where it is named") {
     CHECK_THROWS_WITH(resolve(with(with(named(), "scale", "2"), "size", "3mm")), Contains("--size decides"));
     CHECK(decides_scope("show"));
     CHECK_FALSE(decides_scope("depth"));
+}
+
+TEST_CASE("Labels and decals are said one by one; names of files are seen from their folder, and count by content") {
+    const OptionSpec& label = *find_option("label");
+    const OptionSpec& decal = *find_option("decal");
+    SliceOptions options = with(named(), "label", "A, B; size=4pt; font=letters.ttf\nC; font=DejaVu Sans");
+    decal.set(options, "logo.png; size=9mm");
+    REQUIRE(options.labels.size() == 2);
+    CHECK(label.get(options) == "A, B; size=4pt; font=letters.ttf\nC; font=DejaVu Sans");
+    const ResolvedJob job = resolve(options);
+    REQUIRE(job.marks.size() == 3);
+    CHECK(job.marks[0].file == "logo.png");  // below the labels
+    CHECK(job.marks[1].text == "A, B");
+    SliceOptions moved = options;
+    moved.labels[0] = "A, B; size=4pt; font=other/letters.ttf";
+    moved.decals[0] = "other.png; size=9mm";
+    CHECK(deciding_lines(moved, Decides::bits) == deciding_lines(options, Decides::bits));
+    for (const char* other : {"A, B; size=5pt; font=letters.ttf\nC", "A, B; size=4pt; font=letters.ttf"}) {
+        label.set(moved, other);
+        CHECK(deciding_lines(moved, Decides::bits) != deciding_lines(options, Decides::bits));
+    }
+    const std::string record = job_record(options, {}, "out");
+    CHECK_THAT(record, Contains("font=../letters.ttf") && Contains("font=DejaVu Sans") && Contains("file=../logo.png"));
+}
+
+TEST_CASE("Names in a label stand for the job's when it is resolved, and so in its identity") {
+    SliceOptions options = with(named("some/cow.obj"), "label", "{job}-{part}-{copy:03} {{x}}");
+    options.out = "shelf/monday/";
+    const ResolvedJob job = resolve(options);
+    CHECK(job.marks[0].text == "monday-cow-001 {x}");
+    CHECK(resolve(job.raw).marks[0].text == "monday-cow-001 {x}");
+    options.out = "shelf/tuesday";
+    CHECK(deciding_lines(resolve(options).raw, Decides::bits) != deciding_lines(job.raw, Decides::bits));
+    options.labels[0] = "{jib}";
+    CHECK_THROWS_WITH(resolve(options), Contains("{jib} stands for nothing"));
 }

@@ -171,3 +171,29 @@ TEST_CASE("A tray's plan is known by what it says") {
     CHECK_FALSE(is_tray_plan(desk.write("model,size\n", "a.csv")));  // of a batch
     CHECK_FALSE(is_tray_plan(desk.folder.path() / "none.json"));
 }
+
+TEST_CASE("Labels of parts get their values, and copies whose labels differ are parts of their own") {
+    const Desk desk;
+    const std::string text = R"({"format": "voxtone-tray", "version": 1, "{order}": "4711",
+        "parts": [{"model": "cow.obj", "copies": 2, "at": [[1, 2], [30, 4]], "label": "{job} {order}/{copy:02}"},
+                  {"model": "card.png", "copies": 3, "{order}": "12", "label": [{"qr": "{part}; {order}", "size": "9mm"}]}]})";
+    CHECK(io::schema_faults("tray", text) == std::vector<std::string>{});
+    SliceOptions common;
+    common.out = "shelf/monday";
+    const TrayPlan plan = read_tray_plan(desk.write(text), common);
+    REQUIRE(plan.parts.size() == 3);
+    CHECK(plan.parts[0].name == "cow-1");
+    CHECK(plan.parts[1].name == "cow-2");
+    CHECK(plan.parts[1].copies == 1);
+    CHECK(plan.parts[1].at_mm == std::vector<std::array<double, 3>>{{30, 4, 0}});
+    CHECK(plan.parts[0].options.labels == std::vector<std::string>{"text=monday 4711/01"});
+    CHECK(plan.parts[1].options.labels == std::vector<std::string>{"text=monday 4711/02"});
+    CHECK(plan.parts[2].copies == 3);
+    CHECK(plan.parts[2].options.labels == std::vector<std::string>{"qr=card\\; 12; size=9mm"});
+    CHECK(plan.notes.size() == 1);
+    const TrayPlan table = read_tray_plan(desk.write("model,label,{n}\na.obj,No. {n},7\nb.obj,,\n", "t.csv"), {});
+    CHECK(table.parts[0].options.labels == std::vector<std::string>{"text=No. 7"});
+    CHECK(table.parts[1].options.labels.empty());
+    CHECK_THAT(desk.fault(R"([{"model": "a.obj", "label": 7}])"), Contains("label"));
+    CHECK_THAT(desk.fault(R"([{"model": "a.obj", "labell": "x"}])"), Contains("label"));
+}

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/marks/mark_place.h"
+
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "base/error.h"
+#include "slicer/marks/flat_place.h"
+#include "slicer/options/option_words.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+Eigen::Vector3d out_of(MarkSide side) {
+    switch (side) {
+        case MarkSide::front:
+            return -Eigen::Vector3d::UnitY();
+        case MarkSide::back:
+            return Eigen::Vector3d::UnitY();
+        case MarkSide::left:
+            return -Eigen::Vector3d::UnitX();
+        case MarkSide::right:
+            return Eigen::Vector3d::UnitX();
+        case MarkSide::bottom:
+            return -Eigen::Vector3d::UnitZ();
+        default:
+            return Eigen::Vector3d::UnitZ();
+    }
+}
+
+std::vector<Eigen::Vector3d> outs_of(const MarkOptions& mark, const MarkedBody& body) {
+    const MarkSide side = std::get<MarkSide>(mark.place);
+    if (side != MarkSide::flattest) return {out_of(side)};
+    if (body.top_only) return {Eigen::Vector3d::UnitZ()};
+    return facing_directions(*body.solid);
+}
+
+/// How much smaller it would have to be; 0: no size does.
+double fitting_share(const std::vector<Eigen::Vector3d>& outs, const MarkedBody& body, const MarkOptions& mark,
+                     double width_mm, double height_mm, std::span<const MarkFrame> taken) {
+    for (double share = 0.9; share > 0.05; share *= 0.85)
+        if (flattest_place(*body.solid, outs, share * width_mm, share * height_mm, mark.turn_deg, taken)) return share;
+    return 0;
+}
+
+[[noreturn]] void refuse_size(const std::vector<Eigen::Vector3d>& outs, const MarkedBody& body, const MarkOptions& mark,
+                              double width_mm, double height_mm, std::span<const MarkFrame> taken) {
+    const double share = fitting_share(outs, body, mark, width_mm, height_mm, taken);
+    const std::string where =
+        std::get<MarkSide>(mark.place) == MarkSide::flattest
+            ? "no side has a face without steps or edges"
+            : fmt::format("the {} has no face without steps or edges", name_of(std::get<MarkSide>(mark.place)));
+    throw InputError(
+        fmt::format("{}: is {:.1f} x {:.1f} mm, and {} of that size: {}{} or name another place (place=...)", mark.said,
+                    width_mm, height_mm, where,
+                    share > 0 ? fmt::format("size={:.2f}mm would fit,", mark.size_mm * share) : "make it smaller,",
+                    mark.kind == MarkKind::text ? " break it into lines (\\n)," : ""));
+}
+
+/// In the middle of the body's box as seen from there, and above all of it.
+MarkFrame middle_of_side(const MarkOptions& mark, const SolidMesh& body, double width_mm, double height_mm) {
+    const MarkAxes axes = axes_facing(out_of(std::get<MarkSide>(mark.place)));
+    Eigen::AlignedBox3d box;
+    for (const Eigen::Vector3d& p : body.positions_mm)
+        box.extend(Eigen::Vector3d(axes.right.dot(p), axes.up.dot(p), axes.out.dot(p)));
+    Eigen::Vector3d seen = box.center();
+    seen.z() = box.max().z();
+    seen.head<2>() += mark.at_mm.value_or(Eigen::Vector2d::Zero());
+    const Eigen::Vector3d middle = seen.x() * axes.right + seen.y() * axes.up + seen.z() * axes.out;
+    return MarkFrame::around(middle, axes.turned(mark.turn_deg), width_mm, height_mm);
+}
+
+/// On the surface that is nearest to the point, facing as it does on average as far as the mark reaches.
+MarkFrame frame_at_point(const MarkOptions& mark, const SolidIndex& body, double width_mm, double height_mm) {
+    const Eigen::Vector3d point = std::get<Eigen::Vector3d>(mark.place);
+    const TriangleTree::Nearest nearest = body.tree().nearest(point);
+    const auto area = [&](std::uint32_t t) -> Eigen::Vector3d {
+        const auto [a, b, c] = body.tree().corners(t);
+        return 0.5 * (b - a).cross(c - a);
+    };
+    const Eigen::Vector3d here = area(nearest.triangle).normalized();
+    const Eigen::Vector3d reach = Eigen::Vector3d::Constant(std::hypot(width_mm, height_mm) / 2);
+    std::vector<std::uint32_t> around;
+    body.tree().overlapping(nearest.point - reach, nearest.point + reach, around);
+    Eigen::Vector3d sum = here * 1e-9;
+    constexpr double same_face = 0.5;
+    for (const std::uint32_t t : around) {
+        const Eigen::Vector3d normal = area(t);
+        if (normal.normalized().dot(here) > same_face) sum += normal;
+    }
+    return MarkFrame::around(nearest.point, axes_facing(sum).turned(mark.turn_deg), width_mm, height_mm);
+}
+
+}  // namespace
+
+MarkFrame place_of_mark(const MarkOptions& mark, const MarkedBody& body, double width_mm, double height_mm,
+                        std::span<const MarkFrame> taken) {
+    if (std::holds_alternative<Eigen::Vector3d>(mark.place))
+        return frame_at_point(mark, body.solid, width_mm, height_mm);
+    const bool flattest = std::get<MarkSide>(mark.place) == MarkSide::flattest;
+    if (!flattest && (mark.at_mm || mark.kind == MarkKind::picture))
+        return middle_of_side(mark, *body.solid, width_mm, height_mm);
+    const std::vector<Eigen::Vector3d> outs = outs_of(mark, body);
+    const auto found = flattest_place(*body.solid, outs, width_mm, height_mm, mark.turn_deg, taken);
+    if (!found) refuse_size(outs, body, mark, width_mm, height_mm, taken);
+    return *found;
+}
+
+}  // namespace voxtone::slicer

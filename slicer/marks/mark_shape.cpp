@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/marks/mark_shape.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/core.h>
+
+#include "base/error.h"
+#include "io/lettering/code_symbol.h"
+#include "io/lettering/font_file.h"
+#include "io/lettering/set_text.h"
+#include "io/pictures/picture.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+constexpr int pixels_a_module = 8;
+/// Of a ground, around the ink, in ems.
+constexpr double ground_margin = 0.25;
+
+io::Coverage ink_of_code(const MarkOptions& mark) {
+    const io::CodeSymbol code =
+        io::make_code(mark.kind == MarkKind::qr ? io::CodeKind::qr : io::CodeKind::data_matrix, mark.text);
+    io::Coverage ink{(code.columns + 2 * code.quiet_modules) * pixels_a_module,
+                     (code.rows + 2 * code.quiet_modules) * pixels_a_module,
+                     mark.size_mm / (code.columns * pixels_a_module),
+                     {}};
+    const auto is_dark = [&](int column, int row) {
+        return column >= 0 && row >= 0 && column < code.columns && row < code.rows &&
+               code.dark[std::size_t(row * code.columns + column)];
+    };
+    for (int y = 0; y < ink.height_px; ++y)
+        for (int x = 0; x < ink.width_px; ++x)
+            ink.ink.push_back(
+                is_dark(x / pixels_a_module - code.quiet_modules, y / pixels_a_module - code.quiet_modules) ? 255 : 0);
+    return ink;
+}
+
+io::Coverage padded(const io::Coverage& ink, int pixels) {
+    io::Coverage wide{ink.width_px + 2 * pixels, ink.height_px + 2 * pixels, ink.pixel_mm, {}};
+    wide.ink.resize(std::size_t(wide.width_px) * std::size_t(wide.height_px));
+    for (int y = 0; y < ink.height_px; ++y)
+        std::copy_n(ink.ink.begin() + std::ptrdiff_t(y) * ink.width_px, ink.width_px,
+                    wide.ink.begin() + std::ptrdiff_t(y + pixels) * wide.width_px + pixels);
+    return wide;
+}
+
+io::Coverage ink_of_text(const MarkOptions& mark) {
+    io::Coverage ink = io::set_text(mark.text, io::find_font(mark.font), mark.size_mm);
+    if (mark.ground_rgb) ink = padded(ink, int(std::lround(ground_margin * mark.size_mm / ink.pixel_mm)));
+    return ink;
+}
+
+MarkShape shape_of_picture(const MarkOptions& mark, const io::ReadOptions& reading) {
+    const io::DecodedImage image = io::read_picture_with_alpha(mark.file, reading);
+    const double pixel_aspect = image.dpi_x > 0 && image.dpi_y > 0 ? image.dpi_x / image.dpi_y : 1.0;
+    MarkShape shape;
+    shape.pixels = std::make_shared<const io::AlphaPicture>(image.texels);
+    shape.width_mm = mark.size_mm > 0 ? mark.size_mm : 1;
+    shape.height_mm = shape.width_mm * image.texels.height_px / image.texels.width_px * pixel_aspect;
+    shape.ink = {int(image.texels.width_px), int(image.texels.height_px), shape.width_mm / image.texels.width_px, {}};
+    for (std::size_t i = 0; i < image.texels.pixels(); ++i)
+        shape.ink.ink.push_back(std::uint8_t(std::lround(255 * image.texels.alpha(i))));
+    return shape;
+}
+
+}  // namespace
+
+MarkShape shape_of(const MarkOptions& mark, const io::ReadOptions& reading) {
+    try {
+        if (mark.kind == MarkKind::picture) return shape_of_picture(mark, reading);
+        MarkShape shape;
+        shape.ink = mark.kind == MarkKind::text ? ink_of_text(mark) : ink_of_code(mark);
+        shape.width_mm = shape.ink.width_mm();
+        shape.height_mm = shape.ink.height_mm();
+        return shape;
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("{}: {}", mark.said, error.what()));
+    } catch (const FileError& error) {
+        throw FileError(fmt::format("{}: {}", mark.said, error.what()));
+    }
+}
+
+std::shared_ptr<const io::AlphaPicture> coloured(const MarkShape& shape, const Eigen::Vector3f* ink_rgb,
+                                                 const std::optional<Eigen::Vector3f>& ground_rgb) {
+    std::vector<io::AlphaPicture::Pixel> pixels(shape.ink.ink.size());
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+        Eigen::Vector4f over = Eigen::Vector4f::Zero();
+        if (shape.pixels) {
+            const io::AlphaPicture::Pixel& p = shape.pixels->pixels()[i];
+            over = Eigen::Vector4f(p[0], p[1], p[2], p[3]) / 65535.0f;
+        } else if (ink_rgb) {
+            const float ink = shape.ink.ink[i] / 255.0f;
+            over << ink * *ink_rgb, ink;
+        }
+        if (ground_rgb) over += (1 - over[3]) * (Eigen::Vector4f() << *ground_rgb, 1).finished();
+        for (std::size_t c = 0; c < 4; ++c)
+            pixels[i][c] = std::uint16_t(std::lround(std::clamp(over[Eigen::Index(c)], 0.0f, 1.0f) * 65535));
+    }
+    return std::make_shared<const io::AlphaPicture>(std::uint32_t(shape.ink.width_px),
+                                                    std::uint32_t(shape.ink.height_px), std::move(pixels));
+}
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What a mark shows, in its true size, before it lies anywhere: the ink of a text or code, or the pixels of a picture.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "io/files/read_options.h"
+#include "io/lettering/coverage.h"
+#include "io/pictures/alpha_picture.h"
+#include "slicer/options/mark_options.h"
+
+namespace voxtone::slicer {
+
+struct MarkShape {
+    io::Coverage ink;                                ///< with a quiet zone around codes; of pictures their alpha
+    std::shared_ptr<const io::AlphaPicture> pixels;  ///< of pictures
+    double width_mm = 0, height_mm = 0;              ///< pictures laid by texture coordinates have a ratio alone
+};
+
+/// Sets the text, makes the code or reads the picture. Throws FileError, InputError that begins with the mark.
+[[nodiscard]] MarkShape shape_of(const MarkOptions& mark, const io::ReadOptions& reading);
+
+/// The shape in its colours.
+[[nodiscard]] std::shared_ptr<const io::AlphaPicture> coloured(const MarkShape& shape, const Eigen::Vector3f* ink_rgb,
+                                                               const std::optional<Eigen::Vector3f>& ground_rgb);
+
+}  // namespace voxtone::slicer

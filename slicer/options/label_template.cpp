@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/options/label_template.h"
+
+#include <charconv>
+#include <optional>
+
+#include <fmt/core.h>
+
+#include "base/error.h"
+#include "slicer/options/mark_words.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+bool has_template(const std::string& key) { return key == "text" || key == "qr" || key == "datamatrix"; }
+
+/// Where a name in braces begins and ends, and what is in it.
+struct NameInBraces {
+    std::size_t begin, end;
+    std::string name, format;
+};
+
+/// The next one from there on; doubled braces are passed over.
+std::optional<NameInBraces> next_name(const std::string& text, std::size_t from) {
+    for (std::size_t i = from; i < text.size(); ++i) {
+        if (text[i] != '{') continue;
+        if (i + 1 < text.size() && text[i + 1] == '{') {
+            ++i;
+            continue;
+        }
+        const std::size_t end = text.find('}', i);
+        if (end == std::string::npos) return std::nullopt;
+        const std::string inside = text.substr(i + 1, end - i - 1);
+        const std::size_t colon = inside.find(':');
+        return NameInBraces{i, end + 1, inside.substr(0, colon),
+                            colon == std::string::npos ? "" : inside.substr(colon + 1)};
+    }
+    return std::nullopt;
+}
+
+std::string doubled_braces(const std::string& text) {
+    std::string doubled;
+    for (const char c : text) doubled += c == '{' || c == '}' ? std::string(2, c) : std::string(1, c);
+    return doubled;
+}
+
+/// "03": a number of at least three digits.
+std::string padded_value(const std::string& value, const std::string& format) {
+    if (format.empty()) return value;
+    const bool padded = format.size() > 1 && format[0] == '0';
+    std::size_t width = 0;
+    const char* const end = format.data() + format.size();
+    if (!padded || std::from_chars(format.data(), end, width).ptr != end || width > 99)
+        throw UsageError(
+            fmt::format("{{...:{}}}: what stands behind a colon is a number of digits, such as {{copy:03}}", format));
+    return std::string(value.size() < width ? width - value.size() : 0, '0') + value;
+}
+
+}  // namespace
+
+bool is_value_key(std::string_view key) { return key.size() > 2 && key.starts_with('{') && key.ends_with('}'); }
+
+TemplateValues template_values(const io::JsonObject& row) {
+    TemplateValues values;
+    for (const std::string& key : row.keys())
+        if (is_value_key(key)) values[key.substr(1, key.size() - 2)] = row.any_text(key);
+    return values;
+}
+
+std::string with_values(const std::string& spelled, const TemplateValues& values) {
+    MarkWords words = split_mark(MarkFamily::label, spelled);
+    for (auto& [key, value] : words) {
+        if (!has_template(key)) continue;
+        for (std::size_t from = 0;;) {
+            const std::optional<NameInBraces> name = next_name(value, from);
+            if (!name) break;
+            from = name->end;
+            const auto found = values.find(name->name);
+            if (found == values.end()) continue;
+            const std::string text = doubled_braces(padded_value(found->second, name->format));
+            value.replace(name->begin, name->end - name->begin, text);
+            from = name->begin + text.size();
+        }
+    }
+    return spell_mark(words);
+}
+
+bool names_value(const std::string& spelled, std::string_view wanted) {
+    for (const auto& [key, value] : split_mark(MarkFamily::label, spelled))
+        for (std::optional<NameInBraces> name = next_name(value, 0); name; name = next_name(value, name->end))
+            if (name->name == wanted) return true;
+    return false;
+}
+
+std::string settled_text(const std::string& text, const std::string& said) {
+    if (const std::optional<NameInBraces> name = next_name(text, 0))
+        throw UsageError(fmt::format(
+            "{}: {}", said,
+            fmt::format("{{{}}} stands for nothing: {{job}}, {{part}} and {{copy}} do, and columns of a plan "
+                        "whose header is in braces; braces themselves are doubled",
+                        name->name)));
+    std::string settled;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        settled += text[i];
+        if ((text[i] == '{' || text[i] == '}') && i + 1 < text.size() && text[i + 1] == text[i]) ++i;
+    }
+    return settled;
+}
+
+}  // namespace voxtone::slicer

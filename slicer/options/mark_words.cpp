@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/options/mark_words.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include "base/error.h"
+#include "base/units.h"
+#include "io/lettering/font_file.h"
+#include "optics/colour/colour.h"
+#include "slicer/options/option_values.h"
+#include "slicer/options/option_words.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+constexpr double mm_per_point = mm_per_inch / 72;
+constexpr double usual_em_mm = 6 * mm_per_point, usual_code_mm = 8;
+constexpr double most_size_mm = 1000;
+constexpr int most_relief_voxels = 100;
+
+constexpr const char *text_key = "text", *file_key = "file", *qr_key = "qr", *data_matrix_key = "datamatrix",
+                     *font_key = "font";
+const std::vector<std::string> words_of_marks{"place", "at", "size", "turn", "engrave", "raise"};
+const std::vector<std::string> words_of_labels{text_key, qr_key, data_matrix_key, font_key, "colour", "ground"};
+
+std::vector<std::string> words_of(MarkFamily family) {
+    std::vector<std::string> keys =
+        family == MarkFamily::label ? words_of_labels : std::vector<std::string>{file_key, "ground"};
+    keys.insert(keys.end(), words_of_marks.begin(), words_of_marks.end());
+    return keys;
+}
+
+std::string subject_of(MarkFamily family, const MarkWords& words) {
+    constexpr std::size_t most_letters = 40;
+    std::string text = words.empty() ? std::string() : words[0].second;
+    if (text.size() > most_letters) text = text.substr(0, most_letters) + "...";
+    std::ranges::replace(text, '\n', ' ');
+    return fmt::format("--{} '{}'", family == MarkFamily::label ? "label" : "decal", text);
+}
+
+[[noreturn]] void refuse_mark(const std::string& said, const std::string& why) {
+    throw UsageError(fmt::format("{}: {}", said, why));
+}
+
+std::string trimmed_word(const std::string& text) {
+    const std::size_t first = text.find_first_not_of(" \t");
+    return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+/// "6pt" too.
+double size_word(const std::string& text, const std::string& said) {
+    const std::string word = trimmed_word(text);
+    const bool points = word.ends_with("pt");
+    const double mm = points ? parse_length_mm(word.substr(0, word.size() - 2), said + ": size") * mm_per_point
+                             : parse_length_mm(word, said + ": size");
+    if (!(mm > 0 && mm <= most_size_mm)) refuse_mark(said, fmt::format("size={} is not above 0 and up to 1 m", text));
+    return mm;
+}
+
+/// So many lengths between commas, mm where there is no unit; empty: it is not that.
+std::vector<double> length_words(const std::string& text, std::size_t count) {
+    std::vector<double> lengths;
+    for (const std::string& part : parse_list(text)) try {
+            lengths.push_back(parse_length_mm(part, "place"));
+        } catch (const UsageError&) {
+            return {};
+        }
+    return lengths.size() == count ? lengths : std::vector<double>{};
+}
+
+MarkPlace place_word(const std::string& text, const std::string& said) {
+    if (const auto side = value_of<MarkSide>(text)) return *side;
+    if (text.starts_with("uv:")) {
+        const std::vector<double> uv = length_words(text.substr(3), 4);
+        if (uv.empty() || !(uv[0] < uv[2] && uv[1] < uv[3]))
+            refuse_mark(said, fmt::format("place={} is no rectangle of the texture: write uv:left,bottom,right,top in "
+                                          "texture coordinates, such as uv:0.1,0.1,0.4,0.2",
+                                          text));
+        return UvRectangle{uv[0], uv[1], uv[2], uv[3]};
+    }
+    const std::vector<double> point = length_words(text, 3);
+    if (point.empty())
+        refuse_mark(said,
+                    fmt::format("place={} is none of {}, no point x,y,z in mm from the corner of the print's box, and "
+                                "no uv:left,bottom,right,top",
+                                text, fmt::join(names_of<MarkSide>(), ", ")));
+    return Eigen::Vector3d(point[0], point[1], point[2]);
+}
+
+Eigen::Vector3f colour_word(const std::string& key, const std::string& text, const std::string& said) {
+    if (text == "black") return Eigen::Vector3f::Zero();
+    if (text == "white") return Eigen::Vector3f::Ones();
+    unsigned code = 0;
+    const char* const end = text.data() + text.size();
+    if (text.size() != 7 || text[0] != '#' || std::from_chars(text.data() + 1, end, code, 16).ptr != end)
+        refuse_mark(said, fmt::format("{}={} is no colour: write black, white or #rrggbb (sRGB)", key, text));
+    const auto channel = [&](int shift) { return float(optics::srgb_decode((code >> shift & 0xff) / 255.0)); };
+    return {channel(16), channel(8), channel(0)};
+}
+
+int voxels_word(const std::string& key, const std::string& text, const std::string& said) {
+    int voxels = 0;
+    const char* const end = text.data() + text.size();
+    if (std::from_chars(text.data(), end, voxels).ptr != end || voxels < 1 || voxels > most_relief_voxels)
+        refuse_mark(said,
+                    fmt::format("{}={} is not a whole number of voxels from 1 to {}", key, text, most_relief_voxels));
+    return voxels;
+}
+
+void take_subject(MarkOptions& mark, const std::string& key, const std::string& value) {
+    if (key == file_key) {
+        mark.kind = MarkKind::picture;
+        mark.file = value;
+        return;
+    }
+    mark.kind = key == qr_key ? MarkKind::qr : key == data_matrix_key ? MarkKind::data_matrix : MarkKind::text;
+    mark.text = value;
+}
+
+void take_word(MarkOptions& mark, const std::string& key, const std::string& value) {
+    const std::string& said = mark.said;
+    if (key == font_key) {
+        mark.font = value;
+    } else if (key == "place") {
+        mark.place = place_word(value, said);
+    } else if (key == "at") {
+        const std::vector<double> at = length_words(value, 2);
+        if (at.empty())
+            refuse_mark(said, fmt::format("at={} is no place: write to the right,up in mm, such as 5,-2", value));
+        mark.at_mm = Eigen::Vector2d(at[0], at[1]);
+    } else if (key == "size") {
+        mark.size_mm = size_word(value, said);
+    } else if (key == "turn") {
+        mark.turn_deg = parse_number<double>("turn", value);
+    } else if (key == "ground") {
+        if (value != "none") mark.ground_rgb = colour_word(key, value, said);
+        if (value == "none") mark.ground_rgb.reset();
+    } else if (key == "colour") {
+        mark.ink = value == "contrast" ? MarkInk::contrast : value == "none" ? MarkInk::none : MarkInk::colour;
+        if (mark.ink == MarkInk::colour) mark.ink_rgb = colour_word(key, value, said);
+    } else if (key == "raise" || key == "engrave") {
+        mark.relief_voxels = voxels_word(key, value, said) * (key == "raise" ? 1 : -1);
+    }
+}
+
+void check_mark(const MarkOptions& mark) {
+    if (mark.kind == MarkKind::picture && mark.file.empty()) refuse_mark(mark.said, "names no picture");
+    if (mark.kind == MarkKind::picture && !(mark.size_mm > 0) && !std::holds_alternative<UvRectangle>(mark.place))
+        refuse_mark(mark.said, "how wide it is must be said: size=20mm");
+    if (mark.kind != MarkKind::picture && trimmed_word(mark.text).empty()) refuse_mark(mark.said, "says nothing");
+    if (mark.kind != MarkKind::text && !mark.font.empty())
+        refuse_mark(mark.said, "font= is for text, which a code has not");
+    if (mark.at_mm &&
+        (!std::holds_alternative<MarkSide>(mark.place) || std::get<MarkSide>(mark.place) == MarkSide::flattest))
+        refuse_mark(mark.said, "at= is counted from the middle of a side: say which, such as place=front");
+    if (std::holds_alternative<UvRectangle>(mark.place) && mark.relief_voxels != 0)
+        refuse_mark(mark.said, "a rectangle of the texture takes colour alone: for a relief name a side or a point");
+    if (mark.ink == MarkInk::none && mark.relief_voxels == 0 && !mark.ground_rgb)
+        refuse_mark(mark.said, "colour=none leaves nothing to be seen without engrave= or raise=");
+}
+
+/// Codes are read as dark on light by every reader, so they bring their own light ground; dark ink on a ground, or
+/// light.
+void complete_mark(MarkOptions& mark, bool ground_said) {
+    const bool is_code = mark.kind == MarkKind::qr || mark.kind == MarkKind::data_matrix;
+    if (is_code && mark.ink == MarkInk::contrast && (!ground_said || mark.ground_rgb)) {
+        mark.ink = MarkInk::colour;
+        mark.ink_rgb.setZero();
+    }
+    if (is_code && !ground_said && mark.ink == MarkInk::colour) mark.ground_rgb = Eigen::Vector3f::Ones();
+    if (mark.kind == MarkKind::text && mark.font.empty()) mark.font = io::default_font;
+    if (mark.size_mm > 0 || mark.kind == MarkKind::picture) return;
+    mark.size_mm = is_code ? usual_code_mm : usual_em_mm;
+}
+
+}  // namespace
+
+MarkWords split_mark(MarkFamily family, std::string_view spelled) {
+    std::vector<std::string> raw(1);
+    std::vector<std::size_t> equals;  // of each word, the first '=' that is meant
+    equals.push_back(std::string::npos);
+    for (std::size_t i = 0; i < spelled.size(); ++i) {
+        const char c = spelled[i];
+        if (c == '\\' && i + 1 < spelled.size()) {
+            raw.back() += spelled[++i] == 'n' ? '\n' : spelled[i];
+        } else if (c == ';') {
+            raw.emplace_back();
+            equals.push_back(std::string::npos);
+        } else {
+            if (c == '=' && equals.back() == std::string::npos) equals.back() = raw.back().size();
+            raw.back() += c;
+        }
+    }
+    const std::vector<std::string> keys = words_of(family);
+    MarkWords words;
+    for (std::size_t w = 0; w < raw.size(); ++w) {
+        const std::string key = equals[w] == std::string::npos ? "" : trimmed_word(raw[w].substr(0, equals[w]));
+        const bool is_known = std::ranges::find(keys, key) != keys.end();
+        if (w == 0 && !is_known)
+            words.emplace_back(family == MarkFamily::label ? text_key : file_key, trimmed_word(raw[w]));
+        else if (equals[w] != std::string::npos)
+            words.emplace_back(key, trimmed_word(raw[w].substr(equals[w] + 1)));
+        else if (!trimmed_word(raw[w]).empty())
+            words.emplace_back("", trimmed_word(raw[w]));
+    }
+    return words;
+}
+
+std::string spell_mark(const MarkWords& words) {
+    std::string spelled;
+    for (const auto& [key, value] : words) {
+        spelled += fmt::format("{}{}=", spelled.empty() ? "" : "; ", key);
+        for (const char c : value) {
+            if (c == ';' || c == '\\') spelled += '\\';
+            spelled += c == '\n' ? "\\n" : std::string(1, c);
+        }
+    }
+    return spelled;
+}
+
+MarkOptions parse_mark(MarkFamily family, const std::string& spelled) {
+    const MarkWords words = split_mark(family, spelled);
+    const std::vector<std::string> keys = words_of(family);
+    MarkOptions mark;
+    mark.said = subject_of(family, words);
+    std::vector<std::string> said_keys;
+    bool has_subject = false;
+    for (const auto& [key, value] : words) {
+        if (std::ranges::find(keys, key) == keys.end())
+            refuse_mark(mark.said,
+                        fmt::format("'{}' is none of its words: {}", key.empty() ? value : key, fmt::join(keys, ", ")));
+        if (std::ranges::find(said_keys, key) != said_keys.end())
+            refuse_mark(mark.said, fmt::format("{}= is said twice", key));
+        said_keys.push_back(key);
+        const bool is_subject = key == text_key || key == file_key || key == qr_key || key == data_matrix_key;
+        if (is_subject && has_subject) refuse_mark(mark.said, "is one text or one code; give a --label for each");
+        if (is_subject) take_subject(mark, key, value);
+        has_subject = has_subject || is_subject;
+    }
+    if (!has_subject) refuse_mark(mark.said, family == MarkFamily::label ? "says nothing" : "names no picture");
+    for (const auto& [key, value] : words) take_word(mark, key, value);
+    if (std::ranges::find(said_keys, "engrave") != said_keys.end() &&
+        std::ranges::find(said_keys, "raise") != said_keys.end())
+        refuse_mark(mark.said, "is engraved or raised, not both");
+    complete_mark(mark, std::ranges::find(said_keys, "ground") != said_keys.end());
+    check_mark(mark);
+    return mark;
+}
+
+std::string with_files(MarkFamily family, const std::string& spelled,
+                       const std::function<std::string(const std::string&)>& place) {
+    MarkWords words = split_mark(family, spelled);
+    bool changed = false;
+    for (auto& [key, value] : words) {
+        if (value.empty() || !(key == file_key || (key == font_key && io::is_font_path(value)))) continue;
+        value = place(value);
+        changed = true;
+    }
+    return changed ? spell_mark(words) : spelled;
+}
+
+}  // namespace voxtone::slicer
