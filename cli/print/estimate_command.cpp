@@ -12,6 +12,8 @@
 #include "slicer/batch/plan_estimate.h"
 #include "slicer/estimate/estimate_job.h"
 #include "slicer/estimate/estimate_text.h"
+#include "slicer/plans/tray_plan.h"
+#include "slicer/tray/tray_estimate.h"
 
 namespace voxtone::cli {
 
@@ -39,13 +41,13 @@ int run(const EstimateArguments& arguments) {
     scope.resins = !arguments.quick;
     return run_on_console(arguments.console, [&](Progress& progress) {
         tell_notes(options, progress);
-        if (slicer::is_plan(options.model)) {
+        if (slicer::is_plan(options.model) && !slicer::is_tray_plan(options.model)) {
             if (scope.orientations)
                 throw UsageError(
                     "--orientations is a table of one body; name its model, and not a plan of several jobs");
             return slicer::run_plan_estimate(plan_of(options), scope, progress);
         }
-        const slicer::JobEstimate estimate = slicer::estimate_job(options, progress, scope);
+        const slicer::JobEstimate estimate = slicer::estimate_any(options, progress, scope);
         return JobResult{slicer::estimate_json(estimate), slicer::estimate_text(estimate)};
     });
 }

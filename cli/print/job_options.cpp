@@ -13,6 +13,8 @@
 #include "slicer/options/option_scope.h"
 #include "slicer/options/option_table.h"
 #include "slicer/options/option_values.h"
+#include "slicer/tray/tray_job.h"
+#include "slicer/tray/tray_shard.h"
 
 namespace voxtone::cli {
 
@@ -132,6 +134,11 @@ std::vector<std::string> many_models(const JobArguments& arguments) {
                 fmt::format("{}: name one plan, or models and pictures; a plan names its parts itself", model));
     }
     return arguments.models;
+}
+
+JobResult run_tray(const slicer::SliceOptions& options, const std::vector<std::string>& models, Progress& progress) {
+    return options.shard.empty() ? slicer::run_tray_job(options, models, progress)
+                                 : slicer::run_tray_shard(options, models, progress);
 }
 
 void tell_notes(const slicer::SliceOptions& options, Progress& progress) {

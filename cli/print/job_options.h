@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/job_result.h"
 #include "base/progress.h"
 #include "slicer/options/slice_options.h"
 
@@ -43,6 +44,10 @@ void add_job_options(CLI::App& command, JobArguments& arguments, const std::vect
 
 /// The models, where several were named; empty: one, or a plan. Throws UsageError for a tray's plan beside others.
 [[nodiscard]] std::vector<std::string> many_models(const JobArguments& arguments);
+
+/// A tray, or a shard of one, as the options say.
+[[nodiscard]] JobResult run_tray(const slicer::SliceOptions& options, const std::vector<std::string>& models,
+                                 Progress& progress);
 
 /// What there is to say of how they were written.
 void tell_notes(const slicer::SliceOptions& options, Progress& progress);

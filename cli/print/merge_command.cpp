@@ -9,6 +9,7 @@
 #include "cli/program/help.h"
 #include "io/shards/shard_number.h"
 #include "slicer/shards/merge_job.h"
+#include "slicer/tray/tray_shard.h"
 
 namespace voxtone::cli {
 
@@ -23,8 +24,10 @@ struct MergeArguments {
 int run(MergeArguments& arguments) {
     arguments.options.out = arguments.out;
     arguments.options.threads = arguments.run.threads;
-    return run_on_console(arguments.run,
-                          [&](Progress& progress) { return slicer::run_merge_job(arguments.options, progress); });
+    return run_on_console(arguments.run, [&](Progress& progress) {
+        return slicer::holds_tray(arguments.options.out) ? slicer::run_tray_merge(arguments.options, progress)
+                                                         : slicer::run_merge_job(arguments.options, progress);
+    });
 }
 
 }  // namespace

@@ -13,7 +13,6 @@
 #include "slicer/options/job_file.h"
 #include "slicer/options/option_values.h"
 #include "slicer/shards/shard_job.h"
-#include "slicer/tray/tray_job.h"
 
 namespace voxtone::cli {
 
@@ -44,7 +43,7 @@ int run(const SliceArguments& arguments) {
     return run_on_console(arguments.console, [&](Progress& progress) {
         tell_notes(options, progress);
         if (arguments.job.models.size() > 1 || slicer::is_tray(options))
-            return slicer::run_tray_job(options, many_models(arguments.job), progress);
+            return run_tray(options, many_models(arguments.job), progress);
         if (!options.shard.empty()) return slicer::run_shard_job(options, progress);
         slicer::SliceResult result = slicer::run_slice_job(options, progress);
         return JobResult{std::move(result.json), std::move(result.summary), result.exit_code};

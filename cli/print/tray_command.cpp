@@ -10,7 +10,6 @@
 #include "cli/program/console.h"
 #include "cli/program/help.h"
 #include "slicer/options/option_values.h"
-#include "slicer/tray/tray_job.h"
 
 namespace voxtone::cli {
 
@@ -27,7 +26,7 @@ JobResult run(const TrayArguments& arguments, Progress& progress) {
     tell_notes(options, progress);
     std::vector<std::string> models = many_models(arguments.job);
     if (models.empty() && !slicer::is_tray(options) && !options.model.empty()) models = {options.model};
-    return slicer::run_tray_job(options, models, progress);
+    return run_tray(options, models, progress);
 }
 
 }  // namespace

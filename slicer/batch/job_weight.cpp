@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "io/files/json_object.h"
+#include "slicer/options/option_values.h"
 #include "slicer/plan/phase_estimates.h"
 
 namespace voxtone::slicer {
@@ -42,6 +43,7 @@ JobWeight weigh(const SliceOptions& options, const std::vector<std::string>& com
     if (known && known->command == command && known->figures && known->figures->peak_memory_bytes > 0)
         return {static_cast<std::uint64_t>(allowance * double(known->figures->peak_memory_bytes)), options.threads, 0,
                 false};
+    if (is_tray(options)) return {beyond_every_machine, options.threads, 0, true};  // its models are known to it alone
     const std::uint64_t model = bytes_of_model(options.model);
     if (options.iterations == "0" && options.predict == "none") return {model, options.threads, 0, true};
     const std::optional<double> area_mm2 = most_surface_mm2(options);

@@ -19,7 +19,9 @@
 #include "slicer/options/job_file.h"
 #include "slicer/options/label_template.h"
 #include "slicer/options/option_table.h"
+#include "slicer/options/option_values.h"
 #include "slicer/plans/job_names.h"
+#include "slicer/plans/tray_plan.h"
 #include "slicer/prepare/opened_job.h"
 
 namespace voxtone::slicer {
@@ -106,6 +108,15 @@ void expect_file(const std::string& file, const char* what) {
         throw FileError(fmt::format("{} {} cannot be read ({})", what, file, std::strerror(errno)));
 }
 
+void expect_sound_parts(const PlannedJob& job) {
+    for (const TrayPart& part : read_tray_plan(job.options.model, job.options).parts) {
+        expect_file(part.options.model, "model");
+        SliceOptions options = part.options;
+        options.out = job.options.out;
+        (void)open_job(options);
+    }
+}
+
 /// All that can be known to be wrong before the model is read.
 void expect_sound(const PlannedJob& job) {
     if (job.options.model.empty()) throw InputError("names no model; give it one under \"model\"");
@@ -115,6 +126,7 @@ void expect_sound(const PlannedJob& job) {
     expect_file(job.options.model, "model");
     expect_file(job.options.texture, "texture");
     (void)open_job(job.options);  // what lies in its folder is looked at when its turn comes
+    if (is_tray(job.options)) expect_sound_parts(job);
 }
 
 /// Gives the job its name and place in the batch.

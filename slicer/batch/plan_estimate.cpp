@@ -15,6 +15,7 @@
 #include "base/progress_bar.h"
 #include "io/disk/disk_space.h"
 #include "io/files/json_writer.h"
+#include "slicer/tray/tray_estimate.h"
 
 namespace voxtone::slicer {
 
@@ -156,7 +157,7 @@ PlannedEstimate estimate_planned(const PlannedJob& job, const EstimateScope& sco
     SliceOptions asked = job.options;
     asked.overwrite = true;  // what its folder holds does not matter here
     try {
-        planned.estimate = estimate_job(asked, progress, scope);
+        planned.estimate = estimate_any(asked, progress, scope);
     } catch (const Cancelled&) {
         throw;
     } catch (const TryAgain&) {

@@ -16,6 +16,7 @@
 #include "io/models/foreign_kind.h"
 #include "io/models/model_reader.h"
 #include "slicer/plans/csv_table.h"
+#include "slicer/plans/tray_plan.h"
 
 namespace voxtone::slicer {
 
@@ -104,6 +105,8 @@ PlanRows read_one(const std::string& word) {
             plan.faults.push_back(fmt::format(
                 "{}: holds no model (.obj .ply .stl .gltf .glb .3mf); for pictures give a pattern, '{}/*.png'{}", word,
                 word, foreign_in(word)));
+    } else if (is_tray_plan(word)) {
+        plan.rows.push_back(row_of(word));
     } else if (fs::exists(word) && ends_as(word, "csv")) {
         read_table(text_of_plan(word), folder, plan);
     } else if (is_list(word)) {
@@ -145,7 +148,7 @@ PlanRows read_plan_rows(std::span<const std::string> plan) {
     PlanRows all = plan.size() == 1 ? read_one(plan[0]) : PlanRows{"the plan", {}, {}};
     if (plan.size() > 1)
         for (const std::string& word : plan) {
-            if (is_list(word) || fs::is_directory(word))
+            if ((is_list(word) && !is_tray_plan(word)) || fs::is_directory(word))
                 throw UsageError(fmt::format("{}: a batch has one plan; several words are models each", word));
             add_models(word, all);
         }

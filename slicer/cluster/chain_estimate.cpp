@@ -9,7 +9,7 @@
 #include "io/programs/build_identity.h"
 #include "slicer/batch/job_result.h"
 #include "slicer/cluster/job_record.h"
-#include "slicer/estimate/estimate_job.h"
+#include "slicer/tray/tray_estimate.h"
 
 namespace voxtone::slicer {
 
@@ -26,7 +26,7 @@ ChainEstimate estimate_chain(const PlannedJob& job, const ChainOptions& options,
     if (asked.threads == 0) asked.threads = options.most_cores;
     ChainEstimate made;
     try {
-        made.chain = task_chain(job, estimate_job(asked, progress), options);
+        made.chain = task_chain(job, estimate_any(asked, progress), options);
         if (!made.chain.why_whole.empty()) made.message = fmt::format("it cannot be cut: {}", made.chain.why_whole);
     } catch (const Cancelled&) {
         throw;

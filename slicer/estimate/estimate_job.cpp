@@ -133,14 +133,8 @@ JobEstimate estimate_print(const PlannedPrint& planned, const PhaseEstimate& rea
     return estimate;
 }
 
-JobEstimate estimate_job(const SliceOptions& asked, Progress& progress, const EstimateScope& scope) {
-    SliceOptions options = asked;
-    if (options.out.empty()) options.out = ".";
-    OpenedJob job = open_job(options);
-    const ThreadLimit threads(static_cast<std::size_t>(job.options.threads));
-    Reading reading;
-    const JobBody body = prepare_body(job.options, job.printer, progress);
-    const PhaseEstimate read = reading.finish();
+JobEstimate estimate_body(OpenedJob& job, const JobBody& body, const PhaseEstimate& read, const EstimateScope& scope,
+                          Progress& progress) {
     if (scope.resins) load_best_resins(job, body, progress);
     const JobPlan plan = plan_job(job, body);
     const PlannedPrint planned{job, body, plan};
@@ -151,6 +145,21 @@ JobEstimate estimate_job(const SliceOptions& asked, Progress& progress, const Es
     JobEstimate estimate = estimate_print(planned, read, made_with ? &*made_with : nullptr, progress);
     if (scope.orientations) estimate.orientations = orientations(job, body, progress);
     return estimate;
+}
+
+MeasuredBody read_measured(const OpenedJob& job, Progress& progress) {
+    Reading reading;
+    JobBody body = prepare_body(job.options, job.printer, progress);
+    return {std::move(body), reading.finish()};
+}
+
+JobEstimate estimate_job(const SliceOptions& asked, Progress& progress, const EstimateScope& scope) {
+    SliceOptions options = asked;
+    if (options.out.empty()) options.out = ".";
+    OpenedJob job = open_job(options);
+    const ThreadLimit threads(static_cast<std::size_t>(job.options.threads));
+    const MeasuredBody measured = read_measured(job, progress);
+    return estimate_body(job, measured.body, measured.read, scope, progress);
 }
 
 }  // namespace voxtone::slicer

@@ -21,6 +21,17 @@ struct EstimateScope {
 /// resins and model, and Cancelled.
 [[nodiscard]] JobEstimate estimate_job(const SliceOptions& asked, Progress& progress, const EstimateScope& scope = {});
 
+struct MeasuredBody {
+    JobBody body;
+    PhaseEstimate read;  ///< what that has taken
+};
+/// The body of a job. Throws what reading it throws.
+[[nodiscard]] MeasuredBody read_measured(const OpenedJob& job, Progress& progress);
+
+/// estimate_job of a body that is known; its job gets the resins that suit it best.
+[[nodiscard]] JobEstimate estimate_body(OpenedJob& job, const JobBody& body, const PhaseEstimate& read,
+                                        const EstimateScope& scope, Progress& progress);
+
 /// A job as far as it is planned.
 struct PlannedPrint {
     const OpenedJob& job;

@@ -60,6 +60,11 @@ SliceOptions with_plan(SliceOptions asked, std::span<const std::string> models) 
     return asked;
 }
 
+TrayOptions tray_options_of(const SliceOptions& common) {
+    return {common.gap_mm, parse_choice<Arrange>("arrange", common.arrange), common.turn, common.trays,
+            common.fail_fast};
+}
+
 OpenedTray open_tray(const SliceOptions& asked) {
     if (asked.out.empty()) throw UsageError("tray: name the folder for the print (-o OUT)");
     refuse_of_one_body(asked);
@@ -73,9 +78,7 @@ PreparedTray prepare_tray(const OpenedTray& tray, Progress& progress) {
     const PrinterProfile printer = prepared.any_job().printer;
     for (const std::string& warning : printer.warnings()) progress.warn(warning);
     const SliceOptions& common = tray.plan.common;
-    prepared.places = arrange(
-        standing, printer.sliced_tray_mm(),
-        {common.gap_mm, parse_choice<Arrange>("arrange", common.arrange), common.turn, common.trays, common.fail_fast});
+    prepared.places = arrange(standing, printer.sliced_tray_mm(), tray_options_of(common));
     for (const std::string& note : prepared.places.notes) progress.note(note);
     for (std::size_t p = 0; p < standing.size(); ++p) prepared.parts.ready[p].copies = prepared.places.copies[p];
     join_near_parts(prepared.parts.ready, common.out, progress);

@@ -26,6 +26,8 @@ inline constexpr std::string_view tray_file_name = "tray.json", tray_picture_nam
 /// The models become a plan in OUT/parts, which is made; with none the options name the plan.
 [[nodiscard]] SliceOptions with_plan(SliceOptions asked, std::span<const std::string> models);
 
+[[nodiscard]] TrayOptions tray_options_of(const SliceOptions& common);
+
 struct OpenedTray {
     OpenedJob job;  ///< the tray's own: what the user said, for its identity; no part is sliced by it
     TrayPlan plan;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <mutex>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -22,6 +21,7 @@
 #include "slicer/kept/report_files.h"
 #include "slicer/options/job_file.h"
 #include "slicer/tray/opened_tray.h"
+#include "slicer/tray/tray_layers.h"
 #include "slicer/tray/tray_record.h"
 #include "slicer/tray/tray_report.h"
 
@@ -61,72 +61,6 @@ io::StackFolder take_folder(const OpenedTray& tray, int number, Progress& progre
     return folder;
 }
 
-/// Voxels of each resin in layers that are not written.
-class ResinCounter {
-public:
-    explicit ResinCounter(std::size_t resins) : voxels_(resins + 1) {}
-    /// From any thread.
-    void add(const io::LayerRuns& layer) {
-        std::vector<std::uint64_t> mine(voxels_.size());
-        for (std::uint32_t y = 0; y < layer.height_px(); ++y)
-            for (const io::Run& run : layer.row(y)) mine[run.material] += run.length;
-        const std::scoped_lock lock(mutex_);
-        for (std::size_t m = 0; m < mine.size(); ++m) voxels_[m] += mine[m];
-    }
-    void fill_in(io::StackDescription& stack) const {
-        for (std::size_t r = 0; r < stack.resins.size(); ++r) {
-            stack.resins[r].voxels = voxels_[r + 1];
-            stack.resins[r].ml = io::millilitres(voxels_[r + 1], stack.pitch_um);
-        }
-    }
-
-private:
-    std::mutex mutex_;
-    std::vector<std::uint64_t> voxels_;
-};
-
-/// Predicts the part alone and writes its report: its layers are made for that, and not written.
-void report_part(ReadyPart& part, TrayReport& tray, Progress& progress) {
-    const Stopwatch watch;
-    PreparedJob& ready = *part.ready;
-    LayerWatchers watchers;
-    const LayerRange& range = ready.plan.layers;
-    io::StackDescription stack = ready.job.describe(ready.plan.grid, range);
-    watchers.thumbnails.emplace(range.first, range.layers(), ready.plan.grid, ready.job.palette());
-    watchers.voxels.emplace(range.first, range.layers(), ready.plan.grid);
-    ResinCounter resins(stack.resins.size());
-    make_layers(
-        *ready.print, range, [&](int, const io::LayerRuns& layer) { resins.add(layer); }, watchers, ready.figures,
-        progress);
-    resins.fill_in(stack);
-    ready.print->look(stack, progress);
-    progress.begin_stage(name_of(Phase::report), 0);
-    io::Report report = make_report(ready.job, ready.body, stack, *ready.print, ready.figures);
-    report.layers = watchers.thumbnails->take();
-    part.report = write_report(ready.job, *ready.print, report, watchers.voxels, watch, progress);
-    tray.add(part, report, progress);
-    ready.print->forget_looks();
-    progress.end_stage();
-}
-
-void write_layers(const ComposedLayers& layers, io::LayerStackWriter& writer, LayerWatchers& watchers,
-                  Progress& progress) {
-    const int count = layers.grid().size[2], depth = layers.slab_layers();
-    progress.begin_stage(name_of(Phase::layers), std::uint64_t(count), "layers");
-    parallel_for(
-        0, std::size_t((count + depth - 1) / depth), 1,
-        [&](std::size_t slab) {
-            (void)layers.make(int(slab), 0, count, [&](int k, const io::LayerRuns& layer) {
-                progress.check_cancelled();
-                writer.write(std::uint32_t(k), layer);
-                watchers.see(k, layer);
-                progress.advance();
-            });
-        },
-        &progress);
-    progress.end_stage();
-}
-
 /// One tray, from its layers to its files. What there is to read of it.
 JobResult make_tray(const OpenedTray& tray, const PreparedTray& prepared, int number, io::StackFolder folder,
                     const TrayReport& report, const Stopwatch& watch, Progress& progress) {
@@ -136,11 +70,10 @@ JobResult make_tray(const OpenedTray& tray, const PreparedTray& prepared, int nu
     io::LayerStackWriter writer(std::move(folder), any.describe(layers.grid(), {0, layers.grid().size[2] - 1}),
                                 any.outputs());
     LayerWatchers watchers;
-    if (tray.plan.common.report) {
-        watchers.thumbnails.emplace(0, layers.grid().size[2], layers.grid(), any.palette());
-        watchers.voxels.emplace(0, layers.grid().size[2], layers.grid());
-    }
-    write_layers(layers, writer, watchers, progress);
+    if (tray.plan.common.report) watch_all(watchers, layers.grid(), any);
+    make_tray_layers(
+        layers, {0, layers.grid().size[2] - 1},
+        [&](int k, const io::LayerRuns& layer) { writer.write(std::uint32_t(k), layer); }, watchers, progress);
     const std::vector<Overlap> overlaps = overlaps_of(prepared, number, layers.overlapped());
     const std::vector<std::string> notes = overlap_notes(prepared, number, overlaps);
     for (const std::string& note : notes) progress.warn(note);
@@ -188,12 +121,8 @@ JobResult run_tray_job(const SliceOptions& asked, std::span<const std::string> m
     // From here on hours may be spent.
     rearrange_parts(tray, prepared, progress);
     if (only_loops) return loops_kept(tray, prepared);
-    std::size_t copies = 0;
-    for (const ReadyPart& part : prepared.parts.ready) copies += part.alone.size();
-    TrayReport report(copies, folder_of_tray(tray.plan.common.out, 0).filename().string());
-    if (tray.plan.common.report)
-        for (ReadyPart& part : prepared.parts.ready)
-            if (!part.alone.empty()) report_part(part, report, progress);
+    TrayReport report = report_for(prepared, tray.plan.common.out);
+    if (tray.plan.common.report) report_parts(prepared, report, progress);
     JobResult result;
     for (int number = 0; number < prepared.trays(); ++number) {
         JobResult made =

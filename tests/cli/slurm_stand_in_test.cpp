@@ -331,3 +331,25 @@ TEST_CASE("Tasks of a job that is planned otherwise now replace what the batch h
     CHECK_THAT(shop.state("box1")["message"].get<std::string>(),
                Contains("shard 1 of 3: ") && Contains("holds a stack"));
 }
+
+TEST_CASE("The tasks of a tray in shards make what one go makes") {
+    const Workshop shop;
+    shop.slurm();
+    shop.folder.write("tray.json", R"({"format": "voxtone-tray", "version": 1, "parts": [
+        {"model": "box1.obj", "copies": 3}, {"model": "box2.obj"}]})");
+    shop.folder.write("plan.jsonl", "{\"model\": \"tray.json\"}\n");
+    const Outcome submitted = shop.batch("--shards 2");
+    CAPTURE(submitted.err);
+    REQUIRE(submitted.exit_code == 0);
+    for (const char* words : {"--job tray --stage layers --shard 2/2", "--job tray --stage layers --shard 1/2",
+                              "--job tray --stage merge"}) {
+        const Outcome task = run_program(fmt::format("task {} {}", shop.folder / "out", words));
+        CAPTURE(task.err);
+        CHECK(task.exit_code == 0);
+    }
+    CHECK(shop.state("tray")["state"] == "done");
+    REQUIRE(run_program(fmt::format("slice {} --job {} -o {}", shop.folder / "tray.json", shop.folder / "quick.json",
+                                    shop.folder / "alone"))
+                .exit_code == 0);
+    CHECK(read_tree(shop.folder.path() / "out/tray/layers") == read_tree(shop.folder.path() / "alone/layers"));
+}

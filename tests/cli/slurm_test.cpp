@@ -172,3 +172,23 @@ TEST_CASE("A loop that Slurm asks to stop saves itself, is put back into the que
     REQUIRE(shop.batch("local").exit_code == 0);
     CHECK(shop.stack("cluster/loop") == shop.stack("local/loop"));
 }
+
+TEST_CASE("The shards of a tray on a cluster merge to the bits of one go") {
+    if (lacks_slurm()) return;
+    const Workshop shop;
+    shop.folder.write("b.obj", ramp_box_obj(3, 2, 3));
+    shop.folder.write("tray.json", R"({"format": "voxtone-tray", "version": 1, "parts": [
+        {"model": "a box.obj", "copies": 3}, {"model": "b.obj", "size": 2}]})");
+    shop.plan(line("tray", "\"size\": 3, ", "tray.json"));
+    shop.folder.write("quick.json", R"({"format": "voxtone-job", "version": 1, "iterations": 1, "predict": "none"})");
+    REQUIRE(shop.batch("local").exit_code == 0);
+    const OneNodeSlurm slurm;
+    const Outcome submitted = shop.batch("cluster", "--slurm --shards 2 --threads 1");
+    INFO(submitted.err);
+    REQUIRE(submitted.exit_code == 0);
+    if (!OneNodeSlurm::queue_empties()) FAIL(slurm.logs());
+    INFO(shop.said("tray"));
+    CHECK(shop.state("tray").value("state", "") == "done");
+    CHECK(shop.stack("cluster/tray") == shop.stack("local/tray"));
+    CHECK(shop.stack("local/tray").size() > 30);
+}

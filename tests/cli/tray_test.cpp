@@ -3,8 +3,10 @@
 // Many parts in one print: the same by models and by a plan, the same bits as one part alone, and what is wrong with a
 // part or its place is one sentence.
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <map>
+#include <random>
 #include <set>
 
 #include <fmt/core.h>
@@ -33,6 +35,12 @@ std::map<std::string, std::string> layers_in(const std::string& out) {
 }
 
 json read_json(const std::string& file) { return json::parse(read_file(file)); }
+
+/// The last line of --json.
+json result_in(const Outcome& outcome) {
+    const auto begin = outcome.out.rfind('\n', outcome.out.size() - 2);
+    return json::parse(outcome.out.substr(begin == std::string::npos ? 0 : begin + 1))["result"];
+}
 
 /// A folder with models and a plan of them.
 struct Bench {
@@ -177,26 +185,145 @@ TEST_CASE("What is for many parts is refused for one, and the other way round") 
 
 TEST_CASE("What finds no room on the plate goes over it, or onto the next tray, or is named") {
     const Bench bench("room");
-    // 490 x 390 mm hold three times three of 150 x 120 mm.
-    bench.folder.write("flat.obj", ramp_box_obj(150, 120, 1.7));
-    const std::string parts = R"({"model": "flat.obj", "name": "flat", "copies": 11})";
-    const Outcome full = bench.tray(parts);
+    // 490 x 390 mm hold two times two of 5 mm that lie 300 mm apart.
+    const std::string parts = R"({"model": "ramp.obj", "copies": 5})";
+    const std::string apart = "--gap 300mm --no-report ";
+    const Outcome full = bench.tray(parts, apart);
     CHECK(full.exit_code == 3);
-    CHECK_THAT(full.err, Contains("2 of flat") && Contains("--trays") && Contains("--arrange stacked"));
+    CHECK_THAT(full.err, Contains("1 of ramp") && Contains("--trays") && Contains("--arrange stacked"));
     CHECK_FALSE(fs::exists(bench.folder / "out/manifest.json"));
 
-    REQUIRE(bench.tray(parts, "--trays 2").exit_code == 0);
+    REQUIRE(bench.tray(parts, apart + "--trays 2").exit_code == 0);
     const json first = read_json(bench.folder / "out/tray.json"), second = read_json(bench.folder / "out-2/tray.json");
-    CHECK(first["parts"][0]["at_px"].size() == 9);
-    CHECK(second["parts"][0]["at_px"].size() == 2);
+    CHECK(first["parts"][0]["at_px"].size() == 4);
+    CHECK(second["parts"][0]["at_px"].size() == 1);
     CHECK(second["tray"] == 2);
     CHECK(run_program("verify --quiet " + (bench.folder / "out-2")).exit_code == 0);
 
-    REQUIRE(bench.tray(parts, "--arrange stacked --overwrite").exit_code == 0);
-    const json stacked = read_json(bench.folder / "out/tray.json");
-    std::set<int> levels;
-    for (const json& at : stacked["parts"][0]["at_px"]) levels.insert(at[2].get<int>());
-    CHECK(stacked["parts"][0]["at_px"].size() == 11);
-    REQUIRE(levels.size() == 2);
-    CHECK(*levels.rbegin() * 0.027 >= 1.7 + 2);  // above the first level with the gap between
+    // Of 21 that lie 100 mm apart one stands 100 mm above the others.
+    bench.folder.write("tray.json", R"({"format": "voxtone-tray", "version": 1, "gap": "100mm", "parts": [
+        {"model": "ramp.obj", "copies": 21}]})");
+    const std::string estimate = "estimate --quick --json " + (bench.folder / "tray.json") + quick;
+    const Outcome plate = run_program(estimate);
+    CHECK(plate.exit_code == 3);
+    CHECK_THAT(plate.err, Contains("1 of ramp"));
+    const Outcome stacked = run_program(estimate + "--arrange stacked");
+    REQUIRE(stacked.exit_code == 0);
+    const double mm = result_in(stacked)["size_mm"][2];
+    CHECK(mm >= 3 + 100 + 3);
+    CHECK(mm < 3 + 100 + 3 + 2 * 32 * 0.027);
+}
+
+TEST_CASE("Shards of a tray, merged, are the tray, with loops and without") {
+    const Bench bench("shards");
+    const bool looped = GENERATE(false, true);
+    CAPTURE(looped);
+    bench.folder.write("tray.json", R"({"format": "voxtone-tray", "version": 1, "parts": [
+        {"model": "marker.obj", "copies": 2}, {"model": "ramp.obj", "size": "3mm", "at": [20, 3, 2]}]})");
+    const std::string words = "slice --quiet --predict none " + (bench.folder / "tray.json") +
+                              (looped ? " --size 3mm --iterations 1 " : " --iterations 0 ") + "-o ";
+    const std::string whole = bench.folder / "whole", cut = bench.folder / "cut";
+    REQUIRE(run_program(words + whole).exit_code == 0);
+    const int shards = looped ? 2 : 3;
+    if (looped) {
+        const Outcome too_soon = run_program(words + cut + " --shard 1/2");
+        CHECK(too_soon.exit_code == 3);
+        CHECK_THAT(too_soon.err, Contains("--until loop"));
+        REQUIRE(run_program(words + cut + " --until loop").exit_code == 0);
+        CHECK_FALSE(fs::exists(bench.folder / "cut/manifest.json"));
+    }
+    for (int i = shards; i >= 1; --i) {
+        const Outcome made = run_program(words + cut + fmt::format(" --shard {}/{}", i, shards));
+        CAPTURE(made.err);
+        REQUIRE(made.exit_code == 0);
+    }
+    CHECK_THAT(run_program(words + cut + fmt::format(" --shard 1/{}", shards)).out, Contains("made already"));
+    const Outcome merged = run_program("merge --quiet " + cut);
+    CAPTURE(merged.err);
+    REQUIRE(merged.exit_code == 0);
+    CHECK(layers_in(whole) == layers_in(cut));
+    CHECK(read_file(whole + "/manifest.json") == read_file(cut + "/manifest.json"));
+    const json a = read_json(whole + "/tray.json"), b = read_json(cut + "/tray.json");
+    REQUIRE(b["parts"].size() == 2);
+    for (std::size_t p = 0; p < 2; ++p) CHECK(a["parts"][p]["at_px"] == b["parts"][p]["at_px"]);
+    // Merged is done.
+    CHECK_THAT(run_program(words + cut).out, Contains("nothing was done"));
+    CHECK_THAT(run_program("merge --quiet " + cut).out, Contains("merged already"));
+    CHECK(run_program(words + cut + " --trays 2 --shard 1/2").exit_code == 2);
+}
+
+TEST_CASE("A tray is estimated: what its parts take, and resin and disk for every copy") {
+    const Bench bench("estimate");
+    const auto estimate = [&](const std::string& parts) {
+        bench.folder.write("tray.json", R"({"format": "voxtone-tray", "version": 1, "parts": [)" + parts + "]}");
+        const Outcome said = run_program("estimate --json " + (bench.folder / "tray.json") + quick);
+        REQUIRE(said.exit_code == 0);
+        return result_in(said);
+    };
+    const json one = estimate(R"({"model": "marker.obj"})"), many = estimate(R"({"model": "marker.obj", "copies": 5})");
+    CHECK(many["ml"].get<double>() == Approx(5 * one["ml"].get<double>()));
+    CHECK(many["layers"] == one["layers"]);
+    CHECK(many["size_mm"][0].get<double>() * many["size_mm"][1].get<double>() >
+          4 * one["size_mm"][0].get<double>() * one["size_mm"][1].get<double>());
+    CHECK(many["cpu_seconds"].get<double>() < 3 * one["cpu_seconds"].get<double>());
+    // The print is as the estimate says.
+    REQUIRE(bench.tray(R"({"model": "marker.obj", "copies": 5})").exit_code == 0);
+    const json manifest = read_json(bench.folder / "out/manifest.json");
+    CHECK(manifest["layers"] == many["layers"]);
+    CHECK(manifest["size_px"][0] == many["size_px"][0]);
+    double ml = 0;
+    for (const json& resin : manifest["resins"]) ml += resin["ml"].get<double>();
+    CHECK(ml == Approx(many["ml"].get<double>()).epsilon(0.02));
+    CHECK(run_program("estimate --orientations " + (bench.folder / "tray.json")).exit_code == 2);
+}
+
+TEST_CASE("A tray is a job of a batch like any other") {
+    const Bench bench("batch");
+    bench.folder.write("tray.json", R"({"format": "voxtone-tray", "version": 1, "parts": [
+        {"model": "marker.obj", "copies": 2}, {"model": "ramp.obj"}]})");
+    bench.folder.write("quick.json", R"({"format": "voxtone-job", "version": 1, "iterations": 0, "predict": "none"})");
+    bench.folder.write("plan.jsonl", "{\"model\": \"ramp.obj\"}\n{\"model\": \"tray.json\", \"name\": \"both\"}\n");
+    const std::string words = "batch " + (bench.folder / "plan.jsonl") + " --preset " + (bench.folder / "quick.json") +
+                              " -o " + (bench.folder / "jobs");
+    const Outcome done = run_program(words);
+    CAPTURE(done.err);
+    REQUIRE(done.exit_code == 0);
+    REQUIRE(run_program("slice " + (bench.folder / "tray.json") + quick + "-o " + (bench.folder / "alone")).exit_code ==
+            0);
+    CHECK(layers_in(bench.folder / "jobs/both") == layers_in(bench.folder / "alone"));
+    CHECK_THAT(run_program(words).out, Contains("2 before, and unchanged"));
+    // A model of the tray that changes makes the tray anew, and that alone.
+    bench.folder.write("marker.obj", ramp_box_obj(2, 2, 2));
+    CHECK_THAT(run_program(words).out, Contains("1 before, and unchanged"));
+    CHECK(layers_in(bench.folder / "jobs/both") != layers_in(bench.folder / "alone"));
+    // What is wrong with a part is known before a job starts.
+    bench.folder.write("tray.json", R"({"format": "voxtone-tray", "version": 1, "parts": [{"model": "gone.obj"}]})");
+    const Outcome wrong = run_program(words);
+    CHECK(wrong.exit_code == 3);
+    CHECK_THAT(wrong.err, Contains("gone.obj") && Contains("no job was started"));
+}
+
+TEST_CASE("A tray that is killed at random moments goes on to the same bits") {
+    const Bench bench("killed");
+    bench.folder.write("tray.json", R"({"format": "voxtone-tray", "version": 1, "parts": [
+        {"model": "marker.obj", "copies": 2}, {"model": "ramp.obj"}, {"model": "ramp.obj", "size": "3mm"}]})");
+    const std::string words =
+        "slice --quiet --size 4mm --iterations 2 --predict none " + (bench.folder / "tray.json") + " -o ";
+    const auto began = std::chrono::steady_clock::now();
+    REQUIRE(run_program(words + (bench.folder / "whole")).exit_code == 0);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    std::mt19937 random(36);
+    std::uniform_real_distribution<double> moment(0.05, 0.8);
+    int killed = 0;
+    for (int attempt = 0; attempt < 6; ++attempt) {
+        const int code = run_shell(fmt::format("timeout -s KILL {:.2f} {} {}{} >{} 2>&1", moment(random) * seconds,
+                                               VOXTONE_PROGRAM, words, bench.folder / "out", bench.folder / "said"));
+        CAPTURE(read_file(bench.folder.path() / "said"));
+        killed += code != 0;
+        if (code == 0) break;
+        REQUIRE(code == 137);
+    }
+    CHECK(killed > 0);
+    REQUIRE(run_program(words + (bench.folder / "out")).exit_code == 0);
+    CHECK(layers_in(bench.folder / "out") == layers_in(bench.folder / "whole"));
 }

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/tray/tray_estimate.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/peak_memory.h"
+#include "io/disk/disk_space.h"
+#include "slicer/options/option_values.h"
+#include "slicer/plan/phase_estimates.h"
+#include "slicer/printer/placement.h"
+#include "slicer/tray/opened_tray.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+/// Of what the layers of a part take: of each further copy (its rows are screened anew, its mixtures are not found
+/// again), by `slice` of 1 and 20 copies of the bundled cow (docs/benchmarks.md, "Trays").
+constexpr double share_of_copy = 0.2;
+
+struct EstimatedPart {
+    const TrayPart* part;
+    OpenedJob job;
+    MeasuredBody measured;
+    JobEstimate estimate = {};
+    std::uint64_t resident_bytes = 0;  ///< when it was estimated
+};
+
+EstimatedPart estimate_part(const TrayPart& part, const EstimateScope& scope, Progress& progress) {
+    try {
+        OpenedJob job = open_job(part.options);
+        MeasuredBody measured = read_measured(job, progress);
+        EstimatedPart made{&part, std::move(job), std::move(measured)};
+        made.resident_bytes = resident_bytes();
+        made.estimate = estimate_body(made.job, made.measured.body, made.measured.read, scope, progress);
+        return made;
+    } catch (const Cancelled&) {
+        throw;
+    } catch (const TryAgain&) {
+        throw;
+    } catch (const Error& error) {
+        throw Error(error.exit_code(), fmt::format("{}: {}", part.place, error.what()));
+    }
+}
+
+void add_resins(const JobEstimate& part, int copies, JobEstimate& sum) {
+    sum.body_ml += copies * part.body_ml;
+    if (!part.why_no_resins.empty()) sum.why_no_resins = part.why_no_resins;
+    for (const ResinEstimate& resin : part.resins) {
+        auto found = std::ranges::find(sum.resins, resin.role, &ResinEstimate::role);
+        if (found == sum.resins.end()) {
+            sum.resins.push_back({resin.role, resin.name, 0, resin.g ? std::optional(0.0) : std::nullopt,
+                                  resin.price ? std::optional(0.0) : std::nullopt});
+            found = sum.resins.end() - 1;
+        }
+        found->ml += copies * resin.ml;
+        if (found->g && resin.g) *found->g += copies * *resin.g;
+        if (found->price && resin.price) *found->price += copies * *resin.price;
+    }
+    sum.currency = part.currency;
+}
+
+/// `layers_made`: how often a part's are, for its report and for the tray.
+void add_phases(const EstimatedPart& part, int layers_made, std::uint64_t resident_in_the_end, JobEstimate& sum) {
+    const double copies = layers_made + share_of_copy * (part.part->copies - 1);
+    for (PhaseEstimate phase : part.estimate.phases) {
+        if (phase.phase == Phase::layers) phase.cpu_s *= copies, phase.seconds *= copies;
+        // The bodies of all parts are held while each is worked on.
+        phase.memory_bytes += resident_in_the_end - std::min(resident_in_the_end, part.resident_bytes);
+        const auto found = std::ranges::find(sum.phases, phase.phase, &PhaseEstimate::phase);
+        if (found == sum.phases.end()) {
+            sum.phases.push_back(phase);
+            continue;
+        }
+        found->cpu_s += phase.cpu_s;
+        found->seconds += phase.seconds;
+        found->memory_bytes = std::max(found->memory_bytes, phase.memory_bytes);
+    }
+    sum.loop = sum.loop || part.estimate.loop;
+    sum.prediction = sum.prediction || part.estimate.prediction;
+    sum.loop_s += part.estimate.loop_s;
+}
+
+void add_print(const Arrangement& places, const PrinterProfile& printer, JobEstimate& sum) {
+    const VoxelGrid& grid = places.trays[0];
+    sum.printer = printer.id;
+    sum.layer_um = grid.pitch_mm.z() * 1e3;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        sum.size_px[axis] = std::uint32_t(grid.size[axis]);
+        sum.size_mm[axis] = grid.size[axis] * grid.pitch_mm[Eigen::Index(axis)];
+    }
+    for (const VoxelGrid& tray : places.trays) sum.layers += std::uint32_t(tray.size[2]);
+    if (places.trays.size() > 1) sum.notes.push_back(fmt::format("{} trays are filled", places.trays.size()));
+    sum.notes.insert(sum.notes.end(), places.notes.begin(), places.notes.end());
+}
+
+}  // namespace
+
+JobEstimate estimate_tray(const SliceOptions& asked, Progress& progress, const EstimateScope& scope) {
+    if (scope.orientations)
+        throw UsageError("--orientations is a table of one body; name its model, and not the plan of a tray");
+    SliceOptions options = asked;
+    if (options.out.empty()) options.out = ".";
+    const OpenedTray tray = open_tray(options);
+    const SliceOptions& common = tray.plan.common;
+    const ThreadLimit threads(static_cast<std::size_t>(common.threads));
+    std::vector<EstimatedPart> parts;
+    for (const TrayPart& part : tray.plan.parts) parts.push_back(estimate_part(part, scope, progress));
+    std::vector<StandingPart> standing;
+    for (const EstimatedPart& part : parts) standing.push_back({part.part, &part.measured.body});
+    const PrinterProfile& printer = parts[0].job.printer;
+    JobEstimate sum;
+    sum.model = asked.model;
+    sum.threads = thread_count();
+    sum.warnings = printer.warnings();
+    add_print(arrange(standing, printer.sliced_tray_mm(), tray_options_of(common)), printer, sum);
+    const std::uint64_t resident = resident_bytes();
+    double g = 0, price = 0;
+    bool weighed = true, priced = true;
+    for (const EstimatedPart& part : parts) {
+        add_resins(part.estimate, part.part->copies, sum);
+        add_phases(part, common.report ? 2 : 1, resident, sum);
+        sum.surface_mm2 += part.part->copies * part.estimate.surface_mm2;
+        sum.disk_bytes += std::uint64_t(part.part->copies) * part.estimate.disk_bytes;
+        weighed = weighed && part.estimate.g, priced = priced && part.estimate.price;
+        g += part.part->copies * part.estimate.g.value_or(0);
+        price += part.part->copies * part.estimate.price.value_or(0);
+        for (const std::string& warning : part.measured.body.warnings)
+            sum.warnings.push_back(part.part->name + ": " + warning);
+    }
+    if (weighed) sum.g = g;
+    if (priced) sum.price = price;
+    for (const PhaseEstimate& phase : sum.phases) {
+        sum.cpu_s += phase.cpu_s;
+        sum.seconds += phase.seconds;
+        sum.memory_bytes = std::max(sum.memory_bytes, phase.memory_bytes);
+    }
+    sum.free_disk_bytes = io::free_disk_bytes(options.out);
+    return sum;
+}
+
+JobEstimate estimate_any(const SliceOptions& asked, Progress& progress, const EstimateScope& scope) {
+    return is_tray(asked) ? estimate_tray(asked, progress, scope) : estimate_job(asked, progress, scope);
+}
+
+}  // namespace voxtone::slicer

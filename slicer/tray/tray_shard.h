@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A tray in shards, as one body in shards (shards/shard_job.h): each makes a part of the print's layers, of all parts
+// that reach into them. What the loops of the parts came to must lie in OUT/parts (`--until loop`). merge_tray lays the
+// shards together to the bits of the tray in one go.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "base/job_result.h"
+#include "base/progress.h"
+#include "slicer/options/slice_options.h"
+#include "slicer/shards/merge_job.h"
+
+namespace voxtone::slicer {
+
+/// As run_shard_job. A part that fails is the end of it: all shards must be of the same parts. Throws Error.
+[[nodiscard]] JobResult run_tray_shard(const SliceOptions& asked, std::span<const std::string> models,
+                                       Progress& progress);
+
+/// Whether the folder holds shards, or the stack, of a tray.
+[[nodiscard]] bool holds_tray(const std::filesystem::path& out);
+
+/// As run_merge_job. With `predict` the parts are predicted, for which their layers are made once more, in memory, and
+/// the page is drawn; without, tray.json and the figures are written alone.
+[[nodiscard]] JobResult run_tray_merge(const MergeOptions& options, Progress& progress);
+
+}  // namespace voxtone::slicer
