@@ -63,10 +63,10 @@ Command add_estimate_command(CLI::App& program) {
         "also of a plan as `batch` takes it (table, job list, folder, pattern): a line a job, and what they add up to");
     add_job_options(*command, arguments->job);
     command
-        ->add_flag(
-            "--orientations", arguments->scope.orientations,
-            "add a table of the 24 ways to turn the body by right angles: height, layers, what hangs over, which "
-            "coloured faces lie downward")
+        ->add_flag("--orientations", arguments->scope.orientations,
+                   "add a table of the ways to turn the body by right angles, the best first: height, layers, what "
+                   "hangs over, which "
+                   "coloured faces lie downward")
         ->group("Run");
     command
         ->add_flag("--quick", arguments->quick,

@@ -143,7 +143,10 @@ JobEstimate estimate_body(OpenedJob& job, const JobBody& body, const PhaseEstima
     std::optional<ColourRecipes> made_with;
     if (made) made_with.emplace(ColourRecipes{made->colour->separation, made->recipes.get()});
     JobEstimate estimate = estimate_print(planned, read, made_with ? &*made_with : nullptr, progress);
-    if (scope.orientations) estimate.orientations = orientations(job, body, progress);
+    if (scope.orientations) {
+        estimate.orientations = orientations(job, body, progress);
+        estimate.advised_orientation = advised_orientation(estimate.orientations, estimate.surface_mm2);
+    }
     return estimate;
 }
 

@@ -47,9 +47,15 @@ void write_orientations(io::JsonWriter& json, const JobEstimate& estimate) {
     for (const Orientation& o : estimate.orientations) {
         json.begin_object().add("rotate", o.rotate).add("size_mm", o.size_mm).add("layers", o.layers);
         json.add("fits", o.fits).add("under_ml", o.under_ml).add("downward_mm2", o.downward_mm2);
-        json.add("coloured_down_mm2", o.coloured_down_mm2).end_object();
+        json.add("coloured_down_mm2", o.coloured_down_mm2).add("as_it_is", o.as_it_is).end_object();
     }
     json.end_list();
+    if (const auto& advised = estimate.advised_orientation)
+        json.key("advised_orientation")
+            .begin_object()
+            .add("rotate", advised->rotate)
+            .add("reason", advised->reason)
+            .end_object();
 }
 
 std::string size_text(const JobEstimate& e) {
@@ -100,10 +106,14 @@ std::string orientations_text(const JobEstimate& estimate) {
     for (const Orientation& o : estimate.orientations)
         text +=
             fmt::format("  {:<24} {:>26} {:>7} {:>6.2f} ml {:>9.2f} cm2 {:>9.2f} cm2{}\n",
-                        o.rotate.empty() ? "(as it is)" : o.rotate,
+                        o.as_it_is ? fmt::format("{} (as it is)", o.rotate) : o.rotate,
                         fmt::format("{:.1f} x {:.1f} x {:.1f} mm", o.size_mm[0], o.size_mm[1], o.size_mm[2]), o.layers,
                         o.under_ml, o.downward_mm2 / 100, o.coloured_down_mm2 / 100, o.fits ? "" : "  does not fit");
-    return text;
+    const auto& advised = estimate.advised_orientation;
+    if (!advised) return text + "  none of them fits\n";
+    const std::string turn =
+        estimate.orientations.front().as_it_is ? "leave it as it is" : "--rotate " + advised->rotate;
+    return text + fmt::format("  recommended: {}: {}\n", turn, advised->reason);
 }
 
 std::string disk_text(const JobEstimate& estimate) {

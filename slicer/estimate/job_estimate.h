@@ -23,8 +23,8 @@ struct ResinEstimate {
     std::optional<double> price;  ///< where it knows what a kilogram costs too
 };
 
-/// One of the 24 ways in which the body can be turned by right angles (orientations.h). It takes the same resins in all
-/// of them, to within the rounding to voxels.
+/// One of the ways in which the body can be turned by right angles (orientations.h). It takes the same resins in all of
+/// them, to within the rounding to voxels.
 struct Orientation {
     std::string rotate;  ///< for --rotate: the job's own turn, then this one; empty: as the file has it
     std::array<double, 3> size_mm{};
@@ -34,6 +34,13 @@ struct Orientation {
                                    ///< the body's largest extent
     double downward_mm2 = 0;       ///< of the visible surface that lies downward
     double coloured_down_mm2 = 0;  ///< ... and is not white
+    bool as_it_is = false;         ///< the job's own turn
+};
+
+/// Which of them to take, and why.
+struct OrientationAdvice {
+    std::string rotate;  ///< as Orientation has it
+    std::string reason;  ///< a sentence
 };
 
 struct JobEstimate {
@@ -61,7 +68,8 @@ struct JobEstimate {
     std::optional<std::uint64_t> free_disk_bytes;
 
     std::vector<std::string> warnings, notes;
-    std::vector<Orientation> orientations;  ///< where they were asked for
+    std::vector<Orientation> orientations;                 ///< where they were asked for, the best first
+    std::optional<OrientationAdvice> advised_orientation;  ///< nothing where none fits
 };
 
 }  // namespace voxtone::slicer

@@ -4,51 +4,26 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 #include <utility>
 
+#include <fmt/core.h>
 #include <Eigen/Geometry>
 
 #include "base/parallel.h"
 #include "slicer/mesh/box.h"
 #include "slicer/solid/solid.h"
-#include "slicer/surface/area_samples.h"
-#include "slicer/surface/surface_colour.h"
+#include "slicer/surface/surface_pieces.h"
 
 namespace voxtone::slicer {
 
 namespace {
 
 constexpr std::array up_turns{"", "x90", "x180", "x-90", "y90", "y-90"};
-constexpr std::array turns_about_z{"", "z90", "z180", "z-90"};
+constexpr std::array turns_about_z{"", "z90"};  // half a turn more is the same print, turned on the tray
 
 std::string joined(const std::string& first, const std::string& second) {
     return first.empty() || second.empty() ? first + second : first + "," + second;
-}
-
-/// A piece of the visible surface.
-struct Piece {
-    Eigen::Vector3d normal;
-    bool white;
-};
-
-/// Pieces of equal area.
-std::vector<Piece> pieces_of(const JobBody& body) {
-    constexpr std::uint64_t pieces = 50'000, seed = 1;
-    constexpr float white_from = 0.9f;  // linear
-    std::vector<Piece> found;
-    if (body.surface->triangles.empty()) return found;
-    const AreaSamples area(*body.surface);
-    const SurfaceColour colour(body.model.mesh, std::sqrt(area.area_mm2() / double(pieces)));
-    found.resize(pieces);
-    parallel_for(0, pieces, 1024, [&](std::size_t i) {
-        const AreaSamples::Sample s = area.at(seed, i);
-        const auto [a, b, c] = body.surface.tree().corners(s.triangle);
-        const auto& place = body.surface->source_uv[s.triangle];
-        const Eigen::Vector2f uv = float(1 - s.u - s.v) * place[0] + float(s.u) * place[1] + float(s.v) * place[2];
-        const Eigen::Vector3f rgb = colour.at(body.surface->source_triangle[s.triangle], uv.x(), uv.y());
-        found[i] = {(b - a).cross(c - a).normalized(), rgb.minCoeff() >= white_from};
-    });
-    return found;
 }
 
 /// Of the mesh as it lies.
@@ -75,10 +50,10 @@ double air_under_body_ml(const SolidMesh& mesh) {
 }
 
 /// What is the same however the body is turned about the upright.
-void look_from_below(const std::vector<Piece>& pieces, double area_mm2, const SolidMesh& turned,
+void look_from_below(const std::vector<SurfacePiece>& pieces, double area_mm2, const SolidMesh& turned,
                      const Eigen::Matrix3d& turn, Orientation& orientation) {
     std::size_t down = 0, coloured = 0;
-    for (const Piece& piece : pieces) {
+    for (const SurfacePiece& piece : pieces) {
         if (turn.row(2).dot(piece.normal) > -std::numbers::sqrt2 / 2) continue;
         ++down;
         coloured += piece.white ? 0 : 1;
@@ -103,6 +78,23 @@ void measure(const OpenedJob& job, const Eigen::Vector3d& extent_mm, Orientation
     orientation.fits = (extent_mm.array() <= tray_mm.array()).all() && grid.size[2] >= job.printer.min_layers;
 }
 
+// Right angles are exact but for the last digits of a turn.
+bool same_size(const Orientation& a, const Orientation& b) {
+    constexpr double mm = 1e-6;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (std::abs(a.size_mm[axis] - b.size_mm[axis]) > mm) return false;
+    return true;
+}
+
+/// The coloured surface that lies down, in whole percents of the surface: below is the noise of its samples.
+long coloured_share(const Orientation& o, double surface_mm2) {
+    return surface_mm2 > 0 ? std::lround(100 * o.coloured_down_mm2 / surface_mm2) : 0;
+}
+
+std::tuple<bool, long, int, double> rank(const Orientation& o, double surface_mm2) {
+    return {!o.fits, coloured_share(o, surface_mm2), o.layers, o.under_ml};
+}
+
 }  // namespace
 
 std::vector<Orientation> orientations(const OpenedJob& job, const JobBody& body, const Progress& progress) {
@@ -115,9 +107,10 @@ std::vector<Orientation> orientations(const OpenedJob& job, const JobBody& body,
     const auto turn_of = [&](const std::string& text) -> Eigen::Matrix3d {
         return mirror * (text.empty() ? Eigen::Matrix3d::Identity() : parse_rotation(text)) * mirror.transpose();
     };
-    const std::vector<Piece> pieces = pieces_of(body);
+    const std::vector<SurfacePiece> pieces = surface_pieces(*body.surface, body.model.mesh);
     const double area_mm2 = coloured_area_mm2(*body.surface);
     std::vector<Orientation> found(up_turns.size() * turns_about_z.size());
+    std::vector<char> repeats(found.size(), 0);
     parallel_for(
         0, up_turns.size(), 1,
         [&](std::size_t up) {
@@ -129,14 +122,45 @@ std::vector<Orientation> orientations(const OpenedJob& job, const JobBody& body,
                 Orientation& orientation = found[up * turns_about_z.size() + about];
                 orientation = seen;
                 orientation.rotate = joined(placed.rotation_text, turn);
+                orientation.as_it_is = turn.empty();
                 measure(job, (turn_of(turn) * body.placement.extent_mm).cwiseAbs(), orientation);
+                const Orientation& first = found[up * turns_about_z.size()];
+                repeats[up * turns_about_z.size() + about] = about > 0 && same_size(first, orientation);
             }
         },
         &progress);
-    std::stable_sort(found.begin() + 1, found.end(), [](const Orientation& a, const Orientation& b) {
-        return std::pair(a.coloured_down_mm2, a.layers) < std::pair(b.coloured_down_mm2, b.layers);
-    });
-    return found;
+    std::vector<Orientation> different;
+    for (std::size_t n = 0; n < found.size(); ++n)
+        if (!repeats[n]) different.push_back(std::move(found[n]));
+    std::ranges::stable_sort(different, {}, [&](const Orientation& o) { return rank(o, area_mm2); });
+    return different;
+}
+
+std::optional<OrientationAdvice> advised_orientation(std::span<const Orientation> best_first, double surface_mm2) {
+    if (best_first.empty() || !best_first.front().fits) return std::nullopt;
+    const Orientation& best = best_first.front();
+    const auto own = std::ranges::find_if(best_first, &Orientation::as_it_is);
+    if (own == best_first.end() || best.as_it_is)
+        return OrientationAdvice{best.rotate, fmt::format("no other way lays less coloured surface on support ({:.2f} "
+                                                          "cm2, which comes out matt), or is lower with as little",
+                                                          best.coloured_down_mm2 / 100)};
+    std::string why;
+    if (!own->fits)
+        why = "it does not fit as it is";
+    else if (coloured_share(best, surface_mm2) < coloured_share(*own, surface_mm2))
+        why = fmt::format(
+            "it lays {:.2f} cm2 of coloured surface on support, where it comes out matt, instead of "
+            "{:.2f} cm2",
+            best.coloured_down_mm2 / 100, own->coloured_down_mm2 / 100);
+    else if (best.layers < own->layers)
+        why = fmt::format("it lays as little coloured surface on support ({:.2f} cm2), and is lower",
+                          best.coloured_down_mm2 / 100);
+    else
+        why = fmt::format(
+            "it is as good in all else, and has less air below to fill with support ({:.2f} ml instead "
+            "of {:.2f})",
+            best.under_ml, own->under_ml);
+    return OrientationAdvice{best.rotate, fmt::format("{}; {} layers instead of {}", why, best.layers, own->layers)};
 }
 
 }  // namespace voxtone::slicer

@@ -73,18 +73,23 @@ TEST_CASE("A part of the layers takes a part of the resin, and the loop is told"
     CHECK_FALSE(part["prediction"].get<bool>());
 }
 
-TEST_CASE("24 orientations, each for --rotate") {
+TEST_CASE("Orientations, each for --rotate, the best first and said why") {
     const Folder folder("estimate-turned");
     folder.write("marker.obj", marker_obj());
     const nlohmann::json turned = result_of("estimate " + (folder / "marker.obj") + " --iterations 0 --orientations");
     CHECK(voxtone::io::schema_faults("estimate", turned.dump()) == std::vector<std::string>{});
-    REQUIRE(turned["orientations"].size() == 24);
-    const nlohmann::json& as_it_is = turned["orientations"][0];
+    REQUIRE(turned["orientations"].size() == 12);
+    nlohmann::json as_it_is;
+    for (const nlohmann::json& one : turned["orientations"])
+        if (one["as_it_is"]) as_it_is = one;
     CHECK(as_it_is["rotate"] == "");
+    CHECK(turned["advised_orientation"]["rotate"] == turned["orientations"][0]["rotate"]);
+    CHECK_THAT(run_program("estimate " + (folder / "marker.obj") + " --iterations 0 --quick --orientations").out,
+               Contains("recommended: "));
     // The marker stands on 6 x 3 mm and nothing of it hangs over.
     CHECK(as_it_is["downward_mm2"].get<double>() == Approx(18).epsilon(0.03));
     CHECK(as_it_is["under_ml"].get<double>() == 0);
-    const nlohmann::json& other = turned["orientations"][20];
+    const nlohmann::json& other = turned["orientations"][11];
     const nlohmann::json again = result_of("estimate " + (folder / "marker.obj") + " --iterations 0 --rotate " +
                                            other["rotate"].get<std::string>());
     CHECK(again["layers"] == other["layers"]);
