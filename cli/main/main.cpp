@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
                                {"predict", add_predict_command},
                                {"proof", add_proof_command},
                                {"verify", add_verify_command},
+                               {"target", add_target_command},
                                {"batch", add_batch_command},
                                {"status", add_status_command},
                                {"task", add_task_command},

@@ -16,13 +16,14 @@ namespace voxtone::cli {
 namespace {
 
 struct MergeArguments {
-    std::string out;
+    std::string out, for_printer;
     slicer::MergeOptions options;
     RunOptions run;
 };
 
 int run(MergeArguments& arguments) {
     arguments.options.out = arguments.out;
+    arguments.options.for_printer = arguments.for_printer;
     arguments.options.threads = arguments.run.threads;
     return run_on_console(arguments.run, [&](Progress& progress) {
         return slicer::holds_tray(arguments.options.out) ? slicer::run_tray_merge(arguments.options, progress)
@@ -50,6 +51,11 @@ Command add_merge_command(CLI::App& program) {
         ->add_flag("--predict,!--no-predict", options.predict,
                    "predict the print for the report, as the job asked for it; makes its layers once more, in memory")
         ->default_str("false");
+    command
+        ->add_option("--for-printer", arguments->for_printer,
+                     "put what the printer's computer takes, and how to print it, here too: a folder, or one ZIP file; "
+                     "OUT/printer has it in any case")
+        ->type_name("FOLDER|FILE.zip");
     add_count(*command, "--shards", options.shards,
               "how many shards there are known to be, all made: one that is not seen yet, as on a network file system, "
               "is waited for, for a minute; 0: those that lie there")

@@ -13,6 +13,7 @@ Command add_estimate_command(CLI::App& program);
 Command add_merge_command(CLI::App& program);
 Command add_predict_command(CLI::App& program);
 Command add_proof_command(CLI::App& program);
+Command add_target_command(CLI::App& program);
 Command add_verify_command(CLI::App& program);
 Command add_list_command(CLI::App& program);
 

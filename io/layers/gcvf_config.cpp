@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/layers/gcvf_config.h"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <functional>
@@ -11,8 +13,10 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
+#include "io/disk/disk_space.h"
 #include "io/files/markup.h"
 #include "io/files/xml_reader.h"
+#include "io/layers/topmost_layers.h"
 
 namespace voxtone::io {
 namespace {
@@ -105,6 +109,9 @@ GcvfElements read_elements(std::string_view text, const std::string& source) {
 }  // namespace
 
 std::string gcvf_material_name(const StackResin& resin) {
+    constexpr std::array<std::string_view, 7> makers{"VeroCY-V",   "VeroMGT-V", "VeroYL-V",   "VUltraWhite",
+                                                     "UltraClear", "VeroBlack", "VeroPureWht"};
+    if (std::find(makers.begin(), makers.end(), resin.name) != makers.end()) return resin.name;
     if (resin.role == "C") return "VeroCY-V";
     if (resin.role == "M") return "VeroMGT-V";
     if (resin.role == "Y") return "VeroYL-V";
@@ -112,6 +119,28 @@ std::string gcvf_material_name(const StackResin& resin) {
     if (resin.role == "W") return "VeroPureWht";
     if (resin.role == "T") return "UltraClear";
     return resin.name;
+}
+
+void expect_gcvf(const StackDescription& stack) {
+    if (stack.resins.size() > most_gcvf_colours)
+        throw InputError(
+            fmt::format("gcvf: {} resins are loaded, and a GCVF says itself that it holds {} at most "
+                        "(MaxNumberOfColors): load fewer (--load), or leave gcvf out of --formats",
+                        stack.resins.size(), most_gcvf_colours));
+    if (stack.layers > TopmostLayers::most_layers)
+        throw InputError(
+            fmt::format("gcvf: {} layers, and a GCVF holds {} at most, as its Zbuffer.png counts them in 16 bits: make "
+                        "it lower (--size, --rotate), print parts of it (--layers), or leave gcvf out of --formats",
+                        stack.layers, TopmostLayers::most_layers));
+}
+
+std::string gcvf_size_note(std::uint64_t bytes, std::uint64_t entries) {
+    constexpr std::uint64_t most_bytes = 0xffffffff, most_entries = 0xffff;  // where ZIP's own fields are full
+    if (bytes < most_bytes && entries < most_entries) return {};
+    return fmt::format(
+        "the GCVF has {} in {} entries: beyond 4 GiB or 65,534 entries ZIP has a later form, ZIP64, and whether the "
+        "printer's software reads that is not known; if it does not, give it the PNG layers (--formats png)",
+        bytes_text(bytes), entries);
 }
 
 GcvfConfig gcvf_config(const StackDescription& stack) {
@@ -150,12 +179,12 @@ std::string gcvf_config_text(const GcvfConfig& config) {
         "  <SliceDimensions>\n    <SliceWidth>{}</SliceWidth>\n    <SliceHeight>{}</SliceHeight>\n  "
         "</SliceDimensions>\n"
         "  <SliceRange>\n    <StartIndex>{}</StartIndex>\n    <NumberOfSlices>{}</NumberOfSlices>\n  </SliceRange>\n"
-        "  <BitDepth>4</BitDepth>\n  <MaxNumberOfColors>6</MaxNumberOfColors>\n  "
+        "  <BitDepth>4</BitDepth>\n  <MaxNumberOfColors>{}</MaxNumberOfColors>\n  "
         "<DataSemantics>Materials</DataSemantics>\n"
         "  <CreationMode>MODEL_ONLY</CreationMode>\n  <ImageFilePrefix>{}</ImageFilePrefix>\n"
         "  <MaterialList>\n    <BackGroundMaterialRGBA>{}</BackGroundMaterialRGBA>\n{}  </MaterialList>\n</GCVF>\n",
         config.x_dpi, config.y_dpi, config.slice_thickness_nm, config.width_px, config.height_px, config.start_index,
-        config.slices, markup_text(config.prefix), rgba(config.background), materials);
+        config.slices, most_gcvf_colours, markup_text(config.prefix), rgba(config.background), materials);
 }
 
 GcvfConfig parse_gcvf_config(std::string_view xml, const std::string& source) {

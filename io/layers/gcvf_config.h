@@ -31,12 +31,23 @@ struct GcvfConfig {
     friend bool operator==(const GcvfConfig&, const GcvfConfig&) = default;
 };
 
+/// Besides the background, as ConfigFile.xml says.
+inline constexpr int most_gcvf_colours = 6;
+
 [[nodiscard]] GcvfConfig gcvf_config(const StackDescription& stack);
 [[nodiscard]] std::string gcvf_config_text(const GcvfConfig& config);
 /// Throws InputError, beginning with `source`, that names the element and the rule.
 [[nodiscard]] GcvfConfig parse_gcvf_config(std::string_view xml, const std::string& source);
 
-/// The maker's spelling in a GCVF ("VeroCY-V") of a resin's role where one is known, else the resin's own name.
+/// What a container can hold: six resins (MaxNumberOfColors) and TopmostLayers::most_layers. Throws InputError that
+/// says what to do instead.
+void expect_gcvf(const StackDescription& stack);
+/// For the user, of a container of so many bytes and entries; empty: there is nothing to say. Beyond 4 GiB, or 65,535
+/// entries, ZIP needs its later form, ZIP64.
+[[nodiscard]] std::string gcvf_size_note(std::uint64_t bytes, std::uint64_t entries);
+
+/// The resin's own name where the maker writes it so in a GCVF ("VeroCY-V"), else the maker's for its role where one is
+/// known, else its own.
 [[nodiscard]] std::string gcvf_material_name(const StackResin& resin);
 
 }  // namespace voxtone::io

@@ -5,16 +5,12 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <memory>
 #include <string>
 
 #include <fmt/core.h>
-#include <zip.h>
 
 #include "base/contracts.h"
-#include "base/error.h"
-#include "io/disk/disk_space.h"
-#include "io/files/whole_file.h"
+#include "io/files/zip_writer.h"
 #include "io/layers/gcvf_config.h"
 
 namespace voxtone::io {
@@ -56,10 +52,6 @@ constexpr std::array<std::array<std::uint32_t, 3>, 12> box_triangles = {{{0, 2, 
                                                                          {2, 4, 6},
                                                                          {1, 3, 5},
                                                                          {3, 7, 5}}};
-
-struct Discard {
-    void operator()(zip_t* zip) const { zip_discard(zip); }
-};
 
 }  // namespace
 
@@ -122,51 +114,23 @@ GcvfPreview gcvf_preview(const StackDescription& stack, const PreviewMesh& mesh)
 }
 
 void write_gcvf(const std::filesystem::path& file, const StackDescription& stack, const std::filesystem::path& folder,
-                const PreviewMesh& mesh, const Progress* progress) {
-    const auto part = part_path(file);
+                const TopmostLayers& topmost, const GcvfPreview& preview, Progress* progress) {
     const std::string config = gcvf_config_text(gcvf_config(stack));
-    const GcvfPreview preview = gcvf_preview(stack, mesh);
+    const std::vector<std::uint8_t> zbuffer = topmost.png();
 
-    int code = 0;
-    std::unique_ptr<zip_t, Discard> zip(zip_open(part.c_str(), ZIP_CREATE | ZIP_TRUNCATE, &code));
-    if (!zip) throw FileError(fmt::format("{}: cannot be created; is the folder there and writable?", file.string()));
-    auto fail = [&] {
-        if (zip_error_t* const error = zip_get_error(zip.get()); zip_error_system_type(error) == ZIP_ET_SYS)
-            fail_to_write(file, "could not be written", zip_error_code_system(error));
-        throw FileError(fmt::format("{}: could not be written ({})", file.string(), zip_strerror(zip.get())));
+    const auto bytes_of = [](const std::string& text) {
+        return std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
     };
-    auto add = [&](const std::string& name, zip_source_t* source, zip_int32_t method) {
-        if (!source) fail();
-        const zip_int64_t index = zip_file_add(zip.get(), name.c_str(), source, ZIP_FL_ENC_UTF_8);
-        if (index < 0) {
-            zip_source_free(source);
-            fail();
-        }
-        const auto at = static_cast<zip_uint64_t>(index);
-        // 1980-01-01, the first date of ZIP, so that the same stack gives the same bytes.
-        if (zip_set_file_compression(zip.get(), at, method, 0) != 0 ||
-            zip_file_set_dostime(zip.get(), at, 0, 0x21, 0) != 0)
-            fail();
-    };
-    auto add_bytes = [&](const std::string& name, const void* bytes, std::size_t size) {
-        add(name, zip_source_buffer(zip.get(), bytes, size, 0), ZIP_CM_DEFLATE);
-    };
-    add_bytes("ConfigFile.xml", config.data(), config.size());
+    std::vector<ZipEntry> entries{{.name = "ConfigFile.xml", .bytes = bytes_of(config), .deflate = true}};
     for (std::uint32_t k = 0; k < stack.layers; ++k)
-        add(fmt::format("layer_{}.png", k), zip_source_file(zip.get(), (folder / stack.layer_path(k)).c_str(), 0, -1),
-            ZIP_CM_STORE);
-    add_bytes("Mesh.stl", preview.stl.data(), preview.stl.size());
-    add_bytes("MeshBbx.ktn", preview.box.data(), preview.box.size());
-    if (progress)
-        zip_register_cancel_callback_with_state(
-            zip.get(), [](zip_t*, void* p) { return static_cast<const Progress*>(p)->cancelled() ? 1 : 0; }, nullptr,
-            const_cast<Progress*>(progress));
-    if (zip_close(zip.get()) != 0) {
-        if (progress) progress->check_cancelled();
-        fail();
-    }
-    (void)zip.release();  // closed
-    finish_part(file);
+        entries.push_back({.name = fmt::format("layer_{}.png", k), .file = folder / stack.layer_path(k)});
+    entries.push_back({.name = "Mesh.stl", .bytes = preview.stl, .deflate = true});
+    entries.push_back({.name = "MeshBbx.ktn", .bytes = preview.box, .deflate = true});
+    entries.push_back({.name = "Zbuffer.png", .bytes = zbuffer});
+    write_zip(file, entries, progress);
+    if (const std::string note = gcvf_size_note(std::filesystem::file_size(file), entries.size());
+        progress && !note.empty())
+        progress->warn(fmt::format("{}: {}", file.filename().string(), note));
 }
 
 }  // namespace voxtone::io

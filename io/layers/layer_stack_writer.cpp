@@ -14,6 +14,7 @@
 #include "io/layers/resin_sheet.h"
 #include "io/layers/stack_folder.h"
 #include "io/layers/volume_vdb.h"
+#include "io/printer/printer_folder.h"
 
 namespace voxtone::io {
 namespace {
@@ -33,6 +34,15 @@ fs::path resin_folder(const StackDescription& stack, ResinBitmaps resins, std::s
     for (char& c : role)
         if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'))) c = '_';
     return fs::path(resin_folder_name) / fmt::format("{:02}-{}", resin + 1, role);
+}
+
+StackDescription fit_for(StackDescription stack, const StackOutputs& outputs) {
+    if (outputs.gcvf) expect_gcvf(stack);
+    return stack;
+}
+
+std::optional<std::uint32_t> topmost_from(const StackOutputs& outputs) {
+    return outputs.gcvf || outputs.printer_folder ? std::optional<std::uint32_t>(0) : std::nullopt;
 }
 
 /// How many bitmaps a layer has besides its own.
@@ -63,6 +73,18 @@ std::vector<fs::path> layer_file_names(const StackDescription& stack, ResinBitma
     return names;
 }
 
+std::vector<fs::path> printer_files(const StackDescription& stack, const StackOutputs& outputs) {
+    const bool with_resins = outputs.resin_bitmaps != ResinBitmaps::none;
+    const bool with_layers = outputs.png || !(outputs.gcvf || with_resins);
+    std::vector<fs::path> files;
+    if (outputs.gcvf) files.emplace_back(gcvf_name);
+    for (std::uint32_t k = 0; k < stack.layers && (with_layers || with_resins); ++k) {
+        std::vector<fs::path> names = layer_file_names(stack, outputs.resin_bitmaps, k);
+        files.insert(files.end(), names.begin() + (with_layers ? 0 : 1), names.end());
+    }
+    return files;
+}
+
 StackDescription with_contents(StackDescription stack, const WrittenLayers& layers) {
     for (std::size_t r = 0; r < stack.resins.size(); ++r) {
         stack.resins[r].voxels = layers.voxels[r + 1];
@@ -78,12 +100,17 @@ void write_stack_texts(const fs::path& folder, const StackDescription& stack) {
     write_staged_file(folder / manifest_name, manifest_text(stack));
 }
 
-LayerFiles::LayerFiles(fs::path folder, const StackDescription& stack, ResinBitmaps resins)
+LayerFiles::LayerFiles(fs::path folder, const StackDescription& stack, ResinBitmaps resins,
+                       std::optional<std::uint32_t> topmost_from)
     : folder_(std::move(folder)),
       stack_(stack),
       resins_(resins),
       encoder_(stack_.palette(), {stack_.pitch_um[0], stack_.pitch_um[1]}) {
     VOXTONE_EXPECT(stack_.pattern.starts_with("layers/slice_"));
+    if (topmost_from) {
+        topmost_.emplace(stack_.size_px[0], stack_.size_px[1]);
+        topmost_from_ = *topmost_from;
+    }
     layers_.digests.resize(stack_.layers);
     layers_.file_bytes.resize(stack_.layers);
     for (const fs::path& name : layer_file_names(stack_, resins_, 0)) {
@@ -121,6 +148,7 @@ void LayerFiles::write_oriented(std::uint32_t index, const LayerRuns& layer) {
     for (std::uint32_t y = 0; y < layer.rows(); ++y)
         for (const Run run : layer.row(y)) voxels[run.material] += run.length;
     const std::uint64_t digest = layer_digest(layer);
+    if (topmost_) topmost_->see(topmost_from_ + index, layer);
 
     const std::lock_guard lock(mutex_);
     VOXTONE_EXPECT(layers_.file_bytes[index].empty());
@@ -154,6 +182,7 @@ StackOutputs outputs_for(std::span<const LayerFormat> formats) {
     StackOutputs outputs;
     for (const LayerFormat format : formats) switch (format) {
             case LayerFormat::png:
+                outputs.png = true;
                 break;
             case LayerFormat::gcvf:
                 outputs.gcvf = true;
@@ -177,10 +206,10 @@ LayerStackWriter::LayerStackWriter(std::filesystem::path out, StackDescription d
 
 LayerStackWriter::LayerStackWriter(StackFolder folder, StackDescription description, StackOutputs outputs)
     : folder_(std::move(folder)),
-      stack_(as_written(std::move(description))),
+      stack_(fit_for(as_written(std::move(description)), outputs)),
       out_(folder_.begin()),
       outputs_(outputs),
-      files_(out_, stack_, outputs_.resin_bitmaps) {}
+      files_(out_, stack_, outputs_.resin_bitmaps, topmost_from(outputs_)) {}
 
 void LayerStackWriter::write(std::uint32_t index, const LayerRuns& layer) { files_.write(index, layer); }
 
@@ -188,11 +217,17 @@ void LayerStackWriter::add_file(std::string_view name, std::string_view text) co
     write_staged_file(out_ / name, text);
 }
 
-const StackDescription& LayerStackWriter::finish(const PreviewMesh& preview, Progress* progress) {
+const StackDescription& LayerStackWriter::finish(const PreviewMesh& preview, Progress* progress,
+                                                 const PageOfStack& how_to_print) {
+    VOXTONE_EXPECT(!outputs_.printer_folder || how_to_print);
     stack_ = with_contents(std::move(stack_), files_.written());
-    if (outputs_.gcvf) write_gcvf(out_ / gcvf_name, stack_, out_, preview, progress);
+    if (outputs_.gcvf)
+        write_gcvf(out_ / gcvf_name, stack_, out_, *files_.topmost(), gcvf_preview(stack_, preview), progress);
     if (outputs_.vdb) write_volume_vdb(out_ / vdb_name, stack_, out_, progress);
     write_stack_texts(out_, stack_);
+    if (outputs_.printer_folder)
+        make_printer_folder(out_, printer_files(stack_, outputs_), out_ / printer_folder_name,
+                            how_to_print(stack_, *files_.topmost()), progress);
     folder_.publish();
     return stack_;
 }

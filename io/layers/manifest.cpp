@@ -49,9 +49,21 @@ std::array<double, 3> read_three(const JsonObject& object, std::string_view key,
     return {values[0], values[1], values[2]};
 }
 
+StackMember member_in(const JsonObject& json) {
+    json.allow_only({"name", "boxes_mm", "ml", "verdict"});
+    StackMember member{json.text("name"), {}, json.number("ml", 0, 1e12), {}};
+    for (const auto& list : json.number_lists("boxes_mm", 0, -most_mm, most_mm)) {
+        if (list.size() != 6) json.fail("boxes_mm", "holds a box that is not of six numbers");
+        std::copy(list.begin(), list.end(), member.boxes_mm.emplace_back().begin());
+    }
+    if (json.has("verdict")) member.verdict = json.text("verdict");
+    return member;
+}
+
 StackDescription from_json(const JsonObject& json, std::string_view source) {
     json.allow_only({"format", "version", "printer", "pitch_um", "size_px", "layers", "first_layer", "size_mm",
-                     "origin_mm", "pattern", "background_rgb", "resins", "orientation", "content_sha256", seal_key});
+                     "origin_mm", "pattern", "background_rgb", "resins", "orientation", "members", "content_sha256",
+                     seal_key});
     if (json.text("format") != "voxtone-layers")
         json.fail("format", "is not \"voxtone-layers\": this is no manifest of a layer stack");
     if (json.integer("version", 0, 1000000) != 1)
@@ -79,6 +91,8 @@ StackDescription from_json(const JsonObject& json, std::string_view source) {
         stack.orientation = {orientation.boolean("flip_x"), orientation.boolean("flip_y"),
                              orientation.boolean("swap_xy")};
     }
+    if (json.has("members"))
+        for (const auto& entry : json.objects("members")) stack.members.push_back(member_in(entry));
     stack.content_sha256 = json.text("content_sha256");
     stack.validate(source);
     return stack;
@@ -139,6 +153,17 @@ void StackDescription::validate(std::string_view source) const {
                 broken(source, name + ".role", fmt::format("is also the role of resins[{}]: roles are unique", j));
         }
     }
+    for (std::size_t i = 0; i < members.size(); ++i) {
+        const auto name = fmt::format("members[{}]", i);
+        if (members[i].name.empty()) broken(source, name, "has an empty name");
+        for (std::size_t j = 0; j < i; ++j)
+            if (members[j].name == members[i].name)
+                broken(source, name + ".name", fmt::format("is also that of members[{}]: names are unique", j));
+        for (const auto& box : members[i].boxes_mm)
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                if (!(box[axis] <= box[axis + 3]))
+                    broken(source, name + ".boxes_mm", "holds a box that ends before it begins");
+    }
     if (content_sha256.size() != 64 || content_sha256.find_first_not_of("0123456789abcdef") != std::string::npos)
         broken(source, "content_sha256", "is not 64 lower-case hexadecimal digits");
 }
@@ -154,6 +179,19 @@ double millilitres(std::uint64_t voxels, const std::array<double, 3>& pitch_um) 
 
 namespace {
 
+void add_members(JsonWriter& json, const StackDescription& stack) {
+    if (stack.members.empty()) return;
+    json.line().key("members").begin_list();
+    for (const StackMember& member : stack.members) {
+        json.line().begin_object().add("name", member.name).key("boxes_mm").begin_list();
+        for (const std::array<double, 6>& box : member.boxes_mm) json.value(box);
+        json.end_list().add("ml", member.ml);
+        if (!member.verdict.empty()) json.add("verdict", member.verdict);
+        json.end_object();
+    }
+    json.end_list();
+}
+
 void add_keys(JsonWriter& json, const StackDescription& stack) {
     json.add("format", "voxtone-layers").add("version", 1);
     json.line().add("printer", stack.printer).add("pitch_um", stack.pitch_um);
@@ -168,6 +206,7 @@ void add_keys(JsonWriter& json, const StackDescription& stack) {
     json.end_list();
     json.line().key("orientation").begin_object().add("flip_x", stack.orientation.flip_x);
     json.add("flip_y", stack.orientation.flip_y).add("swap_xy", stack.orientation.swap_xy).end_object();
+    add_members(json, stack);
     json.line().add("content_sha256", stack.content_sha256);
 }
 
@@ -209,10 +248,21 @@ StackDescription read_manifest(const std::filesystem::path& file) {
     return from_json(JsonObject::read(file), file.string());
 }
 
-ManifestSeal seal_of_manifest(const std::filesystem::path& file) {
-    const JsonObject json = JsonObject::read(file);
+namespace {
+
+ManifestSeal seal_in(const JsonObject& json, std::string_view source) {
     if (!json.has(seal_key)) return ManifestSeal::none;
-    return json.text(seal_key) == seal_of(from_json(json, file.string())) ? ManifestSeal::whole : ManifestSeal::broken;
+    return json.text(seal_key) == seal_of(from_json(json, source)) ? ManifestSeal::whole : ManifestSeal::broken;
+}
+
+}  // namespace
+
+ManifestSeal seal_of_manifest(const std::filesystem::path& file) {
+    return seal_in(JsonObject::read(file), file.string());
+}
+
+ManifestSeal seal_of_manifest_text(std::string_view text, std::string source) {
+    return seal_in(JsonObject::parse(text, source), source);
 }
 
 }  // namespace voxtone::io

@@ -33,6 +33,16 @@ struct StackResin {
     friend bool operator==(const StackResin&, const StackResin&) = default;
 };
 
+/// A body of a print of many.
+struct StackMember {
+    std::string name;  ///< unique in the stack
+    /// Of its copies: least x, y, z, then greatest, from the corner of the grid, in the model's frame.
+    std::vector<std::array<double, 6>> boxes_mm;
+    double ml = 0;        ///< of all copies, as each would have it alone
+    std::string verdict;  ///< "good", "fair", "bad"; empty: it was not asked for
+    friend bool operator==(const StackMember&, const StackMember&) = default;
+};
+
 struct StackDescription {
     std::string printer;                     ///< id of the profile
     std::array<double, 3> pitch_um{};        ///< of columns, rows, layers
@@ -45,7 +55,8 @@ struct StackDescription {
     Rgb background_rgb{};
     std::vector<StackResin> resins;  ///< material m of a layer is resins[m - 1]
     Orientation orientation;
-    std::string content_sha256;  ///< see layer_digest.h; 64 hexadecimal digits
+    std::vector<StackMember> members;  ///< empty: one body, or nobody says
+    std::string content_sha256;        ///< see layer_digest.h; 64 hexadecimal digits
 
     friend bool operator==(const StackDescription&, const StackDescription&) = default;
     /// Colours of materials 0, 1, ...: the background, then the resins.
@@ -85,5 +96,7 @@ enum class ManifestSeal {
 };
 /// Of a manifest that can be read. Throws FileError, InputError.
 [[nodiscard]] ManifestSeal seal_of_manifest(const std::filesystem::path& file);
+/// The same of its text. Throws InputError.
+[[nodiscard]] ManifestSeal seal_of_manifest_text(std::string_view text, std::string source);
 
 }  // namespace voxtone::io

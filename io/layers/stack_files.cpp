@@ -14,6 +14,7 @@
 #include "io/files/whole_file.h"
 #include "io/layers/stack_folder.h"
 #include "io/pictures/picture_series.h"
+#include "io/printer/printer_folder.h"
 
 namespace voxtone::io {
 namespace {
@@ -130,6 +131,40 @@ void StackFiles::open_ours() {
             fmt::format("{}: is no file; copy the whole stack, or slice again", (root_ / manifest_name).string()));
     listing_.description = read_manifest(root_ / manifest_name);
     read_beside_manifest();
+    list_ours();
+}
+
+/// What was copied to the printer's computer: its page has the manifest of the layers beside it.
+void StackFiles::open_for_printer() {
+    if (fs::exists(root_ / gcvf_name) && !fs::exists(root_ / layers_name)) {
+        root_ /= gcvf_name;
+        return open_gcvf();
+    }
+    if (!fs::exists(root_ / layers_name))
+        throw InputError(
+            fmt::format("{}: has bitmaps of single resins, which are not looked into: verify the folder "
+                        "that the job made, of which this is a part",
+                        root_.string()));
+    const std::string source = (root_ / how_to_print_name).string();
+    const auto bytes = read_whole_file(source, most_how_to_print_bytes);
+    const auto manifest = manifest_in_page({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    if (!manifest)
+        throw InputError(
+            fmt::format("{}: does not say what the colours of the layers mean, as it was changed: copy it "
+                        "again, or name {} for bitmaps without a manifest",
+                        source, (root_ / layers_name).string()));
+    listing_.kind = StackKind::voxtone;
+    listing_.description = parse_manifest(*manifest, source);
+    listing_.seal = seal_of_manifest_text(*manifest, source);
+    for (const auto& entry : fs::directory_iterator(root_))
+        if (const std::string name = entry.path().filename().string();
+            name != how_to_print_name && name != layers_name && name != gcvf_name && name != resin_folder_name)
+            listing_.strangers.push_back(name);
+    list_ours();
+}
+
+/// The layers that the manifest announces.
+void StackFiles::list_ours() {
     const fs::path folder = (root_ / listing_.description->layer_path(0)).parent_path();
     // The manifest says which layers there are; the folder, what else lies there.
     const fs::path inner = fs::path(listing_.description->layer_path(0)).parent_path();
@@ -170,6 +205,9 @@ void StackFiles::open_gcvf() {
     std::map<std::string, std::size_t> index;
     for (std::size_t i = 0; i < zip_->names().size(); ++i) index.emplace(zip_->names()[i], i);
     const auto config_entry = index.find("ConfigFile.xml");
+    if (config_entry == index.end() && index.contains(std::string(how_to_print_name)))
+        throw InputError(
+            fmt::format("{}: is a printer's folder packed as ZIP: unpack it, and name the folder", root_.string()));
     if (config_entry == index.end())
         throw InputError(fmt::format("{}: has no ConfigFile.xml at its root: it is no GCVF container", root_.string()));
     const auto xml = zip_->read(config_entry->second, 16 << 20);
@@ -178,6 +216,11 @@ void StackFiles::open_gcvf() {
     index.erase(config_entry);
     index.erase("Mesh.stl");
     index.erase("MeshBbx.ktn");
+    if (const auto found = index.find(std::string(zbuffer_name)); found != index.end()) {
+        zbuffer_entry_ = found->second;
+        listing_.has_zbuffer = true;
+        index.erase(found);
+    }
     for (std::uint32_t k = 0; k < listing_.gcvf->slices; ++k) {
         const std::string name =
             fmt::format("{}{}.png", listing_.gcvf->prefix, std::uint64_t{listing_.gcvf->start_index} + k);
@@ -204,6 +247,8 @@ StackFiles::StackFiles(const fs::path& path) : root_(path) {
             }
         } else if (fs::exists(path / manifest_name)) {
             open_ours();
+        } else if (fs::exists(path / how_to_print_name)) {
+            open_for_printer();
         } else if (fs::exists(path / unfinished_name) || fs::exists(path / new_name)) {
             throw InputError(
                 fmt::format("{}: is a stack that is being made, or whose making was stopped: it is not whole; slice "
@@ -220,6 +265,10 @@ StackFiles::StackFiles(const fs::path& path) : root_(path) {
 std::vector<std::uint8_t> StackFiles::bytes(std::uint32_t index) const {
     if (zip_) return zip_->read(entries_.at(index), most_layer_bytes);
     return read_whole_file(root_ / listing_.names.at(index), most_layer_bytes);
+}
+
+std::vector<std::uint8_t> StackFiles::zbuffer_bytes() const {
+    return zip_->read(zbuffer_entry_.value(), most_layer_bytes);
 }
 
 }  // namespace voxtone::io

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "io/files/zip_reader.h"
@@ -42,11 +43,14 @@ struct StackListing {
     StackOrigin origin;                           ///< of a stack of ours
     std::optional<std::string> sheet;             ///< of a stack of ours: the text of its sheet of resins
     std::optional<GcvfConfig> gcvf;               ///< of a container
+    bool has_zbuffer = false;                     ///< a container's Zbuffer.png is there
     std::vector<std::string> names;               ///< of layers, bottom first
     std::vector<std::string> strangers;           ///< what lies beside the layers and should not
     std::vector<std::string> missing;             ///< announced and not there: the first thousand by name
     std::uint64_t missing_count = 0;              ///< all of them
 };
+
+inline constexpr std::string_view zbuffer_name = "Zbuffer.png";
 
 class StackFiles {
 public:
@@ -56,10 +60,14 @@ public:
     [[nodiscard]] const StackListing& listing() const { return listing_; }
     /// The bytes of a layer's file, 256 MiB at most. From any thread. Throws FileError, InputError.
     [[nodiscard]] std::vector<std::uint8_t> bytes(std::uint32_t index) const;
+    /// The same of a container's Zbuffer.png; contract: it is there.
+    [[nodiscard]] std::vector<std::uint8_t> zbuffer_bytes() const;
 
 private:
     void list_folder(const std::filesystem::path& folder);
     void open_ours();
+    void open_for_printer();
+    void list_ours();
     void read_beside_manifest();
     void open_gcvf();
     void add_missing(const std::string& name);
@@ -68,6 +76,7 @@ private:
     StackListing listing_;
     std::unique_ptr<ZipReader> zip_;
     std::vector<std::size_t> entries_;  // of a container, per layer
+    std::optional<std::size_t> zbuffer_entry_;
 };
 
 }  // namespace voxtone::io

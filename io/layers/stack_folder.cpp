@@ -19,6 +19,7 @@
 #include "io/disk/part_files.h"
 #include "io/files/whole_file.h"
 #include "io/layers/manifest.h"
+#include "io/printer/printer_folder.h"
 
 namespace voxtone::io {
 namespace {
@@ -27,7 +28,9 @@ namespace fs = std::filesystem;
 
 /// Of a stack, in OUT; the manifest first: without it OUT is no stack.
 constexpr std::array stack_names{manifest_name, layers_name,     resin_folder_name, gcvf_name,
-                                 vdb_name,      sheet_text_name, sheet_page_name};
+                                 vdb_name,      sheet_text_name, sheet_page_name,   printer_folder_name};
+/// Of these the folders in which nothing else may lie.
+constexpr std::array pure_folders{layers_name, resin_folder_name, printer_folder_name};
 /// Of jobs, in OUT.
 constexpr std::array job_names{unfinished_name, new_name, old_name, lock_name, shards_name, parts_name};
 /// In the new stack's folder until it is in place: where its layers come from.
@@ -70,7 +73,14 @@ std::vector<fs::path> make_folders(const fs::path& out) {
     return made;
 }
 
-/// Calls visit(path within `from`) for all that lies in the folder of an old stack and is no layer of it.
+/// Within the folder of a stack: a layer, or what a printer's folder has besides.
+bool is_of_stack(const fs::path& file) {
+    if (is_slice(file.filename().string())) return true;
+    return file == fs::path(printer_folder_name) / how_to_print_name ||
+           file == fs::path(printer_folder_name) / gcvf_name;
+}
+
+/// Calls visit(path within `from`) for all that lies in the folder of an old stack and is nothing of it.
 template <class Visit>
 void for_each_stranger(const fs::path& from, const fs::path& within, Visit&& visit) {
     if (!fs::is_directory(fs::symlink_status(from / within))) return;
@@ -79,7 +89,7 @@ void for_each_stranger(const fs::path& from, const fs::path& within, Visit&& vis
         const fs::path name = entry.path().filename();
         if (fs::is_directory(entry.symlink_status()))
             for_each_stranger(from, within / name, visit);
-        else if (!is_slice(name.string()))
+        else if (!is_of_stack(within / name))
             visit(within / name);
     }
 }
@@ -134,8 +144,7 @@ void put_new_in_place(const fs::path& out) {
     move_all(out / new_name, out);
     sync_folder(out);
     fs::remove(out / new_name / adopted_name);
-    for (const auto name : {layers_name, resin_folder_name})
-        set_strangers_aside(out / old_name, name, out / aside_name);
+    for (const auto name : pure_folders) set_strangers_aside(out / old_name, name, out / aside_name);
     fs::remove_all(out / old_name);
     fs::remove(out / new_name);  // last: as long as it is there, an old stack beside it is not to be put back
 }
@@ -235,7 +244,7 @@ bool StackFolder::holds_stack() const { return is_there(held_->out / manifest_na
 std::string StackFolder::strangers_note() const {
     std::string first;
     std::size_t count = 0;
-    for (const auto name : {layers_name, resin_folder_name})
+    for (const auto name : pure_folders)
         for_each_stranger(held_->out, name, [&](const fs::path& file) {
             if (count++ == 0) first = file.string();
         });

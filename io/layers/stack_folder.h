@@ -18,16 +18,15 @@
 #include <string_view>
 #include <vector>
 
+#include "io/printer/printer_folder.h"
+
 namespace voxtone::io {
 
 inline constexpr std::string_view manifest_name = "manifest.json";
-inline constexpr std::string_view layers_name = "layers";
 inline constexpr std::string_view job_file_name = "job.json";
-inline constexpr std::string_view gcvf_name = "stack.gcvf";
 inline constexpr std::string_view vdb_name = "volume.vdb";
 inline constexpr std::string_view sheet_text_name = "resin-assignment.txt";
 inline constexpr std::string_view sheet_page_name = "resin-assignment.html";
-inline constexpr std::string_view resin_folder_name = "resins";
 
 /// Where a stack is made, where a whole one waits to be put in place, and where the old one waits to go.
 inline constexpr std::string_view unfinished_name = ".voxtone-unfinished", new_name = ".voxtone-new",

@@ -98,6 +98,17 @@ LayerLook StackReader::look(std::uint32_t index, std::span<const Rgb> palette, c
     return look;
 }
 
+bool StackReader::has_zbuffer() const { return state_->listing.has_zbuffer; }
+
+std::optional<ZbufferLook> StackReader::zbuffer() const {
+    if (!has_zbuffer()) return std::nullopt;
+    auto program = state_->borrow();
+    program->ask(pack_zbuffer_request());
+    ZbufferLook look = unpack_zbuffer(program->result());
+    state_->give_back(std::move(program));
+    return look;
+}
+
 LayerRuns StackReader::read(std::uint32_t index, std::span<const Rgb> palette, const OtherPixels& others) const {
     const std::string& name = layer_name(index);
     LayerScan scan = whole(look(index, palette, others));

@@ -40,6 +40,9 @@ public:
     [[nodiscard]] const std::optional<std::string>& sheet() const;
     /// Of a GCVF.
     [[nodiscard]] const std::optional<GcvfConfig>& gcvf() const;
+    /// Of a container: nothing where it has no Zbuffer.png. Throws as `look` does.
+    [[nodiscard]] std::optional<ZbufferLook> zbuffer() const;
+    [[nodiscard]] bool has_zbuffer() const;
     [[nodiscard]] std::uint32_t layers() const;
     /// Name of a layer for messages, bottom first.
     [[nodiscard]] const std::string& layer_name(std::uint32_t index) const;

@@ -7,13 +7,14 @@
 
 #include "base/error.h"
 #include "io/files/packed_values.h"
+#include "io/layers/topmost_layers.h"
 #include "io/programs/build_identity.h"
 
 namespace voxtone::io {
 
 namespace {
 
-const std::string stack_protocol = "voxtone-read-stack 3, voxtone " + build_identity();
+const std::string stack_protocol = "voxtone-read-stack 4, voxtone " + build_identity();
 
 template <class Value, class Plain>
 concept is_a = std::is_same_v<std::remove_const_t<Value>, Plain>;
@@ -81,10 +82,14 @@ template <class Stream, is_a<StackResin> Resin>
 void describe(Stream& stream, Resin& r) {
     stream(r.name, r.role, r.rgb, r.voxels, r.ml);
 }
+template <class Stream, is_a<StackMember> Member>
+void describe(Stream& stream, Member& m) {
+    stream(m.name, m.boxes_mm, m.ml, m.verdict);
+}
 template <class Stream, is_a<StackDescription> Description>
 void describe(Stream& stream, Description& d) {
     stream(d.printer, d.pitch_um, d.size_px, d.layers, d.first_layer, d.size_mm, d.origin_mm, d.pattern,
-           d.background_rgb, d.resins, d.orientation.flip_x, d.orientation.flip_y, d.orientation.swap_xy,
+           d.background_rgb, d.resins, d.orientation.flip_x, d.orientation.flip_y, d.orientation.swap_xy, d.members,
            d.content_sha256);
 }
 template <class Stream, is_a<StackOrigin> Origin>
@@ -105,6 +110,10 @@ void describe(Stream& stream, Header& h) {
     stream(h.there, h.png.width_px, h.png.height_px, h.png.bit_depth, h.png.colour_type, h.png.interlaced,
            h.png.x_per_metre, h.png.y_per_metre);
 }
+template <class Stream, is_a<ZbufferLook> Look>
+void describe(Stream& stream, Look& l) {
+    stream(l.fault, l.header.width_px, l.header.height_px, l.header.bit_depth, l.header.colour_type, l.digest);
+}
 template <class Stream, is_a<PackedRuns> Runs>
 void describe(Stream& stream, Runs& r) {
     stream(r.width_px, r.height_px, r.runs_of_row, r.runs);
@@ -123,7 +132,7 @@ std::vector<std::byte> pack_listing(const StackListing& listing) {
         writer(*listing.description, listing.seal, listing.origin, listing.sheet.has_value());
         if (listing.sheet) writer(*listing.sheet);
     }
-    if (listing.gcvf) writer(*listing.gcvf);
+    if (listing.gcvf) writer(*listing.gcvf, listing.has_zbuffer);
     return std::move(writer.bytes);
 }
 
@@ -149,6 +158,22 @@ LayerLook look_at(const StackFiles& stack, const LayerRequest& request) {
     return look;
 }
 
+ZbufferLook look_at_zbuffer(const StackFiles& stack) {
+    const std::string name(zbuffer_name);
+    ZbufferLook look;
+    try {
+        const auto bytes = stack.zbuffer_bytes();
+        look.header = read_png_header(bytes, name);
+        look.digest = topmost_digest(read_grey_png(bytes, name).samples);
+    } catch (const Error& error) {
+        look = {.fault = error.what(), .header = {}};
+    }
+    return look;
+}
+
+/// In the place of a layer's.
+constexpr std::uint32_t index_of_zbuffer = 0xffffffff;
+
 }  // namespace
 
 std::vector<std::byte> pack_stack_request(const std::filesystem::path& path) {
@@ -158,6 +183,7 @@ std::vector<std::byte> pack_stack_request(const std::filesystem::path& path) {
 }
 
 std::vector<std::byte> pack(const LayerRequest& request) { return packed(request); }
+std::vector<std::byte> pack_zbuffer_request() { return packed(LayerRequest{.index = index_of_zbuffer, .palette = {}}); }
 
 StackListing unpack_listing(std::span<const std::byte> bytes) {
     PackedReader reader(bytes);
@@ -176,7 +202,7 @@ StackListing unpack_listing(std::span<const std::byte> bytes) {
         listing.description->validate("what the reader of the stack left");
     }
     if (listing.kind == StackKind::gcvf) {
-        reader(listing.gcvf.emplace());
+        reader(listing.gcvf.emplace(), listing.has_zbuffer);
         expect_stack(layers == listing.gcvf->slices, "layers that are not those of the container");
         check_config(*listing.gcvf);
     }
@@ -202,6 +228,8 @@ LayerLook unpack_look(std::span<const std::byte> bytes, std::size_t materials) {
     return look;
 }
 
+ZbufferLook unpack_zbuffer(std::span<const std::byte> bytes) { return unpacked<ZbufferLook>(bytes); }
+
 std::vector<std::byte> StackService::answer(std::span<const std::byte> request) {
     if (!stack_) {
         PackedReader reader(request);
@@ -216,6 +244,7 @@ std::vector<std::byte> StackService::answer(std::span<const std::byte> request) 
         return pack_listing(stack_->listing());
     }
     const auto layer = unpacked<LayerRequest>(request);
+    if (layer.index == index_of_zbuffer && stack_->listing().has_zbuffer) return packed(look_at_zbuffer(*stack_));
     if (layer.index >= stack_->listing().names.size()) throw InputError("a layer was asked for that is not there");
     return pack_look(look_at(*stack_, layer));
 }

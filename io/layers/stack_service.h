@@ -25,6 +25,13 @@ struct LayerLook {
     LayerScan scan;
 };
 
+/// A container's Zbuffer.png looked at.
+struct ZbufferLook {
+    std::string fault;  ///< why it cannot be read whole; empty: it can, and the rest is there
+    PngHeader header;
+    std::uint64_t digest = 0;  ///< topmost_digest of its numbers
+};
+
 struct LayerRequest {
     std::uint32_t index = 0;
     std::vector<Rgb> palette;
@@ -33,12 +40,14 @@ struct LayerRequest {
 
 [[nodiscard]] std::vector<std::byte> pack_stack_request(const std::filesystem::path& path);
 [[nodiscard]] std::vector<std::byte> pack(const LayerRequest& request);
+[[nodiscard]] std::vector<std::byte> pack_zbuffer_request();
 [[nodiscard]] StackListing unpack_listing(std::span<const std::byte> bytes);
 /// Of a request with so many materials.
 [[nodiscard]] LayerLook unpack_look(std::span<const std::byte> bytes, std::size_t materials);
+[[nodiscard]] ZbufferLook unpack_zbuffer(std::span<const std::byte> bytes);
 
-/// The answers: the first request names the stack, each other one a layer. Throws FileError, InputError; what is wrong
-/// with one layer's file is in its look.
+/// The answers: the first request names the stack, each other one a layer or the Zbuffer. Throws FileError, InputError;
+/// what is wrong with one layer's file is in its look.
 class StackService {
 public:
     [[nodiscard]] std::vector<std::byte> answer(std::span<const std::byte> request);

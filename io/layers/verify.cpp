@@ -14,6 +14,7 @@
 #include "io/layers/layer_digest.h"
 #include "io/layers/png_layer_encoder.h"
 #include "io/layers/stack_folder.h"
+#include "io/layers/topmost_layers.h"
 #include "io/pictures/picture_series.h"
 
 namespace voxtone::io {
@@ -51,10 +52,10 @@ public:
     }
 
 private:
-    static constexpr std::array<std::string_view, 19> rules{
+    static constexpr std::array<std::string_view, 20> rules{
         "unfinished", "container", "manifest",    "no-layers", "missing-layer", "unreadable", "stranger",
         "numbering",  "size",      "colour-type", "alpha",     "stray-colour",  "colours",    "resolution",
-        "few-layers", "empty",     "digest",      "count",     "sheet"};
+        "few-layers", "empty",     "digest",      "count",     "zbuffer",       "sheet"};
     StackReport& report_;
     std::size_t most_named_;
     std::map<std::string, std::uint64_t> counts_;
@@ -116,7 +117,8 @@ Announced announced(const StackReader& reader) {
     return result;
 }
 
-LayerResult check_layer(const StackReader& reader, std::uint32_t index, const Announced& stack) {
+LayerResult check_layer(const StackReader& reader, std::uint32_t index, const Announced& stack,
+                        TopmostLayers* topmost) {
     LayerResult result;
     const std::string& name = reader.layer_name(index);
     try {
@@ -130,6 +132,7 @@ LayerResult check_layer(const StackReader& reader, std::uint32_t index, const An
         result.colours = std::move(scan.colours);
         result.other_pixels = scan.other_pixels;
         if (scan.runs) result.digest = layer_digest(*scan.runs);
+        if (topmost && scan.runs && topmost->fits(*scan.runs)) topmost->see(index, *scan.runs);
         result.empty = result.other_pixels == 0 && result.colours.size() == 1 &&
                        std::equal(stack.background.begin(), stack.background.end(), result.colours[0].rgba.begin());
         for (const auto& colour : result.colours) {
@@ -221,6 +224,7 @@ struct StackSummary {
     std::array<std::uint32_t, 2> resolution{};  ///< pixels per metre as they should be
     std::map<Rgba, std::size_t> place{};        ///< colour -> index into the report's colours
     bool too_many_colours = false;
+    std::optional<TopmostLayers> topmost{};  ///< of a container whose Zbuffer.png can be compared
 
     [[nodiscard]] const PngHeader* first_header() const {
         for (const LayerResult& layer : layers)
@@ -255,14 +259,23 @@ void check_least_layers(const StackSummary& stack, std::uint32_t least, FaultLis
                                 least)});
 }
 
+void keep_topmost(StackSummary& stack) {
+    const auto& size_px = stack.announced.size_px;
+    if (stack.reader.has_zbuffer() && size_px && stack.reader.layers() <= TopmostLayers::most_layers &&
+        std::uint64_t{(*size_px)[0]} * (*size_px)[1] <= most_png_pixels)
+        stack.topmost.emplace((*size_px)[0], (*size_px)[1]);
+}
+
 void look_at_layers(StackSummary& stack, Progress* progress) {
     const std::uint32_t layers = stack.reader.layers();
     if (progress) progress->begin_stage("verify", layers, "layers");
     stack.layers.resize(layers);
+    keep_topmost(stack);
     parallel_for(
         0, layers, 1,
         [&](std::size_t k) {
-            stack.layers[k] = check_layer(stack.reader, static_cast<std::uint32_t>(k), stack.announced);
+            stack.layers[k] = check_layer(stack.reader, static_cast<std::uint32_t>(k), stack.announced,
+                                          stack.topmost ? &*stack.topmost : nullptr);
             if (progress) progress->advance();
         },
         progress);
@@ -387,6 +400,30 @@ void check_digest(const StackSummary& stack, StackReport& report, FaultList& fau
                     "layers were changed, swapped or reordered after slicing: slice again"});
 }
 
+/// What is on top of each column, as a container says it besides.
+void check_zbuffer(const StackSummary& stack, StackReport& report, FaultList& faults) {
+    if (stack.reader.kind() != StackReader::Kind::gcvf) return;
+    const std::string name(zbuffer_name);
+    const std::optional<ZbufferLook> look = stack.reader.zbuffer();
+    if (!look) {
+        report.notes.push_back(name +
+                               " is not in it, which the vendor's utility writes; whether it is asked for when "
+                               "a GCVF is read is not known");
+        return;
+    }
+    const auto fault = [&](const std::string& what) { faults.add({"zbuffer", name, what, "slice again"}); };
+    const PngHeader& header = look->header;
+    if (!look->fault.empty())
+        fault(without_name(look->fault, name));
+    else if (header.bit_depth != 16 || header.colour_type != 0)
+        fault(fmt::format("is {}, where the vendor's utility writes 16-bit grey", png_kind(header)));
+    else if (header.width_px != report.size_px[0] || header.height_px != report.size_px[1])
+        fault(fmt::format("is {} x {} px, the layers {} x {}", header.width_px, header.height_px, report.size_px[0],
+                          report.size_px[1]));
+    else if (stack.topmost && all_layers_known(stack) && look->digest != stack.topmost->digest())
+        fault("does not hold the number of the topmost filled layer of every column");
+}
+
 /// Counts and digest, which follow from the layers.
 void check_contents(const StackSummary& stack, StackReport& report, FaultList& faults) {
     if (stack.announced.palette.empty()) return;
@@ -468,6 +505,7 @@ StackReport verify_opened(const fs::path& path, const StackReader& reader, const
     check_colours(stack, rules.most_colours, report, faults);
     check_empty(stack, report, faults);
     check_contents(stack, report, faults);
+    check_zbuffer(stack, report, faults);
     faults.close();
     return report;
 }

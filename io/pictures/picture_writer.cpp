@@ -97,10 +97,11 @@ std::vector<std::uint8_t> png_bytes(const Picture8& picture, std::array<double, 
     return bytes;
 }
 
-std::vector<std::uint8_t> number_png_bytes(std::uint32_t width_px, std::uint32_t height_px,
-                                           std::span<const std::uint16_t> numbers) {
-    VOXTONE_EXPECT(width_px >= 1 && height_px >= 1 && numbers.size() == std::size_t{width_px} * height_px);
-    const bool wide = *std::max_element(numbers.begin(), numbers.end()) > 255;
+namespace {
+
+/// `wide`: of 16 bits, else of 8.
+std::vector<std::uint8_t> grey_png_bytes(std::uint32_t width_px, std::uint32_t height_px,
+                                         std::span<const std::uint16_t> numbers, bool wide) {
     std::vector<std::uint8_t> bytes, row;
     const PngWriter writer;
     VOXTONE_ENSURE(writer.png && writer.info);
@@ -118,6 +119,20 @@ std::vector<std::uint8_t> number_png_bytes(std::uint32_t width_px, std::uint32_t
     }
     png_write_end(writer.png, nullptr);
     return bytes;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> number_png_bytes(std::uint32_t width_px, std::uint32_t height_px,
+                                           std::span<const std::uint16_t> numbers) {
+    VOXTONE_EXPECT(width_px >= 1 && height_px >= 1 && numbers.size() == std::size_t{width_px} * height_px);
+    return grey_png_bytes(width_px, height_px, numbers, *std::max_element(numbers.begin(), numbers.end()) > 255);
+}
+
+std::vector<std::uint8_t> grey16_png_bytes(std::uint32_t width_px, std::uint32_t height_px,
+                                           std::span<const std::uint16_t> numbers) {
+    VOXTONE_EXPECT(width_px >= 1 && height_px >= 1 && numbers.size() == std::size_t{width_px} * height_px);
+    return grey_png_bytes(width_px, height_px, numbers, true);
 }
 
 }  // namespace voxtone::io

@@ -41,5 +41,8 @@ struct Picture8 {
 /// The bytes of a grey PNG that holds these numbers, rows from the top: of 8 bits where all fit, else of 16.
 [[nodiscard]] std::vector<std::uint8_t> number_png_bytes(std::uint32_t width_px, std::uint32_t height_px,
                                                          std::span<const std::uint16_t> numbers);
+/// The same, of 16 bits whatever they are.
+[[nodiscard]] std::vector<std::uint8_t> grey16_png_bytes(std::uint32_t width_px, std::uint32_t height_px,
+                                                         std::span<const std::uint16_t> numbers);
 
 }  // namespace voxtone::io

@@ -4,10 +4,12 @@
 #include <fcntl.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <system_error>
 #include <thread>
 
@@ -18,6 +20,8 @@
 #include "base/stopwatch.h"
 #include "io/disk/open_file.h"
 #include "io/files/whole_file.h"
+#include "io/pictures/png_pixels.h"
+#include "io/printer/printer_folder.h"
 #include "io/shards/shard_folder.h"
 
 namespace voxtone::io {
@@ -101,7 +105,8 @@ void expect_one_job(const fs::path& out, const std::vector<ShardRecord>& records
                 "{}: {} and {} are shards of different jobs (identities {:.12} and {:.12}), whose layers do not go "
                 "together; make the shards of one of them again, with --overwrite",
                 shards_folder(out).string(), file(first), file(record), first.job, record.job));
-        if (record.stack != first.stack || record.resin_bitmaps != first.resin_bitmaps)
+        if (record.stack != first.stack || record.resin_bitmaps != first.resin_bitmaps || record.gcvf != first.gcvf ||
+            record.png != first.png)
             throw InputError(fmt::format("{}: {} and {} describe different stacks; {}", shards_folder(out).string(),
                                          file(first), file(record), again(record)));
     }
@@ -186,6 +191,36 @@ std::vector<ShardNumber> numbers_up_to(std::uint32_t of) {
 
 }  // namespace
 
+namespace {
+
+/// From what each shard knows of its layers.
+TopmostLayers topmost_of(const fs::path& store, const ShardSet& shards) {
+    constexpr std::uint64_t most_bytes = std::uint64_t{1} << 30;
+    TopmostLayers topmost(shards.stack.size_px[0], shards.stack.size_px[1]);
+    for (const ShardRecord& record : shards.records) {
+        if (record.layers == 0) continue;
+        const fs::path file = store / shard_topmost_name(record.number);
+        const auto refuse = [&](const char* what) {
+            throw InputError(fmt::format("{}: {}; {}", file.string(), what, again(record)));
+        };
+        if (!fs::exists(file)) refuse("is not there");
+        const GreyPicture picture = read_grey_png(read_whole_file(file, most_bytes), file.string());
+        if (picture.width_px != shards.stack.size_px[0] || picture.height_px != shards.stack.size_px[1] ||
+            topmost_digest(picture.samples) != record.topmost_digest)
+            refuse("is not what the shard's record says");
+        topmost.raise(picture.samples);
+    }
+    return topmost;
+}
+
+GcvfPreview preview_in(const fs::path& store) {
+    constexpr std::uint64_t most_bytes = std::uint64_t{1} << 34;
+    return {read_whole_file(store / whole_folder_name / preview_mesh_name, most_bytes),
+            read_whole_file(store / whole_folder_name / preview_box_name, most_bytes)};
+}
+
+}  // namespace
+
 ShardSet read_shards(const fs::path& out, const KnownShards& known, const Progress* progress) {
     if (known.count > 0) wait_for_all(out, known, progress);
     const std::vector<ShardNumber> numbers = known.count > 0 ? numbers_up_to(known.count) : numbers_in(out);
@@ -214,14 +249,32 @@ void expect_files(const fs::path& out, const ShardSet& shards) {
                                          again(record)));
 }
 
-void merge_shards(StackFolder& folder, const ShardSet& shards, std::string_view job_file) {
-    const fs::path unfinished = folder.begin(), out = folder.path();
+void merge_shards(StackFolder& folder, const ShardSet& shards, std::string_view job_file,
+                  const PageOfStack& how_to_print, Progress* progress) {
+    const fs::path out = folder.path(), store = shards_folder(out) / shard_store(shards.job());
+    StackOutputs outputs{.resin_bitmaps = shards.records.front().resin_bitmaps,
+                         .gcvf = shards.records.front().gcvf,
+                         .png = shards.records.front().png};
+    std::optional<TopmostLayers> topmost;
+    if (outputs.gcvf || how_to_print) topmost.emplace(topmost_of(store, shards));
+    const fs::path unfinished = folder.begin();
     folder.adopt(shard_store(shards.job()));
+    if (outputs.gcvf) write_gcvf(unfinished / gcvf_name, shards.stack, store, *topmost, preview_in(store), progress);
     write_stack_texts(unfinished, shards.stack);
     write_staged_file(unfinished / job_file_name, job_file);
+    if (how_to_print) {
+        std::vector<fs::path> files = printer_files(shards.stack, outputs);
+        if (outputs.gcvf) {
+            std::erase(files, fs::path(gcvf_name));
+            link_files(unfinished, std::array{fs::path(gcvf_name)}, unfinished / printer_folder_name, progress);
+        }
+        make_printer_folder(store, files, unfinished / printer_folder_name, how_to_print(shards.stack, *topmost),
+                            progress);
+    }
     folder.publish();
     std::error_code not_empty;
-    std::filesystem::remove(shards_folder(out) / shard_store(shards.job()), not_empty);
+    fs::remove_all(store / whole_folder_name, not_empty);
+    fs::remove(store, not_empty);
 }
 
 }  // namespace voxtone::io

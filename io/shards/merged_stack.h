@@ -45,7 +45,10 @@ struct KnownShards {
 /// Throws InputError where a file of a shard is not in OUT/shards, or of another size.
 void expect_files(const std::filesystem::path& out, const ShardSet& shards);
 
-/// Puts the stack in place; the records stay. Throws FileError, TryAgain.
-void merge_shards(StackFolder& folder, const ShardSet& shards, std::string_view job_file);
+/// Puts the stack in place, with its GCVF where the shards are of a job that asked for one, and with its printer's
+/// folder where there is a page for it; the records stay. Throws InputError where what a shard knows of that is not
+/// there, FileError, TryAgain, Cancelled.
+void merge_shards(StackFolder& folder, const ShardSet& shards, std::string_view job_file,
+                  const PageOfStack& how_to_print = {}, Progress* progress = nullptr);
 
 }  // namespace voxtone::io

@@ -82,6 +82,10 @@ fs::path shard_file(const fs::path& out, const ShardNumber& number) {
 
 std::string shard_store(std::string_view job) { return std::string(job.substr(0, store_digits)); }
 
+fs::path shard_topmost_name(const ShardNumber& number) {
+    return fs::path(whole_folder_name) / (shard_name(number) + ".png");
+}
+
 fs::path prepared_file(const fs::path& out, std::string_view job) {
     return shards_folder(out) / (shard_store(job) + std::string(prepared_ending));
 }
@@ -198,6 +202,13 @@ void ShardFolder::publish(const ShardRecord& record) {
                 if (folders.insert(to.parent_path()).second) fs::create_directories(to.parent_path());
                 fs::rename(held_->staging / name, to);
             }
+        for (const fs::path& name : {shard_topmost_name(record.number), fs::path(whole_folder_name) / preview_mesh_name,
+                                     fs::path(whole_folder_name) / preview_box_name}) {
+            if (!fs::exists(held_->staging / name)) continue;
+            if (folders.insert((store / name).parent_path()).second)
+                fs::create_directories((store / name).parent_path());
+            fs::rename(held_->staging / name, store / name);
+        }
         for (const fs::path& folder : folders) sync_folder(folder);
     } catch (const fs::filesystem_error& error) {
         refuse(shards_folder(out), "the shard's layers cannot be put in place", error);

@@ -5,6 +5,9 @@
 //   OUT/shards/job.json                the job, as the merged stack will have it beside its layers
 //   OUT/shards/IDENTITY.prepared       the body as the first shard prepared it, for the others
 //   OUT/shards/IDENTITY/layers/        layers of all shards, and resins/; IDENTITY: 16 digits of the job's
+//   OUT/shards/IDENTITY/whole/         what is made of all layers together: 0003-of-0016.png, the topmost layers of
+//   each
+//                                      column as shard 3 knows them, and for a GCVF its preview
 //   OUT/shards/.0003-of-0016.HOST.MAKER.part/   where a shard that runs makes its layers, under a lock of its own
 // An old stack in OUT stays untouched until `merge` (merged_stack.h). The same shard made twice, also at once, gives
 // the same files under the same names: whoever renames last changes nothing.
@@ -28,6 +31,11 @@ namespace voxtone::io {
 
 /// What shards of this job keep for one another until they are merged.
 [[nodiscard]] std::filesystem::path prepared_file(const std::filesystem::path& out, std::string_view job);
+
+/// Under that folder: the topmost layers as a shard knows them, and a GCVF's preview, which all shards know alike.
+[[nodiscard]] std::filesystem::path shard_topmost_name(const ShardNumber& number);
+inline constexpr std::string_view whole_folder_name = "whole", preview_mesh_name = "Mesh.stl",
+                                  preview_box_name = "MeshBbx.ktn";
 
 /// Numbers of the records that are there, by name; other files are passed over.
 [[nodiscard]] std::vector<ShardNumber> shards_in(const std::filesystem::path& out);

@@ -138,7 +138,8 @@ std::string text_of(const ShardRecord& r, const std::string& seal) {
     json.line().add("job", r.job);
     json.line().key("stack");
     add_stack(json, r.stack);
-    json.line().add("resin_bitmaps", name_of(r.resin_bitmaps));
+    json.line().add("resin_bitmaps", name_of(r.resin_bitmaps)).add("gcvf", r.gcvf).add("png", r.png);
+    json.add("topmost_digest", fmt::format("{:016x}", r.topmost_digest));
     add_layers(json, r);
     add_figures(json, r.figures);
     add_pictures(json, r.pictures);
@@ -155,10 +156,11 @@ std::string seal_of(const ShardRecord& record) {
 }
 
 ShardRecord record_in(const JsonObject& json, const std::string& source) {
-    json.allow_only({"format",      "version",       "shard",          "of",           "first_task",
-                     "first_layer", "layers",        "program",        "host",         "job",
-                     "stack",       "resin_bitmaps", "digests",        "bytes",        "voxels",
-                     "figures",     "pictures",      "viewer_thinned", "viewer_whole", seal_key});
+    json.allow_only({"format",      "version",        "shard",          "of",           "first_task",
+                     "first_layer", "layers",         "program",        "host",         "job",
+                     "stack",       "resin_bitmaps",  "digests",        "bytes",        "voxels",
+                     "figures",     "pictures",       "viewer_thinned", "viewer_whole", "gcvf",
+                     "png",         "topmost_digest", seal_key});
     if (json.text("format") != "voxtone-shard") json.fail("format", "is not \"voxtone-shard\"");
     if (json.integer("version", 0, 1'000'000) != 1) json.fail("version", "is not 1, the only one that is known here");
     ShardRecord r;
@@ -174,6 +176,9 @@ ShardRecord record_in(const JsonObject& json, const std::string& source) {
     const auto bitmaps = value_of<ResinBitmaps>(json.text("resin_bitmaps"));
     if (!bitmaps) json.fail("resin_bitmaps", "is no kind of bitmaps that is known here");
     r.resin_bitmaps = *bitmaps;
+    r.gcvf = json.boolean("gcvf");
+    r.png = json.boolean("png");
+    r.topmost_digest = digest_in(json.text("topmost_digest"), json);
     r.written = layers_in(json, r.layers, r.stack.resins.size() + 1);
     r.figures = figures_in(json.object("figures"));
     for (const JsonObject& picture : json.objects("pictures")) r.pictures.push_back(picture_in(picture));

@@ -34,6 +34,8 @@ struct ShardRecord {
     std::string host;              ///< that made it
     StackDescription stack;        ///< of all shards together, as written; without contents
     ResinBitmaps resin_bitmaps = ResinBitmaps::none;
+    bool gcvf = false, png = false;             ///< as StackOutputs has them
+    std::uint64_t topmost_digest = 0;           ///< TopmostLayers::digest of its layers, counted as the stack does
     std::uint32_t first_layer = 0, layers = 0;  ///< number of the first one, as the stack counts; 0: an empty shard
     WrittenLayers written;
     ShardFigures figures;

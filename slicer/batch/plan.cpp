@@ -51,6 +51,9 @@ void refuse_what_batches_decide(const io::JsonObject& object) {
         object.fail("out",
                     "each job of a batch has a folder of its own below that of the batch: leave it out, or "
                     "give the job a \"name\"");
+    if (object.has("for-printer") && !object.any_text("for-printer").empty())
+        object.fail("for-printer",
+                    "each job of a batch has what the printer takes in a folder printer of its own: leave it out");
     for (const char* const key : {"overwrite", "resume"})
         if (object.has(key) && object.any_text(key) != "false")
             object.fail(key,
@@ -94,6 +97,9 @@ SliceOptions preset_of(const PlanOptions& options, Progress* progress) {
     preset.model.clear();
     preset.out.clear();
     preset.overwrite = preset.resume = false;
+    if (!preset.for_printer.empty())
+        throw InputError(
+            "for-printer: is one place for one print; each job of a batch has a folder printer of its own");
     preset.recorded_inputs.clear();
     return preset;
 }

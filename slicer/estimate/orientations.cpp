@@ -13,7 +13,7 @@
 #include "base/parallel.h"
 #include "slicer/mesh/box.h"
 #include "slicer/solid/solid.h"
-#include "slicer/surface/surface_pieces.h"
+#include "slicer/surface/area_points.h"
 
 namespace voxtone::slicer {
 
@@ -50,10 +50,10 @@ double air_under_body_ml(const SolidMesh& mesh) {
 }
 
 /// What is the same however the body is turned about the upright.
-void look_from_below(const std::vector<SurfacePiece>& pieces, double area_mm2, const SolidMesh& turned,
+void look_from_below(const std::vector<AreaPoint>& pieces, double area_mm2, const SolidMesh& turned,
                      const Eigen::Matrix3d& turn, Orientation& orientation) {
     std::size_t down = 0, coloured = 0;
-    for (const SurfacePiece& piece : pieces) {
+    for (const AreaPoint& piece : pieces) {
         if (turn.row(2).dot(piece.normal) > -std::numbers::sqrt2 / 2) continue;
         ++down;
         coloured += piece.white ? 0 : 1;
@@ -107,7 +107,7 @@ std::vector<Orientation> orientations(const OpenedJob& job, const JobBody& body,
     const auto turn_of = [&](const std::string& text) -> Eigen::Matrix3d {
         return mirror * (text.empty() ? Eigen::Matrix3d::Identity() : parse_rotation(text)) * mirror.transpose();
     };
-    const std::vector<SurfacePiece> pieces = surface_pieces(*body.surface, body.model.mesh);
+    const std::vector<AreaPoint> pieces = area_points(*body.surface, body.model.mesh);
     const double area_mm2 = coloured_area_mm2(*body.surface);
     std::vector<Orientation> found(up_turns.size() * turns_about_z.size());
     std::vector<char> repeats(found.size(), 0);
@@ -160,7 +160,8 @@ std::optional<OrientationAdvice> advised_orientation(std::span<const Orientation
             "it is as good in all else, and has less air below to fill with support ({:.2f} ml instead "
             "of {:.2f})",
             best.under_ml, own->under_ml);
-    return OrientationAdvice{best.rotate, fmt::format("{}; {} layers instead of {}", why, best.layers, own->layers)};
+    if (best.layers != own->layers) why += fmt::format("; {} layers instead of {}", best.layers, own->layers);
+    return OrientationAdvice{best.rotate, why};
 }
 
 }  // namespace voxtone::slicer

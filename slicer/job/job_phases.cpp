@@ -17,6 +17,17 @@
 
 namespace voxtone::slicer {
 
+BodyPreview::BodyPreview(const JobBody& body, bool wanted) {
+    if (!wanted) return;
+    const SolidMesh& solid = *body.solid;
+    positions_mm_.reserve(solid.positions_mm.size());
+    for (const Eigen::Vector3d& p : solid.positions_mm)
+        positions_mm_.push_back({float(p.x()), float(p.y()), float(p.z())});
+    if (!positions_mm_.empty()) triangles_ = solid.triangles;
+}
+
+io::PreviewMesh BodyPreview::mesh() const { return {positions_mm_, triangles_}; }
+
 void LayerWatchers::see(int k, const io::LayerRuns& layer) {
     if (thumbnails) thumbnails->offer(k, layer);
     if (voxels) voxels->offer(k, layer);

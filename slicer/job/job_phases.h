@@ -4,21 +4,38 @@
 // shards/merge_job.cpp), in the order in which they go through them.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "base/progress.h"
 #include "base/stopwatch.h"
+#include "io/layers/gcvf_writer.h"
 #include "io/layers/layer_runs.h"
 #include "io/report/report.h"
 #include "slicer/job/slice_report.h"
 #include "slicer/look/thumbnails.h"
 #include "slicer/look/voxel_sample.h"
+#include "slicer/prepare/job_body.h"
 #include "slicer/prepare/opened_job.h"
 #include "slicer/prepare/print.h"
 
 namespace voxtone::slicer {
+
+/// The printed body for a container's preview.
+class BodyPreview {
+public:
+    /// Of a body that lasts as long. `wanted`: whether there is a container; else it is empty.
+    BodyPreview(const JobBody& body, bool wanted);
+    [[nodiscard]] io::PreviewMesh mesh() const;
+
+private:
+    std::vector<std::array<float, 3>> positions_mm_;
+    std::span<const std::array<std::uint32_t, 3>> triangles_;
+};
 
 /// Where a finished layer goes; from any thread.
 using LayerTaker = std::function<void(int k, const io::LayerRuns& layer)>;

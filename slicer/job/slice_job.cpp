@@ -18,11 +18,13 @@
 #include "io/files/whole_file.h"
 #include "io/layers/layer_stack_writer.h"
 #include "io/layers/stack_folder.h"
+#include "io/printer/printer_folder.h"
 #include "io/shards/shard_folder.h"
 #include "slicer/estimate/estimate_job.h"
 #include "slicer/estimate/estimate_text.h"
 #include "slicer/job/job_phases.h"
 #include "slicer/job/prepared_job.h"
+#include "slicer/job/printer_page.h"
 #include "slicer/job/slice_report.h"
 #include "slicer/kept/job_identity.h"
 #include "slicer/kept/loop_checkpoint.h"
@@ -112,14 +114,6 @@ void announce(const PreparedJob& ready, Progress& progress) {
         progress.note(advice);
 }
 
-/// The printed body for a container's preview.
-std::vector<std::array<float, 3>> single_precision(const std::vector<Eigen::Vector3d>& positions) {
-    std::vector<std::array<float, 3>> out;
-    out.reserve(positions.size());
-    for (const Eigen::Vector3d& p : positions) out.push_back({float(p.x()), float(p.y()), float(p.z())});
-    return out;
-}
-
 /// The end of a job that goes as far as the loop.
 SliceResult keep_loop(const PreparedJob& ready, Progress& progress) {
     ready.print->rearrange(progress);
@@ -132,15 +126,14 @@ SliceResult keep_loop(const PreparedJob& ready, Progress& progress) {
 const io::StackDescription& finish_stack(PreparedJob& ready, io::LayerStackWriter& writer, Progress& progress) {
     const Stopwatch watch;
     progress.begin_stage(name_of(Phase::finish), 0);
-    const SolidMesh& solid = *ready.body.solid;
-    std::vector<std::array<float, 3>> positions;
-    if (ready.job.outputs().gcvf) positions = single_precision(solid.positions_mm);
-    io::PreviewMesh preview;
-    if (!positions.empty()) preview = {positions, solid.triangles};
+    const BodyPreview preview(ready.body, ready.job.outputs().gcvf);
     const ResolvedJob& options = ready.job.options;
     writer.add_file(job_file_name, job_record(options.raw, ready.identity.inputs, options.out));
-    const io::StackDescription& stack = writer.finish(preview, &progress);
+    const std::string title = fs::path(options.model).filename().string();
+    const io::StackDescription& stack =
+        writer.finish(preview.mesh(), &progress, printer_page(ready.job, title, {{title, ready.body, {{0, 0, 0}}}}));
     ready.figures.layer_bytes = writer.bytes_written();
+    hand_over(options.out, options.for_printer, options.overwrite, progress);
     progress.end_stage();
     ready.figures.finish_s = watch.total();
     return stack;
@@ -159,8 +152,13 @@ SliceResult run_slice_job(const SliceOptions& asked, Progress& progress) {
     companions.push_back(io::shards_name);
     io::StackFolder folder(opened.options.out, std::move(companions));
     if (!folder.doubt().empty()) progress.warn(folder.doubt());
-    if (auto done = done_before(opened, folder, progress)) return *std::move(done);
+    if (auto done = done_before(opened, folder, progress)) {
+        hand_over(folder.path(), opened.options.for_printer, opened.options.overwrite, progress);
+        return *std::move(done);
+    }
     expect_replaceable(opened, folder, progress);
+    if (!opened.options.for_printer.empty())
+        io::expect_printer_target(opened.options.out, opened.options.for_printer, opened.options.overwrite);
     if (const std::string note = folder.strangers_note(); !note.empty()) progress.warn(note);
     expect_resumable(opened, folder, progress);
     const ThreadLimit threads(static_cast<std::size_t>(opened.options.threads));
@@ -168,7 +166,9 @@ SliceResult run_slice_job(const SliceOptions& asked, Progress& progress) {
     PreparedJob ready(std::move(opened), std::nullopt, progress);
     const auto& [figures, body, identity, job, plan, print] = ready;
     expect_enough_layers(ready, progress);
-    expect_disk_space(job.options.out, plan.disk_bytes, progress);
+    // Without hard links OUT/printer is a copy.
+    const std::uint64_t copies = io::has_hard_links(job.options.out) ? 1 : 2;
+    expect_disk_space(job.options.out, copies * plan.disk_bytes, progress);
     expect_stages(progress, expected_stages(plan.phases));
     print->prepare(progress);
     announce(ready, progress);

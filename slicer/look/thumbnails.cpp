@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <utility>
 
-#include "io/layers/layer_thumbnail.h"
 #include "io/pictures/picture_writer.h"
+#include "io/report/layer_thumbnail.h"
 
 namespace voxtone::slicer {
 

@@ -101,6 +101,7 @@ struct ResolvedJob {
     bool is_picture = false;
     std::filesystem::path out;
     bool overwrite = false, report = true, resume = false;
+    std::filesystem::path for_printer;     ///< where OUT/printer goes besides; empty: nowhere
     bool strict = false;                   ///< what needs a look first is an error, not a warning
     std::vector<io::LayerFormat> formats;  ///< empty: the printer's
     std::optional<LayerRange> layers;      ///< nothing: all

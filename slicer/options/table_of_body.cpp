@@ -44,7 +44,7 @@ std::vector<OptionSpec> files_entries() {
                .letter = "o",
                .metavar = "FOLDER",
                .group = group,
-               .help = "output folder; nothing is written outside it",
+               .help = "output folder; nothing is written outside it, but for --for-printer",
                .names = Names::output,
                .decides = Decides::work,
                .rule = [](const O& o) { return unless(!o.out.empty(), "name the output folder: -o FOLDER"); }}),
@@ -57,6 +57,22 @@ std::vector<OptionSpec> files_entries() {
          .member = &O::formats,
          .decides = Decides::bits_after_loop,
          .resolve = [](const O& o, Job& job) { job.formats = formats_of(o); }},
+        {.key = "for-printer",
+         .metavar = "FOLDER|FILE.zip",
+         .group = group,
+         .help = "put what the printer's computer takes, and how to print it, here too: a folder, or one ZIP file; "
+                 "OUT/printer has it in any case",
+         .member = &O::for_printer,
+         .names = Names::output,
+         .decides = Decides::this_run,
+         .rule =
+             [](const O& o) {
+                 return unless(
+                     o.for_printer.empty() || (o.shard.empty() && o.until == name_of(Until::end)),
+                     "there is no whole print to hand over yet; say it to `voxtone merge`, or to the job that "
+                     "makes the layers");
+             },
+         .resolve = [](const O& o, Job& job) { job.for_printer = o.for_printer; }},
         plain(
             &O::overwrite, at(&Job::overwrite),
             {.key = "overwrite",

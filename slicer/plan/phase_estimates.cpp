@@ -31,6 +31,7 @@ constexpr double descent_bytes = 1.6e8, descent_bytes_per_cell = 6400;
 constexpr double feedback_bytes = 1.4e8, feedback_bytes_per_cell = 2700;
 constexpr double kept_bytes = 5e7, kept_bytes_per_cell = 1800;  // of the loop, while a model predicts
 constexpr double predicted_bytes = 1.5e8, predicted_bytes_per_cell = 6000;
+constexpr double topmost_bytes_per_column = 2;  // io/layers/topmost_layers.h
 constexpr double drawn_bytes = 1e8, drawn_bytes_per_cell = 2500;
 
 /// What a job is counted in.
@@ -114,7 +115,7 @@ std::vector<PhaseEstimate> phase_estimates(const OpenedJob& job, const JobBody& 
     }
     phases.add(Phase::layers,
                layers_s + layers_s_per_voxel * amounts.voxels + layers_s_per_shell_voxel * amounts.shell_voxels,
-               looping);
+               looping + topmost_bytes_per_column * double(body.grid.size[0]) * double(body.grid.size[1]));
     const bool predicts = work.prediction.by == PredictionPlan::By::model;
     if (predicts)
         phases.add(Phase::predict, predicted_cpu * prediction_cost(job, body, work.prediction.model, amounts.area_mm2),

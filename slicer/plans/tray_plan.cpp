@@ -38,10 +38,10 @@ constexpr const char *parts_key = "parts", *name_key = "name", *copies_key = "co
 constexpr std::string_view format_name = "voxtone-tray";
 
 /// Of a print, and so of all its parts.
-constexpr const char* of_the_tray[] = {"out",     "overwrite", "resume",     "printer", "resins", "load",
-                                       "formats", "layers",    "threads",    "shard",   "until",  "mixtures",
-                                       "memory",  "strict",    "read-time",  "report",  "gap",    "layout",
-                                       "trays",   "fail-fast", "read-memory"};
+constexpr const char* of_the_tray[] = {"out",     "overwrite", "resume",      "printer",    "resins", "load",
+                                       "formats", "layers",    "threads",     "shard",      "until",  "mixtures",
+                                       "memory",  "strict",    "read-time",   "report",     "gap",    "layout",
+                                       "trays",   "fail-fast", "read-memory", "for-printer"};
 
 void expect_keys(const io::JsonObject& object, std::vector<std::string> known) {
     for (const OptionSpec& spec : slice_option_table()) known.push_back(spec.key);

@@ -59,7 +59,9 @@ std::vector<io::Rgb> OpenedJob::palette() const {
 }
 
 io::StackOutputs OpenedJob::outputs() const {
-    return io::outputs_for(options.formats.empty() ? printer.formats : options.formats);
+    io::StackOutputs outputs = io::outputs_for(options.formats.empty() ? printer.formats : options.formats);
+    outputs.printer_folder = true;
+    return outputs;
 }
 
 io::StackDescription OpenedJob::describe(const VoxelGrid& grid, const LayerRange& range) const {

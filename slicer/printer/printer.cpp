@@ -31,9 +31,12 @@ constexpr int most_colours = io::max_materials - 1;
 constexpr double smallest_pitch_um = 1, largest_pitch_um = 1000;
 
 const std::initializer_list<std::string_view> known_keys{
-    "format",     "version",        "name",    "dpi",         "layer_um", "pitch_um",       "tray_mm",
-    "max_resins", "max_colours",    "formats", "min_layers",  "colours",  "background_rgb", "default_roles",
-    "flip_x",     "material_names", "flip_y",  "unconfirmed", "swap_xy",  "notes",          "default_resins"};
+    "format",         "version",       "name",       "dpi",
+    "layer_um",       "pitch_um",      "tray_mm",    "max_resins",
+    "max_colours",    "formats",       "min_layers", "colours",
+    "background_rgb", "default_roles", "flip_x",     "material_names",
+    "flip_y",         "unconfirmed",   "swap_xy",    "notes",
+    "default_resins", "utility",       "mode"};
 
 /// Colours for roles that a profile does not name: told apart easily, never black.
 const std::map<std::string, io::Rgb>& usual_colours() {
@@ -168,6 +171,8 @@ PrinterProfile printer_from_json(const io::JsonObject& file, const std::string& 
     if (printer.default_resins.empty()) file.fail("default_resins", "is empty: name a resin set, or leave the key out");
     printer.material_names = text_map(file, "material_names");
     printer.orientation = {flag(file, "flip_x"), flag(file, "flip_y"), flag(file, "swap_xy")};
+    if (file.has("utility")) printer.utility = file.text("utility");
+    if (file.has("mode")) printer.mode = file.text("mode");
     printer.notes = texts_or(file, "notes", {});
     return printer;
 }

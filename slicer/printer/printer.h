@@ -42,6 +42,8 @@ struct PrinterProfile {
     std::map<std::string, std::string> material_names;  ///< what the printer's software calls the resin of a role
     io::Orientation orientation;                        ///< what is done to bitmaps of the model's frame
     std::map<std::string, std::string> unconfirmed;     ///< key of the file -> why the figure is not sure
+    std::string utility;                                ///< the program that takes the files, for people
+    std::string mode;                                   ///< of printing, as it calls it
     std::vector<std::string> notes;
 
     /// Voxel size and largest body along the model's x, y, z: with swapped bitmaps x lies along their rows.

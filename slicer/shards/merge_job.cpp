@@ -14,13 +14,16 @@
 #include "base/parallel.h"
 #include "base/peak_memory.h"
 #include "base/stopwatch.h"
+#include "io/files/json_object.h"
 #include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
 #include "io/layers/stack_folder.h"
+#include "io/printer/printer_folder.h"
 #include "io/shards/merged_stack.h"
 #include "io/shards/shard_folder.h"
 #include "slicer/job/job_phases.h"
 #include "slicer/job/prepared_job.h"
+#include "slicer/job/printer_page.h"
 #include "slicer/kept/prepared_body.h"
 #include "slicer/kept/report_files.h"
 #include "slicer/options/job_file.h"
@@ -82,6 +85,34 @@ std::string job_text(const fs::path& out) {
     return {bytes.begin(), bytes.end()};
 }
 
+/// The job and its body, as far as the page of the printer's folder asks for them.
+struct MergedPrint {
+    OpenedJob job;
+    std::optional<JobBody> body;
+};
+
+/// Nothing, with a warning, where the job cannot be opened any more: its layers are there all the same.
+std::optional<MergedPrint> merged_print(const MergeOptions& options, const io::ShardSet& shards, const std::string& job,
+                                        Progress& progress) {
+    try {
+        SliceOptions asked;
+        (void)take_options(io::JsonObject::parse(job, job_file_name.data()), options.out, asked);
+        asked.out = options.out.string();
+        return MergedPrint{open_job(asked), read_prepared(options.out, shards.job())};
+    } catch (const Error& error) {
+        progress.warn(fmt::format("{}: is not made, as the job cannot be opened: {}",
+                                  (options.out / io::printer_folder_name).string(), error.what()));
+        return std::nullopt;
+    }
+}
+
+io::PageOfStack page_of(const MergedPrint& print) {
+    const std::string title = fs::path(print.job.options.model).filename().string();
+    std::vector<PlacedBody> bodies;
+    if (print.body) bodies.push_back({title, *print.body, {{0, 0, 0}}});
+    return printer_page(print.job, title, std::move(bodies));
+}
+
 void lay_together(const MergeOptions& options, const io::ShardSet& shards, Progress& progress) {
     if (io::is_merged(options.out, shards)) return;
     if (recorded_identity(io::shards_folder(options.out)) != shards.job())
@@ -94,7 +125,11 @@ void lay_together(const MergeOptions& options, const io::ShardSet& shards, Progr
     expect_replaceable(options, folder, shards);
     if (const std::string note = folder.strangers_note(); !note.empty()) progress.warn(note);
     io::expect_files(options.out, shards);
-    io::merge_shards(folder, shards, job_text(options.out));
+    const std::string job = job_text(options.out);
+    const std::optional<MergedPrint> print = merged_print(options, shards, job, progress);
+    io::PageOfStack page;
+    if (print) page = page_of(*print);
+    io::merge_shards(folder, shards, job, page, &progress);
 }
 
 /// The job that the shards are of, to draw its report.
@@ -187,7 +222,9 @@ JobResult run_merge_job(const MergeOptions& options, Progress& progress) {
     const io::ShardSet shards = io::read_shards(options.out, {std::uint32_t(options.shards)}, &progress);
     io::sweep_shards(options.out);
     const bool was_merged = io::is_merged(options.out, shards);
+    if (!options.for_printer.empty()) io::expect_printer_target(options.out, options.for_printer, options.overwrite);
     lay_together(options, shards, progress);
+    hand_over(options.out, options.for_printer, options.overwrite, progress);
     if (std::error_code not_there; !options.report) fs::remove(io::prepared_file(options.out, shards.job()), not_there);
     if (!options.report) return short_result(options.out, shards, was_merged ? "merged already" : "merged");
     if (was_merged && !options.predict && fs::exists(options.out / report_file::figures))

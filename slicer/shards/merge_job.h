@@ -17,9 +17,10 @@ namespace voxtone::slicer {
 
 struct MergeOptions {
     std::filesystem::path out;
-    bool overwrite = false;  ///< replace another job's stack
-    bool report = true;      ///< where the job asked for one
-    bool predict = false;    ///< as the job asks
+    bool overwrite = false;             ///< replace another job's stack
+    bool report = true;                 ///< where the job asked for one
+    bool predict = false;               ///< as the job asks
+    std::filesystem::path for_printer;  ///< where OUT/printer goes besides; empty: nowhere
     int threads = 0;
     int shards = 0;  ///< how many there are known to be; 0: those that lie there
 };

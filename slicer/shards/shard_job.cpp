@@ -13,6 +13,8 @@
 #include "base/progress_bar.h"
 #include "base/stopwatch.h"
 #include "io/disk/folder_lock.h"
+#include "io/files/whole_file.h"
+#include "io/layers/gcvf_config.h"
 #include "io/layers/stack_folder.h"
 #include "io/shards/shard_folder.h"
 #include "slicer/job/job_phases.h"
@@ -32,6 +34,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// What the merge makes one file of the whole stack from.
+void keep_for_whole(const PreparedJob& ready, const io::TopmostLayers& topmost, const fs::path& into,
+                    const io::ShardRecord& record) {
+    const fs::path folder = into / io::whole_folder_name;
+    std::error_code error;
+    fs::create_directories(folder, error);  // what is wrong says who writes in it
+    io::write_staged_file(into / io::shard_topmost_name(record.number), topmost.png());
+    if (!record.gcvf) return;
+    const io::GcvfPreview preview = io::gcvf_preview(record.stack, BodyPreview(ready.body, true).mesh());
+    io::write_staged_file(folder / io::preview_mesh_name, preview.stl);
+    io::write_staged_file(folder / io::preview_box_name, preview.box);
+}
+
 /// Makes the layers into the folder; with what they hold.
 void make_shard(PreparedJob& ready, const LayerRange& mine, const fs::path& into, io::ShardRecord& record,
                 Progress& progress) {
@@ -45,7 +60,7 @@ void make_shard(PreparedJob& ready, const LayerRange& mine, const fs::path& into
     io::StackDescription part = record.stack;
     part.first_layer = record.first_layer;
     part.layers = record.layers;
-    io::LayerFiles files(into, part, record.resin_bitmaps);
+    io::LayerFiles files(into, part, record.resin_bitmaps, std::uint32_t(mine.first - all.first));
     LayerWatchers watchers;
     if (ready.job.options.report) {
         watchers.thumbnails.emplace(all.first, all.layers(), ready.plan.grid, ready.job.palette());
@@ -56,6 +71,8 @@ void make_shard(PreparedJob& ready, const LayerRange& mine, const fs::path& into
         [&](int k, const io::LayerRuns& layer) { files.write(std::uint32_t(k - mine.first), layer); }, watchers,
         ready.figures, progress);
     record.written = files.written();
+    record.topmost_digest = files.topmost()->digest();
+    keep_for_whole(ready, *files.topmost(), into, record);
     if (watchers.thumbnails) record.pictures = watchers.thumbnails->take();
     if (watchers.voxels) record.viewer = watchers.voxels->take_layers();
 }
@@ -97,6 +114,7 @@ JobResult run_shard_job(const SliceOptions& asked, Progress& progress) {
         shard_layers(slab_work(body, job.options.colour.depth_mm, slab_layers), slab_layers, plan.layers, task.number);
     expect_disk_space(out, disk_bytes(job, body, mine), progress);
 
+    if (job.outputs().gcvf) io::expect_gcvf(job.describe(plan.grid, plan.layers));
     claim_folder_for_shards(job, folder, job_record(job.options.raw, identity.inputs, out), progress);
     if (!is_kept) keep_prepared(out, identity.job, body);
 
@@ -108,6 +126,8 @@ JobResult run_shard_job(const SliceOptions& asked, Progress& progress) {
     record.host = io::host_name();
     record.stack = io::as_written(job.describe(plan.grid, plan.layers));
     record.resin_bitmaps = job.outputs().resin_bitmaps;
+    record.gcvf = job.outputs().gcvf;
+    record.png = job.outputs().png;
     make_shard(ready, mine, folder.staging(), record, progress);
     record.figures = shard_figures(figures, watch);
     folder.publish(record);

@@ -29,11 +29,11 @@ ShardTask task_of(const OpenedJob& job, bool same_job_before) {
 
 void expect_shardable(const OpenedJob& job) {
     const io::StackOutputs outputs = job.outputs();
-    if (outputs.gcvf || outputs.vdb)
+    if (outputs.vdb)
         throw UsageError(fmt::format(
             "--shard: {} is one file of the whole stack, which shards do not make: leave it out of --formats, or slice "
             "without --shard",
-            outputs.gcvf ? io::gcvf_name : io::vdb_name));
+            io::vdb_name));
 }
 
 JobResult shard_result(const io::ShardRecord& record, const fs::path& out, const char* what) {

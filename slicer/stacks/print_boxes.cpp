@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <fmt/format.h>
 
 #include "base/parallel.h"
 #include "base/random.h"
 #include "base/stopwatch.h"
+#include "slicer/printer/how_to_print.h"
 
 namespace voxtone::slicer {
 
@@ -126,11 +128,38 @@ LayerCounts BoxLayers::make(int slab, int k_begin, int k_end, const LayerSink& s
     return counts;
 }
 
+namespace {
+
+/// Few layers are on top somewhere in a print of boxes, and each of these is made once more.
+io::PageOfStack page_of(const BoxPrint& print, const PrinterProfile& printer, const BoxLayers& layers,
+                        const io::StackOutputs& outputs) {
+    return [&, outputs](const io::StackDescription& stack, const io::TopmostLayers& topmost) {
+        std::map<std::uint16_t, std::vector<io::Material>> made;
+        const std::vector<io::Rgb> palette = stack.palette();
+        const auto colour = [&](std::uint32_t i, std::uint32_t j, std::uint16_t top) {
+            std::vector<io::Material>& pixels = made[top];
+            if (pixels.empty()) {
+                const io::LayerRuns runs = layers.layer(top);
+                for (std::uint32_t y = 0; y < runs.rows(); ++y)
+                    for (const io::Run run : runs.row(y))
+                        pixels.insert(pixels.end(), run.length, static_cast<io::Material>(run.material));
+            }
+            return palette[pixels[std::size_t{layers.size()[1] - 1 - j} * layers.size()[0] + i]];
+        };
+        const PictureFromAbove from_above = picture_from_above(stack, topmost, colour, "in the colours of the bitmaps");
+        return how_to_print_page(stack, printer, {print.title, outputs, {}, from_above, print.remarks});
+    };
+}
+
+}  // namespace
+
 io::StackDescription print_boxes(const BoxPrint& print, const PrinterProfile& printer, const std::filesystem::path& out,
                                  const io::StackOutputs& outputs, bool overwrite, Progress& progress) {
     const BoxLayers layers(print.boxes, print.size_mm, printer.sliced_pitch_um(), print.seed);
     check(print, printer, layers.size());
-    io::LayerStackWriter writer(out, describe(print, printer, layers.size()), outputs, overwrite);
+    io::StackOutputs with_folder = outputs;
+    with_folder.printer_folder = true;
+    io::LayerStackWriter writer(out, describe(print, printer, layers.size()), with_folder, overwrite);
     if (const std::string note = writer.strangers_note(); !note.empty()) progress.warn(note);
     progress.begin_stage("layers", layers.size()[2], "layers");
     parallel_for(
@@ -145,7 +174,7 @@ io::StackDescription print_boxes(const BoxPrint& print, const PrinterProfile& pr
         &progress);
     progress.end_stage();
     progress.begin_stage("finish", 0);
-    io::StackDescription stack = writer.finish({}, &progress);
+    io::StackDescription stack = writer.finish({}, &progress, page_of(print, printer, layers, outputs));
     progress.end_stage();
     return stack;
 }

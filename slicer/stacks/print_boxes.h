@@ -62,10 +62,12 @@ struct BoxPrint {
     Eigen::Vector3d size_mm = Eigen::Vector3d::Zero();
     std::vector<std::string> roles;  ///< of the resins
     std::uint64_t seed = 1;
+    std::string title = "the test piece";  ///< for the page of the printer's folder
+    std::vector<std::string> remarks{};    ///< for the same: how it is read once it is printed
 };
 
-/// Writes the boxes as a stack for this printer into `out`. Throws InputError (more resins than the printer carries,
-/// larger than its tray, fewer layers than it takes), FileError, Cancelled.
+/// Writes the boxes as a stack for this printer into `out`, with its printer's folder. Throws InputError (more resins
+/// than the printer carries, larger than its tray, fewer layers than it takes), FileError, Cancelled.
 io::StackDescription print_boxes(const BoxPrint& print, const PrinterProfile& printer, const std::filesystem::path& out,
                                  const io::StackOutputs& outputs, bool overwrite, Progress& progress);
 

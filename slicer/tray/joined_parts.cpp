@@ -132,6 +132,8 @@ SliceOptions options_of(const ReadyPart& first, const std::filesystem::path& fol
     return options;
 }
 
+}  // namespace
+
 std::uint64_t voxels_of(const JobBody& body) {
     const Solid solid(*body.solid, body.grid, body.relief);
     constexpr int layers_at_once = 16;
@@ -144,6 +146,8 @@ std::uint64_t voxels_of(const JobBody& body) {
     }
     return voxels;
 }
+
+namespace {
 
 /// What more than one of the bodies fills. The joined part has core resin there; told, as it may not be meant.
 double shared_mm3(const std::vector<ReadyPart>& parts, const std::vector<Copy>& kind, const JobBody& whole,

@@ -9,6 +9,7 @@
 
 #include <fmt/core.h>
 
+#include "base/counted.h"
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/stopwatch.h"
@@ -16,8 +17,10 @@
 #include "io/files/whole_file.h"
 #include "io/layers/layer_stack_writer.h"
 #include "io/layers/stack_folder.h"
+#include "io/printer/printer_folder.h"
 #include "io/shards/shard_folder.h"
 #include "slicer/job/job_phases.h"
+#include "slicer/job/printer_page.h"
 #include "slicer/kept/report_files.h"
 #include "slicer/options/job_file.h"
 #include "slicer/tray/opened_tray.h"
@@ -35,6 +38,13 @@ std::vector<std::string_view> companions_of_tray() {
     std::vector<std::string_view> names(report_file::all.begin(), report_file::all.end());
     names.insert(names.end(), {tray_file_name, tray_picture_name, io::shards_name});
     return names;
+}
+
+/// Where the tray goes besides, numbered like its folder; empty: nowhere.
+fs::path printer_target(const OpenedTray& tray, int number) {
+    const fs::path target = tray.plan.common.for_printer;
+    if (target.empty() || target.extension() != ".zip") return target.empty() ? target : folder_of_tray(target, number);
+    return folder_of_tray(fs::path(target).replace_extension(), number).string() + ".zip";
 }
 
 /// This very tray, with every part that can be made.
@@ -58,7 +68,23 @@ io::StackFolder take_folder(const OpenedTray& tray, int number, Progress& progre
     if (!tray.plan.common.overwrite && !(folder.holds_stack() && is_same_job(folder.path(), tray.job, &progress)))
         folder.expect_free();
     if (const std::string note = folder.strangers_note(); !note.empty()) progress.warn(note);
+    if (const fs::path target = printer_target(tray, number); !target.empty())
+        io::expect_printer_target(folder.path(), target, tray.plan.common.overwrite);
     return folder;
+}
+
+/// The page of the tray's printer folder.
+io::PageOfStack page_of(const PreparedTray& prepared, int number) {
+    std::vector<PlacedBody> bodies;
+    for (const ReadyPart& part : prepared.parts.ready) {
+        std::vector<std::array<int, 3>> at;
+        for (const PlacedCopy& copy : part.copies)
+            if (copy.tray == number) at.push_back(copy.at);
+        if (!at.empty() && !part.is_joined && !part.part.cuts)
+            bodies.push_back({part.part.name, part.ready->body, std::move(at)});
+    }
+    std::string title = "a tray of " + counted(bodies.size(), "part");
+    return printer_page(prepared.any_job(), std::move(title), std::move(bodies));
 }
 
 /// One tray, from its layers to its files. What there is to read of it.
@@ -79,9 +105,11 @@ JobResult make_tray(const OpenedTray& tray, const PreparedTray& prepared, int nu
     for (const std::string& note : notes) progress.warn(note);
     progress.begin_stage(name_of(Phase::finish), 0);
     writer.add_file(job_file_name, job_record(tray.job.options.raw, prepared.identity.inputs, out));
-    const io::StackDescription stack = writer.finish({}, &progress);
+    writer.set_members(members_of(prepared, number));
+    const io::StackDescription stack = writer.finish({}, &progress, page_of(prepared, number));
     std::string json = tray_json(prepared, number, overlaps, stack);
     io::write_whole_file(out / tray_file_name, json);
+    hand_over(out, printer_target(tray, number), tray.plan.common.overwrite, progress);
     report.write({out, number, any, stack, layers.grid(), notes}, watchers, watch.total(), progress);
     progress.end_stage();
     return {std::move(json), tray_summary(prepared, number, stack, watch.total(), out), ExitCode::done};
@@ -110,7 +138,11 @@ JobResult run_tray_job(const SliceOptions& asked, std::span<const std::string> m
     const OpenedTray tray = open_tray(with_plan(asked, models));
     for (const std::string& note : tray.plan.notes) progress.note(note);
     if (!only_loops)
-        if (auto done = done_before(tray, *first, progress)) return *std::move(done);
+        if (auto done = done_before(tray, *first, progress)) {
+            for (int number = 0; is_same_job(folder_of_tray(asked.out, number), tray.job, &progress); ++number)
+                hand_over(folder_of_tray(asked.out, number), printer_target(tray, number), asked.overwrite, progress);
+            return *std::move(done);
+        }
     first.reset();
     std::vector<io::StackFolder> folders;
     folders.push_back(take_folder(tray, 0, progress));

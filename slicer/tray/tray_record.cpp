@@ -12,6 +12,7 @@
 #include "io/layers/stack_folder.h"
 #include "io/report/report.h"
 #include "slicer/kept/report_files.h"
+#include "slicer/tray/joined_parts.h"
 
 namespace voxtone::slicer {
 
@@ -79,6 +80,29 @@ std::vector<std::string> overlap_notes(const PreparedTray& prepared, int tray, c
         notes.push_back(std::move(note));
     }
     return notes;
+}
+
+std::vector<io::StackMember> members_of(const PreparedTray& prepared, int tray) {
+    std::vector<io::StackMember> members;
+    const Eigen::Vector3d pitch_mm = prepared.places.trays[std::size_t(tray)].pitch_mm;
+    for (const ReadyPart& part : prepared.parts.ready) {
+        if (part.is_joined || copies_on(part, tray) == 0) continue;
+        const VoxelGrid& own = part.ready->body.grid;
+        io::StackMember member{part.part.name, {}, 0, verdict_of(part)};
+        for (const PlacedCopy& copy : part.copies) {
+            if (copy.tray != tray) continue;
+            std::array<double, 6>& box = member.boxes_mm.emplace_back();
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                box[axis] = copy.at[axis] * pitch_mm[Eigen::Index(axis)];
+                box[axis + 3] = (copy.at[axis] + own.size[axis]) * pitch_mm[Eigen::Index(axis)];
+            }
+        }
+        if (!part.part.cuts)
+            member.ml =
+                double(voxels_of(part.ready->body)) * own.voxel_volume_mm3() * 1e-3 * double(member.boxes_mm.size());
+        members.push_back(std::move(member));
+    }
+    return members;
 }
 
 std::string tray_json(const PreparedTray& prepared, int tray, const std::vector<Overlap>& overlaps,

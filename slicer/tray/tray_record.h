@@ -21,6 +21,9 @@ namespace voxtone::slicer {
 [[nodiscard]] std::vector<std::string> overlap_notes(const PreparedTray& prepared, int tray,
                                                      const std::vector<Overlap>& overlaps);
 
+/// The plan's parts with copies on the tray, for its manifest; joined parts are made of these.
+[[nodiscard]] std::vector<io::StackMember> members_of(const PreparedTray& prepared, int tray);
+
 [[nodiscard]] std::string tray_json(const PreparedTray& prepared, int tray, const std::vector<Overlap>& overlaps,
                                     const io::StackDescription& stack);
 

@@ -68,7 +68,7 @@ void make_layers_of(const PreparedTray& prepared, const ComposedLayers& layers, 
     io::StackDescription part = record.stack;
     part.first_layer = record.first_layer;
     part.layers = record.layers;
-    io::LayerFiles files(into, part, record.resin_bitmaps);
+    io::LayerFiles files(into, part, record.resin_bitmaps, record.first_layer);
     LayerWatchers watchers;
     const OpenedJob& any = prepared.any_job();
     if (any.options.report) watch_all(watchers, layers.grid(), any);
@@ -76,6 +76,10 @@ void make_layers_of(const PreparedTray& prepared, const ComposedLayers& layers, 
         layers, mine, [&](int k, const io::LayerRuns& layer) { files.write(std::uint32_t(k - mine.first), layer); },
         watchers, progress);
     record.written = files.written();
+    record.topmost_digest = files.topmost()->digest();
+    std::error_code error;
+    fs::create_directories(into / io::whole_folder_name, error);  // what is wrong says who writes in it
+    io::write_staged_file(into / io::shard_topmost_name(record.number), files.topmost()->png());
     if (watchers.thumbnails) record.pictures = watchers.thumbnails->take();
     if (watchers.voxels) record.viewer = watchers.voxels->take_layers();
 }
@@ -135,6 +139,10 @@ JobResult run_tray_shard(const SliceOptions& asked, std::span<const std::string>
     const ThreadLimit threads(static_cast<std::size_t>(job.options.threads));
     PreparedTray prepared = prepare_tray(tray, progress);
     expect_shardable(prepared.any_job());
+    if (prepared.any_job().outputs().gcvf)
+        throw UsageError(fmt::format("--shard: {} of a tray is not made in shards: leave it out of --formats, or slice "
+                                     "without --shard",
+                                     io::gcvf_name));
     take_loops(prepared, progress);
     const ComposedLayers layers = compose(prepared, 0);
     const LayerRange all{0, layers.grid().size[2] - 1};
@@ -150,6 +158,7 @@ JobResult run_tray_shard(const SliceOptions& asked, std::span<const std::string>
     record.host = io::host_name();
     record.stack = io::as_written(prepared.any_job().describe(layers.grid(), all));
     record.resin_bitmaps = prepared.any_job().outputs().resin_bitmaps;
+    record.png = prepared.any_job().outputs().png;
     make_layers_of(prepared, layers, mine, folder.staging(), record, progress);
     record.figures = shard_figures({}, watch);
     folder.publish(record);

@@ -28,6 +28,8 @@ const std::vector<std::string> every_command{"",
                                              "predict",
                                              "proof",
                                              "verify",
+                                             "target",
+                                             "target marker",
                                              "list",
                                              "stack",
                                              "stack dataset",
@@ -140,9 +142,9 @@ TEST_CASE("The summary names the report and the time of the whole job") {
 TEST_CASE("Manual pages hold every option, and man finds nothing wrong with them") {
     const Folder folder("manual");
     REQUIRE(run_program("manual " + folder.path().string()).exit_code == 0);
-    CHECK(read_tree(folder.path()).size() == 14);
+    CHECK(read_tree(folder.path()).size() == 15);
     for (const std::string verb : {"slice", "tray", "estimate", "merge", "batch", "status", "task", "predict", "proof",
-                                   "verify", "list", "stack", "calibrate"}) {
+                                   "verify", "target", "list", "stack", "calibrate"}) {
         const std::string page = without_roff(read_file(folder / ("voxtone-" + verb + ".1")));
         const std::vector<std::string> options = option_words(run_program(verb + " --help-all").out);
         CHECK(options.size() >= (verb == "status" ? 2u : 3u));

@@ -347,9 +347,9 @@ TEST_CASE("Broken shards and those of another job are refused, and nothing is lo
     folder.write("parts/shards/0002-of-0003.json", good);
     REQUIRE(merge(folder, "parts").exit_code == 0);
 
-    const Outcome gcvf = run_program(fmt::format("{} --formats gcvf -o {} --shard 1/2", plain_job, folder / "gcvf"));
-    CHECK(gcvf.exit_code == 2);
-    CHECK_THAT(gcvf.err, Contains("stack.gcvf"));
+    const Outcome vdb = run_program(fmt::format("{} --formats vdb -o {} --shard 1/2", plain_job, folder / "vdb"));
+    CHECK(vdb.exit_code == 2);
+    CHECK_THAT(vdb.err, Contains("volume.vdb"));
     for (const char* bad : {"0/4", "5/4", "4", "a/b", "1/2/3"})
         CHECK(run_program(fmt::format("{} -o {} --shard {}", plain_job, folder / "x", bad)).exit_code == 2);
     CHECK(merge(folder, "nowhere").exit_code == 4);

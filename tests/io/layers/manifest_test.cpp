@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "io/files/sha256.h"
+#include "tests/io/files/schema.h"
 
 using namespace voxtone;
 using namespace voxtone::io;
@@ -42,6 +43,32 @@ TEST_CASE("a manifest survives writing and reading", "[manifest]") {
     CHECK(stack.layer_path(7) == "layers/slice_00007.png");
     CHECK(stack_size_mm(stack)[0] == Approx(60.03).margin(0.005));
     CHECK(stack_size_mm(stack)[2] == Approx(105.84));
+}
+
+TEST_CASE("a manifest names the bodies of a print of many, and is sealed with them", "[manifest]") {
+    const auto alone = manifest_text(sample());
+    CHECK(alone.find("members") == std::string::npos);
+    auto stack = sample();
+    stack.members = {{"cow", {{0, 0, 0, 10, 20, 30}, {12.5, 0, 0, 22.5, 20, 30}}, 1.25, "good"},
+                     {"a \"card\"", {}, 0, ""}};
+    const auto text = manifest_text(stack);
+    CHECK(parse_manifest(text, "m") == stack);
+    CHECK(schema_faults("manifest", text).empty());
+    CHECK(seal_of_manifest_text(text, "m") == ManifestSeal::whole);
+    CHECK(seal_of_manifest_text(replaced(text, "\"good\"", "\"fair\""), "m") == ManifestSeal::broken);
+    const auto fault = [&](const std::string& from, const std::string& to) {
+        try {
+            (void)parse_manifest(replaced(text, from, to), "FILE");
+        } catch (const InputError& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    CHECK_THAT(fault("a \\\"card\\\"", "cow"), Contains("members[1].name"));
+    CHECK_THAT(fault("\"cow\"", "\"\""), Contains("members[0]"));
+    CHECK_THAT(fault("\"ml\": 1.25", "\"ml\": -1"), Contains("ml"));
+    CHECK_THAT(fault("12.5,", "32.5,"), Contains("ends before it begins"));
+    CHECK_THAT(fault("12.5,", ""), Contains("boxes_mm"));
 }
 
 TEST_CASE("a cube of 10 mm is a millilitre", "[manifest]") {

@@ -137,8 +137,8 @@ TEST_CASE("a GCVF has its parts and is the same every time", "[gcvf]") {
     (void)write_sample_stack(folder.path() / "b", 31, {ResinBitmaps::none, true, false});
     CHECK(text_of(folder.path() / "a" / "stack.gcvf") == text_of(folder.path() / "b" / "stack.gcvf"));
     const ZipReader zip(folder.path() / "a" / "stack.gcvf");
-    CHECK(zip.names().size() == 31 + 3);
-    for (const auto* name : {"ConfigFile.xml", "layer_0.png", "layer_30.png", "Mesh.stl", "MeshBbx.ktn"})
+    CHECK(zip.names().size() == 31 + 4);
+    for (const auto* name : {"ConfigFile.xml", "layer_0.png", "layer_30.png", "Mesh.stl", "MeshBbx.ktn", "Zbuffer.png"})
         CHECK(std::find(zip.names().begin(), zip.names().end(), name) != zip.names().end());
     const StackReader reader(folder.path() / "a" / "stack.gcvf");
     const auto& config = *reader.gcvf();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "slicer/surface/surface_pieces.h"
+#include "slicer/surface/area_points.h"
 
 #include <cmath>
 
@@ -11,10 +11,10 @@
 
 namespace voxtone::slicer {
 
-std::vector<SurfacePiece> surface_pieces(const VisibleSurface& surface, const io::TexturedMesh& mesh) {
+std::vector<AreaPoint> area_points(const VisibleSurface& surface, const io::TexturedMesh& mesh) {
     constexpr std::uint64_t pieces = 50'000, seed = 1;
     constexpr float white_from = 0.9f;
-    std::vector<SurfacePiece> found;
+    std::vector<AreaPoint> found;
     if (surface.triangles.empty()) return found;
     const AreaSamples area(surface);
     const SurfaceColour colour(mesh, std::sqrt(area.area_mm2() / double(pieces)));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "io/layers/layer_thumbnail.h"
+#include "io/report/layer_thumbnail.h"
 
 #include <algorithm>
 #include <cmath>

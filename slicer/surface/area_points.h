@@ -13,12 +13,12 @@
 
 namespace voxtone::slicer {
 
-struct SurfacePiece {
+struct AreaPoint {
     Eigen::Vector3d at_mm, normal;  ///< outward, of unit length
     bool white;                     ///< every channel of linear light is 0.9 or more
 };
 
 /// 50,000 of them, the same every time; none of an empty surface. `mesh`: the surface's source.
-[[nodiscard]] std::vector<SurfacePiece> surface_pieces(const VisibleSurface& surface, const io::TexturedMesh& mesh);
+[[nodiscard]] std::vector<AreaPoint> area_points(const VisibleSurface& surface, const io::TexturedMesh& mesh);
 
 }  // namespace voxtone::slicer

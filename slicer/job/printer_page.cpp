@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/job/printer_page.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "io/printer/printer_folder.h"
+#include "slicer/surface/area_points.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+enum class Contact { none, support, elsewhere };  // elsewhere: in layers that are not of this stack
+
+class Columns {
+public:
+    Columns(const io::StackDescription& stack, const io::TopmostLayers& topmost)
+        : stack_(stack), topmost_(topmost.indices()), size_{int(stack.size_px[0]), int(stack.size_px[1])} {
+        if (stack.orientation.swap_xy) std::swap(size_[0], size_[1]);
+    }
+
+    /// Of a face at this place of the print, in voxels from its corner.
+    [[nodiscard]] Contact contact(const Eigen::Vector3d& at, const Eigen::Vector3d& normal) const {
+        const double layer = at.z() - stack_.first_layer;
+        if (layer < -0.5 || layer > stack_.layers + 0.5) return Contact::elsewhere;
+        // The voxel before the face: a voxel and a half away, past what the staircase may still hold of the body.
+        const Eigen::Vector3i voxel = (at + 1.5 * normal).array().floor().cast<int>();
+        if (voxel.z() < 0) return Contact::support;  // the tray
+        if (voxel.x() < 0 || voxel.x() >= size_[0] || voxel.y() < 0 || voxel.y() >= size_[1]) return Contact::none;
+        const std::size_t pixel = pixel_of_column(stack_, std::uint32_t(voxel.x()), std::uint32_t(voxel.y()));
+        return voxel.z() - int(stack_.first_layer) < int(topmost_[pixel]) ? Contact::support : Contact::none;
+    }
+
+private:
+    const io::StackDescription& stack_;
+    std::span<const std::uint16_t> topmost_;
+    std::array<int, 2> size_;
+};
+
+/// The middle nine tenths.
+std::array<double, 2> range_of(std::vector<double>& values) {
+    if (values.empty()) return {0, 0};
+    std::sort(values.begin(), values.end());
+    return {values[values.size() / 20], values[values.size() - 1 - values.size() / 20]};
+}
+
+}  // namespace
+
+PartFinish finish_of(const PlacedBody& placed, const io::StackDescription& stack, const io::TopmostLayers& topmost) {
+    const JobBody& body = placed.body;
+    const std::vector<AreaPoint> pieces = area_points(*body.surface, body.model.mesh);
+    PartFinish finish;
+    finish.name = placed.name;
+    finish.copies = int(placed.at.size());
+    if (pieces.empty() || placed.at.empty()) return finish;
+    const Columns columns(stack, topmost);
+    // Of many copies each is looked at in fewer places.
+    constexpr std::size_t most = 1'000'000;
+    const std::size_t stride = (pieces.size() * placed.at.size() + most - 1) / most;
+    const double of_copy_mm2 =
+        coloured_area_mm2(*body.surface) / double((pieces.size() + stride - 1) / stride) / double(placed.at.size());
+    std::vector<double> heights_mm;
+    for (const std::array<int, 3>& at : placed.at)
+        for (std::size_t p = 0; p < pieces.size(); p += stride) {
+            const AreaPoint& piece = pieces[p];
+            const Eigen::Vector3d voxel = (piece.at_mm - body.grid.origin_mm).cwiseQuotient(body.grid.pitch_mm) +
+                                          Eigen::Vector3d(at[0], at[1], at[2]);
+            const Contact contact = columns.contact(voxel, piece.normal);
+            if (contact == Contact::elsewhere) continue;
+            finish.surface_mm2 += of_copy_mm2;
+            if (!piece.white) finish.coloured_mm2 += of_copy_mm2;
+            if (contact == Contact::none) continue;
+            finish.matt_mm2 += of_copy_mm2;
+            if (piece.white) continue;
+            finish.coloured_matt_mm2 += of_copy_mm2;
+            if (piece.normal.z() < -0.5) finish.coloured_down_mm2 += of_copy_mm2;
+            heights_mm.push_back(std::max(0.0, voxel.z() * body.grid.pitch_mm.z()));
+        }
+    finish.coloured_matt_height_mm = range_of(heights_mm);
+    return finish;
+}
+
+io::PageOfStack printer_page(const OpenedJob& job, std::string title, std::vector<PlacedBody> bodies) {
+    return [&job, title = std::move(title), bodies = std::move(bodies)](const io::StackDescription& stack,
+                                                                        const io::TopmostLayers& topmost) {
+        HowToPrint what{title, job.outputs(), {}, heights_from_above(stack, topmost)};
+        for (const PlacedBody& placed : bodies) what.parts.push_back(finish_of(placed, stack, topmost));
+        return how_to_print_page(stack, job.printer, what);
+    };
+}
+
+void hand_over(const std::filesystem::path& out, const std::filesystem::path& target, bool overwrite,
+               Progress& progress) {
+    if (target.empty()) return;
+    const bool made = io::hand_to_printer(out, target, overwrite, &progress);
+    progress.note(fmt::format(
+        "{}: {}", target.string(),
+        made ? "what the printer's computer takes, and how to print it" : "holds this print for the printer already"));
+}
+
+}  // namespace voxtone::slicer

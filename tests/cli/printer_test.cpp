@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// From OUT to the printer's computer, as a user takes it there.
+#include <filesystem>
+#include <set>
+#include <string>
+
+#include <fmt/format.h>
+#include <catch2/catch.hpp>
+
+#include "io/layers/manifest.h"
+#include "run_program.h"
+
+using namespace voxtone::test;
+using Catch::Contains;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* quick = "slice --quiet --no-report --iterations 0 ";
+
+/// High enough for the printer, coloured all over, and lying on its coloured underside.
+std::string box(const Folder& folder) {
+    folder.write("box.obj", ramp_box_obj(3, 2, 1));
+    return folder / "box.obj";
+}
+
+std::set<std::string> names_in(const fs::path& folder) {
+    std::set<std::string> names;
+    for (const auto& [name, bytes] : read_tree(folder)) names.insert(name);
+    return names;
+}
+
+}  // namespace
+
+TEST_CASE("A job leaves what the printer takes, hands it over where it is told to, and does neither twice") {
+    const Folder folder("to-printer");
+    const std::string job = quick + box(folder) + " -o " + (folder / "out");
+    REQUIRE(run_program(job).exit_code == 0);
+    const fs::path printer = folder.path() / "out/printer";
+    CHECK(names_in(printer).size() == 38 + 1);  // 1 mm of 27 um
+    CHECK(names_in(printer).contains("HOW-TO-PRINT.html"));
+    CHECK(run_program("verify " + printer.string()).exit_code == 0);
+    const std::string page = read_file(printer / "HOW-TO-PRINT.html");
+    for (const char* words :
+         {"High Mix", "Voxel Print utility", "27 um", "VeroMGT-V", "205, 25, 110", "slice_00037.png", "600 x 300 dpi",
+          "voxtone target marker --printer stratasys-j750-hm", "box.obj"})
+        CHECK_THAT(page, Contains(words));
+    // 3 x 2 mm of it lie on the tray, and all of it is coloured: 6 of 22 mm2.
+    CHECK_THAT(page, Contains("0.06 of 0.22 cm<sup>2</sup>") && Contains("facing down"));
+
+    // Done before: the print is handed over all the same.
+    REQUIRE(run_program(job + " --for-printer " + (folder / "usb/box")).exit_code == 0);
+    CHECK(read_tree(folder / "usb/box") == read_tree(printer));
+    CHECK(run_program("verify " + (folder / "usb/box")).exit_code == 0);
+    REQUIRE(run_program(job + " --for-printer " + (folder / "usb/box")).exit_code == 0);
+    REQUIRE(run_program(job + " --for-printer " + (folder / "box.zip")).exit_code == 0);
+    if (is_here("unzip")) {
+        REQUIRE(run_shell("cd " + folder.path().string() + " && mkdir un && cd un && unzip -q ../box.zip") == 0);
+        CHECK(read_tree(folder / "un") == read_tree(printer));
+    }
+    CHECK_THAT(run_program("verify " + (folder / "box.zip")).out, Contains("unpack it"));
+
+    // Another print is refused before it is made, and takes the place where that is allowed.
+    const std::string other = quick + box(folder) + " --seed 2 --for-printer " + (folder / "usb/box") + " -o ";
+    const Outcome refused = run_program(other + (folder / "other"));
+    CHECK(refused.exit_code == 3);
+    CHECK_THAT(refused.err, Contains("holds another print") && Contains("--overwrite"));
+    CHECK_FALSE(fs::exists(folder.path() / "other"));
+    REQUIRE(run_program(other + (folder / "other") + " --overwrite").exit_code == 0);
+    CHECK(read_tree(folder / "usb/box") == read_tree(folder / "other/printer"));
+    // The place for it is no part of the job: job.json does not keep it.
+    CHECK(read_file(folder / "other/job.json").find("usb") == std::string::npos);
+
+    CHECK_THAT(
+        run_program(quick + box(folder) + " --shard 1/2 --for-printer " + (folder / "x") + " -o " + (folder / "y")).err,
+        Contains("voxtone merge"));
+    CHECK(run_program(quick + box(folder) + " --overwrite --for-printer " + (folder / "out/sub") + " -o " +
+                      (folder / "out"))
+              .exit_code == 3);
+    CHECK(run_program("verify " + (folder / "out")).exit_code == 0);
+}
+
+TEST_CASE("A GCVF for the printer is the same for one thread and many, and of shards") {
+    const Folder folder("gcvf-shards");
+    const std::string job = quick + box(folder) + " --formats gcvf -o ";
+    REQUIRE(run_program(job + (folder / "many")).exit_code == 0);
+    REQUIRE(run_program(job + (folder / "one") + " --threads 1").exit_code == 0);
+    for (const char* shard : {"2/3", "1/3", "3/3"})
+        REQUIRE(run_program(job + (folder / "parts") + " --shard " + shard).exit_code == 0);
+    const Outcome merged =
+        run_program("merge --no-report " + (folder / "parts") + " --for-printer " + (folder / "usb"));
+    INFO(merged.err);
+    REQUIRE(merged.exit_code == 0);
+    const auto wanted = read_tree(folder / "many/printer");
+    CHECK(names_in(folder / "many/printer") == std::set<std::string>{"HOW-TO-PRINT.html", "stack.gcvf"});
+    for (const char* other : {"one/printer", "parts/printer", "usb"}) {
+        CAPTURE(other);
+        CHECK(read_tree(folder.path() / other) == wanted);
+    }
+    CHECK(run_program("verify " + (folder / "usb")).exit_code == 0);
+    REQUIRE(run_program("merge --no-report " + (folder / "parts") + " --for-printer " + (folder / "usb")).exit_code ==
+            0);
+    for (const auto& [name, bytes] : read_tree(folder / "parts/shards")) CHECK(name.find("whole") == std::string::npos);
+}
+
+TEST_CASE("A shard whose part of the Zbuffer was lost or spoilt is asked for again") {
+    const Folder folder("lost-part");
+    const std::string job = quick + box(folder) + " -o " + (folder / "out") + " --shard ";
+    for (const char* shard : {"1/2", "2/2"}) REQUIRE(run_program(job + shard).exit_code == 0);
+    fs::path part;
+    for (const auto& entry : fs::recursive_directory_iterator(folder.path() / "out/shards"))
+        if (entry.path().filename() == "0002-of-0002.png") part = entry.path();
+    REQUIRE_FALSE(part.empty());
+    const std::string good = read_file(part);
+    fs::remove(part);
+    const Outcome lost = run_program("merge --no-report " + (folder / "out"));
+    CHECK(lost.exit_code == 3);
+    CHECK_THAT(lost.err, Contains("0002-of-0002.png: is not there") && Contains("--shard 2/2"));
+    folder.write(fs::relative(part, folder.path()).string(), read_file(part.parent_path() / "0001-of-0002.png"));
+    CHECK_THAT(run_program("merge --no-report " + (folder / "out")).err, Contains("not what the shard's record says"));
+    folder.write(fs::relative(part, folder.path()).string(), good);
+    CHECK(run_program("merge --no-report " + (folder / "out")).exit_code == 0);
+    CHECK(run_program("verify " + (folder / "out/printer")).exit_code == 0);
+}
+
+TEST_CASE("A tray's page names its parts, and the marker is a print like any other") {
+    const Folder folder("printer-tray");
+    folder.write("low.obj", ramp_box_obj(3, 2, 1));
+    folder.write("high.obj", ramp_box_obj(2, 2, 2));
+    REQUIRE(run_program("tray --quiet --no-report --iterations 0 " + (folder / "low.obj") + " " +
+                        (folder / "high.obj") + " --gap 3mm -o " + (folder / "tray") + " --for-printer " +
+                        (folder / "tray.zip"))
+                .exit_code == 0);
+    const std::string page = read_file(folder / "tray/printer/HOW-TO-PRINT.html");
+    CHECK_THAT(page, Contains("a tray of 2 parts") && Contains("<td>low</td>") && Contains("<td>high</td>"));
+    CHECK(run_program("verify " + (folder / "tray/printer")).exit_code == 0);
+    CHECK(fs::exists(folder.path() / "tray.zip"));
+    const auto stack = voxtone::io::read_manifest(folder.path() / "tray/manifest.json");
+    REQUIRE(stack.members.size() == 2);
+    const std::array<std::array<double, 3>, 2> size_mm{{{3, 2, 1}, {2, 2, 2}}};
+    for (std::size_t m = 0; m < 2; ++m) {
+        const voxtone::io::StackMember& member = stack.members[m];
+        CHECK(member.name == (m == 0 ? "low" : "high"));
+        CHECK(member.ml == Approx(size_mm[m][0] * size_mm[m][1] * size_mm[m][2] * 1e-3).epsilon(0.05));
+        REQUIRE(member.boxes_mm.size() == 1);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double low = member.boxes_mm[0][axis], high = member.boxes_mm[0][axis + 3];
+            CHECK(high - low == Approx(size_mm[m][axis]).margin(stack.pitch_um[axis] * 1e-3));
+            CHECK(low >= 0);
+            CHECK(high <= stack.size_mm[axis] + 1e-6);
+        }
+    }
+    double ml = 0;
+    for (const auto& resin : stack.resins) ml += resin.ml;
+    CHECK(stack.members[0].ml + stack.members[1].ml == Approx(ml).epsilon(0.01));
+
+    REQUIRE(run_program("target marker --gcvf -o " + (folder / "marker")).exit_code == 0);
+    CHECK(run_program("verify " + (folder / "marker/printer")).exit_code == 0);
+    CHECK_THAT(read_file(folder / "marker/printer/HOW-TO-PRINT.html"), Contains("set flip_x"));
+    CHECK(run_program("target marker -o " + (folder / "marker")).exit_code == 3);
+    CHECK(run_program("target marker --load W -o " + (folder / "other")).exit_code == 3);
+}
