@@ -10,6 +10,21 @@
 
 namespace voxtone::slicer {
 
+namespace {
+
+/// Nothing where all decals are of mixtures.
+std::vector<int> resins_of_decals(const JobBody& body, const LoadedResins& resins) {
+    std::vector<int> indices;
+    bool any = false;
+    for (const std::string& role : body.resin_of_decal) {
+        indices.push_back(role.empty() ? -1 : resins.set.find(role));
+        any = any || indices.back() >= 0;
+    }
+    return any ? indices : std::vector<int>{};
+}
+
+}  // namespace
+
 PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, double shell_mm)
     : body_(body),
       resins_(resins),
@@ -17,7 +32,8 @@ PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const Loaded
       solid_(*body.solid, body.grid, body.relief),
       shell_(body.surface, body.grid, shell_mm),
       // Voxels are sampled at their centres: texture details finer than a voxel's footprint would alias.
-      surface_colour_(body.model.mesh, std::sqrt(body.grid.pitch_mm.x() * body.grid.pitch_mm.y())) {
+      surface_colour_(body.model.mesh, std::sqrt(body.grid.pitch_mm.x() * body.grid.pitch_mm.y()),
+                      resins_of_decals(body, resins)) {
     if (job.keep_thin) thin_.emplace(body.solid, solid_);
 }
 

@@ -158,7 +158,7 @@ void put_body(PackedWriter& to, const JobBody& body) {
     mesh_in(to, body.model.mesh);
     put_materials(to, body.model.mesh.materials);
     put_decals(to, body.model.mesh.decals);
-    to(body.relief.runs());
+    to(body.resin_of_decal, body.relief.runs());
     solid_in(to, *body.solid);
     surface_in(to, *body.surface);
 }
@@ -176,7 +176,7 @@ JobBody body_from(PackedReader& from) {
     body.model.mesh.materials = materials_from(from);
     body.model.mesh.decals = decals_from(from);
     std::vector<ReliefRun> relief;
-    from(relief);
+    from(body.resin_of_decal, relief);
     body.relief = Relief(relief);
     SolidMesh solid;
     solid_in(from, solid);

@@ -5,10 +5,26 @@
 
 namespace voxtone::slicer {
 
+BlockMixtures::BlockMixtures(const VisibleSurface& surface, const SurfaceColour& colour,
+                             const halftone::Separation& separation, const SkinSource* skin)
+    : surface_(surface), colour_(colour), separation_(separation), skin_(skin) {
+    if (!colour.sets_resins()) return;
+    const auto resins = static_cast<std::size_t>(separation.resins());
+    halftone::SkinMixtures each(resins, 1, resins);
+    for (std::size_t r = 0; r < resins; ++r) each.cell(r)[r] = 1;
+    pure_ = halftone::cumulative_mixtures(each);
+}
+
 std::size_t BlockMixtures::gather(const ShellBlock& block) {
     count_ = 0;
+    marked_.clear();
     for_each_shell_voxel(block, [&](int row, int lane) {
         const int at = row * ShellBlock::width + lane;
+        if (!pure_.empty())
+            if (const int resin =
+                    colour_.resin_at(surface_.source_triangle[block.triangle[at]], block.u[at], block.v[at]);
+                resin >= 0)
+                marked_.emplace_back(count_, resin);
         if (skin_) {
             mixture_[count_++] = skin_->mixture(block.triangle[at], block.u[at], block.v[at], block.distance_mm[at]);
             return;
@@ -24,6 +40,7 @@ std::size_t BlockMixtures::gather(const ShellBlock& block) {
 
 const halftone::CumulativeMixture* BlockMixtures::separate() {
     if (!skin_) separation_.mixtures(red_.data(), green_.data(), blue_.data(), count_, mixture_.data());
+    for (const auto& [voxel, resin] : marked_) mixture_[voxel] = pure_[static_cast<std::size_t>(resin)];
     return mixture_.data();
 }
 

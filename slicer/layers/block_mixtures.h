@@ -6,6 +6,8 @@
 
 #include <array>
 #include <cstddef>
+#include <utility>
+#include <vector>
 
 #include "halftone/screens/blue_noise_screen.h"
 #include "halftone/separation/separation.h"
@@ -21,8 +23,7 @@ class BlockMixtures {
 public:
     /// `skin`: null: separate the target colours.
     BlockMixtures(const VisibleSurface& surface, const SurfaceColour& colour, const halftone::Separation& separation,
-                  const SkinSource* skin)
-        : surface_(surface), colour_(colour), separation_(separation), skin_(skin) {}
+                  const SkinSource* skin);
 
     /// Looks up what the voxels of the block ask for; returns how many there are.
     std::size_t gather(const ShellBlock& block);
@@ -35,6 +36,8 @@ private:
     const SurfaceColour& colour_;
     const halftone::Separation& separation_;
     const SkinSource* skin_;
+    std::vector<halftone::CumulativeMixture> pure_;    ///< of each resin, where marks are printed by one
+    std::vector<std::pair<std::size_t, int>> marked_;  ///< voxels of the block that are, and their resins
     std::size_t count_ = 0;
     std::array<float, max_voxels> red_, green_, blue_;
     std::array<halftone::CumulativeMixture, max_voxels> mixture_;

@@ -39,9 +39,11 @@ struct MarkOptions {
     double turn_deg = 0;  ///< anticlockwise
     MarkInk ink = MarkInk::contrast;
     Eigen::Vector3f ink_rgb = Eigen::Vector3f::Zero();  ///< linear sRGB
-    std::optional<Eigen::Vector3f> ground_rgb;          ///< of its whole rectangle; nothing: what is there stays
-    int relief_voxels = 0;                              ///< above 0 the ink is raised so far, below it is engraved
-    std::string said;                                   ///< as it was spelled, for messages: "--label 'A-17'"
+    std::string
+        resin;  ///< role: the ink is of this resin alone, as deep as the shell; empty: a mixture makes its colour
+    std::optional<Eigen::Vector3f> ground_rgb;  ///< of its whole rectangle; nothing: what is there stays
+    int relief_voxels = 0;                      ///< above 0 the ink is raised so far, below it is engraved
+    std::string said;                           ///< as it was spelled, for messages: "--label 'A-17'"
 };
 
 }  // namespace voxtone::slicer

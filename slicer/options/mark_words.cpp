@@ -27,7 +27,8 @@ constexpr int most_relief_voxels = 100;
 constexpr const char *text_key = "text", *file_key = "file", *qr_key = "qr", *data_matrix_key = "datamatrix",
                      *font_key = "font";
 const std::vector<std::string> words_of_marks{"place", "at", "size", "turn", "engrave", "raise"};
-const std::vector<std::string> words_of_labels{text_key, qr_key, data_matrix_key, font_key, "colour", "ground"};
+const std::vector<std::string> words_of_labels{text_key, qr_key,  data_matrix_key, font_key,
+                                               "colour", "resin", "ground"};
 
 std::vector<std::string> words_of(MarkFamily family) {
     std::vector<std::string> keys =
@@ -144,6 +145,8 @@ void take_word(MarkOptions& mark, const std::string& key, const std::string& val
     } else if (key == "colour") {
         mark.ink = value == "contrast" ? MarkInk::contrast : value == "none" ? MarkInk::none : MarkInk::colour;
         if (mark.ink == MarkInk::colour) mark.ink_rgb = colour_word(key, value, said);
+    } else if (key == "resin") {
+        mark.resin = value;
     } else if (key == "raise" || key == "engrave") {
         mark.relief_voxels = voxels_word(key, value, said) * (key == "raise" ? 1 : -1);
     }
@@ -159,6 +162,8 @@ void check_mark(const MarkOptions& mark) {
     if (mark.at_mm &&
         (!std::holds_alternative<MarkSide>(mark.place) || std::get<MarkSide>(mark.place) == MarkSide::flattest))
         refuse_mark(mark.said, "at= is counted from the middle of a side: say which, such as place=front");
+    if (!mark.resin.empty() && mark.ground_rgb)
+        refuse_mark(mark.said, "resin= takes what is below the ink alone: ground= does not go with it");
     if (std::holds_alternative<UvRectangle>(mark.place) && mark.relief_voxels != 0)
         refuse_mark(mark.said, "a rectangle of the texture takes colour alone: for a relief name a side or a point");
     if (mark.ink == MarkInk::none && mark.relief_voxels == 0 && !mark.ground_rgb)
@@ -169,11 +174,13 @@ void check_mark(const MarkOptions& mark) {
 /// light.
 void complete_mark(MarkOptions& mark, bool ground_said) {
     const bool is_code = mark.kind == MarkKind::qr || mark.kind == MarkKind::data_matrix;
+    if (!mark.resin.empty()) mark.ink = MarkInk::colour;  // which it is, the loaded resins say
     if (is_code && mark.ink == MarkInk::contrast && (!ground_said || mark.ground_rgb)) {
         mark.ink = MarkInk::colour;
         mark.ink_rgb.setZero();
     }
-    if (is_code && !ground_said && mark.ink == MarkInk::colour) mark.ground_rgb = Eigen::Vector3f::Ones();
+    if (is_code && !ground_said && mark.resin.empty() && mark.ink == MarkInk::colour)
+        mark.ground_rgb = Eigen::Vector3f::Ones();
     if (mark.kind == MarkKind::text && mark.font.empty()) mark.font = io::default_font;
     if (mark.size_mm > 0 || mark.kind == MarkKind::picture) return;
     mark.size_mm = is_code ? usual_code_mm : usual_em_mm;
@@ -245,6 +252,8 @@ MarkOptions parse_mark(MarkFamily family, const std::string& spelled) {
     }
     if (!has_subject) refuse_mark(mark.said, family == MarkFamily::label ? "says nothing" : "names no picture");
     for (const auto& [key, value] : words) take_word(mark, key, value);
+    if (!mark.resin.empty() && std::ranges::find(said_keys, "colour") != said_keys.end())
+        refuse_mark(mark.said, "has the colour of its resin: say resin= or colour=, not both");
     if (std::ranges::find(said_keys, "engrave") != said_keys.end() &&
         std::ranges::find(said_keys, "raise") != said_keys.end())
         refuse_mark(mark.said, "is engraved or raised, not both");

@@ -34,7 +34,8 @@ struct JobBody {
     RepairReport repair;
     std::vector<std::uint32_t> wrapped_triangles;  ///< of the model, that a wrap stands for (mesh/mesh_repair.h)
     SurfaceIndex surface;
-    Relief relief;                      ///< of marks that are raised or engraved, on the grid
+    std::vector<std::string> resin_of_decal;  ///< role, by decal of the mesh; empty: a mixture makes its colour
+    Relief relief;                            ///< of marks that are raised or engraved, on the grid
     VoxelGrid grid;                     ///< of the body alone; where it lies in the print, the plan says (job_plan.h)
     std::vector<std::string> warnings;  ///< of reader, placement and repair
     std::vector<std::string> notes;     ///< what may be worth a thought

@@ -123,6 +123,7 @@ JobBody join_bodies(std::span<const BodyAt> bodies, Progress& progress) {
         first_sources.push_back(static_cast<std::uint32_t>(first_source));
         append_mesh(whole.model.mesh, body.model.mesh, shift);
         append_solid(solid, *body.solid, shift, first_source);
+        append(whole.resin_of_decal, body.resin_of_decal);
         append_relief(relief, body.relief, one.at);
         for (const std::uint32_t wrapped : body.wrapped_triangles)
             repaired.wrapped_triangles.push_back(wrapped + static_cast<std::uint32_t>(first_source));

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/prepare/opened_job.h"
 
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include "base/error.h"
+#include "halftone/separation/invert_appearance.h"
 #include "io/profiles/resin_file.h"
 #include "slicer/options/resolve_job.h"
 #include "slicer/prepare/layers_check.h"
@@ -30,6 +35,30 @@ std::string usual_resins(const OpenedJob& job) {
     return of_printer;
 }
 
+/// Marks that are printed by a resin alone look as it does in the shell.
+void colour_marks_by_resin(OpenedJob& job) {
+    std::optional<optics::ShellAppearance> appearance;
+    for (MarkOptions& mark : job.options.marks) {
+        if (mark.resin.empty()) continue;
+        const int resin = job.resins.set.find(mark.resin);
+        if (resin < 0) {
+            std::vector<std::string> roles;
+            for (const io::StackResin& entry : job.resins.entries) roles.push_back(entry.role);
+            throw InputError(fmt::format("{}: resin={} is not loaded; loaded are {} (--load)", mark.said, mark.resin,
+                                         fmt::join(roles, ", ")));
+        }
+        if (!appearance)
+            appearance.emplace(job.resins.set, shell_geometry(job.options.colour, job.resins,
+                                                              job.printer.sliced_pitch_mm(), std::nullopt));
+        halftone::SeparationOptions options;
+        options.channels = job.resins.set.channels;
+        std::vector<double> pure(job.resins.set.resins.size());
+        pure[static_cast<std::size_t>(resin)] = 1;
+        mark.ink_rgb =
+            halftone::AppearanceColour(*appearance, options.channels).rgb(pure).cast<float>().cwiseMax(0).cwiseMin(1);
+    }
+}
+
 }  // namespace
 
 OpenedJob open_job(const SliceOptions& asked) {
@@ -44,12 +73,14 @@ OpenedJob open_job(const SliceOptions& asked) {
     job.resins = load_resins(job.options, job.printer);
     check_thickness(job.options, job.printer);
     if (job.map) check_layers(*job.options.layered, *job.map, job.resins);
+    colour_marks_by_resin(job);
     return job;
 }
 
 void OpenedJob::load(const std::vector<std::string>& roles) {
     options.load = roles;
     resins = load_resins(options, printer);
+    colour_marks_by_resin(*this);
 }
 
 std::vector<io::Rgb> OpenedJob::palette() const {

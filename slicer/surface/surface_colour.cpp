@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -33,8 +34,11 @@ bool one_colour(const io::TexturedMesh& mesh) {
 
 }  // namespace
 
-SurfaceColour::SurfaceColour(const io::TexturedMesh& mesh, double sample_spacing_mm)
-    : mesh_(mesh), sample_spacing_mm_(sample_spacing_mm), constant_(mesh.decals.empty() && one_colour(mesh)) {
+SurfaceColour::SurfaceColour(const io::TexturedMesh& mesh, double sample_spacing_mm, std::vector<int> resin_of_decal)
+    : mesh_(mesh),
+      sample_spacing_mm_(sample_spacing_mm),
+      resin_of_decal_(std::move(resin_of_decal)),
+      constant_(mesh.decals.empty() && one_colour(mesh)) {
     if (!has_texture(mesh)) return;
     lod_.resize(mesh.triangles.size());
     parallel_for(0, mesh.triangles.size(), 4096, [&](std::size_t t) {
@@ -52,26 +56,39 @@ Eigen::Vector3f SurfaceColour::at(std::uint32_t triangle, float u, float v) cons
     return mesh_.decals.empty() ? rgb : under_decals(triangle, u, v, rgb);
 }
 
-Eigen::Vector3f SurfaceColour::under_decals(std::uint32_t triangle, float u, float v, Eigen::Vector3f rgb) const {
+template <class Visit>
+void SurfaceColour::for_each_decal(std::uint32_t triangle, float u, float v, Visit visit) const {
     const auto& corner = mesh_.triangles[triangle];
     const Eigen::Vector3d& a = mesh_.positions[corner[0]];
     const Eigen::Vector3d along_u = mesh_.positions[corner[1]] - a, along_v = mesh_.positions[corner[2]] - a;
     const Eigen::Vector3d point = a + double(u) * along_u + double(v) * along_v;
     const Eigen::Vector3d area = along_u.cross(along_v);
-    for (const io::Decal& decal : mesh_.decals) {
-        Eigen::Vector4f over = Eigen::Vector4f::Zero();
+    for (std::size_t d = 0; d < mesh_.decals.size(); ++d) {
+        const io::Decal& decal = mesh_.decals[d];
         if (!decal.by_uv) {
-            over = decal.at(point, area.normalized(), sample_spacing_mm_);
+            visit(d, decal.at(point, area.normalized(), sample_spacing_mm_));
         } else if (!mesh_.corner_uv.empty()) {
             const auto& uv = mesh_.corner_uv[triangle];
             const Eigen::Vector2f du = uv[1] - uv[0], dv = uv[2] - uv[0];
             const double uv_area = std::abs(double(du.x()) * double(dv.y()) - double(du.y()) * double(dv.x()));
             const double spacing = area.norm() > 0 ? sample_spacing_mm_ * std::sqrt(uv_area / area.norm()) : 0;
-            over = decal.at_uv(uv[0] + u * du + v * dv, spacing);
+            visit(d, decal.at_uv(uv[0] + u * du + v * dv, spacing));
         }
-        rgb = over.head<3>() + (1 - over[3]) * rgb;
     }
+}
+
+Eigen::Vector3f SurfaceColour::under_decals(std::uint32_t triangle, float u, float v, Eigen::Vector3f rgb) const {
+    for_each_decal(triangle, u, v,
+                   [&](std::size_t, const Eigen::Vector4f& over) { rgb = over.head<3>() + (1 - over[3]) * rgb; });
     return rgb;
+}
+
+int SurfaceColour::resin_at(std::uint32_t triangle, float u, float v) const {
+    int resin = -1;
+    for_each_decal(triangle, u, v, [&](std::size_t d, const Eigen::Vector4f& over) {
+        if (over[3] > 0.5f) resin = d < resin_of_decal_.size() ? resin_of_decal_[d] : -1;
+    });
+    return resin;
 }
 
 Eigen::Vector3f SurfaceColour::below_decals(std::uint32_t triangle, float u, float v) const {

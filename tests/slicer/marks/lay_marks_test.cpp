@@ -242,6 +242,8 @@ TEST_CASE("A mark is spelled by its subject and words about it") {
     CHECK_THAT(fault(MarkFamily::label, "A; place=uv:0.5,0,0.2,1"), Contains("uv:left,bottom"));
     CHECK_THAT(fault(MarkFamily::label, " "), Contains("says nothing"));
     CHECK_THAT(fault(MarkFamily::label, "A; colour=none"), Contains("nothing to be seen"));
+    CHECK_THAT(fault(MarkFamily::label, "A; resin=K; colour=black"), Contains("not both"));
+    CHECK_THAT(fault(MarkFamily::label, "A; resin=K; ground=white"), Contains("ground= does not go with it"));
     CHECK_THAT(fault(MarkFamily::decal, "logo.png; place=front"), Contains("size=20mm"));
     CHECK_THAT(fault(MarkFamily::decal, "logo.png; size=9mm; font=x"), Contains("'font' is none"));
 }
