@@ -23,9 +23,11 @@ constexpr double ground_margin = 0.25;
 io::Coverage ink_of_code(const MarkOptions& mark) {
     const io::CodeSymbol code =
         io::make_code(mark.kind == MarkKind::qr ? io::CodeKind::qr : io::CodeKind::data_matrix, mark.text);
+    // A Data Matrix may be a rectangle: its modules are as large as those of a square of as many.
+    const double edge_modules = std::sqrt(double(code.columns) * code.rows);
     io::Coverage ink{(code.columns + 2 * code.quiet_modules) * pixels_a_module,
                      (code.rows + 2 * code.quiet_modules) * pixels_a_module,
-                     mark.size_mm / (code.columns * pixels_a_module),
+                     mark.size_mm / (edge_modules * pixels_a_module),
                      {}};
     const auto is_dark = [&](int column, int row) {
         return column >= 0 && row >= 0 && column < code.columns && row < code.rows &&
