@@ -30,7 +30,7 @@ PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const Loaded
       resins_(resins),
       seed_(job.seed),
       solid_(*body.solid, body.grid, body.relief),
-      shell_(body.surface, body.grid, shell_mm),
+      shell_(body.surface, body.grid, shell_mm, &body.relief),
       // Voxels are sampled at their centres: texture details finer than a voxel's footprint would alias.
       surface_colour_(body.model.mesh, std::sqrt(body.grid.pitch_mm.x() * body.grid.pitch_mm.y()),
                       resins_of_decals(body, resins)) {

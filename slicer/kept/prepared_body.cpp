@@ -158,7 +158,7 @@ void put_body(PackedWriter& to, const JobBody& body) {
     mesh_in(to, body.model.mesh);
     put_materials(to, body.model.mesh.materials);
     put_decals(to, body.model.mesh.decals);
-    to(body.resin_of_decal, body.relief.runs());
+    to(body.resin_of_decal, body.relief.runs(), body.relief.depths());
     solid_in(to, *body.solid);
     surface_in(to, *body.surface);
 }
@@ -176,8 +176,9 @@ JobBody body_from(PackedReader& from) {
     body.model.mesh.materials = materials_from(from);
     body.model.mesh.decals = decals_from(from);
     std::vector<ReliefRun> relief;
-    from(body.resin_of_decal, relief);
-    body.relief = Relief(relief);
+    std::vector<DepthRun> depths;
+    from(body.resin_of_decal, relief, depths);
+    body.relief = Relief(relief, depths);
     SolidMesh solid;
     solid_in(from, solid);
     body.solid = SolidIndex(std::move(solid));

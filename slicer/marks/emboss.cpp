@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace voxtone::slicer {
 
@@ -50,19 +51,32 @@ Eigen::AlignedBox3d swept_box(const EmbossedMark& mark, double above_mm, double 
     return box;
 }
 
-bool is_embossed(const EmbossedMark& mark, const Eigen::Vector3d& centre, double reach_mm) {
-    const Eigen::Vector3d offset = centre - mark.frame.corner_mm;
+/// How deep below the surface, straight along the mark's direction; nothing beside its ink.
+std::optional<double> depth_below_ink(const EmbossedMark& mark, const Eigen::Vector3d& place) {
+    const Eigen::Vector3d offset = place - mark.frame.corner_mm;
     const double along = mark.frame.axes.right.dot(offset) / mark.frame.width_mm,
                  up = mark.frame.axes.up.dot(offset) / mark.frame.height_mm;
-    if (!(along >= 0 && along < 1 && up > 0 && up <= 1)) return false;
-    if (mark.ink.at(int(along * mark.ink.width_px), int((1 - up) * mark.ink.height_px)) < half_ink) return false;
-    const double below = -mark.frame.axes.out.dot(offset) - depth_at(mark.surface, along, up);
-    return mark.voxels > 0 ? below < 0 && below >= -reach_mm : below >= 0 && below < reach_mm;
+    if (!(along >= 0 && along < 1 && up > 0 && up <= 1)) return std::nullopt;
+    if (mark.ink.at(int(along * mark.ink.width_px), int((1 - up) * mark.ink.height_px)) < half_ink) return std::nullopt;
+    const double depth = -mark.frame.axes.out.dot(offset) - depth_at(mark.surface, along, up);
+    return std::isfinite(depth) ? std::optional(depth) : std::nullopt;
 }
 
-void add_runs(const EmbossedMark& mark, const VoxelGrid& grid, std::vector<ReliefRun>& runs) {
+/// What becomes of a voxel.
+enum class Fate : std::uint8_t { as_it_is, changed, outside_of_mesh, inside_of_mesh };
+
+Fate fate_of(const std::optional<double>& depth, bool raises, double reach_mm, double shell_mm) {
+    if (!depth) return Fate::as_it_is;
+    if (raises && *depth < 0) return *depth >= -reach_mm ? Fate::outside_of_mesh : Fate::as_it_is;
+    if (!raises && *depth < reach_mm) return *depth >= 0 ? Fate::changed : Fate::as_it_is;
+    return *depth <= shell_mm + reach_mm ? Fate::inside_of_mesh : Fate::as_it_is;
+}
+
+void add_runs(const EmbossedMark& mark, const VoxelGrid& grid, double shell_mm, std::vector<ReliefRun>& runs,
+              std::vector<DepthRun>& depths) {
+    const bool raises = mark.voxels > 0;
     const double reach = std::abs(mark.voxels) * voxel_mm_along(grid.pitch_mm, mark.frame.axes.out);
-    const Eigen::AlignedBox3d box = swept_box(mark, mark.voxels > 0 ? reach : 0, mark.voxels > 0 ? 0 : reach);
+    const Eigen::AlignedBox3d box = swept_box(mark, raises ? reach : 0, reach + shell_mm);
     if (box.isEmpty()) return;
     std::array<int, 3> low{}, high{};
     for (int axis = 0; axis < 3; ++axis) {
@@ -72,12 +86,21 @@ void add_runs(const EmbossedMark& mark, const VoxelGrid& grid, std::vector<Relie
     }
     for (int k = low[2]; k < high[2]; ++k)
         for (int j = low[1]; j < high[1]; ++j) {
-            bool open = false;
+            Fate before = Fate::as_it_is;
             for (int i = low[0]; i < high[0]; ++i) {
-                const bool in = is_embossed(mark, grid.centre(i, j, k), reach);
-                if (in && !open) runs.push_back({k, j, i, i, mark.voxels > 0});
-                if (in) runs.back().end = i + 1;
-                open = in;
+                const Fate fate = fate_of(depth_below_ink(mark, grid.centre(i, j, k)), raises, reach, shell_mm);
+                const bool begins = fate != before;
+                before = fate;
+                if (fate == Fate::outside_of_mesh || fate == Fate::changed) {
+                    if (begins) runs.push_back({k, j, i, i, raises});
+                    runs.back().end = i + 1;
+                }
+                if (fate == Fate::outside_of_mesh || fate == Fate::inside_of_mesh) {
+                    if (begins)
+                        depths.push_back(
+                            {k, j, i, i, fate == Fate::outside_of_mesh ? -1.0f : 1.0f, float(raises ? reach : -reach)});
+                    depths.back().end = i + 1;
+                }
             }
         }
 }
@@ -96,10 +119,11 @@ Eigen::AlignedBox3d box_of_raised(std::span<const EmbossedMark> marks, const Eig
     return box;
 }
 
-Relief relief_of(std::span<const EmbossedMark> marks, const VoxelGrid& grid) {
+Relief relief_of(std::span<const EmbossedMark> marks, const VoxelGrid& grid, double shell_mm) {
     std::vector<ReliefRun> runs;
-    for (const EmbossedMark& mark : marks) add_runs(mark, grid, runs);
-    return Relief(runs);
+    std::vector<DepthRun> depths;
+    for (const EmbossedMark& mark : marks) add_runs(mark, grid, shell_mm, runs, depths);
+    return Relief(runs, depths);
 }
 
 }  // namespace voxtone::slicer

@@ -31,6 +31,7 @@ struct EmbossedMark {
 /// The box that the raised ones reach into; empty where none is raised.
 [[nodiscard]] Eigen::AlignedBox3d box_of_raised(std::span<const EmbossedMark> marks, const Eigen::Vector3d& pitch_mm);
 
-[[nodiscard]] Relief relief_of(std::span<const EmbossedMark> marks, const VoxelGrid& grid);
+/// `shell_mm`: how deep below them depths are counted from the relief.
+[[nodiscard]] Relief relief_of(std::span<const EmbossedMark> marks, const VoxelGrid& grid, double shell_mm);
 
 }  // namespace voxtone::slicer

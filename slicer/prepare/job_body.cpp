@@ -86,7 +86,7 @@ void mark_body(const ResolvedJob& job, const PrinterProfile& printer, const Soli
         body.grid = grid_around(box.min(), box.max(), pitch_mm);
         check_tray(body.grid, printer.sliced_tray_mm(), body.placement);
     }
-    body.relief = relief_of(laid.embossed, body.grid);
+    body.relief = relief_of(laid.embossed, body.grid, job.colour.depth_mm);
 }
 
 }  // namespace

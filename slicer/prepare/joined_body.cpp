@@ -62,9 +62,13 @@ void append_mesh(io::TexturedMesh& to, const io::TexturedMesh& from, const Eigen
     }
 }
 
-void append_relief(std::vector<ReliefRun>& to, const Relief& from, const std::array<int, 3>& at) {
-    for (const ReliefRun& run : from.runs())
-        to.push_back({run.k + at[2], run.j + at[1], run.begin + at[0], run.end + at[0], run.adds});
+template <class Run>
+void append_runs(std::vector<Run>& to, const std::vector<Run>& from, const std::array<int, 3>& at) {
+    for (Run run : from) {
+        run.k += at[2], run.j += at[1];
+        run.begin += at[0], run.end += at[0];
+        to.push_back(run);
+    }
 }
 
 void append_solid(SolidMesh& to, const SolidMesh& from, const Eigen::Vector3d& shift, std::size_t first_source) {
@@ -112,6 +116,7 @@ JobBody join_bodies(std::span<const BodyAt> bodies, Progress& progress) {
     SolidMesh solid;
     std::vector<std::uint32_t> first_sources;
     std::vector<ReliefRun> relief;
+    std::vector<DepthRun> depths;
     whole.model.format = bodies[0].body->model.format;
     whole.grid.pitch_mm = bodies[0].body->grid.pitch_mm;
     whole.grid.size = {};
@@ -124,7 +129,8 @@ JobBody join_bodies(std::span<const BodyAt> bodies, Progress& progress) {
         append_mesh(whole.model.mesh, body.model.mesh, shift);
         append_solid(solid, *body.solid, shift, first_source);
         append(whole.resin_of_decal, body.resin_of_decal);
-        append_relief(relief, body.relief, one.at);
+        append_runs(relief, body.relief.runs(), one.at);
+        append_runs(depths, body.relief.depths(), one.at);
         for (const std::uint32_t wrapped : body.wrapped_triangles)
             repaired.wrapped_triangles.push_back(wrapped + static_cast<std::uint32_t>(first_source));
         add_to(repaired.report, body.repair);
@@ -147,7 +153,7 @@ JobBody join_bodies(std::span<const BodyAt> bodies, Progress& progress) {
     whole.wrapped_triangles = std::move(repaired.wrapped_triangles);
     whole.repair = std::move(repaired.report);
     whole.solid = std::move(repaired.solid);
-    whole.relief = Relief(relief);
+    whole.relief = Relief(relief, depths);
     return whole;
 }
 

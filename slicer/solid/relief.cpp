@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <span>
-#include <tuple>
+#include <utility>
 
 namespace voxtone::slicer {
 
 namespace {
 
-bool is_before(const ReliefRun& a, const ReliefRun& b) { return std::tie(a.k, a.j) < std::tie(b.k, b.j); }
+constexpr auto row_of = [](const auto& run) { return std::pair(run.k, run.j); };
 
 /// The row with one run more, or less.
 std::vector<Span> changed(const std::vector<Span>& row, const ReliefRun& run) {
@@ -25,7 +25,19 @@ std::vector<Span> changed(const std::vector<Span>& row, const ReliefRun& run) {
 
 }  // namespace
 
-Relief::Relief(const std::vector<ReliefRun>& runs) : runs_(runs) { std::ranges::stable_sort(runs_, is_before); }
+Relief::Relief(const std::vector<ReliefRun>& runs, const std::vector<DepthRun>& depths) : runs_(runs), depths_(depths) {
+    std::ranges::stable_sort(runs_, {}, row_of);
+    std::ranges::stable_sort(depths_, {}, row_of);
+}
+
+void Relief::apply(int i, int j, int k, std::span<float> depth_mm) const {
+    const auto end = i + static_cast<int>(depth_mm.size());
+    for (const DepthRun& run : std::ranges::equal_range(depths_, std::pair(k, j), {}, row_of))
+        for (int at = std::max(i, run.begin); at < std::min(end, run.end); ++at) {
+            float& depth = depth_mm[static_cast<std::size_t>(at - i)];
+            depth = std::max(run.sign * depth + run.offset_mm, 0.0f);
+        }
+}
 
 void Relief::apply(SpanSlab& body) const {
     const auto first = std::ranges::lower_bound(runs_, body.k_begin(), {}, &ReliefRun::k);

@@ -54,8 +54,9 @@ SurfaceShell::Lattice::Lattice(const Vector3d& pitch, const std::array<int, 3>& 
     }
 }
 
-SurfaceShell::SurfaceShell(const SurfaceIndex& surface, const VoxelGrid& grid, double depth_mm)
+SurfaceShell::SurfaceShell(const SurfaceIndex& surface, const VoxelGrid& grid, double depth_mm, const Relief* relief)
     : SurfaceShell(surface.tree(), surface->source_uv, grid, depth_mm) {
+    relief_ = relief && !relief->depths().empty() ? relief : nullptr;
     VOXTONE_EXPECT(surface->source_uv.size() == surface->triangles.size());
 }
 
@@ -252,6 +253,9 @@ bool SurfaceShell::RowWalk::find_shell(std::size_t b, std::size_t block) {
     shell_kernel::finish(chosen_.data(), points, bits_.data(), *result_);
     for (std::size_t r = 0; r < rows_; ++r) {
         if (!bits_[r]) continue;
+        if (shell_.relief_)
+            shell_.relief_->apply(int(block * 8), j0_ + int(r) % shell_.block_size_[1],
+                                  k0_ + int(r) / shell_.block_size_[1], std::span(result_->distance).subspan(r * 8, 8));
         for (std::size_t l = 0; l < 8; ++l) triangle_[r * 8 + l] = chosen_id_[std::size_t(result_->slot[r * 8 + l])];
     }
     return true;

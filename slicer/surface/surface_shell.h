@@ -9,9 +9,10 @@
 // voxel is compared with what is left in single precision, in the frame of the four.
 //
 // Error: distances are within 1e-6 mm + 1e-6 relative of the true ones (blocks up to 1 mm wide; it grows with them),
-// and voxels are in the shell by that distance. Among triangles at the same distance (to 2e-6 relative or 1e-8 mm^2 of
-// its square) the lowest index is taken. Results depend on nothing but surface, grid, depth and body: not on threads,
-// the instruction set, or how the grid is walked. Threads: const members may be called from any thread.
+// and voxels are in the shell by that distance; what a relief makes of their depth is told, and changes nothing else.
+// Among triangles at the same distance (to 2e-6 relative or 1e-8 mm^2 of its square) the lowest index is taken. Results
+// depend on nothing but surface, grid, depth and body: not on threads, the instruction set, or how the grid is walked.
+// Threads: const members may be called from any thread.
 #pragma once
 
 #include <array>
@@ -23,6 +24,7 @@
 
 #include "slicer/mesh/triangle_tree.h"
 #include "slicer/printer/voxel_grid.h"
+#include "slicer/solid/relief.h"
 #include "slicer/solid/span_slab.h"
 #include "slicer/surface/visible_surface.h"
 
@@ -44,8 +46,8 @@ struct ShellBlock {
 
 class SurfaceShell {
 public:
-    /// Keeps a reference to `surface`, which must live as long as this. depth_mm >= 0.
-    SurfaceShell(const SurfaceIndex& surface, const VoxelGrid& grid, double depth_mm);
+    /// Keeps references to `surface` and `relief` (null: none), which must live as long as this. depth_mm >= 0.
+    SurfaceShell(const SurfaceIndex& surface, const VoxelGrid& grid, double depth_mm, const Relief* relief = nullptr);
     /// Of triangles without a source: u and v are 0. Keeps a reference to `tree`.
     SurfaceShell(const TriangleTree& tree, const VoxelGrid& grid, double depth_mm);
     ~SurfaceShell();
@@ -75,6 +77,7 @@ private:
     std::span<const std::array<Eigen::Vector2f, 3>> source_uv_;  ///< per triangle, or empty
     VoxelGrid grid_;
     double depth_mm_;
+    const Relief* relief_ = nullptr;
     std::array<int, 3> block_size_;
     std::unique_ptr<const Lattice> lattice_;
 };

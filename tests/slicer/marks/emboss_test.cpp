@@ -3,12 +3,15 @@
 
 #include <cmath>
 
+#include <fmt/core.h>
 #include <catch2/catch.hpp>
 
+#include "slicer/layers/block_fill.h"
 #include "slicer/marks/lay_marks.h"
 #include "slicer/options/mark_words.h"
 #include "slicer/printer/placement.h"
 #include "slicer/solid/solid.h"
+#include "slicer/surface/surface_shell.h"
 #include "tests/slicer/marks/seen_marks.h"
 #include "tests/slicer/mesh/shapes.h"
 
@@ -36,7 +39,7 @@ Embossed emboss(const SolidMesh& mesh, const std::string& label) {
     made.grid = grid_around(box.min(), box.max(), pitch_mm);
     const int layers = made.grid.size[2];
     const SpanSlab plain = Solid(mesh, made.grid).slab(0, layers),
-                   marked = Solid(mesh, made.grid, relief_of(made.laid.embossed, made.grid)).slab(0, layers);
+                   marked = Solid(mesh, made.grid, relief_of(made.laid.embossed, made.grid, 1)).slab(0, layers);
     for (int k = 0; k < layers; ++k)
         made.more.push_back(std::int64_t(marked.voxels_of_layer(k)) - std::int64_t(plain.voxels_of_layer(k)));
     const io::Coverage& ink = made.laid.embossed.at(0).ink;
@@ -98,4 +101,39 @@ TEST_CASE("A relief changes rows that it names and leaves others as they are") {
     CHECK(row(0, 2) == std::vector<Span>{{0, 30}});
     CHECK(row(1, 2) == std::vector<Span>{{0, 10}, {20, 30}});
     CHECK(row(0, 3) == std::vector<Span>{{0, 10}, {20, 30}});
+}
+
+TEST_CASE("Depths below a raised or engraved letter are counted from where the body begins there") {
+    const Eigen::Vector3d size(12, 8, 3);
+    for (const int voxels : {5, -5}) {
+        INFO(voxels << " voxels");
+        const Embossed made = emboss(shapes::box(Eigen::Vector3d::Zero(), size),
+                                     fmt::format("HO8; size=5mm; place=top; {}=5", voxels > 0 ? "raise" : "engrave"));
+        const Relief relief = relief_of(made.laid.embossed, made.grid, 1);
+        const Solid solid(*made.body.solid, made.grid, relief);
+        const SurfaceShell shell(made.body.surface, made.grid, 1, &relief);
+        const SpanSlab body = solid.slab(0, made.grid.size[2]);
+        const double top = voxels > 0 ? size.z() + 5 * pitch_mm.z() : size.z() - 5 * pitch_mm.z();
+        const int last_layer = int(std::floor((size.z() - 0.5 - made.grid.origin_mm.z()) / pitch_mm.z()));
+        std::size_t below_ink = 0, wrong = 0;
+        for (int bk = 0; bk < shell.block_layers(); ++bk)
+            for (int bj = 0; bj < shell.block_rows(); ++bj)
+                shell.for_each_block(bj, bk, body, [&](const ShellBlock& block) {
+                    for_each_shell_voxel(block, [&](int row, int lane) {
+                        const int i = block.origin[0] + lane, j = block.origin[1] + row % block.size[1],
+                                  k = block.origin[2] + row / block.size[1];
+                        const Eigen::Vector3d centre = made.grid.centre(i, j, k);
+                        // Clear of other sides: half a millimetre from the top, more than that from the rest.
+                        if (k < last_layer || centre.x() < 1 || centre.x() > 11 || centre.y() < 1 || centre.y() > 7)
+                            return;
+                        const int highest = made.grid.size[2] - 1;
+                        const bool ink = voxels > 0 ? body.contains(i, j, highest) : !body.contains(i, j, highest);
+                        const double depth = (ink ? top : size.z()) - centre.z();
+                        below_ink += ink;
+                        wrong += std::abs(double(block.distance_mm[row * ShellBlock::width + lane]) - depth) > 1e-4;
+                    });
+                });
+        CHECK(below_ink > 1000);
+        CHECK(wrong == 0);
+    }
 }
