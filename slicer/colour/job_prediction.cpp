@@ -94,7 +94,7 @@ JobPrediction predict_print(const ResolvedJob& job, PredictionModel model, const
     prediction.target = std::move(cells.target);
     prediction.cell_um = cells.cell_um;
     std::optional<MeshBoundary> boundary;
-    if (model == PredictionModel::monte_carlo && !body.is_picture) boundary = boundary_of(body);
+    if (model == PredictionModel::monte_carlo && !body.is_picture && body.relief.empty()) boundary = boundary_of(body);
     std::optional<CoarseCells> coarse;
     if (model == PredictionModel::transport) coarse = coarse_cells(scene.volume->pitch_mm(), job.prediction.cell_mm);
     const ModelMaker maker = [&](bool white) {

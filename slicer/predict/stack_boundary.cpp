@@ -74,6 +74,7 @@ StackBoundary boundary_of_stack(const std::string& stack, const StackVolume& vol
     StackBody found = body_of_stack(stack, volume, progress);
     if (!found.body) return {{}, std::move(found.why_not)};
     if (found.body->is_picture) return {{}, "it is a picture's slab, whose faces are flat"};
+    if (!found.body->relief.empty()) return {{}, "its labels are raised or engraved, which its mesh is not"};
     return {boundary_of(*found.body), {}};
 }
 

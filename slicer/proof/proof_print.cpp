@@ -91,12 +91,12 @@ void find_surface_of(ProofPrint& print, Progress& progress) {
         print.boundary.emplace(
             boundary_of(box_mesh(print.box, Eigen::Vector3f::Ones()), vector_of(print.stack.corner_mm)));
         print.boundary_is = "box";
-    } else if (body) {
+    } else if (body && body->relief.empty()) {
         print.boundary.emplace(boundary_of(*body));
         print.boundary_is = "mesh";
     } else {
-        progress.warn(
-            fmt::format("the surface is that of the voxels, smoothed, and not the mesh: {}", print.body.why_not));
+        progress.warn(fmt::format("the surface is that of the voxels, smoothed, and not the mesh: {}",
+                                  body ? "its labels are raised or engraved" : print.body.why_not));
         print.boundary.emplace(cells_boundary(print.scene, progress));
         print.boundary_is = "cells";
     }
