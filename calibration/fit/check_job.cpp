@@ -20,7 +20,7 @@ JobResult run_check_job(const CheckJob& job, Progress& progress) {
     if (const auto layers = read_layer_chart(job.patches, job.measured.illuminant)) {
         if (!job.page.empty())
             throw UsageError(
-                fmt::format("--out with {}, stacks of layers: there is no page of them. Leave it out.", job.patches));
+                fmt::format("--out with {}, laminates: there is no page of them. Leave it out.", job.patches));
         for (const std::string& note : layers->notes) progress.warn(note);
         const LayerCheck check = check_layers(io::find_resin_set(job.resins), *layers);
         return {layer_check_json(check), layer_check_text(check)};

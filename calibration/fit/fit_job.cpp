@@ -43,18 +43,18 @@ JobResult run_layer_fit(const FitJob& job, const LayerChart& chart, Progress& pr
     const FitOptions fit = options_of(job);
     expect_chart_options(job);
     if (!job.prior.empty())
-        throw UsageError(fmt::format("--prior with {}, stacks of layers, which tell lengths themselves. Leave it out.",
-                                     job.patches));
+        throw UsageError(
+            fmt::format("--prior with {}, laminates, which tell lengths themselves. Leave it out.", job.patches));
     if (!job.squares.empty())
-        throw UsageError(fmt::format(
-            "--squares with {}, stacks of layers, which tell lengths themselves. Leave it out.", job.patches));
+        throw UsageError(
+            fmt::format("--squares with {}, laminates, which tell lengths themselves. Leave it out.", job.patches));
     if (!job.report.empty())
         throw UsageError(
-            fmt::format("--report with {}, stacks of layers: there is no page of them. Leave it out.", job.patches));
+            fmt::format("--report with {}, laminates: there is no page of them. Leave it out.", job.patches));
     for (const std::string& note : chart.notes) progress.warn(note);
     const auto others = job.check.empty() ? std::nullopt : read_layer_chart(job.check, job.measured.illuminant);
     if (!job.check.empty() && !others)
-        throw InputError(fmt::format("--check {}: holds no stacks of layers, which {} does.", job.check, job.patches));
+        throw InputError(fmt::format("--check {}: holds no laminates, which {} does.", job.check, job.patches));
     const LayerFit found = fit_layers(
         chart, {.name = fit.name, .channels = job.chart.channels, .g = fit.model.g, .eta = fit.model.eta}, &progress);
     for (const std::string& warning : found.warnings) progress.warn(warning);

@@ -19,7 +19,7 @@ namespace voxtone::calibration {
 namespace {
 
 constexpr std::uint64_t most_bytes = std::uint64_t{64} << 20;
-constexpr std::size_t most_stacks = 100000, most_layers = 1000;
+constexpr std::size_t most_laminates = 100000, most_layers = 1000;
 constexpr double least_mm = 0.001, most_mm = 1000;
 
 std::string_view first_line(std::string_view text) {
@@ -50,24 +50,24 @@ ChartLayer parse_layer(LayerChart& chart, std::string_view text, const std::stri
     return {resin_of(chart, role), mm};
 }
 
-void add_stack(LayerChart& chart, std::vector<double>& lab, LayerStack stack, const std::vector<double>& colour,
-               const std::string& where) {
-    if (chart.stacks.size() >= most_stacks)
-        throw InputError(fmt::format("{}: more than {} stacks.", where, most_stacks));
-    if (stack.empty() || stack.size() > most_layers)
-        throw InputError(fmt::format("{}: {} layers; expected 1 to {}.", where, stack.size(), most_layers));
+void add_laminate(LayerChart& chart, std::vector<double>& lab, LayerLaminate laminate,
+                  const std::vector<double>& colour, const std::string& where) {
+    if (chart.laminates.size() >= most_laminates)
+        throw InputError(fmt::format("{}: more than {} laminates.", where, most_laminates));
+    if (laminate.empty() || laminate.size() > most_layers)
+        throw InputError(fmt::format("{}: {} layers; expected 1 to {}.", where, laminate.size(), most_layers));
     if (!(colour[0] >= -1 && colour[0] <= 110) || !(std::abs(colour[1]) <= 200) || !(std::abs(colour[2]) <= 200))
         throw InputError(fmt::format("{}: L, a, b of {}, {}, {} is no colour that a print has.", where, colour[0],
                                      colour[1], colour[2]));
-    chart.stacks.push_back(std::move(stack));
+    chart.laminates.push_back(std::move(laminate));
     lab.insert(lab.end(), colour.begin(), colour.end());
 }
 
 void finish(LayerChart& chart, const std::vector<double>& lab, std::string_view named,
             std::optional<optics::Illuminant> illuminant) {
-    if (chart.stacks.empty()) throw InputError(fmt::format("{}: no stack of layers.", chart.source));
+    if (chart.laminates.empty()) throw InputError(fmt::format("{}: no laminate.", chart.source));
     chart.lab = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>>(
-        lab.data(), static_cast<Eigen::Index>(chart.stacks.size()), 3);
+        lab.data(), static_cast<Eigen::Index>(chart.laminates.size()), 3);
     PatchTable lights;
     lights.source = chart.source;
     make_rho(lights, Quantity::lab, {std::string(named), {}}, illuminant);
@@ -94,7 +94,7 @@ LayerChart parse_csv(std::string_view text, LayerChart chart, std::optional<opti
         if (std::exchange(header, false)) {
             if (cells.size() != 4 || in_capitals(cells[1]) != "L" || in_capitals(cells[2]) != "A" ||
                 in_capitals(cells[3]) != "B")
-                throw InputError(fmt::format("{}: a chart of stacks begins with layers,L,a,b.", where));
+                throw InputError(fmt::format("{}: a chart of laminates begins with layers,L,a,b.", where));
             continue;
         }
         if (cells.size() != 4)
@@ -107,9 +107,9 @@ LayerChart parse_csv(std::string_view text, LayerChart chart, std::optional<opti
             if (!value) throw InputError(fmt::format("{}: {} is no number.", where, shown(cells[k])));
             colour.push_back(*value);
         }
-        LayerStack stack;
-        for (const std::string_view layer : split(cells[0], ',')) stack.push_back(parse_layer(chart, layer, where));
-        add_stack(chart, lab, std::move(stack), colour, where);
+        LayerLaminate laminate;
+        for (const std::string_view layer : split(cells[0], ',')) laminate.push_back(parse_layer(chart, layer, where));
+        add_laminate(chart, lab, std::move(laminate), colour, where);
     }
     finish(chart, lab, conditions.illuminant, illuminant);
     return chart;
@@ -131,7 +131,7 @@ LayerChart parse_json(std::string_view text, LayerChart chart, std::optional<opt
     const io::JsonObject file = io::JsonObject::parse(text, chart.source);
     if (!file.has("entries") || !file.has("palette"))
         file.fail("entries",
-                  "is missing: a chart of stacks in JSON has a palette and entries with recipe and lab, as "
+                  "is missing: a chart of laminates in JSON has a palette and entries with recipe and lab, as "
                   "ChromaPrint3D writes them");
     add_palette(file, chart);
     if (chart.roles.empty()) file.fail("palette", "is empty");
@@ -144,13 +144,13 @@ LayerChart parse_json(std::string_view text, LayerChart chart, std::optional<opt
     std::vector<double> lab;
     std::size_t entry = 0;
     for (const io::JsonObject& one : file.objects("entries")) {
-        LayerStack stack;
+        LayerLaminate laminate;
         for (const std::uint64_t resin : one.integers("recipe", 0, 0, chart.roles.size() - 1))
-            stack.push_back({resin, mm});
-        if (order == "Bottom2Top") std::ranges::reverse(stack);
-        stack.push_back(base);
-        add_stack(chart, lab, std::move(stack), one.numbers("lab", 3, -1000, 1000),
-                  fmt::format("{}: entries[{}]", chart.source, entry++));
+            laminate.push_back({resin, mm});
+        if (order == "Bottom2Top") std::ranges::reverse(laminate);
+        laminate.push_back(base);
+        add_laminate(chart, lab, std::move(laminate), one.numbers("lab", 3, -1000, 1000),
+                     fmt::format("{}: entries[{}]", chart.source, entry++));
     }
     finish(chart, lab, "", illuminant);
     return chart;
@@ -179,19 +179,19 @@ std::optional<LayerChart> read_layer_chart(const std::filesystem::path& file,
     return parse_layer_chart(text, file.string(), illuminant);
 }
 
-std::string stack_text(const LayerChart& chart, std::size_t stack) {
+std::string laminate_text(const LayerChart& chart, std::size_t laminate) {
     std::string text;
-    for (const ChartLayer& layer : chart.stacks[stack])
+    for (const ChartLayer& layer : chart.laminates[laminate])
         text += fmt::format("{}{} {:.3g}", text.empty() ? "" : ", ", chart.roles[layer.resin], layer.thickness_mm);
     return text;
 }
 
-LayerChart chart_stacks(const LayerChart& chart, const std::vector<std::size_t>& keep) {
+LayerChart chart_laminates(const LayerChart& chart, const std::vector<std::size_t>& keep) {
     LayerChart part = chart;
-    part.stacks.clear();
+    part.laminates.clear();
     part.lab.resize(static_cast<Eigen::Index>(keep.size()), 3);
     for (std::size_t i = 0; i < keep.size(); ++i) {
-        part.stacks.push_back(chart.stacks[keep[i]]);
+        part.laminates.push_back(chart.laminates[keep[i]]);
         part.lab.row(static_cast<Eigen::Index>(i)) = chart.lab.row(static_cast<Eigen::Index>(keep[i]));
     }
     return part;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Measured stacks of layers whose order and thickness are known: each is seen from above, the first layer on top, the
+// Measured laminates whose order and thickness are known: each is seen from above, the first layer on top, the
 // last one the base, with nothing but darkness under it.
 //
 // Read from CSV, and from the calibration files of ChromaPrint3D (JSON: "palette", "entries" of {"recipe", "lab"}):
@@ -30,14 +30,14 @@ struct ChartLayer {
 };
 
 /// Top first.
-using LayerStack = std::vector<ChartLayer>;
+using LayerLaminate = std::vector<ChartLayer>;
 
 struct LayerChart {
     std::string source;
     std::vector<std::string> roles;
     optics::Illuminant illuminant = optics::Illuminant::d50;
-    std::vector<LayerStack> stacks;
-    Eigen::MatrixX3d lab;            ///< one a stack
+    std::vector<LayerLaminate> laminates;
+    Eigen::MatrixX3d lab;            ///< one a laminate
     std::vector<std::string> notes;  ///< what was assumed, one sentence each
 };
 
@@ -50,8 +50,8 @@ struct LayerChart {
                                                          std::optional<optics::Illuminant> illuminant = {});
 
 /// "Y 0.08, W 0.08, W 0.8"
-[[nodiscard]] std::string stack_text(const LayerChart& chart, std::size_t stack);
-/// The stacks `keep` alone.
-[[nodiscard]] LayerChart chart_stacks(const LayerChart& chart, const std::vector<std::size_t>& keep);
+[[nodiscard]] std::string laminate_text(const LayerChart& chart, std::size_t laminate);
+/// The laminates `keep` alone.
+[[nodiscard]] LayerChart chart_laminates(const LayerChart& chart, const std::vector<std::size_t>& keep);
 
 }  // namespace voxtone::calibration

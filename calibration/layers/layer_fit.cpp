@@ -65,13 +65,13 @@ std::vector<HeldOutPatch> worst_of(const LayerChart& chart, const std::vector<do
     std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return differences[a] > differences[b]; });
     std::vector<HeldOutPatch> worst;
     for (std::size_t k = 0; k < std::min(told, order.size()); ++k)
-        worst.push_back({stack_text(chart, order[k]), differences[order[k]]});
+        worst.push_back({laminate_text(chart, order[k]), differences[order[k]]});
     return worst;
 }
 
 std::vector<double> left_out(const LayerChart& chart, int channels, const LayerFitOptions& options,
                              const Progress* progress) {
-    const std::size_t n = chart.stacks.size(), folds = std::min(static_cast<std::size_t>(options.folds), n);
+    const std::size_t n = chart.laminates.size(), folds = std::min(static_cast<std::size_t>(options.folds), n);
     std::vector<std::size_t> order(n);
     std::iota(order.begin(), order.end(), std::size_t{0});
     RandomStream random(20261125, 0);
@@ -81,8 +81,8 @@ std::vector<double> left_out(const LayerChart& chart, int channels, const LayerF
     for (std::size_t fold = 0; fold < folds; ++fold) {
         std::vector<std::size_t> kept, left;
         for (std::size_t k = 0; k < n; ++k) (k % folds == fold ? left : kept).push_back(order[k]);
-        const Fitted fitted = fit_parts(chart_stacks(chart, kept), channels, options, progress);
-        const std::vector<double> judged = differences_of(chart_stacks(chart, left), fitted.parts, options);
+        const Fitted fitted = fit_parts(chart_laminates(chart, kept), channels, options, progress);
+        const std::vector<double> judged = differences_of(chart_laminates(chart, left), fitted.parts, options);
         for (std::size_t k = 0; k < left.size(); ++k) differences[left[k]] = judged[k];
     }
     return differences;
@@ -107,7 +107,7 @@ optics::ResinSet set_of(const LayerChart& chart, const ObserverParts& parts, con
         set.resins.push_back(std::move(resin));
     }
     set.measured = {optics::MeasuringGeometry::directional_45_0, parts.surface, parts.gain};
-    set.source = fmt::format("voxtone calibrate fit, {} stacks of layers of {}", chart.stacks.size(), chart.source);
+    set.source = fmt::format("voxtone calibrate fit, {} laminates of {}", chart.laminates.size(), chart.source);
     return set;
 }
 
@@ -118,11 +118,11 @@ void expect_enough(const LayerChart& chart, int channels) {
     const std::size_t least = chart.roles.size() * static_cast<std::size_t>(channels);
     if (chart.roles.size() > 64)
         throw InputError(fmt::format("{}: {} resins; at most 64.", chart.source, chart.roles.size()));
-    if (chart.stacks.size() >= least) return;
+    if (chart.laminates.size() >= least) return;
     throw InputError(
-        fmt::format("{}: {} stacks are too few for {} resins in {} channels; measure at least {}, or ask for fewer "
+        fmt::format("{}: {} laminates are too few for {} resins in {} channels; measure at least {}, or ask for fewer "
                     "channels.",
-                    chart.source, chart.stacks.size(), chart.roles.size(), channels, least));
+                    chart.source, chart.laminates.size(), chart.roles.size(), channels, least));
 }
 
 }  // namespace
@@ -154,18 +154,18 @@ LayerCheck check_layers(const optics::ResinSet& set, const LayerChart& chart) {
             throw InputError(fmt::format("{}: the resin set \"{}\" has no resin {}.", chart.source, set.name, role));
         resin.push_back(static_cast<std::size_t>(found));
     }
-    const StackReflectance stacks(chart.stacks, set.g, set.eta);
+    const LaminateReflectance laminates(chart.laminates, set.g, set.eta);
     const std::size_t channels = set.channels.size();
     std::vector<std::vector<double>> rho(channels);
     parallel_for(0, channels, 1, [&](std::size_t c) {
         std::vector<optics::Medium> media;
         for (const std::size_t r : resin) media.push_back(set.resins[r].medium(c));
-        rho[c] = stacks.rho(stacks.laws(std::move(media)));
+        rho[c] = laminates.rho(laminates.laws(std::move(media)));
     });
     const optics::ObservedColour<double> observed(set.channels);
     const Eigen::Vector3d white = optics::colorimetric_white(chart.illuminant);
     LayerCheck check;
-    for (std::size_t i = 0; i < chart.stacks.size(); ++i) {
+    for (std::size_t i = 0; i < chart.laminates.size(); ++i) {
         std::vector<double> reading;
         for (const std::vector<double>& channel : rho)
             reading.push_back(set.measured.gain * (set.measured.surface + channel[i]));

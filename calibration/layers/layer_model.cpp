@@ -16,13 +16,13 @@ namespace {
 constexpr double step = 3e-4;
 constexpr double usual_scattering_per_mm = 10;
 
-// How much of a resin a stack shows: its share of the layers above the base, the uppermost counting once more.
-double shown_of(const LayerStack& stack, std::size_t resin) {
+// How much of a resin a laminate shows: its share of the layers above the base, the uppermost counting once more.
+double shown_of(const LayerLaminate& laminate, std::size_t resin) {
     double sum = 0, of = 0;
-    for (std::size_t k = 0; k + 1 < stack.size() || k == 0; ++k) {
+    for (std::size_t k = 0; k + 1 < laminate.size() || k == 0; ++k) {
         const double counts = k == 0 ? 2 : 1;
         sum += counts;
-        if (stack[k].resin == resin) of += counts;
+        if (laminate[k].resin == resin) of += counts;
     }
     return of / sum;
 }
@@ -38,9 +38,9 @@ ObserverParts layer_start(const LayerChart& chart, Eigen::Index channels) {
     start.a.resize(resins, channels);
     for (Eigen::Index r = 0; r < resins; ++r) {
         const auto resin = static_cast<std::size_t>(r);
-        const auto most =
-            std::ranges::max_element(chart.stacks, {}, [&](const LayerStack& stack) { return shown_of(stack, resin); });
-        const Eigen::Vector3d lab = chart.lab.row(most - chart.stacks.begin()).transpose();
+        const auto most = std::ranges::max_element(
+            chart.laminates, {}, [&](const LayerLaminate& laminate) { return shown_of(laminate, resin); });
+        const Eigen::Vector3d lab = chart.lab.row(most - chart.laminates.begin()).transpose();
         for (Eigen::Index c = 0; c < channels; ++c)
             start.a(r, c) = usual_scattering_per_mm * absorption_by_colour(lab, white, start_nm(c, channels));
     }
@@ -49,7 +49,9 @@ ObserverParts layer_start(const LayerChart& chart, Eigen::Index channels) {
 }
 
 LayerModel::LayerModel(const LayerChart& chart, Eigen::Index channels, double g, double eta)
-    : resins_(static_cast<Eigen::Index>(chart.roles.size())), channels_(channels), stacks_(chart.stacks, g, eta) {}
+    : resins_(static_cast<Eigen::Index>(chart.roles.size())),
+      channels_(channels),
+      laminates_(chart.laminates, g, eta) {}
 
 ObserverParts LayerModel::parts(const Eigen::VectorXd& unknowns) const {
     ObserverParts parts;
@@ -78,20 +80,20 @@ void LayerModel::prepare(const Eigen::VectorXd& unknowns, bool with_derivatives)
     parts_ = parts(unknowns);
     const auto channels = static_cast<std::size_t>(channels_), resins = static_cast<std::size_t>(resins_);
     const auto medium = [&](Eigen::Index r, Eigen::Index c) { return optics::Medium{parts_.a(r, c), parts_.s(r, c)}; };
-    std::vector<StackReflectance::Laws> laws(channels);
+    std::vector<LaminateReflectance::Laws> laws(channels);
     std::vector<std::vector<double>> seen(channels);
     parallel_for(0, channels, 1, [&](std::size_t c) {
         std::vector<optics::Medium> media;
         for (Eigen::Index r = 0; r < resins_; ++r) media.push_back(medium(r, static_cast<Eigen::Index>(c)));
-        laws[c] = stacks_.laws(std::move(media));
-        seen[c] = stacks_.rho(laws[c]);
+        laws[c] = laminates_.laws(std::move(media));
+        seen[c] = laminates_.rho(laws[c]);
     });
-    const auto stacks = static_cast<Eigen::Index>(seen[0].size());
-    rho_.resize(stacks, channels_);
+    const auto laminates = static_cast<Eigen::Index>(seen[0].size());
+    rho_.resize(laminates, channels_);
     for (std::size_t c = 0; c < channels; ++c)
-        rho_.col(static_cast<Eigen::Index>(c)) = Eigen::Map<const Eigen::VectorXd>(seen[c].data(), stacks);
+        rho_.col(static_cast<Eigen::Index>(c)) = Eigen::Map<const Eigen::VectorXd>(seen[c].data(), laminates);
     if (!with_derivatives) return;
-    by_a_.assign(channels, Eigen::MatrixXd(stacks, resins_));
+    by_a_.assign(channels, Eigen::MatrixXd(laminates, resins_));
     by_s_ = by_a_;
     parallel_for(0, channels * resins * 2, 1, [&](std::size_t task) {
         const std::size_t c = task / (2 * resins), resin = task / 2 % resins;
@@ -99,9 +101,10 @@ void LayerModel::prepare(const Eigen::VectorXd& unknowns, bool with_derivatives)
         const bool scattering = task % 2 == 1;
         optics::Medium moved = medium(r, static_cast<Eigen::Index>(c));
         (scattering ? moved.sigma_s : moved.sigma_a) *= std::exp(step);
-        const std::vector<double> there = stacks_.rho(laws[c], resin, moved);
+        const std::vector<double> there = laminates_.rho(laws[c], resin, moved);
         (scattering ? by_s_ : by_a_)[c].col(r) =
-            (Eigen::Map<const Eigen::VectorXd>(there.data(), stacks) - rho_.col(static_cast<Eigen::Index>(c))) / step;
+            (Eigen::Map<const Eigen::VectorXd>(there.data(), laminates) - rho_.col(static_cast<Eigen::Index>(c))) /
+            step;
     });
 }
 

@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Colours of stacks of layers as a function of what is fitted (layer_fit.h):
+// Colours of laminates as a function of what is fitted (layer_fit.h):
 //
 //   XYZ_k / white_k = gain sum_c (w_ck / sum_j w_jk) (surface + rho_c)
 //
-// rho_c of layers of absorption a_rc and scattering s_rc, mm^-1 (stack_reflectance.h). Unknowns: ln a, ln s, ln w, and
-// roots of surface and gain, as in calibration/chart/observer_model.h.
+// rho_c of layers of absorption a_rc and scattering s_rc, mm^-1 (laminate_reflectance.h). Unknowns: ln a, ln s, ln w,
+// and roots of surface and gain, as in calibration/chart/observer_model.h.
 #pragma once
 
 #include <Eigen/Core>
 
 #include "calibration/chart/colour_fit.h"
 #include "calibration/chart/observer_model.h"
+#include "calibration/layers/laminate_reflectance.h"
 #include "calibration/layers/layer_chart.h"
-#include "calibration/layers/stack_reflectance.h"
 
 namespace voxtone::calibration {
 
-/// Bands of observer_start.h; absorption from the stacks that show most of a resin.
+/// Bands of observer_start.h; absorption from the laminates that show most of a resin.
 [[nodiscard]] ObserverParts layer_start(const LayerChart& chart, Eigen::Index channels);
 
 class LayerModel : public ColourModel {
@@ -30,15 +30,15 @@ public:
 
     [[nodiscard]] ObserverParts parts(const Eigen::VectorXd& unknowns) const;
     [[nodiscard]] Eigen::VectorXd unknowns_of(const ObserverParts& parts) const;
-    /// CIELAB's roots of all stacks.
+    /// CIELAB's roots of all laminates.
     [[nodiscard]] Eigen::MatrixX3d roots(const ObserverParts& parts);
 
 private:
     Eigen::Index resins_, channels_;
-    StackReflectance stacks_;
+    LaminateReflectance laminates_;
     ObserverParts parts_;
-    Eigen::MatrixXd rho_;                       ///< stacks x channels
-    std::vector<Eigen::MatrixXd> by_a_, by_s_;  ///< of each channel, stacks x resins: by ln a, ln s
+    Eigen::MatrixXd rho_;                       ///< laminates x channels
+    std::vector<Eigen::MatrixXd> by_a_, by_s_;  ///< of each channel, laminates x resins: by ln a, ln s
 };
 
 }  // namespace voxtone::calibration

@@ -12,7 +12,8 @@ namespace {
 
 std::string worst_text(const std::vector<HeldOutPatch>& worst) {
     std::string text;
-    for (const HeldOutPatch& stack : worst) text += fmt::format("  {:>6.2f}  {}\n", stack.difference, stack.mixture);
+    for (const HeldOutPatch& laminate : worst)
+        text += fmt::format("  {:>6.2f}  {}\n", laminate.difference, laminate.mixture);
     return text;
 }
 
@@ -20,13 +21,13 @@ std::string worst_text(const std::vector<HeldOutPatch>& worst) {
 
 std::string layer_fit_text(const LayerFit& fit) {
     const optics::ResinSet& set = fit.set;
-    std::string text = fmt::format("{} resins in {} channels of their own from {} stacks of layers, {:.1f} s\n\n",
+    std::string text = fmt::format("{} resins in {} channels of their own from {} laminates, {:.1f} s\n\n",
                                    set.resins.size(), set.channels.size(), fit.fitted.count, fit.seconds);
     text += difference_heading();
-    if (fit.held_out.count > 0) text += difference_line("stacks left out of the fit", fit.held_out);
-    text += difference_line("stacks that were fitted", fit.fitted);
+    if (fit.held_out.count > 0) text += difference_line("laminates left out of the fit", fit.held_out);
+    text += difference_line("laminates that were fitted", fit.fitted);
     text += fmt::format("\nLargest errors{}, layers from the top, mm:\n{}",
-                        fit.held_out.count > 0 ? " of stacks left out" : "", worst_text(fit.worst));
+                        fit.held_out.count > 0 ? " of laminates left out" : "", worst_text(fit.worst));
     text += fmt::format("The instrument sees {:.2f} % of neutral light from the surface; its gain is {:.3f}\n",
                         100 * set.measured.surface, set.measured.gain);
     return text;
@@ -35,25 +36,25 @@ std::string layer_fit_text(const LayerFit& fit) {
 std::string layer_fit_json(const LayerFit& fit) {
     io::JsonWriter json;
     json.begin_object().add("format", "voxtone-layer-fit").add("version", 1).add("seconds", fit.seconds);
-    json.add("channels", fit.set.channels.size()).add("stacks", fit.fitted.count);
+    json.add("channels", fit.set.channels.size()).add("laminates", fit.fitted.count);
     add_differences(json, "fitted", fit.fitted);
     add_differences(json, "held_out", fit.held_out);
     json.key("measured").begin_object().add("surface", fit.set.measured.surface);
     json.add("gain", fit.set.measured.gain).end_object();
-    add_patches(json, "worst", "stack", fit.worst);
+    add_patches(json, "worst", "laminate", fit.worst);
     return json.add("warnings", fit.warnings).end_object().text();
 }
 
 std::string layer_check_text(const LayerCheck& check) {
-    return difference_heading() + difference_line("stacks of layers", check.summary) +
+    return difference_heading() + difference_line("laminates", check.summary) +
            "\nLargest errors, layers from the top, mm:\n" + worst_text(check.worst);
 }
 
 std::string layer_check_json(const LayerCheck& check) {
     io::JsonWriter json;
     json.begin_object().add("format", "voxtone-layer-check").add("version", 1);
-    add_differences(json, "stacks", check.summary);
-    add_patches(json, "worst", "stack", check.worst);
+    add_differences(json, "laminates", check.summary);
+    add_patches(json, "worst", "laminate", check.worst);
     return json.end_object().text();
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What the fit and the check of stacks of layers have to say: as text for people, as one JSON object for programs.
+// What the fit and the check of laminates have to say: as text for people, as one JSON object for programs.
 //
-//   {"format": "voxtone-layer-fit", "version": 1, "seconds", "channels", "stacks", "fitted": DIFFERENCES,
-//    "held_out": DIFFERENCES, "measured": {"surface", "gain"}, "worst": [{"stack", "de2000"}], "warnings": [...]}
-//   {"format": "voxtone-layer-check", "version": 1, "stacks": DIFFERENCES, "worst": [...]}
+//   {"format": "voxtone-layer-fit", "version": 1, "seconds", "channels", "laminates", "fitted": DIFFERENCES,
+//    "held_out": DIFFERENCES, "measured": {"surface", "gain"}, "worst": [{"laminate", "de2000"}], "warnings": [...]}
+//   {"format": "voxtone-layer-check", "version": 1, "laminates": DIFFERENCES, "worst": [...]}
 //   DIFFERENCES as in calibration/chart/chart_text.h
 #pragma once
 

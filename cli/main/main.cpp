@@ -2,9 +2,9 @@
 #include "base/cancel_on_signal.h"
 #include "cli/batch/batch_commands.h"
 #include "cli/calibrate/calibrate_program.h"
+#include "cli/laminate/laminate_commands.h"
 #include "cli/print/print_commands.h"
 #include "cli/program/program.h"
-#include "cli/stack/stack_commands.h"
 
 int main(int argc, char** argv) {
     using namespace voxtone::cli;
@@ -23,6 +23,6 @@ int main(int argc, char** argv) {
                                {"status", add_status_command},
                                {"task", add_task_command},
                                {"calibrate", add_calibrate},
-                               {"stack", add_stack_command},
+                               {"laminate", add_laminate_command, "stack"},
                                {"list", add_list_command}});
 }

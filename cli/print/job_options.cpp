@@ -63,7 +63,7 @@ std::optional<std::string> said(const JobArguments& arguments, const OptionSpec&
     const auto former = arguments.former_options.find(spec.key);
     if (former != arguments.former_options.end() && former->second->count() > 0) {
         const std::string& value = arguments.former_values.at(spec.key);
-        if (std::ranges::find(spec.choices, value) == spec.choices.end())
+        if (!spec.choices.empty() && std::ranges::find(spec.choices, value) == spec.choices.end())
             throw UsageError(
                 fmt::format("--{}: '{}' is none of {}; this is what --{} was called earlier, and a file to "
                             "slice stands alone: `voxtone slice FILE`",

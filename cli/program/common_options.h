@@ -65,7 +65,7 @@ CLI::Option* add_printer_option(CLI::App& command, std::string& printer);
 CLI::Option* add_out_option(CLI::App& command, std::string& out, const char* type, const char* help);
 /// `--overwrite`, of a verb that writes files.
 CLI::Option* add_overwrite_option(CLI::App& command, bool& overwrite);
-/// `-o,--out` for a stack of layers, and `--overwrite`.
+/// `-o,--out` for a laminate, and `--overwrite`.
 void add_stack_folder_options(CLI::App& command, std::string& out, bool& overwrite);
 /// The same for files in a folder that may hold others.
 void add_file_folder_options(CLI::App& command, std::string& out, bool& overwrite, const char* help);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/program/program.h"
 
+#include <algorithm>
+#include <cstdio>
 #include <string>
 #include <utility>
 
@@ -69,7 +71,21 @@ std::string version_text() {
                        io::build_digest());
 }
 
-int run(const Words& words, const std::vector<Verb>& verbs) {
+/// With the name that its verb has now.
+Words by_names_of_now(Words words, const std::vector<Verb>& verbs) {
+    for (const Verb& verb : verbs)
+        if (!words.empty() && verb.former && words[0] == verb.former) {
+            const bool quiet = std::ranges::find(words, "--quiet") != words.end();
+            if (!quiet)
+                fmt::print(stderr, "voxtone {} is called voxtone {} now, which means the same\n", verb.former,
+                           verb.name);
+            words[0] = verb.name;
+        }
+    return words;
+}
+
+int run(const Words& said, const std::vector<Verb>& verbs) {
+    const Words words = by_names_of_now(said, verbs);
     CLI::App program(description, "voxtone");
     set_up_help(program);
     program.set_version_flag("--version", version_text(), "print the version and stop");

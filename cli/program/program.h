@@ -14,6 +14,7 @@ namespace voxtone::cli {
 struct Verb {
     const char* name;
     std::function<Command(CLI::App& program)> add;
+    const char* former = nullptr;  ///< an earlier name, taken with a note
 };
 
 /// The exit code. Two words that users are not told of come before the verbs: `complete WORD...` prints what may stand

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A verb that is a family of steps (`voxtone stack search`): exactly one of them is chosen.
+// A verb that is a family of steps (`voxtone laminate search`): exactly one of them is chosen.
 #pragma once
 
 #include <functional>

@@ -30,7 +30,7 @@ void check_words(const CLI::App& program, const Words& words);
 /// What is wrong with a command line that CLI11 refused, in one sentence that names the word and the nearest option.
 [[nodiscard]] std::string usage_message(const CLI::App& program, const CLI::ParseError& error);
 
-/// "voxtone stack search".
+/// "voxtone laminate search".
 [[nodiscard]] std::string full_name(const CLI::App& command);
 
 }  // namespace voxtone::cli

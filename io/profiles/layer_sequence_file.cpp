@@ -23,10 +23,12 @@ void refuse_decimal_commas(std::string_view text) {
                 "\"{}\": decimals stand behind a point, for a comma ends a layer: \"W 0.3, K 100um\"", text));
 }
 
+constexpr std::string_view former_format = "voxtone-stack";
+
 LayerSequence sequence_from_json(const JsonObject& json) {
     json.allow_only({"format", "version", "name", "source", "resins", "surface", "backing", "layers"});
-    if (json.text("format") != "voxtone-stack")
-        json.fail("format", "is not \"voxtone-stack\": this is no stack of layers");
+    if (const std::string format = json.text("format"); format != "voxtone-laminate" && format != former_format)
+        json.fail("format", "is not \"voxtone-laminate\": this is no laminate");
     if (json.integer("version", 0, 1000000) != 1) json.fail("version", "is not 1, the only version this program knows");
     LayerSequence sequence;
     sequence.name = json.text("name");
@@ -61,7 +63,7 @@ LayerSequence read_layer_sequence(const std::filesystem::path& file) {
 
 std::string layer_sequence_text(const LayerSequence& sequence) {
     JsonWriter json;
-    json.begin_object().add("format", "voxtone-stack").add("version", 1).add("name", sequence.name);
+    json.begin_object().add("format", "voxtone-laminate").add("version", 1).add("name", sequence.name);
     json.line().add("source", sequence.source).line();
     if (!sequence.resins.empty()) json.add("resins", sequence.resins);
     json.add("surface", sequence.surface).add("backing", sequence.backing);
@@ -83,7 +85,7 @@ std::vector<SequenceLayer> parse_layers(std::string_view text) {
         if (space == std::string_view::npos)
             throw UsageError(fmt::format(
                 "\"{}\": the layer \"{}\" is no material and thickness; write layers as \"W 0.3, K 100um\", "
-                "or name the JSON file of a stack",
+                "or name the JSON file of a laminate",
                 text, layer));
         const std::string material(layer.substr(0, space));
         const double mm = parse_length_mm(trimmed(layer.substr(space)), fmt::format("the layer of {}", material));

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A stack of layers as a JSON file (format "voxtone-stack"): what `voxtone stack search` finds and `stack predict`
-// reads.
+// A laminate, the layers of resin under a point, as a JSON file (format "voxtone-laminate", earlier "voxtone-stack"):
+// what `voxtone laminate search` finds and `laminate predict` reads.
 //
-//   {"format": "voxtone-stack", "version": 1, "name": "jade", "source": "...",
+//   {"format": "voxtone-laminate", "version": 1, "name": "jade", "source": "...",
 //    "resins": "vero-opaque",  (a set that comes with the program, or a file; left out where materials are profile
 //    files) "surface": "air" | "matched",  "backing": "black" | "white" | "air" | a profile file, "layers":
 //    [{"material": "W", "mm": 0.3}, {"material": "T", "mm": 1.2}]}   (the first one is on top)
 //
 // A material is the role of a resin of the set, or the file of a measured profile (profile_file.h). What `surface` and
-// `backing` mean: docs/stack-search.md.
+// `backing` mean: docs/laminate-search.md.
 #pragma once
 
 #include <filesystem>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// How far sideways light leaves a stack of layers from where it entered: the reference of layered profiles, by Monte
+// How far sideways light leaves a laminate from where it entered: the reference of layered profiles, by Monte
 // Carlo.
 //
 // Layers are endless, of one refractive index and one phase function; air may lie beyond smooth surfaces at the top and

@@ -45,7 +45,7 @@ LayerProfile no_layer(std::size_t coefficients) {
             std::vector<double>(coefficients, 0.0)};
 }
 
-LayerProfile stack(const LayerProfile& upper, const LayerProfile& lower) {
+LayerProfile laminate(const LayerProfile& upper, const LayerProfile& lower) {
     const std::size_t n = upper.size();
     for (const LayerProfile* layer : {&upper, &lower})
         VOXTONE_EXPECT(layer->T.size() == n && layer->R_top.size() == n && layer->R_bottom.size() == n);

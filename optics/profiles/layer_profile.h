@@ -42,7 +42,7 @@ struct LayerProfile {
 /// No layer at all: T = 1, R = 0.
 [[nodiscard]] LayerProfile no_layer(std::size_t coefficients);
 /// One layer upon another. Contract: as many coefficients.
-[[nodiscard]] LayerProfile stack(const LayerProfile& upper, const LayerProfile& lower);
+[[nodiscard]] LayerProfile laminate(const LayerProfile& upper, const LayerProfile& lower);
 /// Upside down.
 [[nodiscard]] inline LayerProfile turned_over(const LayerProfile& layer) {
     return {layer.T, layer.R_bottom, layer.R_top};

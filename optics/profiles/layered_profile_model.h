@@ -5,21 +5,21 @@
 //
 // What a walk inwards from a cell meets is a mixture for every depth (column_sampling.h). A mixture has one K and one S
 // per channel: those of its resins (Kubelka and Munk's, known at `known_mm`: layer_profile.h) by volume. Its total
-// reflectance is that of its stack, k = 0. The layer next to a surface, `bounded_mm` of it at most, is solved together
-// with the surface in all directions (bounded_totals), because light that a surface lets in is not diffuse. The walk
-// ends on the other side of thin parts: a surface again, where light leaves, and where the same light enters if it lies
-// open; a sheet under the faces on the plane z = 0 sends back nothing or everything.
+// reflectance is that of its laminate, k = 0. The layer next to a surface, `bounded_mm` of it at most, is solved
+// together with the surface in all directions (bounded_totals), because light that a surface lets in is not diffuse.
+// The walk ends on the other side of thin parts: a surface again, where light leaves, and where the same light enters
+// if it lies open; a sheet under the faces on the plane z = 0 sends back nothing or everything.
 //
 // Sideways: to a wave exp(i kappa x) of light what runs sideways is lost as if it were absorbed, so a mixture is a
 // layer with
 //
 //   K(kappa) = K + 2 (sqrt(sigma^2 + kappa^2) - sigma) 2 / 3,   S(kappa) = S,   sigma = (K + 2 S) 2 / 3
 //
-// which is diffusion for long waves and free flight for short ones. The same stack without its surface gives the shape
-// of the local profile, its total the height; profiles are exchanged between cells by Eq. 7, with the bounces under the
-// surface (lateral_transport.h).
+// which is diffusion for long waves and free flight for short ones. The same laminate without its surface gives the
+// shape of the local profile, its total the height; profiles are exchanged between cells by Eq. 7, with the bounces
+// under the surface (lateral_transport.h).
 //
-// Error: docs/stack-search.md. A surface that is the same everywhere shows the total of its stack.
+// Error: docs/laminate-search.md. A surface that is the same everywhere shows the total of its laminate.
 //
 // What it cannot see: what lies on the way of light between two cells, but where it meets the surface (patches of half
 // a millimetre on white come out too bright, by a quarter); light that enters at the side of a box and leaves at its

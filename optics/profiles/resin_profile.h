@@ -3,7 +3,7 @@
 // Layer profiles (layer_profile.h) of resins known by absorption, scattering and phase function: made without a
 // laboratory.
 //
-// A layer is index-matched on both sides, as in the stacking equations (Hasan et al. 2010, Sec. 5, ignore Fresnel's),
+// A layer is index-matched on both sides, as in the laminate equations (Hasan et al. 2010, Sec. 5, ignore Fresnel's),
 // and lit by diffuse light at one point. How far light spreads is traced (layer_paths.h); how much of it comes out is
 // solved by adding-doubling and the traced light scaled to that, as the paper scales what it measured to albedos (Sec.
 // 4). Light that passes straight through is exact: within r = thickness * sqrt(v^2 - 1) of the entry it is 2 (E3(tau) -
@@ -12,9 +12,9 @@
 // Refractive surfaces come in two ways. `smooth_surface` is a layer of its own: diffuse light from within is turned
 // back in part (0.596 where eta is 1.5) where it meets it. That is rough, because light that a surface lets in is not
 // diffuse but runs within 42 degrees of the normal. `bounded_layer` is a resin layer together with the surface above
-// it, solved as one; only what passes below it is taken as diffuse. R of a stack under either is what the predictors of
-// voxtone call appearance: light that leaves / light that was let in, without the mirror reflection; 1 for a body that
-// absorbs nothing.
+// it, solved as one; only what passes below it is taken as diffuse. R of a laminate under either is what the predictors
+// of voxtone call appearance: light that leaves / light that was let in, without the mirror reflection; 1 for a body
+// that absorbs nothing.
 //
 // Cannot be seen: light between layers is taken as diffuse. docs/profiles.md says what that costs.
 #pragma once
@@ -26,7 +26,7 @@
 
 namespace voxtone::optics {
 
-/// Shares of diffuse light on the top of an index-matched stack.
+/// Shares of diffuse light on the top of an index-matched laminate.
 struct DiffuseTotals {
     double R = 0, T = 0;
     double T_direct = 0;  ///< of T: never scattered
@@ -59,14 +59,14 @@ struct ResinProfile {
                                          const LayerPathOptions& options = {}, const Progress* progress = nullptr);
 
 /// A homogeneous layer with a smooth surface to air above it, index-matched below. Totals are exact, spread is traced.
-/// T is the root of the way in times the way out: T of a stack is right where there is a surface on both sides.
+/// T is the root of the way in times the way out: T of a laminate is right where there is a surface on both sides.
 [[nodiscard]] LayerProfile bounded_layer(const Medium& medium, double g, double eta, double thickness_mm,
                                          const HankelGrid& grid, const LayerPathOptions& options = {},
                                          const Progress* progress = nullptr);
 
-/// A smooth surface between air above and resin of index eta >= 1 below; turned over it is one below a stack. With
+/// A smooth surface between air above and resin of index eta >= 1 below; turned over it is one below a laminate. With
 /// R_bottom = integral of 2 nu r(nu) dnu, T^2 = 1 - R_bottom; R_top = 0, what is mirrored is not counted. Since T
-/// stands for the way in and the way out, T of a stack is right where there is a surface on both sides or on none.
+/// stands for the way in and the way out, T of a laminate is right where there is a surface on both sides or on none.
 [[nodiscard]] LayerProfile smooth_surface(double eta, std::size_t coefficients);
 
 }  // namespace voxtone::optics

@@ -3,14 +3,14 @@
 // Diffuse light under a smooth surface, coefficient by coefficient, and back (J. L. Saunderson, "Calculation of the
 // color of pigmented plastics", 1942, without the mirror reflection).
 //
-// With s the share of diffuse light from within that the surface turns back, a stack that reflects R shows
+// With s the share of diffuse light from within that the surface turns back, a laminate that reflects R shows
 //
 //   seen = (1 - s) R / (1 - s R)    and    R = seen / (1 - s + s seen)
 //
 // which is smooth_surface (resin_profile.h) upon it. Both grow steadily and map 0 to 0 and 1 to 1.
 //
 // What it cannot see: light that a surface lets in is not diffuse, but runs within 42 degrees of the normal
-// (docs/stack-search.md says what that costs).
+// (docs/laminate-search.md says what that costs).
 #pragma once
 
 namespace voxtone::optics {

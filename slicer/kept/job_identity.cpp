@@ -68,7 +68,7 @@ std::vector<JobInput> named_inputs(const OpenedJob& job, const DigestOfFile& dig
     const LayeredOptions& layered = *options.layered;
     inputs.push_back(file_input(std::string(map_key), layered.profiles, digest));
     inputs.push_back(input_beside(std::string(map_key), layered.profiles, job.map->picture, digest));
-    for (const StackMaterialFile& material : layered.materials)
+    for (const LaminateMaterialFile& material : layered.materials)
         inputs.push_back(file_input("stack-materials:" + material.role, material.file, digest));
     return inputs;
 }

@@ -11,13 +11,13 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/stopwatch.h"
-#include "halftone/stacks/shortened_stack.h"
-#include "halftone/stacks/stack_materials.h"
-#include "optics/profiles/resin_stack.h"
+#include "halftone/laminates/laminate_materials.h"
+#include "halftone/laminates/shortened_laminate.h"
+#include "optics/profiles/resin_laminate.h"
 #include "optics/profiles/saunderson.h"
+#include "slicer/laminates/laminate_setting.h"
 #include "slicer/prepare/layers_check.h"
 #include "slicer/prepare/phase.h"
-#include "slicer/stacks/stack_setting.h"
 
 namespace voxtone::slicer {
 
@@ -32,10 +32,10 @@ void check_thickness(const JobBody& body) {
 }
 
 /// Layers that no printer makes, left over by the refinement, are dropped and alike neighbours joined.
-std::vector<halftone::StackLayer> printable(const std::vector<halftone::StackLayer>& layers) {
+std::vector<halftone::LaminateLayer> printable(const std::vector<halftone::LaminateLayer>& layers) {
     constexpr double least_mm = 1e-3;
-    std::vector<halftone::StackLayer> kept;
-    for (const halftone::StackLayer& layer : layers) {
+    std::vector<halftone::LaminateLayer> kept;
+    for (const halftone::LaminateLayer& layer : layers) {
         if (layer.thickness_mm < least_mm) continue;
         if (!kept.empty() && kept.back().material == layer.material)
             kept.back().thickness_mm += layer.thickness_mm;
@@ -45,17 +45,17 @@ std::vector<halftone::StackLayer> printable(const std::vector<halftone::StackLay
     return kept;
 }
 
-/// A disc that has room for the light that stacks spread beyond the map's samples: at its rim light is folded back.
+/// A disc that has room for the light that laminates spread beyond the map's samples: at its rim light is folded back.
 optics::HankelGrid grid_for(const io::ProfileMap& map) {
     constexpr double least_reach_mm = 10, room = 1.5;
     constexpr std::size_t coefficients = 64;
     return {std::max(least_reach_mm, room * profile_extent_mm(map)), coefficients};
 }
 
-/// What stacks are made of, and what is above them.
+/// What laminates are made of, and what is above them.
 struct Materials {
-    std::vector<halftone::StackMaterial> materials;  ///< by resin
-    double turned_back = 0;                          ///< by the surface
+    std::vector<halftone::LaminateMaterial> materials;  ///< by resin
+    double turned_back = 0;                             ///< by the surface
     bool traceable = true;
 };
 
@@ -77,23 +77,23 @@ Materials computed_materials(const optics::ResinSet& set, double most_mm, const 
 /// Measured with whatever surface they had: none is added.
 Materials measured_materials(const LayeredOptions& options, const io::ProfileMap& map, const LoadedResins& resins,
                              const optics::HankelGrid& grid, Progress& progress) {
-    StackSettingOptions setting;
+    LaminateSettingOptions setting;
     setting.materials = material_files(options, resins);
     setting.reach_mm = grid.reach_mm();
     setting.coefficients = static_cast<std::uint32_t>(grid.size());
-    const StackSetting stacks(setting);
-    if (stacks.channels() != map.channels)
+    const LaminateSetting laminates(setting);
+    if (laminates.channels() != map.channels)
         throw InputError(fmt::format(
             "{}: its profiles are for {}, those of the materials ({}, ...) for {}; the search compares channel by "
             "channel",
             options.profiles, channels_in_full(map.channels), setting.materials[0],
-            channels_in_full(stacks.channels())));
-    return {stacks.materials(0, options.thickness_mm, {}, progress), stacks.turned_back(), false};
+            channels_in_full(laminates.channels())));
+    return {laminates.materials(0, options.thickness_mm, {}, progress), laminates.turned_back(), false};
 }
 
-halftone::StackSearchOptions search_options(const LayeredOptions& options, const LoadedResins& resins,
-                                            std::span<const halftone::StackMaterial> materials) {
-    halftone::StackSearchOptions search;
+halftone::LaminateSearchOptions search_options(const LayeredOptions& options, const LoadedResins& resins,
+                                               std::span<const halftone::LaminateMaterial> materials) {
+    halftone::LaminateSearchOptions search;
     search.thickness_mm = options.thickness_mm;
     search.steps = options.steps;
     search.max_blocks = options.blocks;
@@ -109,9 +109,9 @@ halftone::StackSearchOptions search_options(const LayeredOptions& options, const
     return search;
 }
 
-std::vector<ClusterStack> wanted_clusters(const std::string& file, const io::ProfileMap& map,
-                                          const optics::HankelGrid& grid) {
-    std::vector<ClusterStack> clusters(map.target.size());
+std::vector<ClusterLaminate> wanted_clusters(const std::string& file, const io::ProfileMap& map,
+                                             const optics::HankelGrid& grid) {
+    std::vector<ClusterLaminate> clusters(map.target.size());
     for (std::size_t k = 0; k < clusters.size(); ++k)
         for (std::size_t c = 0; c < map.target[k].size(); ++c) try {
                 optics::MeasuredSummary summary;
@@ -123,14 +123,14 @@ std::vector<ClusterStack> wanted_clusters(const std::string& file, const io::Pro
     return clusters;
 }
 
-/// What a stack on the base shows, traced under a surface to air.
-halftone::StackJudge tracing_judge(const LoadedResins& resins, const optics::HankelGrid& grid,
-                                   const Progress& progress) {
-    return [&resins, &grid, &progress](std::span<const halftone::StackLayer> layers) {
+/// What a laminate on the base shows, traced under a surface to air.
+halftone::LaminateJudge tracing_judge(const LoadedResins& resins, const optics::HankelGrid& grid,
+                                      const Progress& progress) {
+    return [&resins, &grid, &progress](std::span<const halftone::LaminateLayer> layers) {
         constexpr double base_mm = 10;
         constexpr std::uint32_t paths = 1 << 16;
         std::vector<optics::ResinLayer> traced;
-        for (const halftone::StackLayer& layer : layers) traced.push_back({layer.material, layer.thickness_mm});
+        for (const halftone::LaminateLayer& layer : layers) traced.push_back({layer.material, layer.thickness_mm});
         traced.push_back({static_cast<std::size_t>(resins.core), base_mm});
         return optics::traced_light(resins.set, traced, {.eta_top = resins.set.eta}, grid, {.paths = paths}, &progress)
             .R;
@@ -139,11 +139,11 @@ halftone::StackJudge tracing_judge(const LoadedResins& resins, const optics::Han
 
 /// Leaves out what cannot be printed, and the depth that changes what is seen by little. By the triangle inequality the
 /// distance grows by no more than that, also where the layered model is wrong by the same before and after.
-void finish(ClusterStack& cluster, std::span<const halftone::StackMaterial> materials,
-            const halftone::StackDesignOptions& options, const halftone::StackJudge& judge) {
+void finish(ClusterLaminate& cluster, std::span<const halftone::LaminateMaterial> materials,
+            const halftone::LaminateDesignOptions& options, const halftone::LaminateJudge& judge) {
     constexpr double unseen = 0.02;  // of the distance
-    const auto seen = [&](std::span<const halftone::StackLayer> layers) {
-        halftone::ChannelProfiles R = halftone::stack_reflection(materials, layers, options.search.backing);
+    const auto seen = [&](std::span<const halftone::LaminateLayer> layers) {
+        halftone::ChannelProfiles R = halftone::laminate_reflection(materials, layers, options.search.backing);
         for (auto& channel : R)
             for (double& value : channel) value = optics::seen_through_surface(value, options.turned_back);
         return R;
@@ -151,12 +151,12 @@ void finish(ClusterStack& cluster, std::span<const halftone::StackMaterial> mate
     const auto distance = [&](const halftone::ChannelProfiles& a, const halftone::ChannelProfiles& b) {
         return halftone::profile_distance(a, b, options.search.dc_weight);
     };
-    halftone::StackDesign& design = cluster.design;
+    halftone::LaminateDesign& design = cluster.design;
     design.layers = printable(design.layers);
     const halftone::ChannelProfiles whole = seen(design.layers);
-    design.layers = halftone::shortened_stack(
+    design.layers = halftone::shortened_laminate(
         design.layers, unseen * cluster.distance(),
-        [&](std::span<const halftone::StackLayer> layers) { return distance(seen(layers), whole); });
+        [&](std::span<const halftone::LaminateLayer> layers) { return distance(seen(layers), whole); });
     design.modelled = seen(design.layers);
     design.modelled_distance = distance(design.modelled, cluster.target);
     if (!judge) return;
@@ -172,21 +172,22 @@ int rounds_of(const LayeredOptions& options, std::size_t clusters, const Materia
     return options.rounds.value_or(clusters <= most_clusters ? 1 : 0);
 }
 
-void search_stacks(const LayeredOptions& options, const LoadedResins& resins, const optics::HankelGrid& grid,
-                   std::vector<ClusterStack>& clusters, const Materials& made, Progress& progress) {
-    const std::span<const halftone::StackMaterial> materials = made.materials;
+void search_laminates(const LayeredOptions& options, const LoadedResins& resins, const optics::HankelGrid& grid,
+                      std::vector<ClusterLaminate>& clusters, const Materials& made, Progress& progress) {
+    const std::span<const halftone::LaminateMaterial> materials = made.materials;
     const int rounds = rounds_of(options, clusters.size(), made);
-    halftone::StackDesignOptions design;
+    halftone::LaminateDesignOptions design;
     design.search = search_options(options, resins, materials);
     design.turned_back = made.turned_back;
     design.rounds = std::max(1, rounds);
-    const halftone::StackJudge judge = rounds > 0 ? tracing_judge(resins, grid, progress) : halftone::StackJudge{};
+    const halftone::LaminateJudge judge =
+        rounds > 0 ? tracing_judge(resins, grid, progress) : halftone::LaminateJudge{};
     progress.begin_stage(name_of(Phase::search), clusters.size(), "clusters");
-    const halftone::StackSearch search(materials, design.search);
+    const halftone::LaminateSearch search(materials, design.search);
     parallel_for(
         0, clusters.size(), 1,
         [&](std::size_t k) {
-            clusters[k].design = halftone::design_stack(search, materials, clusters[k].target, design, judge);
+            clusters[k].design = halftone::design_laminate(search, materials, clusters[k].target, design, judge);
             finish(clusters[k], materials, design, judge);
             progress.advance();
         },
@@ -196,30 +197,30 @@ void search_stacks(const LayeredOptions& options, const LoadedResins& resins, co
 
 PlacedMap place_map(const LayeredOptions& options, const io::ProfileMap& map, const JobBody& body) {
     const io::TexturedMesh& mesh = body.model.mesh;
-    halftone::StackMap stacks{map.width_px,        map.height_px, map.width_mm,
-                              map.height_mm,       map.cluster,   halftone::MapEdge::repeat,
-                              options.smoothing_mm};
+    halftone::LaminateMap laminates{map.width_px,        map.height_px, map.width_mm,
+                                    map.height_mm,       map.cluster,   halftone::MapEdge::repeat,
+                                    options.smoothing_mm};
     if (body.is_picture) {
         const Eigen::Vector3d extent = body.placement.extent_mm;
-        stacks.edge = halftone::MapEdge::extend;
-        stacks.width_mm = extent.x(), stacks.height_mm = extent.y();
+        laminates.edge = halftone::MapEdge::extend;
+        laminates.width_mm = extent.x(), laminates.height_mm = extent.y();
         std::string stretched;
         if (std::abs(std::log(extent.x() / extent.y() * map.height_mm / map.width_mm)) > 0.02)
             stretched = fmt::format(
                 "the map of profiles ({:g} x {:g} mm) is stretched onto a picture of another shape ({:.4g} x {:.4g} "
                 "mm)",
                 map.width_mm, map.height_mm, extent.x(), extent.y());
-        return {stacks, MapPlacement::by_texture(mesh, stacks.width_mm, stacks.height_mm), stretched};
+        return {laminates, MapPlacement::by_texture(mesh, laminates.width_mm, laminates.height_mm), stretched};
     }
     if (options.placement == ProfilePlacement::uv)
-        return {stacks, MapPlacement::by_texture(mesh, stacks.width_mm, stacks.height_mm), ""};
-    stacks.edge = halftone::MapEdge::mirror;
-    return {stacks, MapPlacement::by_box(mesh), ""};
+        return {laminates, MapPlacement::by_texture(mesh, laminates.width_mm, laminates.height_mm), ""};
+    laminates.edge = halftone::MapEdge::mirror;
+    return {laminates, MapPlacement::by_box(mesh), ""};
 }
 
-std::vector<std::vector<halftone::StackLayer>> layers_of(const std::vector<ClusterStack>& clusters) {
-    std::vector<std::vector<halftone::StackLayer>> layers;
-    for (const ClusterStack& cluster : clusters) layers.push_back(cluster.design.layers);
+std::vector<std::vector<halftone::LaminateLayer>> layers_of(const std::vector<ClusterLaminate>& clusters) {
+    std::vector<std::vector<halftone::LaminateLayer>> layers;
+    for (const ClusterLaminate& cluster : clusters) layers.push_back(cluster.design.layers);
     return layers;
 }
 
@@ -229,15 +230,15 @@ std::vector<io::Material> printed_materials(const LoadedResins& resins) {
     return printed;
 }
 
-std::vector<std::string> warnings_of(const PlacedMap& placed, const StackFit& fit) {
+std::vector<std::string> warnings_of(const PlacedMap& placed, const LaminateFit& fit) {
     std::vector<std::string> warnings;
     if (!placed.stretched.empty()) warnings.push_back(placed.stretched);
     if (fit.thin_share > 0)
-        warnings.push_back(
-            fmt::format("on {:.1f} % of the surface the body is too thin for its stack, by {:.0f} % of the stack's "
-                        "depth on average: layers of "
-                        "both sides meet there, and light spreads otherwise than the map asks",
-                        100 * fit.thin_share, 100 * fit.missing_mean));
+        warnings.push_back(fmt::format(
+            "on {:.1f} % of the surface the body is too thin for its laminate, by {:.0f} % of the laminate's "
+            "depth on average: layers of "
+            "both sides meet there, and light spreads otherwise than the map asks",
+            100 * fit.thin_share, 100 * fit.missing_mean));
     return warnings;
 }
 
@@ -251,21 +252,22 @@ double profile_extent_mm(const io::ProfileMap& map) {
     return extent;
 }
 
-JobLayers::JobLayers(DesignedStacks designed, const JobBody& body, const LoadedResins& resins, Progress& progress)
+JobLayers::JobLayers(DesignedLaminates designed, const JobBody& body, const LoadedResins& resins, Progress& progress)
     : map(std::move(designed.map)),
       grid(designed.grid),
       clusters(std::move(designed.clusters)),
       measured(designed.measured),
       materials_s(designed.materials_s),
       search_s(designed.search_s),
-      aligned(halftone::align_stacks(layers_of(clusters))),
+      aligned(halftone::align_laminates(layers_of(clusters))),
       placement_(std::move(designed.placed.placement)),
-      fields_(designed.placed.stacks, aligned),
+      fields_(designed.placed.laminates, aligned),
       screen_(std::array{body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()}, &progress),
       wrapped_(*body.surface, body.grid, fields_, placement_, screen_, printed_materials(resins),
                resins.core_material()) {
-    fit = stack_fit(body.surface, body.grid,
-                    body.is_picture ? std::optional(body.placement.extent_mm.z()) : std::nullopt, wrapped_, progress);
+    fit =
+        laminate_fit(body.surface, body.grid,
+                     body.is_picture ? std::optional(body.placement.extent_mm.z()) : std::nullopt, wrapped_, progress);
     warnings = warnings_of(designed.placed, fit);
 }
 
@@ -274,7 +276,7 @@ std::unique_ptr<const JobLayers> arrange_layers(const LayeredOptions& options, i
     check_thickness(body);
     // What is wrong with map and mesh is said before the search.
     const optics::HankelGrid grid = grid_for(map);
-    std::vector<ClusterStack> clusters = wanted_clusters(options.profiles, map, grid);
+    std::vector<ClusterLaminate> clusters = wanted_clusters(options.profiles, map, grid);
     PlacedMap placed = place_map(options, map, body);
 
     Stopwatch watch;
@@ -282,10 +284,10 @@ std::unique_ptr<const JobLayers> arrange_layers(const LayeredOptions& options, i
                                     ? computed_materials(resins.set, options.thickness_mm, grid, progress)
                                     : measured_materials(options, map, resins, grid, progress);
     const double materials_s = watch.lap();
-    search_stacks(options, resins, grid, clusters, materials, progress);
+    search_laminates(options, resins, grid, clusters, materials, progress);
     return std::make_unique<const JobLayers>(
-        DesignedStacks{std::move(map), grid, std::move(clusters), std::move(placed), !materials.traceable, materials_s,
-                       watch.lap()},
+        DesignedLaminates{std::move(map), grid, std::move(clusters), std::move(placed), !materials.traceable,
+                          materials_s, watch.lap()},
         body, resins, progress);
 }
 

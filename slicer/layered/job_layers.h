@@ -3,13 +3,13 @@
 // The layered half of a job (`--show layered-profile`): from a map of wanted scattering profiles to layers of resin
 // wrapped around the body, in the place of colours, screens and the appearance loop.
 //
-// Materials are the loaded resins, known by their profiles. For each cluster of the map the best stack of blocks is
-// searched (halftone/stacks/stack_search.h) and its thicknesses refined (stack_refinement.h), under a smooth surface to
-// air and over the base resin taken to be deep; what the layered model gets wrong is corrected by tracing the stacks
-// (stack_design.h): by default in one round, where there are 16 clusters at most. Or materials are measured profiles
-// (stack_setting.h), with the surface that they had, and nothing is traced. What lies so deep that it changes what is
-// seen by less than 2 % of the distance is left out (shortened_stack.h). The stacks are aligned, interpolated to height
-// fields over the map, and wrapped.
+// Materials are the loaded resins, known by their profiles. For each cluster of the map the best laminate of blocks is
+// searched (halftone/laminates/laminate_search.h) and its thicknesses refined (laminate_refinement.h), under a smooth
+// surface to air and over the base resin taken to be deep; what the layered model gets wrong is corrected by tracing
+// the laminates (laminate_design.h): by default in one round, where there are 16 clusters at most. Or materials are
+// measured profiles (laminate_setting.h), with the surface that they had, and nothing is traced. What lies so deep that
+// it changes what is seen by less than 2 % of the distance is left out (shortened_laminate.h). The laminates are
+// aligned, interpolated to height fields over the map, and wrapped.
 #pragma once
 
 #include <memory>
@@ -17,14 +17,14 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "halftone/laminates/aligned_laminates.h"
+#include "halftone/laminates/laminate_design.h"
+#include "halftone/laminates/layer_fields.h"
 #include "halftone/screens/blue_noise_screen.h"
-#include "halftone/stacks/aligned_stacks.h"
-#include "halftone/stacks/layer_fields.h"
-#include "halftone/stacks/stack_design.h"
 #include "io/profiles/profile_map.h"
 #include "optics/numerics/hankel.h"
+#include "slicer/layers/laminate_fit.h"
 #include "slicer/layers/map_placement.h"
-#include "slicer/layers/stack_fit.h"
 #include "slicer/layers/wrapped_layers.h"
 #include "slicer/options/resolved_job.h"
 #include "slicer/prepare/job_body.h"
@@ -33,12 +33,12 @@
 namespace voxtone::slicer {
 
 /// What is printed where the map asks for one cluster.
-struct ClusterStack {
+struct ClusterLaminate {
     double share = 0;                  ///< of the map's pixels
     halftone::ChannelProfiles target;  ///< Hankel coefficients, wanted
-    halftone::StackDesign design;
+    halftone::LaminateDesign design;
 
-    /// What is expected of the stack, and how far that is from the target: as traced, or by the layered model.
+    /// What is expected of the laminate, and how far that is from the target: as traced, or by the layered model.
     [[nodiscard]] const halftone::ChannelProfiles& expected() const {
         return design.judged.empty() ? design.modelled : design.judged;
     }
@@ -52,25 +52,25 @@ struct ClusterStack {
 
 /// The map where it lies on a body.
 struct PlacedMap {
-    halftone::StackMap stacks;  ///< refers to the map's pixels
+    halftone::LaminateMap laminates;  ///< refers to the map's pixels
     MapPlacement placement;
     std::string stretched;  ///< a warning where a map changes its shape; may be empty
 };
 
-/// A stack for each cluster of the map.
-struct DesignedStacks {
+/// A laminate for each cluster of the map.
+struct DesignedLaminates {
     io::ProfileMap map;
     optics::HankelGrid grid;
-    std::vector<ClusterStack> clusters;
+    std::vector<ClusterLaminate> clusters;
     PlacedMap placed;
     bool measured = false;  ///< materials are from profile files
     double materials_s = 0, search_s = 0;
 };
 
-/// The stacks wrapped around the body. Stays where it was made; keeps references to the body.
+/// The laminates wrapped around the body. Stays where it was made; keeps references to the body.
 class JobLayers {
 public:
-    JobLayers(DesignedStacks designed, const JobBody& body, const LoadedResins& resins, Progress& progress);
+    JobLayers(DesignedLaminates designed, const JobBody& body, const LoadedResins& resins, Progress& progress);
     JobLayers(const JobLayers&) = delete;
     JobLayers& operator=(const JobLayers&) = delete;
 
@@ -78,11 +78,11 @@ public:
 
     io::ProfileMap map;
     optics::HankelGrid grid;
-    std::vector<ClusterStack> clusters;
+    std::vector<ClusterLaminate> clusters;
     bool measured;  ///< materials are from profile files
     double materials_s, search_s;
-    halftone::AlignedStacks aligned;
-    StackFit fit;
+    halftone::AlignedLaminates aligned;
+    LaminateFit fit;
     std::vector<std::string> warnings;
 
 private:
@@ -92,7 +92,7 @@ private:
     WrappedLayers wrapped_;
 };
 
-/// Searches the stacks of a map that `check_layers` let pass, for minutes if they are traced, and wraps them. Throws
+/// Searches the laminates of a map that `check_layers` let pass, for minutes if they are traced, and wraps them. Throws
 /// InputError: profiles that send back more light than they got, a mesh without texture coordinates where they are
 /// needed, a body thinner than two voxels.
 [[nodiscard]] std::unique_ptr<const JobLayers> arrange_layers(const LayeredOptions& options, io::ProfileMap map,

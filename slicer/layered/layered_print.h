@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A print whose surface shows how light spreads: stacks of layers under each point (job_layers.h). It has no appearance
+// A print whose surface shows how light spreads: laminates under each point (job_layers.h). It has no appearance
 // loop and no prediction.
 #pragma once
 
@@ -19,7 +19,7 @@ namespace voxtone::slicer {
 
 class LayeredPrint final : public Print {
 public:
-    /// Searches the stacks. Keeps references to the job, which has a map, and the body.
+    /// Searches the laminates. Keeps references to the job, which has a map, and the body.
     LayeredPrint(const OpenedJob& job, const JobBody& body, Progress& progress);
 
     void prepare(Progress& progress) override;

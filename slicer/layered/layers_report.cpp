@@ -37,9 +37,9 @@ std::vector<std::size_t> by_share(const JobLayers& layers) {
     return order;
 }
 
-std::string stack_text(const ClusterStack& cluster, const LoadedResins& resins) {
+std::string laminate_text(const ClusterLaminate& cluster, const LoadedResins& resins) {
     std::string text;
-    for (const halftone::StackLayer& layer : cluster.design.layers)
+    for (const halftone::LaminateLayer& layer : cluster.design.layers)
         text += fmt::format("{}{} {:.3f}", text.empty() ? "" : " / ", resins.entries[layer.material].role,
                             layer.thickness_mm);
     return text.empty() ? std::string("the base alone") : text;
@@ -67,7 +67,7 @@ std::vector<DrawnChannel> drawn_channels(const optics::Channels& channels) {
 }
 
 io::ReportDrawing profile_drawing(const JobLayers& layers, std::size_t number, const LoadedResins& resins) {
-    const ClusterStack& cluster = layers.clusters[number];
+    const ClusterLaminate& cluster = layers.clusters[number];
     const optics::HankelGrid& grid = layers.grid;
     const double most_mm = profile_extent_mm(layers.map), blur_mm = 1.5 * grid.reach_mm() / double(grid.size());
     constexpr int points = 120;
@@ -97,7 +97,7 @@ io::ReportDrawing profile_drawing(const JobLayers& layers, std::size_t number, c
         plot.line(lines[c][0], channels[c].colour, 1.5, true);
         plot.line(lines[c][1], channels[c].colour);
     }
-    return {fmt::format("{}; distance {:.4f}", stack_text(cluster, resins), cluster.distance()), plot.svg()};
+    return {fmt::format("{}; distance {:.4f}", laminate_text(cluster, resins), cluster.distance()), plot.svg()};
 }
 
 Eigen::Vector3f total_colour(const optics::Channels& channels, const halftone::ChannelProfiles& profiles) {
@@ -115,7 +115,7 @@ ColouredSurface by_cluster(const JobLayers& layers, const JobBody& body, std::ve
         const auto& corner = body.surface->source_uv[t];
         const Eigen::Vector2f at = (1 - u - v) * corner[0] + u * corner[1] + v * corner[2];
         const Eigen::Vector2f place = layers.wrapped().map_point(t, at.x(), at.y());
-        return colours[layers.wrapped().fields().stack_at(place.x(), place.y())];
+        return colours[layers.wrapped().fields().laminate_at(place.x(), place.y())];
     };
     return out;
 }
@@ -135,7 +135,7 @@ struct Totals {
 };
 Totals totals_of(const JobLayers& layers) {
     Totals totals;
-    for (const ClusterStack& cluster : layers.clusters) {
+    for (const ClusterLaminate& cluster : layers.clusters) {
         totals.distance += cluster.share * cluster.distance();
         totals.modelled += cluster.share * cluster.design.modelled_distance;
         if (!cluster.design.judged_distances.empty())
@@ -156,8 +156,8 @@ const char* light_sentence(const JobLayers& layers, const Totals& totals) {
         return "What they show was traced by Monte Carlo and what the layered model gets wrong corrected; figures are "
                "those of the traced light.";
     if (layers.measured) return "What they show is by the layered model: of measured materials nothing else is known.";
-    return "What they show is by the layered model, which is rough for thin layers (--stack-rounds 1 traces the "
-           "stacks).";
+    return "What they show is by the layered model, which is rough for thin layers (--laminate-rounds 1 traces the "
+           "laminates).";
 }
 
 const char* surface_words(const JobLayers& layers) {
@@ -168,7 +168,7 @@ const char* surface_words(const JobLayers& layers) {
 std::string search_paragraph(const JobLayers& layers, const LoadedResins& resins, std::size_t clusters,
                              const Totals& totals) {
     return fmt::format(
-        "The map asks for {} different profiles; for each the nearest stack of layers was searched and its thicknesses "
+        "The map asks for {} different profiles; for each the nearest laminate was searched and its thicknesses "
         "refined, {} and over a deep base of {}. {} Distances are weighted root mean squares of the difference in "
         "Hankel coefficients (which lie between 0 and 1): {:.4f} on average over the map, {:.4f} at most.",
         clusters, surface_words(layers), resins.entries[static_cast<std::size_t>(resins.core)].name,
@@ -177,14 +177,16 @@ std::string search_paragraph(const JobLayers& layers, const LoadedResins& resins
 
 std::string correction_paragraph(const Totals& totals) {
     return fmt::format(
-        "Before it was corrected the traced distance was {:.4f}. The layered model by itself says {:.4f} of the stacks "
+        "Before it was corrected the traced distance was {:.4f}. The layered model by itself says {:.4f} of the "
+        "laminates "
         "that are printed.",
         totals.uncorrected, totals.modelled);
 }
 
 std::string gamut_paragraph(const Totals& totals) {
     return fmt::format(
-        "What is wanted lies outside of the gamut of these resins, blocks and thickness: by the layered model no stack "
+        "What is wanted lies outside of the gamut of these resins, blocks and thickness: by the layered model no "
+        "laminate "
         "is nearer than {:.4f}, behind the surface and on average over the map (a proven bound; the least possible of "
         "each cluster is in the table).",
         totals.outside);
@@ -195,13 +197,14 @@ std::string drawings_paragraph(const JobLayers& layers, std::size_t drawn_cluste
     for (const DrawnChannel& channel : drawn_channels(layers.map.channels)) drawn.push_back(channel.name);
     return fmt::format(
         "Light that comes out per mm2 at a distance from where one unit entered, the {} most frequent clusters: dashed "
-        "as wanted, full as the stack is expected to show; {}. Both are seen through a blur of {:.2g} mm.",
+        "as wanted, full as the laminate is expected to show; {}. Both are seen through a blur of {:.2g} mm.",
         drawn_clusters, fmt::join(drawn, ", "), 1.5 * layers.grid.reach_mm() / double(layers.grid.size()));
 }
 
 std::string count_paragraph(const halftone::SearchCount& count) {
-    return fmt::format("The search opened {} partial stacks, put {} aside by their bounds and compared {} whole ones.",
-                       count.visited, count.pruned, count.judged);
+    return fmt::format(
+        "The search opened {} partial laminates, put {} aside by their bounds and compared {} whole ones.",
+        count.visited, count.pruned, count.judged);
 }
 
 /// The totals of all channels, or the first and the last of many.
@@ -222,17 +225,17 @@ io::ReportTable cluster_table(const JobLayers& layers, const LoadedResins& resin
         {"cluster", "share", "distance", "least possible", "total wanted", "total reached", "layers from the top, mm"},
         {}};
     for (std::size_t i = 0; i < listed; ++i) {
-        const ClusterStack& cluster = layers.clusters[order[i]];
+        const ClusterLaminate& cluster = layers.clusters[order[i]];
         const double least = cluster.design.outside;
         table.rows.push_back({fmt::format("{}", order[i]), fmt::format("{:.1f} %", 100 * cluster.share),
                               fmt::format("{:.4f}", cluster.distance()), least > 0 ? fmt::format("{:.4f}", least) : "",
                               totals_text(cluster.target), totals_text(cluster.expected()),
-                              stack_text(cluster, resins)});
+                              laminate_text(cluster, resins)});
     }
     return table;
 }
 
-/// How near the stacks come to what is wanted.
+/// How near the laminates come to what is wanted.
 io::ReportSection profiles_section(const JobLayers& layers, const LoadedResins& resins) {
     constexpr std::size_t most_drawn = 9;
     const std::vector<std::size_t> order = by_share(layers);
@@ -254,15 +257,17 @@ std::string sequence_paragraph(const JobLayers& layers, const LoadedResins& resi
     std::vector<std::string> sequence;
     for (const std::size_t material : layers.aligned.material) sequence.push_back(resins.entries[material].role);
     return fmt::format(
-        "All stacks are parts of one sequence of {} layers from the top, {}; layers that a place does not have are of "
-        "thickness zero there. Depths are interpolated over the map. The deepest stack has {:.2f} mm.",
+        "All laminates are parts of one sequence of {} layers from the top, {}; layers that a place does not have are "
+        "of "
+        "thickness zero there. Depths are interpolated over the map. The deepest laminate has {:.2f} mm.",
         sequence.size(), fmt::join(sequence, " "), layers.wrapped().fields().most_depth_mm());
 }
 
-std::string fit_paragraph(const StackFit& fit) {
-    if (!(fit.thin_share > 0)) return "The body is thick enough for its stacks everywhere.";
+std::string fit_paragraph(const LaminateFit& fit) {
+    if (!(fit.thin_share > 0)) return "The body is thick enough for its laminates everywhere.";
     return fmt::format(
-        "On {:.1f} % of the surface the body is too thin for its stack, by {:.0f} % of the stack's depth on average "
+        "On {:.1f} % of the surface the body is too thin for its laminate, by {:.0f} % of the laminate's depth on "
+        "average "
         "(behind thin walls and beside edges): layers of both sides meet there.",
         100 * fit.thin_share, 100 * fit.missing_mean);
 }
@@ -275,7 +280,7 @@ io::ReportTable surfaces_table(const std::vector<SurfaceFile>& surfaces, const L
     return table;
 }
 
-/// The stacks as they lie in the body.
+/// The laminates as they lie in the body.
 io::ReportSection layers_section(const JobLayers& layers, const LoadedResins& resins,
                                  const std::optional<io::ReportPicture>& cut,
                                  const std::vector<SurfaceFile>& surfaces) {
@@ -288,7 +293,8 @@ io::ReportSection layers_section(const JobLayers& layers, const LoadedResins& re
 }
 
 constexpr const char* totals_note =
-    "Total reflectance of the profiles, of light that entered: as the map wants it and as the stacks are expected to "
+    "Total reflectance of the profiles, of light that entered: as the map wants it and as the laminates are expected "
+    "to "
     "show it, each place for itself. How light spreads from place to place is what the profiles below show; the "
     "appearance loop is off. `voxtone predict` on this folder shows the whole print.";
 
@@ -327,7 +333,7 @@ void add_layers_report(const JobLayers& layers, const LoadedResins& resins, cons
 void draw_layers_report(const JobLayers& layers, const JobBody& body, io::Report& report,
                         const std::filesystem::path& folder, Progress& progress) {
     std::vector<Eigen::Vector3f> wanted, reached, distance;
-    for (const ClusterStack& cluster : layers.clusters) {
+    for (const ClusterLaminate& cluster : layers.clusters) {
         wanted.push_back(total_colour(layers.map.channels, cluster.target));
         reached.push_back(total_colour(layers.map.channels, cluster.expected()));
         distance.push_back(difference_colour(100 * cluster.distance()));
@@ -335,7 +341,7 @@ void draw_layers_report(const JobLayers& layers, const JobBody& body, io::Report
     const std::array surfaces{by_cluster(layers, body, std::move(wanted)), by_cluster(layers, body, std::move(reached)),
                               by_cluster(layers, body, std::move(distance))};
     static constexpr std::array captions{
-        "target: total reflectance wanted", "total reflectance of the stacks",
+        "target: total reflectance wanted", "total reflectance of the laminates",
         "distance of the profiles: white 0, yellow 0.02, orange 0.05, red 0.1, black 0.2"};
     ReportViews views(surfaces[0], body.is_picture, 0, report, progress);
     std::array<io::Picture8, 3> drawn;
@@ -357,7 +363,7 @@ std::string layers_summary(const JobLayers& layers) {
     const Totals totals = totals_of(layers);
     return fmt::format(
         "  {} profiles by {} layers: distance {:.4f} on average, {:.4f} at most; outside of the gamut by at least "
-        "{:.4f}; {:.1f} % of the surface too thin for its stack\n",
+        "{:.4f}; {:.1f} % of the surface too thin for its laminate\n",
         by_share(layers).size(), layers.aligned.layers(), totals.distance, totals.worst, totals.outside,
         100 * layers.fit.thin_share);
 }

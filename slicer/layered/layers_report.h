@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What the report says of a print arranged by layers: how near the stacks come to the profiles that are wanted, which
-// stacks these are, and where the body is too thin for them.
+// laminates these are, and where the body is too thin for them.
 #pragma once
 
 #include <filesystem>

@@ -21,8 +21,8 @@
 #include <memory>
 #include <vector>
 
+#include "halftone/laminates/layer_fields.h"
 #include "halftone/screens/blue_noise_screen.h"
-#include "halftone/stacks/layer_fields.h"
 #include "slicer/layers/block_fill.h"
 #include "slicer/layers/map_placement.h"
 #include "slicer/printer/voxel_grid.h"

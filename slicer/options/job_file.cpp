@@ -97,7 +97,7 @@ void replace_paths(SliceOptions& options, const fs::path& folder, Wanted&& wante
     for (const OptionSpec& spec : slice_option_table()) {
         if (spec.names == OptionSpec::Names::nothing || !wanted(spec.key)) continue;
         if (spec.names == OptionSpec::Names::inputs_by_role) {
-            for (std::string& entry : options.stack_materials)
+            for (std::string& entry : options.laminate_materials)
                 if (const std::size_t equals = entry.find('='); equals != std::string::npos)
                     entry = entry.substr(0, equals + 1) + place(entry.substr(equals + 1));
             continue;

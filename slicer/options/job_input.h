@@ -9,7 +9,7 @@ namespace voxtone::slicer {
 
 struct JobInput {
     /// The option that names it ("model", "printer"), with a role or the name of a file beside it where it has one:
-    /// "stack-materials:W", "model:textures/skin.png".
+    /// "laminate-materials:W", "model:textures/skin.png".
     std::string key;
     std::string file;    ///< where it was; empty: it comes with the program
     std::string sha256;  ///< 64 hexadecimal digits; empty: there was no such file

@@ -92,18 +92,18 @@ Eigen::Matrix3d parse_rotation(const std::string& text) {
 
 std::optional<int> parse_iterations(const std::string& text) { return count_or_auto("iterations", text, 1000); }
 
-std::optional<int> parse_stack_rounds(const std::string& text) { return count_or_auto("stack-rounds", text, 20); }
+std::optional<int> parse_laminate_rounds(const std::string& text) { return count_or_auto("laminate-rounds", text, 20); }
 
-std::vector<StackMaterialFile> parse_stack_materials(const std::vector<std::string>& entries) {
-    std::vector<StackMaterialFile> parsed;
+std::vector<LaminateMaterialFile> parse_laminate_materials(const std::vector<std::string>& entries) {
+    std::vector<LaminateMaterialFile> parsed;
     for (const std::string& entry : entries) {
         const std::size_t equals = entry.find('=');
         if (equals == 0 || equals == std::string::npos || equals + 1 == entry.size())
-            throw UsageError(fmt::format("--stack-materials {}: write ROLE=FILE, such as W=white.json", entry));
+            throw UsageError(fmt::format("--laminate-materials {}: write ROLE=FILE, such as W=white.json", entry));
         parsed.push_back({entry.substr(0, equals), entry.substr(equals + 1)});
         for (std::size_t i = 0; i + 1 < parsed.size(); ++i)
             if (parsed[i].role == parsed.back().role)
-                throw UsageError(fmt::format("--stack-materials {}: {} is named twice", entry, parsed.back().role));
+                throw UsageError(fmt::format("--laminate-materials {}: {} is named twice", entry, parsed.back().role));
     }
     return parsed;
 }

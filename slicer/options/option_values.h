@@ -64,16 +64,16 @@ template <class Number>
 [[nodiscard]] std::optional<int> parse_iterations(const std::string& text);
 
 /// Rounds of corrected searches, 0 to 20; "auto": nothing.
-[[nodiscard]] std::optional<int> parse_stack_rounds(const std::string& text);
+[[nodiscard]] std::optional<int> parse_laminate_rounds(const std::string& text);
 
 /// Measured profile of a resin.
-struct StackMaterialFile {
+struct LaminateMaterialFile {
     std::string role, file;
 };
 /// "ROLE=FILE" each, no role twice.
-[[nodiscard]] std::vector<StackMaterialFile> parse_stack_materials(const std::vector<std::string>& entries);
+[[nodiscard]] std::vector<LaminateMaterialFile> parse_laminate_materials(const std::vector<std::string>& entries);
 
-/// How far from the top of any stacking a resin stays.
+/// How far from the top of any laminate a resin stays.
 struct ClearTop {
     std::string role;
     double mm = 0;

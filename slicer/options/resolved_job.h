@@ -52,11 +52,11 @@ struct JobLoopOptions {
 struct LayeredOptions {
     std::string profiles;  ///< file of the map
     ProfilePlacement placement = ProfilePlacement::uv;
-    std::string base = "K";  ///< role of the resin below the stacks
+    std::string base = "K";  ///< role of the resin below the laminates
     double thickness_mm = 5;
     std::uint32_t steps = 64, blocks = 6;
-    std::optional<int> rounds;                 ///< of corrected searches; nothing: by the number of clusters
-    std::vector<StackMaterialFile> materials;  ///< measured; empty: resins are computed
+    std::optional<int> rounds;                    ///< of corrected searches; nothing: by the number of clusters
+    std::vector<LaminateMaterialFile> materials;  ///< measured; empty: resins are computed
     double dc_weight = 1;
     std::vector<ClearTop> clear_top;
     double smoothing_mm = 0;

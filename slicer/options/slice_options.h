@@ -34,13 +34,13 @@ struct SliceOptions {
     std::string show = "colour";  ///< colour, or how light spreads: layers of the map's profiles (see job_layers.h)
     std::string profiles;         ///< file of the map
     std::string profile_placement = "uv";
-    double stack_thickness_mm = 5;
-    std::uint32_t stack_steps = 64, stack_blocks = 6;
-    std::string stack_rounds = "auto";         ///< a number, 0 for none; auto: see job_layers.h
-    std::vector<std::string> stack_materials;  ///< "ROLE=FILE"; empty: resins are computed
+    double laminate_thickness_mm = 5;
+    std::uint32_t laminate_steps = 64, laminate_blocks = 6;
+    std::string laminate_rounds = "auto";         ///< a number, 0 for none; auto: see job_layers.h
+    std::vector<std::string> laminate_materials;  ///< "ROLE=FILE"; empty: resins are computed
     double dc_weight = 1;
     std::vector<std::string> clear_top;  ///< "ROLE=LENGTH"
-    std::string base = "K";              ///< role of the resin below the stacks
+    std::string base = "K";              ///< role of the resin below the laminates
     double layer_smoothing_mm = 0;
     bool surfaces = false;
     double surface_cell_mm = 0.1;

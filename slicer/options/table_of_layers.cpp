@@ -89,54 +89,68 @@ std::vector<OptionSpec> map_entries() {
 
 std::vector<OptionSpec> search_entries() {
     return {
-        layered_value(Length{&O::stack_thickness_mm}, &LayeredOptions::thickness_mm,
-                      {.key = "stack-thickness",
-                       .help = "most thickness of a stack of layers",
+        layered_value(Length{&O::laminate_thickness_mm}, &LayeredOptions::thickness_mm,
+                      {.key = "laminate-thickness",
+                       .former_option = "stack-thickness",
+                       .former_key = "stack-thickness",
+                       .help = "most thickness of a laminate",
                        .rule =
                            [](const O& o) {
-                               return unless(o.stack_thickness_mm > 0 && o.stack_thickness_mm <= 50,
+                               return unless(o.laminate_thickness_mm > 0 && o.laminate_thickness_mm <= 50,
                                              "must be above 0 and at most 50 mm");
                            }}),
-        layered_value(
-            &O::stack_steps, &LayeredOptions::steps,
-            {.key = "stack-steps",
-             .metavar = "N",
-             .help = "the search cuts that thickness into so many steps",
-             .rule =
-                 [](const O& o) { return unless(o.stack_steps >= 1 && o.stack_steps <= 4096, "must be 1 to 4096"); }}),
-        layered_value(
-            &O::stack_blocks, &LayeredOptions::blocks,
-            {.key = "stack-blocks",
-             .metavar = "N",
-             .help = "and makes stacks of so many blocks, of 1, 2, 4, ... steps, at most",
-             .rule =
-                 [](const O& o) { return unless(o.stack_blocks >= 1 && o.stack_blocks <= 16, "must be 1 to 16"); }}),
-        {.key = "stack-rounds",
+        layered_value(&O::laminate_steps, &LayeredOptions::steps,
+                      {.key = "laminate-steps",
+                       .former_option = "stack-steps",
+                       .former_key = "stack-steps",
+                       .metavar = "N",
+                       .help = "the search cuts that thickness into so many steps",
+                       .rule =
+                           [](const O& o) {
+                               return unless(o.laminate_steps >= 1 && o.laminate_steps <= 4096, "must be 1 to 4096");
+                           }}),
+        layered_value(&O::laminate_blocks, &LayeredOptions::blocks,
+                      {.key = "laminate-blocks",
+                       .former_option = "stack-blocks",
+                       .former_key = "stack-blocks",
+                       .metavar = "N",
+                       .help = "and makes laminates of so many blocks, of 1, 2, 4, ... steps, at most",
+                       .rule =
+                           [](const O& o) {
+                               return unless(o.laminate_blocks >= 1 && o.laminate_blocks <= 16, "must be 1 to 16");
+                           }}),
+        {.key = "laminate-rounds",
+         .former_option = "stack-rounds",
+         .former_key = "stack-rounds",
          .metavar = "N",
          .group = heading,
-         .help = "rounds in which a stack is searched, traced by Monte Carlo and corrected for what the layered model "
-                 "got wrong; the best is kept; 0: by the model alone; a round takes some ten seconds of one core for "
-                 "each cluster; auto: 1 for up to 16 clusters of resins, else 0",
-         .member = &O::stack_rounds,
+         .help =
+             "rounds in which a laminate is searched, traced by Monte Carlo and corrected for what the layered model "
+             "got wrong; the best is kept; 0: by the model alone; a round takes some ten seconds of one core for "
+             "each cluster; auto: 1 for up to 16 clusters of resins, else 0",
+         .member = &O::laminate_rounds,
          .only_for = Show::layered_profile,
          .rule =
              [](const O& o) {
-                 return unless(parse_stack_rounds(o.stack_rounds).value_or(0) == 0 || o.stack_materials.empty(),
-                               "measured materials have no medium that light could be traced through: 0 or auto");
+                 return unless(
+                     parse_laminate_rounds(o.laminate_rounds).value_or(0) == 0 || o.laminate_materials.empty(),
+                     "measured materials have no medium that light could be traced through: 0 or auto");
              },
          .resolve = in_layers(
-             [](const O& o, LayeredOptions& layered) { layered.rounds = parse_stack_rounds(o.stack_rounds); })},
-        {.key = "stack-materials",
+             [](const O& o, LayeredOptions& layered) { layered.rounds = parse_laminate_rounds(o.laminate_rounds); })},
+        {.key = "laminate-materials",
+         .former_option = "stack-materials",
+         .former_key = "stack-materials",
          .metavar = "ROLE=FILE",
          .group = heading,
          .help = "measured profiles (voxtone-profile) of the loaded resins in the place of computed ones: "
                  "W=white.json,K=black.json; all or none",
-         .member = &O::stack_materials,
+         .member = &O::laminate_materials,
          .names = Names::inputs_by_role,
          .idle = {idle_without_layers},
-         .rule = [](const O& o) { return unless(is_layered(o) || o.stack_materials.empty(), only_layered); },
+         .rule = [](const O& o) { return unless(is_layered(o) || o.laminate_materials.empty(), only_layered); },
          .resolve = in_layers([](const O& o, LayeredOptions& layered) {
-             layered.materials = parse_stack_materials(o.stack_materials);
+             layered.materials = parse_laminate_materials(o.laminate_materials);
          })},
         layered_value(&O::dc_weight, &LayeredOptions::dc_weight,
                       {.key = "dc-weight",
@@ -160,7 +174,7 @@ std::vector<OptionSpec> print_entries() {
          .resolve =
              in_layers([](const O& o, LayeredOptions& layered) { layered.clear_top = parse_clear_top(o.clear_top); })},
         layered_value(&O::base, &LayeredOptions::base,
-                      {.key = "base", .metavar = "ROLE", .help = "resin below the stacks, taken to be deep"}),
+                      {.key = "base", .metavar = "ROLE", .help = "resin below the laminates, taken to be deep"}),
         layered_value(Length{&O::layer_smoothing_mm}, &LayeredOptions::smoothing_mm,
                       {.key = "layer-smoothing",
                        .help = "blur of the layers' thicknesses along the surface, standard deviation",

@@ -27,7 +27,7 @@ namespace voxtone::slicer {
 struct LoadedResins {
     optics::ResinSet set;                 ///< only what is loaded; resin r is material r + 1
     std::vector<io::StackResin> entries;  ///< names and colours for the manifest, same order
-    int core = 0;                         ///< index of the core resin, or of the base below stacks of layers
+    int core = 0;                         ///< index of the core resin, or of the base below laminates
     [[nodiscard]] io::Material core_material() const { return static_cast<io::Material>(core + 1); }
 };
 

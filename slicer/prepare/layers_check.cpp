@@ -17,26 +17,26 @@ std::string channels_in_full(const optics::Channels& channels) {
 }
 
 std::vector<std::string> material_files(const LayeredOptions& options, const LoadedResins& resins) {
-    const std::vector<StackMaterialFile>& named = options.materials;
+    const std::vector<LaminateMaterialFile>& named = options.materials;
     for (const auto& [role, file] : named)
         if (resins.set.find(role) < 0)
             throw InputError(fmt::format(
-                "--stack-materials {}={}: no resin of this role is loaded; leave it out or load it (--load)", role,
+                "--laminate-materials {}={}: no resin of this role is loaded; leave it out or load it (--load)", role,
                 file));
     std::vector<std::string> files;
     for (const optics::Resin& resin : resins.set.resins) {
-        const auto found = std::find_if(named.begin(), named.end(), [&](const StackMaterialFile& entry) {
+        const auto found = std::find_if(named.begin(), named.end(), [&](const LaminateMaterialFile& entry) {
             return resins.set.find(entry.role) == resins.set.find(resin.role);
         });
         if (found == named.end())
             throw InputError(
-                fmt::format("--stack-materials: the loaded resin {} has no profile; a stack is made of one kind, "
+                fmt::format("--laminate-materials: the loaded resin {} has no profile; a stack is made of one kind, "
                             "measured or computed: give it one, or "
                             "do not load it (--load)",
                             resin.role));
         if (std::filesystem::path(found->file).extension() != ".json")
             throw InputError(
-                fmt::format("--stack-materials {}={}: is no profile file (.json)", found->role, found->file));
+                fmt::format("--laminate-materials {}={}: is no profile file (.json)", found->role, found->file));
         files.push_back(found->file);
     }
     return files;

@@ -31,13 +31,13 @@ const std::vector<std::string> every_command{"",
                                              "target",
                                              "target marker",
                                              "list",
-                                             "stack",
-                                             "stack dataset",
-                                             "stack factor",
-                                             "stack predict",
-                                             "stack print",
-                                             "stack search",
-                                             "stack targets",
+                                             "laminate",
+                                             "laminate dataset",
+                                             "laminate factor",
+                                             "laminate predict",
+                                             "laminate print",
+                                             "laminate search",
+                                             "laminate targets",
                                              "calibrate",
                                              "calibrate chart",
                                              "calibrate check",
@@ -88,10 +88,10 @@ TEST_CASE("Every help says in words what its options are, and ends with a comman
         const std::string line =
             help.substr(begin + mark.size(), help.find('\n', begin + mark.size()) - begin - mark.size());
         CHECK(line.starts_with(command.empty() ? "slice " : command + " "));
-        if (command == "list" || command.starts_with("stack dataset") || command == "calibrate simulate-profile" ||
+        if (command == "list" || command.starts_with("laminate dataset") || command == "calibrate simulate-profile" ||
             command == "calibrate edge samples" || command == "calibrate edge chart" || command == "calibrate target" ||
-            command == "calibrate chart" || command == "stack predict" || command == "stack targets" ||
-            command == "stack print")
+            command == "calibrate chart" || command == "laminate predict" || command == "laminate targets" ||
+            command == "laminate print")
             continue;  // these would do their work
         const int code =
             run_shell("cd '" + empty.path().string() + "' && " + VOXTONE_PROGRAM + " " + line + " >/dev/null 2>&1");
@@ -102,9 +102,9 @@ TEST_CASE("Every help says in words what its options are, and ends with a comman
 
 TEST_CASE("Options that few need are behind --help-all") {
     const std::string help = run_program("slice --help").out, all = run_program("slice --help-all").out;
-    CHECK_THAT(help, !Contains("--stack-blocks") && Contains("slice --help-all") && Contains("Layered profiles"));
-    CHECK_THAT(all, Contains("--stack-blocks") && Contains("--size"));
-    CHECK_THAT(run_program("--help-all").out, Contains("voxtone stack search") && Contains("--max-blocks"));
+    CHECK_THAT(help, !Contains("--laminate-blocks") && Contains("slice --help-all") && Contains("Layered profiles"));
+    CHECK_THAT(all, Contains("--laminate-blocks") && Contains("--size"));
+    CHECK_THAT(run_program("--help-all").out, Contains("voxtone laminate search") && Contains("--max-blocks"));
 }
 
 TEST_CASE("list printers shows what refuses jobs") {
@@ -144,7 +144,7 @@ TEST_CASE("Manual pages hold every option, and man finds nothing wrong with them
     REQUIRE(run_program("manual " + folder.path().string()).exit_code == 0);
     CHECK(read_tree(folder.path()).size() == 15);
     for (const std::string verb : {"slice", "tray", "estimate", "merge", "batch", "status", "task", "predict", "proof",
-                                   "verify", "target", "list", "stack", "calibrate"}) {
+                                   "verify", "target", "list", "laminate", "calibrate"}) {
         const std::string page = without_roff(read_file(folder / ("voxtone-" + verb + ".1")));
         const std::vector<std::string> options = option_words(run_program(verb + " --help-all").out);
         CHECK(options.size() >= (verb == "status" ? 2u : 3u));
@@ -166,7 +166,7 @@ TEST_CASE("Manual pages hold every option, and man finds nothing wrong with them
 TEST_CASE("The program says what may stand next") {
     const auto words = [](const std::string& line) { return run_program("complete " + line).out; };
     CHECK(words("sl") == "slice\n");
-    CHECK(words("stack se") == "search\n");
+    CHECK(words("laminate se") == "search\n");
     CHECK(words("calibrate phot") == "photo\n");
     CHECK(words("slice --thr") == "--threads\n");
     CHECK(words("slice --intent ''") == "relative\nabsolute\ncontrast\n");
@@ -209,7 +209,7 @@ TEST_CASE("zsh completes verbs, options, values and files with it") {
     folder.write("my model.obj", "");
     const std::vector<std::array<const char*, 2>> lines{
         {"voxtone sl", "voxtone slice "},
-        {"voxtone stack se", "voxtone stack search "},
+        {"voxtone stack se", "voxtone laminate search "},
         {"voxtone calibrate phot", "voxtone calibrate photo "},
         {"voxtone slice --pri", "voxtone slice --printer "},
         {"voxtone slice --printer stratasys-j5", "voxtone slice --printer stratasys-j55 "},

@@ -47,7 +47,8 @@ std::string write_map(const Folder& folder, const io::ProfileMap& map = two_halv
 /// The slab of the map's own picture, 1 mm thick.
 std::string slab_job(const Folder& folder, const std::string& map) {
     return fmt::format(
-        "slice --quiet --load W,K --stack-thickness 0.6mm --stack-steps 16 --thickness 1.08mm --show layered-profile "
+        "slice --quiet --load W,K --laminate-thickness 0.6mm --laminate-steps 16 --thickness 1.08mm --show "
+        "layered-profile "
         "--profiles {} {}",
         map, folder / "map.png");
 }
@@ -99,7 +100,7 @@ TEST_CASE("Layered profiles are the same for any number of threads and from the 
     const Folder folder("layered-threads");
     folder.write("box.obj", box_obj());
     const std::string job = fmt::format(
-        "slice --quiet --no-report --load W,K --stack-thickness 0.6mm --stack-steps 16 --profile-placement box "
+        "slice --quiet --no-report --load W,K --laminate-thickness 0.6mm --laminate-steps 16 --profile-placement box "
         "--surfaces "
         "--show layered-profile --profiles {} {}",
         write_map(folder), folder / "box.obj");
@@ -127,8 +128,8 @@ TEST_CASE("slice arranges resins that are known by measured profiles") {
         folder.write(fmt::format("{}.json", role), io::profile_text(file));
     }
     const std::string job =
-        slab_job(folder, map) +
-        fmt::format(" --stack-materials W={},K={} -o {}", folder / "white.json", folder / "black.json", folder / "out");
+        slab_job(folder, map) + fmt::format(" --laminate-materials W={},K={} -o {}", folder / "white.json",
+                                            folder / "black.json", folder / "out");
     const Outcome done = run_program(job);
     INFO(done.err);
     REQUIRE(done.exit_code == 0);
@@ -141,20 +142,20 @@ TEST_CASE("slice arranges resins that are known by measured profiles") {
         CHECK_THAT(failed.err, Contains(words));
     };
     const std::string white = folder / "white.json";
-    fails("--stack-materials W=" + white, 3, "the loaded resin K has no profile");
-    fails("--stack-materials W=" + white + ",C=" + white, 3, "no resin of this role");
-    fails("--stack-materials W=" + white + ",K=none.json", 4, "none.json");
-    fails("--stack-materials W=" + white + ",W=" + white, 2, "twice");
-    fails("--stack-materials W", 2, "ROLE=FILE");
-    fails("--stack-rounds 2 --stack-materials W=" + white, 2, "--stack-rounds");
-    fails("--stack-rounds 21", 2, "0 to 20");
-    fails("--stack-rounds some", 2, "--stack-rounds");
+    fails("--laminate-materials W=" + white, 3, "the loaded resin K has no profile");
+    fails("--laminate-materials W=" + white + ",C=" + white, 3, "no resin of this role");
+    fails("--laminate-materials W=" + white + ",K=none.json", 4, "none.json");
+    fails("--laminate-materials W=" + white + ",W=" + white, 2, "twice");
+    fails("--laminate-materials W", 2, "ROLE=FILE");
+    fails("--laminate-rounds 2 --laminate-materials W=" + white, 2, "--laminate-rounds");
+    fails("--laminate-rounds 21", 2, "0 to 20");
+    fails("--laminate-rounds some", 2, "--laminate-rounds");
     io::ProfileFile one{"one", "test", {{550}}, {{0.3, profile(0.1, 0.5), profile(0.5, 0.3)}}};
     folder.write("one.json", io::profile_text(one));
-    fails("--stack-materials W=" + white + ",K=" + (folder / "one.json"), 3, "one.json");
+    fails("--laminate-materials W=" + white + ",K=" + (folder / "one.json"), 3, "one.json");
     one.name = "two";
     folder.write("two.json", io::profile_text(one));
-    fails("--stack-materials W=" + (folder / "two.json") + ",K=" + (folder / "one.json"), 3, "channel by channel");
+    fails("--laminate-materials W=" + (folder / "two.json") + ",K=" + (folder / "one.json"), 3, "channel by channel");
 }
 
 TEST_CASE("slice says what is wrong with a job of layered profiles") {
@@ -177,7 +178,7 @@ TEST_CASE("slice says what is wrong with a job of layered profiles") {
     fails(layered + map + " --profile-placement box --load K", 3, "only one resin");
     fails(layered + map + " --profile-placement box --load W,Y", 3, "--base K");
     fails(layered + map + " --profile-placement box --size 0.09mm --printer generic", 3, "voxels thick");
-    fails(layered + map + " --stack-thickness 0mm", 2, "--stack-thickness");
+    fails(layered + map + " --laminate-thickness 0mm", 2, "--laminate-thickness");
     fails(layered + map + " --profile-placement box --clear-top T=0.2mm", 3, "--clear-top T");
     fails(layered + map + " --clear-top W", 2, "ROLE=LENGTH");
 

@@ -174,7 +174,7 @@ TEST_CASE("Every verb that prints turns its bitmaps as the printer's profile say
                   folder / "picture.ppm",
               std::string("calibrate target --resins K,W --layout A --square 4mm --gap 1mm --base 0.5mm --top 0.5mm "
                           "--marker 8mm --quiet-zone 2mm --gcvf"),
-              std::string("stack print \"W 0.5, K 0.3\" \"K 1\" --width 3mm --depth 2mm --gcvf")}) {
+              std::string("laminate print \"W 0.5, K 0.3\" \"K 1\" --width 3mm --depth 2mm --gcvf")}) {
             INFO(command << " flips " << flips.x << flips.y << flips.swap);
             for (const char* printer : {"flipping", "plain"})
                 must_run(fmt::format("{} --quiet --overwrite --printer {} -o {}", command,
@@ -228,7 +228,7 @@ TEST_CASE("What is predicted of flipped bitmaps is not mirrored, and verify take
 
 TEST_CASE("Assigned colours that look swapped, and those that never occur, are warned about") {
     const Folder folder("swapped");
-    must_run("stack print \"C 1\" \"M 1.1\" \"W 0.9\" --width 2mm --depth 2mm --quiet -o " + folder / "out");
+    must_run("laminate print \"C 1\" \"M 1.1\" \"W 0.9\" --width 2mm --depth 2mm --quiet -o " + folder / "out");
     const std::string predict = "predict " + folder / "out/layers" +
                                 " --printer stratasys-j750-hm --cell 0.5mm --overwrite -o " + folder / "p.glb" +
                                 " --assign ";

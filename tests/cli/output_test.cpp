@@ -40,7 +40,7 @@ TEST_CASE("No verb replaces a file that is there without --overwrite") {
         CHECK(read_file(photo) == "precious");
     };
     kept("predict " + (folder / "out") + " --view body -o " + (folder / "seen.png") + " -o " + photo);
-    kept("stack dataset marble --points 4 --paths 10 -o " + photo);
+    kept("laminate dataset marble --points 4 --paths 10 -o " + photo);
     folder.write("photo.json", "precious");
     kept("calibrate simulate none.json -o " + photo);
     kept("calibrate fit none.csv --report " + photo + " -o " + (folder / "resins.json"));

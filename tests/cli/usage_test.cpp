@@ -34,18 +34,18 @@ nlohmann::json last_event(const std::string& out) {
 
 TEST_CASE("Unknown verbs, steps and options are answered with the nearest known one") {
     refused("slcie model.obj", 2, "did you mean 'slice'?");
-    refused("stack serch", 2, "did you mean 'search'?");
+    refused("laminate serch", 2, "did you mean 'search'?");
     refused("calibrate phtoo", 2, "did you mean 'photo'?");
     refused("cows", 2, "there are slice, tray, estimate, merge, predict, proof");
     refused("slice model.obj --sise 10mm -o out", 2, "did you mean '--size'?");
     refused("slice model.obj --sise=10mm -o out", 2, "did you mean '--size'?");
     refused("predict out --ouptut x.png", 2, "--ouptut: `voxtone predict` has no such option");
-    refused("stack search --materiels W,K", 2, "did you mean '--materials'?");
+    refused("laminate search --materiels W,K", 2, "did you mean '--materials'?");
     refused("slice a.obj b.obj -o out", 2, "'b.obj' is one word too many");
     refused("verify", 2, "stack is required: output folder");
     refused("list cows", 2, "what: 'cows' is none of printers, resins; `voxtone list --help`");
     refused("slice model.obj", 2, "name the output folder");
-    refused("stack", 2, "wants a verb: dataset");
+    refused("laminate", 2, "wants a verb: dataset");
     refused("", 2, "wants a verb: slice");
 }
 
@@ -106,6 +106,14 @@ TEST_CASE("An earlier spelling is taken with a note and told of nowhere") {
     refused(predict + " --predict transport --model transport", 2, "--model");
     refused(predict + " --model magic", 2, "monte-carlo");
     CHECK_THAT(run_program("predict --help-all").out, !Contains("--model"));
+    // So are verbs, and options without choices.
+    const Outcome verb = run_program("stack predict");
+    CHECK(verb.exit_code == 2);
+    CHECK_THAT(verb.err, Contains("voxtone stack is called voxtone laminate now"));
+    CHECK_THAT(run_program("--help").out, !Contains("  stack "));
+    const Outcome steps = run_program("slice --show layered-profile --stack-steps 0 --profiles x.json a.obj -o out");
+    CHECK(steps.exit_code == 2);
+    CHECK_THAT(steps.err, Contains("laminate-steps") && Contains("1 to 4096"));
     // So it is in a job file and in a plan.
     folder.write("job.json", R"({"format": "voxtone-job", "version": 1, "model": "marker.obj", "arrange": "colour",
         "quality": "draft", "report": false})");
@@ -171,7 +179,7 @@ TEST_CASE("A decimal comma and a missing unit are explained") {
     refused("slice model.obj -o out --size 10,5mm", 2, "write 10.5mm");
     refused("slice model.obj -o out --scale 0,5", 2, "decimals stand behind a point: 0.5");
     refused("predict out -o x.png --cell 0,2mm", 2, "write 0.2mm");
-    refused("stack print 'W 0,5' -o out", 2, "decimals stand behind a point");
+    refused("laminate print 'W 0,5' -o out", 2, "decimals stand behind a point");
     refused("predict out -o x.png --error 0,1", 2, "decimals stand behind a point: 0.1");
     refused("predict layers -o x.png --pitch 42.33,84.67,27", 2, "add um");
 }
@@ -208,7 +216,7 @@ TEST_CASE("An option that would be ignored is refused") {
     refused("slice model.unheard -o out --size 10mm", 3, "model.unheard has no name of a model (.obj, .ply");
     refused("slice photo.png -o out --unit cm", 2, "--unit cm would be ignored");
     refused(mesh + "--size 10mm --scale 2", 2, "--scale 2 would be ignored");
-    refused(mesh + "--stack-steps 64", 2, "only goes with --show layered-profile");
+    refused(mesh + "--laminate-steps 64", 2, "only goes with --show layered-profile");
     refused(mesh + "--iterations 0 --intent relative", 2, "--intent relative would be ignored");
     refused(mesh + "--no-report --predict transport", 2, "--predict transport would be ignored");
     refused(mesh + "--iterations 0 --predict none --predict-cell 1mm", 2, "neither a loop nor a prediction");
@@ -235,7 +243,7 @@ TEST_CASE("With --json every failure is an event that carries the exit code") {
           "slice --json " + (folder / "empty.obj") + " -o " + (folder / "out"),
           "slice --json --job " + (folder / "job.json"), "verify --json " + (folder / "nothing"),
           std::string("predict --json nothing -o x.png --cell 9mm"), std::string("calibrate --json"),
-          std::string("calibrate photo --json"), std::string("stack print --json --depth")}) {
+          std::string("calibrate photo --json"), std::string("laminate print --json --depth")}) {
         INFO(arguments);
         const Outcome outcome = run_program(arguments);
         CHECK(outcome.exit_code > 1);

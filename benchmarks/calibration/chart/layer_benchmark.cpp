@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// How well measured stacks of layers are fitted: a random half of them is, and judges nothing; the other half judges.
+// How well measured laminates are fitted: a random half of them is, and judges nothing; the other half judges.
 //
 //   layer_benchmark FILE... [--channels K] [--draw D] [--reversed]
 //
@@ -23,13 +23,13 @@ using namespace voxtone::calibration;
 
 // Order of the layers above the base.
 void turn_over(LayerChart& chart) {
-    for (LayerStack& stack : chart.stacks) std::reverse(stack.begin(), stack.end() - 1);
+    for (LayerLaminate& stack : chart.stacks) std::reverse(stack.begin(), stack.end() - 1);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-    CLI::App app("How well measured stacks of layers are fitted: a half is, the other half judges.");
+    CLI::App app("How well measured laminates are fitted: a half is, the other half judges.");
     std::vector<std::string> files;
     int channels = 0;
     std::uint64_t draw = 0;
@@ -43,7 +43,7 @@ int main(int argc, char** argv) {
     for (const std::string& file : files) {
         auto chart = read_layer_chart(file);
         if (!chart) {
-            fmt::print("{}: no stacks of layers\n", file);
+            fmt::print("{}: no laminates\n", file);
             continue;
         }
         if (reversed) turn_over(*chart);
@@ -53,9 +53,9 @@ int main(int argc, char** argv) {
         for (std::size_t k = order.size(); k > 1; --k)
             std::swap(order[k - 1], order[static_cast<std::size_t>(random.uniform() * static_cast<double>(k))]);
         const auto middle = order.begin() + static_cast<std::ptrdiff_t>(order.size() / 2);
-        const LayerFit fit = fit_layers(chart_stacks(*chart, {order.begin(), middle}),
+        const LayerFit fit = fit_layers(chart_laminates(*chart, {order.begin(), middle}),
                                         {.name = "half", .channels = channels, .folds = 0});
-        const LayerCheck check = check_layers(fit.set, chart_stacks(*chart, {middle, order.end()}));
+        const LayerCheck check = check_layers(fit.set, chart_laminates(*chart, {middle, order.end()}));
         fmt::print("{:>6.2f}  {:>6.2f}  {:>5.2f}  {:>7.1f}  {:>8}  {} (fitted half {:.2f}, gain {:.3f})\n",
                    check.summary.mean, check.summary.median, check.summary.percentile_95, fit.seconds,
                    fit.set.channels.size(), file, fit.fitted.mean, fit.set.measured.gain);

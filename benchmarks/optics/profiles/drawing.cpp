@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-namespace voxtone::optics::profile_stacks {
+namespace voxtone::optics::profile_laminates {
 namespace {
 
 constexpr double width = 250, height = 190, left = 36, top = 24, right = 8, bottom = 24;
@@ -58,4 +58,4 @@ std::string draw_panels(const std::vector<Panel>& panels, int columns, double r_
     return svg + "</svg>\n";
 }
 
-}  // namespace voxtone::optics::profile_stacks
+}  // namespace voxtone::optics::profile_laminates

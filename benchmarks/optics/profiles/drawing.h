@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace voxtone::optics::profile_stacks {
+namespace voxtone::optics::profile_laminates {
 
 struct Curve {
     std::vector<double> r_mm, light;  ///< light per mm^2; values <= 0 are left out
@@ -20,4 +20,4 @@ struct Panel {
 /// Panels in rows of `columns`.
 [[nodiscard]] std::string draw_panels(const std::vector<Panel>& panels, int columns, double r_max_mm);
 
-}  // namespace voxtone::optics::profile_stacks
+}  // namespace voxtone::optics::profile_laminates

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The layered-profile appearance model against exact solutions and Monte Carlo (docs/stack-search.md), Vero Opaque,
+// The layered-profile appearance model against exact solutions and Monte Carlo (docs/laminate-search.md), Vero Opaque,
 // RGB.
 //
 //   layered_profile_benchmark [paths per cell and channel, default 4096]

@@ -123,11 +123,11 @@ TEST_CASE("A sequence of layers is what its schema says", "[schema]") {
     sequence.name = "jade";
     sequence.layers = {{"W", 0.3}, {"K", 1.0 / 3}};
     const std::string text = layer_sequence_text(sequence);
-    CHECK(schema_faults("stack", text) == Faults{});
+    CHECK(schema_faults("laminate", text) == Faults{});
     sequence.resins = "vero-opaque";
-    CHECK(schema_faults("stack", layer_sequence_text(sequence)) == Faults{});
-    CHECK(refused("stack", text, "\"air\"", "\"water\""));
-    CHECK(refused("stack", text, "\"mm\": 0.3", "\"mm\": 0"));
+    CHECK(schema_faults("laminate", layer_sequence_text(sequence)) == Faults{});
+    CHECK(refused("laminate", text, "\"air\"", "\"water\""));
+    CHECK(refused("laminate", text, "\"mm\": 0.3", "\"mm\": 0"));
 }
 
 TEST_CASE("A report is what its schema says", "[schema]") {

@@ -28,7 +28,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 }  // namespace
 
-TEST_CASE("A stack file comes back as it was written") {
+TEST_CASE("A laminate file comes back as it was written") {
     for (const bool measured : {false, true}) {
         LayerSequence sequence = jade();
         if (measured) {
@@ -51,11 +51,13 @@ TEST_CASE("A stack file comes back as it was written") {
     }
 }
 
-TEST_CASE("A stack file that is cut short or wrong is refused by key and rule") {
+TEST_CASE("A laminate file that is cut short or wrong is refused by key and rule") {
     const std::string text = layer_sequence_text(jade());
     for (std::size_t length = 0; length + 2 < text.size(); ++length)
         CHECK_THROWS_AS((void)parse_layer_sequence(text.substr(0, length), "test"), InputError);
-    CHECK_THROWS_WITH((void)parse_layer_sequence(replaced(text, "voxtone-stack", "voxtone-heap"), "x.json"),
+    // What files of earlier versions say.
+    CHECK(layer_sequence_text(parse_layer_sequence(replaced(text, "voxtone-laminate", "voxtone-stack"), "x")) == text);
+    CHECK_THROWS_WITH((void)parse_layer_sequence(replaced(text, "voxtone-laminate", "voxtone-heap"), "x.json"),
                       Contains("x.json") && Contains("format"));
     CHECK_THROWS_WITH((void)parse_layer_sequence(replaced(text, "\"mm\": 0.1", "\"mm\": 0"), "x.json"), Contains("mm"));
     CHECK_THROWS_WITH((void)parse_layer_sequence(replaced(text, "\"air\"", "\"glass\""), "x.json"),

@@ -24,7 +24,7 @@ namespace {
 
 const double cos_45 = std::numbers::sqrt2 / 2;
 
-// A stack of layers, top first, over a half-space or (sigma_t 0) over a black base of the same index.
+// A laminate, top first, over a half-space or (sigma_t 0) over a black base of the same index.
 struct Stack {
     std::vector<LayerOf> layers;
     Medium base;

@@ -52,14 +52,14 @@ TEST_CASE("A slab cut in two and stacked again is itself within 1e-10") {
     double worst = 0;
     for (const double whole : {0.7, 0.027, 3.1, 40.0}) {
         for (const double cut : {0.0, 1e-6, 0.1, 0.5, 0.77, 1.0}) {
-            const LayerProfile again = stack(layer.of_thickness(whole * cut), layer.of_thickness(whole * (1 - cut)));
+            const LayerProfile again = laminate(layer.of_thickness(whole * cut), layer.of_thickness(whole * (1 - cut)));
             worst = std::max(worst, largest_difference(again, layer.of_thickness(whole)));
         }
     }
     INFO(worst);
     CHECK(worst < 1e-10);
     // The measure finds out a cut that loses a thousandth of the slab.
-    CHECK(largest_difference(stack(layer.of_thickness(0.3), layer.of_thickness(0.3993)), layer.of_thickness(0.7)) >
+    CHECK(largest_difference(laminate(layer.of_thickness(0.3), layer.of_thickness(0.3993)), layer.of_thickness(0.7)) >
           1e-5);
 }
 
@@ -132,8 +132,8 @@ TEST_CASE("Zero thickness is no layer, infinite thickness the limit of thick lay
     const HomogeneousLayer layer(known.T, known.R, 0.7);
     CHECK(largest_difference(layer.of_thickness(0), no_layer(known.T.size())) == 0);
     const LayerProfile some = layer.of_thickness(0.2), none = no_layer(known.T.size());
-    CHECK(largest_difference(stack(none, some), some) == 0);
-    CHECK(largest_difference(stack(some, none), some) == 0);
+    CHECK(largest_difference(laminate(none, some), some) == 0);
+    CHECK(largest_difference(laminate(some, none), some) == 0);
     const LayerProfile endless = layer.of_thickness(infinity), thick = layer.of_thickness(1e12);
     for (std::size_t i = 0; i < known.T.size(); ++i) {
         if (known.T[i] == 1) {
@@ -143,17 +143,17 @@ TEST_CASE("Zero thickness is no layer, infinite thickness the limit of thick lay
         CHECK(endless.T[i] == 0);
         CHECK(endless.R_top[i] == Approx(thick.R_top[i]).margin(2e-3));  // the coefficient of S = 1.4e-9 is slow
         // A half-space does not change under a layer of itself.
-        CHECK(stack(some, endless).R_top[i] == Approx(endless.R_top[i]).margin(1e-12));
+        CHECK(laminate(some, endless).R_top[i] == Approx(endless.R_top[i]).margin(1e-12));
     }
 }
 
-TEST_CASE("No stack gives out more light than it gets") {
+TEST_CASE("No laminate gives out more light than it gets") {
     const Coefficients one = many_layers(5), other = many_layers(6);
     const HomogeneousLayer a(one.T, one.R, 0.7), b(other.T, other.R, 0.3);
     LayerProfile all = no_layer(one.T.size());
     for (int k = 0; k < 40; ++k) {
         RandomStream random(9, static_cast<std::uint64_t>(k));
-        all = stack(all, (k % 2 ? a : b).of_thickness(std::pow(10.0, 4 * random.uniform() - 3)));
+        all = laminate(all, (k % 2 ? a : b).of_thickness(std::pow(10.0, 4 * random.uniform() - 3)));
         for (std::size_t i = 0; i < all.size(); ++i) {
             CHECK(all.T[i] >= 0);
             CHECK(all.R_top[i] >= 0);
@@ -163,20 +163,20 @@ TEST_CASE("No stack gives out more light than it gets") {
         }
     }
     // Where nothing is absorbed all of it comes out.
-    const LayerProfile white = stack(scalar(0.3, 0.7, 1).of_thickness(0.2), scalar(0.9, 0.1, 1).of_thickness(4));
+    const LayerProfile white = laminate(scalar(0.3, 0.7, 1).of_thickness(0.2), scalar(0.9, 0.1, 1).of_thickness(4));
     CHECK(white.T[0] + white.R_top[0] == Approx(1).epsilon(1e-14));
     CHECK(white.T[0] + white.R_bottom[0] == Approx(1).epsilon(1e-14));
 }
 
-TEST_CASE("Stacking is associative, and turning a stack over exchanges its sides") {
+TEST_CASE("Stacking is associative, and turning a laminate over exchanges its sides") {
     const Coefficients one = many_layers(7), other = many_layers(8), last = many_layers(9);
     const LayerProfile a = HomogeneousLayer(one.T, one.R, 1).of_thickness(1);
     const LayerProfile b = HomogeneousLayer(other.T, other.R, 1).of_thickness(0.3);
     const LayerProfile c = HomogeneousLayer(last.T, last.R, 1).of_thickness(2);
-    CHECK(largest_difference(stack(stack(a, b), c), stack(a, stack(b, c))) < 1e-12);
-    LayerProfile turned = stack(stack(c, b), a);
+    CHECK(largest_difference(laminate(laminate(a, b), c), laminate(a, laminate(b, c))) < 1e-12);
+    LayerProfile turned = laminate(laminate(c, b), a);
     std::swap(turned.R_top, turned.R_bottom);
-    CHECK(largest_difference(stack(stack(a, b), c), turned) < 1e-12);
+    CHECK(largest_difference(laminate(laminate(a, b), c), turned) < 1e-12);
 }
 
 TEST_CASE("Coefficients that no layer can have are clamped, and it is said by how much") {
@@ -196,11 +196,11 @@ TEST_CASE("Coefficients that no layer can have are clamped, and it is said by ho
         CHECK(hole.of_thickness(mm).R_top[0] == 0);
         CHECK(std::isfinite(hole.of_thickness(mm).T[0]));
     }
-    CHECK(stack(mirror.of_thickness(1), mirror.of_thickness(1)).R_top[0] == Approx(1).margin(1e-9));
+    CHECK(laminate(mirror.of_thickness(1), mirror.of_thickness(1)).R_top[0] == Approx(1).margin(1e-9));
 }
 
 TEST_CASE("Layers of different sizes cannot be stacked, nor be made of nothing known") {
-    CHECK_THROWS_AS(stack(no_layer(2), no_layer(3)), ContractViolation);
+    CHECK_THROWS_AS(laminate(no_layer(2), no_layer(3)), ContractViolation);
     CHECK_THROWS_AS(scalar(0.5, 0.5, 0), ContractViolation);
     CHECK_THROWS_AS(scalar(0.5, std::nan(""), 1), ContractViolation);
     CHECK_THROWS_AS(scalar(0.5, 0.5, 1).of_thickness(-1), ContractViolation);

@@ -33,7 +33,7 @@ TEST_CASE("An edge is blurred by layer profiles as paths blur it, within the mod
     MonteCarloOptions options;
     options.paths = 4096;
     const Appearance truth = MonteCarlo(options).predict(scene, surface);
-    // docs/stack-search.md: 0.046 and 0.142.
+    // docs/laminate-search.md: 0.046 and 0.142.
     CHECK(root_mean_square(LayeredProfileModel().predict(scene, surface), truth) < 0.055);
     CHECK(root_mean_square(LayeredProfileModel({.sideways = false}).predict(scene, surface), truth) > 0.12);
 }

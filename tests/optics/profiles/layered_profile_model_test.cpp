@@ -66,7 +66,7 @@ TEST_CASE("Homogeneous slabs and two layers appear as exact solutions say, withi
         std::vector<SlabLayer> layers;
         double error;
     };
-    // Errors as docs/stack-search.md has them, rounded up.
+    // Errors as docs/laminate-search.md has them, rounded up.
     for (const Case& c : {Case{{{W, 74}}, 0.02}, Case{{{K, 74}}, 0.02}, Case{{{M, 12}, {W, 150}}, 0.02},
                           Case{{{W, 12}, {K, 60}}, 0.03}})
         for (const Backing backing : {Backing::none, Backing::black, Backing::white}) {
@@ -142,7 +142,7 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "Where bodies meet that absorb nothing layer profiles miss light, as docs/stack-search.md says, and never add "
+    "Where bodies meet that absorb nothing layer profiles miss light, as docs/laminate-search.md says, and never add "
     "any") {
     const ResinSet set = furnace();
     const Material W = material(set, "W"), M = material(set, "M");

@@ -10,7 +10,7 @@
 
 #include "base/contracts.h"
 #include "base/parallel.h"
-#include "benchmarks/optics/profiles/stacks.h"
+#include "benchmarks/optics/profiles/laminates.h"
 #include "optics/layered/layered_appearance.h"
 #include "optics/numerics/quadrature.h"
 
@@ -173,7 +173,7 @@ TEST_CASE("A smooth surface turns light back as Fresnel says") {
     LayerProfile white = no_layer(3);
     white.T = {0, 0, 0};
     white.R_top = white.R_bottom = {1, 0.5, 0};
-    const LayerProfile seen = stack(surface, white);
+    const LayerProfile seen = laminate(surface, white);
     CHECK(seen.R_top[0] == Approx(1).epsilon(1e-12));
     CHECK(seen.R_top[1] == Approx((1 - 0.5963) * 0.5 / (1 - 0.5963 * 0.5)).epsilon(1e-3));
     CHECK(seen.R_top[2] == 0);
@@ -215,18 +215,18 @@ TEST_CASE("Composites of single layers have the totals of the composite within 2
     };
     const auto predicted = [&](const LayerScene& scene) {
         LayerProfile all = no_layer(1);
-        for (const PlainLayer& of : scene.layers) all = stack(all, single(of));
+        for (const PlainLayer& of : scene.layers) all = laminate(all, single(of));
         return all;
     };
-    const std::vector<profile_stacks::Stack> stacks = profile_stacks::thick_stacks();
-    CHECK(stacks.size() >= 12);
+    const std::vector<profile_laminates::Laminate> laminates = profile_laminates::thick_laminates();
+    CHECK(laminates.size() >= 12);
     int upside_down_fails = 0, asymmetric = 0;
-    for (const profile_stacks::Stack& of : stacks) {
-        LayerScene scene = profile_stacks::scene_of(of);
+    for (const profile_laminates::Laminate& of : laminates) {
+        LayerScene scene = profile_laminates::scene_of(of);
         const DiffuseTotals exact = diffuse_totals(scene);
         const LayerProfile model = predicted(scene);
-        INFO(profile_stacks::name_of(of) << ": R " << model.R_top[0] << " for " << exact.R << ", T " << model.T[0]
-                                         << " for " << exact.T);
+        INFO(profile_laminates::name_of(of)
+             << ": R " << model.R_top[0] << " for " << exact.R << ", T " << model.T[0] << " for " << exact.T);
         CHECK(std::abs(model.R_top[0] - exact.R) < 0.02);
         CHECK(std::abs(model.T[0] - exact.T) < 0.02);
         CHECK(model.T[0] <=
@@ -240,8 +240,8 @@ TEST_CASE("Composites of single layers have the totals of the composite within 2
     CHECK(asymmetric >= 8);
     CHECK(upside_down_fails == asymmetric);
     double worst = 0;
-    for (const profile_stacks::Stack& of : profile_stacks::film_stacks()) {
-        const LayerScene scene = profile_stacks::scene_of(of);
+    for (const profile_laminates::Laminate& of : profile_laminates::film_laminates()) {
+        const LayerScene scene = profile_laminates::scene_of(of);
         worst = std::max(worst, std::abs(predicted(scene).R_top[0] - diffuse_totals(scene).R));
     }
     CHECK(worst > 0.02);

@@ -9,8 +9,8 @@
 #include "base/error.h"
 #include "io/pictures/png_pixels.h"
 #include "slicer/layered/layer_surfaces.h"
+#include "slicer/layers/laminate_fit.h"
 #include "slicer/layers/layer_maker.h"
-#include "slicer/layers/stack_fit.h"
 #include "slicer/look/upright_cut.h"
 #include "slicer/mesh/mesh_repair.h"
 #include "slicer/printer/placement.h"
@@ -43,19 +43,19 @@ io::TexturedMesh textured(const SolidMesh& mesh) {
     return t;
 }
 
-using Stack = std::vector<halftone::StackLayer>;
+using Laminate = std::vector<halftone::LaminateLayer>;
 
-/// A body with stacks wrapped around it, placed by box, on a map of pixels of 1 x 1 mm in one row.
+/// A body with laminates wrapped around it, placed by box, on a map of pixels of 1 x 1 mm in one row.
 struct Wrapped {
-    Wrapped(const SolidMesh& mesh, const Vector3d& pitch, const std::vector<Stack>& stacks, bool top_only = false)
+    Wrapped(const SolidMesh& mesh, const Vector3d& pitch, const std::vector<Laminate>& laminates, bool top_only = false)
         : solid_mesh(mesh),
           surface(all_of(mesh)),
           grid(grid_about(mesh, pitch)),
-          aligned(halftone::align_stacks(stacks)) {
+          aligned(halftone::align_laminates(laminates)) {
         std::vector<std::uint16_t> pixels;
-        for (std::size_t s = 0; s < stacks.size(); ++s) pixels.push_back(static_cast<std::uint16_t>(s));
-        fields.emplace(halftone::StackMap{static_cast<std::uint32_t>(stacks.size()), 1, double(stacks.size()), 1,
-                                          pixels, halftone::MapEdge::mirror, 0},
+        for (std::size_t s = 0; s < laminates.size(); ++s) pixels.push_back(static_cast<std::uint16_t>(s));
+        fields.emplace(halftone::LaminateMap{static_cast<std::uint32_t>(laminates.size()), 1, double(laminates.size()),
+                                             1, pixels, halftone::MapEdge::mirror, 0},
                        aligned);
         placement.emplace(MapPlacement::by_box(textured(mesh)));
         if (top_only) keep_top();
@@ -81,7 +81,7 @@ struct Wrapped {
     SolidMesh solid_mesh;
     VisibleSurface surface;
     VoxelGrid grid;
-    halftone::AlignedStacks aligned;
+    halftone::AlignedLaminates aligned;
     std::optional<halftone::LayerFields> fields;
     std::optional<MapPlacement> placement;
     std::optional<halftone::BlueNoiseScreen> screen;
@@ -159,7 +159,7 @@ TEST_CASE("A body of core alone has the voxels of the body with its shell") {
 }
 
 TEST_CASE(
-    "Columns of a flat slab have their stack's layers in order, each border within a voxel, thicknesses exact on "
+    "Columns of a flat slab have their laminate's layers in order, each border within a voxel, thicknesses exact on "
     "average") {
     // The third layer is thinner than a voxel.
     const Vector3d size = pitch.cwiseProduct(Vector3d(128, 64, 60));
@@ -301,21 +301,21 @@ TEST_CASE("Closed surfaces leave nothing where a layer has thickness zero, and a
     CHECK_THROWS_AS(surfaces_of(empty, 0.001), InputError);
 }
 
-TEST_CASE("The share of the surface without room for its stack is that of its edges, and of thin walls", "[slow]") {
-    const auto fit_of = [](const SolidMesh& mesh, const std::vector<Stack>& stacks) {
-        const Wrapped w(mesh, pitch, stacks);
+TEST_CASE("The share of the surface without room for its laminate is that of its edges, and of thin walls", "[slow]") {
+    const auto fit_of = [](const SolidMesh& mesh, const std::vector<Laminate>& laminates) {
+        const Wrapped w(mesh, pitch, laminates);
         const JobBody body = body_of(w);
-        return stack_fit(body.surface, body.grid,
-                         body.is_picture ? std::optional(body.placement.extent_mm.z()) : std::nullopt, *w.wrapped,
-                         Progress());
+        return laminate_fit(body.surface, body.grid,
+                            body.is_picture ? std::optional(body.placement.extent_mm.z()) : std::nullopt, *w.wrapped,
+                            Progress());
     };
-    const std::vector<Stack> deep{{{0, 0.5}, {1, 0.5}}};
+    const std::vector<Laminate> deep{{{0, 0.5}, {1, 0.5}}};
     CHECK(fit_of(shapes::sphere(3, 40), deep).thin_share == 0);
     // On a cube of 10 mm all that is nearer than 1 mm to an edge, less the slack of one voxel.
     const double edge = 1 - pitch.maxCoeff();
     CHECK(fit_of(shapes::box({0, 0, 0}, {10, 10, 10}), deep).thin_share ==
           Approx(1 - std::pow(10 - 2 * edge, 2) / 100).margin(0.015));
-    const StackFit wall = fit_of(shapes::box({0, 0, 0}, {0.8, 30, 30}), deep);
+    const LaminateFit wall = fit_of(shapes::box({0, 0, 0}, {0.8, 30, 30}), deep);
     CHECK(wall.thin_share == Approx(1).margin(0.01));
     CHECK(wall.missing_mean == Approx(0.6 - 0.5 * pitch.maxCoeff()).margin(0.03));  // 0.4 of 1 mm are there
     CHECK(fit_of(shapes::box({0, 0, 0}, {1, 1, 1}), {{}}).thin_share == 0);

@@ -76,7 +76,7 @@ TEST_CASE("What a job leaves is seen from its folder, and what was said to that 
     options.printer = at("mine.json");
     options.resins = at("grey");
     options.profiles = at("prints/out/map.json");
-    options.stack_materials = {"W=" + at("white.json")};
+    options.laminate_materials = {"W=" + at("white.json")};
     options.overwrite = options.resume = true;
     const std::string digest(64, 'a');
     const std::string record = job_record(
@@ -99,7 +99,7 @@ TEST_CASE("What a job leaves is seen from its folder, and what was said to that 
     CHECK(back.printer == at("far/mine.json"));
     CHECK(back.resins == at("far/grey"));
     CHECK(back.profiles == at("far/prints/out/map.json"));
-    CHECK(back.stack_materials == std::vector<std::string>{"W=" + at("far/white.json")});
+    CHECK(back.laminate_materials == std::vector<std::string>{"W=" + at("far/white.json")});
     CHECK_FALSE(back.overwrite);
     CHECK_FALSE(back.resume);
     REQUIRE(back.recorded_inputs.size() == 3);

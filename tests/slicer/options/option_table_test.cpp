@@ -42,7 +42,7 @@ std::string other_value(const OptionSpec& spec) {
         case OptionSpec::Kind::length:
             return "7";
         default:
-            return spec.key == "stack-materials" ? "W=w.json" : "7";
+            return spec.key == "laminate-materials" ? "W=w.json" : "7";
     }
 }
 
@@ -134,7 +134,7 @@ TEST_CASE("An option that would do nothing is refused where it is named") {
                                   {"intent", "contrast", "no appearance loop", open},
                                   {"loop-method", "descent", "no appearance loop", open},
                                   {"predict-cell", "0.2mm", "neither a loop nor a prediction", open},
-                                  {"stack-steps", "32", "only goes with --show layered-profile", mesh},
+                                  {"laminate-steps", "32", "only goes with --show layered-profile", mesh},
                                   {"depth", "0.5mm", "only goes with --show colour", layered},
                                   {"iterations", "3", "only goes with --show colour", layered},
                                   {"predict", "transport", "only goes with --show colour", layered},

@@ -84,14 +84,14 @@ TEST_CASE("Distances from the top are read by role") {
 }
 
 TEST_CASE("Rounds of stacks and measured materials are read, and told apart from what is wrong") {
-    CHECK_FALSE(parse_stack_rounds("auto"));
-    CHECK(parse_stack_rounds("0") == 0);
-    CHECK(parse_stack_rounds("20") == 20);
-    for (const char* wrong : {"21", "-1", "", "1.5", "some"}) CHECK_THROWS_AS(parse_stack_rounds(wrong), UsageError);
-    const auto files = parse_stack_materials({"W=a/white=1.json", "K=black.json"});
+    CHECK_FALSE(parse_laminate_rounds("auto"));
+    CHECK(parse_laminate_rounds("0") == 0);
+    CHECK(parse_laminate_rounds("20") == 20);
+    for (const char* wrong : {"21", "-1", "", "1.5", "some"}) CHECK_THROWS_AS(parse_laminate_rounds(wrong), UsageError);
+    const auto files = parse_laminate_materials({"W=a/white=1.json", "K=black.json"});
     REQUIRE(files.size() == 2);
     CHECK(files[0].role == "W");
     CHECK(files[0].file == "a/white=1.json");
-    for (const char* wrong : {"W", "=a.json", "W="}) CHECK_THROWS_AS(parse_stack_materials({wrong}), UsageError);
-    CHECK_THROWS_AS(parse_stack_materials({"W=a.json", "W=b.json"}), UsageError);
+    for (const char* wrong : {"W", "=a.json", "W="}) CHECK_THROWS_AS(parse_laminate_materials({wrong}), UsageError);
+    CHECK_THROWS_AS(parse_laminate_materials({"W=a.json", "W=b.json"}), UsageError);
 }

@@ -142,7 +142,7 @@ TEST_CASE("A bad value is refused, its key named") {
         {"predict", [](SliceOptions& o) { o.predict = "luck"; }},
         {"show", [](SliceOptions& o) { o.show = "layers"; }},
         {"profiles", [](SliceOptions& o) { o.profiles = "map.json"; }},
-        {"stack-materials", [](SliceOptions& o) { o.stack_materials = {"W=w.json"}; }},
+        {"laminate-materials", [](SliceOptions& o) { o.laminate_materials = {"W=w.json"}; }},
         {"surfaces", [](SliceOptions& o) { o.surfaces = true; }}};
     for (const auto& [key, change] : bad) check_refused(named(), key, change);
 }
@@ -150,10 +150,10 @@ TEST_CASE("A bad value is refused, its key named") {
 TEST_CASE("A bad value of layered profiles is refused where they are asked for, and there alone") {
     const std::vector<std::pair<const char*, Change>> bad{
         {"screen", [](SliceOptions& o) { o.screen = "error-diffusion"; }},
-        {"stack-thickness", [](SliceOptions& o) { o.stack_thickness_mm = 0; }},
-        {"stack-steps", [](SliceOptions& o) { o.stack_steps = 0; }},
-        {"stack-blocks", [](SliceOptions& o) { o.stack_blocks = 17; }},
-        {"stack-rounds", [](SliceOptions& o) { o.stack_rounds = "21"; }},
+        {"laminate-thickness", [](SliceOptions& o) { o.laminate_thickness_mm = 0; }},
+        {"laminate-steps", [](SliceOptions& o) { o.laminate_steps = 0; }},
+        {"laminate-blocks", [](SliceOptions& o) { o.laminate_blocks = 17; }},
+        {"laminate-rounds", [](SliceOptions& o) { o.laminate_rounds = "21"; }},
         {"dc-weight", [](SliceOptions& o) { o.dc_weight = 0; }},
         {"layer-smoothing", [](SliceOptions& o) { o.layer_smoothing_mm = -1; }},
         {"surface-cell", [](SliceOptions& o) { o.surface_cell_mm = 0; }},
@@ -164,9 +164,9 @@ TEST_CASE("A bad value of layered profiles is refused where they are asked for, 
         CHECK_NOTHROW(changed(named(), change));
     }
     check_refused(layered(), "profiles", [](SliceOptions& o) { o.profiles.clear(); });
-    check_refused(layered(), "stack-materials", [](SliceOptions& o) { o.stack_materials = {"W"}; });
-    check_refused(layered(), "stack-rounds", [](SliceOptions& o) {
-        o.stack_materials = {"W=w.json"};
-        o.stack_rounds = "2";
+    check_refused(layered(), "laminate-materials", [](SliceOptions& o) { o.laminate_materials = {"W"}; });
+    check_refused(layered(), "laminate-rounds", [](SliceOptions& o) {
+        o.laminate_materials = {"W=w.json"};
+        o.laminate_rounds = "2";
     });
 }

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <memory>
+
+#include <CLI/CLI.hpp>
+
+#include "cli/laminate/laminate_commands.h"
+#include "cli/laminate/laminate_options.h"
+#include "cli/program/help.h"
+#include "slicer/laminates/laminate_targets_job.h"
+
+namespace voxtone::cli {
+
+namespace {
+
+struct LaminateTargetsArguments {
+    slicer::LaminateTargetsJob job;
+    RunOptions run;
+};
+
+int run(LaminateTargetsArguments& a) {
+    return run_on_console(a.run, [&](Progress& progress) { return slicer::run_laminate_targets(a.job, progress); });
+}
+
+}  // namespace
+
+Command add_laminate_targets_command(CLI::App& laminate) {
+    auto arguments = std::make_shared<LaminateTargetsArguments>();
+    slicer::LaminateTargetsJob& job = arguments->job;
+    CLI::App* command =
+        laminate.add_subcommand("targets", "Make targets of one albedo and rising width, between two laminates");
+    command
+        ->add_option("narrow", job.narrow,
+                     "where light spreads least: a laminate file, or layers: \"W 5\" (mm, top first)")
+        ->type_name("FILE|LAYERS")
+        ->required();
+    command->add_option("wide", job.wide, "where light spreads most: \"W 0.2, T 4.8\"")
+        ->type_name("FILE|LAYERS")
+        ->required();
+    add_file_folder_options(*command, job.out, job.overwrite,
+                            "folder for target-1.json (narrowest), target-2.json, ... and targets.svg");
+    add_count(*command, "--count", job.count, "targets, from 1 to 1000");
+    add_named_laminate_options(*command, job.setting);
+    add_detail_options(*command, arguments->run.lengths, job.setting.reach_mm, job.setting.coefficients);
+    add_tracing_options(*command, job.paths, job.seed);
+    add_run_options(*command, arguments->run);
+    add_example(*command, "\"W 4\" \"W 0.2, T 0.8, W 3\" --resins vero-opaque-clear -o targets");
+    return [arguments] { return run(*arguments); };
+}
+
+}  // namespace voxtone::cli
