@@ -158,18 +158,18 @@ void add_held_out(const ChartData& data, const LeftOut& left, ChartFit& fit) {
 
 }  // namespace
 
-ChartFit fit_chart(const PatchTable& table, const ChartFitOptions& asked, const Progress* progress) {
-    VOXTONE_EXPECT(asked.folds >= 2);
-    if (asked.channels != 0 && (asked.channels < least_channels || asked.channels > most_channels))
+ChartFit fit_chart(const PatchTable& table, const ChartFitOptions& target, const Progress* progress) {
+    VOXTONE_EXPECT(target.folds >= 2);
+    if (target.channels != 0 && (target.channels < least_channels || target.channels > most_channels))
         throw InputError(
-            fmt::format("{} channels: a fit takes {} to {}, or auto.", asked.channels, least_channels, most_channels));
+            fmt::format("{} channels: a fit takes {} to {}, or auto.", target.channels, least_channels, most_channels));
     const Stopwatch watch;
-    const ChartData data = chart_data(table, asked.squares, asked.edges);
-    expect_enough(data, table, asked);
+    const ChartData data = chart_data(table, target.squares, target.edges);
+    expect_enough(data, table, target);
     ChartFit result;
     result.noise = data.noise;
-    ChartFitOptions options = asked;
-    if (!tells_spread(data, asked, progress, result)) options.pitch_mm = {};
+    ChartFitOptions options = target;
+    if (!tells_spread(data, target, progress, result)) options.pitch_mm = {};
     result.curve = channel_curve(data, options, progress);
     const ObserverChoice choice = best_choice(result.curve, options);
     result.observer = choice;

@@ -79,11 +79,11 @@ EdgeObservation observation(const EdgeProfile& slab, std::size_t channel, const 
     softer.blur_mm = std::hypot(view.blur_mm, setup.gel_error_mm);
     optics::PixelView thicker = view;
     thicker.stretch *= 1 + thicker_by;
-    seen.see = optics::pixels_from_cells(table.geometry(), x, view);
+    seen.sampling = optics::pixels_from_cells(table.geometry(), x, view);
     seen.see_softer = optics::pixels_from_cells(table.geometry(), x, softer);
     seen.see_thicker = optics::pixels_from_cells(table.geometry(), x, thicker);
     const Eigen::MatrixXd gradient = wavelet_gradient_map(n, metric.wavelet_level) * (paper_pitch_mm / pitch);
-    seen.see_gradient = gradient * seen.see;
+    seen.sampling_gradient = gradient * seen.sampling;
     seen.gradient = (gradient * seen.value).cwiseAbs();
     return seen;
 }
@@ -136,20 +136,20 @@ Eigen::VectorXd EdgeObjective::cells(const EdgeObservation& slab, const EdgePoin
 }
 
 Eigen::VectorXd EdgeObjective::simulated(const EdgeObservation& slab, const EdgePoint& p, double g) const {
-    return slab.see * cells(slab, p, g);
+    return slab.sampling * cells(slab, p, g);
 }
 
 Eigen::VectorXd EdgeObjective::simulated_gradient(const EdgeObservation& slab, const EdgePoint& p, double g) const {
-    return (slab.see_gradient * cells(slab, p, g)).cwiseAbs();
+    return (slab.sampling_gradient * cells(slab, p, g)).cwiseAbs();
 }
 
 std::vector<EdgeObjective::Residual> EdgeObjective::residuals(const EdgePoint& p, double g, double mu,
                                                               bool with_slopes) const {
     std::vector<Residual> all;
     for (const EdgeObservation& slab : slabs_) {
-        const Eigen::VectorXd c = cells(slab, p, g), gradient = slab.see_gradient * c;
+        const Eigen::VectorXd c = cells(slab, p, g), gradient = slab.sampling_gradient * c;
         Residual value, steep;
-        value.r = slab.see * c - mu * slab.value;
+        value.r = slab.sampling * c - mu * slab.value;
         steep.r = gradient.cwiseAbs() - mu * slab.gradient;
         steep.weight = metric_.lambda;
         if (with_slopes) {
@@ -161,8 +161,8 @@ std::vector<EdgeObjective::Residual> EdgeObjective::residuals(const EdgePoint& p
                 b[k] = std::min(most_[k], p[k] + step);
                 dc.col(k) = (cells(slab, b, g) - cells(slab, a, g)) / (b[k] - a[k]);
             }
-            value.slopes = slab.see * dc;
-            steep.slopes = gradient.cwiseSign().asDiagonal() * (slab.see_gradient * dc);
+            value.slopes = slab.sampling * dc;
+            steep.slopes = gradient.cwiseSign().asDiagonal() * (slab.sampling_gradient * dc);
         }
         all.push_back(std::move(value));
         all.push_back(std::move(steep));
@@ -254,7 +254,7 @@ Eigen::Matrix2d EdgeObjective::covariance(const Minimum& minimum, double g, doub
     for (std::size_t s = 0; s < slabs_.size(); ++s) {
         const EdgeObservation& slab = slabs_[s];
         const Eigen::Matrix<double, 2, Eigen::Dynamic>&value = pull[2 * s], &steep = pull[2 * s + 1];
-        const Eigen::VectorXd c = cells(slab, minimum.at, g), sign = (slab.see_gradient * c).cwiseSign();
+        const Eigen::VectorXd c = cells(slab, minimum.at, g), sign = (slab.sampling_gradient * c).cwiseSign();
         const Eigen::MatrixXd gradient =
             wavelet_gradient_map(slab.x.size(), metric_.wavelet_level) * (paper_pitch_mm / (slab.x[1] - slab.x[0]));
         const Eigen::Matrix<double, 2, Eigen::Dynamic> both = value + steep * sign.asDiagonal() * gradient;
@@ -266,10 +266,10 @@ Eigen::Matrix2d EdgeObjective::covariance(const Minimum& minimum, double g, doub
         add(moved(grain * slab.x.cwiseSign()));
         EdgeObservation thicker = slab;
         thicker.stretch *= 1 + thicker_by;
-        const Eigen::VectorXd by_thickness = (slab.see_thicker * cells(thicker, minimum.at, g) - slab.see * c) *
+        const Eigen::VectorXd by_thickness = (slab.see_thicker * cells(thicker, minimum.at, g) - slab.sampling * c) *
                                              (table_->setup().thickness_error / thicker_by);
         add(moved(by_thickness));
-        add(moved((slab.see_softer - slab.see) * c));
+        add(moved((slab.see_softer - slab.sampling) * c));
         by_mu += moved(slab.value * mu_error);
         add(moved(slab.value * (mu * table_->setup().level_error)));
         if (s == 0)

@@ -31,9 +31,9 @@ struct EdgeObservation {
     std::size_t thickness = 0;  ///< index in the dictionary
     double stretch = 1;         ///< its thickness / that of the dictionary
     Eigen::VectorXd x, value, gradient, error;
-    Eigen::MatrixXd see, see_gradient;  ///< from cells to samples, and to their gradients
-    Eigen::MatrixXd see_softer;         ///< seen through more gel than there is: blurred by its standard error
-    Eigen::MatrixXd see_thicker;        ///< of a slab a hundredth thicker, whose profile is as much wider
+    Eigen::MatrixXd sampling, sampling_gradient;  ///< from cells to samples, and to their gradients
+    Eigen::MatrixXd see_softer;   ///< seen through more gel than there is: blurred by its standard error
+    Eigen::MatrixXd see_thicker;  ///< of a slab a hundredth thicker, whose profile is as much wider
 };
 
 /// The slabs of a resin in a channel that can be used; `why` says of those that cannot. Throws InputError where a

@@ -28,18 +28,18 @@ std::vector<double> differences(std::span<const Eigen::Vector3f> a, std::span<co
 
 }  // namespace
 
-LoopMeasure::LoopMeasure(const optics::Surface& surface, std::span<const Eigen::Vector3f> asked,
+LoopMeasure::LoopMeasure(const optics::Surface& surface, std::span<const Eigen::Vector3f> target,
                          std::span<const Eigen::Vector3f> shown, const std::vector<char>& in_gamut,
                          double viewing_distance_mm, bool adapts)
     : surface_(surface),
       eye_(surface, viewing_distance_mm, EyeSurround::none),
-      asked_(asked),
-      seen_asked_(eye_.filter(asked)),
+      asked_(target),
+      seen_asked_(eye_.filter(target)),
       seen_shown_(eye_.filter(shown)),
-      near_asked_(eye_.smoothed(asked)),
+      near_asked_(eye_.smoothed(target)),
       in_gamut_(in_gamut),
       adapts_(adapts),
-      regions_(colour_regions(surface, asked)) {
+      regions_(colour_regions(surface, target)) {
     weight_ = weights(std::vector<float>(regions_.size(), 1.0f), 0);
 }
 

@@ -24,9 +24,9 @@ namespace voxtone::halftone {
 
 class LoopMeasure {
 public:
-    /// Keeps references. `asked`: the target; `shown`: as the resins can show it. `adapts`: the
+    /// Keeps references. `shown`: as the resins can show it. `adapts`: the
     /// print's paper is taken for white; not where white is absolute.
-    LoopMeasure(const optics::Surface& surface, std::span<const Eigen::Vector3f> asked,
+    LoopMeasure(const optics::Surface& surface, std::span<const Eigen::Vector3f> target,
                 std::span<const Eigen::Vector3f> shown, const std::vector<char>& in_gamut, double viewing_distance_mm,
                 bool adapts = true);
 

@@ -66,15 +66,15 @@ int AngularGrid::find(double mu_air) const {
     return -1;
 }
 
-AngularGrid angular_grid(double eta, int below, int above, std::span<const double> look, double look_weight) {
-    VOXTONE_EXPECT(eta >= 1 && below >= 0 && above >= 1 && look_weight >= 0);
+AngularGrid angular_grid(double eta, int below, int above, std::span<const double> views, double view_weight) {
+    VOXTONE_EXPECT(eta >= 1 && below >= 0 && above >= 1 && view_weight >= 0);
     std::vector<Node> nodes;
     if (eta == 1) above += below;
     add_trapped(nodes, below, eta);
     add_escaping(nodes, gauss_legendre(above, 0, 1), eta);
-    for (const double mu : look) {
+    for (const double mu : views) {
         VOXTONE_EXPECT(mu > 0 && mu <= 1);
-        nodes.push_back({cosine_in_resin(mu, eta), look_weight, mu, fresnel_reflectance(mu, eta)});
+        nodes.push_back({cosine_in_resin(mu, eta), view_weight, mu, fresnel_reflectance(mu, eta)});
     }
     return assemble(std::move(nodes), eta);
 }

@@ -39,8 +39,8 @@ struct AngularGrid {
 /// `below` Gauss nodes of trapped directions, `above` of escaping ones, and nodes of weight `look_weight` at each of
 /// the cosines `look` in air. Where eta is 1 nothing is trapped and all below + above nodes are one Gauss rule on (0,
 /// 1).
-[[nodiscard]] AngularGrid angular_grid(double eta, int below, int above, std::span<const double> look = {},
-                                       double look_weight = 0);
+[[nodiscard]] AngularGrid angular_grid(double eta, int below, int above, std::span<const double> views = {},
+                                       double view_weight = 0);
 
 /// Nodes with weight exactly at 45 and 0 degrees in air: `below` trapped ones, then Radau rules of `outer` nodes on
 /// (0, cos 45] and `inner` on (cos 45, 1] in the air cosine. 7 + 5 + 3 gives calibration patches within 6e-6. For

@@ -28,9 +28,9 @@ OrdinatePlan appearance_plan(double g, double eta, int below, int above) {
 
 OrdinatePlan directional_plan(double g, double eta, int below, int above) {
     // The solver needs positive weights. This one changes rho by 3e-7; a smaller one would lose more to rounding.
-    const double look_weight = 1e-7;
-    const std::array<double, 2> look{std::numbers::sqrt2 / 2, 1.0};
-    return {angular_grid(eta, below, above, look, look_weight), g, 2 * (below + above)};
+    const double view_weight = 1e-7;
+    const std::array<double, 2> views{std::numbers::sqrt2 / 2, 1.0};
+    return {angular_grid(eta, below, above, views, view_weight), g, 2 * (below + above)};
 }
 
 Admittance half_space(const OrdinatePlan& plan, const Medium& medium) { return LayerModes(plan, medium).half_space(); }

@@ -85,7 +85,7 @@ std::unique_ptr<Tile::Shape> TileGrids::shape_of(const Tile& tile, const Progres
     grid = make_viewing_grid(scene_, view_voxels_, {options_.colour_mm, options_.deep_colour_in_nodes}, tile.also,
                              tile.window, &surface_, progress);
     grid.shrink();
-    shape->seen = see(grid, tiles_.size() == 1 ? surface_ : part_of(surface_, tile.near), progress);
+    shape->seen = find_viewing_faces(grid, tiles_.size() == 1 ? surface_ : part_of(surface_, tile.near), progress);
     const auto place_of = [&](std::uint32_t block) {
         Place at = grid.blocks[block].at;
         for (std::size_t a = 0; a < 3; ++a) at[a] += tile.window.begin[a];

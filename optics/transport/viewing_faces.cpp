@@ -156,7 +156,7 @@ private:
 
 }  // namespace
 
-ViewingFaces see(const ViewingGrid& grid, const Surface& surface, const Progress* progress) {
+ViewingFaces find_viewing_faces(const ViewingGrid& grid, const Surface& surface, const Progress* progress) {
     return FaceFinder(grid, surface).run(progress);
 }
 

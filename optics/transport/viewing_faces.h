@@ -26,6 +26,7 @@ struct ViewingFaces {
     std::vector<std::uint32_t> cell;  ///< the solid cell nearest to each surface cell; or `no_cell`
 };
 /// Throws Cancelled.
-[[nodiscard]] ViewingFaces see(const ViewingGrid& grid, const Surface& surface, const Progress* progress = nullptr);
+[[nodiscard]] ViewingFaces find_viewing_faces(const ViewingGrid& grid, const Surface& surface,
+                                              const Progress* progress = nullptr);
 
 }  // namespace voxtone::optics

@@ -214,8 +214,8 @@ struct ViewingGridBuilder {
     }
 
     /// Which blocks get transport cells, and the list of all.
-    void find_blocks(double colour_mm, std::span<const std::uint8_t> also, const Surface* asked) {
-        want_below(find_surface_blocks(also, asked), colour_mm);
+    void find_blocks(double colour_mm, std::span<const std::uint8_t> also, const Surface* requested) {
+        want_below(find_surface_blocks(also, requested), colour_mm);
         check();
         if (grid.mixes_core) seed_mixed_where_wanted();
         want_margins();
@@ -226,9 +226,10 @@ struct ViewingGridBuilder {
 
     /// Wants those at the surface, on a sheet and in `also`; seeds margins at those of several materials and those that
     /// are lit. The lit ones of what is `asked` for.
-    [[nodiscard]] std::vector<Place> find_surface_blocks(std::span<const std::uint8_t> also, const Surface* asked) {
+    [[nodiscard]] std::vector<Place> find_surface_blocks(std::span<const std::uint8_t> also, const Surface* requested) {
         const std::size_t n = product(grid.lattice);
-        const std::vector<std::uint8_t> at_surface = asked ? blocks_at(*asked) : std::vector<std::uint8_t>(n, 1);
+        const std::vector<std::uint8_t> at_surface =
+            requested ? blocks_at(*requested) : std::vector<std::uint8_t>(n, 1);
         wanted.assign(n, 0);
         seed.assign(n, 0);
         std::vector<Place> surface;
@@ -493,7 +494,7 @@ struct ViewingGridBuilder {
             box.end[a] = box.begin[a] + grid.lattice[a] * block_voxels[a];
         }
         const Surface surface = find_surface_near(scene, grid.view_voxels, box, progress);
-        const ViewingFaces seen = see(grid, surface, progress);
+        const ViewingFaces seen = find_viewing_faces(grid, surface, progress);
         check();
         std::vector<std::array<float, 3>> normal(grid.faces.size());
         for (std::size_t i = 0; i < surface.cells.size(); ++i) {
@@ -620,7 +621,7 @@ struct ViewingGridBuilder {
 }  // namespace
 
 ViewingGrid make_viewing_grid(const Scene& scene, const std::array<int, 3>& view_voxels, const ColourDepth& colour,
-                              std::span<const std::uint8_t> also, const ViewingWindow& window, const Surface* asked,
+                              std::span<const std::uint8_t> also, const ViewingWindow& window, const Surface* requested,
                               const Progress* progress) {
     require_resins(scene);
     ViewingGrid made;
@@ -634,7 +635,7 @@ ViewingGrid make_viewing_grid(const Scene& scene, const std::array<int, 3>& view
     made.pitch_mm = scene.volume->pitch_mm();
     ViewingGridBuilder builder{made, scene, progress};
     builder.look();
-    builder.find_blocks(colour.mm, also, asked);
+    builder.find_blocks(colour.mm, also, requested);
     builder.list_faces();
     builder.find_laws();
     builder.find_regions();

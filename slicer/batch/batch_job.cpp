@@ -224,10 +224,10 @@ JobResult print_batch_commands(const PlanOptions& plan, const std::filesystem::p
     io::JsonWriter json;
     json.begin_object().add("format", "voxtone-batch-commands").add("version", 1).key("commands").begin_list();
     for (const PlannedJob& job : read_plan(plan, &progress)) {
-        std::vector<std::string> words{program.string()};
-        words.insert(words.end(), job.command.begin(), job.command.end());
-        text += shell_line(words) + "\n";
-        json.value(words);
+        std::vector<std::string> arguments{program.string()};
+        arguments.insert(arguments.end(), job.command.begin(), job.command.end());
+        text += shell_line(arguments) + "\n";
+        json.value(arguments);
     }
     return {json.end_list().end_object().text(), text};
 }

@@ -62,8 +62,8 @@ void add_job(io::JsonWriter& json, const JobState& state, std::string_view word)
 JobResult batch_status(const std::filesystem::path& out) {
     const BatchFolder folder = BatchFolder::open(out);
     const std::vector<JobState> states = folder.states();
-    constexpr std::array<std::string_view, 5> words{"done", "running", "queued", "interrupted", "failed"};
-    std::array<std::size_t, words.size()> counts{};
+    constexpr std::array<std::string_view, 5> arguments{"done", "running", "queued", "interrupted", "failed"};
+    std::array<std::size_t, arguments.size()> counts{};
     std::size_t widest = 0;
     io::JsonWriter jobs;
     jobs.begin_object().add("format", "voxtone-batch-status").add("version", 1).add("out", folder.path().string());
@@ -72,15 +72,15 @@ JobResult batch_status(const std::filesystem::path& out) {
     jobs.key("jobs").begin_list();
     for (const JobState& state : states) {
         const std::string_view word = word_for(state);
-        ++counts[std::size_t(std::find(words.begin(), words.end(), word) - words.begin())];
+        ++counts[std::size_t(std::find(arguments.begin(), arguments.end(), word) - arguments.begin())];
         add_job(jobs, state, word);
         lines += fmt::format("  {:<{}}  {:<11}  {}\n", state.name, widest, word, details_of(state, word));
     }
     jobs.end_list();
     std::string text = fmt::format("{}: {}", out.string(), counted(states.size(), "job"));
-    for (std::size_t i = 0; i < words.size(); ++i) {
-        jobs.add(words[i], counts[i]);
-        if (counts[i] > 0) text += fmt::format(", {} {}", counts[i], words[i]);
+    for (std::size_t i = 0; i < arguments.size(); ++i) {
+        jobs.add(arguments[i], counts[i]);
+        if (counts[i] > 0) text += fmt::format(", {} {}", counts[i], arguments[i]);
     }
     if (const auto outlook = batch_outlook(states, double(std::time(nullptr)))) {
         text += "; " + outlook_text(*outlook);

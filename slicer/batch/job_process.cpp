@@ -63,10 +63,10 @@ io::OpenFile opened(const std::filesystem::path& file, int flags) {
 JobProcess::JobProcess(const ProcessStart& start) {
     const io::OpenFile input = opened(start.input.empty() ? "/dev/null" : start.input, O_RDONLY);
     const io::OpenFile log = opened(start.log, O_WRONLY | O_CREAT | O_APPEND);
-    std::vector<std::string> words{start.program.filename().string()};
-    words.insert(words.end(), start.words.begin(), start.words.end());
+    std::vector<std::string> command{start.program.filename().string()};
+    command.insert(command.end(), start.arguments.begin(), start.arguments.end());
     Plan plan{start.program.c_str(), {}, input.get(), log.get(), start.kept_descriptor, getpid()};
-    for (std::string& word : words) plan.arguments.push_back(word.data());
+    for (std::string& word : command) plan.arguments.push_back(word.data());
     plan.arguments.push_back(nullptr);
     pid_ = fork();
     if (pid_ < 0)

@@ -53,10 +53,10 @@ JobWeight weigh(const SliceOptions& options, const std::vector<std::string>& com
 }
 
 std::vector<std::string> estimate_words(const std::vector<std::string>& slice_words) {
-    std::vector<std::string> words = slice_words;
-    words.front() = "estimate";
-    words.insert(words.end(), {"--quick", "--json"});
-    return words;
+    std::vector<std::string> arguments = slice_words;
+    arguments.front() = "estimate";
+    arguments.insert(arguments.end(), {"--quick", "--json"});
+    return arguments;
 }
 
 JobWeight with_more_memory(const JobWeight& before) {

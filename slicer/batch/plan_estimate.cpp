@@ -154,10 +154,10 @@ std::string totals_text(const Totals& totals) {
 
 PlannedEstimate estimate_planned(const PlannedJob& job, const EstimateScope& scope, Progress& progress) {
     PlannedEstimate planned{job.name, job.options.model, {}, {}, 0};
-    SliceOptions asked = job.options;
-    asked.overwrite = true;  // what its folder holds does not matter here
+    SliceOptions requested = job.options;
+    requested.overwrite = true;  // what its folder holds does not matter here
     try {
-        planned.estimate = estimate_any(asked, progress, scope);
+        planned.estimate = estimate_any(requested, progress, scope);
     } catch (const Cancelled&) {
         throw;
     } catch (const TryAgain&) {

@@ -61,27 +61,27 @@ bool QueuedJob::is_unchanged(const std::optional<JobState>& known) {
 
 /// As the plan has it, and what the state of its folder asks for.
 std::vector<std::string> QueuedJob::words_to_start() const {
-    std::vector<std::string> words = job_.command;
+    std::vector<std::string> arguments = job_.command;
     const bool same_program = state_.program.empty() || state_.program == io::build_identity();
     if (waits_to_go_on(job_.out, job_))
-        words.emplace_back("--resume");
+        arguments.emplace_back("--resume");
     else if (state_.folder_is_ours && !is_missing_or_empty(job_.out) &&
              !(same_program && holds_job(job_.out, job_, context_.digests, &context_.progress)))
-        words.emplace_back("--overwrite");
-    if (weight_.threads == 0) words.insert(words.end(), {"--threads", std::to_string(threads_)});
-    return words;
+        arguments.emplace_back("--overwrite");
+    if (weight_.threads == 0) arguments.insert(arguments.end(), {"--threads", std::to_string(threads_)});
+    return arguments;
 }
 
 void QueuedJob::begin_to_weigh() {
     was_weighed_ = true;
     const fs::path log = context_.folder.log_file(job_.name);
-    const std::vector<std::string> words = estimate_words(job_.command);
+    const std::vector<std::string> arguments = estimate_words(job_.command);
     std::vector<std::string> shown{context_.options.program.string()};
-    shown.insert(shown.end(), words.begin(), words.end());
+    shown.insert(shown.end(), arguments.begin(), arguments.end());
     try {
         append_line(log, fmt::format("== {} {}", utc_now(), shell_line(shown)));
         log_begin_ = log_size(log);
-        process_ = std::make_unique<JobProcess>(ProcessStart{context_.options.program, words, {}, log, -1});
+        process_ = std::make_unique<JobProcess>(ProcessStart{context_.options.program, arguments, {}, log, -1});
         stage_ = Stage::weighing;
     } catch (const Error&) {
         weight_.bound = false;  // whatever it is will be told when the job itself is started
@@ -158,16 +158,16 @@ void QueuedJob::take_lock_and_run(int threads) {
     run(words_to_start());
 }
 
-void QueuedJob::run(const std::vector<std::string>& words) {
+void QueuedJob::run(const std::vector<std::string>& arguments) {
     const fs::path log = context_.folder.log_file(job_.name);
     std::vector<std::string> shown{context_.options.program.string()};
-    shown.insert(shown.end(), words.begin(), words.end());
+    shown.insert(shown.end(), arguments.begin(), arguments.end());
     append_line(log, fmt::format("== {} {}", utc_now(), shell_line(shown)));
     log_begin_ = log_size(log);
     began_ns_ = now_ns();
     oom_kills_before_ = cgroup_oom_kills();
     process_ =
-        std::make_unique<JobProcess>(ProcessStart{context_.options.program, words, {}, log, lock_->descriptor()});
+        std::make_unique<JobProcess>(ProcessStart{context_.options.program, arguments, {}, log, lock_->descriptor()});
     stage_ = Stage::running;
     note_start(state_, {io::host_name(), process_->pid(), process_->start_time(), utc_now()}, tries_, threads_);
     state_.command = job_.command;
@@ -267,9 +267,9 @@ void QueuedJob::wait_again(const NextStep& step, JobEvent::Kind event) {
 void QueuedJob::follow() {
     const fs::path log = context_.folder.log_file(job_.name);
     append_line(log, fmt::format("== {} --after: {}", utc_now(), context_.options.after));
-    const std::vector<std::string> words{"-c", context_.options.after};
-    process_ =
-        std::make_unique<JobProcess>(ProcessStart{"/bin/sh", words, context_.folder.state_file(job_.name), log, -1});
+    const std::vector<std::string> arguments{"-c", context_.options.after};
+    process_ = std::make_unique<JobProcess>(
+        ProcessStart{"/bin/sh", arguments, context_.folder.state_file(job_.name), log, -1});
     stage_ = Stage::following;
 }
 

@@ -77,7 +77,7 @@ private:
     [[nodiscard]] bool is_unchanged(const std::optional<JobState>& known);
     [[nodiscard]] std::vector<std::string> words_to_start() const;
     void take_lock_and_run(int threads);
-    void run(const std::vector<std::string>& words);
+    void run(const std::vector<std::string>& arguments);
     void take_end_of_weighing();
     void note_expected_time();
     void take_end_of_job(const ProcessEnd& end);

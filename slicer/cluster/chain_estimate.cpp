@@ -22,11 +22,11 @@ bool is_done(const BatchFolder& batch, const PlannedJob& job, InputDigests& dige
 }
 
 ChainEstimate estimate_chain(const PlannedJob& job, const ChainOptions& options, Progress& progress) {
-    SliceOptions asked = options_on_cluster(job.options);
-    if (asked.threads == 0) asked.threads = options.most_cores;
+    SliceOptions requested = options_on_cluster(job.options);
+    if (requested.threads == 0) requested.threads = options.most_cores;
     ChainEstimate made;
     try {
-        made.chain = task_chain(job, estimate_any(asked, progress), options);
+        made.chain = task_chain(job, estimate_any(requested, progress), options);
         if (!made.chain.why_whole.empty()) made.message = fmt::format("it cannot be cut: {}", made.chain.why_whole);
     } catch (const Cancelled&) {
         throw;

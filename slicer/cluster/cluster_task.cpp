@@ -43,7 +43,7 @@ const SubmittedStage& stage_in(const Submission& submission, const TaskOptions& 
 ChainStage chain_stage(const SubmittedStage& submitted) {
     ChainStage stage;
     stage.stage = submitted.stage;
-    stage.words = submitted.words;
+    stage.arguments = submitted.arguments;
     stage.tasks = submitted.tasks;
     return stage;
 }
@@ -96,14 +96,14 @@ public:
     }
 
     JobResult run() {
-        const std::vector<std::string> words = words_to_start();
+        const std::vector<std::string> arguments = arguments_to_start();
         const fs::path log = files_.task_log(job_.name, options_.stage, index_);
         std::vector<std::string> shown{options_.program.string()};
-        shown.insert(shown.end(), words.begin(), words.end());
+        shown.insert(shown.end(), arguments.begin(), arguments.end());
         append_line(log, fmt::format("== {} {}: {}", utc_now(), io::host_name(), shell_line(shown)));
         const std::uintmax_t begin = log_size(log);
         const std::uint64_t kills_before = cgroup_oom_kills();
-        JobProcess process(ProcessStart{options_.program, words, {}, log, -1});
+        JobProcess process(ProcessStart{options_.program, arguments, {}, log, -1});
         note_start(process);
         const ProcessEnd end = wait_for(process, log, begin);
         return take(ending_of(end, last_words(log, begin), progress_.cancelled(), cgroup_oom_kills() - kills_before));
@@ -122,18 +122,18 @@ private:
             fmt::format("{}: nothing says that job {} was handed over", options_.out.string(), options_.job));
     }
 
-    std::vector<std::string> words_to_start() {
-        std::vector<std::string> words = words_of(stage_, index_);
+    std::vector<std::string> arguments_to_start() {
+        std::vector<std::string> arguments = arguments_of(stage_, index_);
         const auto state = batch_.state_of(job_.name);
         if (state)
             for (const auto& [file, digest] : state->inputs) digests_.learn(file, digest);
         const bool ours = state && state->folder_is_ours;
         for (std::string& word : words_for_folder(options_.stage, job_, ours, digests_, progress_))
-            words.push_back(std::move(word));
-        if (options_.threads > 0 && std::find(words.begin(), words.end(), "--threads") == words.end())
-            words.insert(words.end(), {"--threads", std::to_string(options_.threads)});
-        if (options_.relay) words.insert(words.end(), {"--progress", "openjd"});
-        return words;
+            arguments.push_back(std::move(word));
+        if (options_.threads > 0 && std::find(arguments.begin(), arguments.end(), "--threads") == arguments.end())
+            arguments.insert(arguments.end(), {"--threads", std::to_string(options_.threads)});
+        if (options_.relay) arguments.insert(arguments.end(), {"--progress", "openjd"});
+        return arguments;
     }
 
     [[nodiscard]] std::string told() const {
@@ -156,16 +156,16 @@ private:
         LogRelay relay(log, begin, options_.relay);
         constexpr std::chrono::milliseconds look_every(50);
         constexpr std::chrono::seconds patience(40);
-        std::optional<steady_clock::time_point> asked;
+        std::optional<steady_clock::time_point> requested;
         for (;;) {
             const auto end = process.ended();
             relay.pass_on();
             if (end) return *end;
-            if (progress_.cancelled() && !asked) {
-                asked = steady_clock::now();
+            if (progress_.cancelled() && !requested) {
+                requested = steady_clock::now();
                 process.send(SIGTERM);
             }
-            if (asked && steady_clock::now() - *asked > patience) process.send(SIGKILL);
+            if (requested && steady_clock::now() - *requested > patience) process.send(SIGKILL);
             std::this_thread::sleep_for(look_every);
         }
     }

@@ -87,22 +87,22 @@ void read_all(int out, int err, CommandOutput& said) {
     }
 }
 
-[[noreturn]] void fail_to_start(std::span<const std::string> words, int fault) {
+[[noreturn]] void fail_to_start(std::span<const std::string> command, int fault) {
     if (fault == EAGAIN || fault == ENOMEM)
-        throw TryAgain(fmt::format("{} cannot be started: the system makes no process ({}); try again", words[0],
+        throw TryAgain(fmt::format("{} cannot be started: the system makes no process ({}); try again", command[0],
                                    std::strerror(fault)));
     if (fault == E2BIG) {
         std::size_t bytes = 0, longest = 0;
-        for (const std::string& word : words) {
+        for (const std::string& word : command) {
             bytes += word.size() + 1;
             longest = std::max(longest, word.size());
         }
         throw ResourceError(
             fmt::format("{} cannot be started: its words are longer than this system takes for one program ({} bytes, "
                         "the longest word {}; {}); hand over fewer jobs at once, or with shorter options",
-                        words[0], bytes, longest, std::strerror(fault)));
+                        command[0], bytes, longest, std::strerror(fault)));
     }
-    throw FileError(fmt::format("{} is here and cannot be run ({}); is PATH that of this machine?", words[0],
+    throw FileError(fmt::format("{} is here and cannot be run ({}); is PATH that of this machine?", command[0],
                                 std::strerror(fault)));
 }
 
@@ -117,11 +117,11 @@ std::string CommandOutput::reason() const {
     return text.empty() ? fmt::format("it said nothing, and ended with {}", exit_code) : text;
 }
 
-CommandOutput run_command(std::span<const std::string> words) {
+CommandOutput run_command(std::span<const std::string> command) {
     Pipe out, err;
     const Descriptors descriptors(out.write.get(), err.write.get());
     const Attributes attributes;
-    std::vector<std::string> copies(words.begin(), words.end());
+    std::vector<std::string> copies(command.begin(), command.end());
     std::vector<char*> arguments;
     for (std::string& word : copies) arguments.push_back(word.data());
     arguments.push_back(nullptr);
@@ -130,8 +130,8 @@ CommandOutput run_command(std::span<const std::string> words) {
     const int fault =
         posix_spawnp(&pid, arguments[0], &descriptors.value, &attributes.value, arguments.data(), environ);
     if (fault == ENOENT || fault == ENOTDIR)
-        return {CommandOutput::no_such_program, {}, fmt::format("{}: {}", words[0], std::strerror(fault))};
-    if (fault != 0) fail_to_start(words, fault);
+        return {CommandOutput::no_such_program, {}, fmt::format("{}: {}", command[0], std::strerror(fault))};
+    if (fault != 0) fail_to_start(command, fault);
     out.write = {};
     err.write = {};
     read_all(out.read.get(), err.read.get(), said);

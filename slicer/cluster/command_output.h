@@ -17,9 +17,9 @@ struct CommandOutput {
     [[nodiscard]] std::string reason() const;
 };
 
-/// `words`: the program, looked for in PATH, and its arguments. Throws TryAgain where the system makes no process,
-/// ResourceError where words and environment are longer than the system takes for one (E2BIG), FileError where the
+/// `command`: the program, looked for in PATH, and its arguments. Throws TryAgain where the system makes no process,
+/// ResourceError where command and environment are longer than the system takes for one (E2BIG), FileError where the
 /// program is there and cannot be run.
-[[nodiscard]] CommandOutput run_command(std::span<const std::string> words);
+[[nodiscard]] CommandOutput run_command(std::span<const std::string> command);
 
 }  // namespace voxtone::slicer

@@ -35,7 +35,7 @@ struct Counts {
 Submission submission_of(const std::string& job, const TaskChain& chain, std::size_t jobs) {
     Submission submission{job, utc_now(), now_ns(), true, {}, jobs};
     for (const ChainStage& stage : chain.stages)
-        submission.stages.push_back(SubmittedStage{stage.stage, stage.words, stage.tasks, {}});
+        submission.stages.push_back(SubmittedStage{stage.stage, stage.arguments, stage.tasks, {}});
     return submission;
 }
 

@@ -72,14 +72,14 @@ public:
         const std::string name = name_of_step(fmt::format("{}: ", voxtone::name_of(stage.stage)) + job);
         begin(name, after);
         write_requirements(stage.cores, stage.memory_bytes);
-        std::vector<std::string> words{"task", batch_parameter, "--job=" + job, "--stage",
-                                       std::string(voxtone::name_of(stage.stage))};
+        std::vector<std::string> arguments{"task", batch_parameter, "--job=" + job, "--stage",
+                                           std::string(voxtone::name_of(stage.stage))};
         if (stage.stage == TaskStage::layers) {
             write_tasks(stage.tasks);
-            words.insert(words.end(), {"--shard", fmt::format("{{{{Task.Param.Shard}}}}/{}", stage.tasks)});
+            arguments.insert(arguments.end(), {"--shard", fmt::format("{{{{Task.Param.Shard}}}}/{}", stage.tasks)});
         }
-        words.insert(words.end(), {"--threads", std::to_string(stage.cores)});
-        end(std::move(words), stage.limit_s);
+        arguments.insert(arguments.end(), {"--threads", std::to_string(stage.cores)});
+        end(std::move(arguments), stage.limit_s);
         return name;
     }
     void add_last(const std::vector<std::string>& after) {
@@ -116,10 +116,10 @@ private:
         json_.begin_object().add("name", "Shard").add("type", "INT").add("range", fmt::format("1-{}", tasks));
         json_.end_object().end_list().end_object();
     }
-    void end(std::vector<std::string> words, double limit_s) {
-        words.insert(words.end(), {"--progress", "openjd"});
+    void end(std::vector<std::string> arguments, double limit_s) {
+        arguments.insert(arguments.end(), {"--progress", "openjd"});
         json_.line().key("script").begin_object().key("actions").begin_object().key("onRun").begin_object();
-        json_.line().add("command", program_parameter).add("args", words);
+        json_.line().add("command", program_parameter).add("args", arguments);
         json_.line().add("timeout", static_cast<std::uint64_t>(std::max(1.0, std::ceil(limit_s))));
         json_.key("cancelation").begin_object().add("mode", "NOTIFY_THEN_TERMINATE");
         json_.add("notifyPeriodInSeconds", notify_s).end_object();

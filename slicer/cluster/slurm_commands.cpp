@@ -51,8 +51,8 @@ std::string first_line(const std::string& text) { return text.substr(0, text.fin
 }  // namespace
 
 SlurmConfig slurm_config() {
-    const std::array<std::string, 3> words{"scontrol", "show", "config"};
-    const CommandOutput said = run_command(words);
+    const std::array<std::string, 3> arguments{"scontrol", "show", "config"};
+    const CommandOutput said = run_command(arguments);
     if (said.exit_code != 0) refuse("scontrol", said);
     SlurmConfig config;
     std::istringstream lines(said.out);
@@ -66,8 +66,8 @@ SlurmConfig slurm_config() {
 }
 
 std::set<std::string> slurm_queue() {
-    const std::array<std::string, 4> words{"squeue", "--me", "--noheader", "--format=%F"};
-    const CommandOutput said = run_command(words);
+    const std::array<std::string, 4> arguments{"squeue", "--me", "--noheader", "--format=%F"};
+    const CommandOutput said = run_command(arguments);
     if (said.exit_code != 0) refuse("squeue", said);
     std::set<std::string> numbers;
     std::istringstream in(said.out);
@@ -75,9 +75,9 @@ std::set<std::string> slurm_queue() {
     return numbers;
 }
 
-std::string submit_to_slurm(std::span<const std::string> words) {
+std::string submit_to_slurm(std::span<const std::string> arguments) {
     std::vector<std::string> all{"sbatch", "--parsable"};
-    all.insert(all.end(), words.begin(), words.end());
+    all.insert(all.end(), arguments.begin(), arguments.end());
     const CommandOutput said = run_command(all);
     if (said.exit_code == CommandOutput::no_such_program) refuse("sbatch", said);
     if (said.exit_code != 0) {
@@ -95,9 +95,10 @@ void cancel_in_slurm(const std::vector<std::string>& numbers) {
     constexpr std::size_t most_at_once = 1000;
     for (std::size_t begin = 0; begin < numbers.size(); begin += most_at_once) {
         const std::size_t end = std::min(begin + most_at_once, numbers.size());
-        std::vector<std::string> words{"scancel", "--quiet"};
-        words.insert(words.end(), numbers.begin() + std::ptrdiff_t(begin), numbers.begin() + std::ptrdiff_t(end));
-        (void)run_command(words);
+        std::vector<std::string> arguments{"scancel", "--quiet"};
+        arguments.insert(arguments.end(), numbers.begin() + std::ptrdiff_t(begin),
+                         numbers.begin() + std::ptrdiff_t(end));
+        (void)run_command(arguments);
     }
 }
 
@@ -111,8 +112,8 @@ SlurmAllocation own_slurm_allocation() {
 }
 
 bool requeue_in_slurm(const std::string& task) {
-    const std::array<std::string, 3> words{"scontrol", "requeue", task};
-    return run_command(words).exit_code == 0;
+    const std::array<std::string, 3> arguments{"scontrol", "requeue", task};
+    return run_command(arguments).exit_code == 0;
 }
 
 }  // namespace voxtone::slicer

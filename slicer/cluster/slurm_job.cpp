@@ -89,7 +89,7 @@ public:
         std::vector<std::string> before;
         for (const ChainStage& stage : entry.chain.stages) {
             SubmittedStage& made =
-                entry.submission.stages.emplace_back(SubmittedStage{stage.stage, stage.words, stage.tasks, {}});
+                entry.submission.stages.emplace_back(SubmittedStage{stage.stage, stage.arguments, stage.tasks, {}});
             const Dependencies after =
                 with_joins({before, before.empty() ? lane.before : std::vector<std::string>()}, made.numbers, entry);
             const std::string text = stage_script(frame_, entry.job.name, stage);
@@ -108,13 +108,14 @@ public:
             const Dependencies after = with_joins({{}, std::move(numbers)}, joins, shown_with);
             const std::string text = last_script(frame_);
             const fs::path script = folder_ / "slurm-last.sh";
-            const auto words = sbatch_words(script, folder_, {}, 0, after, "slurm/last.%j.out", options_.sbatch_words);
+            const auto arguments =
+                sbatch_words(script, folder_, {}, 0, after, "slurm/last.%j.out", options_.sbatch_words);
             if (!batch_) {
-                shown_with.scripts += shown_call(words) + text;
+                shown_with.scripts += shown_call(arguments) + text;
                 return {};
             }
             SubmissionFolder(*batch_).write_script(script, text);
-            return submit_to_slurm(words);
+            return submit_to_slurm(arguments);
         } catch (const Error&) {
             cancel_in_slurm(joins);
             throw;
@@ -131,10 +132,10 @@ private:
             Dependencies after = stage_after;
             // Parts of one array share its throttle: one after the other.
             if (throttle > 0 && !parts.empty()) after.ended.push_back(parts.back());
-            const auto words = sbatch_words(script, folder_, part, throttle, after,
-                                            output_of(entry.job.name, stage.stage, part), options_.sbatch_words);
-            shown += shown_call(words);
-            parts.push_back(number_of(words, fmt::format("{}-{}", entry.job.name, name_of(stage.stage))));
+            const auto arguments = sbatch_words(script, folder_, part, throttle, after,
+                                                output_of(entry.job.name, stage.stage, part), options_.sbatch_words);
+            shown += shown_call(arguments);
+            parts.push_back(number_of(arguments, fmt::format("{}-{}", entry.job.name, name_of(stage.stage))));
             noted.push_back(parts.back());
             if (batch_) SubmissionFolder(*batch_).write(entry.submission);
         }
@@ -156,21 +157,21 @@ private:
     }
     std::string submit_join(const Dependencies& after, std::size_t count, SlurmEntry& shown_with) const {
         const fs::path script = folder_ / "slurm-join.sh";
-        const auto words = sbatch_words(script, folder_, {}, 0, after, "/dev/null", options_.sbatch_words);
+        const auto arguments = sbatch_words(script, folder_, {}, 0, after, "/dev/null", options_.sbatch_words);
         if (batch_)
             SubmissionFolder(*batch_).write_script(script, join_script());
         else
-            shown_with.scripts += shown_call(words) + join_script();
-        return number_of(words, fmt::format("{}-join-{}", shown_with.job.name, count));
+            shown_with.scripts += shown_call(arguments) + join_script();
+        return number_of(arguments, fmt::format("{}-join-{}", shown_with.job.name, count));
     }
     [[nodiscard]] fs::path script_of(const std::string& job, TaskStage stage) const {
         return folder_ / "slurm" / job / fmt::format("{}.sh", name_of(stage));
     }
-    static std::string shown_call(const std::vector<std::string>& words) {
-        return "# ==> sbatch --parsable " + shell_line(words) + "\n";
+    static std::string shown_call(const std::vector<std::string>& arguments) {
+        return "# ==> sbatch --parsable " + shell_line(arguments) + "\n";
     }
-    [[nodiscard]] std::string number_of(const std::vector<std::string>& words, const std::string& of) const {
-        return batch_ ? submit_to_slurm(words) : "NUMBER-OF-" + of;
+    [[nodiscard]] std::string number_of(const std::vector<std::string>& arguments, const std::string& of) const {
+        return batch_ ? submit_to_slurm(arguments) : "NUMBER-OF-" + of;
     }
 
     const SlurmOptions& options_;

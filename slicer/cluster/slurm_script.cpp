@@ -55,9 +55,9 @@ std::string directives(const std::string& name, int cores, std::uint64_t memory_
 }
 
 std::string example_of(const ScriptFrame& frame, const ChainStage& stage) {
-    std::vector<std::string> words{frame.program.string()};
-    words.insert(words.end(), stage.words.begin(), stage.words.end());
-    return shell_line(words) + (stage.stage == TaskStage::layers ? fmt::format(" --shard I/{}", stage.tasks) : "");
+    std::vector<std::string> arguments{frame.program.string()};
+    arguments.insert(arguments.end(), stage.arguments.begin(), stage.arguments.end());
+    return shell_line(arguments) + (stage.stage == TaskStage::layers ? fmt::format(" --shard I/{}", stage.tasks) : "");
 }
 
 }  // namespace
@@ -69,10 +69,10 @@ std::string stage_script(const ScriptFrame& frame, const std::string& job, const
                                 stage.tasks > 1 ? fmt::format(", {} tasks", stage.tasks) : ""));
     text += comment(example_of(frame, stage));
     text += directives(label(job, name), stage.cores, stage.memory_bytes, stage.limit_s);
-    const std::vector<std::string> words{
+    const std::vector<std::string> arguments{
         frame.program.string(), "task",      frame.out.string(),           "--job=" + job, "--stage",
         std::string(name),      "--retries", std::to_string(frame.retries)};
-    text += "exec " + shell_line(words);
+    text += "exec " + shell_line(arguments);
     if (stage.stage == TaskStage::layers)
         text += fmt::format(" --shard \"$((${{SLURM_ARRAY_TASK_ID:-1}} + ${{1:-0}}))/{}\"", stage.tasks);
     return text + "\n";
@@ -112,18 +112,18 @@ std::vector<ArrayPart> array_parts(int tasks, std::uint32_t max_array_size) {
 std::vector<std::string> sbatch_words(const std::filesystem::path& script, const std::filesystem::path& folder,
                                       const ArrayPart& part, int throttle, const Dependencies& after,
                                       const std::string& output, const std::vector<std::string>& more) {
-    std::vector<std::string> words{"--chdir=" + folder.string(), "--output=" + output};
+    std::vector<std::string> arguments{"--chdir=" + folder.string(), "--output=" + output};
     if (part.is_array)
-        words.push_back(fmt::format("--array=1-{}{}", part.tasks,
-                                    throttle > 0 && throttle < part.tasks ? fmt::format("%{}", throttle) : ""));
+        arguments.push_back(fmt::format("--array=1-{}{}", part.tasks,
+                                        throttle > 0 && throttle < part.tasks ? fmt::format("%{}", throttle) : ""));
     std::vector<std::string> conditions;
     if (!after.succeeded.empty()) conditions.push_back(fmt::format("afterok:{}", fmt::join(after.succeeded, ":")));
     if (!after.ended.empty()) conditions.push_back(fmt::format("afterany:{}", fmt::join(after.ended, ":")));
-    if (!conditions.empty()) words.push_back(fmt::format("--dependency={}", fmt::join(conditions, ",")));
-    words.insert(words.end(), more.begin(), more.end());
-    words.push_back(script.string());
-    if (part.before > 0) words.push_back(std::to_string(part.before));
-    return words;
+    if (!conditions.empty()) arguments.push_back(fmt::format("--dependency={}", fmt::join(conditions, ",")));
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    arguments.push_back(script.string());
+    if (part.before > 0) arguments.push_back(std::to_string(part.before));
+    return arguments;
 }
 
 }  // namespace voxtone::slicer

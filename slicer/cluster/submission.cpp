@@ -35,7 +35,7 @@ SubmittedStage read_stage(const io::JsonObject& json) {
     const auto known = value_of<TaskStage>(json.text("stage"));
     if (!known) json.fail("stage", "names no stage of a job");
     stage.stage = *known;
-    stage.words = json.texts("words");
+    stage.arguments = json.texts("words");
     stage.tasks = static_cast<int>(json.integer("tasks", 1, 1'000'000));
     stage.numbers = json.texts("numbers");
     return stage;
@@ -150,7 +150,7 @@ std::string submission_json(const Submission& submission) {
             .add("stage", name_of(stage.stage))
             .add("tasks", stage.tasks)
             .add("numbers", stage.numbers)
-            .add("words", stage.words)
+            .add("words", stage.arguments)
             .end_object();
     return json.end_list().end_object().text() + "\n";
 }

@@ -23,7 +23,7 @@ namespace voxtone::slicer {
 
 struct SubmittedStage {
     TaskStage stage = TaskStage::whole;
-    std::vector<std::string> words;  ///< as ChainStage::words
+    std::vector<std::string> arguments;  ///< as ChainStage::arguments
     int tasks = 1;
     std::vector<std::string> numbers;  ///< of Slurm's jobs; several where one array does not hold all tasks, or where
                                        ///< jobs stand before it that join what it waits for

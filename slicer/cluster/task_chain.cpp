@@ -113,17 +113,17 @@ int shards_for(const JobEstimate& estimate, const ChainOptions& options) {
     return int(std::clamp(std::ceil(layers.seconds_on(cores) / options.shard_s), 1.0, double(most)));
 }
 
-std::vector<std::string> with(std::vector<std::string> words, std::initializer_list<const char*> more) {
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
+std::vector<std::string> with(std::vector<std::string> arguments, std::initializer_list<const char*> more) {
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
 }
 
-ChainStage stage_of(TaskStage stage, std::vector<std::string> words, int tasks, const PlannedJob& job,
+ChainStage stage_of(TaskStage stage, std::vector<std::string> arguments, int tasks, const PlannedJob& job,
                     const JobEstimate& estimate, const ChainOptions& options) {
     const StageSums sums = sums_of(stage, estimate, tasks);
     ChainStage made;
     made.stage = stage;
-    made.words = std::move(words);
+    made.arguments = std::move(arguments);
     made.tasks = tasks;
     made.cores = job.options.threads > 0 ? job.options.threads : cores_for(sums.cpu_s(), options.most_cores);
     made.memory_bytes = sums.memory_bytes() + sums.memory_bytes() / 8 + beside_bytes;
@@ -143,11 +143,11 @@ SliceOptions options_on_cluster(const SliceOptions& options) {
     return settled;
 }
 
-std::vector<std::string> words_of(const ChainStage& stage, int index) {
-    if (stage.stage != TaskStage::layers) return stage.words;
-    std::vector<std::string> words = stage.words;
-    words.insert(words.end(), {"--shard", fmt::format("{}/{}", index, stage.tasks)});
-    return words;
+std::vector<std::string> arguments_of(const ChainStage& stage, int index) {
+    if (stage.stage != TaskStage::layers) return stage.arguments;
+    std::vector<std::string> arguments = stage.arguments;
+    arguments.insert(arguments.end(), {"--shard", fmt::format("{}/{}", index, stage.tasks)});
+    return arguments;
 }
 
 TaskChain task_chain(const PlannedJob& job, const JobEstimate& estimate, const ChainOptions& options) {
@@ -160,8 +160,8 @@ TaskChain task_chain(const PlannedJob& job, const JobEstimate& estimate, const C
         if (options.shards == 0) chain.why_whole.clear();
     }
     const std::vector<std::string> slice = command_words(options_on_cluster(job.options));
-    const auto add = [&](TaskStage stage, std::vector<std::string> words, int tasks) {
-        chain.stages.push_back(stage_of(stage, std::move(words), tasks, job, estimate, options));
+    const auto add = [&](TaskStage stage, std::vector<std::string> arguments, int tasks) {
+        chain.stages.push_back(stage_of(stage, std::move(arguments), tasks, job, estimate, options));
     };
     if (chain.shards == 1) {
         add(TaskStage::whole, slice, 1);

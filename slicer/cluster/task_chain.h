@@ -37,8 +37,9 @@ struct ChainOptions {
 /// The equal tasks of one stage.
 struct ChainStage {
     TaskStage stage = TaskStage::whole;
-    std::vector<std::string> words;  ///< behind `voxtone`, all but `--shard`: those of task I are words_of(stage, I)
-    int tasks = 1;                   ///< 1, or the number of shards
+    std::vector<std::string>
+        arguments;  ///< behind `voxtone`, all but `--shard`: those of task I are arguments_of(stage, I)
+    int tasks = 1;  ///< 1, or the number of shards
     int cores = 1;
     std::uint64_t memory_bytes = 0;  ///< of a task; not below what it takes
     double expected_s = 0;           ///< of wall clock, for a task on its cores
@@ -57,7 +58,7 @@ struct TaskChain {
 [[nodiscard]] TaskChain task_chain(const PlannedJob& job, const JobEstimate& estimate, const ChainOptions& options);
 
 /// The words behind `voxtone` of task `index` of the stage, from 1: for layers with its `--shard index/tasks`.
-[[nodiscard]] std::vector<std::string> words_of(const ChainStage& stage, int index);
+[[nodiscard]] std::vector<std::string> arguments_of(const ChainStage& stage, int index);
 
 /// The job as all of its tasks do it, wherever they run: with the memory for loop, prediction and reading that it would
 /// allow itself here. A task is given no more than it needs, and half of that, which is what a job allows itself where

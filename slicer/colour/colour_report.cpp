@@ -34,10 +34,10 @@ ColouredSurface coloured(const ColourReport& s, Map map) {
     ColouredSurface out;
     out.positions_mm = surface.positions_mm;
     out.triangles = surface.triangles;
-    out.colour = [&surface, &asked = s.surface_colour, map](std::uint32_t t, float u, float v) {
+    out.colour = [&surface, &requested = s.surface_colour, map](std::uint32_t t, float u, float v) {
         const auto& corner = surface.source_uv[t];
         const Eigen::Vector2f at = (1 - u - v) * corner[0] + u * corner[1] + v * corner[2];
-        return Eigen::Vector3f(map(asked.at(surface.source_triangle[t], at.x(), at.y())));
+        return Eigen::Vector3f(map(requested.at(surface.source_triangle[t], at.x(), at.y())));
     };
     return out;
 }
@@ -190,10 +190,10 @@ void draw_separated(const ColourReport& s, io::Report& report, const std::filesy
                     const Progress& progress) {
     const ColouredSurface target = target_surface(s), predicted = separated_surface(s);
     ReportViews views = views_of(target, s, report, progress);
-    const io::Picture8 asked = views.add("target", target), shown = views.add("predicted", predicted);
+    const io::Picture8 requested = views.add("target", target), shown = views.add("predicted", predicted);
     if (s.body.is_picture) {
         const std::array<double, 2> px_per_mm{views.px_per_mm(), views.px_per_mm()};
-        io::write_whole_file(folder / report_file::target_png, io::png_bytes(asked, px_per_mm));
+        io::write_whole_file(folder / report_file::target_png, io::png_bytes(requested, px_per_mm));
         io::write_whole_file(folder / report_file::predicted_png, io::png_bytes(shown, px_per_mm));
     } else {
         write_body_colours(target, folder / report_file::target_glb, "target", progress);

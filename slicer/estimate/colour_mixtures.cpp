@@ -9,10 +9,10 @@ namespace voxtone::slicer {
 namespace {
 
 /// The separation's, from the surface to the shell's depth.
-MixtureBelow separated(const SurfaceColour& asked, const halftone::Separation& separation) {
+MixtureBelow separated(const SurfaceColour& target, const halftone::Separation& separation) {
     return [&](std::uint32_t triangle, const Eigen::Vector2f& uv, double, double weight, std::span<double> sum) {
         std::array<float, halftone::max_resins> share;
-        separation.shares(asked.at(triangle, uv.x(), uv.y()), share.data());
+        separation.shares(target.at(triangle, uv.x(), uv.y()), share.data());
         double whole = 0;
         for (std::size_t r = 0; r < sum.size(); ++r) whole += double(share[r]);
         for (std::size_t r = 0; r < sum.size(); ++r) sum[r] += weight * double(share[r]) / whole;
@@ -20,7 +20,8 @@ MixtureBelow separated(const SurfaceColour& asked, const halftone::Separation& s
 }
 
 /// Surface first, and core below the skin.
-MixtureBelow rearranged(const SurfaceColour& asked, const halftone::MinimalDepthSeparation& recipes, std::size_t core) {
+MixtureBelow rearranged(const SurfaceColour& target, const halftone::MinimalDepthSeparation& recipes,
+                        std::size_t core) {
     return [&, core](std::uint32_t triangle, const Eigen::Vector2f& uv, double depth_mm, double weight,
                      std::span<double> sum) {
         const std::size_t layer = recipes.layers().layer_of(depth_mm);
@@ -29,7 +30,7 @@ MixtureBelow rearranged(const SurfaceColour& asked, const halftone::MinimalDepth
             return;
         }
         std::vector<float> fractions(recipes.layers().size() * recipes.resins());
-        recipes.separate(recipes.into_gamut(asked.at(triangle, uv.x(), uv.y())), fractions);
+        recipes.separate(recipes.into_gamut(target.at(triangle, uv.x(), uv.y())), fractions);
         for (std::size_t r = 0; r < sum.size(); ++r) sum[r] += weight * double(fractions[layer * recipes.resins() + r]);
     };
 }
@@ -40,7 +41,7 @@ ResinVolumes colour_volumes(const OpenedJob& job, const JobBody& body, const Lay
                             const ColourRecipes& made_with, const Progress& progress) {
     const Eigen::Vector3d& pitch_mm = body.grid.pitch_mm;
     // Voxels look colours up at their centres, the loop has one of each cell.
-    const SurfaceColour asked(
+    const SurfaceColour target(
         body.model.mesh, made_with.recipes ? job.options.prediction.cell_mm : std::sqrt(pitch_mm.x() * pitch_mm.y()));
     VolumeQuery query;
     query.layers = range;
@@ -48,8 +49,8 @@ ResinVolumes colour_volumes(const OpenedJob& job, const JobBody& body, const Lay
     query.shell_mm = job.options.colour.depth_mm;
     query.resins = job.resins.set.resins.size();
     query.core = static_cast<std::size_t>(job.resins.core);
-    query.mixture =
-        made_with.recipes ? rearranged(asked, *made_with.recipes, query.core) : separated(asked, made_with.separation);
+    query.mixture = made_with.recipes ? rearranged(target, *made_with.recipes, query.core)
+                                      : separated(target, made_with.separation);
     return resin_volumes(body, query, progress);
 }
 

@@ -19,7 +19,8 @@ struct EstimateScope {
 
 /// `asked.out` may be empty; nothing is written. Throws as the job would for all that is wrong with options, printer,
 /// resins and model, and Cancelled.
-[[nodiscard]] JobEstimate estimate_job(const SliceOptions& asked, Progress& progress, const EstimateScope& scope = {});
+[[nodiscard]] JobEstimate estimate_job(const SliceOptions& requested, Progress& progress,
+                                       const EstimateScope& scope = {});
 
 struct MeasuredBody {
     JobBody body;

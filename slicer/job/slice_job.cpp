@@ -141,10 +141,10 @@ const io::StackDescription& finish_stack(PreparedJob& ready, io::LayerStackWrite
 
 }  // namespace
 
-SliceResult run_slice_job(const SliceOptions& asked, Progress& progress) {
+SliceResult run_slice_job(const SliceOptions& requested, Progress& progress) {
     const Stopwatch watch;
     // All that can refuse the job, from what costs nothing to what costs most ...
-    OpenedJob opened = open_job(asked);
+    OpenedJob opened = open_job(requested);
     VOXTONE_EXPECT(!opened.options.sharded);
     LoopCheckpoint::refuse_loss(opened.options.out, opened.options.resume, opened.options.overwrite);
     // From here on the output folder is this job's; what it holds stays until the new stack is whole.

@@ -45,25 +45,25 @@ std::string quoted(const std::string& word) {
 }  // namespace
 
 std::vector<std::string> command_words(const SliceOptions& options) {
-    std::vector<std::string> words{"slice"};
+    std::vector<std::string> arguments{"slice"};
     for (const OptionSpec& spec : slice_option_table()) {
         const std::string value = spec.get(options);
         if (spec.is_preset() || value == spec.get(defaults)) continue;
         if (spec.kind() == OptionSpec::Kind::flag) {
-            words.push_back((value == "true" ? "--" : "--no-") + spec.option);
+            arguments.push_back((value == "true" ? "--" : "--no-") + spec.option);
         } else if (value.starts_with('-')) {
-            words.push_back("--" + spec.option + "=" + value);
+            arguments.push_back("--" + spec.option + "=" + value);
         } else {
-            if (!spec.positional) words.push_back("--" + spec.option);
-            words.push_back(value);
+            if (!spec.positional) arguments.push_back("--" + spec.option);
+            arguments.push_back(value);
         }
     }
-    return words;
+    return arguments;
 }
 
-std::string shell_line(std::span<const std::string> words) {
+std::string shell_line(std::span<const std::string> arguments) {
     std::string line;
-    for (const std::string& word : words) line += (line.empty() ? "" : " ") + quoted(word);
+    for (const std::string& word : arguments) line += (line.empty() ? "" : " ") + quoted(word);
     return line;
 }
 

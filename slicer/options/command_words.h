@@ -15,7 +15,7 @@ namespace voxtone::slicer {
 [[nodiscard]] std::vector<std::string> command_words(const SliceOptions& options);
 
 /// In one line that a POSIX shell takes apart into these words again.
-[[nodiscard]] std::string shell_line(std::span<const std::string> words);
+[[nodiscard]] std::string shell_line(std::span<const std::string> arguments);
 
 /// Sets to their defaults those options that this job would ignore, and names all others that are not at theirs. `kept`
 /// stay as they are: the user said them of this very job, so that it is refused if it would ignore them.

@@ -59,8 +59,8 @@ LoopPlan plan_loop(const ResolvedJob& job, const JobBody& body, const LoadedResi
     return plan;
 }
 
-bool prints_all_white(const SurfaceColour& asked, const LoadedResins& resins) {
-    return asked.constant() && asked.at(0, 0, 0) == Eigen::Vector3f::Ones() &&
+bool prints_all_white(const SurfaceColour& target, const LoadedResins& resins) {
+    return target.constant() && target.at(0, 0, 0) == Eigen::Vector3f::Ones() &&
            resins.set.resins[std::size_t(resins.core)].role == "W";
 }
 

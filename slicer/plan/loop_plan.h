@@ -31,7 +31,7 @@ struct LoopPlan {
                                  bool all_white);
 
 /// Of a print whose core is the white resin.
-[[nodiscard]] bool prints_all_white(const SurfaceColour& asked, const LoadedResins& resins);
+[[nodiscard]] bool prints_all_white(const SurfaceColour& target, const LoadedResins& resins);
 
 /// Why no loop could change anything: a sentence; empty where one could.
 [[nodiscard]] std::string nothing_to_rearrange(const JobBody& body, const LoadedResins& resins);

@@ -71,7 +71,7 @@ std::optional<optics::Backing> backing_or_auto(const std::string& text) {
 
 void expect_files_fit(const ResolvedPrediction& job, bool from_above) {
     for (std::size_t i = 0; i < job.kinds.size(); ++i) {
-        const std::string& file = job.asked.files[i];
+        const std::string& file = job.requested.files[i];
         const PredictedFile kind = job.kinds[i];
         if (from_above && (kind == PredictedFile::glb || kind == PredictedFile::ply))
             throw UsageError(
@@ -87,7 +87,7 @@ void expect_files_fit(const ResolvedPrediction& job, bool from_above) {
 void write_from_above(const ResolvedPrediction& job, const StackVolume& stack, const SurfacePrediction& prediction) {
     const auto px_per_mm = picture_px_per_mm(stack.volume, prediction.surface.cell_voxels);
     for (std::size_t i = 0; i < job.kinds.size(); ++i) {
-        const std::string& file = job.asked.files[i];
+        const std::string& file = job.requested.files[i];
         if (job.kinds[i] == PredictedFile::exr)
             io::write_whole_file(
                 file, io::exr_bytes(top_numbers(stack.volume, stack.resins.channels, prediction), px_per_mm));
@@ -141,17 +141,17 @@ void write_body(const ResolvedPrediction& job, const StackVolume& stack, const S
     if (mesh.triangles.empty())
         throw InputError(fmt::format(
             "{}: the body is not larger than a cell of {:g} mm: it has no surface to show; give a smaller --cell",
-            job.asked.stack, job.asked.cell_mm));
+            job.requested.stack, job.requested.cell_mm));
     std::optional<io::LitMaterial> lit;
-    if (job.asked.lit) lit = material_of(stack, prediction);
+    if (job.requested.lit) lit = material_of(stack, prediction);
     for (std::size_t i = 0; i < job.kinds.size(); ++i) {
-        const std::string& file = job.asked.files[i];
+        const std::string& file = job.requested.files[i];
         if (job.kinds[i] == PredictedFile::glb)
             io::write_whole_file(file, io::glb_bytes(mesh, "predicted", lit));
         else if (job.kinds[i] == PredictedFile::ply)
             io::write_whole_file(file, io::ply_bytes(mesh, body_numbers(stack.resins.channels, prediction)));
         else if (job.kinds[i] == PredictedFile::png)
-            write_views(file, mesh, job.asked.cell_mm, progress);
+            write_views(file, mesh, job.requested.cell_mm, progress);
     }
 }
 
@@ -167,11 +167,11 @@ struct PredictFigures {
 
 void write_pages(const ResolvedPrediction& job, const StackVolume& stack, const SurfacePrediction& prediction,
                  const PredictFigures& f) {
-    const PredictionPage page{fs::path(job.asked.stack).filename().string(), std::string(name_of(job.model)),
+    const PredictionPage page{fs::path(job.requested.stack).filename().string(), std::string(name_of(job.model)),
                               f.from_above, f.cell_um, f.read_s + f.surface_s + f.predict_s};
     for (std::size_t i = 0; i < job.kinds.size(); ++i)
         if (job.kinds[i] == PredictedFile::html)
-            io::write_whole_file(job.asked.files[i], prediction_page(page, stack, prediction));
+            io::write_whole_file(job.requested.files[i], prediction_page(page, stack, prediction));
 }
 
 std::array<double, 3> mean_colour(const SurfacePrediction& prediction) {
@@ -187,7 +187,7 @@ std::array<double, 3> mean_colour(const SurfacePrediction& prediction) {
 
 PredictResult describe(const ResolvedPrediction& job, const StackVolume& stack, const SurfacePrediction& prediction,
                        const PredictFigures& f) {
-    const PredictOptions& options = job.asked;
+    const PredictOptions& options = job.requested;
     const bool errors = !prediction.standard_error.empty();
     const double seconds = f.read_s + f.surface_s + f.predict_s + f.write_s;
     io::JsonWriter json;
@@ -236,8 +236,8 @@ void expect_rest(const ResolvedPrediction& job, double read_s, double area_mm2, 
                  std::size_t channels, Progress& progress) {
     // Two cores of 2.5 GHz, by `voxtone predict` of the bundled cow at 15 and 30 mm.
     constexpr double surface_s_per_mm2 = 3e-4, write_s_per_mm2 = 5e-4;
-    ModelOptions quality = job.asked.quality;
-    quality.cell_mm = job.asked.cell_mm;
+    ModelOptions quality = job.requested.quality;
+    quality.cell_mm = job.requested.cell_mm;
     std::vector<ExpectedStage> stages;
     if (read_s > 0) {
         stages.push_back({"read layers", read_s});
@@ -251,12 +251,12 @@ void expect_rest(const ResolvedPrediction& job, double read_s, double area_mm2, 
 /// Cells of a larger size than the eye's are put together from the eye's.
 std::optional<CoarseCells> quick_cells(const ResolvedPrediction& job, const std::array<double, 3>& pitch_mm) {
     if (job.model != PredictionModel::transport) return std::nullopt;
-    return coarse_cells(pitch_mm, job.asked.cell_mm);
+    return coarse_cells(pitch_mm, job.requested.cell_mm);
 }
 
 ModelOptions model_options(const ResolvedPrediction& job, bool quick, std::uint64_t memory_bytes) {
-    ModelOptions quality = job.asked.quality;
-    quality.cell_mm = quick ? eye_cell_mm : job.asked.cell_mm;
+    ModelOptions quality = job.requested.quality;
+    quality.cell_mm = quick ? eye_cell_mm : job.requested.cell_mm;
     quality.viewing_cells = quick;
     quality.memory_bytes = memory_bytes;
     return quality;
@@ -275,17 +275,17 @@ void expect_memory(const ResolvedPrediction& job, const StackHead& head) {
     const bool quick = quick_cells(job, head.pitch_mm).has_value();
     const std::uint64_t model =
         least_model_bytes(job.model, model_options(job, quick, job.memory_bytes), solid_mm3, head.pitch_mm);
-    const double needed = volume * (job.asked.absolute ? 1 : 2) + surface + double(model);
+    const double needed = volume * (job.requested.absolute ? 1 : 2) + surface + double(model);
     if (needed <= double(job.memory_bytes)) return;
     throw ResourceError(fmt::format(
         "{}: a prediction of its {} x {} x {} voxels needs at least {:.2f} GiB, more than the {:.2f} GiB allowed; "
         "allow more (--memory), {}or predict a smaller print",
-        job.asked.stack, head.size[0], head.size[1], head.size[2], gibibytes(needed),
+        job.requested.stack, head.size[0], head.size[1], head.size[2], gibibytes(needed),
         gibibytes(double(job.memory_bytes)), quick ? "" : "take larger cells (--cell 0.2mm), "));
 }
 
 void expect_white(const ResolvedPrediction& job, const StackHead& head) {
-    if (job.asked.absolute || head.has_white) return;
+    if (job.requested.absolute || head.has_white) return;
     throw InputError(
         fmt::format("the resin set '{}' has no white (role W) for media-relative values to refer to; name another "
                     "set with --resins, or give --absolute",
@@ -299,7 +299,7 @@ struct ReadStack {
 
 /// All that the head of the stack can refuse is refused before its layers are read.
 ReadStack read_stack(const ResolvedPrediction& job, Progress& progress) {
-    const PredictOptions& options = job.asked;
+    const PredictOptions& options = job.requested;
     ReadStack stack;
     const auto hear = [&](const StackHead& head) {
         constexpr double read_s_per_voxel = 1e-8;
@@ -342,7 +342,7 @@ std::optional<MeshBoundary> find_boundary(const ResolvedPrediction& job, const S
     if (figures.backing != optics::Backing::none)
         found.why_not = "what lies on a sheet ends there, and light paths know sheets under voxels alone";
     else
-        found = boundary_of_stack(job.asked.stack, stack, progress);
+        found = boundary_of_stack(job.requested.stack, stack, progress);
     if (found.mesh) return std::move(found.mesh);
     if (job.boundary == BodyEnd::mesh)
         throw InputError(fmt::format("--boundary mesh: {}; give --boundary voxels, or slice again", found.why_not));
@@ -382,7 +382,7 @@ PredictedCells find_cells(const optics::Scene& scene, const ResolvedPrediction& 
     const std::array<double, 3>& pitch_mm = scene.volume->pitch_mm();
     const optics::SurfacePart part = seen_part(figures);
     const std::optional<CoarseCells> coarse = quick_cells(job, pitch_mm);
-    const auto cell = seen_cell_voxels(pitch_mm, job.asked.cell_mm);
+    const auto cell = seen_cell_voxels(pitch_mm, job.requested.cell_mm);
     for (std::size_t a = 0; a < 3; ++a) figures.cell_um[a] = cell[a] * pitch_mm[a] * 1e3;
     PredictedCells cells;
     cells.surface = optics::find_surface(scene, cell, part, &progress);
@@ -426,7 +426,7 @@ ResolvedPrediction resolve(const PredictOptions& o) {
     };
     need(!o.files.empty(), "out", "(none)", "name a file: -o FILE.png");
     ResolvedPrediction job;
-    job.asked = o;
+    job.requested = o;
     need(!o.lit || std::any_of(o.files.begin(), o.files.end(), [](const auto& f) { return extension(f) == ".glb"; }),
          "lit", "", "would be ignored: it only goes with a .glb");
     for (const std::string& file : o.files) {

@@ -52,7 +52,7 @@ enum class PredictedFile {
 
 /// One prediction, checked.
 struct ResolvedPrediction {
-    PredictOptions asked;                           ///< for names of files and what is a number already
+    PredictOptions requested;                       ///< for names of files and what is a number already
     std::vector<PredictedFile> kinds;               ///< of asked.files
     std::optional<std::array<double, 3>> pitch_mm;  ///< of foreign stacks
     std::vector<ColourAssignment> assign;           ///< of foreign stacks

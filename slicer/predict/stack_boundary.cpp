@@ -23,9 +23,9 @@ namespace fs = std::filesystem;
 constexpr std::string_view model_key = "model";
 
 /// The model and what lies beside it; empty where all of it is as it was.
-std::string changed_model(const SliceOptions& asked, const Progress& progress) {
+std::string changed_model(const SliceOptions& requested, const Progress& progress) {
     bool recorded = false;
-    for (const JobInput& input : asked.recorded_inputs) {
+    for (const JobInput& input : requested.recorded_inputs) {
         if (!input.key.starts_with(model_key)) continue;
         recorded = true;
         if (input.sha256.empty()) continue;
@@ -54,11 +54,11 @@ StackBody body_of_stack(const std::string& stack, const StackVolume& volume, Pro
     std::error_code none;
     if (!fs::exists(job_file, none)) return {{}, fmt::format("there is no {} to name its model", job_file.string())};
     try {
-        SliceOptions asked;
-        read_job(job_file.string(), asked);
-        const ResolvedJob job = resolve(asked);
+        SliceOptions requested;
+        read_job(job_file.string(), requested);
+        const ResolvedJob job = resolve(requested);
         if (job.layers) return {{}, "it is a part of its body's layers"};
-        if (std::string why = changed_model(asked, progress); !why.empty()) return {{}, std::move(why)};
+        if (std::string why = changed_model(requested, progress); !why.empty()) return {{}, std::move(why)};
         JobBody body = prepare_body(job, find_printer(job.printer), progress);
         if (!fits(body.grid, volume)) return {{}, fmt::format("{} makes another body now", job.model)};
         return {std::move(body), {}};

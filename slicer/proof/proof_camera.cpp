@@ -82,7 +82,7 @@ double fitting_distance(const ResolvedProof& job, const Box& box, const Vector3d
     right.normalize();
     const Vector3d up = back.cross(right);
     constexpr double margin = 1.12;
-    const double half_width = 0.5 * optics::film_width_mm / job.asked.focal_mm,
+    const double half_width = 0.5 * optics::film_width_mm / job.requested.focal_mm,
                  half_height = half_width * job.height_px / job.width_px;
     double distance = 0;
     for (int corner = 0; corner < 8; ++corner) {
@@ -99,7 +99,7 @@ optics::CameraView place_camera(const ResolvedProof& job, const Box& room, const
     optics::CameraView view;
     const Eigen::Matrix3d to_model = axes.transpose();
     view.target = job.look_at.value_or(point_of(to_model * (0.5 * (room.low + room.high))));
-    view.focal_mm = job.asked.focal_mm;
+    view.focal_mm = job.requested.focal_mm;
     view.width_px = job.width_px;
     view.height_px = job.height_px;
     const Direction stand = stand_of(job.view.value_or(flat ? ProofView::top : ProofView::three_quarter));

@@ -82,7 +82,8 @@ std::string comment_of(const CameraPicture& picture, const ResolvedProof& job) {
     std::string text = fmt::format(
         "Proof of a print by light paths: {} to {} samples a pixel, standard error of luminance where a body is seen "
         "{:.4f} (rms; 1 is a white diffuser that lies in the open), light {}, exposure {:+g} EV.",
-        *least, *most, picture.rms_error, job.light ? name_of(*job.light) : "from a picture", job.asked.exposure_ev);
+        *least, *most, picture.rms_error, job.light ? name_of(*job.light) : "from a picture",
+        job.requested.exposure_ev);
     if (!picture.complete) text += " Stopped before it was as wanted.";
     return text;
 }
@@ -90,13 +91,14 @@ std::string comment_of(const CameraPicture& picture, const ResolvedProof& job) {
 void write_files(const CameraPicture& picture, const ProofScene& scene, const ResolvedProof& job) {
     const std::string comment = comment_of(picture, job);
     const Colours colours = proof_colours(picture, scene);
-    for (const std::string& file : job.asked.files) {
+    for (const std::string& file : job.requested.files) {
         if (file.ends_with(".exr"))
             io::write_whole_file(file, io::exr_bytes(numbers(picture, colours, scene), {0, 0}, comment));
         else
-            io::write_whole_file(file, io::png_bytes(io::encode_over(developed(picture, colours, job.asked.exposure_ev),
-                                                                     Eigen::Vector3f::Zero()),
-                                                     {0, 0}, comment));
+            io::write_whole_file(file,
+                                 io::png_bytes(io::encode_over(developed(picture, colours, job.requested.exposure_ev),
+                                                               Eigen::Vector3f::Zero()),
+                                               {0, 0}, comment));
     }
 }
 
@@ -109,7 +111,7 @@ void expect_picture_fits(const ResolvedProof& job, std::size_t channels) {
     throw ResourceError(fmt::format(
         "--size {}: a picture of so many pixels takes {:.2f} GiB while it is drawn, more than a quarter of the {:.2f} "
         "GiB allowed; ask for fewer pixels, or allow more (--memory)",
-        job.asked.size, double(needed) / (1 << 30), double(job.memory_bytes) / (1 << 30)));
+        job.requested.size, double(needed) / (1 << 30), double(job.memory_bytes) / (1 << 30)));
 }
 
 JobResult describe(const CameraPicture& picture, const ProofScene& scene, const ResolvedProof& job, double seconds) {
@@ -118,10 +120,10 @@ JobResult describe(const CameraPicture& picture, const ProofScene& scene, const 
     std::vector<std::string> surfaces;
     for (const auto& print : scene.prints) surfaces.push_back(print->boundary_is);
     io::JsonWriter json;
-    json.begin_object().add("format", "voxtone-proof").add("version", 1).add("stacks", job.asked.stacks);
-    json.add("files", job.asked.files).add("size_px", std::array{picture.width_px, picture.height_px});
+    json.begin_object().add("format", "voxtone-proof").add("version", 1).add("stacks", job.requested.stacks);
+    json.add("files", job.requested.files).add("size_px", std::array{picture.width_px, picture.height_px});
     json.add("camera_mm", view.position).add("look_at_mm", view.target).add("focal_mm", view.focal_mm);
-    json.add("light", job.asked.light).add("finish", name_of(job.finish)).add("surface", surfaces);
+    json.add("light", job.requested.light).add("finish", name_of(job.finish)).add("surface", surfaces);
     json.add("samples", std::array{*least, *most}).add("paths", picture.paths);
     json.add("standard_error", picture.rms_error).add("complete", picture.complete).add("seconds", seconds);
     json.add("peak_memory_bytes", peak_memory_bytes()).end_object();
@@ -129,7 +131,7 @@ JobResult describe(const CameraPicture& picture, const ProofScene& scene, const 
         "{}: {} x {} pixels, {} to {} samples each\n"
         "  standard error of luminance where a body is seen: {:.4f} (rms; 1 is a white diffuser)\n"
         "  {:.1f} million paths from the camera in {:.1f} s, peak memory {:.0f} MB\n",
-        fmt::join(job.asked.files, ", "), picture.width_px, picture.height_px, *least, *most, picture.rms_error,
+        fmt::join(job.requested.files, ", "), picture.width_px, picture.height_px, *least, *most, picture.rms_error,
         double(picture.paths) * 1e-6, seconds, double(peak_memory_bytes()) * 1e-6);
     if (!picture.complete) text += "  stopped before it was as wanted: noisier than asked for\n";
     return {json.text(), text, picture.complete ? ExitCode::done : ExitCode::unfinished};

@@ -60,8 +60,8 @@ optics::Sky preset(ProofLight light) {
 }  // namespace
 
 optics::Sky light_of(const ResolvedProof& job, Progress& progress) {
-    optics::Sky sky = job.light ? preset(*job.light) : from_file(job.asked.light, progress);
-    return job.asked.turn_light_deg == 0 ? sky : sky.turned(job.asked.turn_light_deg);
+    optics::Sky sky = job.light ? preset(*job.light) : from_file(job.requested.light, progress);
+    return job.requested.turn_light_deg == 0 ? sky : sky.turned(job.requested.turn_light_deg);
 }
 
 }  // namespace voxtone::slicer

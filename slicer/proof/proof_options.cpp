@@ -64,7 +64,7 @@ void check_numbers(const ProofOptions& o) {
 
 ResolvedProof resolve(const ProofOptions& o) {
     ResolvedProof job;
-    job.asked = o;
+    job.requested = o;
     if (o.stacks.empty()) throw UsageError("name a stack: an output folder, a folder of PNG layers, a .gcvf file");
     need(!o.files.empty(), "out", "(none)", "name a file: -o FILE.png");
     for (const std::string& file : o.files)

@@ -59,7 +59,7 @@ struct ProofOptions {
 };
 
 struct ResolvedProof {
-    ProofOptions asked;
+    ProofOptions requested;
     std::optional<ProofView> view;  ///< nothing: by the stack
     ProofUp up = ProofUp::z;
     std::optional<optics::Point> camera, look_at;

@@ -73,14 +73,14 @@ Vector3d paper_white(const StackVolume& stack) {
     return white;
 }
 
-ColouredSurface target_of(const JobBody& body, const SurfaceColour& asked) {
+ColouredSurface target_of(const JobBody& body, const SurfaceColour& requested) {
     ColouredSurface out;
     out.positions_mm = body.surface->positions_mm;
     out.triangles = body.surface->triangles;
-    out.colour = [&surface = *body.surface, &asked](std::uint32_t t, float u, float v) {
+    out.colour = [&surface = *body.surface, &requested](std::uint32_t t, float u, float v) {
         const auto& corner = surface.source_uv[t];
         const Eigen::Vector2f at = (1 - u - v) * corner[0] + u * corner[1] + v * corner[2];
-        return asked.at(surface.source_triangle[t], at.x(), at.y());
+        return requested.at(surface.source_triangle[t], at.x(), at.y());
     };
     return out;
 }
@@ -103,7 +103,7 @@ void find_surface_of(ProofPrint& print, Progress& progress) {
 }
 
 /// Of one stack's volume: light paths need twice as much besides (two bytes a voxel where it has one).
-std::uint64_t volume_bytes(const ResolvedProof& job) { return job.memory_bytes / (4 * job.asked.stacks.size()); }
+std::uint64_t volume_bytes(const ResolvedProof& job) { return job.memory_bytes / (4 * job.requested.stacks.size()); }
 
 }  // namespace
 
@@ -111,18 +111,18 @@ std::unique_ptr<ProofPrint> make_print(const ResolvedProof& job, const std::stri
     auto made = std::make_unique<ProofPrint>();
     ProofPrint& print = *made;
     print.stack = read_stack_volume({.stack = stack,
-                                     .resins = job.asked.resins,
-                                     .printer = job.asked.printer,
+                                     .resins = job.requested.resins,
+                                     .printer = job.requested.printer,
                                      .pitch_mm = job.pitch_mm,
                                      .assign = job.assign,
-                                     .nearest = job.asked.nearest,
+                                     .nearest = job.requested.nearest,
                                      .memory_bytes = volume_bytes(job)},
                                     progress);
     print.scene = {.volume = &print.stack.volume, .resins = &print.stack.resins};
     print.box = box_of(print.stack);
     print.body = body_of_stack(stack, print.stack, progress);
     find_surface_of(print, progress);
-    const auto& rough = job.asked.roughness;
+    const auto& rough = job.requested.roughness;
     if (job.finish == ProofFinish::matt)
         print.finish = std::make_unique<optics::EvenFinish>(rough[1]);
     else
@@ -138,9 +138,9 @@ std::vector<std::unique_ptr<const DiffuseMesh>> make_target(const ProofPrint& pr
     const JobBody& body = *print.body.body;
     progress.begin_stage("colour the target", 0);
     constexpr double spacing_mm = 0.1;
-    const SurfaceColour asked(body.model.mesh, spacing_mm);
+    const SurfaceColour requested(body.model.mesh, spacing_mm);
     const VertexColours colours =
-        vertex_colours(target_of(body, asked), {.edge_mm = 2 * spacing_mm, .max_vertices = 3'000'000}, &progress);
+        vertex_colours(target_of(body, requested), {.edge_mm = 2 * spacing_mm, .max_vertices = 3'000'000}, &progress);
     const Vector3d white = paper_white(print.stack);
     std::vector<std::unique_ptr<const DiffuseMesh>> parts;
     parts.push_back(std::make_unique<const DiffuseMesh>(colours.mesh, moved_mm, white));

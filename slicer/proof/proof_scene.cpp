@@ -50,18 +50,18 @@ std::unique_ptr<const ProofScene> make_proof_scene(const ResolvedProof& job, Pro
     auto made = std::make_unique<ProofScene>();
     ProofScene& s = *made;
     s.sky = light_of(job, progress);
-    const Eigen::Matrix3d axes = room_axes(job.up, job.asked.turn_deg);
+    const Eigen::Matrix3d axes = room_axes(job.up, job.requested.turn_deg);
     Row row(axes);
-    for (const std::string& stack : job.asked.stacks) {
+    for (const std::string& stack : job.requested.stacks) {
         auto print = make_print(job, stack, progress);
         print->moved_mm = row.place(print->box);
         s.prints.push_back(std::move(print));
         if (s.prints.back()->stack.resins.channels != s.channels())
             throw InputError(fmt::format("{}: its resins have other channels than those of {}; proof them apart", stack,
-                                         job.asked.stacks.front()));
+                                         job.requested.stacks.front()));
     }
     const ProofPrint& first = *s.prints.front();
-    if (job.asked.with_target) s.target = make_target(first, row.place(first.box), progress);
+    if (job.requested.with_target) s.target = make_target(first, row.place(first.box), progress);
 
     s.camera.sky = &s.sky;
     for (std::size_t k = 0; k < 3; ++k) s.camera.sky_axes[k] = point_of(axes.row(static_cast<Eigen::Index>(k)));

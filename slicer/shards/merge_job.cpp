@@ -134,11 +134,11 @@ void lay_together(const MergeOptions& options, const io::ShardSet& shards, Progr
 
 /// The job that the shards are of, to draw its report.
 OpenedJob open_merged(const MergeOptions& options) {
-    SliceOptions asked;
-    read_job((options.out / job_file_name).string(), asked);
-    asked.out = options.out.string();
-    asked.threads = options.threads;
-    OpenedJob job = open_job(asked);
+    SliceOptions requested;
+    read_job((options.out / job_file_name).string(), requested);
+    requested.out = options.out.string();
+    requested.threads = options.threads;
+    OpenedJob job = open_job(requested);
     job.options.loop.elsewhere = true;
     if (!options.predict)
         job.options.prediction.why_not =

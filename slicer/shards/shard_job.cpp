@@ -79,9 +79,9 @@ void make_shard(PreparedJob& ready, const LayerRange& mine, const fs::path& into
 
 }  // namespace
 
-JobResult run_shard_job(const SliceOptions& asked, Progress& progress) {
+JobResult run_shard_job(const SliceOptions& requested, Progress& progress) {
     const Stopwatch watch;
-    OpenedJob opened = open_job(asked);
+    OpenedJob opened = open_job(requested);
     expect_shardable(opened);
     const fs::path out = opened.options.out;
     const bool same_job_before = is_same_job(io::shards_folder(out), opened, &progress);

@@ -15,6 +15,6 @@ namespace voxtone::slicer {
 
 /// Nothing is done, and told so, where the same job's shard or merged stack is there, whole. Throws Error: then there
 /// is no such shard, or the one that was there.
-[[nodiscard]] JobResult run_shard_job(const SliceOptions& asked, Progress& progress);
+[[nodiscard]] JobResult run_shard_job(const SliceOptions& requested, Progress& progress);
 
 }  // namespace voxtone::slicer

@@ -61,7 +61,7 @@ TEST_CASE("Grids are not made any more once that is cancelled", "[cancellation]"
     ViewingGrid grid = stopped.grid(nullptr);
     std::vector<std::uint8_t> wanted;
     CHECK_THROWS_AS((void)fill(grid, stopped.volume, wanted, &stopped.stop), Cancelled);
-    CHECK_THROWS_AS((void)see(grid, stopped.surface, &stopped.stop), Cancelled);
+    CHECK_THROWS_AS((void)find_viewing_faces(grid, stopped.surface, &stopped.stop), Cancelled);
 }
 
 TEST_CASE("A sweep and a solve of diffusion leave off in the middle", "[cancellation]") {

@@ -34,7 +34,7 @@ struct Ball {
 
 TEST_CASE("Faces stand for as much as the cell has that is seen through them, slanting or not") {
     const Ball ball;
-    const ViewingFaces seen = see(ball.grid, ball.surface);
+    const ViewingFaces seen = find_viewing_faces(ball.grid, ball.surface);
     REQUIRE(seen.first.size() == ball.surface.cells.size() + 1);
     double worst = 0, sum = 0;
     std::size_t slanting = 0;
@@ -60,7 +60,7 @@ TEST_CASE("Faces stand for as much as the cell has that is seen through them, sl
 
 TEST_CASE("Faces that stand for a cell lie where the cell's own lie") {
     const Ball ball;
-    const ViewingFaces seen = see(ball.grid, ball.surface);
+    const ViewingFaces seen = find_viewing_faces(ball.grid, ball.surface);
     const auto edge = ball.grid.edge_mm();
     // Where each face of the grid is, by its cell's place.
     std::vector<std::array<double, 3>> middle(ball.grid.faces.size());

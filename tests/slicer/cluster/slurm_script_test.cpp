@@ -25,7 +25,7 @@ namespace {
 ChainStage layers(int tasks) {
     ChainStage stage;
     stage.stage = TaskStage::layers;
-    stage.words = {"slice", "/m/it's \"one\".obj", "--size", "60mm"};
+    stage.arguments = {"slice", "/m/it's \"one\".obj", "--size", "60mm"};
     stage.tasks = tasks;
     stage.cores = 4;
     stage.memory_bytes = 1'000'000'001;
@@ -45,9 +45,9 @@ Words words_run(const std::string& script, const std::string& environment, const
         fmt::format("PATH='{0}':\"$PATH\" {1} sh '{0}/script.sh' {2}", folder.path().string(), environment, first_word);
     if (std::system(command.c_str()) != 0) return {"failed"};
     std::ifstream in(said);
-    Words words;
-    for (std::string line; std::getline(in, line);) words.push_back(line);
-    return words;
+    Words arguments;
+    for (std::string line; std::getline(in, line);) arguments.push_back(line);
+    return arguments;
 }
 
 }  // namespace
@@ -64,7 +64,7 @@ TEST_CASE("A script asks for what the stage is to be given, and says in words wh
         CHECK_THAT(text, Contains(std::string("\n#SBATCH ") + line + "\n"));
     // No name can end a comment and begin a command.
     ChainStage broken = layers(1);
-    broken.words = {"slice", "/m/a\nrm -rf /"};
+    broken.arguments = {"slice", "/m/a\nrm -rf /"};
     std::istringstream lines(stage_script(frame, "a\nb", broken));
     int commands = 0;
     for (std::string line; std::getline(lines, line);) commands += !line.starts_with('#') && line.starts_with("rm");

@@ -42,7 +42,7 @@ TEST_CASE("A submission read back is the same, and what waits for all has a plac
     REQUIRE(read);
     CHECK(submission_json(*read) == submission_json(written));
     CHECK(read->jobs == 3);
-    CHECK(read->stages[0].words[1] == "caf\xE9.obj");
+    CHECK(read->stages[0].arguments[1] == "caf\xE9.obj");
     REQUIRE(files.read_closing());
     CHECK(files.read_closing()->number == "9");
     CHECK(files.read_closing()->since_ns == 1'795'427'256'528'554'634);

@@ -48,8 +48,8 @@ JobEstimate estimate_with(double loop_s, double layers_s, double predict_s = 0) 
     return estimate;
 }
 
-bool has(const Words& words, const Words& in_a_row) {
-    return std::search(words.begin(), words.end(), in_a_row.begin(), in_a_row.end()) != words.end();
+bool has(const Words& arguments, const Words& in_a_row) {
+    return std::search(arguments.begin(), arguments.end(), in_a_row.begin(), in_a_row.end()) != arguments.end();
 }
 
 /// An eighth more than the largest phase, beside 64 MB for what starts it.
@@ -64,10 +64,10 @@ TEST_CASE("A job whose layers take minutes is one task") {
     const ChainStage& whole = chain.stages[0];
     CHECK(whole.stage == TaskStage::whole);
     CHECK(whole.tasks == 1);
-    CHECK(whole.words[0] == "slice");
-    CHECK(has(whole.words, {"--out", (shop.folder.path() / "out/a").string()}));
-    CHECK_FALSE(has(whole.words, {"--until"}));
-    CHECK(words_of(whole, 1) == whole.words);
+    CHECK(whole.arguments[0] == "slice");
+    CHECK(has(whole.arguments, {"--out", (shop.folder.path() / "out/a").string()}));
+    CHECK_FALSE(has(whole.arguments, {"--until"}));
+    CHECK(arguments_of(whole, 1) == whole.arguments);
     CHECK(whole.memory_bytes >= with_margin(3000 * mb));
     CHECK(whole.memory_bytes < 4000 * mb);
     CHECK(whole.cores == 8);  // 768 s of processors
@@ -81,7 +81,7 @@ TEST_CASE("Layers that take hours are cut, and each shard takes minutes") {
     REQUIRE(chain.stages.size() == 3);
     const ChainStage &prepare = chain.stages[0], &layers = chain.stages[1], &merge = chain.stages[2];
     CHECK(prepare.stage == TaskStage::prepare);
-    CHECK(has(prepare.words, {"--until", "loop"}));
+    CHECK(has(prepare.arguments, {"--until", "loop"}));
     CHECK(prepare.memory_bytes >= with_margin(2000 * mb));
     CHECK(layers.stage == TaskStage::layers);
     CHECK(layers.tasks == chain.shards);
@@ -89,14 +89,14 @@ TEST_CASE("Layers that take hours are cut, and each shard takes minutes") {
     CHECK(layers.expected_s < 600 + 10 + 1);
     CHECK(layers.memory_bytes >= with_margin(800 * mb));
     CHECK(layers.memory_bytes < 1100 * mb);  // without the loop's and the prediction's
-    CHECK_FALSE(has(layers.words, {"--until"}));
-    CHECK(has(words_of(layers, 3), {"--shard", "3/29"}));
-    CHECK(merge.words == Words{"merge", (shop.folder.path() / "out/a").string(), "--shards", "29", "--predict"});
+    CHECK_FALSE(has(layers.arguments, {"--until"}));
+    CHECK(has(arguments_of(layers, 3), {"--shard", "3/29"}));
+    CHECK(merge.arguments == Words{"merge", (shop.folder.path() / "out/a").string(), "--shards", "29", "--predict"});
     CHECK(merge.memory_bytes >= with_margin(3000 * mb));
     CHECK(merge.expected_s > 100'000.0 / 8);  // a prediction needs all layers in memory
 
     const TaskChain unpredicted = shop.chain(estimate_with(600, 100'000));
-    CHECK_FALSE(has(unpredicted.stages[2].words, {"--predict"}));
+    CHECK_FALSE(has(unpredicted.stages[2].arguments, {"--predict"}));
     CHECK(unpredicted.stages[2].memory_bytes < 700 * mb);
     CHECK(unpredicted.stages[2].expected_s < 60);
 }
@@ -104,18 +104,18 @@ TEST_CASE("Layers that take hours are cut, and each shard takes minutes") {
 TEST_CASE("All tasks of a job are told the memory that loop and reading may take here") {
     const Shop shop;
     const TaskChain chain = shop.chain(estimate_with(600, 100'000));
-    const auto memory_in = [](const Words& words) {
-        const auto found = std::find(words.begin(), words.end(), "--memory");
-        return found == words.end() ? std::string() : *(found + 1);
+    const auto memory_in = [](const Words& arguments) {
+        const auto found = std::find(arguments.begin(), arguments.end(), "--memory");
+        return found == arguments.end() ? std::string() : *(found + 1);
     };
-    CHECK(std::stod(memory_in(chain.stages[0].words)) > 0);
-    CHECK(has(chain.stages[0].words, {"--read-memory"}));
-    CHECK(has(chain.stages[1].words, {"--read-memory"}));
-    CHECK(memory_in(chain.stages[0].words) == memory_in(chain.stages[1].words));
+    CHECK(std::stod(memory_in(chain.stages[0].arguments)) > 0);
+    CHECK(has(chain.stages[0].arguments, {"--read-memory"}));
+    CHECK(has(chain.stages[1].arguments, {"--read-memory"}));
+    CHECK(memory_in(chain.stages[0].arguments) == memory_in(chain.stages[1].arguments));
     const Shop other(", \"memory\": 3");
-    CHECK(memory_in(other.chain(estimate_with(600, 10)).stages[0].words) == "3");
+    CHECK(memory_in(other.chain(estimate_with(600, 10)).stages[0].arguments) == "3");
     const Shop none(", \"iterations\": 0, \"predict\": \"none\"");
-    CHECK(memory_in(none.chain(estimate_with(0, 10)).stages[0].words).empty());  // there is no use for it
+    CHECK(memory_in(none.chain(estimate_with(0, 10)).stages[0].arguments).empty());  // there is no use for it
 }
 
 TEST_CASE("Without a loop, or with one that was run before, shards come first") {
