@@ -227,7 +227,7 @@ std::string seal_of(const StackDescription& stack) {
 
 }  // namespace
 
-void add_laminate(JsonWriter& json, const StackDescription& stack) {
+void add_stack(JsonWriter& json, const StackDescription& stack) {
     json.begin_object();
     add_keys(json, stack);
     json.end_object();

@@ -77,7 +77,7 @@ class JsonObject;
 class JsonWriter;
 
 /// The keys of a manifest but `manifest_sha256`, in an object of their own.
-void add_laminate(JsonWriter& json, const StackDescription& stack);
+void add_stack(JsonWriter& json, const StackDescription& stack);
 /// Of such an object. Throws InputError naming key and rule.
 [[nodiscard]] StackDescription stack_in(const JsonObject& json, std::string_view source);
 

@@ -106,7 +106,7 @@ constexpr Kind by_name[] = {
     {"instructions for a printer",
      "gcode gco bgcode nc tap ctb cbddlp photon sl1 sl1s chitubox form fdg3d objet x3g makerbot ufp clt slc cli svgx",
      sliced, Inside::text},
-    {"a laminate", "gcvf", "`voxtone predict` and `voxtone verify` take it"},
+    {"a stack", "gcvf", "`voxtone predict` and `voxtone verify` take it"},
     {"a raw picture of a camera", "cr2 cr3 crw nef nrw arw sr2 srf dng raf orf rw2 pef raw 3fr iiq", as_png,
      Inside::picture},
     {"a drawing", "ai cdr cdt emf wmf fig vsd vsdx odg indd afdesign sketch", drawn},

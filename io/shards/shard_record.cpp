@@ -137,7 +137,7 @@ std::string text_of(const ShardRecord& r, const std::string& seal) {
     json.line().add("program", r.program).add("host", r.host);
     json.line().add("job", r.job);
     json.line().key("stack");
-    add_laminate(json, r.stack);
+    add_stack(json, r.stack);
     json.line().add("resin_bitmaps", name_of(r.resin_bitmaps)).add("gcvf", r.gcvf).add("png", r.png);
     json.add("topmost_digest", fmt::format("{:016x}", r.topmost_digest));
     add_layers(json, r);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "slicer/stacks/dot_letters.h"
+#include "slicer/laminates/dot_letters.h"
 
 namespace voxtone::slicer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "slicer/stacks/marker_print.h"
+#include "slicer/laminates/marker_print.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 #include "io/files/json_writer.h"
-#include "slicer/stacks/dot_letters.h"
+#include "slicer/laminates/dot_letters.h"
 
 namespace voxtone::slicer {
 

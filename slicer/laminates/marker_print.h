@@ -17,7 +17,7 @@
 #include "base/progress.h"
 #include "io/layers/layer_stack_writer.h"
 #include "slicer/printer/printer.h"
-#include "slicer/stacks/print_boxes.h"
+#include "slicer/laminates/print_boxes.h"
 
 namespace voxtone::slicer {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The marker, as its bitmaps are read back: it looks like itself in one way only, and each resin lies in its square.
-#include "slicer/stacks/marker_print.h"
+#include "slicer/laminates/marker_print.h"
 
 #include <algorithm>
 #include <array>
