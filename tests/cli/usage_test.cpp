@@ -41,7 +41,7 @@ TEST_CASE("Unknown verbs, steps and options are answered with the nearest known 
     refused("slice model.obj --sise=10mm -o out", 2, "did you mean '--size'?");
     refused("predict out --ouptut x.png", 2, "--ouptut: `voxtone predict` has no such option");
     refused("laminate search --materiels W,K", 2, "did you mean '--materials'?");
-    refused("slice a.obj b.obj -o out", 2, "'b.obj' is one word too many");
+    refused("predict a b -o x.png", 2, "'b' is one word too many");
     refused("verify", 2, "stack is required: output folder");
     refused("list cows", 2, "what: 'cows' is none of printers, resins; `voxtone list --help`");
     refused("slice model.obj", 2, "name the output folder");
