@@ -91,7 +91,7 @@ TEST_CASE("Every help says in words what its options are, and ends with a comman
         if (command == "list" || command.starts_with("laminate dataset") || command == "calibrate simulate-profile" ||
             command == "calibrate edge samples" || command == "calibrate edge chart" || command == "calibrate target" ||
             command == "calibrate chart" || command == "laminate predict" || command == "laminate targets" ||
-            command == "laminate print")
+            command == "laminate print" || command.starts_with("target"))
             continue;  // these would do their work
         const int code =
             run_shell("cd '" + empty.path().string() + "' && " + VOXTONE_PROGRAM + " " + line + " >/dev/null 2>&1");
