@@ -50,7 +50,7 @@ struct TaskChain {
     std::vector<ChainStage> stages;  ///< one: {whole}; or two or three
     int shards = 1;
     double cpu_s = 0;       ///< of processors, for the whole job
-    std::string why_whole;  ///< a sentence, where shards were asked for and the job cannot be cut; else empty
+    std::string why_whole{};  ///< a sentence, where shards were asked for and the job cannot be cut; else empty
 };
 
 /// `estimate`: of this job (estimate_job). Reads no model. Throws UsageError, InputError, FileError as opening the job

@@ -23,7 +23,7 @@ using namespace voxtone::calibration;
 
 // Order of the layers above the base.
 void turn_over(LayerChart& chart) {
-    for (LayerLaminate& stack : chart.stacks) std::reverse(stack.begin(), stack.end() - 1);
+    for (LayerLaminate& stack : chart.laminates) std::reverse(stack.begin(), stack.end() - 1);
 }
 
 }  // namespace
@@ -47,7 +47,7 @@ int main(int argc, char** argv) {
             continue;
         }
         if (reversed) turn_over(*chart);
-        std::vector<std::size_t> order(chart->stacks.size());
+        std::vector<std::size_t> order(chart->laminates.size());
         std::iota(order.begin(), order.end(), std::size_t{0});
         RandomStream random(draw, 7);
         for (std::size_t k = order.size(); k > 1; --k)

@@ -29,7 +29,7 @@ constexpr ProofView views[] = {ProofView::three_quarter, ProofView::front, Proof
 
 ResolvedProof proof(std::optional<ProofView> view) {
     ResolvedProof job;
-    job.asked.focal_mm = 85;
+    job.requested.focal_mm = 85;
     job.view = view;
     job.width_px = 640;
     job.height_px = 400;

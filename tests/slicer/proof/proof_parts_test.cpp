@@ -82,8 +82,8 @@ TEST_CASE("A picture of all directions lights from where its pixels lie, as one 
     for (const auto& [column, row] : {std::pair{8u, 4u}, std::pair{11u, 2u}, std::pair{1u, 5u}, std::pair{5u, 3u}})
         for (const double turn : {0.0, 90.0}) {
             CAPTURE(column, row, turn);
-            job.asked.light = one_lamp(folder, column, row);
-            job.asked.turn_light_deg = turn;
+            job.requested.light = one_lamp(folder, column, row);
+            job.requested.turn_light_deg = turn;
             const optics::Sky sky = light_of(job, progress);
             const optics::Light lamp = sky.radiance(turned(direction_of(column, row), turn)),
                                 open = sky.radiance(turned(direction_of((column + 3) % columns, row), turn));
@@ -108,7 +108,7 @@ TEST_CASE("A white diffuser in the open has 1 in every light") {
     CHECK(light_of(job, progress).radiance(unit(1, 2, -3)) == optics::Light{1, 1, 1});
     const io::TemporaryFolder folder;
     job.light.reset();
-    job.asked.light = one_lamp(folder, 3, 1);
+    job.requested.light = one_lamp(folder, 3, 1);
     CHECK(upward(light_of(job, progress)) == Approx(std::numbers::pi).epsilon(1e-3));
 }
 
@@ -116,13 +116,13 @@ TEST_CASE("What is no picture of all directions, or dark above, is refused in a 
     const io::TemporaryFolder folder;
     Progress progress;
     ResolvedProof job;
-    job.asked.light = (folder.path() / "light.exr").string();
+    job.requested.light = (folder.path() / "light.exr").string();
     const auto write = [&](std::uint32_t width, std::uint32_t height, float above) {
         io::NumberPicture picture{width, height, {"R", "G", "B"}, {}};
         for (std::uint32_t row = 0; row < height; ++row)
             picture.values.insert(picture.values.end(), std::size_t{width} * 3, row < height / 2 ? above : 1.0f);
-        std::filesystem::remove(job.asked.light);
-        io::write_whole_file(job.asked.light, io::exr_bytes(picture));
+        std::filesystem::remove(job.requested.light);
+        io::write_whole_file(job.requested.light, io::exr_bytes(picture));
     };
     write(8, 8, 1);
     CHECK_THROWS_WITH(light_of(job, progress), Catch::Contains("8 x 8") && Catch::Contains("twice as wide"));
