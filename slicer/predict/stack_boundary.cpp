@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "io/files/file_digest.h"
 #include "slicer/options/job_file.h"
+#include "slicer/options/option_values.h"
 #include "slicer/options/resolve_job.h"
 #include "slicer/prepare/job_body.h"
 #include "slicer/printer/printer.h"
@@ -56,6 +57,7 @@ StackBody body_of_stack(const std::string& stack, const StackVolume& volume, Pro
     try {
         SliceOptions requested;
         read_job(job_file.string(), requested);
+        if (is_tray(requested)) return {{}, "it is a tray of many parts"};
         const ResolvedJob job = resolve(requested);
         if (job.layers) return {{}, "it is a part of its body's layers"};
         if (std::string why = changed_model(requested, progress); !why.empty()) return {{}, std::move(why)};

@@ -182,7 +182,9 @@ StackVolume read_own(const io::StackReader& stack, const StackVolumeOptions& opt
     warn_of_series(stack, options.stack, progress);
     StackVolume result;
     const io::StackOrigin& origin = stack.origin();
-    result.of_picture = !origin.model.empty() && !io::is_model_name(origin.model);
+    SliceOptions sliced;
+    sliced.model = origin.model;
+    result.of_picture = !origin.model.empty() && !io::is_model_name(origin.model) && !is_tray(sliced);
     if (result.of_picture && !origin.backing.empty())
         result.backing = parse_choice<optics::Backing>("backing", origin.backing);
     std::vector<NamedColour> colours{{description.background_rgb, no_material, "the background"}};

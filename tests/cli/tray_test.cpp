@@ -75,6 +75,9 @@ TEST_CASE("Several models are a tray, one is the print that it would be alone") 
     CHECK(tray["failed"].empty());
     CHECK(voxtone::io::schema_faults("tray-stack", tray.dump()) == std::vector<std::string>{});
     CHECK(run_program("verify --quiet " + (bench.folder / "a")).exit_code == 0);
+    // A plan is no picture: it stands free.
+    CHECK_THAT(run_program("predict " + (bench.folder / "out") + " -o " + (bench.folder / "seen.ply")).out,
+               Contains("nothing under it"));
     // The same again does nothing, another tray in its place is refused.
     CHECK_THAT(run_program("slice " + marker + " " + ramp + quick + "-o " + (bench.folder / "a")).out,
                Contains("nothing was done"));
