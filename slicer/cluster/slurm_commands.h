@@ -23,8 +23,8 @@ struct SlurmConfig {
 /// asked: a site may have a hundred thousand. Throws FileError, TryAgain.
 [[nodiscard]] std::set<std::string> slurm_queue();
 
-/// `arguments`: behind `sbatch --parsable`. The job's number. Throws InputError that gives what sbatch said, TryAgain where
-/// it may accept the same another time.
+/// `arguments`: behind `sbatch --parsable`. The job's number. Throws InputError that gives what sbatch said, TryAgain
+/// where it may accept the same another time.
 [[nodiscard]] std::string submit_to_slurm(std::span<const std::string> arguments);
 
 /// What cannot be cancelled, as it has ended, is left.

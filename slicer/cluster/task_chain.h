@@ -49,7 +49,7 @@ struct ChainStage {
 struct TaskChain {
     std::vector<ChainStage> stages;  ///< one: {whole}; or two or three
     int shards = 1;
-    double cpu_s = 0;       ///< of processors, for the whole job
+    double cpu_s = 0;         ///< of processors, for the whole job
     std::string why_whole{};  ///< a sentence, where shards were asked for and the job cannot be cut; else empty
 };
 

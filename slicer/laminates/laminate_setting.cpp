@@ -14,7 +14,7 @@
 namespace voxtone::slicer {
 namespace {
 
-constexpr double usual_eta = 1.5;           // of measured materials, whose index no file says
+constexpr double usual_eta = 1.5;               // of measured materials, whose index no file says
 constexpr double noisy = 0.05, cut_off = 0.05;  // shares of the light that are worth a warning
 
 bool is_file(const std::string& material) { return std::filesystem::path(material).extension() == ".json"; }

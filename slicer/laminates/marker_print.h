@@ -16,8 +16,8 @@
 #include "base/job_result.h"
 #include "base/progress.h"
 #include "io/layers/layer_stack_writer.h"
-#include "slicer/printer/printer.h"
 #include "slicer/laminates/print_boxes.h"
+#include "slicer/printer/printer.h"
 
 namespace voxtone::slicer {
 

@@ -140,9 +140,10 @@ JobResult run_tray_shard(const SliceOptions& asked, std::span<const std::string>
     PreparedTray prepared = prepare_tray(tray, progress);
     expect_shardable(prepared.any_job());
     if (prepared.any_job().outputs().gcvf)
-        throw UsageError(fmt::format("--shard: {} of a tray is not made in shards: leave it out of --formats, or slice "
-                                     "without --shard",
-                                     io::gcvf_name));
+        throw UsageError(
+            fmt::format("--shard: {} of a tray is not made in shards: leave it out of --formats, or slice "
+                        "without --shard",
+                        io::gcvf_name));
     take_loops(prepared, progress);
     const ComposedLayers layers = compose(prepared, 0);
     const LayerRange all{0, layers.grid().size[2] - 1};
@@ -157,6 +158,7 @@ JobResult run_tray_shard(const SliceOptions& asked, std::span<const std::string>
     record.job = prepared.identity.job;
     record.host = io::host_name();
     record.stack = io::as_written(prepared.any_job().describe(layers.grid(), all));
+    record.stack.members = members_of(prepared, 0);
     record.resin_bitmaps = prepared.any_job().outputs().resin_bitmaps;
     record.png = prepared.any_job().outputs().png;
     make_layers_of(prepared, layers, mine, folder.staging(), record, progress);

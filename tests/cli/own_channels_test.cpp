@@ -37,8 +37,8 @@ nlohmann::json slice(const Folder& folder, const std::string& resins, const std:
 
 std::array<double, 3> mean_seen(const Folder& folder, const std::string& stack, const std::string& resins) {
     const std::string file = folder / (stack + ".exr");
-    const Outcome outcome = run_program(
-        fmt::format("predict --overwrite --json --predict transport {} --resins {} -o {}", folder / stack, resins, file));
+    const Outcome outcome = run_program(fmt::format(
+        "predict --overwrite --json --predict transport {} --resins {} -o {}", folder / stack, resins, file));
     REQUIRE(outcome.exit_code == 0);
     const std::size_t begin = outcome.out.rfind('\n', outcome.out.size() - 2);
     const auto result = nlohmann::json::parse(outcome.out.substr(begin == std::string::npos ? 0 : begin + 1));

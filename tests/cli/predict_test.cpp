@@ -110,8 +110,8 @@ TEST_CASE("The two models agree on the colour of a slab") {
     const Folder folder("agree");
     const std::string stack = marked_stack(folder);
     const auto mean = [&](const std::string& model) {
-        const Outcome outcome =
-            run_program(fmt::format("predict --overwrite --json {} --predict {} -o {}", stack, model, folder / "p.png"));
+        const Outcome outcome = run_program(
+            fmt::format("predict --overwrite --json {} --predict {} -o {}", stack, model, folder / "p.png"));
         REQUIRE(outcome.exit_code == 0);
         return result_of(outcome.out);
     };
@@ -136,8 +136,8 @@ TEST_CASE("An all white slab is white") {
                 fmt::format("slice --quiet --no-report --iterations 0 --load W {} --width 2mm --thickness 1mm -o {}",
                             folder / "white.png", folder / "out"))
                 .exit_code == 0);
-    const Outcome outcome = run_program(fmt::format("predict --overwrite --json --predict monte-carlo --spp 32 {} -o {}",
-                                                    folder / "out", folder / "p.png"));
+    const Outcome outcome = run_program(fmt::format(
+        "predict --overwrite --json --predict monte-carlo --spp 32 {} -o {}", folder / "out", folder / "p.png"));
     REQUIRE(outcome.exit_code == 0);
     const auto result = result_of(outcome.out);
     // Media-relative white is 1. Errors of single cells are independent, so that of the mean is less by the root of
@@ -181,9 +181,9 @@ TEST_CASE("In absolute terms a wide white slab over black is as white as plane-p
 
 TEST_CASE("Ctrl-C stops a prediction with 5 and leaves no file") {
     const Folder folder("stop");
-    const Outcome outcome = run_and_signal(
-        fmt::format("predict --json --predict monte-carlo --spp 20000 {} -o {}", marked_stack(folder), folder / "p.png"),
-        "\"stage\":\"predict", SIGINT);
+    const Outcome outcome = run_and_signal(fmt::format("predict --json --predict monte-carlo --spp 20000 {} -o {}",
+                                                       marked_stack(folder), folder / "p.png"),
+                                           "\"stage\":\"predict", SIGINT);
     CHECK(outcome.exit_code == 5);
     CHECK_THAT(outcome.err, Contains("cancelled"));
     for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
