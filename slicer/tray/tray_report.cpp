@@ -19,6 +19,7 @@
 #include "slicer/look/composed_surface.h"
 #include "slicer/look/report_views.h"
 #include "slicer/look/viewer_surface.h"
+#include "slicer/tray/opened_tray.h"
 
 namespace voxtone::slicer {
 
@@ -86,6 +87,24 @@ void add_print(const OpenedJob& job, const io::StackDescription& stack, const Vo
         report.body_voxels += resin.voxels;
     }
     report.warnings = job.printer.warnings();
+}
+
+/// As it will look, or as was asked where nothing is known of that.
+void draw_from_above(const io::ViewerSurface& surface, const std::filesystem::path& file, const Progress& progress) {
+    static constexpr View above[] = {View::top};
+    constexpr int longest_px = 1600;
+    constexpr double most_px_per_mm = 20;
+    const Eigen::Vector3f ground = Eigen::Vector3f::Constant(0.35f);
+    const auto named = std::ranges::find(surface.looks, surface.expected, &io::ViewerLook::name);
+    const io::ViewerLook& look = named == surface.looks.end() ? surface.looks[0] : *named;
+    std::vector<Eigen::Vector3d> positions;
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    const ColouredSurface drawn = coloured_surface(surface, look, positions, triangles);
+    PreviewOptions options;
+    options.px_per_mm = std::min(most_px_per_mm, fitting_scale(drawn, above, longest_px, options));
+    const Preview preview = std::move(render_views(drawn, above, options, &progress)[0]);
+    io::write_whole_file(
+        file, io::png_bytes(io::encode_over(preview.picture, ground), {options.px_per_mm, options.px_per_mm}));
 }
 
 }  // namespace
@@ -184,6 +203,8 @@ void TrayReport::write(const Tray& tray, LayerWatchers& watchers, double seconds
     if (watchers.thumbnails) {
         report.layers = watchers.thumbnails->take();
         add_surface(entries, tray.number, report, progress);
+        if (report.viewer.surface && !report.viewer.surface->looks.empty())
+            draw_from_above(*report.viewer.surface, out / tray_picture_name, progress);
         report.viewer.voxels = watchers.voxels->take(voxel_bytes_left(report));
         report.viewer.voxels->layer_file = io::StackDescription{}.pattern;
         io::write_whole_file(out / report_file::page, io::report_html(report));

@@ -75,6 +75,7 @@ TEST_CASE("Several models are a tray, one is the print that it would be alone") 
     CHECK(tray["failed"].empty());
     CHECK(voxtone::io::schema_faults("tray-stack", tray.dump()) == std::vector<std::string>{});
     CHECK(run_program("verify --quiet " + (bench.folder / "a")).exit_code == 0);
+    CHECK(read_file(bench.folder / "a/tray.png").starts_with("\x89PNG"));
     // A plan is no picture: it stands free.
     CHECK_THAT(run_program("predict " + (bench.folder / "out") + " -o " + (bench.folder / "seen.ply")).out,
                Contains("nothing under it"));
