@@ -1,5 +1,6 @@
 #!/bin/sh
-# Many parts in one print: four copies of a cow and a card, laid beside each other. The same command again does nothing.
+# Many parts in one print: six models and twenty tags, each with its number, laid beside each other. The same command again does
+# nothing.
 set -eu
 voxtone=${VOXTONE:-build/release/bin/voxtone}
 out=${OUT:-out}/13-tray
