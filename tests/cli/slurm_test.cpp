@@ -4,6 +4,7 @@
 // the way.
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include <fmt/core.h>
 #include <catch2/catch.hpp>
@@ -48,10 +49,16 @@ struct Workshop {
             all += "--- " + entry.path().filename().string() + "\n" + read_file(entry.path());
         return all;
     }
-    /// Of a stack, all that does not tell of times.
+    /// Of a stack, all that does not tell of times. Shards of a tray know no verdicts of its parts.
     [[nodiscard]] std::vector<std::pair<std::string, std::string>> stack(const std::string& job) const {
         auto files = read_tree(folder.path() / job / "layers");
-        files.emplace_back("manifest.json", read_file(folder.path() / job / "manifest.json"));
+        std::string manifest = read_file(folder.path() / job / "manifest.json");
+        if (auto of_tray = nlohmann::json::parse(manifest); of_tray.contains("members")) {
+            for (nlohmann::json& member : of_tray["members"]) member.erase("verdict");
+            of_tray.erase("manifest_sha256");
+            manifest = of_tray.dump();
+        }
+        files.emplace_back("manifest.json", std::move(manifest));
         return files;
     }
     Folder folder;
