@@ -336,6 +336,19 @@ TEST_CASE("tests and benchmarks lie in the rooms that they are about") {
         }
 }
 
+TEST_CASE("no test has a name that CMake cuts into two, neither of which is there") {
+    static const std::regex name(R"re(TEST_CASE\("([^"]*)".*)re");
+    for (const auto& entry : fs::recursive_directory_iterator(root / "tests")) {
+        if (entry.path().extension() != ".cpp") continue;
+        for (const std::string& line : lines_of(entry.path())) {
+            std::smatch match;
+            if (!line.starts_with("TEST_CASE(") || !std::regex_match(line, match, name)) continue;
+            CAPTURE(entry.path().string(), line);
+            CHECK(match[1].str().find(';') == std::string::npos);
+        }
+    }
+}
+
 TEST_CASE("every place in the tree that a page names is there") {
     static const std::regex named(
         "`((?:base|optics|io|calibration|halftone|slicer|cli|tests|benchmarks|data|docs|cmake|tools|"

@@ -40,7 +40,7 @@ double side_area(const Vector3d& size, std::size_t side) {
 
 }  // namespace
 
-TEST_CASE("Each way to turn a box is another, and lays the sides down that its turn does; the best comes first") {
+TEST_CASE("Each way to turn a box is another, and lays the sides down that its turn does, and the best comes first") {
     const Vector3d size(12, 8, 5);
     const std::vector<std::size_t> coloured{0, 3};  // below, and behind
     for (int mirrors = 0; mirrors < 8; ++mirrors) {

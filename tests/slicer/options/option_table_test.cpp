@@ -152,7 +152,7 @@ TEST_CASE("An option that would do nothing is refused where it is named") {
     CHECK_FALSE(decides_scope("depth"));
 }
 
-TEST_CASE("Labels and decals are said one by one; names of files are seen from their folder, and count by content") {
+TEST_CASE("Labels and decals are said one by one, and names of files are seen from their folder and count by content") {
     const OptionSpec& label = *find_option("label");
     const OptionSpec& decal = *find_option("decal");
     SliceOptions options = with(named(), "label", "A, B; size=4pt; font=letters.ttf\nC; font=DejaVu Sans");
