@@ -75,13 +75,20 @@ private:
     std::map<std::tuple<std::size_t, std::size_t, Place>, bool> known_;
 };
 
-/// What decides the look of a part beside its model and how that stands.
-std::string look_of(const ReadyPart& part) {
+/// A part's options without what places its model, which a body that is there has behind it.
+SliceOptions without_placement(const ReadyPart& part) {
     SliceOptions options = part.ready->job.options.raw;
     const SliceOptions usual;
     options.unit = usual.unit, options.scale = usual.scale, options.size_mm = usual.size_mm;
-    options.rotate = usual.rotate, options.repair = usual.repair;
+    options.rotate = usual.rotate;
     options.flip_x = options.flip_y = options.swap_xy = false;
+    return options;
+}
+
+/// What decides the look of a part beside its model and how that stands.
+std::string look_of(const ReadyPart& part) {
+    SliceOptions options = without_placement(part);
+    options.repair = SliceOptions{}.repair;
     return deciding_lines(options, Decides::looks);
 }
 
@@ -121,14 +128,10 @@ std::string folder_name(const std::vector<ReadyPart>& parts, const std::vector<C
 }
 
 SliceOptions options_of(const ReadyPart& first, const std::filesystem::path& folder) {
-    SliceOptions options = first.ready->job.options.raw;
-    const SliceOptions usual;
+    SliceOptions options = without_placement(first);
     options.out = folder.string();
     options.mixtures.clear();
     options.resume = false;
-    options.unit = usual.unit, options.scale = usual.scale, options.size_mm = usual.size_mm;
-    options.rotate = usual.rotate;
-    options.flip_x = options.flip_y = options.swap_xy = false;
     return options;
 }
 

@@ -12,8 +12,8 @@
 
 namespace voxtone::slicer {
 
-/// Light that enters the white of the usual resins comes out within a millimetre or two (docs/benchmarks.md): further
-/// away a neighbour changes nothing that is seen.
+/// Copies with less between them are one body. Set, not measured: where voxels touch, light passes for millimetres
+/// (docs/benchmarks.md, "Trays"); across air there is no distance at which it ends, only less of it.
 inline constexpr double near_mm = 2;
 
 /// Appends a part for each kind of neighbourhood (the same bodies in the same places beside each other are one kind),
