@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/prepare/joined_body.h"
 
-#include <filesystem>
 #include <fstream>
 
 #include <fmt/core.h>
@@ -9,19 +8,17 @@
 
 #include "slicer/prepare/opened_job.h"
 #include "slicer/solid/solid.h"
+#include "tests/io/files/temporary_folder.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;
 
 namespace {
 
-namespace fs = std::filesystem;
-
-/// A box as a PLY file with one colour.
+/// A box as a PLY file with one colour, in a folder of this process.
 std::string box_file(const std::string& name, const Eigen::Vector3d& size, const std::string& rgb) {
-    const fs::path folder = fs::temp_directory_path() / "voxtone-joined-parts-test";
-    fs::create_directories(folder);
-    std::ofstream out(folder / name);
+    static const io::TemporaryFolder folder;
+    std::ofstream out(folder.path() / name);
     out << "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
            "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 12\n"
            "property list uchar int vertex_indices\nend_header\n";
@@ -29,7 +26,7 @@ std::string box_file(const std::string& name, const Eigen::Vector3d& size, const
         out << fmt::format("{} {} {} {}\n", c & 1 ? size.x() : 0, c & 2 ? size.y() : 0, c & 4 ? size.z() : 0, rgb);
     out << "3 0 2 3\n3 0 3 1\n3 4 5 7\n3 4 7 6\n3 0 1 5\n3 0 5 4\n3 2 6 7\n3 2 7 3\n3 0 4 6\n3 0 6 2\n3 1 3 7\n3 1 7 "
            "5\n";
-    return (folder / name).string();
+    return (folder.path() / name).string();
 }
 
 JobBody body_of(const std::string& model) {
