@@ -97,7 +97,7 @@ bool tells_spread(const ChartData& data, const ChartFitOptions& options, const P
         return false;
     }
     constexpr int of_channels = 4;
-    // A J750's chart gains up to 3 %, by values that contradict each other (docs/benchmarks.md, "Charts of mixtures"):
+    // A J750's chart gains up to 3 %, by values that contradict each other (docs/decisions/012):
     // that much is no knowledge. Chosen on that chart.
     constexpr double clearly = 0.97;
     ChartFitOptions ideal = options;

@@ -6,7 +6,7 @@
 //   d^2 = |Delta Lab / 10|^2 + sum_r (Delta ln(f_r + 0.01))^2
 //
 // Lab by what a set says of them: a chart spreads over what will be seen, and over shares where colours do not change.
-// The scale of the two was chosen on measured mixtures of a J750 (docs/benchmarks.md, "Charts of mixtures").
+// The scale of the two was chosen on measured mixtures of a J750 (docs/decisions/012).
 #pragma once
 
 #include <cstddef>

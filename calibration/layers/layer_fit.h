@@ -23,7 +23,7 @@ struct LayerFitOptions {
     double g = 0.4, eta = 1.5;
 };
 
-/// From five on, more channels gain little on the laminates of docs/benchmarks.md, "Laminates".
+/// From five on, more channels gain little on the laminates of docs/decisions/013.
 inline constexpr int usual_layer_channels = 5;
 
 struct LayerFit {

@@ -43,7 +43,7 @@ constexpr double just_noticeable = 0.8;
 /// contrast that is lost (lost_contrast.h), up to 0.6, type keeps as much of its contrast (0.57) as with 0.4
 /// everywhere, and the four photographs have 3.3 as seen for 3.5. Everywhere and more where contrast is asked for: of
 /// 0, 0.3, 0.4, 0.5, 0.7 type comes out at 0.27, 0.41, 0.50, 0.55, 0.64 of its contrast (open loop 0.58); by place, up
-/// to 0.9, thin type kept 0.48 for 0.58 (docs/benchmarks.md, "Level and contrast, place by place").
+/// to 0.9, thin type kept 0.48 for 0.58 (docs/decisions/004).
 constexpr float most_contrast_part = 0.6f, part_for_contrast = 0.7f;
 
 /// Steps of the descent are as long near the target as far from it (d is scaled) until their rates have adapted: a

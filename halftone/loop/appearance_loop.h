@@ -9,7 +9,7 @@
 // (minimal_depth_separation.h) from one colour per cell, its control colour, by residual_feedback.h: most of the way
 // for the price of a prediction each, while they gain. Where the model has a gradient, mixture_descent.h goes on from
 // the best of these, for the price of a little more than two: it weighs what cells do to each other. Its steps swing a
-// little about where they lead to, so the last of all iterations is their running mean. docs/benchmarks.md compares the
+// little about where they lead to, so the last of all iterations is their running mean. docs/decisions/003 compares the
 // two. What is predicted are the voxels themselves, as the screen laid them: its error is fed back like any other. Any
 // AppearanceModel serves.
 //

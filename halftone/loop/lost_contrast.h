@@ -11,7 +11,7 @@
 // k is the part of a neighbourhood's lightness that misfit.h lets go for the sake of contrast. With the same k
 // everywhere, levels give way where there is nothing to be had for it: dark pictures, whose contrast is small, stayed
 // too light by six units of L*. Black type on white loses a u of 0.05 to 0.1 in the open loop, dark marble less than
-// 0.01. (most, s) were chosen on the fitting set: docs/benchmarks.md, "Level and contrast, place by place".
+// 0.01. (most, s) were chosen on the fitting set: docs/decisions/004.
 #pragma once
 
 #include <span>

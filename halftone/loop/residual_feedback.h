@@ -11,7 +11,7 @@
 // spreads below the surface makes the print blurred by a transfer function M with 0 < M <= 1, so that the error of each
 // spatial frequency shrinks by 1 - gain M E in a step. Cube roots make a step of equal size equally visible. Without E
 // a cell spends its ink, and its neighbours' light, on grain that nobody sees: the error as seen falls once and rises
-// from then on, however short the steps are (docs/benchmarks.md, "Feedback").
+// from then on, however short the steps are (docs/decisions/001).
 //
 // Local limits. Beside bright places no ink makes a cell dark, beside dark ones no white makes it bright, and each
 // channel has its own limits: control colours end at the gamut's edge while the error stays. A channel is saturated
@@ -23,7 +23,7 @@
 // then once more, if one of them cannot follow either. So white beside black turns grey and not blue: near grey a step
 // of chroma is seen as well as two or three of lightness. That is the relaxed target of the cell. (Oklab, its a and b
 // weighed by 2, was the distance before, and a cell was given up whose channels were all saturated: spot at 30 mm came
-// to 2.94 by four corrections that come to 2.35 now; docs/benchmarks.md, "The colour that is nearest".)
+// to 2.94 by four corrections that come to 2.35 now; docs/decisions/002.)
 //
 // Based on the idea of O. Elek et al., "Scattering-aware texture reproduction for 3D printing", ACM TOG 36, 6 (2017);
 // the relaxation is our own. Gauss-Newton is written out for it: three unknowns, for each saturated cell.

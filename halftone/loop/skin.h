@@ -33,7 +33,7 @@ struct SkinLayers {
 /// The layers that the loop uses when colour may reach `depth_mm` deep, as deep as without a loop: through four fifths
 /// of the black of a common set white shines, 14 CIEDE2000 off where it is 11. What lies deep is seen blurred and needs
 /// no finer choice; halves (1/8 to 1) came out the same on photographs, and a little worse on solids
-/// (docs/benchmarks.md, "Graphics").
+/// (docs/decisions/005).
 [[nodiscard]] inline SkinLayers skin_layers(double depth_mm) {
     return {{0.1 * depth_mm, 0.2 * depth_mm, 0.4 * depth_mm, depth_mm}};
 }

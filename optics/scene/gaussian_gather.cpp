@@ -130,7 +130,7 @@ GaussianGather::GaussianGather(std::span<const SurfacePoint> from, std::span<con
     VOXTONE_EXPECT(spread_mm > 0);
     VOXTONE_EXPECT(same_ ? from.data() == to.data() && from.size() == to.size() : fallback.size() == to.size());
     // Boxes as large as the reach: fewer of a group's sixteen lanes stay empty than with smaller ones, and the boxes
-    // beside it hold all that is near. Of 0.5, 0.7, 1 and 1.4 reaches 1 takes the least time (docs/benchmarks.md).
+    // beside it hold all that is near. Of 0.5, 0.7, 1 and 1.4 reaches 1 takes the least time (docs/decisions/009).
     const float edge = reach_spreads * spread_;
     BinnedPoints near = sort_into_bins(from.size(), [&](std::size_t i) { return bin_of(from[i].at, edge); });
     BinnedPoints others;

@@ -28,7 +28,7 @@
 namespace voxtone::optics {
 
 /// Longer voxels are cut along their axis: a J750's along y, into two that are as long as along x. With whole ones the
-/// suite's mean was 0.67 for 0.50 (docs/benchmarks.md).
+/// suite's mean was 0.67 for 0.50 (docs/decisions/008).
 inline constexpr double finest_part_mm = 0.0425;
 
 /// Into how many parts a cell of so many voxels is cut along each axis: into voxels, or pieces of voxels where these

@@ -33,7 +33,7 @@ struct TransportOptions {
     /// `sweeps`. Not of a prediction that stands alone.
     double first_change = 0.005;
     /// Of the later predictions of a sequence, >= 1: the first correction of a print moves more light than two sweeps
-    /// carry, and a loop that believes them stops early (docs/benchmarks.md).
+    /// carry, and a loop that believes them stops early (docs/decisions/007).
     int next_sweeps = 3;
     /// A later prediction sweeps no more where the last sweep changed less of what is seen in a channel; of
     /// its adjoint ten times as much. 0: always `next_sweeps`.

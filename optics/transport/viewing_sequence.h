@@ -8,7 +8,7 @@
 //
 // A twin comes before the first prediction: it leaves grids and what shines across cuts to begin with, and is swept
 // until that changes little (`first_change`). The print's light begins with a diffusion solve of its own: on `spot`
-// at 30 mm three sweeps from there are nearer to eight than three from a white body's light (docs/benchmarks.md).
+// at 30 mm three sweeps from there are nearer to eight than three from a white body's light (docs/decisions/007).
 //
 // Large bodies are predicted tile by tile (tile_grids.h), in a fixed order: equations are made for one tile at a time,
 // its light is kept in 16-bit steps (viewing_field.h). What shines across a cut is the light that the neighbour had
@@ -18,7 +18,7 @@
 //
 // Cells that are cut finer (refinement.h) are for predictions that stand alone: a sequence keeps the light of whole
 // cells. Iteration error: the mean CIEDE2000 of one open loop is 4.57 to 4.94 by where three sweeps start, 4.85 after
-// eight (docs/benchmarks.md): of a difference of a few tenths between two prints it says nothing.
+// eight (docs/decisions/007): of a difference of a few tenths between two prints it says nothing.
 //
 // Memory: grid and equations of one tile, 24 bytes a viewing cell for its light, as much again for the adjoint, and the
 // grids that are kept (tile_grids.h).

@@ -31,7 +31,7 @@ optics::ResinVolume shape_of(const PrintParts& parts, const LoadedResins& resins
 
 /// A loop by feedback alone needs no gradient of what lies deep: cells in the blocks that light enters and in their
 /// margin, nodes below. With 0.8, 0.4 and 0.15 the bundled cow of 40 mm comes to the same error, and so does the suite
-/// (docs/benchmarks.md, "Deep colour in nodes", "Blocks that light reaches"). Not on a sheet, where a loop descends.
+/// (docs/decisions/006). Not on a sheet, where a loop descends.
 constexpr double cells_of_feedback_mm = 0.15;
 
 bool wants_deep_colour_in_nodes(const LoopPlan& plan, const optics::Scene& scene) {

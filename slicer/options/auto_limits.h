@@ -6,7 +6,7 @@
 namespace voxtone::slicer {
 
 /// Up to which `--loop-method auto` goes on downhill after feedback: beyond it feedback alone gains as much, in a
-/// quarter of the time and two thirds of the memory (docs/benchmarks.md, "The colour that is nearest"). Of pictures, of
+/// quarter of the time and two thirds of the memory (docs/decisions/002). Of pictures, of
 /// bodies, and of both where contrast is asked for, which feedback knows nothing of.
 inline constexpr double descent_cm2 = 15, descent_of_body_cm2 = 5;
 

@@ -34,7 +34,7 @@ struct ModelOptions {
 };
 
 /// For a prediction that stands alone: the colour of a body that lies on nothing has cells as far down as light is not
-/// diffuse, and nodes below; above a sheet thin slabs would look worse (docs/benchmarks.md, "Deep colour in nodes").
+/// diffuse, and nodes below; above a sheet thin slabs would look worse (docs/decisions/006).
 void set_depth_of_cells(ModelOptions& options, optics::Backing backing);
 
 [[nodiscard]] std::unique_ptr<const optics::AppearanceModel> make_model(PredictionModel model,

@@ -53,8 +53,8 @@ void check_model(const ResolvedJob& job);
 [[nodiscard]] VisibleSurface coloured_surface_of(const JobBody& body, const RepairedMesh& repaired, Progress& progress);
 
 /// The mesh of a body as its boundary for light paths, in mm from the corner of its grid: the staircase of its voxels
-/// lets light out near corners at once and shows slanting faces up to 7 CIEDE2000 too light (docs/benchmarks.md,
-/// `boundary_benchmark`). It is what is seen from outside of the repaired mesh, or the wrap where one stands for a mesh
+/// lets light out near corners at once and shows slanting faces up to 7 CIEDE2000 too light (docs/decisions/010).
+/// It is what is seen from outside of the repaired mesh, or the wrap where one stands for a mesh
 /// that was not closed. Where shells cross, its seams are as rough as the visible surface's pieces; what gets through
 /// them leaves at the voxels. Copies the mesh. Not for pictures, whose coloured surface is open.
 [[nodiscard]] MeshBoundary boundary_of(const JobBody& body);

@@ -12,8 +12,8 @@ namespace voxtone::slicer {
 
 namespace {
 
-// Of voxels in the shell; by `slice` of the bundled cow at 60 mm and of a model of 2e10 voxels (docs/benchmarks.md,
-// "Whole jobs": solid, runs, encoder against nearest point, colour, screen).
+// Of voxels in the shell; by `slice` of the bundled cow at 60 mm and of a model of 2e10 voxels (docs/decisions/014:
+// solid, runs, encoder against nearest point, colour, screen).
 constexpr double work_per_inner_voxel = 0.002, work_per_grid_voxel = 0.001;
 
 /// Slabs along z.

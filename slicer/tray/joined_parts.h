@@ -13,7 +13,7 @@
 namespace voxtone::slicer {
 
 /// Copies with less between them are one body. Set, not measured: where voxels touch, light passes for millimetres
-/// (docs/benchmarks.md, "Trays"); across air there is no distance at which it ends, only less of it.
+/// (docs/decisions/015); across air there is no distance at which it ends, only less of it.
 inline constexpr double near_mm = 2;
 
 /// Appends a part for each kind of neighbourhood (the same bodies in the same places beside each other are one kind),

@@ -22,7 +22,7 @@ namespace voxtone::slicer {
 namespace {
 
 /// Of what the layers of a part take: of each further copy (its rows are screened anew, its mixtures are not found
-/// again), by `slice` of 1 and 20 copies of the bundled cow at 20 mm (docs/benchmarks.md, "Trays"): 0.10 s of a
+/// again), by `slice` of 1 and 20 copies of the bundled cow at 20 mm (docs/decisions/015): 0.10 s of a
 /// processor each, where the layers of one take some 0.4.
 constexpr double share_of_copy = 0.25;
 
