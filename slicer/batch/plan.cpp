@@ -114,8 +114,18 @@ void expect_file(const std::string& file, const char* what) {
         throw FileError(fmt::format("{} {} cannot be read ({})", what, file, std::strerror(errno)));
 }
 
+void expect_component(const TrayComponent& component) {
+    if (component.kind == ComponentKind::gcvf) return expect_file(component.path, "gcvf");
+    if (component.kind == ComponentKind::stack)
+        expect_file((std::filesystem::path(component.path) / io::manifest_name).string(), "manifest");
+}
+
 void expect_sound_parts(const PlannedJob& job) {
     for (const TrayPart& part : read_tray_plan(job.options.model, job.options).parts) {
+        if (part.component) {
+            expect_component(*part.component);
+            continue;
+        }
         expect_file(part.options.model, "model");
         SliceOptions options = part.options;
         options.out = job.options.out;

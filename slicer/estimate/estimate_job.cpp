@@ -49,25 +49,6 @@ MadeColours make_colours(const PlannedPrint& planned, Progress& progress) {
     return made;
 }
 
-void add_amounts(const OpenedJob& job, const ResinVolumes& volumes, JobEstimate& estimate) {
-    constexpr double kg_per_g = 1e-3;
-    estimate.body_ml = volumes.body_ml;
-    double g = 0, price = 0;
-    bool weighed = true, priced = true;
-    for (std::size_t r = 0; r < job.resins.entries.size(); ++r) {
-        const optics::Resin& resin = job.resins.set.resins[r];
-        ResinEstimate amount{job.resins.entries[r].role, job.resins.entries[r].name, volumes.ml[r], {}, {}};
-        if (resin.density_g_per_ml) amount.g = amount.ml * *resin.density_g_per_ml;
-        if (amount.g && resin.price_per_kg) amount.price = *amount.g * kg_per_g * *resin.price_per_kg;
-        weighed = weighed && amount.g, priced = priced && amount.price;
-        g += amount.g.value_or(0), price += amount.price.value_or(0);
-        estimate.resins.push_back(std::move(amount));
-    }
-    if (weighed) estimate.g = g;
-    if (priced) estimate.price = price;
-    estimate.currency = job.resins.set.currency;
-}
-
 /// Of a print whose resins are not known: the search for the stacks of a layered one is a part of the job.
 void add_volume(const OpenedJob& job, const JobBody& body, const LayerRange& range, const Progress& progress,
                 JobEstimate& estimate) {
@@ -99,6 +80,25 @@ void add_sums(JobEstimate& estimate) {
 }
 
 }  // namespace
+
+void add_amounts(const OpenedJob& job, const ResinVolumes& volumes, JobEstimate& estimate) {
+    constexpr double kg_per_g = 1e-3;
+    estimate.body_ml = volumes.body_ml;
+    double g = 0, price = 0;
+    bool weighed = true, priced = true;
+    for (std::size_t r = 0; r < job.resins.entries.size(); ++r) {
+        const optics::Resin& resin = job.resins.set.resins[r];
+        ResinEstimate amount{job.resins.entries[r].role, job.resins.entries[r].name, volumes.ml[r], {}, {}};
+        if (resin.density_g_per_ml) amount.g = amount.ml * *resin.density_g_per_ml;
+        if (amount.g && resin.price_per_kg) amount.price = *amount.g * kg_per_g * *resin.price_per_kg;
+        weighed = weighed && amount.g, priced = priced && amount.price;
+        g += amount.g.value_or(0), price += amount.price.value_or(0);
+        estimate.resins.push_back(std::move(amount));
+    }
+    if (weighed) estimate.g = g;
+    if (priced) estimate.price = price;
+    estimate.currency = job.resins.set.currency;
+}
 
 JobEstimate estimate_print(const PlannedPrint& planned, const PhaseEstimate& read, const ColourRecipes* made_with,
                            const Progress& progress) {

@@ -7,6 +7,7 @@
 #include "base/progress.h"
 #include "slicer/estimate/colour_mixtures.h"
 #include "slicer/estimate/job_estimate.h"
+#include "slicer/estimate/resin_volumes.h"
 #include "slicer/options/slice_options.h"
 #include "slicer/plan/job_plan.h"
 
@@ -32,6 +33,9 @@ struct MeasuredBody {
 /// estimate_job of a body that is known; its job gets the resins that suit it best.
 [[nodiscard]] JobEstimate estimate_body(OpenedJob& job, const JobBody& body, const PhaseEstimate& read,
                                         const EstimateScope& scope, Progress& progress);
+
+/// What so much of its resins weighs and costs.
+void add_amounts(const OpenedJob& job, const ResinVolumes& volumes, JobEstimate& estimate);
 
 /// A job as far as it is planned.
 struct PlannedPrint {

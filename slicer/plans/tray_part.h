@@ -4,19 +4,22 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "slicer/options/label_template.h"
 #include "slicer/options/slice_options.h"
+#include "slicer/plans/tray_component.h"
 
 namespace voxtone::slicer {
 
 struct TrayPart {
     std::string name;           ///< no other part of the plan has it; a folder below OUT/parts is called so
     bool has_own_name = false;  ///< the plan gives it
-    SliceOptions options;       ///< of the job that it would be alone
-    int copies = 1;             ///< >= 1
+    SliceOptions options;       ///< of the job that it would be alone; of a component without a model
+    std::optional<TrayComponent> component;    ///< nothing: a model
+    int copies = 1;                            ///< >= 1
     std::vector<std::array<double, 3>> at_mm;  ///< lowest corner of each copy's box on the tray; empty: to be arranged
     bool turn = false;      ///< it may be turned by right angles about the vertical where it is arranged
     int priority = 0;       ///< where parts fill the same voxel the higher has it, of equal ones the later in the plan
@@ -26,6 +29,7 @@ struct TrayPart {
 };
 
 struct TrayPlan {
+    std::string file;
     SliceOptions common;  ///< what all parts begin with, and what is the whole tray's
     std::vector<TrayPart> parts;
     std::vector<std::string> notes;  ///< sentences for the user

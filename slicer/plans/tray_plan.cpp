@@ -91,8 +91,23 @@ std::vector<std::array<double, 3>> places_of(const io::JsonObject& object) {
     return places;
 }
 
+void take_model(const io::JsonObject& object, const fs::path& folder, TrayPart& part) {
+    std::vector<std::string> said = take_options(object, folder, part.options);
+    part.turn = part.options.turn;
+    part.options.turn = false;
+    std::erase(said, turn_key);
+    if (part.options.model.empty())
+        object.fail("model",
+                    "names the part's model or picture; a component is a \"box\", \"cylinder\", \"stack\" or "
+                    "\"gcvf\"");
+    part.options = with_absolute_paths(std::move(part.options));
+    drop_idle(part.options, said);  // what is said for all is meant where it can be: a picture has no size
+}
+
 TrayPart part_of(const io::JsonObject& object, const fs::path& folder, const SliceOptions& common, std::string place) {
-    expect_keys(object, {name_key, copies_key, at_key, priority_key, cuts_key});
+    std::vector<std::string> words = component_keys();
+    words.insert(words.end(), {name_key, copies_key, at_key, priority_key, cuts_key});
+    expect_keys(object, std::move(words));
     for (const char* key : of_the_tray)
         if (object.has(key))
             object.fail(key,
@@ -101,15 +116,17 @@ TrayPart part_of(const io::JsonObject& object, const fs::path& folder, const Sli
     TrayPart part;
     part.options = common;
     part.place = std::move(place);
-    std::vector<std::string> said = take_options(object, folder, part.options);
-    part.turn = part.options.turn;
-    part.options.turn = false;
-    std::erase(said, turn_key);
-    if (part.options.model.empty()) object.fail("model", "names the part's model or picture");
-    part.options = with_absolute_paths(std::move(part.options));
-    drop_idle(part.options, said);  // what is said for all is meant where it can be: a picture has no size
+    if (object.has(cuts_key)) {
+        const std::string text = object.any_text(cuts_key);
+        if (text != "true" && text != "false") object.fail(cuts_key, "is true or false");
+        part.cuts = text == "true";
+    }
+    part.component = component_of(object, folder, part.cuts);
+    if (!part.component) take_model(object, folder, part);
     part.has_own_name = object.has(name_key);
-    part.name = part.has_own_name ? object.any_text(name_key) : fs::path(part.options.model).stem().string();
+    part.name = part.has_own_name ? object.any_text(name_key)
+                : part.component  ? part.component->usual_name()
+                                  : fs::path(part.options.model).stem().string();
     if (object.has(at_key)) part.at_mm = places_of(object);
     part.copies = static_cast<int>(part.at_mm.empty() ? 1 : part.at_mm.size());
     part.values = template_values(object);
@@ -132,11 +149,6 @@ TrayPart part_of(const io::JsonObject& object, const fs::path& folder, const Sli
     if (!part.at_mm.empty() && part.at_mm.size() != static_cast<std::size_t>(part.copies))
         object.fail(at_key, fmt::format("gives {} places for {} copies; give one for each, or none", part.at_mm.size(),
                                         part.copies));
-    if (object.has(cuts_key)) {
-        const std::string text = object.any_text(cuts_key);
-        if (text != "true" && text != "false") object.fail(cuts_key, "is true or false");
-        part.cuts = text == "true";
-    }
     return part;
 }
 
@@ -238,6 +250,7 @@ TrayPlan read_tray_plan(const std::string& file, const SliceOptions& common) {
     if (text.parts.empty()) throw InputError(fmt::format("{}: has no part; name a model for each in \"parts\"", file));
     const fs::path folder = fs::path(file).parent_path();
     TrayPlan plan;
+    plan.file = file;
     plan.common = common;
     plan.common.model.clear();
     if (text.common) take_common(*text.common, folder, common, plan.common);
@@ -272,6 +285,8 @@ bool is_tray_plan(const fs::path& file) {
         }
         const std::vector<std::string> header = parse_csv(text_of(file)).header;
         return std::ranges::any_of(header, [](const std::string& word) {
+            const std::vector<std::string> components = component_keys();
+            if (std::ranges::find(components, word) != components.end()) return true;
             return word == copies_key || word == at_key || word == priority_key || word == cuts_key || word == turn_key;
         });
     } catch (const Error&) {

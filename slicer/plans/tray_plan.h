@@ -3,7 +3,8 @@
 // The plan of a tray (data/schema/tray.schema.json):
 //   {"format": "voxtone-tray", "version": 1, "printer": "stratasys-j750-hm", "resins": "vero-opaque", "gap": "2mm",
 //    "parts": [{"model": "spot.obj", "size": "40mm", "copies": 3},
-//              {"model": "card.png", "width": "30mm", "at": [0, 0], "priority": 1}]}
+//              {"model": "card.png", "width": "30mm", "at": [0, 0], "priority": 1},
+//              {"box": [10, 5, 2], "resin": "VeroClear"}]}                            (components: tray_component.h)
 // or a table (.csv) whose header names options and the words of a part: model,size,copies,priority.
 // Options of a job (docs/job-files) stand beside the parts, for all of them, or in a part, for that one.
 #pragma once

@@ -18,6 +18,10 @@ namespace {
 
 constexpr int right_angles = 4;
 
+Outline outline_of(const StandingPart& part) {
+    return part.body ? slicer::outline_of(*part.body) : part.component->outline;
+}
+
 /// A copy that waits for a place.
 struct Waiting {
     std::size_t part;
@@ -29,7 +33,7 @@ std::vector<Waiting> waiting_copies(std::span<const StandingPart> parts, bool ma
     std::vector<Waiting> waiting;
     for (std::size_t p = 0; p < parts.size(); ++p) {
         if (!parts[p].part->at_mm.empty()) continue;
-        const Outline outline = outline_of(*parts[p].body);
+        const Outline outline = outline_of(parts[p]);
         NestItem item{{outline}, p};
         for (int turn = 1; may_turn && parts[p].part->turn && turn < right_angles; ++turn)
             item.turns.push_back(outline.turned(turn));
@@ -58,7 +62,7 @@ std::optional<Outline> planned_outline(std::span<const StandingPart> parts, cons
     for (const StandingPart& part : parts) {
         if (part.part->at_mm.empty()) continue;
         if (!taken) taken.emplace(plate[0], plate[1]);
-        const Outline outline = outline_of(*part.body);
+        const Outline outline = outline_of(part);
         for (const std::array<double, 3>& mm : part.part->at_mm) take_at(*taken, outline, mm[0], mm[1]);
     }
     return taken;
@@ -67,7 +71,7 @@ std::optional<Outline> planned_outline(std::span<const StandingPart> parts, cons
 class Arranger {
 public:
     Arranger(std::span<const StandingPart> parts, const Eigen::Vector3d& tray_mm, const TrayOptions& options)
-        : parts_(parts), tray_mm_(tray_mm), options_(options), pitch_(parts[0].body->grid.pitch_mm) {
+        : parts_(parts), tray_mm_(tray_mm), options_(options), pitch_(parts[0].grid().pitch_mm) {
         made_.copies.resize(parts.size());
     }
 
@@ -82,7 +86,7 @@ public:
     }
 
 private:
-    [[nodiscard]] const std::array<int, 3>& size_of(std::size_t part) const { return parts_[part].body->grid.size; }
+    [[nodiscard]] const std::array<int, 3>& size_of(std::size_t part) const { return parts_[part].grid().size; }
 
     void place_as_planned() {
         for (std::size_t p = 0; p < parts_.size(); ++p) {
@@ -144,7 +148,8 @@ private:
 
     static void expect_own_place(const StandingPart& part) {
         const char* why = nullptr;
-        if (part.body->is_picture) why = "is a picture, which has no place of its own";
+        if (!part.body) why = "is a component, which has no place of its own";
+        if (part.body && part.body->is_picture) why = "is a picture, which has no place of its own";
         if (part.part->copies > 1) why = "has several copies, which would lie in one place";
         if (part.part->options.size_mm > 0)
             why =
@@ -244,7 +249,7 @@ private:
         grid.pitch_mm = pitch_;
         each([&](std::size_t part, std::array<int, 3>& at) {
             // One part alone lies where it lies in a print of its own.
-            if (count == 1 && trays_ == 1 && at[2] == 0) grid.origin_mm = parts_[part].body->grid.origin_mm;
+            if (count == 1 && trays_ == 1 && at[2] == 0) grid.origin_mm = parts_[part].grid().origin_mm;
             for (std::size_t axis = 0; axis < 3; ++axis) at[axis] -= low[axis];
         });
         for (std::size_t axis = 0; axis < 3; ++axis) grid.size[axis] = high[axis] - low[axis];

@@ -15,13 +15,17 @@
 #include "slicer/plans/tray_plan.h"
 #include "slicer/prepare/job_body.h"
 #include "slicer/tray/placed_copy.h"
+#include "slicer/tray/ready_component.h"
 
 namespace voxtone::slicer {
 
 /// A part that is to have places.
 struct StandingPart {
     const TrayPart* part;
-    const JobBody* body;
+    const JobBody* body;                        ///< null: a component
+    const ReadyComponent* component = nullptr;  ///< null: a body
+
+    [[nodiscard]] const VoxelGrid& grid() const { return body ? body->grid : component->layers->grid(); }
 };
 
 struct Arrangement {

@@ -56,15 +56,18 @@ public:
 
 private:
     [[nodiscard]] bool measure(const Copy& a, const Copy& b) const {
-        const JobBody &first = parts_[a.part].ready->body, &second = parts_[b.part].ready->body;
-        const Eigen::Vector3d& pitch = first.grid.pitch_mm;
+        const VoxelGrid &first_grid = parts_[a.part].grid(), &second_grid = parts_[b.part].grid();
+        const Eigen::Vector3d& pitch = first_grid.pitch_mm;
         // Places are whole voxels: what was asked to lie this far apart may lie a voxel nearer.
         const double mm = near_mm - pitch.maxCoeff();
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const int apart = std::max(b.at[axis] - a.at[axis] - first.grid.size[axis],
-                                       a.at[axis] - b.at[axis] - second.grid.size[axis]);
+            const int apart = std::max(b.at[axis] - a.at[axis] - first_grid.size[axis],
+                                       a.at[axis] - b.at[axis] - second_grid.size[axis]);
             if (apart * pitch[static_cast<Eigen::Index>(axis)] >= mm) return false;
         }
+        // What has no mesh is as near as its box.
+        if (!parts_[a.part].ready || !parts_[b.part].ready) return true;
+        const JobBody &first = parts_[a.part].ready->body, &second = parts_[b.part].ready->body;
         const Place between = b.at - a.at;
         const Eigen::Vector3d shift = Eigen::Vector3d(between[0], between[1], between[2]).cwiseProduct(pitch) +
                                       first.grid.origin_mm - second.grid.origin_mm;
@@ -87,13 +90,18 @@ SliceOptions without_placement(const ReadyPart& part) {
 
 /// What decides the look of a part beside its model and how that stands.
 std::string look_of(const ReadyPart& part) {
+    if (part.component) return {};
     SliceOptions options = without_placement(part);
     options.repair = SliceOptions{}.repair;
     return deciding_lines(options, Decides::looks);
 }
 
+/// Nobody asked how it will look.
+bool is_plain(const ReadyPart& part) { return part.component && part.part.component->is_shape(); }
+
 /// Why a copy of this part is not joined with others; empty: it may be.
 std::string why_alone(const ReadyPart& part) {
+    if (part.component) return "is a component";
     if (part.part.cuts) return "cuts";
     if (part.ready->body.is_picture) return "is a picture";
     // Texture coordinates of others are others'.
@@ -213,8 +221,9 @@ void join_near_parts(std::vector<ReadyPart>& parts, const std::filesystem::path&
     std::set<std::string> said;
     for (std::size_t a = 0; a < copies.size(); ++a)
         for (std::size_t b = a + 1; b < copies.size(); ++b) {
-            if (!near(copies[a], copies[b])) continue;
             const ReadyPart &first = parts[copies[a].part], &second = parts[copies[b].part];
+            if (is_plain(first) && is_plain(second)) continue;
+            if (!near(copies[a], copies[b])) continue;
             if (why_alone(first).empty() && why_alone(second).empty() && look[copies[a].part] == look[copies[b].part])
                 sets.unite(static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b));
             else

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/stop_deadline.h"
+#include "io/files/file_digest.h"
 #include "io/files/whole_file.h"
 #include "io/layers/stack_folder.h"
 #include "slicer/kept/loop_checkpoint.h"
@@ -43,6 +44,10 @@ std::vector<io::SideFile> files_of(const OpenedTray& tray, const TrayParts& part
     };
     for (const ReadyPart& part : parts.ready) {
         if (part.is_joined) continue;  // of files that its parts have
+        if (part.component) {
+            for (const std::string& file : part.component->files) add(file, io::file_sha256(file));
+            continue;
+        }
         for (const JobInput& input : part.ready->identity.inputs)
             if (!input.file.empty()) add(input.file, input.sha256);
     }
@@ -74,7 +79,9 @@ OpenedTray open_tray(const SliceOptions& asked) {
 PreparedTray prepare_tray(const OpenedTray& tray, Progress& progress) {
     PreparedTray prepared{prepare_parts(tray.plan, progress), {}, {}};
     std::vector<StandingPart> standing;
-    for (const ReadyPart& part : prepared.parts.ready) standing.push_back({&part.part, &part.ready->body});
+    for (const ReadyPart& part : prepared.parts.ready)
+        standing.push_back(
+            {&part.part, part.ready ? &part.ready->body : nullptr, part.component ? &*part.component : nullptr});
     const PrinterProfile printer = prepared.any_job().printer;
     for (const std::string& warning : printer.warnings()) progress.warn(warning);
     const SliceOptions& common = tray.plan.common;
@@ -90,7 +97,7 @@ PreparedTray prepare_tray(const OpenedTray& tray, Progress& progress) {
 void rearrange_parts(const OpenedTray& tray, PreparedTray& prepared, Progress& progress) {
     TrayParts& parts = prepared.parts;
     std::erase_if(parts.ready, [&](ReadyPart& part) {
-        if (part.alone.empty()) return false;  // its copies are all of joined parts
+        if (part.alone.empty() || part.component) return false;  // its copies are all of joined parts, or finished
         progress.note(fmt::format("part {}", part.part.name));
         return !goes_well(part.part, tray.plan.common.fail_fast, parts.failed, progress, [&] {
             Print& print = *part.ready->print;
@@ -107,7 +114,7 @@ ComposedLayers compose(const PreparedTray& prepared, int tray) {
     std::vector<PlacedPart> placed;
     for (const ReadyPart& part : prepared.parts.ready) {
         if (part.alone.empty()) continue;
-        const std::shared_ptr<const LayerSource> layers = part.ready->print->layers();
+        const std::shared_ptr<const LayerSource> layers = part.layers();
         for (const PlacedCopy& copy : part.alone)
             if (copy.tray == tray) placed.push_back({layers, copy.at, part.part.priority, part.part.cuts});
     }

@@ -42,8 +42,8 @@ struct PreparedTray {
     Arrangement places;
     JobIdentity identity;
 
-    /// The job of a part, for what all have: printer, resins, formats.
-    [[nodiscard]] const OpenedJob& any_job() const { return parts.ready.front().ready->job; }
+    /// For what all have: printer, resins, formats.
+    [[nodiscard]] const OpenedJob& any_job() const { return parts.any_job(); }
     [[nodiscard]] int trays() const { return int(places.trays.size()); }
 };
 

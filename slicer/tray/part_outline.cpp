@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "slicer/solid/solid.h"
 
@@ -11,16 +12,26 @@ namespace voxtone::slicer {
 int cells_above(double mm) { return static_cast<int>(std::ceil(mm / nest_cell_mm - 1e-9)); }
 int cells_within(double mm) { return static_cast<int>(std::floor(mm / nest_cell_mm + 1e-9)); }
 
+Outline empty_outline(const VoxelGrid& grid) {
+    return {std::max(1, cells_above(grid.size[0] * grid.pitch_mm.x())),
+            std::max(1, cells_above(grid.size[1] * grid.pitch_mm.y()))};
+}
+
+void take_voxels(Outline& outline, const VoxelGrid& grid, int j, int begin, int end) {
+    // Cells that voxels [first, last) of an axis reach into.
+    const auto cells = [](int first, int last, double pitch_mm, int most) {
+        return std::pair{static_cast<int>(first * pitch_mm / nest_cell_mm),
+                         std::min(most - 1, static_cast<int>(last * pitch_mm / nest_cell_mm - 1e-9))};
+    };
+    const auto [y_low, y_high] = cells(j, j + 1, grid.pitch_mm.y(), outline.height());
+    const auto [x_low, x_high] = cells(begin, end, grid.pitch_mm.x(), outline.width());
+    for (int y = y_low; y <= y_high; ++y)
+        for (int x = x_low; x <= x_high; ++x) outline.set(x, y);
+}
+
 Outline outline_of(const JobBody& body) {
     const VoxelGrid& grid = body.grid;
-    const Eigen::Vector3d& pitch = grid.pitch_mm;
-    Outline outline(std::max(1, cells_above(grid.size[0] * pitch.x())),
-                    std::max(1, cells_above(grid.size[1] * pitch.y())));
-    // Cells that the voxels [begin, end) of an axis reach into.
-    const auto cells = [](int begin, int end, double pitch_mm, int most) {
-        return std::pair{static_cast<int>(begin * pitch_mm / nest_cell_mm),
-                         std::min(most - 1, static_cast<int>(end * pitch_mm / nest_cell_mm - 1e-9))};
-    };
+    Outline outline = empty_outline(grid);
     const Solid solid(*body.solid, grid, body.relief);
     constexpr int layers_at_once = 16;
     SpanSlab spans;
@@ -28,14 +39,8 @@ Outline outline_of(const JobBody& body) {
         const int last = std::min(first + layers_at_once, grid.size[2]);
         solid.slab(first, last, spans);
         for (int k = first; k < last; ++k)
-            for (int j = 0; j < grid.size[1]; ++j) {
-                const auto [y_low, y_high] = cells(j, j + 1, pitch.y(), outline.height());
-                for (const Span& span : spans.row(j, k)) {
-                    const auto [x_low, x_high] = cells(span.begin, span.end, pitch.x(), outline.width());
-                    for (int y = y_low; y <= y_high; ++y)
-                        for (int x = x_low; x <= x_high; ++x) outline.set(x, y);
-                }
-            }
+            for (int j = 0; j < grid.size[1]; ++j)
+                for (const Span& span : spans.row(j, k)) take_voxels(outline, grid, j, span.begin, span.end);
     }
     return outline;
 }

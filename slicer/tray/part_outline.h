@@ -19,6 +19,11 @@ inline constexpr double nest_cell_mm = 0.5;
 [[nodiscard]] int cells_above(double mm);
 [[nodiscard]] int cells_within(double mm);
 
+/// Of a part with this grid, nothing yet.
+[[nodiscard]] Outline empty_outline(const VoxelGrid& grid);
+/// Adds the voxels [begin, end) of its row `j`, counted upward.
+void take_voxels(Outline& outline, const VoxelGrid& grid, int j, int begin, int end);
+
 /// What stands above each cell of the plate.
 [[nodiscard]] Outline outline_of(const JobBody& body);
 

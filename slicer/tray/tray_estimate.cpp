@@ -2,19 +2,24 @@
 #include "slicer/tray/tray_estimate.h"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <fmt/core.h>
 
+#include "base/cpu_time.h"
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/peak_memory.h"
+#include "base/stopwatch.h"
 #include "io/disk/disk_space.h"
+#include "slicer/layers/layer_bytes.h"
 #include "slicer/options/option_values.h"
 #include "slicer/plan/phase_estimates.h"
 #include "slicer/printer/placement.h"
+#include "slicer/tray/component.h"
 #include "slicer/tray/opened_tray.h"
 
 namespace voxtone::slicer {
@@ -28,19 +33,46 @@ constexpr double share_of_copy = 0.25;
 
 struct EstimatedPart {
     const TrayPart* part;
-    OpenedJob job;
-    MeasuredBody measured;
+    std::optional<MeasuredBody> measured{};  ///< nothing: a component
+    std::optional<ReadyComponent> component{};
     JobEstimate estimate = {};
     std::uint64_t resident_bytes = 0;  ///< when it was estimated
 };
 
-EstimatedPart estimate_part(const TrayPart& part, const EstimateScope& scope, Progress& progress) {
+/// Nothing is looped or predicted. A stack's layers take what reading it has taken now.
+EstimatedPart estimate_component(const TrayPart& part, const OpenedJob& common, Progress& progress) {
+    constexpr double cpu_s_of_voxel = 2e-9;
+    const Stopwatch watch;
+    const double cpu_began_s = cpu_seconds();
+    EstimatedPart made{&part};
+    made.component = prepare_component(part, common, progress);
+    const VoxelGrid& grid = made.component->layers->grid();
+    const double voxel_ml = grid.voxel_volume_mm3() * 1e-3, voxels = double(made.component->all_voxels());
+    const bool screened = std::ranges::count_if(made.component->voxels, [](auto count) { return count > 0; }) > 1;
+    JobEstimate& estimate = made.estimate;
+    ResinVolumes volumes;
+    for (const std::uint64_t count : made.component->voxels)
+        volumes.ml.push_back(part.cuts ? 0 : double(count) * voxel_ml), volumes.body_ml += volumes.ml.back();
+    add_amounts(common, volumes, estimate);
+    estimate.disk_bytes = layer_bytes(grid, {screened && !part.cuts ? voxels * grid.voxel_volume_mm3() : 0, 1,
+                                             grid.size[2], common.outputs(), common.resins.entries.size()});
+    PhaseEstimate read{Phase::read, cpu_seconds() - cpu_began_s, watch.total(), peak_memory_bytes(), true};
+    PhaseEstimate layers{Phase::layers, read.cpu_s + voxels * cpu_s_of_voxel, 0, resident_bytes(), false};
+    layers.seconds = seconds_on_threads(layers.cpu_s, thread_count());
+    estimate.phases = {read, layers};
+    made.resident_bytes = resident_bytes();
+    return made;
+}
+
+EstimatedPart estimate_part(const TrayPart& part, const EstimateScope& scope, const OpenedJob* common,
+                            Progress& progress) {
     try {
+        if (part.component) return estimate_component(part, *common, progress);
         OpenedJob job = open_job(part.options);
-        MeasuredBody measured = read_measured(job, progress);
-        EstimatedPart made{&part, std::move(job), std::move(measured)};
+        EstimatedPart made{&part};
+        made.measured.emplace(read_measured(job, progress));
         made.resident_bytes = resident_bytes();
-        made.estimate = estimate_body(made.job, made.measured.body, made.measured.read, scope, progress);
+        made.estimate = estimate_body(job, made.measured->body, made.measured->read, scope, progress);
         return made;
     } catch (const Cancelled&) {
         throw;
@@ -112,11 +144,15 @@ JobEstimate estimate_tray(const SliceOptions& asked, Progress& progress, const E
     const OpenedTray tray = open_tray(options);
     const SliceOptions& common = tray.plan.common;
     const ThreadLimit threads(static_cast<std::size_t>(common.threads));
+    const std::optional<OpenedJob> of_all = common_job(tray.plan);
     std::vector<EstimatedPart> parts;
-    for (const TrayPart& part : tray.plan.parts) parts.push_back(estimate_part(part, scope, progress));
+    for (const TrayPart& part : tray.plan.parts)
+        parts.push_back(estimate_part(part, scope, of_all ? &*of_all : nullptr, progress));
     std::vector<StandingPart> standing;
-    for (const EstimatedPart& part : parts) standing.push_back({part.part, &part.measured.body});
-    const PrinterProfile& printer = parts[0].job.printer;
+    for (const EstimatedPart& part : parts)
+        standing.push_back(
+            {part.part, part.measured ? &part.measured->body : nullptr, part.component ? &*part.component : nullptr});
+    const PrinterProfile printer = of_all ? of_all->printer : open_job(tray.plan.parts[0].options).printer;
     JobEstimate sum;
     sum.model = asked.model;
     sum.threads = thread_count();
@@ -127,13 +163,14 @@ JobEstimate estimate_tray(const SliceOptions& asked, Progress& progress, const E
     bool weighed = true, priced = true;
     for (const EstimatedPart& part : parts) {
         add_resins(part.estimate, part.part->copies, sum);
-        add_phases(part, common.report ? 2 : 1, resident, sum);
+        add_phases(part, common.report && part.measured ? 2 : 1, resident, sum);
         sum.surface_mm2 += part.part->copies * part.estimate.surface_mm2;
         sum.disk_bytes += std::uint64_t(part.part->copies) * part.estimate.disk_bytes;
         weighed = weighed && part.estimate.g, priced = priced && part.estimate.price;
         g += part.part->copies * part.estimate.g.value_or(0);
         price += part.part->copies * part.estimate.price.value_or(0);
-        for (const std::string& warning : part.measured.body.warnings)
+        if (!part.measured) continue;
+        for (const std::string& warning : part.measured->body.warnings)
             sum.warnings.push_back(part.part->name + ": " + warning);
     }
     if (weighed) sum.g = g;

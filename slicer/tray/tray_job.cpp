@@ -80,7 +80,7 @@ io::PageOfStack page_of(const PreparedTray& prepared, int number) {
         std::vector<std::array<int, 3>> at;
         for (const PlacedCopy& copy : part.copies)
             if (copy.tray == number) at.push_back(copy.at);
-        if (!at.empty() && !part.is_joined && !part.part.cuts)
+        if (!at.empty() && part.ready && !part.is_joined && !part.part.cuts)
             bodies.push_back({part.part.name, part.ready->body, std::move(at)});
     }
     std::string title = "a tray of " + counted(bodies.size(), "part");
@@ -119,10 +119,15 @@ JobResult make_tray(const OpenedTray& tray, const PreparedTray& prepared, int nu
 JobResult loops_kept(const OpenedTray& tray, const PreparedTray& prepared) {
     io::JsonWriter json;
     json.begin_object().add("format", "voxtone-tray-loops").add("version", 1).key("parts").begin_list();
-    for (const ReadyPart& part : prepared.parts.ready) json.value(part.part.name);
+    std::size_t looped = 0;
+    for (const ReadyPart& part : prepared.parts.ready) {
+        if (!part.ready) continue;
+        json.value(part.part.name);
+        ++looped;
+    }
     return {json.end_list().end_object().text(),
             fmt::format("{}: what the loops of {} parts came to is kept\n",
-                        (fs::path(tray.plan.common.out) / io::parts_name).string(), prepared.parts.ready.size()),
+                        (fs::path(tray.plan.common.out) / io::parts_name).string(), looped),
             exit_code_of(tray, prepared.parts.failed, {})};
 }
 

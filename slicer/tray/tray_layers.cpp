@@ -93,7 +93,7 @@ TrayReport report_for(const PreparedTray& prepared, const std::filesystem::path&
 
 void report_parts(PreparedTray& prepared, TrayReport& tray, Progress& progress) {
     for (ReadyPart& part : prepared.parts.ready)
-        if (!part.alone.empty()) report_part(part, tray, progress);
+        if (!part.alone.empty() && part.ready) report_part(part, tray, progress);
 }
 
 }  // namespace voxtone::slicer

@@ -11,6 +11,7 @@
 #include "io/layers/stack_folder.h"
 #include "slicer/kept/loop_checkpoint.h"
 #include "slicer/tray/arrangement.h"
+#include "slicer/tray/component.h"
 
 namespace voxtone::slicer {
 
@@ -50,6 +51,7 @@ struct WaitingPart {
     TrayPart part;
     SliceOptions options;  ///< as a job
     std::optional<JobBody> body = std::nullopt;
+    std::optional<ReadyComponent> component = std::nullopt;
 };
 
 /// All are opened before the first is worked on: what refuses one is known before time is spent.
@@ -57,6 +59,10 @@ std::vector<WaitingPart> open_parts(const TrayPlan& plan, std::vector<FailedPart
     std::vector<WaitingPart> waiting;
     std::vector<std::string> roles;
     for (const TrayPart& part : plan.parts) {
+        if (part.component) {
+            waiting.push_back({part, {}});
+            continue;
+        }
         const SliceOptions options = job_options(part, plan.common.out, roles);
         const bool good = goes_well(part, plan.common.fail_fast, failed, progress, [&] {
             const OpenedJob opened = open_job(options);
@@ -71,21 +77,54 @@ std::vector<WaitingPart> open_parts(const TrayPlan& plan, std::vector<FailedPart
     return waiting;
 }
 
+/// It would be replaced while it is read.
+void refuse_own_stack(const TrayComponent& component, const fs::path& out) {
+    std::error_code none;
+    if (component.path.empty() || out.empty()) return;
+    const fs::path stack = fs::weakly_canonical(component.path, none), own = fs::weakly_canonical(out, none);
+    if (stack == own || stack.parent_path() == own)
+        throw InputError(
+            fmt::format("{}: is in the folder that this tray is made in, and cannot be a part of it: name "
+                        "another folder with -o",
+                        component.path));
+}
+
+void prepare_components(const TrayPlan& plan, std::vector<WaitingPart>& waiting, TrayParts& parts, Progress& progress) {
+    const auto is_component = [](const WaitingPart& part) { return part.part.component.has_value(); };
+    if (std::ranges::none_of(waiting, is_component)) return;
+    const auto model = std::ranges::find_if_not(waiting, is_component);
+    parts.common = std::make_shared<const OpenedJob>(
+        *common_job(plan, model == waiting.end() ? std::vector<std::string>() : model->options.load));
+    std::erase_if(waiting, [&](WaitingPart& part) {
+        if (!part.part.component) return false;
+        return !goes_well(part.part, plan.common.fail_fast, parts.failed, progress, [&] {
+            refuse_own_stack(*part.part.component, plan.common.out);
+            part.component = prepare_component(part.part, *parts.common, progress);
+        });
+    });
+}
+
+StandingPart standing(const WaitingPart& part) {
+    return {&part.part, part.body ? &*part.body : nullptr, part.component ? &*part.component : nullptr};
+}
+
 /// Turns parts that may be; their bodies are kept, so that none is read twice but those that are turned.
 void turn_parts(const TrayPlan& plan, std::vector<WaitingPart>& waiting, std::vector<FailedPart>& failed,
                 Progress& progress) {
     if (std::ranges::none_of(waiting, [](const WaitingPart& part) { return part.part.turn; })) return;
     std::erase_if(waiting, [&](WaitingPart& part) {
+        if (part.component) return false;
         return !goes_well(part.part, plan.common.fail_fast, failed, progress, [&] {
             const OpenedJob job = open_job(part.options);
             part.body.emplace(prepare_body(job.options, job.printer, progress));
         });
     });
-    if (waiting.empty()) return;
-    std::vector<StandingPart> standing;
-    for (const WaitingPart& part : waiting) standing.push_back({&part.part, &*part.body});
+    const auto model = std::ranges::find_if(waiting, [](const WaitingPart& part) { return part.body.has_value(); });
+    if (model == waiting.end()) return;
+    std::vector<StandingPart> all;
+    for (const WaitingPart& part : waiting) all.push_back(standing(part));
     const std::vector<int> turns =
-        turns_on_plate(standing, open_job(waiting[0].options).printer.sliced_tray_mm(), plan.common.gap_mm);
+        turns_on_plate(all, open_job(model->options).printer.sliced_tray_mm(), plan.common.gap_mm);
     for (std::size_t p = 0; p < waiting.size(); ++p) {
         if (turns[p] == 0) continue;
         progress.note(fmt::format("{}: is turned by {} degrees", waiting[p].part.name, 90 * turns[p]));
@@ -99,6 +138,8 @@ ReadyPart prepare_part(WaitingPart& part, Progress& progress) {
         for (const std::string& warning : part.body->warnings) progress.warn(warning);
     ReadyPart made;
     made.part = part.part;
+    made.component = std::move(part.component);
+    if (made.component) return made;
     made.ready = open_ready(part.options, std::move(part.body), progress);
     return made;
 }
@@ -136,9 +177,24 @@ std::unique_ptr<PreparedJob> open_ready(const SliceOptions& options, std::option
     return ready;
 }
 
+std::optional<OpenedJob> common_job(const TrayPlan& plan, const std::vector<std::string>& roles) {
+    if (std::ranges::none_of(plan.parts, [](const TrayPart& part) { return part.component.has_value(); }))
+        return std::nullopt;
+    SliceOptions options = plan.common;
+    options.model = plan.file;
+    if (options.load.empty()) options.load = roles;
+    return open_job(options);
+}
+
+const OpenedJob& TrayParts::any_job() const {
+    const auto model = std::ranges::find_if(ready, [](const ReadyPart& part) { return part.ready != nullptr; });
+    return model != ready.end() ? model->ready->job : *common;
+}
+
 TrayParts prepare_parts(const TrayPlan& plan, Progress& progress) {
     TrayParts parts;
     std::vector<WaitingPart> waiting = open_parts(plan, parts.failed, progress);
+    prepare_components(plan, waiting, parts, progress);
     turn_parts(plan, waiting, parts.failed, progress);
     std::size_t number = 0;
     for (WaitingPart& part : waiting) {

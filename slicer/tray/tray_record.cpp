@@ -20,6 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Of a component, which shows what it shows.
+constexpr const char* no_verdict = "none: component";
 constexpr const char *verdict_key = "verdict", *failed_key = "failed";
 
 int copies_on(const ReadyPart& part, int tray) { return int(std::ranges::count(part.copies, tray, &PlacedCopy::tray)); }
@@ -87,8 +89,8 @@ std::vector<io::StackMember> members_of(const PreparedTray& prepared, int tray) 
     const Eigen::Vector3d pitch_mm = prepared.places.trays[std::size_t(tray)].pitch_mm;
     for (const ReadyPart& part : prepared.parts.ready) {
         if (part.is_joined || copies_on(part, tray) == 0) continue;
-        const VoxelGrid& own = part.ready->body.grid;
-        io::StackMember member{part.part.name, {}, 0, verdict_of(part)};
+        const VoxelGrid& own = part.grid();
+        io::StackMember member{part.part.name, {}, 0, part.component ? no_verdict : verdict_of(part)};
         for (const PlacedCopy& copy : part.copies) {
             if (copy.tray != tray) continue;
             std::array<double, 6>& box = member.boxes_mm.emplace_back();
@@ -98,8 +100,8 @@ std::vector<io::StackMember> members_of(const PreparedTray& prepared, int tray) 
             }
         }
         if (!part.part.cuts)
-            member.ml =
-                double(voxels_of(part.ready->body)) * own.voxel_volume_mm3() * 1e-3 * double(member.boxes_mm.size());
+            member.ml = double(part.component ? part.component->all_voxels() : voxels_of(part.ready->body)) *
+                        own.voxel_volume_mm3() * 1e-3 * double(member.boxes_mm.size());
         members.push_back(std::move(member));
     }
     return members;
@@ -115,10 +117,14 @@ std::string tray_json(const PreparedTray& prepared, int tray, const std::vector<
     json.add("content_sha256", stack.content_sha256).add("layers", stack.layers).key("parts").begin_list();
     for (std::size_t p = 0; p < prepared.parts.ready.size(); ++p) {
         const ReadyPart& part = prepared.parts.ready[p];
-        json.line().begin_object().add("name", part.part.name).add("model", part.ready->job.options.model);
+        json.line().begin_object().add("name", part.part.name);
+        if (part.component)
+            json.add("component", name_of(part.part.component->kind)).add("model", part.part.component->path);
+        else
+            json.add("model", part.ready->job.options.model);
         if (part.is_joined) json.add("joined", true);
-        json.add("rotate", part.ready->job.options.raw.rotate).add("priority", part.part.priority);
-        json.add("cuts", part.part.cuts).add("size_px", part.ready->body.grid.size);
+        json.add("rotate", part.ready ? part.ready->job.options.raw.rotate : "").add("priority", part.part.priority);
+        json.add("cuts", part.part.cuts).add("size_px", part.grid().size);
         write_places(json, part, tray, grid, corner);
         const auto joined = double(std::ranges::count(part.alone, tray, &PlacedCopy::tray));
         json.add("overlapped_mm3", mm3_of(prepared, tray, overlaps[p].voxels) + joined * part.shared_mm3);

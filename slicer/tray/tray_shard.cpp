@@ -34,6 +34,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Of each slab of the part's own.
+std::vector<double> work_of(const ReadyPart& part, int slab_layers) {
+    if (part.ready) return slab_work(part.ready->body, part.ready->job.options.colour.depth_mm, slab_layers);
+    // Its mixtures are known: reading and screening take a small part of what finding them would.
+    constexpr double work_of_voxel = 0.02;
+    const int layers = part.grid().size[2];
+    const double of_layer = work_of_voxel * double(part.component->all_voxels()) / layers;
+    std::vector<double> work(std::size_t((layers + slab_layers - 1) / slab_layers));
+    for (int k = 0; k < layers; ++k) work[std::size_t(k / slab_layers)] += of_layer;
+    return work;
+}
+
 /// Work of each slab of the print: of every part once for each height it stands at, as its layers are made. A copy in
 /// another place of the same height takes little more.
 std::vector<double> slab_work_of(const PreparedTray& prepared, int slab_layers) {
@@ -41,8 +53,7 @@ std::vector<double> slab_work_of(const PreparedTray& prepared, int slab_layers) 
     std::vector<double> work(std::size_t((layers + slab_layers - 1) / slab_layers));
     for (const ReadyPart& part : prepared.parts.ready) {
         if (part.alone.empty()) continue;
-        const std::vector<double> own =
-            slab_work(part.ready->body, part.ready->job.options.colour.depth_mm, slab_layers);
+        const std::vector<double> own = work_of(part, slab_layers);
         std::vector<int> heights;
         for (const PlacedCopy& copy : part.alone) heights.push_back(copy.at[2]);
         std::ranges::sort(heights);
@@ -57,7 +68,7 @@ std::vector<double> slab_work_of(const PreparedTray& prepared, int slab_layers) 
 /// Parts that were looped before, ready to make layers.
 void take_loops(PreparedTray& prepared, Progress& progress) {
     for (ReadyPart& part : prepared.parts.ready)
-        if (!part.alone.empty()) part.ready->print->prepare(progress);
+        if (!part.alone.empty() && part.ready) part.ready->print->prepare(progress);
 }
 
 void make_layers_of(const PreparedTray& prepared, const ComposedLayers& layers, const LayerRange& mine,

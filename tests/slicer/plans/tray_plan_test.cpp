@@ -3,6 +3,7 @@
 
 #include <fstream>
 
+#include <fmt/core.h>
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
@@ -196,4 +197,79 @@ TEST_CASE("Labels of parts get their values, and copies whose labels differ are 
     CHECK(table.parts[1].options.labels.empty());
     CHECK_THAT(desk.fault(R"([{"model": "a.obj", "label": 7}])"), Contains("label"));
     CHECK_THAT(desk.fault(R"([{"model": "a.obj", "labell": "x"}])"), Contains("label"));
+}
+
+TEST_CASE("A part may be a box, a cylinder or a finished print") {
+    const Desk desk;
+    const std::string text = R"({"format": "voxtone-tray", "version": 1, "size": "20mm", "parts": [
+        {"model": "a.obj"},
+        {"box": [10, 5, 2.5], "resin": "VeroClear", "copies": 2},
+        {"cylinder": {"diameter": 8, "height": 2}, "mixture": {"VeroWhite": 1, "T": 3, "K": 0}, "name": "puck"},
+        {"box": [1, 2, 3], "cuts": true, "at": [1, 2], "priority": 5},
+        {"stack": "other/OUT/"}, {"gcvf": "/x/print.gcvf"}]})";
+    CHECK(io::schema_faults("tray", text) == std::vector<std::string>{});
+    const TrayPlan plan = read_tray_plan(desk.write(text), {});
+    REQUIRE(plan.parts.size() == 6);
+    CHECK_FALSE(plan.parts[0].component);
+    const TrayPart& box = plan.parts[1];
+    REQUIRE(box.component);
+    CHECK(box.name == "box-1");
+    CHECK(box.copies == 2);
+    CHECK(box.component->kind == ComponentKind::box);
+    CHECK(box.component->size_mm == std::array<double, 3>{10, 5, 2.5});
+    REQUIRE(box.component->mixture.size() == 1);
+    CHECK(box.component->mixture[0].resin == "VeroClear");
+    CHECK(plan.parts[2].name == "puck");
+    CHECK(plan.parts[2].component->size_mm == std::array<double, 3>{8, 8, 2});
+    REQUIRE(plan.parts[2].component->mixture.size() == 2);  // in the order of their names
+    CHECK(plan.parts[2].component->mixture[0].resin == "T");
+    CHECK(plan.parts[2].component->mixture[0].share == 3);
+    CHECK(plan.parts[3].cuts);
+    CHECK(plan.parts[3].component->mixture.empty());
+    CHECK(plan.parts[4].name == "OUT");
+    CHECK(plan.parts[4].component->path == (desk.folder.path() / "other/OUT").string());
+    CHECK(plan.parts[5].name == "print");
+    CHECK(plan.parts[5].component->path == "/x/print.gcvf");
+
+    const std::string table = desk.write(
+        "box,cylinder,stack,resin,mixture,cuts\n10 5 2,,,W,,\n,8 x 2,,,W:1+VeroCyan:2.5,\n,,old,,,\n1 1 1,,,,,true\n",
+        "t.csv");
+    CHECK(is_tray_plan(table));
+    const TrayPlan rows = read_tray_plan(table, {});
+    REQUIRE(rows.parts.size() == 4);
+    CHECK(rows.parts[0].component->size_mm == std::array<double, 3>{10, 5, 2});
+    CHECK(rows.parts[1].component->size_mm == std::array<double, 3>{8, 8, 2});
+    CHECK(rows.parts[1].component->mixture[1].resin == "VeroCyan");
+    CHECK(rows.parts[1].component->mixture[1].share == 2.5);
+    CHECK(rows.parts[2].name == "old");
+    CHECK(rows.parts[3].cuts);
+}
+
+TEST_CASE("What a component cannot be, and what cannot be asked of it, is a sentence") {
+    const Desk desk;
+    CHECK_THAT(desk.fault(R"([{"box": [1, 2], "resin": "W"}])"), Contains("three sizes"));
+    CHECK_THAT(desk.fault(R"([{"box": [1, 2, 0], "resin": "W"}])"), Contains("0.001 to 10000"));
+    CHECK_THAT(desk.fault(R"([{"box": [1, 2, 3]}])"), Contains("of no resin") && Contains("cuts"));
+    CHECK_THAT(desk.fault(R"([{"box": [1, 2, 3], "model": "a.obj"}])"), Contains("one thing"));
+    CHECK_THAT(desk.fault(R"([{"box": [1, 2, 3], "stack": "a"}])"), Contains("\"box\"") && Contains("one thing"));
+    CHECK_THAT(desk.fault(R"([{"cylinder": {"diameter": 3}, "resin": "W"}])"), Contains("height"));
+    CHECK_THAT(desk.fault(R"([{"cylinder": {"diameter": 3, "hight": 3}, "resin": "W"}])"), Contains("hight"));
+    CHECK_THAT(desk.fault(R"([{"cylinder": [3, 4], "resin": "W"}])"), Contains("diameter"));
+    CHECK_THAT(desk.fault(R"([{"box": [1, 2, 3], "mixture": {"W": 0}}])"), Contains("mixes nothing"));
+    CHECK_THAT(desk.fault(R"([{"box": [1, 2, 3], "mixture": {"W": -1}}])"), Contains("W") && Contains("-1"));
+    CHECK_THAT(desk.fault(R"([{"box": [1, 2, 3], "mixture": {"W": 1}, "resin": "W"}])"), Contains("leave one"));
+    CHECK_THAT(desk.fault(R"([{"model": "a.obj", "resin": "W"}])"), Contains("its own resins"));
+    CHECK_THAT(desk.fault(R"([{"stack": "a", "resin": "W"}])"), Contains("its own resins"));
+    for (const char* option : {R"("size": "2mm")", R"("scale": 2)", R"("turn": true)", R"("rotate": "z90")",
+                               R"("label": "x")", R"("{order}": "x")"}) {
+        CAPTURE(option);
+        CHECK_THAT(desk.fault(fmt::format(R"([{{"stack": "a", {}}}])", option)),
+                   Contains("is for a model") && Contains("sliced already"));
+    }
+    CHECK_THAT(desk.fault(R"([{"box": [1, 2, 3], "resin": "W", "size": "2mm"}])"), Contains("plain voxels"));
+    CHECK_THAT(desk.fault(R"([{"stack": ""}])"), Contains("names nothing"));
+    CHECK_THAT(desk.fault(R"([{"name": "x"}])"), Contains("model") && Contains("stack"));
+    CHECK(io::schema_faults("tray",
+                            R"({"format": "voxtone-tray", "version": 1, "parts": [{"box": [1, 2, 3], "stack": "a"}]})")
+              .size() > 0);
 }

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Parts of a tray that are no models: their voxels, what is said of them, and what is refused.
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+
+#include <fmt/core.h>
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "run_program.h"
+#include "tests/io/files/schema.h"
+
+using namespace voxtone::test;
+using nlohmann::json;
+
+namespace {
+
+namespace fs = std::filesystem;
+using Catch::Matchers::Contains;
+using Rgba = std::array<std::uint8_t, 4>;
+
+const std::string fast = " --iterations 0 --predict none --no-report ";
+
+json json_in(const std::string& file) { return json::parse(read_file(file)); }
+
+/// Layers of a stack as its bitmaps have them.
+class Bitmaps {
+public:
+    explicit Bitmaps(std::string folder) : folder_(std::move(folder)), manifest_(json_in(folder_ + "/manifest.json")) {}
+    [[nodiscard]] std::array<int, 3> size() const {
+        return {manifest_["size_px"][0], manifest_["size_px"][1], manifest_["layers"]};
+    }
+    /// Rows counted upward.
+    [[nodiscard]] Rgba at(int i, int j, int k) const {
+        auto [layer, is_new] = layers_.try_emplace(k);
+        if (is_new) layer->second = read_png(fmt::format("{}/layers/slice_{:05}.png", folder_, k));
+        return layer->second.at(i, layer->second.height - 1 - j);
+    }
+
+private:
+    std::string folder_;
+    json manifest_;
+    mutable std::map<int, Bitmap> layers_;
+};
+
+struct Box {
+    std::array<int, 3> at, size;
+};
+/// The first copy of a part.
+Box box_of(const std::string& out, const std::string& part) {
+    const json tray = json_in(out + "/tray.json");
+    for (const json& one : tray["parts"])
+        if (one["name"] == part) return {one["at_px"][0], one["size_px"]};
+    FAIL("no part " << part);
+    return {};
+}
+
+/// Voxels of a part's box that are not those of a stack.
+std::size_t unlike(const Bitmaps& print, const Box& box, const Bitmaps& stack, const std::array<int, 3>& from = {}) {
+    std::size_t wrong = 0;
+    for (int k = 0; k < box.size[2]; ++k)
+        for (int j = 0; j < box.size[1]; ++j)
+            for (int i = 0; i < box.size[0]; ++i)
+                wrong += print.at(box.at[0] + i, box.at[1] + j, box.at[2] + k) !=
+                         stack.at(from[0] + i, from[1] + j, from[2] + k);
+    return wrong;
+}
+
+std::map<Rgba, std::size_t> colours_in(const Bitmaps& print, const Box& box) {
+    std::map<Rgba, std::size_t> colours;
+    for (int k = 0; k < box.size[2]; ++k)
+        for (int j = 0; j < box.size[1]; ++j)
+            for (int i = 0; i < box.size[0]; ++i) ++colours[print.at(box.at[0] + i, box.at[1] + j, box.at[2] + k)];
+    return colours;
+}
+
+std::map<std::string, std::string> layers_of(const std::string& out) {
+    std::map<std::string, std::string> files;
+    for (auto& [name, bytes] : read_tree(out))
+        if (name.starts_with("layers/")) files.emplace(name, std::move(bytes));
+    return files;
+}
+
+/// Models, a stack of one of them in `old`, with its container.
+struct Shelf {
+    explicit Shelf(const std::string& name) : folder("components_" + name) {
+        folder.write("marker.obj", marker_obj());
+        folder.write("ramp.obj", ramp_box_obj(5, 3, 3));
+    }
+    void slice(const std::string& more = "", const std::string& name = "old") const {
+        const Outcome made = run_program("slice " + (folder / "ramp.obj") + fast + more + " -o " + (folder / name));
+        CAPTURE(made.err);
+        REQUIRE(made.exit_code == 0);
+    }
+    [[nodiscard]] Outcome tray(const std::string& parts, const std::string& options = "") const {
+        folder.write("tray.json", R"({"format": "voxtone-tray", "version": 1, "parts": [)" + parts + "]}");
+        return run_program("slice " + (folder / "tray.json") + fast + options + " -o " + (folder / "out"));
+    }
+    Folder folder;
+};
+
+const Rgba air{0, 0, 0, 255}, white{220, 222, 216, 255}, cyan{0, 150, 200, 255};
+
+}  // namespace
+
+TEST_CASE("A tray of a model, a box, and stacks that were sliced before, voxel for voxel") {
+    const Shelf shelf("voxels");
+    shelf.slice("--formats png,gcvf");
+    const std::string parts = R"({"model": "marker.obj"},
+        {"box": [4, 3, 2], "mixture": {"W": 1, "VeroCyan": 3}, "copies": 2, "name": "patch"},
+        {"cylinder": {"diameter": 3, "height": 1}, "resin": "VeroCyan", "at": [20, 20, 1]},
+        {"stack": "old"}, {"gcvf": "old/stack.gcvf", "name": "boxed", "at": [30, 5, 0.5]})";
+    const Outcome made = shelf.tray(parts);
+    CAPTURE(made.err);
+    REQUIRE(made.exit_code == 0);
+    const std::string out = shelf.folder / "out";
+    CHECK(run_program("verify --quiet " + out).exit_code == 0);
+    CHECK(voxtone::io::schema_faults("tray-stack", read_file(out + "/tray.json")) == std::vector<std::string>{});
+    const Bitmaps print(out), old(shelf.folder / "old");
+
+    const Box stack = box_of(out, "old"), boxed = box_of(out, "boxed");
+    CHECK(stack.size == old.size());
+    CHECK(unlike(print, stack, old) == 0);
+    CHECK(colours_in(old, {{}, old.size()}).size() > 3);
+    // Of the container the body alone: all of this one, which fills its box.
+    CHECK(boxed.size == old.size());
+    CHECK(unlike(print, boxed, old) == 0);
+
+    const Box patch = box_of(out, "patch");
+    CHECK(patch.size == std::array<int, 3>{94, 35, 74});  // 3.979 x 2.963 x 1.998 mm
+    const auto colours = colours_in(print, patch);
+    CHECK(colours.size() == 2);
+    const double voxels = 94 * 35 * 74;
+    CHECK(double(colours.at(cyan)) / voxels == Approx(0.75).margin(0.01));
+    CHECK(double(colours.at(white)) / voxels == Approx(0.25).margin(0.01));
+    const auto round = colours_in(print, box_of(out, "cylinder"));
+    CHECK(round.size() == 2);
+    const double voxel_mm3 = 25.4 / 600 * 25.4 / 300 * 0.027;
+    CHECK(double(round.at(cyan)) * voxel_mm3 == Approx(std::acos(-1) / 4 * 9 * 37 * 0.027).epsilon(0.005));
+
+    const json manifest = json_in(out + "/manifest.json");
+    REQUIRE(manifest["members"].size() == 5);
+    CHECK(manifest["members"][1]["verdict"] == "none: component");
+    CHECK(manifest["members"][1]["boxes_mm"].size() == 2);
+    CHECK(manifest["members"][1]["ml"].get<double>() == Approx(2 * voxels * voxel_mm3 * 1e-3));
+    CHECK(manifest["members"][3]["ml"] == manifest["members"][4]["ml"]);
+
+    // The same again does nothing, shards are the same bits.
+    CHECK_THAT(shelf.tray(parts).out, Contains("nothing was done"));
+    const std::string cut = shelf.folder / "cut";
+    for (int shard = 1; shard <= 3; ++shard)
+        REQUIRE(run_program(fmt::format("slice {}{} --formats png --shard {}/3 -o {}", shelf.folder / "tray.json", fast,
+                                        shard, cut))
+                    .exit_code == 0);
+    REQUIRE(run_program("merge --quiet " + cut).exit_code == 0);
+    CHECK(layers_of(cut) == layers_of(out));
+    CHECK(json_in(cut + "/tray.json")["parts"][3]["at_px"] == json_in(out + "/tray.json")["parts"][3]["at_px"]);
+
+    // A stack that is made anew is another tray's.
+    shelf.slice("--overwrite --depth 0.5mm");
+    CHECK(shelf.tray(parts).exit_code == 3);
+}
+
+TEST_CASE("A component cuts, has priority, and is told of where it is overlapped") {
+    const Shelf shelf("cuts");
+    shelf.slice();
+    const Outcome made = shelf.tray(R"({"stack": "old", "at": [0, 0]},
+        {"box": [2, 3.2, 1], "cuts": true, "at": [1, 0, 1], "priority": 1, "name": "slot"},
+        {"box": [1, 1, 1], "resin": "W", "at": [4, 0], "priority": -1, "name": "below"})");
+    CAPTURE(made.err);
+    REQUIRE(made.exit_code == 0);
+    const std::string out = shelf.folder / "out";
+    const Bitmaps print(out);
+    CHECK(colours_in(print, box_of(out, "slot")).size() == 1);
+    CHECK(colours_in(print, box_of(out, "slot")).contains(air));
+    const json tray = json_in(out + "/tray.json");
+    const json manifest = json_in(out + "/manifest.json");
+    CHECK(manifest["members"][1]["ml"] == 0);
+    CHECK(tray["parts"][0]["overlapped_mm3"].get<double>() == Approx(2 * 3 * 1).epsilon(0.03));
+    CHECK(tray["parts"][2]["overlapped_mm3"].get<double>() == Approx(1).epsilon(0.05));
+    CHECK_THAT(made.err, Contains("below: ") && Contains("where another part is printed"));
+}
+
+TEST_CASE("A tray may be of components alone, and is estimated") {
+    const Shelf shelf("alone");
+    const std::string parts =
+        R"({"box": [6, 4, 2], "mixture": {"VeroCyan": 1, "VeroMagenta": 1}, "copies": 3}, {"cylinder": {"diameter": 5, "height": 2}, "resin": "k"})";
+    REQUIRE(shelf.tray(parts).exit_code == 0);
+    const json manifest = json_in(shelf.folder / "out/manifest.json");
+    std::map<std::string, double> ml;
+    for (const json& resin : manifest["resins"]) ml[resin["role"]] = resin["ml"];
+    CHECK(ml["C"] == Approx(3 * 0.024).epsilon(0.02));
+    CHECK(ml["C"] == Approx(ml["M"]).epsilon(0.001));
+    CHECK(ml["K"] == Approx(std::acos(-1) / 4 * 0.05).epsilon(0.02));
+    const Outcome said = run_program("estimate --json " + (shelf.folder / "tray.json") + " --iterations 0");
+    CAPTURE(said.err);
+    REQUIRE(said.exit_code == 0);
+    const auto begin = said.out.rfind('\n', said.out.size() - 2);
+    const json estimate = json::parse(said.out.substr(begin == std::string::npos ? 0 : begin + 1))["result"];
+    for (const json& resin : estimate["resins"])
+        CHECK(resin["ml"].get<double>() == Approx(ml[resin["role"]]).margin(1e-4));
+}
+
+TEST_CASE("Stacks that cannot be taken as they are, are refused in a sentence") {
+    const Shelf shelf("refused");
+    shelf.slice("--formats png,gcvf");
+    const auto fault = [&](const std::string& part, const std::string& options = "") {
+        const Outcome said = shelf.tray(R"({"box": [1, 1, 2], "resin": "W"}, )" + part, "--fail-fast " + options);
+        CHECK(said.exit_code > 1);
+        CHECK_FALSE(fs::exists(shelf.folder / "out/manifest.json"));
+        return said.err;
+    };
+    CHECK_THAT(fault(R"({"stack": "gone"})"), Contains("parts[1]") && Contains("gone is not there"));
+    CHECK_THAT(fault(R"({"gcvf": "gone.gcvf"})"), Contains("gone.gcvf is not there"));
+    CHECK_THAT(fault(R"({"stack": "old/layers"})"), Contains("manifest.json") && Contains("which colour"));
+    CHECK_THAT(fault(R"({"stack": "old/stack.gcvf"})"), Contains("is a GCVF") && Contains("\"gcvf\""));
+    CHECK_THAT(fault(R"({"gcvf": "old"})"), Contains("is a stack") && Contains("\"stack\""));
+    CHECK_THAT(fault(R"({"stack": "out"})"), Contains("cannot be a part of it"));
+    CHECK_THAT(fault(R"({"stack": "old"})", "--load C,M,W"),
+               Contains("is of VeroYL-V, which is not loaded") && Contains("load"));
+    CHECK_THAT(fault(R"({"box": [1, 1, 1], "resin": "VeroClear"})"), Contains("VeroClear, which is not loaded"));
+    CHECK_THAT(fault(R"({"box": [0.01, 1, 1], "resin": "W"})"), Contains("along x") && Contains("half a voxel"));
+    CHECK_THAT(fault(R"({"stack": "old"})", "--arrange none"), Contains("no place of its own"));
+
+    shelf.slice("--printer stratasys-j750-hq", "fine");
+    CHECK_THAT(fault(R"({"stack": "fine"})"), Contains("42.33 x 84.67 x 14 um") && Contains("42.33 x 84.67 x 27"));
+    // Another layer than was written, one that is cut off, one that is gone.
+    const fs::path layer = shelf.folder / "old/layers/slice_00050.png";
+    fs::copy_file(shelf.folder / "old/layers/slice_00110.png", layer, fs::copy_options::overwrite_existing);
+    CHECK_THAT(fault(R"({"stack": "old"})"), Contains("other voxels than its manifest.json says"));
+    fs::resize_file(layer, 40);
+    CHECK_THAT(fault(R"({"stack": "old"})"), Contains("slice_00050.png"));
+    fs::remove(layer);
+    CHECK_THAT(fault(R"({"stack": "old"})"), Contains("not there") && Contains("slice_00050.png"));
+    fs::resize_file(shelf.folder / "old/stack.gcvf", 3000);
+    CHECK_THAT(fault(R"({"gcvf": "old/stack.gcvf"})"), Contains("stack.gcvf"));
+    std::string manifest = read_file(shelf.folder / "old/manifest.json");
+    manifest.replace(manifest.find("VeroBlack"), 9, "VeroBleck");
+    shelf.folder.write("old/manifest.json", manifest);
+    shelf.slice("", "whole");
+    manifest = read_file(shelf.folder / "whole/manifest.json");
+    manifest.replace(manifest.find("VeroBlack"), 9, "VeroBleck");
+    shelf.folder.write("whole/manifest.json", manifest);
+    CHECK_THAT(fault(R"({"stack": "whole"})"), Contains("was changed after it was written"));
+}
+
+TEST_CASE("A component beside a coloured part is warned of, two plain ones are not") {
+    const Shelf shelf("near");
+    shelf.slice();
+    const Outcome near =
+        shelf.tray(R"({"model": "marker.obj", "at": [0, 0]}, {"box": [2, 2, 2], "resin": "W", "at": [7, 0]})");
+    CHECK(near.exit_code == 0);
+    CHECK_THAT(near.err, Contains("marker and box lie within 2 mm") && Contains("box is a component"));
+    const Outcome plain = shelf.tray(
+        R"({"box": [2, 2, 2], "resin": "K", "at": [0, 0], "name": "a"}, {"box": [2, 2, 2], "resin": "W", "at": [2.5, 0]})",
+        "--overwrite");
+    CHECK(plain.exit_code == 0);
+    CHECK_THAT(plain.err, !Contains("within 2 mm"));
+    const Outcome stack =
+        shelf.tray(R"({"stack": "old", "at": [0, 0]}, {"box": [2, 2, 2], "resin": "W", "at": [6, 0]})", "--overwrite");
+    CHECK_THAT(stack.err, Contains("old and box lie within 2 mm"));
+}
