@@ -7,6 +7,7 @@ install(DIRECTORY data/ DESTINATION ${CMAKE_INSTALL_DATADIR}/voxtone COMPONENT p
 install(EXPORT voxtone-targets NAMESPACE voxtone:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/voxtone COMPONENT development)
 
 include(CMakePackageConfigHelpers)
+list(TRANSFORM libraries REPLACE "^voxtone_" "" OUTPUT_VARIABLE VOXTONE_BUILT_FLOORS)
 configure_package_config_file(cmake/voxtone-config.cmake.in voxtone-config.cmake
                               INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/voxtone)
 write_basic_package_version_file(voxtone-config-version.cmake COMPATIBILITY SameMinorVersion)

@@ -1,6 +1,9 @@
 # One library per floor, rooms as its folders; one test program per floor (more where a dependency is slow to load).
 
 set(VOXTONE_FLOORS base optics io calibration halftone slicer cli)
+if(NOT VOXTONE_HAS_calibration)
+  list(REMOVE_ITEM VOXTONE_FLOORS calibration)
+endif()
 
 add_library(voxtone_flags INTERFACE)
 # An include is spelled as the tree is: "optics/layered/phase.h".
@@ -35,6 +38,15 @@ function(voxtone_add_floor floor)
   target_link_libraries(voxtone_${floor} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:voxtone_flags>)
   set_target_properties(voxtone_${floor} PROPERTIES EXPORT_NAME ${floor} POSITION_INDEPENDENT_CODE ON)
   set_property(GLOBAL APPEND PROPERTY VOXTONE_LIBRARIES voxtone_${floor})
+endfunction()
+
+# voxtone_want(<target> <program or module>...): it builds those of them that this build has.
+function(voxtone_want target)
+  foreach(helper IN LISTS ARGN)
+    if(TARGET ${helper})
+      add_dependencies(${target} ${helper})
+    endif()
+  endforeach()
 endfunction()
 
 # voxtone_add_room(<floor> <room> [LIGHT] [ALONE <name>...] [WITHOUT <name>...])
@@ -96,8 +108,17 @@ endfunction()
 # voxtone_add_test(<name> [SLOW] LABELS <label>... LIBRARIES <target>... SOURCES <file>...)
 # Catch2 tests, one ctest per TEST_CASE. Labels: unit (below half a second each), slow, statistical, corpus, app. SLOW: cases
 # tagged [slow] take longer, and have the label `slow` instead. The target unit_tests builds all that is labelled unit.
+# A test one of whose libraries is missing is left out, and said to be: in its place stands a target that is never built.
 function(voxtone_add_test name)
   cmake_parse_arguments(ARG "SLOW" "" "LABELS;LIBRARIES;SOURCES" ${ARGN})
+  foreach(library IN LISTS ARG_LIBRARIES)
+    if(NOT TARGET ${library})
+      message(STATUS "voxtone without ${name}: no ${library}")
+      file(TOUCH ${CMAKE_CURRENT_BINARY_DIR}/left_out.cpp)
+      add_library(${name} OBJECT EXCLUDE_FROM_ALL ${CMAKE_CURRENT_BINARY_DIR}/left_out.cpp)
+      return()
+    endif()
+  endforeach()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE voxtone_flags voxtone_catch_main ${ARG_LIBRARIES})
   target_precompile_headers(${name} REUSE_FROM voxtone_test_headers)
@@ -105,7 +126,7 @@ function(voxtone_add_test name)
   target_compile_definitions(${name} PRIVATE VOXTONE_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data"
                                              VOXTONE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   if(ARG_LIBRARIES MATCHES "voxtone::(io|calibration|slicer)")
-    add_dependencies(${name} voxtone-read voxtone-read-pictures voxtone-read-stack voxtone-vdb voxtone-layer-surfaces)
+    voxtone_want(${name} voxtone-read voxtone-read-pictures voxtone-read-stack voxtone-vdb voxtone-layer-surfaces)
   endif()
   # CTest starts the most costly first; what it measures itself it forgets of names with spaces.
   set(cost 20)

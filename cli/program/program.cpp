@@ -12,7 +12,9 @@
 #include "base/error.h"
 #include "cli/program/completion.h"
 #include "cli/program/help.h"
+#include "cli/program/licences.h"
 #include "cli/program/manual.h"
+#include "cli/program/option_schema.h"
 #include "cli/program/outcome.h"
 #include "io/programs/build_identity.h"
 
@@ -50,11 +52,15 @@ int parse_and_run(CLI::App& program, const Words& words, const Commands& command
     throw UsageError("name a verb; `voxtone --help` says which there are");
 }
 
+int print_text(const std::string& text) {
+    print_out(text);
+    return 0;
+}
+
 int print_completions(const CLI::App& program, const Words& words) {
     std::string text;
     for (const std::string& word : completions(program, words)) text += word + "\n";
-    print_out(text);
-    return 0;
+    return print_text(text);
 }
 
 int print_manual(const CLI::App& program, const std::string& folder) {
@@ -89,12 +95,18 @@ int run(const Words& said, const std::vector<Verb>& verbs) {
     CLI::App program(description, "voxtone");
     set_up_help(program);
     program.set_version_flag("--version", version_text(), "print the version and stop");
+    const std::string json_help = "print every verb and option as one JSON object, and stop";
+    const std::string licences_help = "print under which licences voxtone and its libraries are, and stop";
+    program.add_flag("--help-json", json_help);
+    program.add_flag("--licences", licences_help);
     program.require_subcommand(1);
     add_example(program, "slice spot.obj --size 60mm -o print");
     Commands commands;
     for (const Verb& verb : verbs) commands.emplace_back(verb.name, verb.add(program));
     if (!words.empty() && words[0] == "complete") return print_completions(program, {words.begin() + 1, words.end()});
     if (words.size() == 2 && words[0] == "manual") return print_manual(program, words[1]);
+    if (words == Words{"--help-json"}) return print_text(option_schema(program));
+    if (words == Words{"--licences"}) return print_text(licences_text());
     check_words(program, words);
     return parse_and_run(program, words, commands);
 }

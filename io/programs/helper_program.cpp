@@ -3,7 +3,10 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdlib>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -27,6 +30,22 @@ std::vector<fs::path> helper_folders() {
     return folders;
 }
 
+/// What brings a helper that an installation or a build may be without.
+struct Source {
+    std::string_view helper, package, part;  ///< Debian's package; part of packages.txt
+};
+constexpr std::array sources{Source{"voxtone-read-pictures", "voxtone-pictures", "pictures"},
+                             Source{"voxtone-calibrate", "voxtone-calibrate", "calibration"},
+                             Source{"voxtone-vdb.so", "voxtone-vdb", "vdb"},
+                             Source{"voxtone-layer-surfaces.so", "voxtone-vdb", "vdb"}};
+
+std::string remedy(const std::string& helper) {
+    const auto source = std::ranges::find(sources, helper, &Source::helper);
+    if (source == sources.end()) return "install voxtone again";
+    return fmt::format("install the package {}, or build voxtone where `tools/install-packages {}` was run",
+                       source->package, source->part);
+}
+
 }  // namespace
 
 fs::path find_helper(const std::string& name) {
@@ -38,9 +57,8 @@ fs::path find_helper(const std::string& name) {
         places.push_back(folder.string());
     }
     throw FileError(
-        fmt::format("{}, a program that belongs to voxtone, is not in {}; install voxtone again, or name the folder "
-                    "that holds it in {}",
-                    name, fmt::join(places, ", "), helpers_variable));
+        fmt::format("{}, a program that belongs to voxtone, is not in {}; {}, or name the folder that holds it in {}",
+                    name, fmt::join(places, ", "), remedy(name), helpers_variable));
 }
 
 }  // namespace voxtone::io

@@ -8,7 +8,11 @@
 #include <string>
 #include <vector>
 
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 
 #include <Eigen/Geometry>
 
@@ -25,6 +29,17 @@ constexpr double far_away = 1e4;  // mm
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 using Triangle = std::array<std::uint32_t, 3>;
+
+/// Embree 4 wants no context of a plain ray.
+void intersect(RTCScene scene, RTCRayHit& ray) {
+#if RTC_VERSION_MAJOR >= 4
+    rtcIntersect1(scene, &ray);
+#else
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(scene, &context, &ray);
+#endif
+}
 
 Vector3d vector_of(const optics::Point& p) { return {p[0], p[1], p[2]}; }
 optics::Point point_of(const Vector3d& v) { return {v[0], v[1], v[2]}; }
@@ -162,8 +177,6 @@ std::optional<MeshBoundary::Data::Hit> MeshBoundary::Data::first_hit(const optic
                                                                      const optics::Point& direction, float near,
                                                                      double reach, bool along) const {
     const Vector3d d = vector_of(direction);
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
     // Triangles that look the other way are passed; only a start on the wrong side meets any.
     for (int tries = 0; tries < 8; ++tries) {
         RTCRayHit ray{};
@@ -177,7 +190,7 @@ std::optional<MeshBoundary::Data::Hit> MeshBoundary::Data::first_hit(const optic
         ray.ray.tfar = static_cast<float>(reach);
         ray.ray.mask = ~0u;
         ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        rtcIntersect1(scene, &context, &ray);
+        intersect(scene, ray);
         if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
         const std::uint32_t t = ray.hit.primID;
         if ((d.dot(normal[t]) > 0) == along) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // --help, the manual and the shells' completion are made from one table of options.
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <sstream>
@@ -8,8 +9,10 @@
 #include <vector>
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include "run_program.h"
+#include "tests/io/files/schema.h"
 #include "tests/outcomes.h"
 
 using namespace voxtone::test;
@@ -105,6 +108,64 @@ TEST_CASE("Options that few need are behind --help-all") {
     CHECK_THAT(help, !Contains("--laminate-blocks") && Contains("slice --help-all") && Contains("Layered profiles"));
     CHECK_THAT(all, Contains("--laminate-blocks") && Contains("--size"));
     CHECK_THAT(run_program("--help-all").out, Contains("voxtone laminate search") && Contains("--max-blocks"));
+}
+
+TEST_CASE("The options as JSON are all that --help-all tells of") {
+    const std::string text = run_program("--help-json").out;
+    CHECK(voxtone::io::schema_faults("options", text) == std::vector<std::string>{});
+    const auto told = nlohmann::json::parse(text);
+    const auto named = [](const nlohmann::json& list, const std::string& name) {
+        for (const auto& entry : list)
+            if (entry.at("name") == name) return entry;
+        return nlohmann::json();
+    };
+    for (const std::string& command : every_command) {
+        if (command.empty()) continue;
+        INFO(command);
+        std::istringstream words(command);
+        nlohmann::json verb{{"steps", told.at("verbs")}};
+        for (std::string word; words >> word;) verb = named(verb.at("steps"), word);
+        REQUIRE(verb.is_object());
+        if (!verb.at("steps").empty()) continue;
+        std::vector<std::string> lacking;
+        for (const std::string& option : option_words(run_program(command + " --help-all").out))
+            if (option != "--help" && option != "--help-all" &&
+                !named(verb.at("options"), option.substr(2)).is_object())
+                lacking.push_back(option);
+        CHECK(lacking == std::vector<std::string>{});
+    }
+    const nlohmann::json slice = named(told.at("verbs"), "slice").at("options");
+    CHECK(named(slice, "report").at("can_be_turned_off") == true);
+    CHECK(named(slice, "quality").at("choices") == nlohmann::json({"draft", "good", "best"}));
+    CHECK(named(slice, "size").at("value") == "LENGTH");
+    CHECK(named(slice, "size").at("flag") == false);
+}
+
+TEST_CASE("The licences that are printed name every library that is linked") {
+    if (!is_here("readelf")) {
+        skip("readelf is not here");
+        return;
+    }
+    const auto table = nlohmann::json::parse(read_file(VOXTONE_SOURCE_DIR "/data/licences.json"));
+    const std::string text = run_program("--licences").out;
+    std::vector<std::string> sonames;
+    for (const auto& library : table.at("libraries")) {
+        CHECK_THAT(text, Contains(library.at("name").get<std::string>()) &&
+                             Contains(library.at("licence").get<std::string>()));
+        for (const std::string& soname : library.value("sonames", std::vector<std::string>{}))
+            sonames.push_back(soname);
+    }
+    const Folder folder("linked");
+    REQUIRE(run_shell("for file in '" VOXTONE_BUILD_DIR "'/bin/voxtone*; do readelf -d \"$file\"; done | "
+                      "sed -n 's/.*NEEDED.*\\[\\(.*\\.so\\).*\\]/\\1/p' | sort -u >'" +
+                      (folder / "list") + "'") == 0);
+    std::istringstream linked(read_file(folder / "list"));
+    std::size_t count = 0;
+    for (std::string library; std::getline(linked, library); ++count) {
+        INFO(library << " stands in no entry of data/licences.json");
+        CHECK((std::ranges::find(sonames, library) != sonames.end() || library.find("san.so") != std::string::npos));
+    }
+    CHECK(count > 20);
 }
 
 TEST_CASE("list printers shows what refuses jobs") {

@@ -58,6 +58,8 @@ TEST_CASE("helper programs are found where the variable says, and nowhere else")
     CHECK_THROWS_AS(find_helper("voxtone-read"), FileError);
     CHECK_THROWS_WITH(find_helper("voxtone-read"), Contains("voxtone-read") && Contains(folder.path().string()) &&
                                                        Contains("install voxtone again"));
+    CHECK_THROWS_WITH(find_helper("voxtone-calibrate"),
+                      Contains("install the package voxtone-calibrate") && Contains("install-packages calibration"));
     std::ofstream(folder.path() / "voxtone-read") << "cannot be run";
     CHECK_THROWS_AS(find_helper("voxtone-read"), FileError);
     write_program(folder.path() / "voxtone-read", "#!/bin/sh\n");

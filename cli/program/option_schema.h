@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Every verb and its options as JSON (data/schema/options.schema.json), from the table that makes --help: for programs
+// that call this one (python/).
+#pragma once
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+namespace voxtone::cli {
+
+/// Of the verbs of `program`, with the steps of families, without what --help does not tell.
+[[nodiscard]] std::string option_schema(const CLI::App& program);
+
+}  // namespace voxtone::cli
