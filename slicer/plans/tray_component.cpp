@@ -20,8 +20,8 @@ namespace fs = std::filesystem;
 
 constexpr ComponentKind kinds[] = {ComponentKind::box, ComponentKind::cylinder, ComponentKind::stack,
                                    ComponentKind::gcvf};
-constexpr const char *model_key = "model", *resin_key = "resin", *mixture_key = "mixture", *diameter_key = "diameter",
-                     *height_key = "height";
+constexpr const char *model_key = "model", *job_key = "job", *resin_key = "resin", *mixture_key = "mixture",
+                     *diameter_key = "diameter", *height_key = "height";
 constexpr double least_size_mm = 1e-3, most_size_mm = 10'000, most_share = 1e9;
 
 double checked_mm(const io::JsonObject& part, std::string_view key, double mm) {
@@ -123,6 +123,10 @@ std::string_view phrase_of(ComponentKind kind) {
     return "";
 }
 
+[[noreturn]] void refuse_two(const io::JsonObject& part, std::string_view key, std::string_view other) {
+    part.fail(key, fmt::format("stands beside \"{}\", and a part is one thing: make it two parts", other));
+}
+
 /// Options of a job say how a model becomes voxels, labels what is on its surface.
 void refuse_what_models_have(const io::JsonObject& part, const TrayComponent& component) {
     for (const std::string& key : part.keys()) {
@@ -151,9 +155,9 @@ std::optional<TrayComponent> component_of(const io::JsonObject& part, const fs::
     for (const ComponentKind kind : kinds) {
         const std::string_view key = name_of(kind);
         if (!part.has(key)) continue;
-        if (component || part.has(model_key))
-            part.fail(key, fmt::format("stands beside \"{}\", and a part is one thing: make it two parts",
-                                       component ? name_of(component->kind) : model_key));
+        for (const char* other : {model_key, job_key})
+            if (part.has(other)) refuse_two(part, key, other);
+        if (component) refuse_two(part, key, name_of(component->kind));
         component.emplace();
         component->kind = kind;
         if (kind == ComponentKind::box) component->size_mm = box_of(part, key);

@@ -10,6 +10,7 @@
 
 #include "slicer/options/label_template.h"
 #include "slicer/options/slice_options.h"
+#include "slicer/plans/part_job.h"
 #include "slicer/plans/tray_component.h"
 
 namespace voxtone::slicer {
@@ -19,6 +20,7 @@ struct TrayPart {
     bool has_own_name = false;  ///< the plan gives it
     SliceOptions options;       ///< of the job that it would be alone; of a component without a model
     std::optional<TrayComponent> component;    ///< nothing: a model
+    std::optional<PartJob> job;                ///< whose options they are
     int copies = 1;                            ///< >= 1
     std::vector<std::array<double, 3>> at_mm;  ///< lowest corner of each copy's box on the tray; empty: to be arranged
     bool turn = false;      ///< it may be turned by right angles about the vertical where it is arranged

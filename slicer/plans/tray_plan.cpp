@@ -92,13 +92,17 @@ std::vector<std::array<double, 3>> places_of(const io::JsonObject& object) {
 }
 
 void take_model(const io::JsonObject& object, const fs::path& folder, TrayPart& part) {
-    std::vector<std::string> said = take_options(object, folder, part.options);
+    std::vector<std::string> said;
+    if (object.has(part_job_key)) part.job = take_part_job(object, folder, of_the_tray, part.options, said);
+    const std::vector<std::string> of_part = take_options(object, folder, part.options);
+    said.insert(said.end(), of_part.begin(), of_part.end());
     part.turn = part.options.turn;
     part.options.turn = false;
     std::erase(said, turn_key);
     if (part.options.model.empty())
         object.fail("model",
-                    "names the part's model or picture; a component is a \"box\", \"cylinder\", \"stack\" or "
+                    "names the part's model or picture; so does a \"job\", and a component is a \"box\", \"cylinder\", "
+                    "\"stack\" or "
                     "\"gcvf\"");
     part.options = with_absolute_paths(std::move(part.options));
     drop_idle(part.options, said);  // what is said for all is meant where it can be: a picture has no size
@@ -106,7 +110,7 @@ void take_model(const io::JsonObject& object, const fs::path& folder, TrayPart& 
 
 TrayPart part_of(const io::JsonObject& object, const fs::path& folder, const SliceOptions& common, std::string place) {
     std::vector<std::string> words = component_keys();
-    words.insert(words.end(), {name_key, copies_key, at_key, priority_key, cuts_key});
+    words.insert(words.end(), {std::string(part_job_key), name_key, copies_key, at_key, priority_key, cuts_key});
     expect_keys(object, std::move(words));
     for (const char* key : of_the_tray)
         if (object.has(key))
@@ -286,6 +290,7 @@ bool is_tray_plan(const fs::path& file) {
         const std::vector<std::string> header = parse_csv(text_of(file)).header;
         return std::ranges::any_of(header, [](const std::string& word) {
             const std::vector<std::string> components = component_keys();
+            if (word == part_job_key) return true;
             if (std::ranges::find(components, word) != components.end()) return true;
             return word == copies_key || word == at_key || word == priority_key || word == cuts_key || word == turn_key;
         });

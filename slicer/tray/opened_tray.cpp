@@ -48,6 +48,7 @@ std::vector<io::SideFile> files_of(const OpenedTray& tray, const TrayParts& part
             for (const std::string& file : part.component->files) add(file, io::file_sha256(file));
             continue;
         }
+        if (part.part.job) add(part.part.job->file, io::file_sha256(part.part.job->file));
         for (const JobInput& input : part.ready->identity.inputs)
             if (!input.file.empty()) add(input.file, input.sha256);
     }

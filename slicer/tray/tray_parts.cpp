@@ -12,6 +12,7 @@
 #include "slicer/kept/loop_checkpoint.h"
 #include "slicer/tray/arrangement.h"
 #include "slicer/tray/component.h"
+#include "slicer/tray/kept_loop.h"
 
 namespace voxtone::slicer {
 
@@ -49,10 +50,27 @@ std::vector<std::string> roles_of(const OpenedJob& job) {
 /// A part on its way.
 struct WaitingPart {
     TrayPart part;
-    SliceOptions options;  ///< as a job
+    SliceOptions options;    ///< as a job
+    SliceOptions as_said{};  ///< the same, which may leave the choice of resins to the printer
     std::optional<JobBody> body = std::nullopt;
     std::optional<ReadyComponent> component = std::nullopt;
 };
+
+/// A job of another printer or of other resins is another print.
+void expect_of_the_tray(const PartJob& said, const OpenedJob& opened) {
+    const auto other = [](const std::string& a, const std::string& b) {
+        std::error_code none;
+        return !a.empty() && a != b && !(fs::exists(a, none) && fs::equivalent(a, b, none));
+    };
+    const auto refuse = [&](std::string_view what, const std::string& its, const std::string& the_trays) {
+        throw InputError(
+            fmt::format("{}: is a job for the {} {}, and this tray is for {}: say \"{}\" beside \"parts\", or slice "
+                        "it on a tray of its own",
+                        said.file, what, its, the_trays, what));
+    };
+    if (other(said.printer, opened.options.printer)) refuse("printer", said.printer, opened.options.printer);
+    if (other(said.resins, opened.options.resins)) refuse("resins", said.resins, opened.options.resins);
+}
 
 /// All are opened before the first is worked on: what refuses one is known before time is spent.
 std::vector<WaitingPart> open_parts(const TrayPlan& plan, std::vector<FailedPart>& failed, Progress& progress) {
@@ -70,9 +88,10 @@ std::vector<WaitingPart> open_parts(const TrayPlan& plan, std::vector<FailedPart
                 throw InputError("shows how light spreads, which a tray's parts cannot yet: print it alone");
             if (!roles.empty() && roles_of(opened) != roles)
                 throw InputError("loads other resins than the first part: say \"load\" beside \"parts\"");
+            if (part.job) expect_of_the_tray(*part.job, opened);
             if (roles.empty()) roles = roles_of(opened);
         });
-        if (good) waiting.push_back({part, job_options(part, plan.common.out, roles)});
+        if (good) waiting.push_back({part, job_options(part, plan.common.out, roles), options});
     }
     return waiting;
 }
@@ -133,6 +152,20 @@ void turn_parts(const TrayPlan& plan, std::vector<WaitingPart>& waiting, std::ve
     }
 }
 
+/// With the loop of the job that it was alone; null where that is not to be had. The job says its resins as it did
+/// then; where it chooses others for its colours than this tray loads, it is another job.
+std::unique_ptr<PreparedJob> open_with_kept_loop(WaitingPart& part, Progress& progress) {
+    SliceOptions options = part.as_said;
+    if (!take_kept_loop(part.part.name, part.part.job->folder, options, progress)) return nullptr;
+    options.until = SliceOptions{}.until;  // that it is run, is done
+    std::unique_ptr<PreparedJob> ready = open_ready(options, std::move(part.body), progress);
+    if (roles_of(ready->job) == part.options.load && is_loop_of(part.part.name, *ready, progress)) return ready;
+    std::error_code none;
+    fs::remove(ready->job.options.loop.mixtures, none);
+    part.body.reset();  // is read anew
+    return nullptr;
+}
+
 ReadyPart prepare_part(WaitingPart& part, Progress& progress) {
     if (part.body)
         for (const std::string& warning : part.body->warnings) progress.warn(warning);
@@ -140,7 +173,9 @@ ReadyPart prepare_part(WaitingPart& part, Progress& progress) {
     made.part = part.part;
     made.component = std::move(part.component);
     if (made.component) return made;
-    made.ready = open_ready(part.options, std::move(part.body), progress);
+    if (part.part.job && !part.part.job->folder.empty() && part.options.rotate == part.as_said.rotate)
+        made.ready = open_with_kept_loop(part, progress);
+    if (!made.ready) made.ready = open_ready(part.options, std::move(part.body), progress);
     return made;
 }
 

@@ -264,3 +264,46 @@ TEST_CASE("A component beside a coloured part is warned of, two plain ones are n
         shelf.tray(R"({"stack": "old", "at": [0, 0]}, {"box": [2, 2, 2], "resin": "W", "at": [6, 0]})", "--overwrite");
     CHECK_THAT(stack.err, Contains("old and box lie within 2 mm"));
 }
+
+TEST_CASE("A job that was done is a part with the loop that it kept") {
+    const Shelf shelf("jobs");
+    const std::string looped = " --size 3mm --iterations 1 --predict none --no-report ";
+    const std::string slice = "slice " + (shelf.folder / "ramp.obj") + looped + " -o " + (shelf.folder / "done");
+    REQUIRE(run_program(slice + " --until loop").exit_code == 0);
+    REQUIRE(run_program(slice).exit_code == 0);
+    shelf.folder.write("tray.json", R"({"format": "voxtone-tray", "version": 1, "parts": [{"job": "done"}]})");
+    const auto tray = [&](const std::string& options, const std::string& out) {
+        const Outcome made = run_program("slice " + (shelf.folder / "tray.json") + " --predict none --no-report " +
+                                         options + " -o " + (shelf.folder / out));
+        CAPTURE(made.err);
+        REQUIRE(made.exit_code == 0);
+        return made.err;
+    };
+    const auto is_taken = [](const std::string& said) {
+        return said.find("the appearance loop was run before") != std::string::npos &&
+               said.find("is run again") == std::string::npos;
+    };
+    CHECK(is_taken(tray("", "out")));
+    CHECK(layers_of(shelf.folder / "out") == layers_of(shelf.folder / "done"));
+    // Also where loops are a task of their own.
+    CHECK(is_taken(tray("--until loop", "cut")));
+    for (const char* shard : {"--shard 1/2", "--shard 2/2"}) CHECK(is_taken(tray(shard, "cut")));
+    REQUIRE(run_program("merge --quiet " + (shelf.folder / "cut")).exit_code == 0);
+    CHECK(layers_of(shelf.folder / "cut") == layers_of(shelf.folder / "done"));
+    // Of another job, or not there, it is run again, and said why.
+    shelf.folder.write("tray.json",
+                       R"({"format": "voxtone-tray", "version": 1, "parts": [{"job": "done", "depth": "0.6mm"}]})");
+    CHECK_THAT(tray("", "deep"), Contains("is run again") && Contains("of another job"));
+    CHECK(layers_of(shelf.folder / "deep") != layers_of(shelf.folder / "done"));
+    fs::remove(shelf.folder / "done/skin.mixtures");
+    shelf.folder.write("tray.json", R"({"format": "voxtone-tray", "version": 1, "parts": [{"job": "done"}]})");
+    CHECK_THAT(tray("", "again"), Contains("is run again") && Contains("kept nothing of its own"));
+    CHECK(layers_of(shelf.folder / "again") == layers_of(shelf.folder / "done"));
+    // A job of another printer or other resins is another print.
+    for (const char* other : {"--printer stratasys-j750-hq", "--resins vero-opaque"}) {
+        const Outcome refused =
+            run_program("slice " + (shelf.folder / "tray.json") + fast + other + " -o " + (shelf.folder / "other"));
+        CHECK(refused.exit_code == 3);
+        CHECK_THAT(refused.err, Contains("parts[0]") && Contains("is a job for the"));
+    }
+}

@@ -273,3 +273,39 @@ TEST_CASE("What a component cannot be, and what cannot be asked of it, is a sent
                             R"({"format": "voxtone-tray", "version": 1, "parts": [{"box": [1, 2, 3], "stack": "a"}]})")
               .size() > 0);
 }
+
+TEST_CASE("A part may have the options of a job file, and say otherwise") {
+    const Desk desk;
+    std::filesystem::create_directories(desk.folder.path() / "jobs/done");
+    desk.write(R"({"format": "voxtone-job", "version": 1, "model": "cow.obj", "size": "30mm", "depth": "0.8mm",
+                   "printer": "stratasys-j55", "load": "C,M,W", "out": "elsewhere", "threads": 7, "seed": 5})",
+               "jobs/cow.json");
+    desk.write(R"({"format": "voxtone-job", "version": 1, "model": "../../tray.json"})", "jobs/done/job.json");
+    const std::string text = R"({"format": "voxtone-tray", "version": 1, "seed": 3, "printer": "stratasys-j750-hq",
+        "parts": [{"job": "jobs/cow.json", "depth": "0.6mm", "copies": 2},
+                  {"job": "jobs/cow.json", "model": "calf.obj", "name": "calf"}]})";
+    CHECK(io::schema_faults("tray", text) == std::vector<std::string>{});
+    const TrayPlan plan = read_tray_plan(desk.write(text), {});
+    REQUIRE(plan.parts.size() == 2);
+    const TrayPart& cow = plan.parts[0];
+    CHECK(cow.name == "cow");
+    CHECK(cow.options.model == (desk.folder.path() / "jobs/cow.obj").string());
+    CHECK(plan.parts[1].options.model == (desk.folder.path() / "calf.obj").string());
+    CHECK(cow.options.size_mm == 30);
+    CHECK(cow.options.depth_mm == 0.6);
+    CHECK(cow.options.seed == 5);
+    // What is the whole tray's stays so; which printer the job was for is kept, to be compared.
+    CHECK(cow.options.printer == "stratasys-j750-hq");
+    CHECK(cow.options.out.empty());
+    CHECK(cow.options.threads == 0);
+    CHECK(cow.options.load == std::vector<std::string>{"C", "M", "W"});
+    REQUIRE(cow.job);
+    CHECK(cow.job->printer == "stratasys-j55");
+    CHECK(cow.job->folder.empty());
+    CHECK(plan.parts[1].options.depth_mm == 0.8);
+
+    CHECK_THAT(desk.fault(R"([{"job": "jobs"}])"), Contains("holds no job.json"));
+    CHECK_THAT(desk.fault(R"([{"job": "gone.json"}])"), Contains("gone.json"));
+    CHECK_THAT(desk.fault(R"([{"job": "jobs/done"}])"), Contains("whole tray"));
+    CHECK_THAT(desk.fault(R"([{"job": "jobs/cow.json", "stack": "x"}])"), Contains("one thing"));
+}

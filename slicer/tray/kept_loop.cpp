@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/tray/kept_loop.h"
+
+#include <filesystem>
+
+#include <fmt/core.h>
+
+#include "base/error.h"
+#include "io/files/whole_file.h"
+#include "io/layers/stack_folder.h"
+#include "slicer/kept/skin_file.h"
+
+namespace voxtone::slicer {
+
+bool take_kept_loop(const std::string& name, const std::string& folder, const SliceOptions& options,
+                    Progress& progress) {
+    namespace fs = std::filesystem;
+    const OpenedJob job = open_job(options);
+    if (job.options.loop.iterations == 0) return false;
+    const fs::path kept = fs::path(folder) / io::skin_name;
+    std::error_code none;
+    if (!fs::exists(kept, none)) {
+        progress.note(
+            fmt::format("{}: the appearance loop is run again, for {} kept nothing of its own (`slice --until loop` "
+                        "and shards do; its finished voxels are a \"stack\")",
+                        name, folder));
+        return false;
+    }
+    try {
+        SkinFile::expect_same_job(kept, opened_loop_identity(job, &progress), job.options.loop.iterations);
+    } catch (const TryAgain&) {
+        throw;
+    } catch (const InputError& error) {
+        progress.note(fmt::format("{}: the appearance loop is run again: {}", name, error.what()));
+        return false;
+    }
+    constexpr std::uint64_t most_bytes = std::uint64_t{1} << 34;
+    const fs::path own = fs::path(options.out) / io::skin_name;
+    fs::create_directories(own.parent_path());
+    io::write_whole_file(own, io::read_whole_file(kept, most_bytes));
+    return true;
+}
+
+bool is_loop_of(const std::string& name, const PreparedJob& ready, Progress& progress) {
+    const JobLoopOptions& loop = ready.job.options.loop;
+    if (SkinFile(loop.mixtures, ready.identity.opened_loop, ready.identity.loop, loop.iterations).is_of_this_job())
+        return true;
+    progress.note(
+        fmt::format("{}: the appearance loop is run again: a file beside the model holds something else than when "
+                    "it was run",
+                    name));
+    return false;
+}
+
+}  // namespace voxtone::slicer
