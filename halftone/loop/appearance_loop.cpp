@@ -159,7 +159,7 @@ private:
     [[nodiscard]] Eigen::Vector3f into_gamut(const Eigen::Vector3f& rgb) const { return recipes_.into_gamut(rgb); }
     [[nodiscard]] const EyeFilter& wide_filter();
     [[nodiscard]] Colours mapped_target();
-    void know_the_open_loop();
+    void know_the_open_loop(const LoopMeasure::Value& open);
     [[nodiscard]] std::vector<float> contrast_part_of_cells();
     void prepare_misfit();
 
@@ -206,7 +206,8 @@ private:
     Stopwatch watch_;
 
     LoopState state_;
-    Colours rgb_, seen_;                               ///< of the last print, and what the eye filter leaves of it
+    Colours rgb_;                                      ///< of the last print
+    EyeFilter::Views seen_;                            ///< what the eye makes of them
     Colours seen_target_;                              ///< of the target as it can be shown; empty before feedback
     std::vector<std::string> remarks_, best_remarks_;  ///< of the model, on the last and the best print
     optics::ResinVolume print_;                        ///< the sequence looks at it again for the gradient
@@ -266,7 +267,6 @@ void LoopRun::predict_open_loop() {
     predict(std::move(print), LoopMethod::open_loop);
     state_.open = state_.shown = rgb_;
     state_.urgency.assign(measure_.regions().size(), 1.0f);
-    know_the_open_loop();
     best_remarks_ = remarks_;
     state_.control = state_.start_control = target_;
     correct_control();
@@ -279,11 +279,10 @@ void LoopRun::resume(ResumedLoop from) {
     if (from.state.white.size() != values || !sequence_->read_state(from.sequence))
         throw InputError("the saved state of the appearance loop does not fit its model: begin anew with --overwrite");
     state_ = std::move(from.state);
-    know_the_open_loop();
+    know_the_open_loop(measure_(state_.open, {}));
 }
 
-void LoopRun::know_the_open_loop() {
-    const LoopMeasure::Value open = measure_(state_.open, {});
+void LoopRun::know_the_open_loop(const LoopMeasure::Value& open) {
     open_looks_ = open.looks;
     wanted_ = target_;
     for (Eigen::Vector3f& colour : wanted_) colour *= open.paper;
@@ -376,10 +375,11 @@ void LoopRun::predict(optics::ResinVolume volume, LoopMethod method) {
     LoopStep step;
     step.iteration = static_cast<int>(state_.steps.size());
     step.method = method;
-    const LoopMeasure::Value value = measure_(rgb_, open_looks_);
+    LoopMeasure::Value value = measure_(rgb_, open_looks_);
     step.seen = value.seen, step.cells = value.cells, step.score = value.score, step.paper = value.paper;
-    seen_ = measure_.eye().filter(rgb_);
     if (!open_looks_.empty()) hurry(value.looks);
+    if (method == LoopMethod::open_loop) know_the_open_loop(value);
+    seen_ = std::move(value.views);
     step.saturated_share = state_.saturated_share;
     step.seconds = watch_.lap();
     state_.steps.push_back(step);
@@ -411,7 +411,7 @@ void LoopRun::correct_control() {
     Colours relaxed(rgb_.size());
     if (seen_target_.empty()) seen_target_ = measure_.eye().filter(wanted_);
     const std::size_t saturated = feed_back(
-        wanted_, as_wrong_as_seen(wanted_, seen_target_, seen_),
+        wanted_, as_wrong_as_seen(wanted_, seen_target_, seen_.filtered),
         [this](const Eigen::Vector3f& rgb) { return into_gamut(rgb); }, {.gain = feedback_gain(state_.steps)},
         state_.control, relaxed);
     state_.saturated_share = rgb_.empty() ? 0 : double(saturated) / double(rgb_.size());
@@ -474,7 +474,7 @@ void LoopRun::hold_in_descent() {
 /// One step of the descent from the last print. False where the model has no gradient.
 bool LoopRun::move_downhill() {
     if (!misfit_) prepare_misfit();
-    Colours by_colour = (*misfit_)(rgb_).by_colour;
+    Colours by_colour = (*misfit_)(rgb_, seen_).by_colour;
     if (correction_.any()) optics::correct_derivatives(corrections_, by_colour);
     const std::vector<float> seed = relative_.adjoint(by_colour);
     std::vector<float> mixture_gradient = task_.mixture_gradient(

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
-#include <tuple>
+#include <numeric>
 #include <utility>
 
 #include "base/contracts.h"
@@ -23,33 +23,52 @@ constexpr int around_steps = 3;
 constexpr double solid_mm2 = 1, least_mm2 = 0.2;
 constexpr double rim_mm = 0.6, least_interior = 0.2;
 
-using Place = std::array<std::int32_t, 3>;
+// Which cells touch: in order of z, y, x, as the cells of a surface lie, a row of one z and y is looked up at once.
+class CellRows {
+public:
+    explicit CellRows(const optics::Surface& surface) : cells_(surface.cells) {
+        if (cells_.empty()) return;
+        low_ = high_ = {cells_.front().cell[1], cells_.front().cell[2]};
+        for (const optics::SurfaceCell& cell : cells_)
+            for (std::size_t a = 0; a < 2; ++a)
+                low_[a] = std::min(low_[a], cell.cell[a + 1]), high_[a] = std::max(high_[a], cell.cell[a + 1]);
+        first_.assign(rows_along_y() * static_cast<std::size_t>(high_[1] - low_[1] + 1) + 1, 0);
+        for (const optics::SurfaceCell& cell : cells_) ++first_[row_of(cell.cell[1], cell.cell[2]) + 1];
+        std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    }
+    // All cells around one, itself too, that there are; ascending.
+    template <class Visit>
+    void visit_around(std::size_t at, const Visit& visit) const {
+        const auto& [x, y, z] = cells_[at].cell;
+        for (int k = std::max(z - 1, low_[1]); k <= std::min(z + 1, high_[1]); ++k)
+            for (int j = std::max(y - 1, low_[0]); j <= std::min(y + 1, high_[0]); ++j) {
+                const std::size_t row = row_of(j, k);
+                const auto end = cells_.begin() + first_[row + 1];
+                auto cell = std::lower_bound(cells_.begin() + first_[row], end, x - 1,
+                                             [](const optics::SurfaceCell& c, int to) { return c.cell[0] < to; });
+                for (; cell != end && cell->cell[0] <= x + 1; ++cell)
+                    visit(static_cast<std::size_t>(cell - cells_.begin()));
+            }
+    }
 
-bool before(const Place& a, const Place& b) { return std::tie(a[2], a[1], a[0]) < std::tie(b[2], b[1], b[0]); }
+private:
+    [[nodiscard]] std::size_t rows_along_y() const { return static_cast<std::size_t>(high_[0] - low_[0] + 1); }
+    [[nodiscard]] std::size_t row_of(int y, int z) const {
+        return static_cast<std::size_t>(z - low_[1]) * rows_along_y() + static_cast<std::size_t>(y - low_[0]);
+    }
+    std::span<const optics::SurfaceCell> cells_;
+    std::array<std::int32_t, 2> low_{}, high_{};  // of y and z
+    std::vector<std::uint32_t> first_;            // cell of each row, and where the last one ends
+};
 
-// Cells lie in order of z, y, x.
-std::int64_t cell_at(const optics::Surface& surface, const Place& place) {
-    const auto found = std::ranges::lower_bound(surface.cells, place, before, &optics::SurfaceCell::cell);
-    return found != surface.cells.end() && found->cell == place ? found - surface.cells.begin() : -1;
-}
-
-// All cells around one, itself too, that there are.
-template <class Visit>
-void visit_around(const optics::Surface& surface, std::size_t at, const Visit& visit) {
-    const optics::SurfaceCell& cell = surface.cells[at];
-    for (int dz = -1; dz <= 1; ++dz)
-        for (int dy = -1; dy <= 1; ++dy)
-            for (int dx = -1; dx <= 1; ++dx)
-                if (const std::int64_t to = cell_at(surface, {cell.cell[0] + dx, cell.cell[1] + dy, cell.cell[2] + dz});
-                    to >= 0)
-                    visit(static_cast<std::size_t>(to));
-}
+// A number for each cell of the surface.
+using Marks = std::vector<int>;
 
 bool look_alike(const std::array<float, 3>& a, const std::array<float, 3>& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] > 0;
 }
 
-std::vector<std::vector<std::uint32_t>> connected_pieces(const optics::Surface& surface,
+std::vector<std::vector<std::uint32_t>> connected_pieces(const optics::Surface& surface, const CellRows& rows,
                                                          const std::vector<Eigen::Vector3f>& oklab) {
     std::vector<char> taken(oklab.size());
     std::vector<std::vector<std::uint32_t>> pieces;
@@ -59,7 +78,7 @@ std::vector<std::vector<std::uint32_t>> connected_pieces(const optics::Surface& 
         std::vector<std::uint32_t>& piece = pieces.emplace_back(1, static_cast<std::uint32_t>(first));
         for (std::size_t next = 0; next < piece.size(); ++next) {
             const std::size_t at = piece[next];
-            visit_around(surface, at, [&](std::size_t other) {
+            rows.visit_around(at, [&](std::size_t other) {
                 if (taken[other] || (oklab[other] - oklab[at]).norm() > step_within ||
                     (oklab[other] - oklab[first]).norm() > all_within ||
                     !look_alike(surface.cells[other].normal, surface.cells[at].normal))
@@ -72,56 +91,59 @@ std::vector<std::vector<std::uint32_t>> connected_pieces(const optics::Surface& 
     return pieces;
 }
 
-// Cells of a piece (ascending) by how many steps they lie from what is not of it: 1 at the border.
-std::vector<int> depths(const optics::Surface& surface, const std::vector<std::uint32_t>& piece, int most) {
-    const auto place_of = [&](std::size_t cell) -> std::int64_t {
-        const auto found = std::ranges::lower_bound(piece, cell);
-        return found != piece.end() && *found == cell ? found - piece.begin() : -1;
-    };
-    std::vector<int> depth(piece.size(), most);
-    for (int step = 1; step < most; ++step)
-        for (std::size_t i = 0; i < piece.size(); ++i) {
-            if (depth[i] < step) continue;
-            bool at_border = false;
-            visit_around(surface, piece[i], [&](std::size_t other) {
-                const std::int64_t place = place_of(other);
-                at_border = at_border || place < 0 || depth[static_cast<std::size_t>(place)] < step;
+// Cells of a piece by how many steps they lie from what is not of it: 1 at the border. All of `mark` is 0, before and
+// after.
+std::vector<int> depths(const CellRows& rows, const std::vector<std::uint32_t>& piece, int most, Marks& mark) {
+    for (const std::uint32_t cell : piece) mark[cell] = most;
+    std::vector<std::uint32_t> last, next;
+    for (const std::uint32_t cell : piece) {
+        bool at_border = false;
+        rows.visit_around(cell, [&](std::size_t other) { at_border = at_border || mark[other] == 0; });
+        if (at_border && most > 1) last.push_back(cell);
+    }
+    for (const std::uint32_t cell : last) mark[cell] = 1;
+    for (int step = 2; step < most; ++step, std::swap(last, next)) {
+        next.clear();
+        for (const std::uint32_t cell : last)
+            rows.visit_around(cell, [&](std::size_t other) {
+                if (mark[other] <= step) return;
+                mark[other] = step;
+                next.push_back(static_cast<std::uint32_t>(other));
             });
-            if (at_border) depth[i] = step;
-        }
+    }
+    std::vector<int> depth;
+    depth.reserve(piece.size());
+    for (const std::uint32_t cell : piece) depth.push_back(std::exchange(mark[cell], 0));
     return depth;
 }
 
-// `cells`, and what comes of it, ascending.
-std::vector<std::uint32_t> around(const optics::Surface& surface, const std::vector<std::uint32_t>& cells, int steps) {
-    std::vector<std::uint32_t> found, last = cells;
-    const auto holds = [](const std::vector<std::uint32_t>& list, std::uint32_t cell) {
-        return std::ranges::binary_search(list, cell);
-    };
-    for (int step = 0; step < steps; ++step) {
-        std::vector<std::uint32_t> next;
+// What lies within so many steps of `cells` and looks the same way; ascending. All of `mark` is 0, before and after.
+std::vector<std::uint32_t> around(const optics::Surface& surface, const CellRows& rows,
+                                  const std::vector<std::uint32_t>& cells, int steps, Marks& mark) {
+    std::vector<std::uint32_t> found, last = cells, next;
+    for (const std::uint32_t cell : cells) mark[cell] = 1;
+    for (int step = 0; step < steps; ++step, std::swap(last, next)) {
+        next.clear();
         for (const std::uint32_t at : last)
-            visit_around(surface, at, [&](std::size_t other) {
-                const auto cell = static_cast<std::uint32_t>(other);
-                if (look_alike(surface.cells[other].normal, surface.cells[at].normal) && !holds(cells, cell) &&
-                    !holds(found, cell))
-                    next.push_back(cell);
+            rows.visit_around(at, [&](std::size_t other) {
+                if (mark[other] != 0 || !look_alike(surface.cells[other].normal, surface.cells[at].normal)) return;
+                mark[other] = 1;
+                next.push_back(static_cast<std::uint32_t>(other));
             });
-        std::ranges::sort(next);
-        next.erase(std::unique(next.begin(), next.end()), next.end());
         found.insert(found.end(), next.begin(), next.end());
-        std::ranges::sort(found);
-        last = std::move(next);
     }
+    for (const std::uint32_t cell : cells) mark[cell] = 0;
+    for (const std::uint32_t cell : found) mark[cell] = 0;
+    std::ranges::sort(found);
     return found;
 }
 
 // Of a colour of its own, with edges.
-bool stands_apart(const optics::Surface& surface, const std::vector<Eigen::Vector3f>& oklab,
-                  const std::vector<std::uint32_t>& piece) {
+bool stands_apart(const optics::Surface& surface, const CellRows& rows, const std::vector<Eigen::Vector3f>& oklab,
+                  const std::vector<std::uint32_t>& piece, Marks& mark) {
     Eigen::Vector3f mean = Eigen::Vector3f::Zero();
     for (const std::uint32_t i : piece) mean += oklab[i] / static_cast<float>(piece.size());
-    const std::vector<std::uint32_t> others = around(surface, piece, around_steps);
+    const std::vector<std::uint32_t> others = around(surface, rows, piece, around_steps, mark);
     const auto far = std::ranges::count_if(others, [&](std::uint32_t i) { return (oklab[i] - mean).norm() > apart; });
     return 2 * static_cast<std::size_t>(far) >= others.size();
 }
@@ -132,8 +154,8 @@ double area_of(const optics::Surface& surface, const std::vector<std::uint32_t>&
     return area;
 }
 
-ColourRegion region_of(const optics::Surface& surface, std::span<const Eigen::Vector3f> target, RegionKind kind,
-                       std::vector<std::uint32_t> cells) {
+ColourRegion region_of(const optics::Surface& surface, const CellRows& rows, std::span<const Eigen::Vector3f> target,
+                       RegionKind kind, std::vector<std::uint32_t> cells, Marks& mark) {
     ColourRegion region;
     std::ranges::sort(cells);
     region.area_mm2 = area_of(surface, cells);
@@ -145,7 +167,7 @@ ColourRegion region_of(const optics::Surface& surface, std::span<const Eigen::Ve
     region.cells = std::move(cells);
     const double edge = std::sqrt(region.area_mm2 / static_cast<double>(region.cells.size()));
     const int rim = std::max(1, static_cast<int>(std::lround(rim_mm / edge)));
-    const std::vector<int> depth = depths(surface, region.cells, rim + 1);
+    const std::vector<int> depth = depths(rows, region.cells, rim + 1, mark);
     for (std::size_t i = 0; i < depth.size(); ++i)
         if (depth[i] > rim) region.interior.push_back(region.cells[i]);
     if (static_cast<double>(region.interior.size()) < least_interior * static_cast<double>(region.cells.size()))
@@ -173,23 +195,25 @@ std::vector<ColourRegion> colour_regions(const optics::Surface& surface, std::sp
     std::vector<Eigen::Vector3f> oklab;
     for (const Eigen::Vector3f& rgb : target)
         oklab.push_back(optics::oklab_from_linear_srgb(rgb.cast<double>().cwiseMax(0)).cast<float>());
+    const CellRows rows(surface);
+    Marks mark(surface.cells.size());
     std::vector<ColourRegion> regions;
     std::vector<Strokes> strokes, thin;
     std::vector<Eigen::Vector3f> solids;
     std::vector<std::uint32_t> paper;
-    for (std::vector<std::uint32_t>& piece : connected_pieces(surface, oklab)) {
+    for (std::vector<std::uint32_t>& piece : connected_pieces(surface, rows, oklab)) {
         std::ranges::sort(piece);
-        if (piece.size() < 4 || !stands_apart(surface, oklab, piece)) continue;
+        if (piece.size() < 4 || !stands_apart(surface, rows, oklab, piece, mark)) continue;
         if (paper_weight(target[piece.front()]) > 0.5f) {
             paper.insert(paper.end(), piece.begin(), piece.end());
             continue;
         }
         if (area_of(surface, piece) >= solid_mm2) {
             solids.push_back(oklab[piece.front()]);
-            regions.push_back(region_of(surface, target, RegionKind::solid, std::move(piece)));
+            regions.push_back(region_of(surface, rows, target, RegionKind::solid, std::move(piece), mark));
             continue;
         }
-        if (std::ranges::max(depths(surface, piece, 2)) < 2)
+        if (std::ranges::max(depths(rows, piece, 2, mark)) < 2)
             thin.push_back({oklab[piece.front()], std::move(piece)});
         else
             join(strokes, oklab[piece.front()], piece);
@@ -202,9 +226,9 @@ std::vector<ColourRegion> colour_regions(const optics::Surface& surface, std::sp
     }
     for (Strokes& s : strokes)
         if (area_of(surface, s.cells) >= least_mm2)
-            regions.push_back(region_of(surface, target, RegionKind::strokes, std::move(s.cells)));
+            regions.push_back(region_of(surface, rows, target, RegionKind::strokes, std::move(s.cells), mark));
     if (area_of(surface, paper) >= solid_mm2)
-        regions.push_back(region_of(surface, target, RegionKind::paper, std::move(paper)));
+        regions.push_back(region_of(surface, rows, target, RegionKind::paper, std::move(paper), mark));
     std::ranges::stable_sort(regions, std::greater<>(), &ColourRegion::area_mm2);
     return regions;
 }
@@ -233,7 +257,8 @@ std::vector<RegionLook> look_at(std::span<const ColourRegion> regions, const opt
 }
 
 std::vector<std::uint32_t> cells_around(const optics::Surface& surface, const ColourRegion& region, int steps) {
-    return around(surface, region.cells, steps);
+    Marks mark(surface.cells.size());
+    return around(surface, CellRows(surface), region.cells, steps, mark);
 }
 
 double rim_chroma(const ColourRegion& region, const optics::Surface& surface,

@@ -104,19 +104,22 @@ EyeFilter::EyeFilter(EyeFilter&&) noexcept = default;
 EyeFilter& EyeFilter::operator=(EyeFilter&&) noexcept = default;
 
 std::vector<Eigen::Vector3f> EyeFilter::filter(std::span<const Eigen::Vector3f> rgb) const {
-    return through(data_->to_opponent, data_->from_opponent, rgb);
+    return through(data_->to_opponent, data_->from_opponent, smoothed(rgb));
+}
+
+EyeFilter::Views EyeFilter::views(std::span<const Eigen::Vector3f> rgb) const {
+    std::vector<Eigen::Vector3f> near = smoothed(rgb), far = through(data_->to_opponent, data_->from_opponent, near);
+    return {std::move(far), std::move(near)};
 }
 
 std::vector<Eigen::Vector3f> EyeFilter::transposed(std::span<const Eigen::Vector3f> by_seen) const {
-    return through(data_->from_opponent.transpose(), data_->to_opponent.transpose(), by_seen);
+    return through(data_->from_opponent.transpose(), data_->to_opponent.transpose(), smoothed(by_seen));
 }
 
 std::vector<Eigen::Vector3f> EyeFilter::through(const Eigen::Matrix3f& from, const Eigen::Matrix3f& into,
-                                                std::span<const Eigen::Vector3f> rgb) const {
+                                                std::span<const Eigen::Vector3f> first) const {
     const Data& d = *data_;
     const std::size_t count = d.points.size();
-    VOXTONE_EXPECT(rgb.size() == count);
-    const std::vector<Eigen::Vector3f> first = smoothed(rgb);
     std::array<std::vector<float>, 3> opponent, sum;
     for (std::size_t c = 0; c < 3; ++c) {
         opponent[c].resize(count);

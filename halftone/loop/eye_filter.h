@@ -80,6 +80,12 @@ public:
         return filter(rgb);
     }
 
+    /// `filter` and, on the way to it, `smoothed`.
+    struct Views {
+        std::vector<Eigen::Vector3f> filtered, smoothed;
+    };
+    [[nodiscard]] Views views(std::span<const Eigen::Vector3f> rgb) const;
+
     /// d F / d rgb from d F / d seen, each divided by its cell's area: the transpose of `filter` where the Gaussians'
     /// sums of areas are alike, so not within a spread of a border.
     [[nodiscard]] std::vector<Eigen::Vector3f> transposed(std::span<const Eigen::Vector3f> by_seen) const;
@@ -89,9 +95,9 @@ public:
     [[nodiscard]] std::vector<Eigen::Vector3f> smoothed(std::span<const Eigen::Vector3f> rgb) const;
 
 private:
-    /// into * (Gaussians of each opponent channel of (from * rgb)).
+    /// into * (Gaussians of each opponent channel of (from * rgb)), given what the narrowest leaves.
     [[nodiscard]] std::vector<Eigen::Vector3f> through(const Eigen::Matrix3f& from, const Eigen::Matrix3f& into,
-                                                       std::span<const Eigen::Vector3f> rgb) const;
+                                                       std::span<const Eigen::Vector3f> smoothed) const;
     struct Data;
     std::unique_ptr<Data> data_;
 };

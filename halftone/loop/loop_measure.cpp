@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/parallel.h"
 #include "halftone/loop/paper.h"
@@ -34,12 +35,12 @@ LoopMeasure::LoopMeasure(const optics::Surface& surface, std::span<const Eigen::
     : surface_(surface),
       eye_(surface, viewing_distance_mm, EyeSurround::none),
       asked_(target),
-      seen_asked_(eye_.filter(target)),
       seen_shown_(eye_.filter(shown)),
-      near_asked_(eye_.smoothed(target)),
       in_gamut_(in_gamut),
       adapts_(adapts),
       regions_(colour_regions(surface, target)) {
+    EyeFilter::Views asked = eye_.views(target);
+    seen_asked_ = std::move(asked.filtered), near_asked_ = std::move(asked.smoothed);
     weight_ = weights(std::vector<float>(regions_.size(), 1.0f), 0);
 }
 
@@ -59,7 +60,8 @@ LoopMeasure::Value LoopMeasure::operator()(std::span<const Eigen::Vector3f> rgb,
                                            std::span<const RegionLook> open) const {
     Value value;
     if (adapts_) value.paper = paper_level(surface_, asked_, rgb);
-    std::vector<Eigen::Vector3f> seen = eye_.filter(rgb);
+    value.views = eye_.views(rgb);
+    std::vector<Eigen::Vector3f> seen = value.views.filtered;
     for (Eigen::Vector3f& colour : seen) colour /= value.paper;
     value.seen = optics::summarize_by_area(surface_, differences(seen_asked_, seen));
     value.cells = optics::summarize_by_area(surface_, differences(asked_, rgb));
@@ -69,9 +71,9 @@ LoopMeasure::Value LoopMeasure::operator()(std::span<const Eigen::Vector3f> rgb,
         const double a = static_cast<double>(weight_[i] * surface_.cells[i].area_mm2);
         sum += a * off[i], all += a;
     }
-    std::vector<Eigen::Vector3f> near = eye_.smoothed(rgb);
-    for (Eigen::Vector3f& colour : near) colour /= value.paper;
-    value.looks = look_at(regions_, surface_, near_asked_, near);
+    seen = value.views.smoothed;
+    for (Eigen::Vector3f& colour : seen) colour /= value.paper;
+    value.looks = look_at(regions_, surface_, near_asked_, seen);
     for (std::size_t r = 0; r < open.size(); ++r)
         sum += regions_[r].area_mm2 * static_cast<double>(weight_of(regions_[r])) *
                std::max(0.0, worse_by(value.looks[r], open[r]) - let_go);

@@ -36,6 +36,7 @@ public:
         double score = 0;
         float paper = 1;
         std::vector<RegionLook> looks;  ///< of regions
+        EyeFilter::Views views;         ///< of the colours, not over the paper's level
     };
     /// `open`: of the open loop's regions; empty: this is the open loop.
     [[nodiscard]] Value operator()(std::span<const Eigen::Vector3f> rgb, std::span<const RegionLook> open) const;

@@ -62,11 +62,10 @@ void MisfitFunction::set_weights(std::span<const float> weight) {
     weight_.assign(weight.begin(), weight.end());
 }
 
-Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted) const {
+Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted, const EyeFilter::Views& views) const {
     VOXTONE_EXPECT(predicted.size() == target_.size());
     const std::size_t n = predicted.size();
-    const std::vector<Eigen::Vector3f> seen = eye_.filter(predicted);
-    const std::vector<Eigen::Vector3f> nearer = eye_.smoothed(predicted);
+    const std::vector<Eigen::Vector3f>&seen = views.filtered, &nearer = views.smoothed;
     std::vector<Eigen::Vector3f> far(n), near(n), as_is(n);
     parallel_for(0, n, 1024, [&](std::size_t i) {
         far[i] = oklab_of(seen[i]) - oklab_of(seen_target_[i]);

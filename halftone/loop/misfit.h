@@ -48,7 +48,11 @@ public:
                    std::vector<float> contrast_part = {});
     /// Per cell, from now on.
     void set_weights(std::span<const float> weight);
-    [[nodiscard]] Misfit operator()(std::span<const Eigen::Vector3f> predicted) const;
+    [[nodiscard]] Misfit operator()(std::span<const Eigen::Vector3f> predicted) const {
+        return (*this)(predicted, eye_.views(predicted));
+    }
+    /// The same, where it is known what the eye makes of them.
+    [[nodiscard]] Misfit operator()(std::span<const Eigen::Vector3f> predicted, const EyeFilter::Views& views) const;
 
 private:
     const EyeFilter& eye_;

@@ -47,10 +47,11 @@ SeenPrint seen_from(const JobPrediction& p, double viewing_distance_mm, bool ada
     if (adapts) seen.paper = halftone::paper_level(p.predicted.surface, p.target, p.predicted.rgb);
     std::vector<Eigen::Vector3f> print = p.predicted.rgb;
     for (Eigen::Vector3f& rgb : print) rgb /= seen.paper;
-    seen.target = eye.filter(p.target), seen.print = eye.filter(print);
+    const auto [target_seen, near_target] = eye.views(p.target);
+    const auto [print_seen, near] = eye.views(print);
+    seen.target = target_seen, seen.print = print_seen;
     seen.difference = colour_differences(seen.target, seen.print);
     seen.regions = halftone::colour_regions(p.predicted.surface, p.target);
-    const std::vector<Eigen::Vector3f> near_target = eye.smoothed(p.target), near = eye.smoothed(print);
     seen.looks = halftone::look_at(seen.regions, p.predicted.surface, near_target, near);
     for (const halftone::ColourRegion& region : seen.regions)
         seen.rims.push_back(region.kind == halftone::RegionKind::solid
