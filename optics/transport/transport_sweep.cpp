@@ -356,6 +356,22 @@ void sweep_block(const SweepJob& job, const Octant& o, const std::vector<MediumW
     }
 }
 
+/// Light that enters a block through its faces is fetched from memory while the block before is crossed: its cells ask
+/// for it one by one, and each would wait.
+void fetch_light(const SweepJob& job, const GridBlock& block) {
+    constexpr std::size_t line = 64;
+    for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
+        const std::size_t place = job.grid.place_of_face[f];
+        if (place & into_core) continue;
+        const char* const light = reinterpret_cast<const char*>(&job.in[4 * place]);
+        __builtin_prefetch(light);
+        __builtin_prefetch(light + line);
+        const char* const out = reinterpret_cast<const char*>(&job.out[4 * place]);
+        __builtin_prefetch(out, 1);
+        __builtin_prefetch(out + line, 1);
+    }
+}
+
 /// The radiance on the faces between blocks along one octant's way.
 struct Front {
     std::vector<Octet> y, z;  // not V8: containers forget its alignment; y for each plane that is being crossed
@@ -406,6 +422,7 @@ void sweep(const SweepJob& job, int half) {
         for (std::size_t i = begin; i < end; ++i) {
             const std::size_t t = o.back[0] ? end - 1 - (i - begin) : i;
             const GridBlock& block = grid.transport_block(t);
+            if (i + 1 < end) fetch_light(job, grid.transport_block(o.back[0] ? t - 1 : t + 1));
             const bool in_parts = any_fine && grid.fine.first[t] != not_fine;
             const auto bx = static_cast<std::size_t>(block.at[0]);
             const std::size_t bz = static_cast<std::size_t>(block.at[1]) * across + bx;
