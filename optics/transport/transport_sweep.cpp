@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "base/fetch.h"
 #include "base/parallel.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -359,16 +360,11 @@ void sweep_block(const SweepJob& job, const Octant& o, const std::vector<MediumW
 /// Light that enters a block through its faces is fetched from memory while the block before is crossed: its cells ask
 /// for it one by one, and each would wait.
 void fetch_light(const SweepJob& job, const GridBlock& block) {
-    constexpr std::size_t line = 64;
     for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
         const std::size_t place = job.grid.place_of_face[f];
         if (place & into_core) continue;
-        const char* const light = reinterpret_cast<const char*>(&job.in[4 * place]);
-        __builtin_prefetch(light);
-        __builtin_prefetch(light + line);
-        const char* const out = reinterpret_cast<const char*>(&job.out[4 * place]);
-        __builtin_prefetch(out, 1);
-        __builtin_prefetch(out + line, 1);
+        fetch(&job.in[4 * place], 4 * sizeof(Octet));
+        fetch(&job.out[4 * place], 4 * sizeof(Octet));
     }
 }
 

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "base/contracts.h"
+#include "base/fetch.h"
 #include "base/parallel.h"
 
 namespace voxtone::optics {
@@ -403,6 +404,13 @@ void ViewingDiffusion::relax(const Level<n>& level, std::span<const float> b, st
         const auto& list = parity_[back ? 1 - turn : turn];
         parallel_for(0, list.size(), stencils_per_task, [&](std::size_t i_list) {
             const std::size_t t = list[i_list];
+            if (i_list + 1 < list.size()) {
+                const std::size_t next = list[i_list + 1];  // those of one parity do not lie side by side
+                fetch(level.block[next]);
+                fetch(level.low[next]);
+                fetch(b.data() + next * all, all * sizeof(float));
+                fetch(x.data() + next * all, all * sizeof(float));
+            }
             Patch<n> patch;
             gather<n>(patch, t, neighbour_[t], side_of_[t], sides_, values, core_values);
             const float* const right = b.data() + t * all;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/contracts.h"
+#include "base/fetch.h"
 #include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "optics/transport/lattice.h"
@@ -306,6 +307,7 @@ void ViewingTransport::enter(bool start) {
     for (std::size_t a = 0; a < 3; ++a) area[a] = volume_ / edge_[a];
     parallel_for(0, grid_.transport_blocks.size(), blocks_per_task, [&](std::size_t t) {
         const GridBlock& block = grid_.transport_block(t);
+        fetch_laws(t + 1);
         ViewingDiffusion::Flows J = diffusion_.flows(t, D_, core_D_, {x_, core_x_});
         const std::size_t first = 64 * t;
         for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
@@ -425,6 +427,7 @@ void ViewingTransport::gather_parts(std::size_t t) {
 void ViewingTransport::reflect() {
     parallel_for(0, grid_.transport_blocks.size(), blocks_per_task, [&](std::size_t t) {
         const GridBlock& block = grid_.transport_block(t);
+        fetch_laws(t + 1);
         Pool passing;
         pool(block, passing);
         for (std::size_t face = block.first_face; face < block.first_face + block.faces; ++face) {
@@ -436,6 +439,13 @@ void ViewingTransport::reflect() {
                     in_[4 * std::size_t{place} + slot] = returned(passing, face, slot);
         }
     });
+}
+
+/// From memory, while the block before is worked at: faces that lie side by side have laws that do not.
+void ViewingTransport::fetch_laws(std::size_t t) const {
+    if (t >= grid_.transport_blocks.size()) return;
+    const GridBlock& block = grid_.transport_block(t);
+    for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) fetch(grid_.law_of(f));
 }
 
 /// Mean radiance of the light that passes corners of the staircase, per region and direction (transport_directions.h).
@@ -564,6 +574,7 @@ void ViewingTransport::take_sweep() {
 void ViewingTransport::add_sources_at_faces() {
     parallel_for(0, grid_.transport_blocks.size(), blocks_per_task, [&](std::size_t t) {
         const GridBlock& block = grid_.transport_block(t);
+        fetch_laws(t + 1);
         Pool passing;
         pool(block, passing);
         for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
