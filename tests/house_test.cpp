@@ -32,20 +32,31 @@ struct Place {
     Names knows;  ///< places of the same height
 };
 
-/// "optics" and "optics/layered" -> what HACKING.md draws.
-std::map<std::string, Place> picture() {
-    static const std::regex entry(R"(^( *)([a-z_]+)/ .*?(?: knows ([a-z_, ]+))?$)");
-    std::map<std::string, Place> places;
-    std::string floor;
+/// The lines of what HACKING.md draws; one that goes on is indented.
+std::vector<std::string> drawn_lines() {
+    std::vector<std::string> lines;
     bool drawn = false;
     for (const std::string& line : lines_of(root / "HACKING.md")) {
         if (line.starts_with("```")) {
             if (drawn) break;
             drawn = true;
-            continue;
+        } else if (drawn && line.starts_with("      ")) {
+            lines.back() += line.substr(line.find_first_not_of(' ') - 1);
+        } else if (drawn) {
+            lines.push_back(line);
         }
+    }
+    return lines;
+}
+
+/// "optics" and "optics/layered" -> what HACKING.md draws.
+std::map<std::string, Place> picture() {
+    static const std::regex entry(R"(^( *)([a-z_]+)/ .*?(?: knows ([a-z_, ]+))?$)");
+    std::map<std::string, Place> places;
+    std::string floor;
+    for (const std::string& line : drawn_lines()) {
         std::smatch match;
-        if (!drawn || !std::regex_match(line, match, entry)) continue;
+        if (!std::regex_match(line, match, entry)) continue;
         Names knows;
         static const std::regex word("[a-z_]+");
         const std::string list = match[3];

@@ -23,7 +23,33 @@ namespace voxtone::cli {
 
 namespace {
 
-int tell(Messages messages, ExitCode code, const std::string& message) {
+/// What a message ends with: docs/messages/exit-codes.md has its remedy under this name.
+const char* message_name(ExitCode code) {
+    switch (code) {
+        case ExitCode::done:
+            return "done";
+        case ExitCode::bug:
+            return "bug";
+        case ExitCode::usage:
+            return "usage";
+        case ExitCode::invalid_input:
+            return "invalid-input";
+        case ExitCode::file:
+            return "file";
+        case ExitCode::unfinished:
+            return "unfinished";
+        case ExitCode::check_failed:
+            return "check-failed";
+        case ExitCode::try_again:
+            return "try-again";
+        case ExitCode::stopped:
+            return "stopped";
+    }
+    return "bug";
+}
+
+int tell(Messages messages, ExitCode code, const std::string& what) {
+    const std::string message = fmt::format("{} [{}]", what, message_name(code));
     std::fputs(printable("voxtone: " + message + "\n").c_str(), stderr);
     if (messages == Messages::events) print_out(error_event(code, message) + "\n");
     if (messages == Messages::openjd) print_out(openjd_failure(message) + "\n");
