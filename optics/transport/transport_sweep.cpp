@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "base/fetch.h"
 #include "base/parallel.h"
+#include "optics/numerics/fetch.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "optics/transport/transport_sweep.cpp"

@@ -5,8 +5,8 @@
 #include <cstring>
 
 #include "base/contracts.h"
-#include "base/fetch.h"
 #include "base/parallel.h"
+#include "optics/numerics/fetch.h"
 
 namespace voxtone::optics {
 namespace {

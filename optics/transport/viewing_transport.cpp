@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "base/contracts.h"
-#include "base/fetch.h"
 #include "base/parallel.h"
 #include "base/stopwatch.h"
+#include "optics/numerics/fetch.h"
 #include "optics/transport/lattice.h"
 #include "optics/transport/viewing_derivatives.h"
 

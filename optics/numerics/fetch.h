@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <span>
 
-namespace voxtone {
+namespace voxtone::optics {
 
 inline void fetch(const void* from, std::size_t bytes) {
     constexpr std::size_t line = 64;
@@ -18,4 +18,4 @@ void fetch(const Value& value) {
     fetch(&value, sizeof value);
 }
 
-}  // namespace voxtone
+}  // namespace voxtone::optics
