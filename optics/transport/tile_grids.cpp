@@ -30,7 +30,9 @@ std::size_t Tile::Shape::memory_bytes() const {
            of(sent);
 }
 
-std::size_t Tile::field_bytes() const { return cells_of_grid * sizeof(ViewingField::Code) + 64 * open_faces; }
+std::size_t Tile::field_bytes() const {
+    return cells_of_grid * sizeof(ViewingField::Code) + sizeof(ViewingField::FaceCode) * open_faces;
+}
 
 TileGrids::TileGrids(const Scene& scene, const Surface& surface, const TransportOptions& options)
     : scene_(scene),
@@ -210,7 +212,7 @@ ViewingField carried_over(const ViewingField& field, const ViewingGrid& was, con
     ViewingField next;
     next.cells.resize(is.cells());
     next.core.resize(is.core_block.size());
-    next.out.resize(32 * is.open_faces.size());
+    next.out.resize(is.open_faces.size());
     for (std::size_t place = 0; place < is.block_at.size(); ++place) {
         if (is.block_at[place] < 0) continue;
         const GridBlock &to = is.blocks[static_cast<std::size_t>(is.block_at[place])],
@@ -226,15 +228,13 @@ ViewingField carried_over(const ViewingField& field, const ViewingGrid& was, con
             code.phi = phi_code(field.core[of.core_node]);
             std::fill_n(next.cells.begin() + to.first_cell, 64, code);
             // Faces to a mirror: what leaves there is as diffuse as the core.
-            each_open_face(is, to, [&](std::uint32_t at) { std::fill_n(next.out.begin() + 32 * at, 32, code.phi); });
+            each_open_face(is, to, [&](std::uint32_t at) { next.out[at] = {code.phi, code.phi, {}}; });
         } else {
             std::copy_n(field.cells.begin() + of.first_cell, 64, next.cells.begin() + to.first_cell);
             std::vector<std::uint32_t> from;
             each_open_face(was, of, [&](std::uint32_t at) { from.push_back(at); });
             std::size_t k = 0;
-            each_open_face(is, to, [&](std::uint32_t at) {
-                std::copy_n(field.out.begin() + 32 * from[k++], 32, next.out.begin() + 32 * at);
-            });
+            each_open_face(is, to, [&](std::uint32_t at) { next.out[at] = field.out[from[k++]]; });
         }
     }
     return next;

@@ -11,7 +11,7 @@
 // at 30 mm three sweeps from there are nearer to eight than three from a white body's light (docs/decisions/007).
 //
 // Large bodies are predicted tile by tile (tile_grids.h), in a fixed order: equations are made for one tile at a time,
-// its light is kept in 16-bit steps (viewing_field.h). What shines across a cut is the light that the neighbour had
+// its light is kept in small steps (viewing_field.h). What shines across a cut is the light that the neighbour had
 // when it was last solved, so that light travels from tile to tile as the predictions go on (Schwarz's alternating
 // method). The first prediction goes over the tiles `first_rounds` times with diffusion alone before it sweeps; a twin
 // once, and a print after it once, for a print of dark resins is not lit by its white twin.
@@ -20,8 +20,8 @@
 // cells. Iteration error: the mean CIEDE2000 of one open loop is 4.57 to 4.94 by where three sweeps start, 4.85 after
 // eight (docs/decisions/007): of a difference of a few tenths between two prints it says nothing.
 //
-// Memory: grid and equations of one tile, 24 bytes a viewing cell for its light, as much again for the adjoint, and the
-// grids that are kept (tile_grids.h).
+// Memory: grid and equations of one tile, 16 bytes a viewing cell for its light of a channel, as much again for the
+// adjoint, and the grids that are kept (tile_grids.h).
 #pragma once
 
 #include <cstddef>

@@ -122,8 +122,8 @@ ViewingTransport::Room ViewingTransport::take_room() {
 
 std::size_t ViewingTransport::bytes_for(const ViewingGrid& grid, std::size_t channels) {
     return grid.cells() * (3 * sizeof(Moments) + channels * sizeof(ViewingField::Code) + 8) +
-           grid.open_faces.size() * (8 * sizeof(Octet) + 64 * channels + 8) + grid.core_faces.size() * 32 +
-           grid.cells() / 64 * 440 + grid.core_block.size() * 200;
+           grid.open_faces.size() * (8 * sizeof(Octet) + sizeof(ViewingField::FaceCode) * channels + 8) +
+           grid.core_faces.size() * 32 + grid.cells() / 64 * 440 + grid.core_block.size() * 200;
 }
 
 float ViewingTransport::furnace_flux(std::size_t face) const {
@@ -263,7 +263,7 @@ void ViewingTransport::load(const ViewingField& field) {
     parallel_ranges(0, grid_.open_faces.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
             for (std::size_t k = 0; k < 32; ++k)
-                out_[4 * i + k / 8].v[k % 8] = step * (static_cast<float>(field.out[32 * i + k]) - zero);
+                out_[4 * i + k / 8].v[k % 8] = step * (code_of(field.out[i], k) - zero);
     });
     reflect();
 }
@@ -291,10 +291,13 @@ void ViewingTransport::store(ViewingField& field, TransportSummary& summary) con
         clipped += out_of_range;
     });
     field.core = core_phi_;
-    field.out.resize(32 * grid_.open_faces.size());
+    field.out.resize(grid_.open_faces.size());
     parallel_ranges(0, grid_.open_faces.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-            for (std::size_t k = 0; k < 32; ++k) field.out[32 * i + k] = code(out_[4 * i + k / 8].v[k % 8]);
+        std::array<float, 32> out{};
+        for (std::size_t i = begin; i < end; ++i) {
+            for (std::size_t k = 0; k < 32; ++k) out[k] = out_[4 * i + k / 8].v[k % 8];
+            field.out[i] = face_code(out, code);
+        }
     });
     summary.kept_values += kept;
     summary.clipped_values += clipped;
@@ -648,7 +651,7 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
     VOXTONE_EXPECT(field.cells.empty() || ((field.scale > 0) == (scale_ > 0) && !grid_.fine.any()));
     VOXTONE_EXPECT(field.cells.empty() ||
                    (field.cells.size() == grid_.cells() && field.core.size() == grid_.core_block.size() &&
-                    field.out.size() == 32 * grid_.open_faces.size()));
+                    field.out.size() == grid_.open_faces.size()));
     Stopwatch watch;
     prepare();
     std::fill(flux_.begin(), flux_.end(), 0.0f);

@@ -4,7 +4,7 @@
 // one.
 //
 // Keeps nothing of a channel but what the caller holds for it, a field: phi and J of each cell, phi of the core nodes
-// and what leaves through each face, in 16-bit steps of 3e-5. A field of other resins is as good a start as the resins
+// and what leaves through each face (viewing_field.h). A field of other resins is as good a start as the resins
 // are alike.
 //
 // Memory besides the grid and the fields: 48 bytes a cell (moments before and after a sweep, of light that runs up and
