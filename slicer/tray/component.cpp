@@ -69,7 +69,7 @@ ReadyComponent prepare_shape(const TrayPart& part, const OpenedJob& common, Prog
     const auto body = std::make_shared<const PlainBody>(
         grid, component.kind == ComponentKind::cylinder ? component.size_mm[0] : 0, cumulative_mixture(shares),
         static_cast<int>(shares.size()), halftone::BlueNoiseScreen({pitch.x(), pitch.y(), pitch.z()}, &progress));
-    ReadyComponent made{body, empty_outline(grid), {}, {}};
+    ReadyComponent made{body, empty_outline(grid), {}, {}, true};
     for (int j = 0; j < grid.size[1]; ++j)
         if (const int margin = body->margin(j); 2 * margin < grid.size[0])
             take_voxels(made.outline, grid, j, margin, grid.size[0] - margin);

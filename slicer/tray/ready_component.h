@@ -21,6 +21,7 @@ struct ReadyComponent {
     Outline outline;
     std::vector<std::uint64_t> voxels;  ///< of each loaded resin
     std::vector<std::string> files;     ///< on whose contents it depends
+    bool is_one_mixture = false;        ///< throughout
 
     [[nodiscard]] std::uint64_t all_voxels() const;
 };

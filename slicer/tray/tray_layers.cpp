@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "slicer/prepare/phase.h"
+#include "slicer/tray/component_surface.h"
 
 namespace voxtone::slicer {
 
@@ -92,8 +93,15 @@ TrayReport report_for(const PreparedTray& prepared, const std::filesystem::path&
 }
 
 void report_parts(PreparedTray& prepared, TrayReport& tray, Progress& progress) {
-    for (ReadyPart& part : prepared.parts.ready)
-        if (!part.alone.empty() && part.ready) report_part(part, tray, progress);
+    for (ReadyPart& part : prepared.parts.ready) {
+        if (part.alone.empty()) continue;
+        if (part.component)
+            tray.add_component(part, part.part.cuts ? std::nullopt
+                                                    : component_surface(*part.component, prepared.any_job(),
+                                                                        tray.surface_share(), progress));
+        else
+            report_part(part, tray, progress);
+    }
 }
 
 }  // namespace voxtone::slicer

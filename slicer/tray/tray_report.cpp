@@ -19,6 +19,7 @@
 #include "slicer/look/composed_surface.h"
 #include "slicer/look/report_views.h"
 #include "slicer/look/viewer_surface.h"
+#include "slicer/tray/component_surface.h"
 #include "slicer/tray/opened_tray.h"
 
 namespace voxtone::slicer {
@@ -47,18 +48,22 @@ io::ReportPart row_of(const ReadyPart& part, const io::Report& own) {
     return row;
 }
 
-/// The part's worst place, or its top where nothing is worth naming.
-io::ViewerPlace place_of(const ReadyPart& part, const io::Report& own) {
-    const VoxelGrid& grid = part.ready->body.grid;
+io::ViewerPlace top_of(const VoxelGrid& grid) {
     const Eigen::Vector3d size = grid.pitch_mm.cwiseProduct(Eigen::Vector3d(grid.size[0], grid.size[1], grid.size[2]));
     io::ViewerPlace place;
-    if (own.viewer.worst.empty()) {
-        place.at_mm = {size.x() / 2, size.y() / 2, size.z()};
-        place.normal = {0, -0.5, 0.8660254};
-    } else {
-        place = own.viewer.worst[0];
-    }
+    place.at_mm = {size.x() / 2, size.y() / 2, size.z()};
+    place.normal = {0, -0.5, 0.8660254};
     place.span_mm = 1.3 * size.maxCoeff();
+    return place;
+}
+
+/// The part's worst place, or its top where nothing is worth naming.
+io::ViewerPlace place_of(const ReadyPart& part, const io::Report& own) {
+    io::ViewerPlace place = top_of(part.ready->body.grid);
+    if (own.viewer.worst.empty()) return place;
+    const double span_mm = place.span_mm;
+    place = own.viewer.worst[0];
+    place.span_mm = span_mm;
     return place;
 }
 
@@ -109,12 +114,24 @@ void draw_from_above(const io::ViewerSurface& surface, const std::filesystem::pa
 
 }  // namespace
 
-void TrayReport::add(const ReadyPart& part, const io::Report& own, Progress& progress) {
+std::size_t TrayReport::surface_share() const {
     constexpr std::size_t least_bytes = 12'000;
+    return std::max(least_bytes, surface_bytes / std::max<std::size_t>(1, copies_));
+}
+
+void TrayReport::add(const ReadyPart& part, const io::Report& own, Progress& progress) {
     Entry entry{row_of(part, own), std::nullopt, place_of(part, own), part.alone, part.ready->body.grid.pitch_mm};
-    entry.surface = part.ready->print->viewer_surface(
-        std::max(least_bytes, surface_bytes / std::max<std::size_t>(1, copies_)), progress);
+    entry.surface = part.ready->print->viewer_surface(surface_share(), progress);
     entries_.push_back(std::move(entry));
+}
+
+void TrayReport::add_component(const ReadyPart& part, std::optional<io::ViewerSurface> surface) {
+    const VoxelGrid& grid = part.grid();
+    io::ReportPart row;
+    row.name = part.part.name;
+    row.headline = fmt::format("{}, neither looped nor predicted", name_of(part.part.component->kind));
+    if (!part.part.cuts) row.ml = double(part.component->all_voxels()) * grid.voxel_volume_mm3() * 1e-3;
+    entries_.push_back({std::move(row), std::move(surface), top_of(grid), part.alone, grid.pitch_mm, true});
 }
 
 std::vector<Eigen::Vector3d> TrayReport::places(const Entry& entry, int tray) {
@@ -135,8 +152,17 @@ std::vector<const TrayReport::Entry*> TrayReport::on(int tray) const {
 void TrayReport::add_surface(const std::vector<const Entry*>& entries, int tray, io::Report& report,
                              Progress& progress) {
     std::vector<PlacedSurface> placed;
-    for (const Entry* entry : entries)
-        if (entry->surface) placed.push_back({&*entry->surface, places(*entry, tray)});
+    std::vector<io::ViewerSurface> of_components;
+    of_components.reserve(entries.size());
+    const auto shown =
+        std::ranges::find_if(entries, [](const Entry* entry) { return entry->surface && !entry->is_component; });
+    for (const Entry* entry : entries) {
+        if (!entry->surface) continue;
+        const io::ViewerSurface* surface = &*entry->surface;
+        if (entry->is_component && shown != entries.end())
+            surface = &of_components.emplace_back(with_looks_of(*surface, *(*shown)->surface));
+        placed.push_back({surface, places(*entry, tray)});
+    }
     if (placed.empty()) return;
     report.viewer.surface = compose_surfaces(placed);
     const io::ViewerSurface& surface = *report.viewer.surface;
@@ -152,13 +178,15 @@ void TrayReport::add_surface(const std::vector<const Entry*>& entries, int tray,
 
 io::ReportVerdict TrayReport::verdict_of(const std::vector<const Entry*>& entries) {
     std::vector<const io::ReportPart*> bad, fair, unknown;
+    std::size_t all = 0;
     for (const Entry* entry : entries) {
+        if (entry->is_component) continue;
+        ++all;
         if (entry->row.level == io::VerdictLevel::bad) bad.push_back(&entry->row);
         if (entry->row.level == io::VerdictLevel::fair) fair.push_back(&entry->row);
         if (entry->row.level == io::VerdictLevel::unknown) unknown.push_back(&entry->row);
     }
     io::ReportVerdict verdict;
-    const std::size_t all = entries.size();
     if (!bad.empty()) {
         verdict.level = io::VerdictLevel::bad;
         verdict.headline = fmt::format("{} of {} bodies will not look as asked", bad.size(), all);
@@ -185,14 +213,14 @@ void TrayReport::write(const Tray& tray, LayerWatchers& watchers, double seconds
     report.title = out.filename().empty() ? out.parent_path().filename().string() : out.filename().string();
     add_print(tray.job, tray.stack, tray.grid, report);
     report.warnings.insert(report.warnings.end(), tray.warnings.begin(), tray.warnings.end());
-    if (!entries.empty()) report.verdict = verdict_of(entries);
+    if (!std::ranges::all_of(entries, &Entry::is_component)) report.verdict = verdict_of(entries);
     report.viewer.viewing_distance_mm = tray.job.options.loop.viewing_distance_mm;
     for (const Entry* entry : entries) {
         const std::vector<Eigen::Vector3d> at_mm = places(*entry, tray.number);
         io::ReportPart row = entry->row;
         row.copies = static_cast<std::uint32_t>(at_mm.size());
         // The parts' pages lie in the folder of the first tray.
-        if (tray.number > 0) row.page = fmt::format("../{}/{}", first_folder_, row.page);
+        if (tray.number > 0 && !row.page.empty()) row.page = fmt::format("../{}/{}", first_folder_, row.page);
         report.parts.push_back(std::move(row));
         io::ViewerPlace place = entry->worst;
         for (std::size_t axis = 0; axis < 3; ++axis) place.at_mm[axis] += at_mm[0][Eigen::Index(axis)];

@@ -26,6 +26,10 @@ public:
 
     /// Once a part's own report is written, while it still knows what was predicted.
     void add(const ReadyPart& part, const io::Report& own, Progress& progress);
+    /// A component, which is not predicted: its shape, where it has one.
+    void add_component(const ReadyPart& part, std::optional<io::ViewerSurface> surface);
+    /// Bytes of the page for one copy's surface.
+    [[nodiscard]] std::size_t surface_share() const;
     /// What is on one tray, as files of the folder.
     struct Tray {
         std::filesystem::path out;
@@ -46,6 +50,7 @@ private:
         io::ViewerPlace worst;  ///< in the part's own mm
         std::vector<PlacedCopy> copies;
         Eigen::Vector3d pitch_mm;
+        bool is_component = false;
     };
     /// Of an entry, on one tray, in its mm.
     [[nodiscard]] static std::vector<Eigen::Vector3d> places(const Entry& entry, int tray);

@@ -248,6 +248,53 @@ TEST_CASE("Stacks that cannot be taken as they are, are refused in a sentence") 
     CHECK_THAT(fault(R"({"stack": "whole"})"), Contains("was changed after it was written"));
 }
 
+TEST_CASE("A batch looks for the components of its trays before it starts") {
+    const Shelf shelf("batch");
+    shelf.slice();
+    shelf.folder.write("tray.json", R"({"format": "voxtone-tray", "version": 1, "parts": [
+        {"box": [2, 2, 2], "resin": "W"}, {"stack": "old"}]})");
+    shelf.folder.write("quick.json", R"({"format": "voxtone-job", "version": 1, "iterations": 0, "predict": "none"})");
+    const std::string words = "batch " + (shelf.folder / "tray.json") + " --preset " + (shelf.folder / "quick.json") +
+                              " -o " + (shelf.folder / "jobs");
+    const Outcome made = run_program(words);
+    CAPTURE(made.err);
+    REQUIRE(made.exit_code == 0);
+    CHECK_THAT(run_program(words).out, Contains("1 before, and unchanged"));
+    const std::string out = shelf.folder / "jobs/tray";
+    CHECK(unlike(Bitmaps(out), box_of(out, "old"), Bitmaps(shelf.folder / "old")) == 0);
+    fs::remove(shelf.folder / "old/manifest.json");
+    const Outcome wrong = run_program(words);
+    CHECK(wrong.exit_code == 3);
+    CHECK_THAT(wrong.err, Contains("old/manifest.json") && Contains("no job was started"));
+}
+
+TEST_CASE("The report of a tray shows its components") {
+    const Shelf shelf("report");
+    shelf.slice();
+    shelf.folder.write("tray.json", R"({"format": "voxtone-tray", "version": 1, "parts": [
+        {"model": "ramp.obj", "size": "3mm"}, {"stack": "old"}, {"box": [4, 3, 2], "mixture": {"W": 1, "C": 1}}]})");
+    const std::string out = shelf.folder / "out";
+    const Outcome made =
+        run_program("slice " + (shelf.folder / "tray.json") + " --iterations 0 --predict none -o " + out);
+    CAPTURE(made.err);
+    REQUIRE(made.exit_code == 0);
+    CHECK_THAT(read_file(out + "/report.html"), Contains("stack, neither looped nor predicted"));
+    // From above, at so many pixels a millimetre: the box is of one colour, and no other place has it.
+    const Bitmap above = read_png(out + "/tray.png");
+    std::map<Rgba, std::size_t> colours;
+    for (const Rgba& pixel : above.pixels) ++colours[pixel];
+    CHECK(colours.size() > 50);
+    const auto most = [&] {
+        std::size_t pixels = 0;
+        for (const auto& [colour, count] : colours)
+            if (colour[2] > colour[0] + 60) pixels = std::max(pixels, count);
+        return pixels;
+    }();
+    const double px_per_mm = 20;
+    CHECK(double(most) > 0.8 * 4 * 3 * px_per_mm * px_per_mm);
+    CHECK(double(most) < 1.05 * 4 * 3 * px_per_mm * px_per_mm);
+}
+
 TEST_CASE("A component beside a coloured part is warned of, two plain ones are not") {
     const Shelf shelf("near");
     shelf.slice();
