@@ -16,15 +16,14 @@ namespace {
 constexpr float most_weight = 4;
 constexpr double let_go = 0.25;  // CIEDE2000: nobody sees that a region is so much worse
 
-std::vector<double> differences(std::span<const Eigen::Vector3f> a, std::span<const Eigen::Vector3f> b) {
-    std::vector<double> difference(a.size());
-    parallel_for(0, a.size(), 1024, [&](std::size_t i) {
-        const auto lab = [](const Eigen::Vector3f& v) {
-            return optics::lab_from_linear_srgb(v.cast<double>().cwiseMax(0));
-        };
-        difference[i] = optics::ciede2000(lab(a[i]), lab(b[i]));
-    });
-    return difference;
+Eigen::Vector3d lab_of(const Eigen::Vector3f& rgb) {
+    return optics::lab_from_linear_srgb(rgb.cast<double>().cwiseMax(0));
+}
+
+std::vector<Eigen::Vector3f> lab_of(std::span<const Eigen::Vector3f> rgb) {
+    std::vector<Eigen::Vector3f> lab(rgb.size());
+    parallel_for(0, rgb.size(), 1024, [&](std::size_t i) { lab[i] = lab_of(rgb[i]).cast<float>(); });
+    return lab;
 }
 
 }  // namespace
@@ -35,12 +34,12 @@ LoopMeasure::LoopMeasure(const optics::Surface& surface, std::span<const Eigen::
     : surface_(surface),
       eye_(surface, viewing_distance_mm, EyeSurround::none),
       asked_(target),
-      seen_shown_(eye_.filter(shown)),
+      lab_seen_shown_(lab_of(eye_.filter(shown))),
       in_gamut_(in_gamut),
       adapts_(adapts),
       regions_(colour_regions(surface, target)) {
     EyeFilter::Views asked = eye_.views(target);
-    seen_asked_ = std::move(asked.filtered), near_asked_ = std::move(asked.smoothed);
+    lab_asked_ = lab_of(target), lab_seen_asked_ = lab_of(asked.filtered), near_asked_ = std::move(asked.smoothed);
     weight_ = weights(std::vector<float>(regions_.size(), 1.0f), 0);
 }
 
@@ -63,9 +62,16 @@ LoopMeasure::Value LoopMeasure::operator()(std::span<const Eigen::Vector3f> rgb,
     value.views = eye_.views(rgb);
     std::vector<Eigen::Vector3f> seen = value.views.filtered;
     for (Eigen::Vector3f& colour : seen) colour /= value.paper;
-    value.seen = optics::summarize_by_area(surface_, differences(seen_asked_, seen));
-    value.cells = optics::summarize_by_area(surface_, differences(asked_, rgb));
-    const std::vector<double> off = differences(seen_shown_, seen);
+    // Lab of what is wanted is known; that of the print is found once.
+    std::vector<double> off_asked(rgb.size()), off_cells(rgb.size()), off(rgb.size());
+    parallel_for(0, rgb.size(), 1024, [&](std::size_t i) {
+        const Eigen::Vector3d print = lab_of(seen[i]);
+        off_asked[i] = optics::ciede2000(lab_seen_asked_[i].cast<double>(), print);
+        off[i] = optics::ciede2000(lab_seen_shown_[i].cast<double>(), print);
+        off_cells[i] = optics::ciede2000(lab_asked_[i].cast<double>(), lab_of(rgb[i]));
+    });
+    value.seen = optics::summarize_by_area(surface_, off_asked);
+    value.cells = optics::summarize_by_area(surface_, off_cells);
     double sum = 0, all = 0;
     for (std::size_t i = 0; i < off.size(); ++i) {
         const double a = static_cast<double>(weight_[i] * surface_.cells[i].area_mm2);

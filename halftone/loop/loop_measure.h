@@ -53,7 +53,8 @@ private:
     const optics::Surface& surface_;
     EyeFilter eye_;
     std::span<const Eigen::Vector3f> asked_;
-    std::vector<Eigen::Vector3f> seen_asked_, seen_shown_, near_asked_;
+    std::vector<Eigen::Vector3f> lab_asked_, lab_seen_asked_, lab_seen_shown_;  ///< in single precision: 1e-5 of them
+    std::vector<Eigen::Vector3f> near_asked_;
     const std::vector<char>& in_gamut_;
     bool adapts_;
     std::vector<ColourRegion> regions_;
