@@ -61,15 +61,6 @@ inline constexpr float unseen = 1.0f / 256;
     return static_cast<std::int16_t>(static_cast<int>(std::clamp(J * (1 / J_step), -32767.0f, 32767.0f) + 32768.5f) -
                                      32768);
 }
-/// Of a face's radiances; `code`: phi_code or signed_code.
-template <class Code>
-[[nodiscard]] ViewingField::FaceCode face_code(const std::array<float, 32>& out, const Code& code) {
-    const auto [low, high] = std::minmax_element(out.begin(), out.end());
-    ViewingField::FaceCode face{code(*low), code(*high), {}};
-    const float per_unit = *high > *low ? 255 / (*high - *low) : 0;
-    for (std::size_t k = 0; k < 32; ++k) face.share[k] = static_cast<std::uint8_t>((out[k] - *low) * per_unit + 0.5f);
-    return face;
-}
 /// Codes of phi that stand for its radiances, not rounded.
 [[nodiscard]] inline float code_of(const ViewingField::FaceCode& face, std::size_t k) {
     const float low = face.low;

@@ -38,6 +38,29 @@ Four four(const float* from) {
 void put(const Four& v, float* to) { std::memcpy(to, &v, sizeof v); }
 Four above_zero(const Four& v) { return v > 0 ? v : Four{}; }
 
+/// Of the 32 radiances that leave through a face; `code`: phi_code or signed_code.
+template <class Code>
+ViewingField::FaceCode face_code(const Octet* out, const Code& code) {
+    using Four32 __attribute__((vector_size(16))) = std::int32_t;
+    constexpr std::size_t fours = 8;
+    std::array<Four, fours> v;
+    std::memcpy(v.data(), out, sizeof v);
+    Four lows = v[0], highs = v[0];
+    for (const Four& f : v) {
+        lows = f < lows ? f : lows;
+        highs = f > highs ? f : highs;
+    }
+    const float low = std::min({lows[0], lows[1], lows[2], lows[3]}),
+                high = std::max({highs[0], highs[1], highs[2], highs[3]}),
+                per_unit = high > low ? 255 / (high - low) : 0;
+    ViewingField::FaceCode face{code(low), code(high), {}};
+    for (std::size_t k = 0; k < fours; ++k) {
+        const Four32 share = __builtin_convertvector((v[k] - low) * per_unit + 0.5f, Four32);
+        for (std::size_t i = 0; i < 4; ++i) face.share[4 * k + i] = static_cast<std::uint8_t>(share[i]);
+    }
+    return face;
+}
+
 /// Fluxes of a region's light that passes corners become its radiance for the room that there is: of the same direction
 /// first, the surplus everywhere. Sums are in the order of the directions.
 void share_out(const float* leaves, const float* room, float* pool) {
@@ -293,11 +316,7 @@ void ViewingTransport::store(ViewingField& field, TransportSummary& summary) con
     field.core = core_phi_;
     field.out.resize(grid_.open_faces.size());
     parallel_ranges(0, grid_.open_faces.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
-        std::array<float, 32> out{};
-        for (std::size_t i = begin; i < end; ++i) {
-            for (std::size_t k = 0; k < 32; ++k) out[k] = out_[4 * i + k / 8].v[k % 8];
-            field.out[i] = face_code(out, code);
-        }
+        for (std::size_t i = begin; i < end; ++i) field.out[i] = face_code(&out_[4 * i], code);
     });
     summary.kept_values += kept;
     summary.clipped_values += clipped;
