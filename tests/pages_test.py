@@ -181,6 +181,20 @@ def options():
                         fault(f"{name(page)}:{number}", f"no verb has the option {option}")
 
 
+def words():
+    """No identifier abbreviates what docs/glossary.md says is written out."""
+    glossary = (ROOT / "docs" / "glossary.md").read_text()
+    refused = set(re.search(r"a test refuses\s+`([^`]+)`", glossary)[1].split())
+    for floor in ["base", "cli", "slicer", "io", "halftone", "calibration", "optics"]:
+        for path in sorted([*(ROOT / floor).rglob("*.cpp"), *(ROOT / floor).rglob("*.h")]):
+            for number, line in enumerate(path.read_text().split("\n"), 1):
+                code = re.sub(r'"(?:[^"\\]|\\.)*"|//.*', "", line)
+                for identifier in re.findall(r"\b[a-z][a-z0-9_]*\b", code):
+                    short = refused.intersection(identifier.split("_"))
+                    if short:
+                        fault(f"{name(path)}:{number}", f"{identifier}: write {' '.join(short)} out; whoever searches finds words")
+
+
 def messages():
     """What docs/messages/warnings.md quotes in its tables is said by a source."""
     sources = ""
@@ -225,8 +239,7 @@ def run():
         fault("pages", "no command was run")
 
 
-TESTS = {"links": links, "citations": citations, "decisions": decisions, "columns": columns, "options": options, "messages": messages,
-         "run": run}
-TESTS[sys.argv[2]]()
+TESTS = [links, citations, decisions, columns, options, messages, words, run]
+next(test for test in TESTS if test.__name__ == sys.argv[2])()
 print("\n".join(faults))
 sys.exit(1 if faults else 0)
