@@ -1,5 +1,5 @@
 #!/bin/sh
-# Many parts in one print: six models and twenty tags, each with its number, laid beside each other. The same command again does
+# Many parts in one print: six models, two patches of a mixture and twenty tags, each with its number, laid beside each other. The same command again does
 # nothing.
 set -eu
 voxtone=${VOXTONE:-build/release/bin/voxtone}

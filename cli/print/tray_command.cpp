@@ -35,7 +35,8 @@ Command add_tray_command(CLI::App& program) {
     auto arguments = std::make_shared<TrayArguments>();
     CLI::App* command = program.add_subcommand(
         "tray",
-        "Slice many parts, and copies of them, into one print: what `slice` does with several models or a plan");
+        "Slice many parts, and copies of them, into one print: what `slice` does with several models or a plan, whose "
+        "parts may also be boxes, cylinders, finished stacks and jobs");
     arguments->job.takes_many = true;
     add_job_options(*command, arguments->job, {"layers", "mixtures", "resume"});
     add_console_options(*command, arguments->console);

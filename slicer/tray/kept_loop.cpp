@@ -12,32 +12,42 @@
 
 namespace voxtone::slicer {
 
-bool take_kept_loop(const std::string& name, const std::string& folder, const SliceOptions& options,
-                    Progress& progress) {
-    namespace fs = std::filesystem;
-    const OpenedJob job = open_job(options);
-    if (job.options.loop.iterations == 0) return false;
-    const fs::path kept = fs::path(folder) / io::skin_name;
-    std::error_code none;
-    if (!fs::exists(kept, none)) {
-        progress.note(
-            fmt::format("{}: the appearance loop is run again, for {} kept nothing of its own (`slice --until loop` "
-                        "and shards do; its finished voxels are a \"stack\")",
-                        name, folder));
-        return false;
-    }
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path kept_in(const std::string& folder) { return fs::path(folder) / io::skin_name; }
+
+}  // namespace
+
+std::string why_no_kept_loop(const std::string& folder, const OpenedJob& job, const Progress& progress) {
+    if (std::error_code none; !fs::exists(kept_in(folder), none))
+        return fmt::format(
+            "{} kept nothing of its own (`slice --until loop` and shards do; its finished voxels are a "
+            "\"stack\")",
+            folder);
     try {
-        SkinFile::expect_same_job(kept, opened_loop_identity(job, &progress), job.options.loop.iterations);
+        SkinFile::expect_same_job(kept_in(folder), opened_loop_identity(job, &progress), job.options.loop.iterations);
+        return {};
     } catch (const TryAgain&) {
         throw;
-    } catch (const InputError& error) {
-        progress.note(fmt::format("{}: the appearance loop is run again: {}", name, error.what()));
+    } catch (const Error& error) {  // of another job, or broken
+        return error.what();
+    }
+}
+
+bool take_kept_loop(const std::string& name, const std::string& folder, const SliceOptions& options,
+                    Progress& progress) {
+    const OpenedJob job = open_job(options);
+    if (job.options.loop.iterations == 0) return false;
+    if (const std::string why = why_no_kept_loop(folder, job, progress); !why.empty()) {
+        progress.note(fmt::format("{}: the appearance loop is run again: {}", name, why));
         return false;
     }
     constexpr std::uint64_t most_bytes = std::uint64_t{1} << 34;
     const fs::path own = fs::path(options.out) / io::skin_name;
     fs::create_directories(own.parent_path());
-    io::write_whole_file(own, io::read_whole_file(kept, most_bytes));
+    io::write_whole_file(own, io::read_whole_file(kept_in(folder), most_bytes));
     return true;
 }
 

@@ -12,6 +12,9 @@
 
 namespace voxtone::slicer {
 
+/// Why the folder of a job has no loop for this one, by what is known before the model is read; empty: it has.
+[[nodiscard]] std::string why_no_kept_loop(const std::string& folder, const OpenedJob& job, const Progress& progress);
+
 /// Looks into the folder of the job, and says why its loop is run again where it is not this part's: by what is known
 /// before the model is read. Whether it was copied. Throws what opening the part's job throws, FileError.
 bool take_kept_loop(const std::string& name, const std::string& folder, const SliceOptions& options,

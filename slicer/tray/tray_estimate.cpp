@@ -20,6 +20,7 @@
 #include "slicer/plan/phase_estimates.h"
 #include "slicer/printer/placement.h"
 #include "slicer/tray/component.h"
+#include "slicer/tray/kept_loop.h"
 #include "slicer/tray/opened_tray.h"
 
 namespace voxtone::slicer {
@@ -69,6 +70,8 @@ EstimatedPart estimate_part(const TrayPart& part, const EstimateScope& scope, co
     try {
         if (part.component) return estimate_component(part, *common, progress);
         OpenedJob job = open_job(part.options);
+        if (part.job && !part.job->folder.empty() && why_no_kept_loop(part.job->folder, job, progress).empty())
+            job.options.loop.iterations = 0;  // it is run
         EstimatedPart made{&part};
         made.measured.emplace(read_measured(job, progress));
         made.resident_bytes = resident_bytes();

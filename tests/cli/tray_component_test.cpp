@@ -165,6 +165,56 @@ TEST_CASE("A tray of a model, a box, and stacks that were sliced before, voxel f
     CHECK(shelf.tray(parts).exit_code == 3);
 }
 
+TEST_CASE("A stack lies as it was sliced, whatever the printer wants of its bitmaps") {
+    const Shelf shelf("mirrored");
+    json profile = json_in(VOXTONE_SOURCE_DIR "/data/printers/stratasys-j750-hm.json");
+    const bool is_swapped = GENERATE(false, true);
+    CAPTURE(is_swapped);
+    profile["flip_x"] = true;
+    profile[is_swapped ? "swap_xy" : "flip_y"] = true;
+    shelf.folder.write("mirrored.json", profile.dump());
+    const std::string printer = "--printer " + (shelf.folder / "mirrored.json") + " --formats png,gcvf";
+    shelf.slice(printer);
+    CHECK(json_in(shelf.folder / "old/manifest.json")["orientation"]["flip_x"] == true);
+    // Alone in its tray it is that stack again, by its manifest or by its container.
+    for (const char* part : {R"({"stack": "old"})", R"({"gcvf": "old/stack.gcvf"})"}) {
+        CAPTURE(part);
+        const Outcome made = shelf.tray(part, printer + " --overwrite");
+        CAPTURE(made.err);
+        REQUIRE(made.exit_code == 0);
+        CHECK(layers_of(shelf.folder / "out") == layers_of(shelf.folder / "old"));
+    }
+    // For a printer that wants nothing of them its voxels are those of a stack that was sliced for that one, unless
+    // they are longer along the other axis.
+    shelf.slice("", "plain");
+    const Outcome plain = shelf.tray(R"({"stack": "old"})", "--overwrite");
+    CHECK(plain.exit_code == (is_swapped ? 3 : 0));
+    if (is_swapped) {
+        CHECK_THAT(plain.err, Contains("84.67 x 42.33 x 27"));
+        return;
+    }
+    CHECK(layers_of(shelf.folder / "out") == layers_of(shelf.folder / "plain"));
+}
+
+TEST_CASE("The air around the body of a container is left away") {
+    const Shelf shelf("air");
+    shelf.slice();
+    // What is cut makes the print larger than what is in it.
+    const Outcome large = shelf.tray(R"({"stack": "old", "at": [4, 3, 1.08]},
+        {"box": [1, 1, 1], "cuts": true, "at": [0, 0, 0]}, {"box": [1, 1, 1], "cuts": true, "at": [12, 9, 8], "name": "b"})",
+                                     "--formats png,gcvf");
+    CAPTURE(large.err);
+    REQUIRE(large.exit_code == 0);
+    fs::rename(shelf.folder / "out", shelf.folder / "large");
+    REQUIRE(shelf.tray(R"({"gcvf": "large/stack.gcvf", "at": [1, 1]}, {"box": [1, 1, 2], "resin": "W"})").exit_code ==
+            0);
+    const std::string out = shelf.folder / "out";
+    const Bitmaps print(out), old(shelf.folder / "old");
+    CHECK(Bitmaps(shelf.folder / "large").size() != old.size());
+    REQUIRE(box_of(out, "stack").size == old.size());
+    CHECK(unlike(print, box_of(out, "stack"), old) == 0);
+}
+
 TEST_CASE("A component cuts, has priority, and is told of where it is overlapped") {
     const Shelf shelf("cuts");
     shelf.slice();
@@ -332,6 +382,10 @@ TEST_CASE("A job that was done is a part with the loop that it kept") {
     };
     CHECK(is_taken(tray("", "out")));
     CHECK(layers_of(shelf.folder / "out") == layers_of(shelf.folder / "done"));
+    const auto estimate = [&] {
+        return run_program("estimate --quick " + (shelf.folder / "tray.json") + " --predict none").out;
+    };
+    CHECK_THAT(estimate(), !Contains("loop"));
     // Also where loops are a task of their own.
     CHECK(is_taken(tray("--until loop", "cut")));
     for (const char* shard : {"--shard 1/2", "--shard 2/2"}) CHECK(is_taken(tray(shard, "cut")));
@@ -344,6 +398,7 @@ TEST_CASE("A job that was done is a part with the loop that it kept") {
     CHECK(layers_of(shelf.folder / "deep") != layers_of(shelf.folder / "done"));
     fs::remove(shelf.folder / "done/skin.mixtures");
     shelf.folder.write("tray.json", R"({"format": "voxtone-tray", "version": 1, "parts": [{"job": "done"}]})");
+    CHECK_THAT(estimate(), Contains("loop"));
     CHECK_THAT(tray("", "again"), Contains("is run again") && Contains("kept nothing of its own"));
     CHECK(layers_of(shelf.folder / "again") == layers_of(shelf.folder / "done"));
     // A job of another printer or other resins is another print.
