@@ -410,6 +410,9 @@ void ViewingDiffusion::relax(const Level<n>& level, std::span<const float> b, st
                 fetch(level.low[next]);
                 fetch(b.data() + next * all, all * sizeof(float));
                 fetch(x.data() + next * all, all * sizeof(float));
+                for (std::size_t f = 2; f < 6; ++f)
+                    if (neighbour_[next][f] >= 0)
+                        fetch(x.data() + static_cast<std::size_t>(neighbour_[next][f]) * all, all * sizeof(float));
             }
             Patch<n> patch;
             gather<n>(patch, t, neighbour_[t], side_of_[t], sides_, values, core_values);
