@@ -137,7 +137,8 @@ void ViewingSequence::begin(KeptLight& light, std::span<const float> adjoint_see
 
 Appearance ViewingSequence::only(const ResinVolume& volume, const Progress* progress) {
     keeps_light_ = false;
-    return predict(volume, {options_.sweeps, 0, first_rounds}, progress);
+    // A tile's light is not kept from the last round: it is found once more, with what its neighbours told, and swept.
+    return predict(volume, {options_.sweeps, 0, first_rounds - 1}, progress);
 }
 
 Appearance ViewingSequence::twin(const ResinVolume& volume, const Progress* progress) {
