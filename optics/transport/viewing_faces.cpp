@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <utility>
 
+#include "base/parallel.h"
 #include "optics/transport/lattice.h"
 
 namespace voxtone::optics {
@@ -23,12 +25,11 @@ class FaceFinder {
 public:
     FaceFinder(const ViewingGrid& grid, const Surface& surface) : grid_(grid), surface_(surface) {
         for (std::size_t a = 0; a < 3; ++a) edge_[a] = grid_.view_voxels[a] * grid_.pitch_mm[a];
-        seen_.first.reserve(surface.cells.size() + 1);
-        seen_.cell.reserve(surface.cells.size());
-        seen_.first.push_back(0);
     }
-    [[nodiscard]] ViewingFaces run(const Progress* progress) {
-        for (const SurfaceCell& cell : surface_.cells) {
+    /// Those of the cells begin .. end - 1, as if there were no others.
+    [[nodiscard]] ViewingFaces run(std::size_t begin, std::size_t end, const Progress* progress) {
+        seen_.first.push_back(0);
+        for (const SurfaceCell& cell : std::span(surface_.cells).subspan(begin, end - begin)) {
             if (progress) progress->check_cancelled();
             look_at(cell);
             if (!is_slanting(cell) || !share_around(cell)) take_nearest(cell);
@@ -157,7 +158,28 @@ private:
 }  // namespace
 
 ViewingFaces find_viewing_faces(const ViewingGrid& grid, const Surface& surface, const Progress* progress) {
-    return FaceFinder(grid, surface).run(progress);
+    constexpr std::size_t part = 1 << 12;
+    std::vector<ViewingFaces> parts((surface.cells.size() + part - 1) / part);
+    parallel_for(0, parts.size(), 1, [&](std::size_t p) {
+        parts[p] = FaceFinder(grid, surface).run(p * part, std::min((p + 1) * part, surface.cells.size()), progress);
+    });
+    std::size_t entries = 0;
+    for (const ViewingFaces& one : parts) entries += one.face.size();
+    ViewingFaces seen;
+    seen.first.reserve(surface.cells.size() + 1);
+    seen.cell.reserve(surface.cells.size());
+    seen.face.reserve(entries);
+    seen.share.reserve(entries);
+    seen.first.push_back(0);
+    for (ViewingFaces& one : parts) {
+        const auto before = static_cast<std::uint32_t>(seen.face.size());
+        for (std::size_t i = 1; i < one.first.size(); ++i) seen.first.push_back(before + one.first[i]);
+        seen.cell.insert(seen.cell.end(), one.cell.begin(), one.cell.end());
+        seen.face.insert(seen.face.end(), one.face.begin(), one.face.end());
+        seen.share.insert(seen.share.end(), one.share.begin(), one.share.end());
+        one = {};
+    }
+    return seen;
 }
 
 }  // namespace voxtone::optics
