@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <utility>
 
 #include "base/parallel.h"
 #include "io/files/whole_file.h"
@@ -65,18 +66,21 @@ void make_layers(Print& print, const LayerRange& range, const LayerTaker& take, 
     figures.layers_s = watch.total();
 }
 
+void draw_report(const Print& print, io::Report& report, std::optional<VoxelSample>& voxels, std::string layer_file,
+                 Progress& progress) {
+    const Stopwatch watch;
+    print.draw(report, progress);
+    if (voxels) {
+        report.viewer.voxels = voxels->take(voxel_bytes_left(report));
+        report.viewer.voxels->layer_file = std::move(layer_file);
+    }
+    report.stages.push_back({"draw the report", watch.total()});
+}
+
 std::string write_report(const OpenedJob& job, const Print& print, io::Report& report,
                          std::optional<VoxelSample>& voxels, const Stopwatch& since_begin, Progress& progress) {
     const std::filesystem::path& folder = job.options.out;
-    if (job.options.report) {
-        const Stopwatch watch;
-        print.draw(report, progress);
-        if (voxels) {
-            report.viewer.voxels = voxels->take(voxel_bytes_left(report));
-            report.viewer.voxels->layer_file = io::StackDescription{}.pattern;
-        }
-        report.stages.push_back({"draw the report", watch.total()});
-    }
+    if (job.options.report) draw_report(print, report, voxels, io::StackDescription{}.pattern, progress);
     report.total_seconds = since_begin.total();
     if (job.options.report) io::write_whole_file(folder / report_file::page, io::report_html(report));
     std::string json = io::report_json(report);

@@ -52,6 +52,10 @@ struct LayerWatchers {
 void make_layers(Print& print, const LayerRange& range, const LayerTaker& take, LayerWatchers& watchers,
                  JobMeasurements& figures, Progress& progress);
 
+/// Draws what the page of a report shows. `layer_file`: of the print's layers, as the page finds them; empty: nowhere.
+void draw_report(const Print& print, io::Report& report, std::optional<VoxelSample>& voxels, std::string layer_file,
+                 Progress& progress);
+
 /// Draws and writes the report, if it was asked for, and its figures; these as JSON.
 [[nodiscard]] std::string write_report(const OpenedJob& job, const Print& print, io::Report& report,
                                        std::optional<VoxelSample>& voxels, const Stopwatch& since_begin,

@@ -6,7 +6,6 @@
 #include <memory>
 #include <mutex>
 #include <numeric>
-#include <optional>
 #include <utility>
 
 #include "base/contracts.h"
@@ -17,108 +16,49 @@ namespace voxtone::slicer {
 
 namespace {
 
-/// A part as it stands in one layer of the print.
-struct Standing {
-    const SlabLayers* layers;
-    std::array<int, 3> at;
-    int k, width, height;  ///< of the part's own
-    bool cuts;
-    std::size_t part;
-    int priority;
-
-    [[nodiscard]] int left() const { return at[0]; }
-    [[nodiscard]] int right() const { return at[0] + width; }
-    [[nodiscard]] bool reaches(int j) const { return j >= at[1] && j < at[1] + height; }
-    /// Appends row `j`, counted upward in the print, which it reaches.
-    void push_row(int j, io::LayerRuns& out) const { layers->push_row(j - at[1], k, at, out); }
-};
-
-/// Parts beside each other, from the left: run after run.
-void push_beside(std::span<const Standing* const> parts, int j, int width, io::LayerRuns& out) {
-    int i = 0;
-    for (const Standing* part : parts) {
-        out.push(static_cast<std::uint32_t>(part->left() - i), io::background);
-        if (part->cuts)
-            out.push(static_cast<std::uint32_t>(part->width), io::background);
-        else
-            part->push_row(j, out);
-        i = part->right();
-    }
-    out.push(static_cast<std::uint32_t>(width - i), io::background);
-    out.end_row();
-}
-
-/// Parts that may lie over each other, voxel by voxel in the order in which they are laid down.
-class Row {
-public:
-    explicit Row(int width) : material_(static_cast<std::size_t>(width)), owner_(static_cast<std::size_t>(width)) {}
-
-    /// `lost`: by part, voxels that it had and has no more.
-    void lay(std::span<const Standing> parts, int j, std::vector<Overlap>& lost) {
-        std::fill(material_.begin(), material_.end(), io::background);
-        std::fill(owner_.begin(), owner_.end(), nullptr);
-        for (const Standing& part : parts) {
-            if (!part.reaches(j)) continue;
-            io::LayerRuns row(static_cast<std::uint32_t>(part.width), 1);
-            part.push_row(j, row);
-            row.end_row();
-            auto i = static_cast<std::size_t>(part.left());
-            for (const io::Run& run : row.row(0)) {
-                if (run.material != io::background) take(part, i, i + run.length, run.material, lost);
-                i += run.length;
-            }
-        }
-    }
-    void push(io::LayerRuns& out) const {
-        for (const io::Material material : material_) out.push(1, material);
-        out.end_row();
-    }
-
-private:
-    void take(const Standing& part, std::size_t begin, std::size_t end, std::uint16_t material,
-              std::vector<Overlap>& lost) {
-        for (std::size_t i = begin; i < end; ++i) {
-            if (const Standing* const owner = owner_[i]) {
-                Overlap& overlap = lost[owner->part];
-                ++overlap.voxels;
-                if (owner->priority == part.priority && !part.cuts) ++overlap.to_equals;
-            }
-            owner_[i] = &part;
-            material_[i] = part.cuts ? io::background : static_cast<io::Material>(material);
-        }
-    }
-    std::vector<io::Material> material_;
-    std::vector<const Standing*> owner_;  ///< null: nobody
-};
-
 /// The slabs that reach the layers [first, last) of the print, each made once for each height its source stands at.
 class PartSlabs {
 public:
-    PartSlabs(const std::vector<PlacedPart>& parts, int first, int last, LayerCounts& counts) {
-        for (const PlacedPart& part : parts) {
-            const auto [entry, is_new] = made_.try_emplace({part.layers.get(), part.at[2]});
-            const int begin = std::max(first - part.at[2], 0),
-                      end = std::min(last - part.at[2], part.layers->grid().size[2]);
-            if (!is_new || begin >= end) continue;
-            const int depth = part.layers->slab_layers();
-            for (int slab = begin / depth; slab <= (end - 1) / depth; ++slab)
-                entry->second.emplace(slab, part.layers->slab_layers_of(slab, begin, end, counts));
+    /// `counts`: of each part.
+    PartSlabs(const std::vector<PlacedPart>& parts, int first, int last, std::vector<LayerCounts>& counts) {
+        struct Group {
+            std::size_t first_part;
+            std::vector<std::array<int, 3>> places;
+        };
+        std::map<Key, Group> all;
+        for (std::size_t p = 0; p < parts.size(); ++p)
+            all.try_emplace(key_of(parts[p]), Group{p, {}}).first->second.places.push_back(parts[p].at);
+        for (const auto& [key, standing] : all) {
+            const auto& [layers, bottom] = key;
+            std::map<int, std::unique_ptr<const SlabLayers>>& slabs = made_[key];
+            const int begin = std::max(first - bottom, 0), end = std::min(last - bottom, layers->grid().size[2]);
+            if (begin >= end) continue;
+            const int depth = layers->slab_layers();
+            for (int slab = begin / depth; slab <= (end - 1) / depth; ++slab) {
+                const auto& made = slabs.emplace(
+                    slab, layers->slab_layers_of(slab, begin, end, standing.places, counts[standing.first_part]));
+                bytes_ += made.first->second->memory_bytes();
+            }
         }
     }
     /// Null where the part has nothing at layer `k` of the print.
     [[nodiscard]] const SlabLayers* at(const PlacedPart& part, int k) const {
         const int own = k - part.at[2];
         if (own < 0 || own >= part.layers->grid().size[2]) return nullptr;
-        return made_.at({part.layers.get(), part.at[2]}).at(own / part.layers->slab_layers()).get();
+        return made_.at(key_of(part)).at(own / part.layers->slab_layers()).get();
     }
+    [[nodiscard]] std::uint64_t memory_bytes() const { return bytes_; }
 
 private:
-    std::map<std::pair<const LayerSource*, int>, std::map<int, std::unique_ptr<const SlabLayers>>> made_;
+    using Key = std::pair<const LayerSource*, int>;
+    static Key key_of(const PlacedPart& part) { return {part.layers.get(), part.at[2]}; }
+    std::map<Key, std::map<int, std::unique_ptr<const SlabLayers>>> made_;
+    std::uint64_t bytes_ = 0;
 };
 
-std::vector<Standing> standing_in(const std::vector<PlacedPart>& parts, std::span<const std::size_t> order,
-                                  const PartSlabs& made, int k) {
-    std::vector<Standing> standing;
+std::vector<PartInLayer> standing_in(const std::vector<PlacedPart>& parts, std::span<const std::size_t> order,
+                                     const PartSlabs& made, int k) {
+    std::vector<PartInLayer> standing;
     for (const std::size_t p : order)
         if (const SlabLayers* layers = made.at(parts[p], k)) {
             const auto& size = parts[p].layers->grid().size;
@@ -128,15 +68,20 @@ std::vector<Standing> standing_in(const std::vector<PlacedPart>& parts, std::spa
     return standing;
 }
 
-/// Those that have voxels or air of their own in row j, from the left; nothing where two of them share columns.
-std::optional<std::vector<const Standing*>> beside_each_other(std::span<const Standing> parts, int j) {
-    std::vector<const Standing*> here;
-    for (const Standing& part : parts)
-        if (part.reaches(j)) here.push_back(&part);
-    std::ranges::sort(here, {}, [](const Standing* part) { return part->left(); });
-    for (std::size_t p = 1; p < here.size(); ++p)
-        if (here[p]->left() < here[p - 1]->right()) return std::nullopt;
-    return here;
+/// Makes the layers of parts that somebody looks at, once for him and for the print.
+std::vector<std::unique_ptr<const io::LayerRuns>> show(std::span<PartInLayer> standing,
+                                                       const std::vector<PlacedPart>& parts,
+                                                       std::vector<LayerCounts>& counts) {
+    std::vector<std::unique_ptr<const io::LayerRuns>> shown;
+    for (PartInLayer& one : standing) {
+        if (!parts[one.part].seen) continue;
+        const Stopwatch watch;
+        shown.push_back(std::make_unique<const io::LayerRuns>(one.layer()));
+        counts[one.part].runs_s += watch.total();
+        one.shown = shown.back().get();
+        parts[one.part].seen(one.k, *one.shown);
+    }
+    return shown;
 }
 
 void add(const std::vector<Overlap>& from, std::vector<Overlap>& to) {
@@ -149,7 +94,7 @@ void add(const std::vector<Overlap>& from, std::vector<Overlap>& to) {
 }  // namespace
 
 ComposedLayers::ComposedLayers(const VoxelGrid& grid, std::vector<PlacedPart> parts)
-    : grid_(grid), parts_(std::move(parts)), order_(parts_.size()), lost_(parts_.size()) {
+    : grid_(grid), parts_(std::move(parts)), order_(parts_.size()), lost_(parts_.size()), counts_(parts_.size()) {
     VOXTONE_EXPECT(!parts_.empty());
     slab_layers_ = 1;
     for (const PlacedPart& part : parts_) {
@@ -164,30 +109,66 @@ ComposedLayers::ComposedLayers(const VoxelGrid& grid, std::vector<PlacedPart> pa
 LayerCounts ComposedLayers::make(int slab, int k_begin, int k_end, const LayerSink& sink) const {
     const int first = std::max(k_begin, slab * slab_layers_),
               last = std::min({k_end, (slab + 1) * slab_layers_, grid_.size[2]});
-    LayerCounts counts;
-    if (first >= last) return counts;
+    if (first >= last) return {};
+    std::vector<LayerCounts> counts(parts_.size());
     const PartSlabs made(parts_, first, last, counts);
+    io::LayerRuns out(static_cast<std::uint32_t>(grid_.size[0]), static_cast<std::uint32_t>(grid_.size[1]));
+    std::uint64_t runs_bytes = 0;
+    LayerCounts all;
     Stopwatch watch;
-    Row overlaid(grid_.size[0]);
+    OverlaidRow overlaid(grid_.size[0]);
     std::vector<Overlap> lost(parts_.size());
     for (int k = first; k < last; ++k) {
-        const std::vector<Standing> standing = standing_in(parts_, order_, made, k);
-        io::LayerRuns out(static_cast<std::uint32_t>(grid_.size[0]), static_cast<std::uint32_t>(grid_.size[1]));
+        std::vector<PartInLayer> standing = standing_in(parts_, order_, made, k);
+        watch.lap();
+        const std::vector<std::unique_ptr<const io::LayerRuns>> shown = show(standing, parts_, counts);
+        watch.lap();
+        if (standing.size() == 1 && standing[0].shown && standing[0].fills(grid_)) {
+            sink(k, *standing[0].shown);
+            continue;
+        }
+        out.clear();
+        PartRows parts(standing, grid_.size[0]);
         for (int j = grid_.size[1] - 1; j >= 0; --j) {
-            if (const auto beside = beside_each_other(standing, j)) {
-                push_beside(*beside, j, grid_.size[0], out);
+            if (parts.are_apart(j)) {
+                parts.push(j, out);
             } else {
                 overlaid.lay(standing, j, lost);
                 overlaid.push(out);
             }
         }
-        counts.runs_s += watch.lap();
+        runs_bytes = std::max(runs_bytes, bytes_of_runs(out));
+        all.runs_s += watch.lap();
         sink(k, out);
-        watch.lap();
     }
+    for (const LayerCounts& part : counts) all += part;
     const std::scoped_lock lock(counting_);
     add(lost, lost_);
-    return counts;
+    for (std::size_t p = 0; p < counts.size(); ++p) counts_[p] += counts[p];
+    slab_bytes_ = std::max(slab_bytes_, std::max<std::uint64_t>(1, made.memory_bytes() + runs_bytes));
+    return all;
+}
+
+std::uint64_t ComposedLayers::slab_bytes() const {
+    {
+        const std::scoped_lock lock(counting_);
+        if (slab_bytes_ > 0) return slab_bytes_;
+    }
+    // A voxel of a part is kept as a byte for each of few places or as its mixture for many (screened_slab.h), one of a
+    // layer as a run; a list that grows is there twice.
+    constexpr std::uint64_t most_a_voxel = 14, grown = 2;
+    std::map<std::pair<const LayerSource*, int>, std::uint64_t> places;
+    for (const PlacedPart& part : parts_) ++places[{part.layers.get(), part.at[2]}];
+    const auto square = [](const VoxelGrid& grid) { return std::uint64_t(grid.size[0]) * std::uint64_t(grid.size[1]); };
+    std::uint64_t bytes = grown * sizeof(io::Run) * square(grid_);
+    for (const auto& [source, count] : places)
+        bytes += grown * std::min(most_a_voxel, count) * square(source.first->grid()) * std::uint64_t(slab_layers_);
+    return bytes;
+}
+
+std::vector<LayerCounts> ComposedLayers::counted() const {
+    const std::scoped_lock lock(counting_);
+    return counts_;
 }
 
 std::vector<Overlap> ComposedLayers::overlapped() const {
@@ -221,14 +202,15 @@ std::vector<Overlap> ComposedLayers::overlapped(int k_begin, int k_end) const {
         const int first = std::max(k_begin, static_cast<int>(slab) * slab_layers_),
                   last = std::min({k_end, (static_cast<int>(slab) + 1) * slab_layers_, grid_.size[2]});
         if (!boxes_overlap(first, last)) return;
-        LayerCounts counts;
+        std::vector<LayerCounts> counts(parts_.size());
         const PartSlabs made(parts_, first, last, counts);
         std::vector<Overlap> mine(parts_.size());
-        Row row(grid_.size[0]);
+        OverlaidRow row(grid_.size[0]);
         for (int k = first; k < last; ++k) {
-            const std::vector<Standing> standing = standing_in(parts_, order_, made, k);
+            const std::vector<PartInLayer> standing = standing_in(parts_, order_, made, k);
+            PartRows parts(standing, grid_.size[0]);
             for (int j = 0; j < grid_.size[1]; ++j)
-                if (!beside_each_other(standing, j)) row.lay(standing, j, mine);
+                if (!parts.are_apart(j)) row.lay(standing, j, mine);
         }
         const std::scoped_lock lock(mutex);
         add(mine, lost);

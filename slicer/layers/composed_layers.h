@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "slicer/layers/layer_source.h"
+#include "slicer/layers/part_rows.h"
 
 namespace voxtone::slicer {
 
@@ -24,12 +25,8 @@ struct PlacedPart {
     std::array<int, 3> at{};                    ///< voxels from the corner of the print, each >= 0
     int priority = 0;
     bool cuts = false;  ///< leaves air
-};
-
-/// Voxels of a part that another one has.
-struct Overlap {
-    std::uint64_t voxels = 0;
-    std::uint64_t to_equals = 0;  ///< of these, to parts of the same priority, which the order of the list decides
+    /// Gets its layers as they are here before others are laid over them, from any thread, each as often as it is made.
+    LayerSink seen = {};
 };
 
 class ComposedLayers final : public LayerSource {
@@ -43,6 +40,10 @@ public:
 
     /// Of each part, in the order in which they were given, in all layers that `make` has made, each counted as often.
     [[nodiscard]] std::vector<Overlap> overlapped() const;
+    /// Memory that making a slab takes: the most so far, before the first at most.
+    [[nodiscard]] std::uint64_t slab_bytes() const;
+    /// Of each part, what its layers came to; of parts that are made once for several places all stands at the first.
+    [[nodiscard]] std::vector<LayerCounts> counted() const;
     /// The same of these layers, which are made for that.
     [[nodiscard]] std::vector<Overlap> overlapped(int k_begin, int k_end) const;
 
@@ -56,6 +57,8 @@ private:
     int slab_layers_;
     mutable std::mutex counting_;
     mutable std::vector<Overlap> lost_;
+    mutable std::vector<LayerCounts> counts_;
+    mutable std::uint64_t slab_bytes_ = 0;
 };
 
 }  // namespace voxtone::slicer

@@ -19,12 +19,13 @@ namespace {
 
 constexpr int block_width = ShellBlock::width;
 
-/// The near blocks of one row of blocks: which columns they stand in, and for each of their voxels the material, or
-/// `no_shell` where the voxel is core or air.
+/// The near blocks of one row of blocks: which columns they stand in, and for each of their voxels the material, core
+/// where it is not of the shell.
 class Strip {
 public:
-    void reset(int rows) {
+    void reset(int rows, io::Material core) {
         rows_ = rows;
+        core_ = core;
         columns_.clear();
         materials_.clear();
         shell_.clear();
@@ -33,7 +34,7 @@ public:
     io::Material* append(int i, const std::uint8_t* shell) {
         columns_.push_back(i);
         shell_.insert(shell_.end(), shell, shell + rows_);
-        materials_.resize(materials_.size() + std::size_t(rows_) * block_width, no_shell);
+        materials_.resize(materials_.size() + std::size_t(rows_) * block_width, core_);
         return materials_.data() + (columns_.size() - 1) * std::size_t(rows_) * block_width;
     }
     [[nodiscard]] std::size_t blocks() const { return columns_.size(); }
@@ -47,6 +48,7 @@ public:
 
 private:
     int rows_ = 0;
+    io::Material core_ = io::background;
     std::vector<int> columns_;
     std::vector<std::uint8_t> shell_;
     std::vector<io::Material> materials_;
@@ -58,7 +60,7 @@ public:
     StripRow(const Strip& strip, int row) : strip_(strip), row_(row) {}
     [[nodiscard]] std::size_t blocks() const { return strip_.blocks(); }
     [[nodiscard]] int column(std::size_t b) const { return strip_.column(b); }
-    [[nodiscard]] std::uint8_t shell(std::size_t b) const { return strip_.shell(b, row_); }
+    [[nodiscard]] bool is_core(std::size_t b) const { return strip_.shell(b, row_) == 0; }
     [[nodiscard]] const io::Material* materials(std::size_t b) const { return strip_.materials(b, row_); }
 
 private:
@@ -81,9 +83,9 @@ bool shows_core_only(const LayerSources& s) {
 }  // namespace
 
 LayerMaker::LayerMaker(const LayerSources& sources) : sources_(sources), all_core_(shows_core_only(sources)) {
-    VOXTONE_EXPECT(sources.core > 0 && sources.core < no_shell);
+    VOXTONE_EXPECT(sources.core > 0 && sources.core < io::max_materials);
     if (const auto* by_colour = std::get_if<MixtureSources>(&sources.resins))
-        VOXTONE_EXPECT(by_colour->separation.resins() < no_shell);
+        VOXTONE_EXPECT(by_colour->separation.resins() < io::max_materials);
 }
 
 bool LayerMaker::by_blocks() const {
@@ -111,12 +113,14 @@ LayerCounts LayerMaker::make(int slab, int k_begin, int k_end, const LayerSink& 
 }
 
 std::unique_ptr<const SlabLayers> LayerMaker::slab_layers_of(int slab, int k_begin, int k_end,
+                                                             std::span<const std::array<int, 3>> places,
                                                              LayerCounts& counts) const {
     const auto* by_colour = std::get_if<MixtureSources>(&sources_.resins);
-    if (all_core_ || !by_colour || !by_colour->screen) return LayerSource::slab_layers_of(slab, k_begin, k_end, counts);
+    if (all_core_ || !by_colour || !by_colour->screen)
+        return LayerSource::slab_layers_of(slab, k_begin, k_end, places, counts);
     const int first = std::max(k_begin, slab * slab_layers());
     const int last = std::min({k_end, (slab + 1) * slab_layers(), sources_.solid.grid().size[2]});
-    return std::make_unique<ScreenedSlab>(sources_, slab, first, std::max(first, last), counts);
+    return std::make_unique<ScreenedSlab>(sources_, slab, first, std::max(first, last), places, counts);
 }
 
 LayerCounts LayerMaker::make_screened(int slab, int first, int last, const LayerSink& sink) const {
@@ -133,7 +137,7 @@ LayerCounts LayerMaker::make_screened(int slab, int first, int last, const Layer
     const std::unique_ptr<BlockFill> fill = all_core_ ? nullptr : block_fill();
     Strip strip;
     for (int bj = sources_.shell.block_rows() - 1; bj >= 0; --bj) {
-        strip.reset(block_height * block_depth);
+        strip.reset(block_height * block_depth, sources_.core);
         if (!all_core_)
             sources_.shell.for_each_block(bj, slab, spans, [&](const ShellBlock& block) {
                 VOXTONE_DEBUG_EXPECT(block.size[1] == block_height && block.size[2] == block_depth);

@@ -24,6 +24,7 @@ public:
     LayerCounts make(int slab, int k_begin, int k_end, const LayerSink& sink) const override;
     /// Each copy is screened where it stands; error diffusion and stacks are the same everywhere.
     [[nodiscard]] std::unique_ptr<const SlabLayers> slab_layers_of(int slab, int k_begin, int k_end,
+                                                                   std::span<const std::array<int, 3>> places,
                                                                    LayerCounts& counts) const override;
 
 private:

@@ -19,6 +19,12 @@ public:
             out.push(run.length, static_cast<io::Material>(run.material));
     }
 
+    [[nodiscard]] std::size_t memory_bytes() const override {
+        std::size_t bytes = 0;
+        for (const io::LayerRuns& layer : layers_) bytes += bytes_of_runs(layer);
+        return bytes;
+    }
+
 private:
     int first_;
     std::vector<io::LayerRuns> layers_;
@@ -26,7 +32,13 @@ private:
 
 }  // namespace
 
+std::size_t bytes_of_runs(const io::LayerRuns& layer) {
+    const std::span<const io::Run> first = layer.row(0), last = layer.row(layer.rows() - 1);
+    return static_cast<std::size_t>(last.data() + last.size() - first.data()) * sizeof(io::Run);
+}
+
 std::unique_ptr<const SlabLayers> LayerSource::slab_layers_of(int slab, int k_begin, int k_end,
+                                                              std::span<const std::array<int, 3>>,
                                                               LayerCounts& counts) const {
     auto made = std::make_unique<MadeLayers>(std::max(k_begin, slab * slab_layers()));
     counts += make(slab, k_begin, k_end, [&](int, const io::LayerRuns& layer) { made->add(layer); });

@@ -5,8 +5,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <functional>
 #include <memory>
+#include <span>
 
 #include "io/layers/layer_runs.h"
 #include "slicer/layers/layer_counts.h"
@@ -16,6 +18,9 @@ namespace voxtone::slicer {
 
 /// Takes finished layers, from the bottom up.
 using LayerSink = std::function<void(int k, const io::LayerRuns& layer)>;
+
+/// That the runs of a layer take, one row of it at least.
+[[nodiscard]] std::size_t bytes_of_runs(const io::LayerRuns& layer);
 
 /// Layers of one slab, to be laid down wherever their part stands in a print.
 class SlabLayers {
@@ -27,6 +32,8 @@ public:
     /// Appends row `j`, counted upward, of layer `k` of the part, and leaves it open. `at`: of the part's corner in the
     /// print's voxels, which a screen is addressed in. From any thread.
     virtual void push_row(int j, int k, const std::array<int, 3>& at, io::LayerRuns& out) const = 0;
+    /// That it holds, about.
+    [[nodiscard]] virtual std::size_t memory_bytes() const { return 0; }
 };
 
 class LayerSource {
@@ -43,9 +50,10 @@ public:
     /// Makes the layers of [k_begin, k_end) that lie in this slab, from the bottom up, and hands each to `sink`. May be
     /// called from any thread, for different slabs at once.
     virtual LayerCounts make(int slab, int k_begin, int k_end, const LayerSink& sink) const = 0;
-    /// The same layers for as many places as are wanted; at {0, 0, 0} they are those that `make` makes. As it stands
-    /// here: the same voxels everywhere.
+    /// The same layers for parts whose corners are at `places` of a print, one at least; at {0, 0, 0} they are those
+    /// that `make` makes. As it stands here: the same voxels everywhere.
     [[nodiscard]] virtual std::unique_ptr<const SlabLayers> slab_layers_of(int slab, int k_begin, int k_end,
+                                                                           std::span<const std::array<int, 3>> places,
                                                                            LayerCounts& counts) const;
 };
 

@@ -73,12 +73,13 @@ std::uint64_t PlainBody::voxels_of_layer() const {
 
 LayerCounts PlainBody::make(int slab, int k_begin, int k_end, const LayerSink& sink) const {
     LayerCounts counts;
-    const auto rows = slab_layers_of(slab, k_begin, k_end, counts);
+    constexpr std::array<int, 3> corner{};
+    const auto rows = slab_layers_of(slab, k_begin, k_end, {&corner, 1}, counts);
     Stopwatch watch;
     for (int k = std::max(slab, k_begin); k < std::min({slab + 1, k_end, grid_.size[2]}); ++k) {
         io::LayerRuns layer(static_cast<std::uint32_t>(grid_.size[0]), static_cast<std::uint32_t>(grid_.size[1]));
         for (int j = grid_.size[1] - 1; j >= 0; --j) {
-            rows->push_row(j, k, {0, 0, 0}, layer);
+            rows->push_row(j, k, corner, layer);
             layer.end_row();
         }
         counts.runs_s += watch.lap();
@@ -89,6 +90,7 @@ LayerCounts PlainBody::make(int slab, int k_begin, int k_end, const LayerSink& s
 }
 
 std::unique_ptr<const SlabLayers> PlainBody::slab_layers_of(int slab, int k_begin, int k_end,
+                                                            std::span<const std::array<int, 3>>,
                                                             LayerCounts& counts) const {
     const int layers = std::min({slab + 1, k_end, grid_.size[2]}) - std::max(slab, k_begin);
     if (layers > 0) counts.body_voxels += voxels_of_layer() * static_cast<std::uint64_t>(layers);

@@ -28,6 +28,7 @@ public:
     LayerCounts make(int slab, int k_begin, int k_end, const LayerSink& sink) const override;
     /// Each copy is screened where it stands.
     [[nodiscard]] std::unique_ptr<const SlabLayers> slab_layers_of(int slab, int k_begin, int k_end,
+                                                                   std::span<const std::array<int, 3>> places,
                                                                    LayerCounts& counts) const override;
 
     /// First voxel of the row, counted from its left end; as many are left out at its right end. Half the row or more:

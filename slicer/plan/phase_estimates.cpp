@@ -149,6 +149,12 @@ double most_bytes_of_surface(double area_mm2, double cell_mm) {
            (predicted_bytes_per_cell + kept_bytes_per_cell) * area_mm2 / (cell_mm * cell_mm);
 }
 
+std::uint64_t bytes_of_voxels(const OpenedJob& job, const JobBody& body, const LayerRange& range) {
+    constexpr double blocks_of_shell = 3;  // a byte for each voxel of the blocks that it reaches into (layer_volume.h)
+    const Amounts amounts = amounts_of(job, body, range);
+    return static_cast<std::uint64_t>(std::min(amounts.voxels, blocks_of_shell * amounts.shell_voxels));
+}
+
 std::uint64_t disk_bytes(const OpenedJob& job, const JobBody& body, const LayerRange& range) {
     constexpr double page_bytes = 6e6, bytes_per_cell = 50;  // pictures, and meshes of what will be seen
     const ResolvedJob& options = job.options;

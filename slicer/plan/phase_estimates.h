@@ -40,6 +40,9 @@ struct PlannedWork {
 /// `cell_mm`, whatever it does there.
 [[nodiscard]] double most_bytes_of_surface(double area_mm2, double cell_mm);
 
+/// Most that the print's voxels take while they wait to be predicted.
+[[nodiscard]] std::uint64_t bytes_of_voxels(const OpenedJob& job, const JobBody& body, const LayerRange& range);
+
 /// Most that these layers of the stack and its report take on disk.
 [[nodiscard]] std::uint64_t disk_bytes(const OpenedJob& job, const JobBody& body, const LayerRange& range);
 

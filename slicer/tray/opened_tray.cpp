@@ -111,18 +111,31 @@ void rearrange_parts(const OpenedTray& tray, PreparedTray& prepared, Progress& p
     });
 }
 
-ComposedLayers compose(const PreparedTray& prepared, int tray) {
+ComposedLayers compose(const PreparedTray& prepared, int tray, const PartSinks& seen) {
     std::vector<PlacedPart> placed;
     for (const ReadyPart& part : prepared.parts.ready) {
         if (part.alone.empty()) continue;
         const std::shared_ptr<const LayerSource> layers = part.layers();
+        const auto sink = seen.find(&part);
+        LayerSink to = sink == seen.end() ? LayerSink() : sink->second;
         for (const PlacedCopy& copy : part.alone)
-            if (copy.tray == tray) placed.push_back({layers, copy.at, part.part.priority, part.part.cuts});
+            if (copy.tray == tray)
+                placed.push_back({layers, copy.at, part.part.priority, part.part.cuts, std::exchange(to, {})});
     }
     if (placed.empty())
         throw Error(prepared.parts.failed.front().exit_code,
                     fmt::format("nothing is left of tray {}; {}", tray + 1, prepared.parts.failed.front().message));
     return {prepared.places.trays[std::size_t(tray)], std::move(placed)};
+}
+
+bool is_one_body(const PreparedTray& prepared) {
+    const ReadyPart* only = nullptr;
+    for (const ReadyPart& part : prepared.parts.ready) {
+        if (part.alone.empty()) continue;
+        if (only || !part.ready || part.alone.size() > 1 || part.part.cuts) return false;
+        only = &part;
+    }
+    return only && prepared.trays() == 1 && prepared.places.trays[0].size == only->ready->body.grid.size;
 }
 
 fs::path folder_of_tray(const fs::path& out, int tray) {

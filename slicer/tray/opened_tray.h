@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -53,8 +54,14 @@ struct PreparedTray {
 /// The appearance loop of every part, kept for the next time. Parts that fail go from `ready` to `failed`.
 void rearrange_parts(const OpenedTray& tray, PreparedTray& prepared, Progress& progress);
 
-/// The layers of a tray, once the parts are rearranged.
-[[nodiscard]] ComposedLayers compose(const PreparedTray& prepared, int tray);
+/// Who looks at the layers of a part by itself.
+using PartSinks = std::map<const ReadyPart*, LayerSink>;
+
+/// The layers of a tray, once the parts are rearranged. `seen`: by them, of the part's first copy on the tray.
+[[nodiscard]] ComposedLayers compose(const PreparedTray& prepared, int tray, const PartSinks& seen = {});
+
+/// Whether there is nothing but one body, once: the tray is the print that it would be alone.
+[[nodiscard]] bool is_one_body(const PreparedTray& prepared);
 
 /// Folder of a tray: OUT, OUT-2, OUT-3 ...
 [[nodiscard]] std::filesystem::path folder_of_tray(const std::filesystem::path& out, int tray);

@@ -103,9 +103,8 @@ void add_resins(const JobEstimate& part, int copies, JobEstimate& sum) {
     sum.currency = part.currency;
 }
 
-/// `layers_made`: how often a part's are, for its report and for the tray.
-void add_phases(const EstimatedPart& part, int layers_made, std::uint64_t resident_in_the_end, JobEstimate& sum) {
-    const double copies = layers_made + share_of_copy * (part.part->copies - 1);
+void add_phases(const EstimatedPart& part, std::uint64_t resident_in_the_end, JobEstimate& sum) {
+    const double copies = 1 + share_of_copy * (part.part->copies - 1);
     for (PhaseEstimate phase : part.estimate.phases) {
         if (phase.phase == Phase::layers) phase.cpu_s *= copies, phase.seconds *= copies;
         // The bodies of all parts are held while each is worked on.
@@ -166,7 +165,7 @@ JobEstimate estimate_tray(const SliceOptions& asked, Progress& progress, const E
     bool weighed = true, priced = true;
     for (const EstimatedPart& part : parts) {
         add_resins(part.estimate, part.part->copies, sum);
-        add_phases(part, common.report && part.measured ? 2 : 1, resident, sum);
+        add_phases(part, resident, sum);
         sum.surface_mm2 += part.part->copies * part.estimate.surface_mm2;
         sum.disk_bytes += std::uint64_t(part.part->copies) * part.estimate.disk_bytes;
         weighed = weighed && part.estimate.g, priced = priced && part.estimate.price;

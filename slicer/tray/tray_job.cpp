@@ -2,7 +2,9 @@
 #include "slicer/tray/tray_job.h"
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -24,6 +26,7 @@
 #include "slicer/kept/report_files.h"
 #include "slicer/options/job_file.h"
 #include "slicer/tray/opened_tray.h"
+#include "slicer/tray/part_reports.h"
 #include "slicer/tray/tray_layers.h"
 #include "slicer/tray/tray_record.h"
 #include "slicer/tray/tray_report.h"
@@ -87,33 +90,62 @@ io::PageOfStack page_of(const PreparedTray& prepared, int number) {
     return printer_page(prepared.any_job(), std::move(title), std::move(bodies));
 }
 
-/// One tray, from its layers to its files. What there is to read of it.
-JobResult make_tray(const OpenedTray& tray, const PreparedTray& prepared, int number, io::StackFolder folder,
-                    const TrayReport& report, const Stopwatch& watch, Progress& progress) {
-    const fs::path out = folder.path();
-    const ComposedLayers layers = compose(prepared, number);
-    const OpenedJob& any = prepared.any_job();
-    io::LayerStackWriter writer(std::move(folder), any.describe(layers.grid(), {0, layers.grid().size[2] - 1}),
-                                any.outputs());
-    LayerWatchers watchers;
-    if (tray.plan.common.report) watch_all(watchers, layers.grid(), any);
-    make_tray_layers(
-        layers, {0, layers.grid().size[2] - 1},
-        [&](int k, const io::LayerRuns& layer) { writer.write(std::uint32_t(k), layer); }, watchers, progress);
-    const std::vector<Overlap> overlaps = overlaps_of(prepared, number, layers.overlapped());
-    const std::vector<std::string> notes = overlap_notes(prepared, number, overlaps);
-    for (const std::string& note : notes) progress.warn(note);
-    progress.begin_stage(name_of(Phase::finish), 0);
-    writer.add_file(job_file_name, job_record(tray.job.options.raw, prepared.identity.inputs, out));
-    writer.set_members(members_of(prepared, number));
-    const io::StackDescription stack = writer.finish({}, &progress, page_of(prepared, number));
-    std::string json = tray_json(prepared, number, overlaps, stack);
-    io::write_whole_file(out / tray_file_name, json);
-    hand_over(out, printer_target(tray, number), tray.plan.common.overwrite, progress);
-    report.write({out, number, any, stack, layers.grid(), notes}, watchers, watch.total(), progress);
-    progress.end_stage();
-    return {std::move(json), tray_summary(prepared, number, stack, watch.total(), out), ExitCode::done};
-}
+/// One tray on its way from its layers to its files.
+class TrayPrint {
+public:
+    TrayPrint(const OpenedTray& tray, PreparedTray& prepared, int number, io::StackFolder folder)
+        : tray_(tray),
+          prepared_(prepared),
+          number_(number),
+          out_(folder.path()),
+          parts_(prepared, number, tray.plan.common.report),
+          layers_(compose(prepared, number, parts_.sinks())),
+          writer_(std::move(folder), any().describe(layers_.grid(), {0, layers_.grid().size[2] - 1}), any().outputs()) {
+        if (tray.plan.common.report && !is_one_body(prepared)) watch_all(watchers_, layers_.grid(), any());
+    }
+
+    /// Its layers, and the reports of the parts that are first seen in them.
+    void make(TrayReport& report, Progress& progress) {
+        const Stopwatch watch;
+        std::atomic<double> encode_s = 0;
+        const auto write = [&](int k, const io::LayerRuns& layer) {
+            const Stopwatch encode;
+            writer_.write(std::uint32_t(k), layer);
+            encode_s += encode.total();
+        };
+        make_tray_layers(layers_, {0, layers_.grid().size[2] - 1}, write, watchers_, progress);
+        parts_.write(layers_, {watch.total(), encode_s, writer_.bytes_written()}, report, progress);
+    }
+
+    /// Once all parts are told of: puts the stack in its place. What there is to read of it.
+    [[nodiscard]] JobResult finish(TrayReport& report, const Stopwatch& watch, Progress& progress) {
+        const std::vector<Overlap> overlaps = overlaps_of(prepared_, number_, layers_.overlapped());
+        const std::vector<std::string> notes = overlap_notes(prepared_, number_, overlaps);
+        for (const std::string& note : notes) progress.warn(note);
+        progress.begin_stage(name_of(Phase::finish), 0);
+        writer_.add_file(job_file_name, job_record(tray_.job.options.raw, prepared_.identity.inputs, out_));
+        writer_.set_members(members_of(prepared_, number_));
+        const io::StackDescription& stack = writer_.finish({}, &progress, page_of(prepared_, number_));
+        std::string json = tray_json(prepared_, number_, overlaps, stack);
+        io::write_whole_file(out_ / tray_file_name, json);
+        hand_over(out_, printer_target(tray_, number_), tray_.plan.common.overwrite, progress);
+        report.write({out_, number_, any(), stack, layers_.grid(), notes}, watchers_, watch.total(), progress);
+        progress.end_stage();
+        return {std::move(json), tray_summary(prepared_, number_, stack, watch.total(), out_), ExitCode::done};
+    }
+
+private:
+    [[nodiscard]] const OpenedJob& any() const { return prepared_.any_job(); }
+
+    const OpenedTray& tray_;
+    const PreparedTray& prepared_;
+    int number_;
+    fs::path out_;
+    PartReports parts_;
+    ComposedLayers layers_;
+    io::LayerStackWriter writer_;
+    LayerWatchers watchers_;
+};
 
 /// Of a tray that goes as far as the loops.
 JobResult loops_kept(const OpenedTray& tray, const PreparedTray& prepared) {
@@ -159,12 +191,15 @@ JobResult run_tray_job(const SliceOptions& asked, std::span<const std::string> m
     rearrange_parts(tray, prepared, progress);
     if (only_loops) return loops_kept(tray, prepared);
     TrayReport report = report_for(prepared, tray.plan.common.out);
-    if (tray.plan.common.report) report_parts(prepared, report, progress);
-    JobResult result;
+    std::vector<std::unique_ptr<TrayPrint>> prints;
     for (int number = 0; number < prepared.trays(); ++number) {
-        JobResult made =
-            make_tray(tray, prepared, number, std::move(folders[std::size_t(number)]), report, watch, progress);
-        if (number == 0) result.json = std::move(made.json);
+        prints.push_back(std::make_unique<TrayPrint>(tray, prepared, number, std::move(folders[std::size_t(number)])));
+        prints.back()->make(report, progress);
+    }
+    JobResult result;
+    for (const auto& print : prints) {
+        JobResult made = print->finish(report, watch, progress);
+        if (print == prints.front()) result.json = std::move(made.json);
         result.text += made.text;
     }
     result.exit_code = exit_code_of(tray, prepared.parts.failed, verdicts_of(prepared));

@@ -21,6 +21,7 @@ struct ReadyPart {
     TrayPart part;
     std::unique_ptr<PreparedJob> ready;  ///< null: a component
     std::string report;                  ///< report.json of the part; empty: none
+    std::string page{};                  ///< of its report, as OUT names it
     std::vector<PlacedCopy> copies{};    ///< once they have places
     std::vector<PlacedCopy> alone{};     ///< those of them that no joined part holds (joined_parts.h)
     bool is_joined = false;

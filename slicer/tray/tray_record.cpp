@@ -129,8 +129,7 @@ std::string tray_json(const PreparedTray& prepared, int tray, const std::vector<
         const auto joined = double(std::ranges::count(part.alone, tray, &PlacedCopy::tray));
         json.add("overlapped_mm3", mm3_of(prepared, tray, overlaps[p].voxels) + joined * part.shared_mm3);
         json.add("overlapped_by_equals_mm3", mm3_of(prepared, tray, overlaps[p].to_equals));
-        if (!part.report.empty())
-            json.add("report", (fs::path(io::parts_name) / part.part.name / report_file::page).generic_string());
+        if (!part.page.empty()) json.add("report", part.page);
         if (const std::string verdict = verdict_of(part); !verdict.empty()) json.add(verdict_key, verdict);
         json.end_object();
     }

@@ -119,7 +119,11 @@ std::size_t TrayReport::surface_share() const {
     return std::max(least_bytes, surface_bytes / std::max<std::size_t>(1, copies_));
 }
 
-void TrayReport::add(const ReadyPart& part, const io::Report& own, Progress& progress) {
+void TrayReport::add(const ReadyPart& part, io::Report own, Progress& progress) {
+    if (is_one_body_) {
+        of_one_body_ = std::move(own);
+        return;
+    }
     Entry entry{row_of(part, own), std::nullopt, place_of(part, own), part.alone, part.ready->body.grid.pitch_mm};
     entry.surface = part.ready->print->viewer_surface(surface_share(), progress);
     entries_.push_back(std::move(entry));
@@ -206,13 +210,12 @@ io::ReportVerdict TrayReport::verdict_of(const std::vector<const Entry*>& entrie
     return verdict;
 }
 
-void TrayReport::write(const Tray& tray, LayerWatchers& watchers, double seconds, Progress& progress) const {
-    const std::filesystem::path& out = tray.out;
+io::Report TrayReport::of_bodies(const Tray& tray, LayerWatchers& watchers, Progress& progress) const {
     const std::vector<const Entry*> entries = on(tray.number);
     io::Report report;
-    report.title = out.filename().empty() ? out.parent_path().filename().string() : out.filename().string();
+    report.title =
+        tray.out.filename().empty() ? tray.out.parent_path().filename().string() : tray.out.filename().string();
     add_print(tray.job, tray.stack, tray.grid, report);
-    report.warnings.insert(report.warnings.end(), tray.warnings.begin(), tray.warnings.end());
     if (!std::ranges::all_of(entries, &Entry::is_component)) report.verdict = verdict_of(entries);
     report.viewer.viewing_distance_mm = tray.job.options.loop.viewing_distance_mm;
     for (const Entry* entry : entries) {
@@ -226,18 +229,26 @@ void TrayReport::write(const Tray& tray, LayerWatchers& watchers, double seconds
         for (std::size_t axis = 0; axis < 3; ++axis) place.at_mm[axis] += at_mm[0][Eigen::Index(axis)];
         report.viewer.worst.push_back(std::move(place));
     }
+    if (!watchers.thumbnails) return report;
+    report.layers = watchers.thumbnails->take();
+    add_surface(entries, tray.number, report, progress);
+    report.viewer.voxels = watchers.voxels->take(voxel_bytes_left(report));
+    report.viewer.voxels->layer_file = io::StackDescription{}.pattern;
+    return report;
+}
+
+void TrayReport::write(const Tray& tray, LayerWatchers& watchers, double seconds, Progress& progress) {
+    const bool has_page = of_one_body_ || watchers.thumbnails;
+    io::Report report = of_one_body_ ? *std::exchange(of_one_body_, {}) : of_bodies(tray, watchers, progress);
+    report.warnings.insert(report.warnings.end(), tray.warnings.begin(), tray.warnings.end());
     report.total_seconds = seconds;
     report.peak_memory_bytes = peak_memory_bytes();
-    if (watchers.thumbnails) {
-        report.layers = watchers.thumbnails->take();
-        add_surface(entries, tray.number, report, progress);
+    if (has_page) {
         if (report.viewer.surface && !report.viewer.surface->looks.empty())
-            draw_from_above(*report.viewer.surface, out / tray_picture_name, progress);
-        report.viewer.voxels = watchers.voxels->take(voxel_bytes_left(report));
-        report.viewer.voxels->layer_file = io::StackDescription{}.pattern;
-        io::write_whole_file(out / report_file::page, io::report_html(report));
+            draw_from_above(*report.viewer.surface, tray.out / tray_picture_name, progress);
+        io::write_whole_file(tray.out / report_file::page, io::report_html(report));
     }
-    io::write_whole_file(out / report_file::figures, io::report_json(report));
+    io::write_whole_file(tray.out / report_file::figures, io::report_json(report));
 }
 
 }  // namespace voxtone::slicer

@@ -20,12 +20,12 @@ namespace voxtone::slicer {
 class TrayReport {
 public:
     /// `copies`: of all parts, among which the page's room is shared out. `first_folder`: name of that of the first
-    /// tray.
-    TrayReport(std::size_t copies, std::string first_folder)
-        : copies_(copies), first_folder_(std::move(first_folder)) {}
+    /// tray. `is_one_body`: its report is the tray's (opened_tray.h).
+    TrayReport(std::size_t copies, std::string first_folder, bool is_one_body)
+        : copies_(copies), first_folder_(std::move(first_folder)), is_one_body_(is_one_body) {}
 
     /// Once a part's own report is written, while it still knows what was predicted.
-    void add(const ReadyPart& part, const io::Report& own, Progress& progress);
+    void add(const ReadyPart& part, io::Report own, Progress& progress);
     /// A component, which is not predicted: its shape, where it has one.
     void add_component(const ReadyPart& part, std::optional<io::ViewerSurface> surface);
     /// Bytes of the page for one copy's surface.
@@ -39,9 +39,9 @@ public:
         const VoxelGrid& grid;
         std::vector<std::string> warnings;
     };
-    /// Writes the figures, and the page where `watchers` have seen the tray's layers; nothing is left there. `seconds`:
-    /// of the whole job.
-    void write(const Tray& tray, LayerWatchers& watchers, double seconds, Progress& progress) const;
+    /// Writes the figures, and the page where `watchers` have seen the tray's layers, or it is one body's; nothing is
+    /// left there. `seconds`: of the whole job.
+    void write(const Tray& tray, LayerWatchers& watchers, double seconds, Progress& progress);
 
 private:
     struct Entry {
@@ -57,9 +57,12 @@ private:
     [[nodiscard]] std::vector<const Entry*> on(int tray) const;
     static void add_surface(const std::vector<const Entry*>& entries, int tray, io::Report& report, Progress& progress);
     [[nodiscard]] static io::ReportVerdict verdict_of(const std::vector<const Entry*>& entries);
+    [[nodiscard]] io::Report of_bodies(const Tray& tray, LayerWatchers& watchers, Progress& progress) const;
 
     std::size_t copies_;
     std::string first_folder_;
+    bool is_one_body_;
+    std::optional<io::Report> of_one_body_;
     std::vector<Entry> entries_;
 };
 

@@ -24,6 +24,7 @@
 #include "slicer/shards/shard_cut.h"
 #include "slicer/shards/shard_steps.h"
 #include "slicer/tray/opened_tray.h"
+#include "slicer/tray/part_reports.h"
 #include "slicer/tray/tray_layers.h"
 #include "slicer/tray/tray_record.h"
 #include "slicer/tray/tray_report.h"
@@ -203,16 +204,20 @@ JobResult run_tray_merge(const MergeOptions& options, Progress& progress) {
     take_loops(prepared, progress);
     TrayReport report = report_for(prepared, tray.plan.common.out);
     LayerWatchers watchers;
-    const ComposedLayers layers = compose(prepared, 0);
+    const bool has_page = options.predict && prepared.any_job().options.report;
+    PartReports parts(prepared, 0, has_page);
+    const ComposedLayers layers = compose(prepared, 0, parts.sinks());
     const LayerRange all{0, layers.grid().size[2] - 1};
-    if (options.predict && prepared.any_job().options.report) {
-        report_parts(prepared, report, progress);
-        watch_all(watchers, layers.grid(), prepared.any_job());
+    if (has_page) {
+        if (!is_one_body(prepared)) watch_all(watchers, layers.grid(), prepared.any_job());
+        const Stopwatch since_layers;
         make_tray_layers(
             layers, all, [](int, const io::LayerRuns&) {}, watchers, progress);
+        parts.write(layers, {since_layers.total(), 0, 0}, report, progress);
     }
     progress.begin_stage(name_of(Phase::report), 0);
-    const std::vector<Overlap> overlaps = overlaps_of(prepared, 0, layers.overlapped(all.first, all.last + 1));
+    const std::vector<Overlap> overlaps =
+        overlaps_of(prepared, 0, has_page ? layers.overlapped() : layers.overlapped(all.first, all.last + 1));
     const std::vector<std::string> notes = overlap_notes(prepared, 0, overlaps);
     for (const std::string& note : notes) progress.warn(note);
     std::string json = tray_json(prepared, 0, overlaps, stack);

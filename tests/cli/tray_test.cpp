@@ -42,6 +42,24 @@ json result_in(const Outcome& outcome) {
     return json::parse(outcome.out.substr(begin == std::string::npos ? 0 : begin + 1))["result"];
 }
 
+/// Of whole voxels of the usual printer, red to green along x; coordinates are those of a larger assembly.
+std::string voxel_box_obj(std::array<int, 3> low, std::array<int, 3> high, int first_vertex) {
+    constexpr std::array pitch_mm{25.4 / 600, 25.4 / 300, 0.027}, corner_mm{7.0, -3.0, 2.0};
+    std::string text;
+    for (int corner = 0; corner < 8; ++corner) {
+        text += "v";
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            text += fmt::format(" {:.9f}",
+                                corner_mm[axis] + pitch_mm[axis] * (corner >> axis & 1 ? high[axis] : low[axis]));
+        text += corner & 1 ? " 0 0.5 0\n" : " 0.6 0 0\n";
+    }
+    for (const auto& f : {std::array{0, 2, 3, 1}, std::array{4, 5, 7, 6}, std::array{0, 1, 5, 4},
+                          std::array{2, 6, 7, 3}, std::array{0, 4, 6, 2}, std::array{1, 3, 7, 5}})
+        text += fmt::format("f {} {} {} {}\n", f[0] + first_vertex, f[1] + first_vertex, f[2] + first_vertex,
+                            f[3] + first_vertex);
+    return text;
+}
+
 /// A folder with models and a plan of them.
 struct Bench {
     explicit Bench(const std::string& name) : folder(name) {
@@ -76,6 +94,7 @@ TEST_CASE("Several models are a tray, one is the print that it would be alone") 
     CHECK(voxtone::io::schema_faults("tray-stack", tray.dump()) == std::vector<std::string>{});
     CHECK(run_program("verify --quiet " + (bench.folder / "a")).exit_code == 0);
     CHECK(read_file(bench.folder / "a/tray.png").starts_with("\x89PNG"));
+    for (const json& part : tray["parts"]) CHECK(fs::exists(bench.folder / ("a/" + part["report"].get<std::string>())));
     // A plan is no picture: it stands free.
     CHECK_THAT(run_program("predict " + (bench.folder / "out") + " -o " + (bench.folder / "seen.ply")).out,
                Contains("nothing under it"));
@@ -89,6 +108,16 @@ TEST_CASE("Several models are a tray, one is the print that it would be alone") 
     CHECK(layers_in(bench.folder / "one") == layers_in(bench.folder / "alone"));
     CHECK(read_json(bench.folder / "one/manifest.json")["content_sha256"] ==
           read_json(bench.folder / "alone/manifest.json")["content_sha256"]);
+    // Its page is the one that the print would have, and there is no other.
+    const json of_one = read_json(bench.folder / "one/report.json"),
+               of_print = read_json(bench.folder / "alone/report.json");
+    for (const char* key : {"title", "resins", "gamut", "size_px"}) {
+        CAPTURE(key);
+        CHECK(of_one.at(key) == of_print.at(key));
+    }
+    CHECK(read_json(bench.folder / "one/tray.json")["parts"][0]["report"] == "report.html");
+    CHECK(fs::exists(bench.folder / "one/report.html"));
+    CHECK_FALSE(fs::exists(bench.folder / "one/parts/marker/report.html"));
 }
 
 TEST_CASE("A part that fails is left out and told of, --fail-fast stops there") {
@@ -216,6 +245,68 @@ TEST_CASE("What finds no room on the plate goes over it, or onto the next tray, 
     const double mm = result_in(stacked)["size_mm"][2];
     CHECK(mm >= 3 + 100 + 3);
     CHECK(mm < 3 + 100 + 3 + 2 * 32 * 0.027);
+}
+
+TEST_CASE("Files of an assembly stand where their coordinates put them, as one file of all would") {
+    const Bench bench("assembly");
+    const std::array<int, 3> low{220, 12, 40};
+    const std::string first = voxel_box_obj({0, 0, 0}, {120, 36, 110}, 1);
+    bench.folder.write("first.obj", first);
+    bench.folder.write("second.obj", voxel_box_obj(low, {290, 60, 140}, 1));
+    bench.folder.write("whole.obj", first + voxel_box_obj(low, {290, 60, 140}, 9));
+    const std::string words = "slice --arrange none " + (bench.folder / "second.obj") + " " +
+                              (bench.folder / "first.obj") + quick + "-o " + (bench.folder / "out");
+    const Outcome assembled = run_program(words);
+    CAPTURE(assembled.err);
+    REQUIRE(assembled.exit_code == 0);
+    REQUIRE(run_program("slice " + (bench.folder / "whole.obj") + quick + "-o " + (bench.folder / "whole")).exit_code ==
+            0);
+    CHECK(layers_in(bench.folder / "out").size() == 140);
+    CHECK(layers_in(bench.folder / "out") == layers_in(bench.folder / "whole"));
+    const json tray = read_json(bench.folder / "out/tray.json");
+    CHECK(tray["parts"][0]["at_px"] == json{low});
+    CHECK(tray["parts"][1]["at_px"] == json{{0, 0, 0}});
+    // Arranged they lie elsewhere.
+    const std::size_t none = words.find("--arrange none");
+    REQUIRE(run_program(std::string(words).replace(none, 14, "--overwrite ")).exit_code == 0);
+    CHECK(layers_in(bench.folder / "out") != layers_in(bench.folder / "whole"));
+
+    const Outcome scaled = run_program(words + " --overwrite --size 4mm");
+    CHECK(scaled.exit_code == 3);
+    CHECK_THAT(scaled.err, Contains("second") && Contains("\"scale\"") && Contains("--arrange plate"));
+    const Outcome copied = bench.tray(R"({"model": "first.obj", "copies": 2})", "--arrange none --overwrite");
+    CHECK(copied.exit_code == 3);
+    CHECK_THAT(copied.err, Contains("several copies") && Contains("\"at\""));
+}
+
+TEST_CASE("A part is turned where it lies closer so, and is the body that slice would turn") {
+    const Bench bench("turned");
+    bench.folder.write("bar.obj", ramp_box_obj(12, 3, 2));
+    const std::string bar = bench.folder / "bar.obj", out = " -o " + (bench.folder / "out");
+    REQUIRE(run_program("tray " + bar + quick + out).exit_code == 0);
+    CHECK(read_json(bench.folder / "out/tray.json")["parts"][0]["rotate"] == "");
+    // Along x a printer takes more passes.
+    const Outcome turned = run_program("tray --turn --overwrite " + bar + quick + out);
+    CAPTURE(turned.err);
+    REQUIRE(turned.exit_code == 0);
+    CHECK_THAT(turned.err, Contains("bar: is turned by"));
+    const std::string rotate = read_json(bench.folder / "out/tray.json")["parts"][0]["rotate"];
+    CHECK((rotate == "z90" || rotate == "z270"));
+    REQUIRE(run_program("slice --rotate " + rotate + " " + bar + quick + "-o " + (bench.folder / "alone")).exit_code ==
+            0);
+    CHECK(layers_in(bench.folder / "out") == layers_in(bench.folder / "alone"));
+
+    // In a plan it is said of a part, and all its copies are turned alike.
+    REQUIRE(bench
+                .tray(R"({"model": "bar.obj", "turn": true, "copies": 3}, {"model": "bar.obj", "name": "still"})",
+                      "--overwrite")
+                .exit_code == 0);
+    const json parts = read_json(bench.folder / "out/tray.json")["parts"];
+    CHECK(parts[0]["rotate"] != "");
+    CHECK(parts[0]["at_px"].size() == 3);
+    CHECK(parts[0]["size_px"][0].get<int>() == Approx(3 * 600 / 25.4).margin(1));
+    CHECK(parts[1]["rotate"] == "");
+    CHECK(parts[1]["size_px"][0].get<int>() == Approx(12 * 600 / 25.4).margin(1));
 }
 
 TEST_CASE("Shards of a tray, merged, are the tray, with loops and without") {

@@ -142,6 +142,34 @@ TEST_CASE("Parts lie where they were put, and the higher priority has the voxel"
     CHECK((lost == std::vector<std::uint64_t>(parts.size())) == beside);
 }
 
+TEST_CASE("Parts whose boxes overlap and whose voxels do not lie beside each other") {
+    const auto half = [](bool upper, std::uint64_t seed) {
+        return std::make_shared<const Voxels>(std::array{8, 8, 6}, 4, [=](int i, int j, int k) {
+            if (i == j || (i > j) == upper) return air;
+            return int(RandomStream(seed, std::uint64_t((k * 8 + j) * 8 + i)).uniform() * 4);
+        });
+    };
+    const auto upper = half(true, 1), lower = half(false, 2);
+    const std::vector<PlacedPart> parts{{upper, {9, 1, 0}, 0, false},
+                                        {lower, {9, 1, 0}, 1, false},
+                                        {lower, {0, 0, 1}, 0, true},
+                                        {upper, {1, 0, 1}, 0, false}};
+    VoxelGrid grid;
+    grid.size = {18, 9, 7};
+    const ComposedLayers print(grid, parts);
+    const std::vector<int> voxels = voxels_of(print, 0, 7);
+    std::size_t wrong = 0, at = 0;
+    for (int k = 0; k < 7; ++k)
+        for (int j = 0; j < 9; ++j)
+            for (int i = 0; i < 18; ++i) {
+                const Owned owned = owner_of(parts, i, j, k);
+                CHECK(owned.others.empty());
+                wrong += voxels[at++] != owned.material;
+            }
+    CHECK(wrong == 0);
+    for (const Overlap& overlap : print.overlapped()) CHECK(overlap.voxels == 0);
+}
+
 TEST_CASE("One part that fills the print is that part") {
     const auto part = noise({12, 7, 9}, 4, 5);
     VoxelGrid grid;
@@ -159,4 +187,28 @@ TEST_CASE("A part at many places of one height is made once") {
     const ComposedLayers print(grid, copies);
     (void)voxels_of(print, 0, 11);
     for (int k = 0; k < 8; ++k) CHECK(part->made.at(k) == 2);
+}
+
+TEST_CASE("A part is seen as it stands, whoever has its voxels, and is not made twice for that") {
+    const auto part = noise({5, 5, 8}, 4, 9), other = noise({6, 6, 8}, 4, 3);
+    const bool alone = GENERATE(false, true);
+    CAPTURE(alone);
+    VoxelGrid grid;
+    grid.size = alone ? part->grid().size : std::array<int, 3>{20, 12, 8};
+    std::map<int, std::vector<int>> seen;
+    const LayerSink look = [&](int k, const io::LayerRuns& layer) {
+        CHECK(seen[k].empty());
+        for (std::uint32_t row = layer.rows(); row-- > 0;)
+            for (const io::Run& run : layer.row(row)) seen[k].insert(seen[k].end(), run.length, run.material);
+    };
+    std::vector<PlacedPart> parts{{part, {0, 0, 0}, 0, false, look}};
+    if (!alone) parts.insert(parts.end(), {{part, {8, 0, 0}, 0, false}, {other, {2, 2, 0}, 1, false}});
+    const ComposedLayers print(grid, parts);
+    const std::vector<int> voxels = voxels_of(print, 0, 8), own = voxels_of(*part, 0, 8);
+    REQUIRE(seen.size() == 8);
+    std::vector<int> all;
+    for (const auto& [k, layer] : seen) all.insert(all.end(), layer.begin(), layer.end());
+    CHECK(all == own);
+    CHECK((voxels == own) == alone);
+    for (int k = 0; k < 8; ++k) CHECK(part->made.at(k) == 2);  // once by `own`
 }

@@ -196,13 +196,15 @@ TEST_CASE("A copy of a part is screened where it stands in its print") {
     const Body body(walls.mesh(), walls.grid, 0.06, random_colours(24, 9));
     const LayerSources sources = body.sources(&screen());
     const int layers = walls.grid.size[2];
+    const int others = GENERATE(0, 3, 20);
+    CAPTURE(others);
     const MadeVoxels at_home = made_voxels(sources);
-    CHECK(placed_voxels(sources, {0, 0, 0}, 0, layers).materials == at_home.materials);
+    CHECK(placed_voxels(sources, {0, 0, 0}, 0, layers, others).materials == at_home.materials);
     // The screen repeats.
-    CHECK(placed_voxels(sources, {64, 128, 64}, 0, layers).materials == at_home.materials);
+    CHECK(placed_voxels(sources, {64, 128, 64}, 0, layers, others).materials == at_home.materials);
     for (const std::array<int, 3>& at : {std::array{7, 0, 0}, std::array{0, 5, 0}, std::array{100, 33, 12}}) {
         CAPTURE(at[0], at[1], at[2]);
-        const MadeVoxels made = placed_voxels(sources, at, 0, layers);
+        const MadeVoxels made = placed_voxels(sources, at, 0, layers, others);
         std::uint64_t shell_voxels = 0;
         const std::size_t wrong =
             wrong_voxels(body, made, walls, shell_voxels,
@@ -216,7 +218,7 @@ TEST_CASE("A copy of a part is screened where it stands in its print") {
         CHECK(made.counts.shell_voxels == shell_voxels);
         CHECK(made.materials != at_home.materials);
         // Some of its layers, from within a block.
-        const MadeVoxels some = placed_voxels(sources, at, 2, 5);
+        const MadeVoxels some = placed_voxels(sources, at, 2, 5, others);
         const std::size_t layer = std::size_t(walls.grid.size[0]) * std::size_t(walls.grid.size[1]);
         CHECK(std::equal(some.materials.begin() + std::ptrdiff_t(2 * layer),
                          some.materials.begin() + std::ptrdiff_t(5 * layer),

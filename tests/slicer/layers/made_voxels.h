@@ -44,15 +44,18 @@ struct MadeVoxels {
     return made_voxels(sources, 0, sources.solid.grid().size[2]);
 }
 
-/// The same for a part whose corner stands at `at` of a print, in layers [k_begin, k_end).
+/// The same for a part whose corner stands at `at` of a print, in layers [k_begin, k_end). `others`: places at which it
+/// stands too.
 [[nodiscard]] inline MadeVoxels placed_voxels(const slicer::LayerSources& sources, const std::array<int, 3>& at,
-                                              int k_begin, int k_end) {
+                                              int k_begin, int k_end, int others = 0) {
+    std::vector<std::array<int, 3>> places{at};
+    for (int n = 1; n <= others; ++n) places.push_back({at[0] + 17 * n, at[1] + 5 * n, at[2]});
     MadeVoxels made{sources.solid.grid(), {}, {}};
     made.materials.assign(made.grid.voxels(), io::background);
     const slicer::LayerMaker maker(sources);
     const int depth = maker.slab_layers();
     for (int slab = k_begin / depth; slab * depth < k_end; ++slab) {
-        const auto layers = maker.slab_layers_of(slab, k_begin, k_end, made.counts);
+        const auto layers = maker.slab_layers_of(slab, k_begin, k_end, places, made.counts);
         for (int k = std::max(k_begin, slab * depth); k < std::min(k_end, (slab + 1) * depth); ++k)
             for (int j = 0; j < made.grid.size[1]; ++j) {
                 io::LayerRuns row(std::uint32_t(made.grid.size[0]), 1);
