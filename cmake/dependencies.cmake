@@ -65,7 +65,7 @@ endif()
 voxtone_part(calibration "`voxtone calibrate` is left out")
 
 if(BUILD_TESTING)
-  voxtone_find(Catch2 2.13 CONFIG)
+  voxtone_find(Catch2 CONFIG)  # 2.13, or 3 under its names: cmake/catch3
   voxtone_part(tests "no tests are built")
   set(BUILD_TESTING ${VOXTONE_HAS_tests})
 endif()

@@ -1,0 +1,52 @@
+# Debian packages of what is installed, by CPack (tools/package). Each helper program and module is in two components: in
+# `program`, which `cmake --install --component program` takes, and in that of its package, which CPack alone takes.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME voxtone)
+set(CPACK_PACKAGE_VENDOR voxtone)
+set(CPACK_PACKAGE_CONTACT "the authors of voxtone")  # tools/package names who made the commit
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_GROUPING IGNORE)
+set(CPACK_COMPONENTS_ALL core development python)
+foreach(part pictures vdb)
+  if(VOXTONE_HAS_${part})
+    list(APPEND CPACK_COMPONENTS_ALL ${part})
+  endif()
+endforeach()
+if(VOXTONE_HAS_calibration)
+  list(APPEND CPACK_COMPONENTS_ALL calibrate)
+endif()
+
+# What programs are built with voxtone's libraries want: the libraries of packages.txt.
+file(STRINGS packages.txt lines)
+set(part "")
+foreach(line IN LISTS lines)
+  if(line MATCHES "^\\[(.*)\\]$")
+    set(part ${CMAKE_MATCH_1})
+  elseif(line MATCHES "-dev$")
+    list(APPEND development_of_${part} ${line})
+  endif()
+endforeach()
+list(REMOVE_ITEM development_of_build libcli11-dev)  # the program's alone
+list(JOIN development_of_build ", " VOXTONE_DEVELOPMENT_DEPENDS)
+list(JOIN development_of_calibration ", " VOXTONE_DEVELOPMENT_SUGGESTS)
+configure_file(cmake/package_settings.cmake.in package_settings.cmake @ONLY)
+set(CPACK_PROJECT_CONFIG_FILE ${PROJECT_BINARY_DIR}/package_settings.cmake)
+
+# Made by tools/package: compressed manual, changelog, copyright, bill of materials, types for editors.
+set(made ${PROJECT_BINARY_DIR}/packaging)
+foreach(package voxtone:core voxtone-pictures:pictures voxtone-calibrate:calibrate voxtone-vdb:vdb libvoxtone-dev:development python3-voxtone:python)
+  string(REGEX MATCH "(.*):(.*)" _ ${package})
+  install(DIRECTORY ${made}/doc/ DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${CMAKE_MATCH_1} COMPONENT ${CMAKE_MATCH_2} EXCLUDE_FROM_ALL)
+endforeach()
+install(DIRECTORY ${made}/man1/ DESTINATION ${CMAKE_INSTALL_DATADIR}/man/man1 COMPONENT core EXCLUDE_FROM_ALL)
+install(FILES ${made}/voxtone.cdx.json DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/voxtone COMPONENT core EXCLUDE_FROM_ALL)
+install(DIRECTORY python/voxtone DESTINATION lib/python3/dist-packages COMPONENT python EXCLUDE_FROM_ALL
+        FILES_MATCHING PATTERN "*.py" PATTERN py.typed PATTERN __pycache__ EXCLUDE PATTERN program EXCLUDE)
+install(FILES ${made}/verbs.pyi DESTINATION lib/python3/dist-packages/voxtone COMPONENT python EXCLUDE_FROM_ALL)
+install(FILES ${made}/voxtone-mcp.1.gz DESTINATION ${CMAKE_INSTALL_DATADIR}/man/man1 COMPONENT python EXCLUDE_FROM_ALL)
+install(PROGRAMS ${made}/voxtone-mcp DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT python EXCLUDE_FROM_ALL)
+include(CPack)

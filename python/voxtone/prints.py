@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A stack of layers that voxtone made, as arrays."""
+from __future__ import annotations
+
+import base64
+import functools
+import json
+import re
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+from .errors import FileError, InputError
+from .mesh import Mesh, read_mesh
+from .png import read_png
+
+if TYPE_CHECKING:
+    from .job import Job
+
+Window = Sequence[Union[slice, range, int]]
+
+
+class Print:
+    """The output folder of `voxtone slice` or `tray`: voxtone.open(folder).
+
+    Arrays are indexed as the bitmaps are: [layer, row, column], layer 0 at the bottom, columns along +x, rows along -y;
+    a value is a resin of `resins`, counted from 1, and 0 is nothing."""
+
+    def __init__(self, folder: Union[str, "PathLike[str]"], result: Optional[Dict[str, Any]] = None) -> None:
+        self.folder = Path(folder)
+        file = self.folder / "manifest.json"
+        try:
+            self.manifest: Dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
+        except OSError as error:
+            raise FileError(f"{file}: {error.strerror}; a stack has its manifest only when it is whole") from error
+        except ValueError as error:
+            raise InputError(f"{file}: is no JSON ({error}); make the stack again") from error
+        self._result = result
+
+    def __repr__(self) -> str:
+        return f"<voxtone print {self.folder}, {' x '.join(map(str, self.shape))} voxels>"
+
+    @property
+    def shape(self) -> Tuple[int, int, int]:
+        """Layers, rows, columns."""
+        width, height = self.manifest["size_px"]
+        return self.manifest["layers"], height, width
+
+    @property
+    def pitch_mm(self) -> Tuple[float, float, float]:
+        """Along layers, rows, columns."""
+        x, y, z = self.manifest["pitch_um"]
+        return z / 1000, y / 1000, x / 1000
+
+    @property
+    def resins(self) -> List[Dict[str, Any]]:
+        """Value m of an array is resins[m - 1]."""
+        return self.manifest["resins"]
+
+    def layer(self, index: int) -> np.ndarray:
+        """uint8 [row, column]."""
+        count = self.manifest["layers"]
+        if not -count <= index < count:
+            raise IndexError(f"layer {index} of {count}")
+        pattern = self.manifest.get("pattern")
+        if not pattern:
+            raise InputError(f"{self.folder}: holds no PNG stack, which is what can be read here; slice it with "
+                             "formats='png' too")
+        file = self.folder / (pattern % (self.manifest["first_layer"] + index % count))
+        try:
+            pixels = read_png(str(file))
+        except OSError as error:
+            raise FileError(f"{file}: {error.strerror}; the stack is not whole: voxtone.verify names what is wrong") from error
+        except ValueError as error:
+            raise InputError(f"{error}; voxtone.verify names what is wrong with the stack") from error
+        if pixels.shape[:2] != self.shape[1:]:
+            raise InputError(f"{file}: is {pixels.shape[1]} x {pixels.shape[0]} px, and its manifest says "
+                             f"{self.shape[2]} x {self.shape[1]}")
+        return self._resins_of(pixels, file)
+
+    def _resins_of(self, pixels: np.ndarray, file: Path) -> np.ndarray:
+        codes = pixels[:, :, 0].astype(np.uint32) << 16 | pixels[:, :, 1].astype(np.uint32) << 8 | pixels[:, :, 2]
+        solid = codes != _code(self.manifest["background_rgb"])
+        if pixels.shape[2] == 4:
+            solid &= pixels[:, :, 3] > 0
+        layer = np.zeros(codes.shape, np.uint8)
+        for index, resin in enumerate(self.resins):
+            layer[solid & (codes == _code(resin["rgb"]))] = index + 1
+        if (solid & (layer == 0)).any():
+            row, column = np.argwhere(solid & (layer == 0))[0]
+            raise InputError(f"{file}: pixel ({column}, {row}) has the colour {tuple(pixels[row, column, :3].tolist())}, "
+                             "which is no resin's of the manifest")
+        return layer
+
+    def volume(self, window: Optional[Window] = None) -> np.ndarray:
+        """uint8 [layer, row, column] of a window: up to three slices, ranges or numbers, `np.s_[100:200, :, 50]`.
+        All of it without one: see `shape` for how many bytes that is."""
+        parts = list(window) if isinstance(window, (tuple, list)) else [] if window is None else [window]
+        if len(parts) > 3:
+            raise IndexError(f"a window is layers, rows, columns; {len(parts)} were given")
+        kept = [slice(part.start, part.stop, part.step) if isinstance(part, range) else part for part in parts]
+        kept += [slice(None)] * (3 - len(kept))
+        if isinstance(kept[0], slice):
+            layers = range(*kept[0].indices(self.shape[0]))
+            if not layers:
+                return np.zeros((0, *self.shape[1:]), np.uint8)[(slice(None), *kept[1:])]
+            return np.stack([self.layer(i)[tuple(kept[1:])] for i in layers])
+        return self.layer(kept[0])[tuple(kept[1:])]
+
+    @functools.cached_property
+    def report(self) -> Dict[str, Any]:
+        """report.json: size, resins, warnings, times."""
+        if self._result is not None and self._result.get("format") == "voxtone-report":
+            return self._result
+        return json.loads((self.folder / "report.json").read_text(encoding="utf-8"))
+
+    @property
+    def verdict(self) -> Optional[Dict[str, Any]]:
+        """Will it look as asked: level, sentence, seen_de2000; nothing where nobody looked."""
+        return self.report.get("verdict")
+
+    @property
+    def predicted(self) -> Union[Mesh, np.ndarray]:
+        """What the job saw of the print: of a body a Mesh with colours (linear sRGB), of a picture uint8 [row, column,
+        3], sRGB codes. `predict()` looks again, and better."""
+        return self._seen("predicted")
+
+    @property
+    def target(self) -> Union[Mesh, np.ndarray]:
+        """What was asked for, in the same form."""
+        return self._seen("target")
+
+    @property
+    def pictures(self) -> Dict[str, Tuple[str, bytes]]:
+        """Of the report, the first view of each: "target", "predicted", ... -> (its media type, its bytes)."""
+        try:
+            page = (self.folder / "report.html").read_text(encoding="utf-8")
+        except OSError as error:
+            raise FileError(f"{self.folder}/report.html: {error.strerror}; report=False leaves it out") from error
+        found: Dict[str, Tuple[str, bytes]] = {}
+        for before, kind, data, after in re.findall(r'<img([^>]*)src="data:(image/\w+);base64,([^"]*)"([^>]*)>', page):
+            name = re.search(r'alt="([^":,]*)', before + after)
+            if name and name[1]:
+                found.setdefault(name[1], (kind, base64.b64decode(data)))
+        return found
+
+    def _seen(self, name: str) -> Union[Mesh, np.ndarray]:
+        if (self.folder / f"{name}.glb").exists():
+            return read_mesh(self.folder / f"{name}.glb")
+        if (self.folder / f"{name}.png").exists():
+            return read_png(str(self.folder / f"{name}.png"))[:, :, :3]
+        raise FileError(f"{self.folder}: the job made no {name}.glb or {name}.png; voxtone.predict makes a prediction, and "
+                        "report=False, quality='draft' or size leave it out")
+
+    def verify(self, **options: Any) -> "Job":
+        from .verbs import verify
+        return verify(self, **options)
+
+    def predict(self, out: Any, **options: Any) -> "Job":
+        from .verbs import predict
+        return predict(self, out=out, **options)
+
+    def proof(self, out: Any, **options: Any) -> "Job":
+        from .verbs import proof
+        return proof(self, out=out, **options)
+
+
+def _code(rgb: Sequence[int]) -> int:
+    return rgb[0] << 16 | rgb[1] << 8 | rgb[2]
+
+
+def open_print(folder: Union[str, "PathLike[str]"]) -> Print:
+    """The stack in this folder. Raises FileError where there is none."""
+    return Print(folder)
