@@ -81,14 +81,18 @@ int BatchQueue::could_start(const Free& free) const {
 void BatchQueue::start_what_fits() {
     Free free = what_is_free();
     bool nothing_runs = free.cores == cores_;
+    const bool in_order = context_.options.jobs == 1 || context_.options.fail_fast;
     for (const auto& job : jobs_) {
         if (free.jobs <= 0 || free.cores <= 0) return;
+        // One after the other, or until the first that fails: in the order of the plan, not of estimates that come in.
+        if (in_order && job->stage() == Stage::weighing) return;
         if (!job->is_due()) continue;
         const bool fits = job->weight().memory_bytes <= free.memory_bytes;
         if (!fits && job->weight().bound) {
             job->begin_to_weigh();
             free = what_is_free();
             nothing_runs = nothing_runs && job->stage() != Stage::weighing;
+            if (in_order) return;
             continue;
         }
         // One that is too large for the machine runs alone: it says itself what it lacks.
