@@ -42,7 +42,8 @@ struct EstimatedPart {
 
 /// Nothing is looped or predicted. A stack's layers take what reading it has taken now.
 EstimatedPart estimate_component(const TrayPart& part, const OpenedJob& common, Progress& progress) {
-    constexpr double cpu_s_of_voxel = 2e-9;
+    // 1.5 s of processors for six copies of a stack of 22 million voxels, 1.6 s for a mixture of 129 million.
+    constexpr double cpu_s_of_voxel = 1.1e-8;
     const Stopwatch watch;
     const double cpu_began_s = cpu_seconds();
     EstimatedPart made{&part};
@@ -104,7 +105,7 @@ void add_resins(const JobEstimate& part, int copies, JobEstimate& sum) {
 }
 
 void add_phases(const EstimatedPart& part, std::uint64_t resident_in_the_end, JobEstimate& sum) {
-    const double copies = 1 + share_of_copy * (part.part->copies - 1);
+    const double copies = 1 + (part.measured ? share_of_copy : 1) * (part.part->copies - 1);
     for (PhaseEstimate phase : part.estimate.phases) {
         if (phase.phase == Phase::layers) phase.cpu_s *= copies, phase.seconds *= copies;
         // The bodies of all parts are held while each is worked on.
