@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/parallel.h"
-#include "optics/numerics/fetch.h"
+#include "optics/numerics/prefetch.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "optics/transport/transport_sweep.cpp"
@@ -359,12 +359,12 @@ void sweep_block(const SweepJob& job, const Octant& o, const std::vector<MediumW
 
 /// Light that enters a block through its faces is fetched from memory while the block before is crossed: its cells ask
 /// for it one by one, and each would wait.
-void fetch_light(const SweepJob& job, const GridBlock& block) {
+void prefetch_light(const SweepJob& job, const GridBlock& block) {
     for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
         const std::size_t place = job.grid.place_of_face[f];
         if (place & into_core) continue;
-        fetch(&job.in[4 * place], 4 * sizeof(Octet));
-        fetch(&job.out[4 * place], 4 * sizeof(Octet));
+        prefetch(&job.in[4 * place], 4 * sizeof(Octet));
+        prefetch(&job.out[4 * place], 4 * sizeof(Octet));
     }
 }
 
@@ -418,7 +418,7 @@ void sweep(const SweepJob& job, int half) {
         for (std::size_t i = begin; i < end; ++i) {
             const std::size_t t = o.back[0] ? end - 1 - (i - begin) : i;
             const GridBlock& block = grid.transport_block(t);
-            if (i + 1 < end) fetch_light(job, grid.transport_block(o.back[0] ? t - 1 : t + 1));
+            if (i + 1 < end) prefetch_light(job, grid.transport_block(o.back[0] ? t - 1 : t + 1));
             const bool in_parts = any_fine && grid.fine.first[t] != not_fine;
             const auto bx = static_cast<std::size_t>(block.at[0]);
             const std::size_t bz = static_cast<std::size_t>(block.at[1]) * across + bx;

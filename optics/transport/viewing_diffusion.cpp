@@ -6,7 +6,7 @@
 
 #include "base/contracts.h"
 #include "base/parallel.h"
-#include "optics/numerics/fetch.h"
+#include "optics/numerics/prefetch.h"
 
 namespace voxtone::optics {
 namespace {
@@ -406,13 +406,13 @@ void ViewingDiffusion::relax(const Level<n>& level, std::span<const float> b, st
             const std::size_t t = list[i_list];
             if (i_list + 1 < list.size()) {
                 const std::size_t next = list[i_list + 1];  // those of one parity do not lie side by side
-                fetch(level.block[next]);
-                fetch(level.low[next]);
-                fetch(b.data() + next * all, all * sizeof(float));
-                fetch(x.data() + next * all, all * sizeof(float));
+                prefetch(level.block[next]);
+                prefetch(level.low[next]);
+                prefetch(b.data() + next * all, all * sizeof(float));
+                prefetch(x.data() + next * all, all * sizeof(float));
                 for (std::size_t f = 2; f < 6; ++f)
                     if (neighbour_[next][f] >= 0)
-                        fetch(x.data() + static_cast<std::size_t>(neighbour_[next][f]) * all, all * sizeof(float));
+                        prefetch(x.data() + static_cast<std::size_t>(neighbour_[next][f]) * all, all * sizeof(float));
             }
             Patch<n> patch;
             gather<n>(patch, t, neighbour_[t], side_of_[t], sides_, values, core_values);

@@ -10,7 +10,7 @@
 #include "base/contracts.h"
 #include "base/parallel.h"
 #include "base/stopwatch.h"
-#include "optics/numerics/fetch.h"
+#include "optics/numerics/prefetch.h"
 #include "optics/transport/lattice.h"
 #include "optics/transport/viewing_derivatives.h"
 
@@ -38,13 +38,18 @@ Four four(const float* from) {
 void put(const Four& v, float* to) { std::memcpy(to, &v, sizeof v); }
 Four above_zero(const Four& v) { return v > 0 ? v : Four{}; }
 
-/// Of the 32 radiances that leave through a face; `code`: phi_code or signed_code.
+/// Of the 32 radiances that leave through a face, each clipped to what codes of phi hold, from `least` to 2; `code`:
+/// phi_code or signed_code.
 template <class Code>
-ViewingField::FaceCode face_code(const Octet* out, const Code& code) {
+ViewingField::FaceCode face_code(const Octet* out, float least, const Code& code) {
     using Four32 __attribute__((vector_size(16))) = std::int32_t;
     constexpr std::size_t fours = 8;
     std::array<Four, fours> v;
     std::memcpy(v.data(), out, sizeof v);
+    for (Four& f : v) {
+        f = f < least ? Four{} + least : f;
+        f = f > 2.0f ? Four{} + 2.0f : f;
+    }
     Four lows = v[0], highs = v[0];
     for (const Four& f : v) {
         lows = f < lows ? f : lows;
@@ -316,7 +321,8 @@ void ViewingTransport::store(ViewingField& field, TransportSummary& summary) con
     field.core = core_phi_;
     field.out.resize(grid_.open_faces.size());
     parallel_ranges(0, grid_.open_faces.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) field.out[i] = face_code(&out_[4 * i], code);
+        for (std::size_t i = begin; i < end; ++i)
+            field.out[i] = face_code(&out_[4 * i], both_signs ? -2.0f : 0.0f, code);
     });
     summary.kept_values += kept;
     summary.clipped_values += clipped;
@@ -329,7 +335,7 @@ void ViewingTransport::enter(bool start) {
     for (std::size_t a = 0; a < 3; ++a) area[a] = volume_ / edge_[a];
     parallel_for(0, grid_.transport_blocks.size(), blocks_per_task, [&](std::size_t t) {
         const GridBlock& block = grid_.transport_block(t);
-        fetch_laws(t + 1);
+        prefetch_laws(t + 1);
         ViewingDiffusion::Flows J = diffusion_.flows(t, D_, core_D_, {x_, core_x_});
         const std::size_t first = 64 * t;
         for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
@@ -449,7 +455,7 @@ void ViewingTransport::gather_parts(std::size_t t) {
 void ViewingTransport::reflect() {
     parallel_for(0, grid_.transport_blocks.size(), blocks_per_task, [&](std::size_t t) {
         const GridBlock& block = grid_.transport_block(t);
-        fetch_laws(t + 1);
+        prefetch_laws(t + 1);
         Pool passing;
         pool(block, passing);
         for (std::size_t face = block.first_face; face < block.first_face + block.faces; ++face) {
@@ -464,10 +470,10 @@ void ViewingTransport::reflect() {
 }
 
 /// From memory, while the block before is worked at: faces that lie side by side have laws that do not.
-void ViewingTransport::fetch_laws(std::size_t t) const {
+void ViewingTransport::prefetch_laws(std::size_t t) const {
     if (t >= grid_.transport_blocks.size()) return;
     const GridBlock& block = grid_.transport_block(t);
-    for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) fetch(grid_.law_of(f));
+    for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) prefetch(grid_.law_of(f));
 }
 
 /// Mean radiance of the light that passes corners of the staircase, per region and direction (transport_directions.h).
@@ -596,7 +602,7 @@ void ViewingTransport::take_sweep() {
 void ViewingTransport::add_sources_at_faces() {
     parallel_for(0, grid_.transport_blocks.size(), blocks_per_task, [&](std::size_t t) {
         const GridBlock& block = grid_.transport_block(t);
-        fetch_laws(t + 1);
+        prefetch_laws(t + 1);
         Pool passing;
         pool(block, passing);
         for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {

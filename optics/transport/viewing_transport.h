@@ -123,7 +123,7 @@ private:
     void correct();
     using Pool = std::array<float, 512>;  ///< of a block: [region][octant][direction]
     void pool(const GridBlock& block, Pool& pool) const;
-    void fetch_laws(std::size_t t) const;
+    void prefetch_laws(std::size_t t) const;
     [[nodiscard]] std::array<float, 2> from_core(std::size_t face) const;
     [[nodiscard]] Octet returned(const Pool& pool, std::size_t face, std::size_t slot) const;
 

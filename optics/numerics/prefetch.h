@@ -9,13 +9,13 @@
 
 namespace voxtone::optics {
 
-inline void fetch(const void* from, std::size_t bytes) {
+inline void prefetch(const void* from, std::size_t bytes) {
     constexpr std::size_t line = 64;
     for (std::size_t at = 0; at < bytes; at += line) __builtin_prefetch(static_cast<const char*>(from) + at);
 }
 template <class Value>
-void fetch(const Value& value) {
-    fetch(&value, sizeof value);
+void prefetch(const Value& value) {
+    prefetch(&value, sizeof value);
 }
 
 }  // namespace voxtone::optics
