@@ -106,19 +106,29 @@ GcvfElements read_elements(std::string_view text, const std::string& source) {
     return result;
 }
 
+/// The maker's names; of two for one role the first is written.
+struct MakersName {
+    std::string_view role, name;
+};
+constexpr std::array<MakersName, 7> makers{{{"C", "VeroCY-V"},
+                                            {"M", "VeroMGT-V"},
+                                            {"Y", "VeroYL-V"},
+                                            {"K", "VeroBlack"},
+                                            {"W", "VeroPureWht"},
+                                            {"W", "VUltraWhite"},
+                                            {"T", "UltraClear"}}};
+
 }  // namespace
 
 std::string gcvf_material_name(const StackResin& resin) {
-    constexpr std::array<std::string_view, 7> makers{"VeroCY-V",   "VeroMGT-V", "VeroYL-V",   "VUltraWhite",
-                                                     "UltraClear", "VeroBlack", "VeroPureWht"};
-    if (std::find(makers.begin(), makers.end(), resin.name) != makers.end()) return resin.name;
-    if (resin.role == "C") return "VeroCY-V";
-    if (resin.role == "M") return "VeroMGT-V";
-    if (resin.role == "Y") return "VeroYL-V";
-    if (resin.role == "K") return "VeroBlack";
-    if (resin.role == "W") return "VeroPureWht";
-    if (resin.role == "T") return "UltraClear";
-    return resin.name;
+    if (!role_of_gcvf_material(resin.name).empty()) return resin.name;
+    const auto named = std::find_if(makers.begin(), makers.end(), [&](const auto& m) { return m.role == resin.role; });
+    return named != makers.end() ? std::string(named->name) : resin.name;
+}
+
+std::string_view role_of_gcvf_material(std::string_view name) {
+    const auto named = std::find_if(makers.begin(), makers.end(), [&](const auto& m) { return m.name == name; });
+    return named != makers.end() ? named->role : std::string_view();
 }
 
 void expect_gcvf(const StackDescription& stack) {

@@ -50,4 +50,7 @@ void expect_gcvf(const StackDescription& stack);
 /// known, else its own.
 [[nodiscard]] std::string gcvf_material_name(const StackResin& resin);
 
+/// The role of what the maker calls so in a GCVF, of either white; empty: not known.
+[[nodiscard]] std::string_view role_of_gcvf_material(std::string_view name);
+
 }  // namespace voxtone::io

@@ -228,9 +228,7 @@ StackVolume read_own(const io::StackReader& stack, const StackVolumeOptions& opt
 
 /// The usual names of a container's materials, or that of a resin in the set.
 std::string role_of_gcvf_material(const std::string& name, const optics::ResinSet& set) {
-    for (const char* role : {"C", "M", "Y", "K", "W", "T"})
-        if (io::gcvf_material_name({.name = {}, .role = role}) == name) return role;
-    if (name == "VUltraWhite") return "W";
+    if (const std::string_view role = io::role_of_gcvf_material(name); !role.empty()) return std::string(role);
     return find_resin(set, name) >= 0 ? name : "";
 }
 

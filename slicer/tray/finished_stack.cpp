@@ -73,7 +73,8 @@ std::string name_of_gcvf_material(const std::string& name, const OpenedJob& comm
             (called != common.printer.material_names.end() && called->second == name))
             return entry.name;
     }
-    return name == "VUltraWhite" ? "W" : name;
+    const std::string_view role = io::role_of_gcvf_material(name);
+    return role.empty() ? name : std::string(role);
 }
 
 StackFacts facts_of(const io::StackReader& stack, const OpenedJob& common) {
