@@ -53,4 +53,4 @@ if __name__ == "__main__":
     if len(sys.argv) < 3:
         sys.exit(__doc__)
     stack = make(sys.argv[1], sys.argv[2], **dict(word.split("=", 1) for word in sys.argv[3:]))
-    print(f"{stack.folder}: {stack.shape[0]} layers, {stack.report['resin_ml']:.1f} ml")
+    print(f"{stack.path}: {stack.shape[0]} layers, {stack.report['resin_ml']:.1f} ml")

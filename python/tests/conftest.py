@@ -20,5 +20,5 @@ def stack(tmp_path_factory):
     colours = np.tile([0.0, 0.0, 0.6], (8, 1))
     colours[mesh.vertices[:, 0] > 3] = [0.8, 0.7, 0]
     mesh.colours = colours
-    return voxtone.slice(mesh, out=tmp_path_factory.mktemp("stack") / "box", quality="draft",
+    return voxtone.slice(mesh, out=tmp_path_factory.mktemp("stack") / "box", quality="draft", formats="png,gcvf",
                          predict="transport").result()

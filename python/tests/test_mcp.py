@@ -5,6 +5,7 @@ import json
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -47,7 +48,10 @@ def client():
 
 
 def test_a_session(client, tmp_path):
-    assert client.ask("initialize", protocolVersion="2024-11-05")["result"]["protocolVersion"] == "2024-11-05"
+    began = client.ask("initialize", protocolVersion="2024-11-05")["result"]
+    assert began["protocolVersion"] == "2024-11-05"
+    package = Path(__file__).resolve().parents[1] / "pyproject.toml"
+    assert f'version = "{began["serverInfo"]["version"]}"\n' in package.read_text()
     client.say(json.dumps({"jsonrpc": "2.0", "method": "notifications/initialized"}))
     tools = {tool["name"]: tool for tool in client.ask("tools/list")["result"]["tools"]}
     schema = tools["slice"]["inputSchema"]

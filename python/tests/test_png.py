@@ -5,7 +5,7 @@ import zlib
 import numpy as np
 import pytest
 
-from voxtone.png import decode_png, encode_png
+from voxtone.png import decode_png, encode_png, read_png_bytes
 
 
 def filtered(pixels, kinds):
@@ -53,6 +53,8 @@ def test_cut_off_at_every_byte():
     for size in range(len(whole)):
         with pytest.raises(ValueError):
             decode_png(whole[:size])
+        with pytest.raises(ValueError, match="a.png"):
+            read_png_bytes(whole[:size], "a.png")
     with pytest.raises(ValueError, match="damaged"):
         decode_png(whole.replace(b"IDATx", b"IDATy"))
     with pytest.raises(ValueError, match="uint8"):

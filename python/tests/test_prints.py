@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import shutil
+import zipfile
 
 import numpy as np
 import pytest
@@ -45,6 +46,7 @@ def test_report_and_prediction(stack):
     assert stack.report["layers"] == stack.shape[0]
     assert stack.verdict["level"] in ("good", "fair", "bad")
     seen, wanted = stack.predicted, stack.target
+    assert seen.errors is None  # computed without chance
     assert np.allclose(seen.vertices.max(0), [6, 3, 1.5], atol=0.1)
     right, left = seen.vertices[:, 0] > 5.5, seen.vertices[:, 0] < 0.5
     assert seen.colours[right, 0].mean() > 3 * seen.colours[left, 0].mean()
@@ -58,13 +60,54 @@ def test_errors_of_a_prediction_by_monte_carlo(stack, tmp_path):
     assert (seen.errors >= 0).all() and 0 < seen.errors.mean() < 0.2
 
 
+def test_a_gcvf_is_the_same_voxels(stack):
+    container = voxtone.open(stack.path / "stack.gcvf")
+    assert container.shape == stack.shape and container.pitch_mm == pytest.approx(stack.pitch_mm)
+    assert (container.volume() == stack.volume()).all()
+    assert [(r["rgb"], r["voxels"]) for r in container.resins] == [(r["rgb"], r["voxels"]) for r in stack.resins]
+    assert container.verify().result()["passed"]
+    for asked in (lambda: container.report, lambda: container.predicted, lambda: container.pictures):
+        with pytest.raises(voxtone.FileError, match="a GCVF has layers"):
+            asked()
+
+
+def test_a_gcvf_that_is_not_whole(stack, tmp_path):
+    whole = (stack.path / "stack.gcvf").read_bytes()
+    broken = tmp_path / "broken.gcvf"
+    for size in range(0, len(whole), 397):
+        broken.write_bytes(whole[:size])
+        with pytest.raises(voxtone.InputError, match="broken.gcvf"):
+            voxtone.open(broken)
+
+    def changed(entry, change):
+        with zipfile.ZipFile(stack.path / "stack.gcvf") as old, zipfile.ZipFile(broken, "w") as new:
+            for name in old.namelist():
+                data = change(old.read(name)) if name == entry else old.read(name)
+                if data is not None:
+                    new.writestr(name, data)
+        return broken
+
+    config = "ConfigFile.xml"
+    for entry, change, word in [(config, lambda _: None, "has no ConfigFile.xml"),
+                                (config, lambda _: b"<GCVF>", "no XML"),
+                                (config, lambda text: text.replace(b"SliceWidth", b"Width"), "no SliceWidth"),
+                                (config, lambda text: text.replace(b"<XDpi>600", b"<XDpi>0"), "no XDpi"),
+                                (config, lambda text: text.replace(b"<RGBA>0 150", b"<RGBA>150"), "no RGBA"),
+                                ("layer_5.png", lambda _: None, "no layer_5.png"),
+                                ("layer_5.png", lambda _: b"no picture", "layer_5.png: is no PNG"),
+                                ("layer_5.png", lambda png: png[:-20], "layer_5.png"),
+                                ("layer_5.png", lambda _: encode_png(np.zeros((2, 2, 4), np.uint8)), "2 x 2 px")]:
+        with pytest.raises(voxtone.InputError, match=word):
+            voxtone.open(changed(entry, change)).layer(5)
+
+
 def test_verify(stack):
     assert stack.verify().result()["passed"]
 
 
 def test_a_stack_that_is_not_whole(stack, tmp_path):
     folder = tmp_path / "copy"
-    shutil.copytree(stack.folder, folder)
+    shutil.copytree(stack.path, folder)
     broken = voxtone.open(folder)
     file = sorted((folder / "layers").iterdir())[5]
     height, width = broken.shape[1:]
@@ -83,5 +126,9 @@ def test_a_stack_that_is_not_whole(stack, tmp_path):
     (folder / "manifest.json").write_text("{")
     with pytest.raises(voxtone.InputError, match="manifest.json"):
         voxtone.open(folder)
+    for text in ("{}", "[1]"):
+        (folder / "manifest.json").write_text(text)
+        with pytest.raises(voxtone.InputError, match="no manifest"):
+            voxtone.open(folder)
     with pytest.raises(voxtone.FileError, match="whole"):
         voxtone.open(tmp_path / "nowhere")

@@ -15,6 +15,7 @@ from .errors import Error
 from .job import Job
 from .options import Option, option_table, run_by_package
 from .prints import Print
+from .program import version
 
 Content = List[Dict[str, Any]]
 _versions = ("2024-11-05", "2025-03-26", "2025-06-18")
@@ -87,7 +88,7 @@ class Server:
         if method == "initialize":
             asked = params.get("protocolVersion")
             return {"protocolVersion": asked if asked in _versions else _versions[0], "capabilities": {"tools": {}},
-                    "serverInfo": {"name": "voxtone", "version": "0.2.0"}}
+                    "serverInfo": {"name": "voxtone", "version": version().split()[1]}}
         if method == "ping":
             return {}
         if method == "tools/list":

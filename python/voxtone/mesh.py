@@ -125,7 +125,7 @@ def _glb(arrays: List[Tuple[np.ndarray, str]], attributes: Dict[str, int], mater
             + struct.pack("<I4s", len(body), b"BIN\0") + body)
 
 
-_types = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
+_types: Dict[int, Any] = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
 _widths = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 
 

@@ -126,7 +126,8 @@ run_by_package = ("json", "progress", "quiet")
 
 def _command(path: Tuple[str, ...], told: Dict[str, Any]) -> Command:
     path = path + (told["name"],)
-    options = tuple(Option(**{**option, "choices": tuple(option["choices"])}) for option in told["options"])
+    entries: List[Dict[str, Any]] = [{**option, "choices": tuple(option["choices"])} for option in told["options"]]
+    options = tuple(Option(**entry) for entry in entries)
     return Command(path, told["help"], told["example"], options, tuple(_command(path, s) for s in told["steps"]))
 
 

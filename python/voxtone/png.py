@@ -2,6 +2,7 @@
 """PNG as arrays: by Pillow where it is installed, else by zlib and numpy (not interlaced, 8 or 16 bits)."""
 from __future__ import annotations
 
+import io
 import struct
 import zlib
 from typing import List, Tuple
@@ -9,9 +10,9 @@ from typing import List, Tuple
 import numpy as np
 
 try:
-    from PIL import Image
+    from PIL import Image  # type: ignore[import]
 except ImportError:  # slower in filters that few layers have
-    Image = None  # type: ignore[assignment]
+    Image = None
 
 _signature = b"\x89PNG\r\n\x1a\n"
 
@@ -19,12 +20,21 @@ _signature = b"\x89PNG\r\n\x1a\n"
 def read_png(path: str) -> np.ndarray:
     """uint8 [row, column, channel]; the first row is the top one."""
     with open(path, "rb") as file:
-        data = file.read()
-    if Image is not None and data[24:25] == b"\x08":
-        with Image.open(path) as picture:
+        return read_png_bytes(file.read(), str(path))
+
+
+def read_png_bytes(data: bytes, name: str) -> np.ndarray:
+    """As read_png, of what the file holds. Raises ValueError for what is no PNG."""
+    if Image is None or data[24:25] != b"\x08":
+        return decode_png(data, name)
+    if data.startswith(_signature):
+        _chunks(data, name)  # Pillow takes a last part that is cut off
+    try:
+        with Image.open(io.BytesIO(data)) as picture:
             mode = "RGBA" if "A" in picture.getbands() or "transparency" in picture.info else "RGB"
             return np.asarray(picture.convert(mode))
-    return decode_png(data, str(path))
+    except (OSError, SyntaxError) as error:  # Pillow's words for a file that it cannot read
+        raise ValueError(f"{name}: is no PNG that can be read ({error})") from error
 
 
 def decode_png(data: bytes, name: str = "PNG") -> np.ndarray:

@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Tuple, Un
 import numpy as np
 
 from .errors import FileError, InputError
+from .gcvf import Container
 from .mesh import Mesh, read_mesh
-from .png import read_png
+from .png import read_png, read_png_bytes
 
 if TYPE_CHECKING:
     from .job import Job
@@ -23,24 +24,30 @@ Window = Sequence[Union[slice, range, int]]
 
 
 class Print:
-    """The output folder of `voxtone slice` or `tray`: voxtone.open(folder).
+    """The output folder of `voxtone slice` or `tray`, or a GCVF, ours or anyone's, which has layers alone.
 
     Arrays are indexed as the bitmaps are: [layer, row, column], layer 0 at the bottom, columns along +x, rows along -y;
     a value is a resin of `resins`, counted from 1, and 0 is nothing."""
 
-    def __init__(self, folder: Union[str, "PathLike[str]"], result: Optional[Dict[str, Any]] = None) -> None:
-        self.folder = Path(folder)
-        file = self.folder / "manifest.json"
+    def __init__(self, path: Union[str, "PathLike[str]"], result: Optional[Dict[str, Any]] = None) -> None:
+        self.path = Path(path)
+        self._result = result
+        self._container = Container(self.path) if self.path.is_file() else None
+        if self._container:
+            self.manifest: Dict[str, Any] = self._container.manifest
+            return
+        file = self.path / "manifest.json"
         try:
-            self.manifest: Dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
+            self.manifest = json.loads(file.read_text(encoding="utf-8"))
         except OSError as error:
             raise FileError(f"{file}: {error.strerror}; a stack has its manifest only when it is whole") from error
         except ValueError as error:
             raise InputError(f"{file}: is no JSON ({error}); make the stack again") from error
-        self._result = result
+        if not isinstance(self.manifest, dict) or self.manifest.get("format") != "voxtone-layers":
+            raise InputError(f"{file}: is no manifest of a stack of layers; voxtone.slice writes one")
 
     def __repr__(self) -> str:
-        return f"<voxtone print {self.folder}, {' x '.join(map(str, self.shape))} voxels>"
+        return f"<voxtone print {self.path}, {' x '.join(map(str, self.shape))} voxels>"
 
     @property
     def shape(self) -> Tuple[int, int, int]:
@@ -64,23 +71,26 @@ class Print:
         count = self.manifest["layers"]
         if not -count <= index < count:
             raise IndexError(f"layer {index} of {count}")
-        pattern = self.manifest.get("pattern")
-        if not pattern:
-            raise InputError(f"{self.folder}: holds no PNG stack, which is what can be read here; slice it with "
-                             "formats='png' too")
-        file = self.folder / (pattern % (self.manifest["first_layer"] + index % count))
+        name, pixels = self._pixels(index % count)
+        if pixels.shape[:2] != self.shape[1:]:
+            raise InputError(f"{name}: is {pixels.shape[1]} x {pixels.shape[0]} px, and its manifest says "
+                             f"{self.shape[2]} x {self.shape[1]}")
+        return self._resins_of(pixels, name)
+
+    def _pixels(self, index: int) -> Tuple[str, np.ndarray]:
         try:
-            pixels = read_png(str(file))
+            if self._container:
+                name = f"{self.path}: {self._container.layer_name(index)}"
+                return name, read_png_bytes(self._container.layer(index), name)
+            file = self.path / (self.manifest["pattern"] % (self.manifest["first_layer"] + index))
+            return str(file), read_png(str(file))
         except OSError as error:
-            raise FileError(f"{file}: {error.strerror}; the stack is not whole: voxtone.verify names what is wrong") from error
+            raise FileError(f"{error.filename}: {error.strerror}; the stack is not whole: voxtone.verify names what is wrong"
+                            ) from error
         except ValueError as error:
             raise InputError(f"{error}; voxtone.verify names what is wrong with the stack") from error
-        if pixels.shape[:2] != self.shape[1:]:
-            raise InputError(f"{file}: is {pixels.shape[1]} x {pixels.shape[0]} px, and its manifest says "
-                             f"{self.shape[2]} x {self.shape[1]}")
-        return self._resins_of(pixels, file)
 
-    def _resins_of(self, pixels: np.ndarray, file: Path) -> np.ndarray:
+    def _resins_of(self, pixels: np.ndarray, name: str) -> np.ndarray:
         codes = pixels[:, :, 0].astype(np.uint32) << 16 | pixels[:, :, 1].astype(np.uint32) << 8 | pixels[:, :, 2]
         solid = codes != _code(self.manifest["background_rgb"])
         if pixels.shape[2] == 4:
@@ -90,7 +100,7 @@ class Print:
             layer[solid & (codes == _code(resin["rgb"]))] = index + 1
         if (solid & (layer == 0)).any():
             row, column = np.argwhere(solid & (layer == 0))[0]
-            raise InputError(f"{file}: pixel ({column}, {row}) has the colour {tuple(pixels[row, column, :3].tolist())}, "
+            raise InputError(f"{name}: pixel ({column}, {row}) has the colour {tuple(pixels[row, column, :3].tolist())}, "
                              "which is no resin's of the manifest")
         return layer
 
@@ -114,7 +124,11 @@ class Print:
         """report.json: size, resins, warnings, times."""
         if self._result is not None and self._result.get("format") == "voxtone-report":
             return self._result
-        return json.loads((self.folder / "report.json").read_text(encoding="utf-8"))
+        file = self._file("report.json")
+        try:
+            return json.loads(file.read_text(encoding="utf-8"))
+        except OSError as error:
+            raise FileError(f"{file}: {error.strerror}; slice the stack again, which writes it") from error
 
     @property
     def verdict(self) -> Optional[Dict[str, Any]]:
@@ -124,7 +138,7 @@ class Print:
     @property
     def predicted(self) -> Union[Mesh, np.ndarray]:
         """What the job saw of the print: of a body a Mesh with colours (linear sRGB), of a picture uint8 [row, column,
-        3], sRGB codes. `predict()` looks again, and better."""
+        3], sRGB codes. `predict()` looks again, and better; errors are of what it writes as PLY by Monte Carlo alone."""
         return self._seen("predicted")
 
     @property
@@ -135,10 +149,11 @@ class Print:
     @property
     def pictures(self) -> Dict[str, Tuple[str, bytes]]:
         """Of the report, the first view of each: "target", "predicted", ... -> (its media type, its bytes)."""
+        file = self._file("report.html")
         try:
-            page = (self.folder / "report.html").read_text(encoding="utf-8")
+            page = file.read_text(encoding="utf-8")
         except OSError as error:
-            raise FileError(f"{self.folder}/report.html: {error.strerror}; report=False leaves it out") from error
+            raise FileError(f"{file}: {error.strerror}; report=False leaves it out") from error
         found: Dict[str, Tuple[str, bytes]] = {}
         for before, kind, data, after in re.findall(r'<img([^>]*)src="data:(image/\w+);base64,([^"]*)"([^>]*)>', page):
             name = re.search(r'alt="([^":,]*)', before + after)
@@ -146,12 +161,19 @@ class Print:
                 found.setdefault(name[1], (kind, base64.b64decode(data)))
         return found
 
+    def _file(self, name: str) -> Path:
+        """Beside the layers of a folder."""
+        if self._container:
+            raise FileError(f"{self.path}: a GCVF has layers and no {name}; open the folder of its stack, or let "
+                            "voxtone.predict look at it")
+        return self.path / name
+
     def _seen(self, name: str) -> Union[Mesh, np.ndarray]:
-        if (self.folder / f"{name}.glb").exists():
-            return read_mesh(self.folder / f"{name}.glb")
-        if (self.folder / f"{name}.png").exists():
-            return read_png(str(self.folder / f"{name}.png"))[:, :, :3]
-        raise FileError(f"{self.folder}: the job made no {name}.glb or {name}.png; voxtone.predict makes a prediction, and "
+        if self._file(f"{name}.glb").exists():
+            return read_mesh(self._file(f"{name}.glb"))
+        if self._file(f"{name}.png").exists():
+            return read_png(str(self._file(f"{name}.png")))[:, :, :3]
+        raise FileError(f"{self.path}: the job made no {name}.glb or {name}.png; voxtone.predict makes a prediction, and "
                         "report=False, quality='draft' or size leave it out")
 
     def verify(self, **options: Any) -> "Job":
@@ -171,6 +193,6 @@ def _code(rgb: Sequence[int]) -> int:
     return rgb[0] << 16 | rgb[1] << 8 | rgb[2]
 
 
-def open_print(folder: Union[str, "PathLike[str]"]) -> Print:
-    """The stack in this folder. Raises FileError where there is none."""
-    return Print(folder)
+def open_print(path: Union[str, "PathLike[str]"]) -> Print:
+    """The stack in this folder, or in this GCVF. Raises FileError where there is none."""
+    return Print(path)

@@ -2,6 +2,7 @@
 """`python -m voxtone.stubs` writes verbs.pyi from the program's table, for editors and type checkers (tools/package)."""
 from __future__ import annotations
 
+import re
 from typing import List
 
 from .options import Command, Option, option_table, run_by_package
@@ -10,10 +11,9 @@ from .options import Command, Option, option_table, run_by_package
 def _type_of(option: Option) -> str:
     if option.flag:
         return "Optional[bool]"
-    words = f"Literal[{', '.join(map(repr, option.choices))}]" if option.choices and not option.many else "Value"
-    if words != "Value":
-        return f"Union[{words}, str, None]"
-    return "Union[Value, Sequence[Value], None]" if option.many or option.separator else "Optional[Value]"
+    if option.many or option.separator or re.search("LIST|ROLES|AXES|,", option.value):  # a list is joined by commas
+        return "Union[Value, Sequence[Value], None]"
+    return f"Union[Literal[{', '.join(map(repr, option.choices))}], str, None]" if option.choices else "Optional[Value]"
 
 
 def _call(command: Command) -> str:

@@ -68,8 +68,8 @@ class Verb:
             if name in options:
                 raise TypeError(f"{name} is decided by this package; progress=callback, or iterate over the job")
         files = _Meshes(options.get("out") if self._path in _makes_a_print else None)
-        arguments, options = files.named(arguments, options)
-        words = command.words(arguments, options)
+        places, options = files.named(arguments, options)
+        words = command.words(places, options)
         if any(option.name == "json" for option in command.options):
             words.insert(len(command.path), "--json")
         return Job(words, self._finish(options), progress, files.cleanup)
@@ -95,7 +95,7 @@ class _Meshes:
         if isinstance(value, _several):
             return [self._name(v) for v in value]
         if isinstance(value, Print):
-            return value.folder
+            return value.path
         if not isinstance(value, Mesh):
             return value
         file = Path(tempfile.mkdtemp(prefix="voxtone-")) / f"model{len(self._made) + 1 if self._made else ''}.glb"
@@ -105,7 +105,7 @@ class _Meshes:
 
     def cleanup(self, succeeded: bool) -> None:
         job = self._out / "job.json" if self._out else None
-        if succeeded and job and self._made and job.exists():
+        if succeeded and self._out and job and self._made and job.exists():
             text = job.read_text(encoding="utf-8")
             for file in self._made:
                 shutil.move(str(file), self._out / file.name)
