@@ -48,20 +48,13 @@ struct StateReader {
     }
 };
 
-/// All parts, in one order for reading and writing.
-template <class Stream, class Tiles>
-void tiles_in(Stream& stream, Tiles& tiles) {
-    for (auto& tile : tiles) {
-        stream.list(tile.also);
-        stream.value(tile.trimmed);
-        for (auto* const fields : {&tile.light, &tile.adjoint})
-            for (auto& field : *fields) {
-                stream.list(field.cells);
-                stream.list(field.core);
-                stream.list(field.out);
-                stream.value(field.scale);
-            }
-    }
+/// In one order for reading and writing.
+template <class Stream, class Field>
+void field_in(Stream& stream, Field& field) {
+    stream.list(field.cells);
+    stream.list(field.core);
+    stream.list(field.out);
+    stream.value(field.scale);
 }
 
 [[nodiscard]] bool fits(const Tile& tile) {
@@ -76,7 +69,19 @@ void write_state(const TileGrids& grids, const std::array<const GhostLight*, 2>&
                  const AppearanceSequence::StateSink& sink) {
     StateWriter writer{sink};
     writer.value(std::uint64_t{grids.tile_cells()});
-    tiles_in(writer, grids.tiles());
+    for (const Tile& tile : grids.tiles()) {
+        writer.list(tile.also);
+        writer.value(tile.trimmed);
+        for (const auto fields : {&Tile::light, &Tile::adjoint})
+            for (std::size_t c = 0; c < (tile.*fields).size(); ++c) {
+                if (const ViewingField& field = (tile.*fields)[c]; !field.stored) {
+                    field_in(writer, field);
+                } else {
+                    const ViewingField copy = grids.copy(tile, fields, c);
+                    field_in(writer, copy);
+                }
+            }
+    }
     for (const GhostLight* const light : ghosts) {
         writer.value(std::uint64_t{light->size()});
         for (const auto& channel : *light) writer.list(channel);
@@ -90,7 +95,17 @@ bool read_state(TileGrids& grids, const std::array<GhostLight*, 2>& ghosts, std:
     reader.value(tile_cells);
     if (tile_cells == 0) return false;
     if (tile_cells != grids.tile_cells()) grids.cut(tile_cells);
-    tiles_in(reader, grids.tiles());
+    for (Tile& tile : grids.tiles()) {
+        reader.list(tile.also);
+        reader.value(tile.trimmed);
+        for (const auto fields : {&Tile::light, &Tile::adjoint})
+            for (std::size_t c = 0; c < (tile.*fields).size(); ++c) {
+                ViewingField& field = (tile.*fields)[c];
+                field.stored = false;
+                field_in(reader, field);
+                grids.put_away(tile, fields, c);
+            }
+    }
     for (GhostLight* const light : ghosts) {
         std::uint64_t count = 0;
         reader.value(count);

@@ -6,6 +6,7 @@
 #include "base/contracts.h"
 #include "base/parallel.h"
 #include "optics/transport/refinement.h"
+#include "optics/transport/tile_store.h"
 #include "optics/transport/viewing_grid_builder.h"
 #include "optics/transport/viewing_palette.h"
 #include "optics/transport/viewing_transport.h"
@@ -41,6 +42,36 @@ TileGrids::TileGrids(const Scene& scene, const Surface& surface, const Transport
       view_voxels_(cell_voxels(scene.volume->pitch_mm(), options.cell_mm)),
       lattice_(scene.volume->size(), view_voxels_) {
     cut(options.tile_cells);
+}
+
+TileGrids::~TileGrids() = default;
+
+void TileGrids::open_store() {
+    if (!store_) store_ = std::make_unique<TileStore>(options_.scratch());
+}
+
+/// A tile has one for its grid, and one for each channel's light and adjoint.
+std::size_t TileGrids::place_of_shape(const Tile& tile) const {
+    return static_cast<std::size_t>(&tile - tiles_.data()) * (1 + 2 * channels());
+}
+
+std::size_t TileGrids::place_of(const Tile& tile, const Fields Tile::*fields, std::size_t channel) const {
+    return place_of_shape(tile) + 1 + channel + (fields == &Tile::adjoint ? channels() : 0);
+}
+
+ViewingField& TileGrids::bring(Tile& tile, Fields Tile::*fields, std::size_t channel) const {
+    ViewingField& field = (tile.*fields)[channel];
+    if (store_) store_->take(place_of(tile, fields, channel), field);
+    return field;
+}
+
+void TileGrids::put_away(Tile& tile, Fields Tile::*fields, std::size_t channel) {
+    if (store_) store_->put(place_of(tile, fields, channel), (tile.*fields)[channel]);
+}
+
+ViewingField TileGrids::copy(const Tile& tile, const Fields Tile::*fields, std::size_t channel) const {
+    const ViewingField& field = (tile.*fields)[channel];
+    return field.stored ? store_->copy(place_of(tile, fields, channel), field) : field;
 }
 
 void TileGrids::cut(std::size_t tile_cells) {
@@ -114,10 +145,14 @@ void TileGrids::measure(Tile& tile) const {
 }
 
 void TileGrids::make(Tile& tile, std::size_t besides, const Progress* progress) {
-    if (tile.shape) return;
+    if (tile.shape && !tile.shape->stored) return;
     make_room(tile.bytes + besides, tile);
-    tile.shape = shape_of(tile, progress);
-    measure(tile);
+    if (tile.shape) {
+        store_->take(place_of_shape(tile), *tile.shape);
+    } else {
+        tile.shape = shape_of(tile, progress);
+        measure(tile);
+    }
 }
 
 void TileGrids::make_all(const Progress* progress) {
@@ -125,7 +160,7 @@ void TileGrids::make_all(const Progress* progress) {
     std::vector<Tile*> missing;
     for (Tile& tile : tiles_)
         if (!tile.shape) missing.push_back(&tile);
-    if (missing.size() < 2) return;
+    if (missing.size() < 2 || store_) return;
     const double all = static_cast<double>(tiles_[0].bytes) * static_cast<double>(tiles_.size()) + expected_light();
     if (options_.memory_bytes > 0 && !(slack * all < static_cast<double>(options_.memory_bytes))) return;
     parallel_for(0, missing.size(), 1, [&](std::size_t i) { missing[i]->shape = shape_of(*missing[i], progress); });
@@ -164,6 +199,14 @@ std::vector<std::uint8_t> TileGrids::still_coloured(const Tile& tile, const Resi
     return still;
 }
 
+/// What has to come back is not made again.
+void TileGrids::drop(Tile& tile) {
+    if (store_)
+        store_->put(place_of_shape(tile), *tile.shape);
+    else
+        tile.shape.reset();
+}
+
 void TileGrids::make_room(std::size_t bytes, const Tile& kept) {
     if (options_.memory_bytes == 0) return;
     std::size_t others = 0;
@@ -171,16 +214,22 @@ void TileGrids::make_room(std::size_t bytes, const Tile& kept) {
         if (&tile == &kept || !tile.shape) continue;
         others += tile.shape->memory_bytes();
         // The next ones are dropped too: they would not fit either, and the first ones come first again.
-        if (bytes + others > options_.memory_bytes) tile.shape.reset();
+        if (bytes + others > options_.memory_bytes) drop(tile);
     }
 }
 
-double TileGrids::expected_light() const {
-    const Tile& tile = tiles_[0];
+double TileGrids::tiles_like_first() const {
     std::size_t near = 0;
-    for (const Tile& t : tiles_) near += t.near.size();
-    return static_cast<double>(channels() * tile.field_bytes()) * static_cast<double>(near) /
-           static_cast<double>(tile.near.size());
+    for (const Tile& tile : tiles_) near += tile.near.size();
+    return static_cast<double>(near) / static_cast<double>(tiles_[0].near.size());
+}
+
+double TileGrids::expected_light() const {
+    return tiles_like_first() * static_cast<double>(channels() * tiles_[0].field_bytes());
+}
+
+double TileGrids::expected_shapes() const {
+    return tiles_like_first() * static_cast<double>(tiles_[0].shape->memory_bytes());
 }
 
 std::size_t TileGrids::shape_bytes() const {

@@ -8,7 +8,8 @@
 //
 // A grid whose print got colour deeper than expected is made anew with cells there (`Tile::also`), once without those
 // that lost theirs; the light goes over to the new cells. Grids that are dropped for memory are made again with the
-// same bits. Memory: about 30 bytes a cell and grid.
+// same bits. Memory: about 30 bytes a cell and grid. With a store (tile_store.h) grids that are dropped, and all light
+// but that of the channel that is worked at, lie there.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +32,8 @@ using Fields = std::vector<ViewingField>;
 struct Tile : ViewingTile {
     /// What does not change with the resins but for what the cells hold.
     struct Shape {
-        const ResinVolume* filled = nullptr;  ///< whose resins the grid has
+        const ResinVolume* filled = nullptr;   ///< whose resins the grid has
+        bool stored = false, written = false;  ///< the lists are in the store; or are there too
         ViewingGrid grid;
         ViewingFaces seen;
         std::vector<std::uint32_t> received;                        ///< of each of the grid's ghosts: its place
@@ -47,10 +49,26 @@ struct Tile : ViewingTile {
     [[nodiscard]] std::size_t field_bytes() const;  ///< of one channel
 };
 
+class TileStore;
+
 class TileGrids {
 public:
     /// Contract: all of them outlive it.
     TileGrids(const Scene& scene, const Surface& surface, const TransportOptions& options);
+    TileGrids(const TileGrids&) = delete;
+    TileGrids& operator=(const TileGrids&) = delete;
+    ~TileGrids();
+
+    /// From now on what is not worked at lies outside of memory where that is short. Throws what
+    /// TransportOptions::scratch throws.
+    void open_store();
+    [[nodiscard]] bool stores() const { return store_ != nullptr; }
+    /// A tile's light or adjoint of a channel, in memory.
+    ViewingField& bring(Tile& tile, Fields Tile::*fields, std::size_t channel) const;
+    /// To the store, if there is one.
+    void put_away(Tile& tile, Fields Tile::*fields, std::size_t channel);
+    /// Left where it is.
+    [[nodiscard]] ViewingField copy(const Tile& tile, const Fields Tile::*fields, std::size_t channel) const;
 
     /// Cuts the body anew into tiles of at most so many surface cells, without light.
     void cut(std::size_t tile_cells);
@@ -69,14 +87,19 @@ public:
     /// Drops shapes of other tiles, the last ones first, until so many bytes more are allowed.
     void make_room(std::size_t bytes, const Tile& kept);
 
-    /// Bytes of the light of all tiles, as the first one's grid has it.
+    /// Bytes of the light of all tiles, and of their grids, as the first one's grid has it.
     [[nodiscard]] double expected_light() const;
+    [[nodiscard]] double expected_shapes() const;
     [[nodiscard]] std::size_t shape_bytes() const;
     [[nodiscard]] std::size_t field_bytes() const;
     void count(TransportSummary& summary) const;
 
 private:
     [[nodiscard]] std::size_t channels() const { return scene_.resins->channels.size(); }
+    [[nodiscard]] double tiles_like_first() const;
+    [[nodiscard]] std::size_t place_of_shape(const Tile& tile) const;
+    [[nodiscard]] std::size_t place_of(const Tile& tile, const Fields Tile::*fields, std::size_t channel) const;
+    void drop(Tile& tile);
     void number_ghosts();
     [[nodiscard]] std::uint32_t ghost_at(const Place& block) const;
     [[nodiscard]] std::unique_ptr<Tile::Shape> shape_of(const Tile& tile, const Progress* progress) const;
@@ -91,6 +114,7 @@ private:
     std::array<int, 3> view_voxels_;
     BlockLattice lattice_;
     std::vector<Tile> tiles_;
+    std::unique_ptr<TileStore> store_;
     std::vector<std::uint64_t> ghost_places_;  ///< in the lattice of the body, ascending
 };
 

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "base/scratch_space.h"
+
 namespace voxtone::optics {
 
 /// Which blocks of a viewing grid have cells no larger than voxels (refinement.h).
@@ -42,6 +44,8 @@ struct TransportOptions {
     int tile_halo = 3;                 ///< blocks around a tile that it transports light in, >= 1
     double start_tolerance = 0.05;     ///< of the first diffusion solve
     std::size_t memory_bytes = 0;      ///< most to use; 0: no limit
+    /// Where a sequence puts tiles that do not fit into `memory_bytes`; empty: nowhere, and it refuses. Same bits.
+    MakeScratch scratch{};
 };
 
 /// What a prediction did and took.

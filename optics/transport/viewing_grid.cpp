@@ -70,10 +70,9 @@ std::span<const ViewingGrid::Donor> ViewingGrid::donors_to(std::uint32_t cell) c
 }
 
 std::size_t ViewingGrid::memory_bytes() const {
-    const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-    return of(blocks) + of(block_at) + of(transport_rows) + of(transport_blocks) + of(medium) + of(outer) +
-           of(face_of_cell) + of(faces) + of(laws) + of(law) + of(core_block) + of(core_faces) + of(open_faces) +
-           of(place_of_face) + of(donors) + of(donors_of) + of(core_shares);
+    std::size_t bytes = 0;
+    each_list(*this, [&](const auto& list) { bytes += list.capacity() * sizeof(list[0]); });
+    return bytes;
 }
 
 std::int64_t ViewingGrid::cell_of(const Place& at) const {

@@ -150,6 +150,9 @@ struct ViewingGrid {
     [[nodiscard]] std::size_t memory_bytes() const;
     /// Frees what the vectors hold in reserve.
     void shrink();
+    /// All lists of plain values, of which `mixtures` and `fine` are none.
+    template <class Grid, class Body>
+    static void each_list(Grid& grid, Body&& body);
 
     std::array<int, 3> view_voxels{2, 1, 3};  ///< voxels per cell
     DirectionSet directions;
@@ -220,6 +223,29 @@ struct ViewingGrid {
     std::vector<Donor> donors;             ///< ascending in `to`
     std::vector<std::uint32_t> donors_of;  ///< first donor of each transport block, with an end mark
 };
+
+template <class Grid, class Body>
+void ViewingGrid::each_list(Grid& grid, Body&& body) {
+    body(grid.blocks);
+    body(grid.block_at);
+    body(grid.transport_rows);
+    body(grid.transport_blocks);
+    body(grid.medium);
+    body(grid.outer);
+    body(grid.face_of_cell);
+    body(grid.faces);
+    body(grid.laws);
+    body(grid.law);
+    body(grid.core_block);
+    body(grid.core_shares);
+    body(grid.ghosts);
+    body(grid.core_faces);
+    body(grid.open_faces);
+    body(grid.place_of_face);
+    body(grid.towards);
+    body(grid.donors);
+    body(grid.donors_of);
+}
 
 template <class Body>
 void ViewingGrid::each_face(std::uint32_t cell, Body&& body) const {

@@ -38,8 +38,16 @@ std::unique_ptr<ViewingSequence> ViewingSequence::within_memory(const Scene& sce
     TransportOptions whole_cells = options;
     whole_cells.refinement = Refinement::none;
     auto sequence = std::make_unique<ViewingSequence>(scene, surface, whole_cells, progress);
-    const double needed = slack * (sequence->grids_.expected_light() + static_cast<double>(sequence->live().bytes));
-    if (options.memory_bytes > 0 && needed > static_cast<double>(options.memory_bytes))
+    TileGrids& grids = sequence->grids_;
+    const auto bytes_with = [&](double light) { return slack * (light + static_cast<double>(sequence->live().bytes)); };
+    const auto allowed = static_cast<double>(options.memory_bytes);
+    double needed = bytes_with(grids.expected_light());
+    if (options.scratch && options.memory_bytes > 0 && grids.tiles().size() > 1 &&
+        needed + grids.expected_shapes() > allowed) {
+        grids.open_store();
+        needed = bytes_with(static_cast<double>(sequence->live().field_bytes()));
+    }
+    if (options.memory_bytes > 0 && needed > allowed)
         throw ResourceError("predictions of " + std::to_string(surface.cells.size()) +
                             " surface cells, one after the other, need " +
                             std::to_string((std::size_t(needed) >> 20) + 1) + " MiB of memory and " +
@@ -56,7 +64,7 @@ void ViewingSequence::make_live(std::size_t index, const Progress* progress) {
     Tile& tile = live();
     grids_.make(tile, grids_.field_bytes() + room.memory_bytes(), progress);
     grids_.count(summary_);
-    const std::size_t kept = keeps_light_ ? channels() : 1,
+    const std::size_t kept = keeps_light_ && !grids_.stores() ? channels() : 1,
                       own = tile.light[0].cells.empty() ? kept * tile.field_bytes() : 0,
                       needed = tile.bytes + own + grids_.field_bytes();
     if (options_.memory_bytes > 0 && needed > options_.memory_bytes)
@@ -86,7 +94,11 @@ void ViewingSequence::remake_live(const Progress* progress) {
     Tile& tile = live();
     const std::unique_ptr<Tile::Shape> was = std::move(tile.shape);
     make_live(live_, progress);
-    for (ViewingField& field : tile.light) field = carried_over(field, was->grid, live_grid());
+    for (std::size_t c = 0; c < channels(); ++c) {
+        ViewingField& field = grids_.bring(tile, &Tile::light, c);
+        field = carried_over(field, was->grid, live_grid());
+        grids_.put_away(tile, &Tile::light, c);
+    }
     tile.adjoint.assign(channels(), {});
     const bool filled = grids_.fill(tile, *volume_, progress);
     VOXTONE_ENSURE(filled);
@@ -112,12 +124,13 @@ void ViewingSequence::solve(KeptLight& light, bool receives, Effort effort, std:
         at_ghosts.clear();
         if (receives)
             for (const std::uint32_t place : live().shape->received) at_ghosts.push_back(light.ghosts[c][place]);
-        ViewingField& field = (live().*light.fields)[c];
+        ViewingField& field = grids_.bring(live(), light.fields, c);
         transport_->solve(media, field, effort.sweeps, summary_, progress, seed, at_ghosts, effort.enough);
         for (const auto& [block, place] : live().shape->sent)
             light.ghosts[c][place] = transport_->mean_phi(live_grid().blocks[block]);
         done(c);
         if (!keeps_light_) field = {};
+        grids_.put_away(live(), light.fields, c);
     }
 }
 
@@ -148,7 +161,7 @@ Appearance ViewingSequence::twin(const ResinVolume& volume, const Progress* prog
 }
 
 Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* progress) {
-    const bool first = grids_.tiles()[0].light[0].cells.empty();
+    const bool first = grids_.tiles()[0].light[0].empty();
     return predict(volume,
                    first ? Effort{options_.sweeps, options_.first_change, first_rounds}
                          : Effort{options_.next_sweeps, options_.next_change, 0},
@@ -170,7 +183,7 @@ Appearance ViewingSequence::predict(const ResinVolume& volume, Effort effort, co
         grids_.make_all(progress);
         summary_.grid_s += making.total();
     }
-    if (tiles[0].light[0].cells.empty()) begin(light_, {}, effort.rounds, progress);
+    if (tiles[0].light[0].empty()) begin(light_, {}, effort.rounds, progress);
     Appearance appearance;
     appearance.channels = channels();
     appearance.value.assign(surface_.cells.size() * channels(), 0.0f);
@@ -233,13 +246,14 @@ std::vector<float> ViewingSequence::light_of(std::span<const float> adjoint_seed
 
 std::size_t ViewingSequence::gradient_bytes() const {
     // Fields of both lights, the derivatives, and copies of the light on the faces.
-    std::size_t fields = 0, most = 0;
+    std::size_t fields = 0, largest_field = 0, most = 0;
     for (const Tile& tile : grids_.tiles()) {
         fields += tile.field_bytes();
+        largest_field = std::max(largest_field, tile.field_bytes());
         most = std::max(most,
                         tile.bytes + tile.cells_of_grid * (4 * channels() + 8) + tile.open_faces * 8 * sizeof(Octet));
     }
-    return most + 2 * channels() * fields;
+    return grids_.stores() ? most + 2 * largest_field : most + 2 * channels() * fields;
 }
 
 bool ViewingSequence::gradient(std::span<const float> adjoint_seed, const GradientVisitor& visit,
@@ -266,9 +280,11 @@ bool ViewingSequence::gradient(std::span<const float> adjoint_seed, const Gradie
         const SeenMedium seen{halftone_, *scene_.resins, grid.pitch_mm};
         ViewingGradient gradient(grid, seen, channels());
         std::vector<float> by_sigma_t(grid.cells()), by_sigma_s(grid.cells());
-        solve(adjoint_, true, first || tile.adjoint[0].cells.empty() ? whole : more, adjoint_seed, progress,
+        solve(adjoint_, true, first || tile.adjoint[0].empty() ? whole : more, adjoint_seed, progress,
               [&](std::size_t c) {
-                  transport_->derivatives(tile.light[c], by_sigma_t, by_sigma_s, progress);
+                  const ViewingField& forward = grids_.bring(tile, &Tile::light, c);
+                  transport_->derivatives(forward, by_sigma_t, by_sigma_s, progress);
+                  grids_.put_away(tile, &Tile::light, c);
                   gradient.add(c, *media_of, seen, by_sigma_t, by_sigma_s);
               });
         visit(gradient, tile.voxels);

@@ -2,6 +2,7 @@
 #include "slicer/colour/job_loop.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <future>
 #include <utility>
 
@@ -10,6 +11,7 @@
 #include "base/error.h"
 #include "base/stop_deadline.h"
 #include "base/stopwatch.h"
+#include "io/disk/scratch_file.h"
 #include "slicer/colour/skin_gradient.h"
 #include "slicer/options/model_choice.h"
 
@@ -39,13 +41,15 @@ bool wants_deep_colour_in_nodes(const LoopPlan& plan, const optics::Scene& scene
 }
 
 std::unique_ptr<const optics::AppearanceModel> loop_model(const ResolvedJob& job, bool deep_in_nodes, double colour_mm,
-                                                          std::uint64_t memory_bytes) {
+                                                          std::uint64_t memory_bytes,
+                                                          const std::filesystem::path& scratch_folder) {
     ModelOptions quality;
     quality.cell_mm = job.prediction.cell_mm;
     quality.viewing_cells = true;
     quality.colour_mm = deep_in_nodes ? std::min(colour_mm, cells_of_feedback_mm) : colour_mm;
     quality.deep_colour_in_nodes = deep_in_nodes;
     quality.memory_bytes = memory_bytes;
+    quality.scratch = [scratch_folder] { return std::make_unique<io::ScratchFile>(scratch_folder); };
     quality.seed = job.seed;
     constexpr std::uint32_t paths = 256;  // noise goes straight into the halftone
     quality.paths = paths;
@@ -157,7 +161,8 @@ JobLoop run_job_loop(const LoopProblem& problem, const LoopPlan& plan, const Loo
     const LoopCells& cells = *problem.cells;
     const SkinMap map = cells.map();
     const auto model = loop_model(job, wants_deep_colour_in_nodes(plan, problem.scene), cells.layers.depth_mm(),
-                                  job.prediction.memory_bytes - problem.print_bytes);
+                                  bytes_for_predictions(job.prediction.memory_bytes, cells.seen.surface.cells.size()),
+                                  checkpoint.file().parent_path());
     const auto print = [&](const SkinSource* skin) {
         return problem.parts.volume(skin, problem.print_bytes, progress);
     };

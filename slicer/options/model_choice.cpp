@@ -20,6 +20,7 @@ optics::TransportPredictor transport_predictor(const ModelOptions& options) {
     transport.colour_mm = options.colour_mm;
     transport.deep_colour_in_nodes = options.deep_colour_in_nodes;
     transport.memory_bytes = static_cast<std::size_t>(options.memory_bytes);
+    transport.scratch = options.scratch;
     return optics::TransportPredictor(transport);
 }
 

@@ -129,9 +129,9 @@ std::vector<OptionSpec> machine_entries() {
         {.key = "memory",
          .metavar = "GIB",
          .group = "Prediction",
-         .help = "most memory for the loop and the prediction; a loop that needs more ends the job, a prediction "
-                 "is left out; decides no bit; 0: half of the "
-                 "machine's",
+         .help =
+             "most memory for the loop and the prediction; what of a loop does not fit waits on disk, one that needs "
+             "more all the same ends the job, a prediction is left out; decides no bit; 0: half of the machine's",
          .member = &O::memory_gib,
          .decides = Decides::work,
          .rule =

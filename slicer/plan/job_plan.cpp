@@ -26,7 +26,7 @@ JobPlan plan_job(const OpenedJob& job, const JobBody& body) {
     }
     plan.phases =
         phase_estimates(job, body, {plan.layers, plan.loop, plan.prediction}, thread_count(), resident_bytes());
-    plan.disk_bytes = disk_bytes(job, body, plan.layers);
+    plan.disk_bytes = disk_bytes(job, body, plan.layers, plan.loop);
     return plan;
 }
 

@@ -13,13 +13,19 @@ namespace voxtone::slicer {
 
 namespace {
 
-constexpr double of_program = 3e8;  // bytes
+constexpr double of_program = 1e8;  // bytes
 
-/// Of the print, the surface and the state of the loop; its predictions make do with what is left of what is allowed.
-/// `slice` with the bundled cow at 40 mm, --memory 0.4: 0.9 GB.
-double least_bytes(double area_mm2, double cell_mm) {
-    constexpr double of_cell = 1600;
-    return of_program + of_cell * area_mm2 / (cell_mm * cell_mm);
+/// Of the print, the surface and the state of the loop. `slice` with the bundled cow at 60 mm, 1.12 million cells: at
+/// most 1.56 GB with --memory 1.25, 2.45 GB without, the same bits.
+double held_bytes(double cells) {
+    constexpr double of_cell = 950;
+    return of_program + of_cell * cells;
+}
+
+/// With the tile that is predicted.
+double least_bytes(double cells) {
+    constexpr double of_tile_cell = 3900, tile_cells = 250'000;
+    return held_bytes(cells) + of_tile_cell * std::min(cells, tile_cells);
 }
 
 }  // namespace
@@ -49,7 +55,8 @@ LoopPlan plan_loop(const ResolvedJob& job, const JobBody& body, const LoadedResi
                              (options.method == LoopMethod::automatic && area_mm2 <= 100 * most_cm2),
                   .why_not = "",
                   .does_not_fit = ""};
-    const double bytes = least_bytes(area_mm2, job.prediction.cell_mm), allowed = double(job.prediction.memory_bytes);
+    const double cell_mm = job.prediction.cell_mm, bytes = least_bytes(area_mm2 / (cell_mm * cell_mm)),
+                 allowed = double(job.prediction.memory_bytes);
     if (!options.iterations && !job.resume && allowed > 0 && bytes > allowed)
         plan.does_not_fit = fmt::format(
             "{}: the appearance loop on {:.0f} cm2 of coloured surface takes {:.1f} GB of memory at the least, and "
@@ -64,11 +71,17 @@ bool prints_all_white(const SurfaceColour& target, const LoadedResins& resins) {
            resins.set.resins[std::size_t(resins.core)].role == "W";
 }
 
+std::uint64_t bytes_for_predictions(std::uint64_t allowed_bytes, std::size_t surface_cells) {
+    const double left = double(allowed_bytes) - held_bytes(double(surface_cells));
+    return static_cast<std::uint64_t>(std::max(left, double(allowed_bytes) / 3));
+}
+
 LoopCost expected_cost(const LoopPlan& plan, double area_mm2, double cell_mm, std::uint64_t allowed_bytes) {
     // Of `slice` with bodies of 15 to 60 mm and a photograph 20 mm wide (docs/estimate.md).
     constexpr double first_s = 1e-4, feedback_s = 2.3e-5, descent_s = 8.5e-5;  // a surface cell
     constexpr double feedback_bytes = 2900, descent_bytes = 4500;              // a surface cell, where not limited
-    constexpr double when_short = 1.4;                                         // grids of pieces are made again
+    constexpr double when_short = 1.1;                                         // to the disk and back
+    constexpr double on_disk = 1100, adjoint_on_disk = 700;                    // a surface cell, of four channels
     constexpr int usual_by_feedback = 4, usual_by_descent = halftone::most_iterations;
     const double cells = area_mm2 / (cell_mm * cell_mm);
     LoopCost cost;
@@ -76,7 +89,11 @@ LoopCost expected_cost(const LoopPlan& plan, double area_mm2, double cell_mm, st
     const int by_feedback = plan.descent ? std::min(cost.iterations, halftone::feedback_iterations) : cost.iterations;
     cost.cpu_seconds = cells * (first_s + by_feedback * feedback_s + (cost.iterations - by_feedback) * descent_s);
     const double bytes = of_program + cells * (plan.descent ? descent_bytes : feedback_bytes);
-    if (allowed_bytes > 0 && bytes > double(allowed_bytes)) cost.cpu_seconds *= when_short;
+    if (allowed_bytes == 0) return cost;
+    cost.most_bytes = std::max(double(allowed_bytes), least_bytes(cells));
+    if (bytes <= double(allowed_bytes)) return cost;
+    cost.cpu_seconds *= when_short;
+    cost.disk_bytes = cells * (plan.descent ? on_disk + adjoint_on_disk : on_disk);
     return cost;
 }
 

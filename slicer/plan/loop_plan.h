@@ -36,13 +36,19 @@ struct LoopPlan {
 /// Why no loop could change anything: a sentence; empty where one could.
 [[nodiscard]] std::string nothing_to_rearrange(const JobBody& body, const LoadedResins& resins);
 
+/// Of what is allowed, what is left for predictions beside the print, the surface and the state of the loop; where that
+/// is little they put what they do not work at on disk, and where nothing is left they try with a third. 0: no limit.
+[[nodiscard]] std::uint64_t bytes_for_predictions(std::uint64_t allowed_bytes, std::size_t surface_cells);
+
 /// What a loop takes, about: measured on cores of 2.5 GHz (docs/estimate.md), to a factor of 1.5. Its memory:
 /// phase_estimates.h.
 struct LoopCost {
     int iterations = 0;      ///< that are made, of a loop that stops when it gains no more
     double cpu_seconds = 0;  ///< of processors
+    double most_bytes = 0;   ///< that it keeps to, of those allowed; 0: no limit
+    double disk_bytes = 0;   ///< while it runs, where it keeps to them
 };
-/// `allowed_bytes`: where they are few it takes longer; 0: no limit.
+/// `allowed_bytes`: where they are few what waits lies on disk; 0: no limit.
 [[nodiscard]] LoopCost expected_cost(const LoopPlan& plan, double area_mm2, double cell_mm,
                                      std::uint64_t allowed_bytes);
 

@@ -97,17 +97,18 @@ std::vector<PhaseEstimate> phase_estimates(const OpenedJob& job, const JobBody& 
         return working + bytes + bytes_per_cell * amounts.cells;
     };
     const LoopPlan& loop = work.loop;
-    const double looping = !loop.wanted   ? working
-                           : loop.descent ? with(descent_bytes, descent_bytes_per_cell)
-                                          : with(feedback_bytes, feedback_bytes_per_cell);
+    const LoopCost cost =
+        expected_cost(loop, amounts.area_mm2, options.prediction.cell_mm, options.prediction.memory_bytes);
+    double looping = !loop.wanted   ? working
+                     : loop.descent ? with(descent_bytes, descent_bytes_per_cell)
+                                    : with(feedback_bytes, feedback_bytes_per_cell);
+    if (loop.wanted && cost.most_bytes > 0) looping = std::min(looping, cost.most_bytes);
     Phases phases(threads);
     if (options.layered)
         add_search(job, working, phases);
     else
         phases.add(Phase::separate, separation_s, working);
     if (loop.wanted) {
-        const LoopCost cost =
-            expected_cost(loop, amounts.area_mm2, options.prediction.cell_mm, options.prediction.memory_bytes);
         phases.add(Phase::prepare_loop, recipes_s + preparation_s_per_cell * amounts.cells,
                    with(0, prepared_bytes_per_cell));
         const double of_rgb = double(job.resins.set.channels.size()) / 3;  // light is followed channel by channel
@@ -155,7 +156,7 @@ std::uint64_t bytes_of_voxels(const OpenedJob& job, const JobBody& body, const L
     return static_cast<std::uint64_t>(std::min(amounts.voxels, blocks_of_shell * amounts.shell_voxels));
 }
 
-std::uint64_t disk_bytes(const OpenedJob& job, const JobBody& body, const LayerRange& range) {
+std::uint64_t disk_bytes(const OpenedJob& job, const JobBody& body, const LayerRange& range, const LoopPlan& loop) {
     constexpr double page_bytes = 6e6, bytes_per_cell = 50;  // pictures, and meshes of what will be seen
     const ResolvedJob& options = job.options;
     const double area_mm2 = coloured_area_mm2(*body.surface), cell_mm = options.prediction.cell_mm;
@@ -163,7 +164,10 @@ std::uint64_t disk_bytes(const OpenedJob& job, const JobBody& body, const LayerR
     const std::uint64_t layers =
         layer_bytes(body.grid, {area_mm2, shell_mm, range.layers(), job.outputs(), job.resins.entries.size()});
     const double report = options.report ? page_bytes + bytes_per_cell * area_mm2 / (cell_mm * cell_mm) : 0;
-    return layers + static_cast<std::uint64_t>(report);
+    // What the loop puts there is gone before the layers come.
+    const double looping =
+        loop.wanted ? expected_cost(loop, area_mm2, cell_mm, options.prediction.memory_bytes).disk_bytes : 0;
+    return std::max(layers + static_cast<std::uint64_t>(report), static_cast<std::uint64_t>(looping));
 }
 
 }  // namespace voxtone::slicer

@@ -43,7 +43,8 @@ struct PlannedWork {
 /// Most that the print's voxels take while they wait to be predicted.
 [[nodiscard]] std::uint64_t bytes_of_voxels(const OpenedJob& job, const JobBody& body, const LayerRange& range);
 
-/// Most that these layers of the stack and its report take on disk.
-[[nodiscard]] std::uint64_t disk_bytes(const OpenedJob& job, const JobBody& body, const LayerRange& range);
+/// Most that these layers of the stack and its report, or before them the loop, take on disk.
+[[nodiscard]] std::uint64_t disk_bytes(const OpenedJob& job, const JobBody& body, const LayerRange& range,
+                                       const LoopPlan& loop);
 
 }  // namespace voxtone::slicer

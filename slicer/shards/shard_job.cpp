@@ -112,7 +112,7 @@ JobResult run_shard_job(const SliceOptions& requested, Progress& progress) {
     const int slab_layers = print->layers()->slab_layers();
     const LayerRange mine =
         shard_layers(slab_work(body, job.options.colour.depth_mm, slab_layers), slab_layers, plan.layers, task.number);
-    expect_disk_space(out, disk_bytes(job, body, mine), progress);
+    expect_disk_space(out, disk_bytes(job, body, mine, {}), progress);
 
     if (job.outputs().gcvf) io::expect_gcvf(job.describe(plan.grid, plan.layers));
     claim_folder_for_shards(job, folder, job_record(job.options.raw, identity.inputs, out), progress);

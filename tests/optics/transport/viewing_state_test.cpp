@@ -3,8 +3,10 @@
 // A sequence of predictions that is interrupted and goes on elsewhere says the same as one that is not, bit by bit.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
 #include "base/random.h"
 #include "optics/transport/viewing_sequence.h"
 
@@ -34,24 +36,30 @@ struct SmallBall {
         });
     }
     bool deep_in_nodes = false;
-    [[nodiscard]] ViewingSequence sequence(std::size_t tile_cells) const {
+    [[nodiscard]] TransportOptions options(std::size_t tile_cells) const {
         TransportOptions options;
         options.refinement = Refinement::none;
         options.tile_cells = tile_cells;
         options.tile_halo = 1;
         options.colour_mm = 0.2;
         options.deep_colour_in_nodes = deep_in_nodes;
-        return {scene, surface, options};
+        return options;
+    }
+    [[nodiscard]] ViewingSequence sequence(std::size_t tile_cells) const {
+        return {scene, surface, options(tile_cells)};
     }
     /// What a sequence says of a print, and of its gradient there.
     [[nodiscard]] std::vector<float> look(ViewingSequence& sequence, std::size_t print) const {
         Appearance seen = sequence.next(prints[print]);
         std::vector<float> out = seen.value;
         for (float& v : seen.value) v -= 0.5f;
-        REQUIRE(sequence.gradient(seen.value, [&](const ResinGradient& gradient, const VoxelBox& box) {
-            for (int z = box.begin[2]; z < box.end[2]; z += 3)
-                for (int x = box.begin[0]; x < box.end[0]; x += 5) out.push_back(gradient.at({x, size[1] / 2, z}, 3));
-        }));
+        const bool has_gradient =
+            sequence.gradient(seen.value, [&](const ResinGradient& gradient, const VoxelBox& box) {
+                for (int z = box.begin[2]; z < box.end[2]; z += 3)
+                    for (int x = box.begin[0]; x < box.end[0]; x += 5)
+                        out.push_back(gradient.at({x, size[1] / 2, z}, 3));
+            });
+        REQUIRE(has_gradient);
         return out;
     }
 };
@@ -63,7 +71,69 @@ std::vector<std::byte> state_of(const ViewingSequence& sequence) {
     return state;
 }
 
+/// A disk of so many bytes, in memory.
+class SmallDisk final : public voxtone::ScratchSpace {
+public:
+    SmallDisk(std::vector<std::byte>& bytes, std::size_t room) : bytes_(bytes), room_(room) {}
+    void write(std::uint64_t at, std::span<const std::byte> from) override {
+        if (at + from.size() > room_) throw voxtone::TryAgain("the disk is full");
+        bytes_.resize(std::max<std::size_t>(bytes_.size(), at + from.size()));
+        std::ranges::copy(from, bytes_.begin() + static_cast<std::ptrdiff_t>(at));
+    }
+    void read(std::uint64_t at, std::span<std::byte> to) const override {
+        REQUIRE(at + to.size() <= bytes_.size());
+        std::ranges::copy(std::span(bytes_).subspan(at, to.size()), to.begin());
+    }
+
+private:
+    std::vector<std::byte>& bytes_;
+    std::size_t room_;
+};
+
 }  // namespace
+
+TEST_CASE("Tiles that do not fit into memory wait elsewhere, and say the same", "[slow]") {
+    const SmallBall ball;
+    TransportOptions options = ball.options(1500);
+    ViewingSequence free{ball.scene, ball.surface, options};
+    std::vector<std::vector<float>> said;
+    constexpr std::size_t prints = 3;  // with colour deeper than before, and less
+    for (std::size_t print = 0; print < prints; ++print) said.push_back(ball.look(free, print));
+    REQUIRE(free.summary().pieces > 2);
+
+    // As little as suffices, to a tenth.
+    std::vector<std::byte> disk;
+    const auto sequence = [&](std::size_t room) {
+        options.scratch = [&disk, room] { return std::make_unique<SmallDisk>(disk, room); };
+        return ViewingSequence::within_memory(ball.scene, ball.surface, options);
+    };
+    constexpr std::size_t large = 1'000'000'000;
+    for (options.memory_bytes = free.summary().memory_bytes / 10;; options.memory_bytes += options.memory_bytes / 10)
+        try {
+            const auto narrow = sequence(large);
+            for (const std::size_t print : {0u, 1u}) (void)ball.look(*narrow, print);
+            break;
+        } catch (const voxtone::ResourceError&) {
+        }
+    CAPTURE(options.memory_bytes, free.summary().memory_bytes);
+    CHECK(options.memory_bytes < free.summary().memory_bytes * 2 / 3);
+    disk.clear();
+    const auto tight = sequence(large);
+    for (std::size_t print = 0; print < prints; ++print) CHECK(ball.look(*tight, print) == said[print]);
+    CHECK(disk.size() > free.summary().memory_bytes / 4);
+    CHECK(state_of(*tight) == state_of(free));
+
+    // Saved here, it goes on there.
+    const auto resumed = sequence(large);
+    ViewingSequence begun{ball.scene, ball.surface, ball.options(1500)};
+    (void)ball.look(begun, 0);
+    REQUIRE(resumed->read_state(state_of(begun)));
+    CHECK(ball.look(*resumed, 1) == said[1]);
+
+    CHECK_THROWS_AS(ball.look(*sequence(disk.size() / 2), 0), voxtone::TryAgain);
+    options.scratch = {};
+    CHECK_THROWS_AS((void)ViewingSequence::within_memory(ball.scene, ball.surface, options), voxtone::ResourceError);
+}
 
 TEST_CASE("A sequence that goes on from a saved state says the same, whole and in tiles", "[slow]") {
     const bool deep_in_nodes = GENERATE(false, true);

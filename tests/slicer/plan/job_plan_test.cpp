@@ -76,6 +76,23 @@ TEST_CASE("What is printed does not depend on the memory that there is") {
     CHECK(Planned(options).plan.loop.does_not_fit.empty());
 }
 
+TEST_CASE("A loop keeps to the memory that it is allowed, with the help of the disk, and says so beforehand") {
+    const LoopPlan plan{.wanted = true, .descent = false, .why_not = "", .does_not_fit = ""};
+    constexpr double cow_of_60mm = 6960, cell_mm = 0.085, gib = 1 << 30;
+    const auto cost = [&](double allowed) {
+        return expected_cost(plan, cow_of_60mm, cell_mm, static_cast<std::uint64_t>(allowed));
+    };
+    CHECK(cost(16 * gib).disk_bytes == 0);
+    CHECK(cost(0).disk_bytes == 0);
+    const LoopCost tight = cost(2 * gib);
+    CHECK(tight.most_bytes == 2 * gib);
+    CHECK(tight.disk_bytes > 0.7e9);  // the light of 963,000 cells in three channels alone
+    CHECK(tight.cpu_seconds > cost(0).cpu_seconds);
+    CHECK(cost(0.01 * gib).most_bytes > gib);  // the state of the loop is not put there
+    CHECK(bytes_for_predictions(0, 1'000'000) == 0);
+    CHECK(bytes_for_predictions(2'000'000'000, 1'000'000) < 1'100'000'000);
+}
+
 TEST_CASE("A plan says which phases a job goes through") {
     const Cube red("1 0 0"), white("1 1 1");
     const std::set<Phase> without{Phase::separate, Phase::layers, Phase::report};

@@ -203,11 +203,11 @@ TEST_CASE("The disk is asked for more the more there is to write") {
     SampleJob sample;
     const OpenedJob job = sample.opened();
     const JobBody small = boxes(job, {6, 5, 4}), large = boxes(job, {12, 10, 8});
-    const std::uint64_t whole = disk_bytes(job, small, all_of(small));
-    CHECK(disk_bytes(job, small, {0, 49}) < whole);
-    CHECK(disk_bytes(job, large, all_of(large)) > whole);
+    const std::uint64_t whole = disk_bytes(job, small, all_of(small), {});
+    CHECK(disk_bytes(job, small, {0, 49}, {}) < whole);
+    CHECK(disk_bytes(job, large, all_of(large), {}) > whole);
     sample.options.report = false;
-    CHECK(disk_bytes(sample.opened(), small, all_of(small)) < whole);
+    CHECK(disk_bytes(sample.opened(), small, all_of(small), {}) < whole);
     // The layers cannot take more than their bitmaps would without compression, four bytes a voxel.
-    CHECK(disk_bytes(sample.opened(), small, all_of(small)) < 4 * small.grid.voxels());
+    CHECK(disk_bytes(sample.opened(), small, all_of(small), {}) < 4 * small.grid.voxels());
 }
