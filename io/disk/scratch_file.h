@@ -5,12 +5,12 @@
 
 #include <filesystem>
 
-#include "base/scratch_space.h"
 #include "io/disk/open_file.h"
+#include "optics/numerics/scratch_space.h"
 
 namespace voxtone::io {
 
-class ScratchFile final : public ScratchSpace {
+class ScratchFile final : public optics::ScratchSpace {
 public:
     /// In a folder that is there. Throws FileError, TryAgain where the disk is full, as `write` does.
     explicit ScratchFile(const std::filesystem::path& folder);

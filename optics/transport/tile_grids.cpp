@@ -2,11 +2,12 @@
 #include "optics/transport/tile_grids.h"
 
 #include <algorithm>
+#include <type_traits>
+#include <utility>
 
 #include "base/contracts.h"
 #include "base/parallel.h"
 #include "optics/transport/refinement.h"
-#include "optics/transport/tile_store.h"
 #include "optics/transport/viewing_grid_builder.h"
 #include "optics/transport/viewing_palette.h"
 #include "optics/transport/viewing_transport.h"
@@ -25,10 +26,29 @@ void each_open_face(const ViewingGrid& grid, const GridBlock& block, Body&& body
 
 }  // namespace
 
+template <class Body>
+void each_list(ViewingField& field, Body&& body) {
+    body(field.cells);
+    body(field.core);
+    body(field.out);
+}
+
+template <class Shape, class Body>
+requires std::is_same_v<std::remove_const_t<Shape>, Tile::Shape>
+void each_list(Shape& shape, Body&& body) {
+    ViewingGrid::each_list(shape.grid, body);
+    body(shape.seen.first);
+    body(shape.seen.face);
+    body(shape.seen.share);
+    body(shape.seen.cell);
+    body(shape.received);
+    body(shape.sent);
+}
+
 std::size_t Tile::Shape::memory_bytes() const {
-    const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-    return grid.memory_bytes() + of(seen.first) + of(seen.face) + of(seen.share) + of(seen.cell) + of(received) +
-           of(sent);
+    std::size_t bytes = 0;
+    each_list(*this, [&](const auto& list) { bytes += list.capacity() * sizeof(list[0]); });
+    return bytes;
 }
 
 std::size_t Tile::field_bytes() const {
@@ -44,10 +64,8 @@ TileGrids::TileGrids(const Scene& scene, const Surface& surface, const Transport
     cut(options.tile_cells);
 }
 
-TileGrids::~TileGrids() = default;
-
 void TileGrids::open_store() {
-    if (!store_) store_ = std::make_unique<TileStore>(options_.scratch());
+    if (!store_) store_.emplace(options_.scratch());
 }
 
 /// A tile has one for its grid, and one for each channel's light and adjoint.
@@ -61,17 +79,24 @@ std::size_t TileGrids::place_of(const Tile& tile, const Fields Tile::*fields, st
 
 ViewingField& TileGrids::bring(Tile& tile, Fields Tile::*fields, std::size_t channel) const {
     ViewingField& field = (tile.*fields)[channel];
-    if (store_) store_->take(place_of(tile, fields, channel), field);
+    if (std::exchange(field.stored, false)) store_->read(place_of(tile, fields, channel), field);
     return field;
 }
 
 void TileGrids::put_away(Tile& tile, Fields Tile::*fields, std::size_t channel) {
-    if (store_) store_->put(place_of(tile, fields, channel), (tile.*fields)[channel]);
+    ViewingField& field = (tile.*fields)[channel];
+    if (!store_ || field.stored || field.cells.empty()) return;
+    store_->write(place_of(tile, fields, channel), field);
+    const float scale = field.scale;
+    field = {};
+    field.scale = scale;
+    field.stored = true;
 }
 
 ViewingField TileGrids::copy(const Tile& tile, const Fields Tile::*fields, std::size_t channel) const {
-    const ViewingField& field = (tile.*fields)[channel];
-    return field.stored ? store_->copy(place_of(tile, fields, channel), field) : field;
+    ViewingField field = (tile.*fields)[channel];
+    if (std::exchange(field.stored, false)) store_->read(place_of(tile, fields, channel), field);
+    return field;
 }
 
 void TileGrids::cut(std::size_t tile_cells) {
@@ -148,7 +173,8 @@ void TileGrids::make(Tile& tile, std::size_t besides, const Progress* progress) 
     if (tile.shape && !tile.shape->stored) return;
     make_room(tile.bytes + besides, tile);
     if (tile.shape) {
-        store_->take(place_of_shape(tile), *tile.shape);
+        store_->read(place_of_shape(tile), *tile.shape);
+        tile.shape->stored = false;
     } else {
         tile.shape = shape_of(tile, progress);
         measure(tile);
@@ -199,12 +225,18 @@ std::vector<std::uint8_t> TileGrids::still_coloured(const Tile& tile, const Resi
     return still;
 }
 
-/// What has to come back is not made again.
+/// Where there is a store it comes back from there; the resins of a print are filled in anew.
 void TileGrids::drop(Tile& tile) {
-    if (store_)
-        store_->put(place_of_shape(tile), *tile.shape);
-    else
+    if (!store_) {
         tile.shape.reset();
+        return;
+    }
+    Tile::Shape& shape = *tile.shape;
+    if (std::exchange(shape.stored, true)) return;
+    if (!std::exchange(shape.written, true)) store_->write(place_of_shape(tile), shape);
+    each_list(shape, [](auto& list) { list = {}; });
+    shape.grid.mixtures = {};
+    shape.filled = nullptr;
 }
 
 void TileGrids::make_room(std::size_t bytes, const Tile& kept) {

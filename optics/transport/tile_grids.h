@@ -8,16 +8,18 @@
 //
 // A grid whose print got colour deeper than expected is made anew with cells there (`Tile::also`), once without those
 // that lost theirs; the light goes over to the new cells. Grids that are dropped for memory are made again with the
-// same bits. Memory: about 30 bytes a cell and grid. With a store (tile_store.h) grids that are dropped, and all light
+// same bits. Memory: about 30 bytes a cell and grid. With a store (list_store.h) grids that are dropped, and all light
 // but that of the channel that is worked at, lie there.
 #pragma once
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "optics/numerics/list_store.h"
 #include "optics/transport/transport_options.h"
 #include "optics/transport/viewing_faces.h"
 #include "optics/transport/viewing_field.h"
@@ -49,20 +51,17 @@ struct Tile : ViewingTile {
     [[nodiscard]] std::size_t field_bytes() const;  ///< of one channel
 };
 
-class TileStore;
-
 class TileGrids {
 public:
     /// Contract: all of them outlive it.
     TileGrids(const Scene& scene, const Surface& surface, const TransportOptions& options);
     TileGrids(const TileGrids&) = delete;
     TileGrids& operator=(const TileGrids&) = delete;
-    ~TileGrids();
 
     /// From now on what is not worked at lies outside of memory where that is short. Throws what
     /// TransportOptions::scratch throws.
     void open_store();
-    [[nodiscard]] bool stores() const { return store_ != nullptr; }
+    [[nodiscard]] bool stores() const { return store_.has_value(); }
     /// A tile's light or adjoint of a channel, in memory.
     ViewingField& bring(Tile& tile, Fields Tile::*fields, std::size_t channel) const;
     /// To the store, if there is one.
@@ -114,7 +113,7 @@ private:
     std::array<int, 3> view_voxels_;
     BlockLattice lattice_;
     std::vector<Tile> tiles_;
-    std::unique_ptr<TileStore> store_;
+    std::optional<ListStore> store_;
     std::vector<std::uint64_t> ghost_places_;  ///< in the lattice of the body, ascending
 };
 

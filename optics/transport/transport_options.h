@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "base/scratch_space.h"
+#include "optics/numerics/scratch_space.h"
 
 namespace voxtone::optics {
 

@@ -36,7 +36,7 @@ struct ViewingField {
     std::vector<float> core;
     std::vector<FaceCode> out;  ///< of each open face
     float scale = 0;            ///< of an adjoint: radiance that stands for 1; 0: of light 1 everywhere
-    bool stored = false;        ///< the lists are elsewhere (tile_store.h)
+    bool stored = false;        ///< the lists are elsewhere (TileGrids::put_away)
     [[nodiscard]] bool empty() const { return cells.empty() && !stored; }
     [[nodiscard]] std::size_t memory_bytes() const {
         return cells.capacity() * sizeof(Code) + 4 * core.capacity() + sizeof(FaceCode) * out.capacity();

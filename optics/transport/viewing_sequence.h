@@ -21,7 +21,8 @@
 // eight (docs/decisions/007): of a difference of a few tenths between two prints it says nothing.
 //
 // Memory: grid and equations of one tile, 16 bytes a viewing cell for its light of a channel, as much again for the
-// adjoint, and the grids that are kept (tile_grids.h). Where that is not allowed tiles wait elsewhere (tile_store.h).
+// adjoint, and the grids that are kept (tile_grids.h). Where that is not allowed tiles wait elsewhere
+// (TileGrids::open_store).
 #pragma once
 
 #include <cstddef>

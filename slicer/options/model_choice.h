@@ -8,7 +8,6 @@
 #include <memory>
 
 #include "base/named_values.h"
-#include "base/scratch_space.h"
 #include "optics/scene/appearance_model.h"
 #include "optics/scene/boundary.h"
 #include "optics/transport/transport.h"
@@ -26,7 +25,7 @@ struct ModelOptions {
     int sweeps =
         optics::TransportOptions{}.sweeps;  ///< transport: of discrete ordinates, >= 1; more are nearer and slower
     std::uint64_t memory_bytes = 0;         ///< transport: most to use; 0: no limit
-    MakeScratch scratch{};                  ///< transport: as TransportOptions
+    optics::MakeScratch scratch{};          ///< transport: as TransportOptions
     std::uint32_t paths = 64;               ///< Monte Carlo: per cell and channel, >= 2
     double error = 0;                       ///< Monte Carlo: wanted standard error of every value; 0: `paths` decides
     /// Monte Carlo: the body's true surface, which must outlive the model; nullptr: the faces of its voxels.

@@ -23,11 +23,11 @@ double held_bytes(double surface_cells) {
 }
 
 /// With the tile that is predicted: bodies are halved until tiles are small enough (viewing_tiles.h). The cow's tiles
-/// at 20 to 60 mm take 1.3 to 2.9 kB a cell, and predictions want a third more.
+/// at 20 to 60 mm take 1.1 to 2.5 kB a cell, and predictions want a third more.
 double least_bytes(double cells) {
-    constexpr double of_tile_cell = 3800, most_tile_cells = 250'000;
-    constexpr double stairs = 1.16;  // cells of voxels / area of the surface
-    double tile_cells = cells;
+    constexpr double of_tile_cell = 3300, most_tile_cells = 250'000;
+    constexpr double stairs = 1.16;  // surface cells / area of the surface in cells
+    double tile_cells = stairs * cells;
     while (tile_cells > most_tile_cells) tile_cells /= 2;
     return held_bytes(stairs * cells) + of_tile_cell * tile_cells;
 }

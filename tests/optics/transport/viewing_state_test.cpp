@@ -72,7 +72,7 @@ std::vector<std::byte> state_of(const ViewingSequence& sequence) {
 }
 
 /// A disk of so many bytes, in memory.
-class SmallDisk final : public voxtone::ScratchSpace {
+class SmallDisk final : public ScratchSpace {
 public:
     SmallDisk(std::vector<std::byte>& bytes, std::size_t room) : bytes_(bytes), room_(room) {}
     void write(std::uint64_t at, std::span<const std::byte> from) override {

@@ -10,7 +10,7 @@
 #include <memory>
 #include <span>
 
-namespace voxtone {
+namespace voxtone::optics {
 
 class ScratchSpace {
 public:
@@ -27,4 +27,4 @@ public:
 /// Called once it turns out that some is needed.
 using MakeScratch = std::function<std::unique_ptr<ScratchSpace>()>;
 
-}  // namespace voxtone
+}  // namespace voxtone::optics
