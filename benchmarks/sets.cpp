@@ -12,7 +12,7 @@ std::vector<SetEntry> entries(const char* kind) {
     all.allow_only({"rules", "pictures", "bodies", "pages"});
     std::vector<SetEntry> found;
     for (const io::JsonObject& entry : all.objects(kind)) {
-        entry.allow_only({"name", "set", "file", "size_mm", "shows", "licence", "source", "sha256"});
+        entry.allow_only({"name", "set", "group", "file", "size_mm", "shows", "licence", "source", "sha256"});
         const std::string set = entry.text("set");
         if (set != "fitting" && set != "held-out") entry.fail("set", "must be fitting or held-out");
         found.push_back({entry.text("name"), entry.text("file"), set == "held-out",
