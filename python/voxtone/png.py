@@ -12,7 +12,7 @@ import numpy as np
 try:
     from PIL import Image  # type: ignore[import]
 except ImportError:  # slower in filters that few layers have
-    Image = None
+    Image = None  # type: ignore[assignment]
 
 _signature = b"\x89PNG\r\n\x1a\n"
 
