@@ -149,10 +149,10 @@ BareSheet render_bare_sheet(const EdgeSetup& setup, std::uint64_t seed) {
     BareSheet bare;
     for (std::size_t c = 0; c < 3; ++c) {
         optics::EdgeScene scene;
-        scene.stack = setup.stack;
-        scene.stack.gel = scene.stack.glass = false;
-        scene.stack.slab_index = 1;  // a slab of air
-        scene.stack.slab_roughness = 0;
+        scene.assembly = setup.assembly;
+        scene.assembly.gel = scene.assembly.glass = false;
+        scene.assembly.slab_index = 1;  // a slab of air
+        scene.assembly.slab_roughness = 0;
         scene.slab_mm = 1e-3;
         scene.sigma_t = 1e-9;
         scene.sheet = setup.sheet(c);

@@ -19,13 +19,13 @@ constexpr double whitest = 0.999;     // as in setup.json
 
 optics::EdgeKernels bare_sheet_kernels(const EdgeSetup& setup) {
     optics::EdgeRun run;
-    run.stack = setup.stack;
-    run.stack.gel = run.stack.glass = false;
-    run.stack.slab_index = 1;
-    run.stack.slab_roughness = 0;
+    run.assembly = setup.assembly;
+    run.assembly.gel = run.assembly.glass = false;
+    run.assembly.slab_index = 1;
+    run.assembly.slab_roughness = 0;
     run.slab_mm = 1e-3;
     run.sigma_t = 1e-9;
-    run.light = optics::light_window(setup.stack);
+    run.light = optics::light_window(setup.assembly);
     run.paths = 1u << 23;
     return optics::edge_kernels(optics::trace_edge_paths(run), optics::EdgeUnits(run), 0);
 }

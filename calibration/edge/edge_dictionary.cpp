@@ -95,8 +95,8 @@ Eigen::VectorXd albedo_weights(double albedo) {
 
 EdgeRecord edge_record(const EdgeSetup& setup, const EdgeGrid& grid, std::size_t run, const Progress* progress) {
     optics::EdgeRun traced;
-    traced.stack = setup.stack;
-    traced.light = optics::light_window(setup.stack);
+    traced.assembly = setup.assembly;
+    traced.light = optics::light_window(setup.assembly);
     traced.sigma_t = grid.sigma_t[run % grid.sigma_t.size()];
     traced.g = grid.g[run / grid.sigma_t.size() % grid.g.size()];
     traced.slab_mm = grid.thickness_mm[run / (grid.sigma_t.size() * grid.g.size())];

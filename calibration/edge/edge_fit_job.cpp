@@ -88,7 +88,7 @@ JobResult run_edge_fit_job(const EdgeFitJob& job, Progress& progress) {
                                : std::make_shared<const EdgeDictionary>(read_dictionary(job.dictionary)),
                            setup);
     EdgeFitOptions options = job.fit;
-    options.eta = setup.stack.slab_index;
+    options.eta = setup.assembly.slab_index;
     options.name = job.name.empty() ? fs::path(job.out).stem().string() : job.name;
     EdgeFit fit = fit_edges(profiles, table, options, &progress);
     if (chart) complete_by_chart(fit, *chart, job.chart_model);

@@ -34,9 +34,9 @@ void read_sheet(const JsonObject& sheet, EdgeSetup& setup) {
     sheet.allow_only({"white", "black", "surface", "index", "roughness"});
     read(sheet, "white", setup.white);
     read(sheet, "black", setup.black);
-    read(sheet, "surface", setup.stack.sheet_surface);
-    read(sheet, "index", 1, 3, setup.stack.sheet_index);
-    read(sheet, "roughness", 0, 0.5, setup.stack.sheet_roughness);
+    read(sheet, "surface", setup.assembly.sheet_surface);
+    read(sheet, "index", 1, 3, setup.assembly.sheet_index);
+    read(sheet, "roughness", 0, 0.5, setup.assembly.sheet_roughness);
     for (std::size_t c = 0; c < 3; ++c) {
         if (setup.white[c] > 0.999) sheet.fail("white", "a sheet reflects at most 0.999");
         if (setup.white[c] <= setup.black[c])
@@ -45,28 +45,28 @@ void read_sheet(const JsonObject& sheet, EdgeSetup& setup) {
 }
 
 void read_layers(const JsonObject& root, EdgeSetup& setup) {
-    optics::EdgeStack& stack = setup.stack;
+    optics::EdgeAssembly& assembly = setup.assembly;
     if (root.has("gel")) {
         const JsonObject gel = root.object("gel");
         gel.allow_only({"on", "index", "above_mm", "below_mm", "error_mm"});
-        read(gel, "on", stack.gel);
-        read(gel, "index", 1, 3, stack.gel_index);
-        read(gel, "above_mm", 0, 1, stack.gel_above_mm);
-        read(gel, "below_mm", 0, 1, stack.gel_below_mm);
+        read(gel, "on", assembly.gel);
+        read(gel, "index", 1, 3, assembly.gel_index);
+        read(gel, "above_mm", 0, 1, assembly.gel_above_mm);
+        read(gel, "below_mm", 0, 1, assembly.gel_below_mm);
         read(gel, "error_mm", 0, 0.5, setup.gel_error_mm);
     }
     if (root.has("glass")) {
         const JsonObject glass = root.object("glass");
         glass.allow_only({"on", "index", "thickness_mm"});
-        read(glass, "on", stack.glass);
-        read(glass, "index", 1, 3, stack.glass_index);
-        read(glass, "thickness_mm", 0, 5, stack.glass_mm);
+        read(glass, "on", assembly.glass);
+        read(glass, "index", 1, 3, assembly.glass_index);
+        read(glass, "thickness_mm", 0, 5, assembly.glass_mm);
     }
     if (root.has("slab")) {
         const JsonObject slab = root.object("slab");
         slab.allow_only({"index", "roughness", "thickness_error"});
-        read(slab, "index", 1, 3, stack.slab_index);
-        read(slab, "roughness", 0, 0.5, stack.slab_roughness);
+        read(slab, "index", 1, 3, assembly.slab_index);
+        read(slab, "roughness", 0, 0.5, assembly.slab_roughness);
         read(slab, "thickness_error", 0, 0.5, setup.thickness_error);
     }
 }
@@ -75,10 +75,10 @@ void read_optics(const JsonObject& root, EdgeSetup& setup) {
     if (root.has("light")) {
         const JsonObject light = root.object("light");
         light.allow_only({"angle_deg", "half_width_deg"});
-        read(light, "angle_deg", 0, 89, setup.stack.light_deg);
-        read(light, "half_width_deg", 0.5, 45, setup.stack.light_half_width_deg);
-        if (setup.stack.light_deg - setup.stack.light_half_width_deg < 0 ||
-            setup.stack.light_deg + setup.stack.light_half_width_deg > 90)
+        read(light, "angle_deg", 0, 89, setup.assembly.light_deg);
+        read(light, "half_width_deg", 0.5, 45, setup.assembly.light_half_width_deg);
+        if (setup.assembly.light_deg - setup.assembly.light_half_width_deg < 0 ||
+            setup.assembly.light_deg + setup.assembly.light_half_width_deg > 90)
             light.fail("half_width_deg",
                        "the ring of light reaches from angle - half width to angle + half width, "
                        "which must lie within 0 and 90 degrees");
@@ -105,7 +105,7 @@ std::vector<double> EdgeSetup::positions() const {
 }
 
 std::uint64_t EdgeSetup::scene_digest() const {
-    const optics::EdgeStack& s = stack;
+    const optics::EdgeAssembly& s = assembly;
     const std::string text =
         fmt::format("{} {} | {} {} {} {} | {} {} {} | {} {} {} | {} {}", s.slab_index, s.slab_roughness, s.gel,
                     s.gel_index, s.gel_above_mm, s.gel_below_mm, s.glass, s.glass_index, s.glass_mm, s.sheet_surface,
@@ -133,7 +133,7 @@ EdgeSetup read_edge_setup(const std::string& file) {
 }
 
 std::string edge_setup_text(const EdgeSetup& setup) {
-    const optics::EdgeStack& s = setup.stack;
+    const optics::EdgeAssembly& s = setup.assembly;
     io::JsonWriter json;
     json.begin_object().line().add("format", "voxtone-edge-setup").line().add("version", 1).line();
     json.key("sheet").begin_object().add("white", setup.white).add("black", setup.black);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // setup.json: every figure of the bench on which edge profiles are measured, and of the scene that stands for it
-// (optics/edge/edge_stack.h; format "voxtone-edge-setup", version 1, data/schema/edge-setup.schema.json).
+// (optics/edge/edge_assembly.h; format "voxtone-edge-setup", version 1, data/schema/edge-setup.schema.json).
 //
 // What a file does not say is as in Elek et al. 2017, supplement, Secs. 4 and 5. The sheet's reflectances are those of
 // its base, as the paper uses them. Gel is 0.03 mm thick on both sides by default: the paper says "minimal".
@@ -14,13 +14,13 @@
 #include <string_view>
 #include <vector>
 
+#include "optics/edge/edge_assembly.h"
 #include "optics/edge/edge_response.h"
-#include "optics/edge/edge_stack.h"
 
 namespace voxtone::calibration {
 
 struct EdgeSetup {
-    optics::EdgeStack stack;
+    optics::EdgeAssembly assembly;
     std::array<double, 3> white{0.985, 0.972, 0.971}, black{0.024, 0.023, 0.026};  ///< of the sheet: R, G, B
     double thickness_error = 0.02;                                                 ///< relative standard error of slabs
     double gel_error_mm = 0.012;  ///< standard error of each layer of gel

@@ -74,8 +74,8 @@ std::vector<RenderedSlab> render_slabs(const optics::ResinSet& set, const EdgeSe
         for (const double thickness : thickness_mm) {
             RenderedSlab slab{resin.role,
                               thickness,
-                              setup.stack.gel_above_mm,
-                              setup.stack.gel_below_mm,
+                              setup.assembly.gel_above_mm,
+                              setup.assembly.gel_below_mm,
                               setup.width_mm / 2 + beyond_mm,
                               {}};
             if (bench.gel_to_mm > 0) {
@@ -85,7 +85,7 @@ std::vector<RenderedSlab> render_slabs(const optics::ResinSet& set, const EdgeSe
             }
             for (std::size_t c = 0; c < 3; ++c) {
                 const optics::Medium medium = resin.medium(c);
-                optics::EdgeScene scene{setup.stack,
+                optics::EdgeScene scene{setup.assembly,
                                         thickness * (1 + bench.thickness_off),
                                         std::max(medium.sigma_t(), clear_sigma_t),
                                         medium.albedo(),
@@ -93,8 +93,8 @@ std::vector<RenderedSlab> render_slabs(const optics::ResinSet& set, const EdgeSe
                                         setup.sheet(c),
                                         bench.paths,
                                         bench.seed + 1000003 * ++address};
-                scene.stack.gel_above_mm = slab.gel_above_mm;
-                scene.stack.gel_below_mm = slab.gel_below_mm;
+                scene.assembly.gel_above_mm = slab.gel_above_mm;
+                scene.assembly.gel_below_mm = slab.gel_below_mm;
                 slab.F[c] = optics::render_edge(scene, slab.reach_mm, RenderedSlab::step_mm, progress);
                 if (progress) progress->advance();
             }

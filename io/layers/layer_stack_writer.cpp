@@ -148,7 +148,7 @@ void LayerFiles::write_oriented(std::uint32_t index, const LayerRuns& layer) {
     for (std::uint32_t y = 0; y < layer.rows(); ++y)
         for (const Run run : layer.row(y)) voxels[run.material] += run.length;
     const std::uint64_t digest = layer_digest(layer);
-    if (topmost_) topmost_->see(topmost_from_ + index, layer);
+    if (topmost_) topmost_->add(topmost_from_ + index, layer);
 
     const std::lock_guard lock(mutex_);
     VOXTONE_EXPECT(layers_.file_bytes[index].empty());

@@ -25,9 +25,9 @@ std::string place_of(const fs::path& path) {
     return path.has_parent_path() ? path.parent_path().string() : ".";
 }
 
-LayerScan whole(LayerLook look) {
-    if (!look.fault.empty()) throw InputError(look.fault);
-    return std::move(look.scan);
+LayerScan whole(LayerInspection found) {
+    if (!found.fault.empty()) throw InputError(found.fault);
+    return std::move(found.scan);
 }
 
 }  // namespace
@@ -90,28 +90,30 @@ const std::vector<std::string>& StackReader::missing() const { return state_->li
 std::uint64_t StackReader::missing_count() const { return state_->listing.missing_count; }
 const std::string& StackReader::note() const { return state_->note; }
 
-LayerLook StackReader::look(std::uint32_t index, std::span<const Rgb> palette, const OtherPixels& others) const {
+LayerInspection StackReader::inspect(std::uint32_t index, std::span<const Rgb> palette,
+                                     const OtherPixels& others) const {
     auto program = state_->borrow();
     program->ask(pack(LayerRequest{index, {palette.begin(), palette.end()}, others}));
-    LayerLook look = unpack_look(program->result(), palette.size() + (others.transparent == palette.size()));
+    LayerInspection found =
+        unpack_inspection(program->result(), palette.size() + (others.transparent == palette.size()));
     state_->give_back(std::move(program));  // one that failed is not used again
-    return look;
+    return found;
 }
 
 bool StackReader::has_zbuffer() const { return state_->listing.has_zbuffer; }
 
-std::optional<ZbufferLook> StackReader::zbuffer() const {
+std::optional<ZbufferInspection> StackReader::zbuffer() const {
     if (!has_zbuffer()) return std::nullopt;
     auto program = state_->borrow();
     program->ask(pack_zbuffer_request());
-    ZbufferLook look = unpack_zbuffer(program->result());
+    ZbufferInspection found = unpack_zbuffer(program->result());
     state_->give_back(std::move(program));
-    return look;
+    return found;
 }
 
 LayerRuns StackReader::read(std::uint32_t index, std::span<const Rgb> palette, const OtherPixels& others) const {
     const std::string& name = layer_name(index);
-    LayerScan scan = whole(look(index, palette, others));
+    LayerScan scan = whole(inspect(index, palette, others));
     if (scan.runs) return std::move(*scan.runs);
     for (const auto& colour : scan.colours) {
         const bool known = std::any_of(palette.begin(), palette.end(), [&](const Rgb& c) {
@@ -137,7 +139,7 @@ std::vector<Rgb> StackReader::palette() const {
         std::vector<std::vector<Rgb>> found(layers());
         parallel_for(0, layers(), 1, [&](std::size_t k) {
             const auto index = static_cast<std::uint32_t>(k);
-            for (const auto& colour : whole(look(index, {})).colours)
+            for (const auto& colour : whole(inspect(index, {})).colours)
                 if (colour.rgba[3] > 0) found[k].push_back({colour.rgba[0], colour.rgba[1], colour.rgba[2]});
         });
         result.push_back({0, 0, 0});

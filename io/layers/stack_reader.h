@@ -41,7 +41,7 @@ public:
     /// Of a GCVF.
     [[nodiscard]] const std::optional<GcvfConfig>& gcvf() const;
     /// Of a container: nothing where it has no Zbuffer.png. Throws as `look` does.
-    [[nodiscard]] std::optional<ZbufferLook> zbuffer() const;
+    [[nodiscard]] std::optional<ZbufferInspection> zbuffer() const;
     [[nodiscard]] bool has_zbuffer() const;
     [[nodiscard]] std::uint32_t layers() const;
     /// Name of a layer for messages, bottom first.
@@ -56,8 +56,8 @@ public:
     [[nodiscard]] const std::string& note() const;
     /// What is in a layer's file, with runs in materials of the palette; a fault of the file is in it. Throws
     /// InputError where the file makes its reader crash, ResourceError, TryAgain.
-    [[nodiscard]] LayerLook look(std::uint32_t index, std::span<const Rgb> palette,
-                                 const OtherPixels& others = {}) const;
+    [[nodiscard]] LayerInspection inspect(std::uint32_t index, std::span<const Rgb> palette,
+                                          const OtherPixels& others = {}) const;
     /// A layer in materials of the palette. Throws InputError where it has another colour.
     [[nodiscard]] LayerRuns read(std::uint32_t index, std::span<const Rgb> palette,
                                  const OtherPixels& others = {}) const;

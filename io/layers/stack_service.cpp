@@ -110,8 +110,8 @@ void describe(Stream& stream, Header& h) {
     stream(h.there, h.png.width_px, h.png.height_px, h.png.bit_depth, h.png.colour_type, h.png.interlaced,
            h.png.x_per_metre, h.png.y_per_metre);
 }
-template <class Stream, is_a<ZbufferLook> Look>
-void describe(Stream& stream, Look& l) {
+template <class Stream, is_a<ZbufferInspection> Inspection>
+void describe(Stream& stream, Inspection& l) {
     stream(l.fault, l.header.width_px, l.header.height_px, l.header.bit_depth, l.header.colour_type, l.digest);
 }
 template <class Stream, is_a<PackedRuns> Runs>
@@ -136,39 +136,39 @@ std::vector<std::byte> pack_listing(const StackListing& listing) {
     return std::move(writer.bytes);
 }
 
-std::vector<std::byte> pack_look(const LayerLook& look) {
+std::vector<std::byte> pack_inspection(const LayerInspection& found) {
     PackedWriter writer;
-    writer(PackedHeader{look.header.has_value(), look.header.value_or(PngHeader{})}, look.fault, look.scan.colours,
-           look.scan.other_pixels, look.scan.runs.has_value());
-    if (look.scan.runs) writer(packed_runs(*look.scan.runs));
+    writer(PackedHeader{found.header.has_value(), found.header.value_or(PngHeader{})}, found.fault, found.scan.colours,
+           found.scan.other_pixels, found.scan.runs.has_value());
+    if (found.scan.runs) writer(packed_runs(*found.scan.runs));
     return std::move(writer.bytes);
 }
 
-LayerLook look_at(const StackFiles& stack, const LayerRequest& request) {
-    LayerLook look;
+LayerInspection inspect(const StackFiles& stack, const LayerRequest& request) {
+    LayerInspection found;
     const std::string& name = stack.listing().names[request.index];
     try {
         const auto bytes = stack.bytes(request.index);
-        look.header = read_png_header(bytes, name);
-        look.scan = scan_layer(bytes, name, request.palette, request.others);
+        found.header = read_png_header(bytes, name);
+        found.scan = scan_layer(bytes, name, request.palette, request.others);
     } catch (const Error& error) {
-        look.fault = error.what();
-        look.scan = {};
+        found.fault = error.what();
+        found.scan = {};
     }
-    return look;
+    return found;
 }
 
-ZbufferLook look_at_zbuffer(const StackFiles& stack) {
+ZbufferInspection inspect_zbuffer(const StackFiles& stack) {
     const std::string name(zbuffer_name);
-    ZbufferLook look;
+    ZbufferInspection found;
     try {
         const auto bytes = stack.zbuffer_bytes();
-        look.header = read_png_header(bytes, name);
-        look.digest = topmost_digest(read_grey_png(bytes, name).samples);
+        found.header = read_png_header(bytes, name);
+        found.digest = topmost_digest(read_grey_png(bytes, name).samples);
     } catch (const Error& error) {
-        look = {.fault = error.what(), .header = {}};
+        found = {.fault = error.what(), .header = {}};
     }
-    return look;
+    return found;
 }
 
 /// In the place of a layer's.
@@ -210,25 +210,25 @@ StackListing unpack_listing(std::span<const std::byte> bytes) {
     return listing;
 }
 
-LayerLook unpack_look(std::span<const std::byte> bytes, std::size_t materials) {
+LayerInspection unpack_inspection(std::span<const std::byte> bytes, std::size_t materials) {
     PackedReader reader(bytes);
-    LayerLook look;
+    LayerInspection found;
     PackedHeader header;
     bool has_runs = false;
-    reader(header, look.fault, look.scan.colours, look.scan.other_pixels, has_runs);
-    if (header.there) look.header = look.scan.header = header.png;
-    expect_stack(header.there || !look.fault.empty(), "a layer without a header");
-    expect_stack(look.scan.colours.size() <= LayerScan::most_colours, "too many colours");
+    reader(header, found.fault, found.scan.colours, found.scan.other_pixels, has_runs);
+    if (header.there) found.header = found.scan.header = header.png;
+    expect_stack(header.there || !found.fault.empty(), "a layer without a header");
+    expect_stack(found.scan.colours.size() <= LayerScan::most_colours, "too many colours");
     if (has_runs) {
         PackedRuns runs;
         reader(runs);
-        look.scan.runs = checked_runs(runs, std::min<std::size_t>(materials, max_materials));
+        found.scan.runs = checked_runs(runs, std::min<std::size_t>(materials, max_materials));
     }
     reader.expect_end();
-    return look;
+    return found;
 }
 
-ZbufferLook unpack_zbuffer(std::span<const std::byte> bytes) { return unpacked<ZbufferLook>(bytes); }
+ZbufferInspection unpack_zbuffer(std::span<const std::byte> bytes) { return unpacked<ZbufferInspection>(bytes); }
 
 std::vector<std::byte> StackService::answer(std::span<const std::byte> request) {
     if (!stack_) {
@@ -244,9 +244,9 @@ std::vector<std::byte> StackService::answer(std::span<const std::byte> request) 
         return pack_listing(stack_->listing());
     }
     const auto layer = unpacked<LayerRequest>(request);
-    if (layer.index == index_of_zbuffer && stack_->listing().has_zbuffer) return packed(look_at_zbuffer(*stack_));
+    if (layer.index == index_of_zbuffer && stack_->listing().has_zbuffer) return packed(inspect_zbuffer(*stack_));
     if (layer.index >= stack_->listing().names.size()) throw InputError("a layer was asked for that is not there");
-    return pack_look(look_at(*stack_, layer));
+    return pack_inspection(inspect(*stack_, layer));
 }
 
 }  // namespace voxtone::io

@@ -19,14 +19,14 @@
 namespace voxtone::io {
 
 /// A layer looked at, as far as it can be read.
-struct LayerLook {
+struct LayerInspection {
     std::optional<PngHeader> header;
     std::string fault;  ///< why it cannot be read whole; empty: it can, and `scan` is there
     LayerScan scan;
 };
 
 /// A container's Zbuffer.png looked at.
-struct ZbufferLook {
+struct ZbufferInspection {
     std::string fault;  ///< why it cannot be read whole; empty: it can, and the rest is there
     PngHeader header;
     std::uint64_t digest = 0;  ///< topmost_digest of its numbers
@@ -43,11 +43,11 @@ struct LayerRequest {
 [[nodiscard]] std::vector<std::byte> pack_zbuffer_request();
 [[nodiscard]] StackListing unpack_listing(std::span<const std::byte> bytes);
 /// Of a request with so many materials.
-[[nodiscard]] LayerLook unpack_look(std::span<const std::byte> bytes, std::size_t materials);
-[[nodiscard]] ZbufferLook unpack_zbuffer(std::span<const std::byte> bytes);
+[[nodiscard]] LayerInspection unpack_inspection(std::span<const std::byte> bytes, std::size_t materials);
+[[nodiscard]] ZbufferInspection unpack_zbuffer(std::span<const std::byte> bytes);
 
 /// The answers: the first request names the stack, each other one a layer or the Zbuffer. Throws FileError, InputError;
-/// what is wrong with one layer's file is in its look.
+/// what is wrong with one layer's file is in its inspection.
 class StackService {
 public:
     [[nodiscard]] std::vector<std::byte> answer(std::span<const std::byte> request);

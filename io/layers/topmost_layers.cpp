@@ -22,7 +22,7 @@ bool TopmostLayers::fits(const LayerRuns& layer) const {
     return layer.width_px() == width_px_ && layer.height_px() == height_px_ && layer.rows() == height_px_;
 }
 
-void TopmostLayers::see(std::uint32_t index, const LayerRuns& layer) {
+void TopmostLayers::add(std::uint32_t index, const LayerRuns& layer) {
     VOXTONE_EXPECT(index < most_layers && fits(layer));
     const auto top = static_cast<std::uint16_t>(index);
     for (std::uint32_t begin = 0; begin < height_px_; begin += rows_of_stripe_) {

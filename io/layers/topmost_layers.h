@@ -26,7 +26,7 @@ public:
     /// Whether it has the size of the layers.
     [[nodiscard]] bool fits(const LayerRuns& layer) const;
     /// Layer `index` in [0, most_layers) from the bottom; contract: it fits. From any thread.
-    void see(std::uint32_t index, const LayerRuns& layer);
+    void add(std::uint32_t index, const LayerRuns& layer);
 
     /// What was seen of other layers. Contract: of as many pixels. Not while `see` runs.
     void raise(std::span<const std::uint16_t> indices);

@@ -122,17 +122,17 @@ LayerResult check_layer(const StackReader& reader, std::uint32_t index, const An
     LayerResult result;
     const std::string& name = reader.layer_name(index);
     try {
-        LayerLook look = reader.look(index, stack.palette);
-        result.header = look.header;
-        if (look.header && (look.header->bit_depth != 8 || result.header->colour_type != 6))
+        LayerInspection found = reader.inspect(index, stack.palette);
+        result.header = found.header;
+        if (found.header && (found.header->bit_depth != 8 || result.header->colour_type != 6))
             result.faults.push_back({"colour-type", name, fmt::format("is {}", png_kind(*result.header)),
                                      "save it as 8-bit RGBA (colour type 6); the printer's software refuses others"});
-        if (!look.fault.empty()) throw InputError(look.fault);
-        LayerScan& scan = look.scan;
+        if (!found.fault.empty()) throw InputError(found.fault);
+        LayerScan& scan = found.scan;
         result.colours = std::move(scan.colours);
         result.other_pixels = scan.other_pixels;
         if (scan.runs) result.digest = layer_digest(*scan.runs);
-        if (topmost && scan.runs && topmost->fits(*scan.runs)) topmost->see(index, *scan.runs);
+        if (topmost && scan.runs && topmost->fits(*scan.runs)) topmost->add(index, *scan.runs);
         result.empty = result.other_pixels == 0 && result.colours.size() == 1 &&
                        std::equal(stack.background.begin(), stack.background.end(), result.colours[0].rgba.begin());
         for (const auto& colour : result.colours) {
@@ -404,23 +404,23 @@ void check_digest(const StackSummary& stack, StackReport& report, FaultList& fau
 void check_zbuffer(const StackSummary& stack, StackReport& report, FaultList& faults) {
     if (stack.reader.kind() != StackReader::Kind::gcvf) return;
     const std::string name(zbuffer_name);
-    const std::optional<ZbufferLook> look = stack.reader.zbuffer();
-    if (!look) {
+    const std::optional<ZbufferInspection> found = stack.reader.zbuffer();
+    if (!found) {
         report.notes.push_back(name +
                                " is not in it, which the vendor's utility writes; whether it is asked for when "
                                "a GCVF is read is not known");
         return;
     }
     const auto fault = [&](const std::string& what) { faults.add({"zbuffer", name, what, "slice again"}); };
-    const PngHeader& header = look->header;
-    if (!look->fault.empty())
-        fault(without_name(look->fault, name));
+    const PngHeader& header = found->header;
+    if (!found->fault.empty())
+        fault(without_name(found->fault, name));
     else if (header.bit_depth != 16 || header.colour_type != 0)
         fault(fmt::format("is {}, where the vendor's utility writes 16-bit grey", png_kind(header)));
     else if (header.width_px != report.size_px[0] || header.height_px != report.size_px[1])
         fault(fmt::format("is {} x {} px, the layers {} x {}", header.width_px, header.height_px, report.size_px[0],
                           report.size_px[1]));
-    else if (stack.topmost && all_layers_known(stack) && look->digest != stack.topmost->digest())
+    else if (stack.topmost && all_layers_known(stack) && found->digest != stack.topmost->digest())
         fault("does not hold the number of the topmost filled layer of every column");
 }
 

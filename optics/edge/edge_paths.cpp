@@ -37,7 +37,7 @@ Direction direction(double cosine, double down, PathRandom& random) {
 class EdgeTracer {
 public:
     explicit EdgeTracer(const EdgeRun& run)
-        : run_(run), layers_(edge_layers(run.stack, run.slab_mm)), last_(layers_.size() - 1) {}
+        : run_(run), layers_(edge_layers(run.assembly, run.slab_mm)), last_(layers_.size() - 1) {}
 
     // False where it was mirrored at the first surface.
     bool enter(EdgePath& path, const DirectionWindow& w, PathRandom& random) const {

@@ -2,7 +2,7 @@
 //
 // Light paths between the base of the sheet, the camera and the light, counted by their number of scatterings.
 //
-// The scene (edge_stack.h) does not change along x but for the reflectance R(x) of the sheet's diffuse base, which
+// The scene (edge_assembly.h) does not change along x but for the reflectance R(x) of the sheet's diffuse base, which
 // forgets whence light came. So all of it is in paths that end at their first meeting with the base:
 //
 //   from the camera     to the light (without the base), or to the base at a distance x
@@ -25,7 +25,7 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "optics/edge/edge_stack.h"
+#include "optics/edge/edge_assembly.h"
 
 namespace voxtone::optics {
 
@@ -66,7 +66,7 @@ struct PathCounts {
 
 /// What is traced.
 struct EdgeRun {
-    EdgeStack stack;
+    EdgeAssembly assembly;
     double slab_mm = 0.5, sigma_t = 5, g = 0.4;  ///< sigma_t > 0
     DirectionWindow camera{1, 1};
     DirectionWindow light{0, 1};  ///< see light_window

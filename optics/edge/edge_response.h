@@ -32,7 +32,7 @@ struct EdgeKernels {
 /// index of the layer on the base, for light from there spreads in a wider cone outside.
 struct EdgeUnits {
     explicit EdgeUnits(const EdgeRun& run)
-        : window_share(run.light.share()), base_index(edge_layers(run.stack, run.slab_mm).back().index) {}
+        : window_share(run.light.share()), base_index(edge_layers(run.assembly, run.slab_mm).back().index) {}
     double window_share, base_index;
 };
 

@@ -20,8 +20,8 @@ class SceneWalk {
 public:
     SceneWalk(const EdgeScene& scene, double reach_mm, double step_mm, std::size_t cells)
         : scene_(scene),
-          layers_(edge_layers(scene.stack, scene.slab_mm)),
-          window_(light_window(scene.stack)),
+          layers_(edge_layers(scene.assembly, scene.slab_mm)),
+          window_(light_window(scene.assembly)),
           reach_mm_(reach_mm),
           step_mm_(step_mm),
           changes_(cells + 1, 0.0) {}
@@ -143,7 +143,7 @@ std::vector<double> render_edge(const EdgeScene& scene, double reach_mm, double 
     std::vector<double> F(cells, 0.0);
     for (const std::vector<double>& changes : of_batch)
         for (std::size_t k = 0; k < cells; ++k) F[k] += changes[k];
-    const double scale = 1 / (scene.paths * light_window(scene.stack).share());
+    const double scale = 1 / (scene.paths * light_window(scene.assembly).share());
     double running = 0;
     for (double& value : F) {
         running += value * scale;

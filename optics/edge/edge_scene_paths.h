@@ -18,7 +18,7 @@
 namespace voxtone::optics {
 
 struct EdgeScene {
-    EdgeStack stack;
+    EdgeAssembly assembly;
     double slab_mm = 0.5, sigma_t = 5, albedo = 0.9, g = 0.4;
     EdgeSheet sheet;
     std::uint32_t paths = 1u << 18;

@@ -35,7 +35,8 @@ OrdinatePlan directional_plan(double g, double eta, int below, int above) {
 
 Admittance half_space(const OrdinatePlan& plan, const Medium& medium) { return LayerModes(plan, medium).half_space(); }
 
-Admittance stack(const OrdinatePlan& plan, std::span<const LayerOf> layers_top_first, const Admittance& base) {
+Admittance layered_admittance(const OrdinatePlan& plan, std::span<const LayerOf> layers_top_first,
+                              const Admittance& base) {
     Admittance law = base;
     for (auto layer = layers_top_first.rbegin(); layer != layers_top_first.rend(); ++layer) {
         if (layer->medium.sigma_t() > 0) law = LayerModes(plan, layer->medium).over(law, layer->thickness_mm);
@@ -63,11 +64,11 @@ double reflectance_factor(const OrdinatePlan& plan, const Admittance& top, doubl
 }
 
 double layered_appearance(const OrdinatePlan& plan, std::span<const LayerOf> layers_top_first, const Admittance& base) {
-    return appearance(plan, stack(plan, layers_top_first, base));
+    return appearance(plan, layered_admittance(plan, layers_top_first, base));
 }
 
 double reflectance_45_0(const OrdinatePlan& plan, std::span<const LayerOf> layers_top_first, const Admittance& base) {
-    return reflectance_factor(plan, stack(plan, layers_top_first, base), std::numbers::sqrt2 / 2, 1.0);
+    return reflectance_factor(plan, layered_admittance(plan, layers_top_first, base), std::numbers::sqrt2 / 2, 1.0);
 }
 
 }  // namespace voxtone::optics

@@ -34,8 +34,8 @@ struct LayerOf {
 [[nodiscard]] Admittance half_space(const OrdinatePlan& plan, const Medium& medium);
 
 /// The law at the top of layers (top first) over a base.
-[[nodiscard]] Admittance stack(const OrdinatePlan& plan, std::span<const LayerOf> layers_top_first,
-                               const Admittance& base);
+[[nodiscard]] Admittance layered_admittance(const OrdinatePlan& plan, std::span<const LayerOf> layers_top_first,
+                                            const Admittance& base);
 
 /// Appearance of what has this law just under its surface.
 [[nodiscard]] double appearance(const OrdinatePlan& plan, const Admittance& top);

@@ -37,7 +37,7 @@ Admittance core_law(const OrdinatePlan& plan, const Medium& core, const ShellGeo
         return Admittance::black(plan);
     }();
     const LayerOf layer{core, geometry.core_mm};
-    return stack(plan, std::span(&layer, 1), below);
+    return layered_admittance(plan, std::span(&layer, 1), below);
 }
 
 double appearance_over(const OrdinatePlan& plan, const Medium& shell, double shell_mm, const Admittance& core) {

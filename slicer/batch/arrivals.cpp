@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 Arrivals::Arrivals(fs::path folder, double quiet_s, std::function<double()> clock_s)
     : folder_(std::move(folder)), quiet_s_(quiet_s), clock_s_(std::move(clock_s)) {}
 
-Arrivals::Arrived Arrivals::look() {
+Arrivals::Arrived Arrivals::poll() {
     const double now_s = clock_s_();
     std::map<std::string, Seen> there;
     std::error_code error;

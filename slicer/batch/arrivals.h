@@ -25,9 +25,9 @@ public:
         std::vector<std::filesystem::path> models;
         std::vector<std::filesystem::path> strays;  ///< no models, and none arrived with them
     };
-    /// Looks at the folder: what has become complete since the last look. Throws FileError where the folder cannot be
+    /// Looks at the folder: what has become complete since the last time. Throws FileError where the folder cannot be
     /// looked into.
-    [[nodiscard]] Arrived look();
+    [[nodiscard]] Arrived poll();
 
 private:
     struct Seen {

@@ -173,7 +173,7 @@ void run_watch_job(const std::filesystem::path& watched, const PlanOptions& plan
         throw UsageError("--name: names that count do not go with --watch: a model would get another at each start");
     const SecondsClock clock = steady_seconds();
     Arrivals arrivals(watched, quiet_s, clock);
-    (void)arrivals.look();
+    (void)arrivals.poll();
     const BatchFolder folder = BatchFolder::make(options.out);
     InputDigests digests;
     BatchContext context{options, folder, digests, view, progress};
@@ -183,7 +183,7 @@ void run_watch_job(const std::filesystem::path& watched, const PlanOptions& plan
     std::size_t summed_up = 0;
     for (double next_look_s = clock();;) {
         if (clock() >= next_look_s) {
-            const Arrivals::Arrived arrived = arrivals.look();
+            const Arrivals::Arrived arrived = arrivals.poll();
             for (const std::filesystem::path& model : arrived.models) jobs.take(model);
             for (const std::filesystem::path& file : arrived.strays) progress.warn(why_not_sliced(file));
             next_look_s = clock() + look_every_s;

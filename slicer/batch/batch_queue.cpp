@@ -129,7 +129,7 @@ void BatchQueue::estimate_one_that_waits() {
 bool BatchQueue::step() {
     bool failed = false, left = false;
     for (const auto& job : jobs_) {
-        job->look();
+        job->poll();
         failed = failed || job->stage() == Stage::failed;
     }
     if (failed && context_.options.fail_fast) {
@@ -152,7 +152,7 @@ void BatchQueue::stop() {
     for (bool killed = false;;) {
         bool runs = false;
         for (const auto& job : jobs_) {
-            job->look();
+            job->poll();
             runs = runs || job->stage() == Stage::running || job->stage() == Stage::following ||
                    job->stage() == Stage::weighing;
         }

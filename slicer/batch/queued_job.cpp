@@ -175,7 +175,7 @@ void QueuedJob::run(const std::vector<std::string>& arguments) {
     context_.view.tell({JobEvent::Kind::started, job_.name, {}, 0, tries_, threads_, 0});
 }
 
-void QueuedJob::look() {
+void QueuedJob::poll() {
     if (!process_) return;
     const std::optional<ProcessEnd> end = process_->ended();
     if (!end) return;

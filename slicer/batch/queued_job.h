@@ -67,7 +67,7 @@ public:
     /// Begins to run, unless another batch holds it or has just done it. Throws Cancelled.
     void start(int threads);
     /// Looks whether what runs has ended, and does what comes then.
-    void look();
+    void poll();
     /// Asks what runs to stop, or kills it. What ends then is not tried again.
     void ask_to_stop(int signal);
     [[nodiscard]] BatchSnapshot::Running snapshot() const;

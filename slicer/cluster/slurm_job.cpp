@@ -31,12 +31,12 @@ namespace {
 namespace fs = std::filesystem;
 
 /// What is there of a batch already, looked at without writing.
-class Looking {
+class EarlierSubmissions {
 public:
-    Looking(const std::optional<BatchFolder>& batch, std::set<std::string> queue, InputDigests& digests)
+    EarlierSubmissions(const std::optional<BatchFolder>& batch, std::set<std::string> queue, InputDigests& digests)
         : batch_(batch), queue_(std::move(queue)), digests_(digests) {}
 
-    void look(SlurmEntry& entry, const Progress& progress) {
+    void find_state(SlurmEntry& entry, const Progress& progress) {
         if (!batch_) return;
         if (is_done(*batch_, entry.job, digests_, progress)) {
             entry.state = EntryState::unchanged;
@@ -354,10 +354,10 @@ JobResult run_slurm_job(const PlanOptions& plan, const SlurmOptions& options, Pr
     const BatchFolder* const written = options.dry_run ? nullptr : &*batch;
     const fs::path out = fs::absolute(options.out).lexically_normal();
     InputDigests digests;
-    Looking looking(batch, queue, digests);
+    EarlierSubmissions earlier(batch, queue, digests);
     for (SlurmEntry& entry : entries) {
         progress.check_cancelled();
-        looking.look(entry, progress);
+        earlier.find_state(entry, progress);
         if (entry.state == EntryState::left) estimate(entry, options, written, progress);
     }
     Submitting submitting(options, config, written, out);

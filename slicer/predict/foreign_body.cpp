@@ -81,16 +81,16 @@ void count_printed(const io::LayerRuns& layer, LayerFinding& finding) {
 }
 
 LayerFinding look_at(const ForeignStack& stack, const PixelMaterials& materials, std::uint32_t index) {
-    io::LayerLook look = stack.layers.look(index, materials.palette, materials.others);
+    io::LayerInspection found = stack.layers.inspect(index, materials.palette, materials.others);
     LayerFinding finding;
-    finding.fault = std::move(look.fault);
+    finding.fault = std::move(found.fault);
     if (!finding.fault.empty()) return finding;
-    sort_colours(look.scan, materials, index, finding);
-    finding.size = {static_cast<int>(look.scan.header.width_px), static_cast<int>(look.scan.header.height_px)};
+    sort_colours(found.scan, materials, index, finding);
+    finding.size = {static_cast<int>(found.scan.header.width_px), static_cast<int>(found.scan.header.height_px)};
     if (stack.orientation.swap_xy) std::swap(finding.size[0], finding.size[1]);
-    if (!look.scan.runs) return finding;
-    count_printed(*look.scan.runs, finding);
-    find_box(io::as_sliced(std::move(*look.scan.runs), stack.orientation), materials.material_of, finding);
+    if (!found.scan.runs) return finding;
+    count_printed(*found.scan.runs, finding);
+    find_box(io::as_sliced(std::move(*found.scan.runs), stack.orientation), materials.material_of, finding);
     return finding;
 }
 

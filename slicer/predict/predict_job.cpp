@@ -301,7 +301,7 @@ struct ReadStack {
 ReadStack read_stack(const ResolvedPrediction& job, Progress& progress) {
     const PredictOptions& options = job.requested;
     ReadStack stack;
-    const auto hear = [&](const StackHead& head) {
+    const auto check_head = [&](const StackHead& head) {
         constexpr double read_s_per_voxel = 1e-8;
         stack.head = head;
         expect_white(job, head);
@@ -319,7 +319,7 @@ ReadStack read_stack(const ResolvedPrediction& job, Progress& progress) {
                                       .assign = job.assign,
                                       .nearest = options.nearest,
                                       .memory_bytes = job.memory_bytes / (options.absolute ? 1 : 2),
-                                      .before_reading = hear},
+                                      .before_reading = check_head},
                                      progress);
     // As it is, whatever a manifest says.
     stack.head.solid_voxels = std::uint64_t(voxels_of(stack.head)) - stack.volume.volume.count()[optics::air];

@@ -138,7 +138,7 @@ constexpr Reader readers[] = {
     {"packed-model", [](Bytes f) { (void)io::unpack_model(std::as_bytes(f)); }},
     {"packed-picture", [](Bytes f) { (void)io::unpack_image(std::as_bytes(f)); }},
     {"packed-listing", [](Bytes f) { (void)io::unpack_listing(std::as_bytes(f)); }},
-    {"packed-layer", [](Bytes f) { (void)io::unpack_look(std::as_bytes(f), 4); }},
+    {"packed-layer", [](Bytes f) { (void)io::unpack_inspection(std::as_bytes(f), 4); }},
 };
 
 }  // namespace

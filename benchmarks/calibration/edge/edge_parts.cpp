@@ -29,12 +29,12 @@ struct Part {
 std::vector<Part> parts() {
     const EdgeSetup all;
     EdgeSetup no_gel = all, no_glass = all, no_surface = all, smooth = all, bare = all;
-    no_gel.stack.gel = false;
-    no_glass.stack.glass = false;
-    no_surface.stack.sheet_surface = false;
-    smooth.stack.slab_roughness = smooth.stack.sheet_roughness = 0;
-    bare.stack.gel = bare.stack.glass = bare.stack.sheet_surface = false;
-    bare.stack.slab_roughness = 0;
+    no_gel.assembly.gel = false;
+    no_glass.assembly.glass = false;
+    no_surface.assembly.sheet_surface = false;
+    smooth.assembly.slab_roughness = smooth.assembly.sheet_roughness = 0;
+    bare.assembly.gel = bare.assembly.glass = bare.assembly.sheet_surface = false;
+    bare.assembly.slab_roughness = 0;
     return {{"everything", "#222", all},         {"no gel", "#1565c0", no_gel},
             {"no glass", "#2e7d32", no_glass},   {"no surface on the sheet", "#c62828", no_surface},
             {"no roughness", "#d9730d", smooth}, {"only slab and sheet, smooth", "#6a1b9a", bare}};
@@ -43,8 +43,8 @@ std::vector<Part> parts() {
 // A slab of 0.5 mm like white in red: 6 per mm, albedo 0.999, g 0.4.
 Eigen::VectorXd profile(const EdgeSetup& setup, std::uint32_t paths, const std::vector<double>& x, double& noise) {
     optics::EdgeRun run;
-    run.stack = setup.stack;
-    run.light = optics::light_window(setup.stack);
+    run.assembly = setup.assembly;
+    run.light = optics::light_window(setup.assembly);
     run.sigma_t = 6, run.g = 0.4, run.slab_mm = 0.5;
     run.paths = paths;
     const optics::EdgeCounts counts = optics::trace_edge_paths(run);

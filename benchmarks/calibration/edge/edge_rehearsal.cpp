@@ -14,8 +14,8 @@ EdgeSetup assumed_setup(double level_error) {
 
 std::vector<EdgeProfile> measured(const optics::ResinSet& set, std::uint32_t paths, std::uint64_t seed) {
     EdgeSetup bench = assumed_setup();
-    bench.stack.gel_above_mm = 0.045;
-    bench.stack.gel_below_mm = 0.015;
+    bench.assembly.gel_above_mm = 0.045;
+    bench.assembly.gel_below_mm = 0.015;
     EdgeBench faults;
     faults.bias = bias;
     faults.thickness_off = 0.02;

@@ -59,10 +59,14 @@ TEST_CASE("profiles between the records are those of a renderer that knows no re
         const std::size_t channel = 1;
         std::vector<double> x, sum, squares;
         for (int k = 0; k < renderings; ++k) {
-            const optics::EdgeScene scene{setup.stack, 0.5,
-                                          sigma_t,     albedo,
-                                          0.4,         setup.sheet(channel),
-                                          1u << 16,    77u + static_cast<std::uint64_t>(k)};
+            const optics::EdgeScene scene{setup.assembly,
+                                          0.5,
+                                          sigma_t,
+                                          albedo,
+                                          0.4,
+                                          setup.sheet(channel),
+                                          1u << 16,
+                                          77u + static_cast<std::uint64_t>(k)};
             const std::vector<double> rendered = optics::render_edge(scene, 4, 0.1);
             sum.resize(rendered.size()), squares.resize(rendered.size());
             for (std::size_t i = 0; i < rendered.size(); ++i) {
@@ -93,8 +97,8 @@ TEST_CASE("resins come back from their profiles, with what the bench does wrong"
     // Three of Vero's, off the grid, on a bench that differs from the setup that is assumed.
     optics::ResinSet set = optics::vero_opaque().subset(std::vector<std::string>{"M", "K", "W"});
     EdgeSetup bench;
-    bench.stack.gel_above_mm = 0.045;
-    bench.stack.gel_below_mm = 0.015;
+    bench.assembly.gel_above_mm = 0.045;
+    bench.assembly.gel_below_mm = 0.015;
     bench.blur_mm = 0.0276;
     EdgeSetup setup;
     setup.blur_mm = 0.0276;
@@ -173,7 +177,7 @@ TEST_CASE("a fit refuses what it cannot use", "[edge]") {
     }
     SECTION("a dictionary of another setup, or one that is not whole") {
         EdgeSetup other;
-        other.stack.glass = false;
+        other.assembly.glass = false;
         CHECK_THROWS_WITH(EdgeProfileTable(dictionary, other), Contains("another setup"));
         EdgeDictionary shard = *dictionary;
         shard.records[1] = {};

@@ -44,12 +44,12 @@ void refuse(const std::string& text, const std::string& why) {
 TEST_CASE("a setup says every figure, and reads back as it was", "[edge]") {
     EdgeSetup setup;
     setup.white = {0.9, 0.91, 0.92};
-    setup.stack.gel = false;
-    setup.stack.glass_mm = 0.5;
+    setup.assembly.gel = false;
+    setup.assembly.glass_mm = 0.5;
     setup.blur_mm = 0.03;
     setup.gel_error_mm = 0.02;
     const EdgeSetup back = parse_edge_setup(edge_setup_text(setup), "setup.json");
-    CHECK(back.stack == setup.stack);
+    CHECK(back.assembly == setup.assembly);
     CHECK(edge_setup_text(back) == edge_setup_text(setup));
     CHECK(edge_setup_text(parse_edge_setup(setup_head + "}", "s")) == edge_setup_text(EdgeSetup()));
     const auto x = setup.positions();
@@ -60,7 +60,7 @@ TEST_CASE("a setup says every figure, and reads back as it was", "[edge]") {
     other.black = {0.1, 0.1, 0.1};
     other.pitch_mm = 0.05;
     CHECK(other.scene_digest() == setup.scene_digest());
-    other.stack.gel_index = 1.4;
+    other.assembly.gel_index = 1.4;
     CHECK(other.scene_digest() != setup.scene_digest());
 }
 

@@ -144,11 +144,11 @@ TEST_CASE("A container is the same for one thread and many, whichever layer come
 
 TEST_CASE("A Zbuffer of few layers has 16 bits too", "[zbuffer]") {
     TopmostLayers topmost(3, 2);
-    topmost.see(7, layer_from_pixels({0, 1, 0, 0, 0, 2}, 3, 2));
-    topmost.see(2, layer_from_pixels({1, 1, 0, 0, 0, 0}, 3, 2));
+    topmost.add(7, layer_from_pixels({0, 1, 0, 0, 0, 2}, 3, 2));
+    topmost.add(2, layer_from_pixels({1, 1, 0, 0, 0, 0}, 3, 2));
     CHECK(indices_in(topmost.png(), 3, 2) == Indices{2, 7, 0, 0, 0, 7});
     TopmostLayers high(1, 1);
-    high.see(TopmostLayers::most_layers - 1, layer_from_pixels({1}, 1, 1));
+    high.add(TopmostLayers::most_layers - 1, layer_from_pixels({1}, 1, 1));
     CHECK(indices_in(high.png(), 1, 1) == Indices{65534});
 }
 

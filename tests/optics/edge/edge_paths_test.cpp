@@ -24,20 +24,20 @@ using namespace voxtone::optics;
 namespace {
 
 // A slab alone on the base of the sheet: what adding-doubling knows too.
-EdgeStack bare_slab() {
-    EdgeStack stack;
-    stack.gel = stack.glass = stack.sheet_surface = false;
-    stack.slab_roughness = 0;
-    return stack;
+EdgeAssembly bare_slab() {
+    EdgeAssembly assembly;
+    assembly.gel = assembly.glass = assembly.sheet_surface = false;
+    assembly.slab_roughness = 0;
+    return assembly;
 }
 
 EdgeRun bare_run(double sigma_t, double g, double slab_mm, std::uint32_t paths, std::uint64_t seed) {
     EdgeRun run;
-    run.stack = bare_slab();
+    run.assembly = bare_slab();
     run.sigma_t = sigma_t;
     run.g = g;
     run.slab_mm = slab_mm;
-    run.light = light_window(run.stack);
+    run.light = light_window(run.assembly);
     run.paths = paths;
     run.seed = seed;
     return run;
@@ -137,7 +137,7 @@ TEST_CASE("far from the edge the paths say what adding-doubling says, over white
 
 TEST_CASE("no light is lost or made", "[edge]") {
     EdgeRun run;
-    run.light = light_window(run.stack);
+    run.light = light_window(run.assembly);
     run.sigma_t = 6;
     run.paths = 1000000;
     const EdgeCounts counts = trace_edge_paths(run);
@@ -160,12 +160,12 @@ TEST_CASE("no light is lost or made", "[edge]") {
 TEST_CASE("light and camera may change places", "[edge]") {
     for (const bool rough : {false, true}) {
         EdgeRun there;
-        there.stack.slab_roughness = rough ? 0.05 : 0;
-        there.stack.sheet_roughness = rough ? 0.15 : 0;
+        there.assembly.slab_roughness = rough ? 0.05 : 0;
+        there.assembly.sheet_roughness = rough ? 0.15 : 0;
         there.sigma_t = 4;
         there.paths = 600000;
         there.camera = {std::cos(0.7), 1};
-        there.light = light_window(there.stack);
+        there.light = light_window(there.assembly);
         EdgeRun back = there;
         std::swap(back.camera, back.light);
         back.seed = 2;
@@ -184,7 +184,7 @@ TEST_CASE("light and camera may change places", "[edge]") {
 
 TEST_CASE("what the base sends to the light is what the light sends to the base", "[edge]") {
     EdgeRun run;
-    run.light = light_window(run.stack);
+    run.light = light_window(run.assembly);
     run.sigma_t = 4;
     run.paths = 2400000;
     const EdgeCounts counts = trace_edge_paths(run);
@@ -206,7 +206,7 @@ TEST_CASE("what the base sends to the light is what the light sends to the base"
 
 TEST_CASE("the same counts for any number of threads", "[edge]") {
     EdgeRun run;
-    run.light = light_window(run.stack);
+    run.light = light_window(run.assembly);
     run.paths = 20000;
     const auto counted = [&](std::size_t threads) {
         const ThreadLimit limit(threads);
@@ -269,7 +269,7 @@ TEST_CASE("a rough boundary keeps the mean of a smooth one and lets light throug
 
 TEST_CASE("cells are fine enough, and far from the edge they say what the base says alone", "[edge]") {
     EdgeRun run;
-    run.light = light_window(run.stack);
+    run.light = light_window(run.assembly);
     run.sigma_t = 5;
     run.paths = 200000;
     const EdgeCounts counts = trace_edge_paths(run);

@@ -45,8 +45,9 @@ TEST_CASE("A layer upon a base reflects as its modes say, whatever both are made
             for (const double b : albedos)
                 for (const double base_mm : {0.0, 5.0}) {
                     const LayerOf layer{medium(s, a), 0.675}, base{medium(5, b), base_mm};
-                    const Admittance law = base_mm > 0 ? stack(plan, std::span(&base, 1), Admittance::black(plan))
-                                                       : half_space(plan, base.medium);
+                    const Admittance law = base_mm > 0
+                                               ? layered_admittance(plan, std::span(&base, 1), Admittance::black(plan))
+                                               : half_space(plan, base.medium);
                     const double expected = reflectance_45_0(plan, std::span(&layer, 1), law);
                     worst = std::max(worst, std::abs(rho(plan, layer.medium, 0.675, base.medium, base_mm) - expected));
                 }

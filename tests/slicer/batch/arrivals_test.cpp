@@ -19,7 +19,7 @@ TEST_CASE("A model is told once it and the files beside it have been quiet") {
     const auto look_at = [&](double s) {
         now_s = s;
         std::string names;
-        for (const auto& model : arrivals.look().models) names += model.filename().string() + " ";
+        for (const auto& model : arrivals.poll().models) names += model.filename().string() + " ";
         return names;
     };
     CHECK(look_at(0).empty());
@@ -41,7 +41,7 @@ TEST_CASE("A model is told once it and the files beside it have been quiet") {
     CHECK(look_at(31) == "a.obj ");
     std::filesystem::remove(folder.path() / "a.obj");
     CHECK(look_at(40).empty());
-    CHECK_THROWS_AS(Arrivals(folder.path() / "gone", 3, [] { return 0.0; }).look(), FileError);
+    CHECK_THROWS_AS(Arrivals(folder.path() / "gone", 3, [] { return 0.0; }).poll(), FileError);
 }
 
 TEST_CASE("A file that is no model is told once, unless a model arrives with it") {
@@ -52,7 +52,7 @@ TEST_CASE("A file that is no model is told once, unless a model arrives with it"
     const auto strays_at = [&](double s) {
         now_s = s;
         std::string names;
-        for (const auto& file : arrivals.look().strays) names += file.filename().string() + " ";
+        for (const auto& file : arrivals.poll().strays) names += file.filename().string() + " ";
         return names;
     };
     append("a.obj");

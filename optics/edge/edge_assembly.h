@@ -15,7 +15,7 @@
 
 namespace voxtone::optics {
 
-struct EdgeStack {
+struct EdgeAssembly {
     double slab_index = 1.5, slab_roughness = 0.05;
     bool gel = true;
     double gel_index = 1.33, gel_above_mm = 0.03, gel_below_mm = 0.03;
@@ -25,7 +25,7 @@ struct EdgeStack {
     double sheet_index = 1.5, sheet_roughness = 0.15;
     double light_deg = 45, light_half_width_deg = 10;
 
-    friend bool operator==(const EdgeStack&, const EdgeStack&) = default;
+    friend bool operator==(const EdgeAssembly&, const EdgeAssembly&) = default;
 };
 
 /// A plane layer between interfaces.
@@ -36,7 +36,7 @@ struct EdgeLayer {
 };
 
 /// The layers with a slab of this thickness, from above; the last lies on the sheet's base.
-[[nodiscard]] std::vector<EdgeLayer> edge_layers(const EdgeStack& stack, double slab_mm);
+[[nodiscard]] std::vector<EdgeLayer> edge_layers(const EdgeAssembly& assembly, double slab_mm);
 
 /// Cosines in air between which rays belong to the light or to the camera; equal ends: one direction.
 struct DirectionWindow {
@@ -44,6 +44,6 @@ struct DirectionWindow {
     /// Flux through it of uniform light, part of that from the whole hemisphere.
     [[nodiscard]] double share() const { return most * most - least * least; }
 };
-[[nodiscard]] DirectionWindow light_window(const EdgeStack& stack);
+[[nodiscard]] DirectionWindow light_window(const EdgeAssembly& assembly);
 
 }  // namespace voxtone::optics
