@@ -15,7 +15,7 @@ namespace voxtone::slicer {
 namespace {
 
 constexpr int most_layers = 400;
-constexpr std::uint64_t wanted_samples = 100'000;
+constexpr std::uint64_t wanted_samples = 25'000;
 constexpr std::uint64_t seed = 1;
 constexpr std::uint32_t layer_stream = 1, voxel_stream = 2;
 

@@ -3,12 +3,12 @@
 // How much of each resin a print will take, before its layers are made.
 //
 // The volume is counted: the voxels of up to 400 layers, one from each of as many stretches of equal height, all of
-// them where there are no more. Which resins they are is sampled: about 100,000 voxels spread evenly over the volume
+// them where there are no more. Which resins they are is sampled: about 25,000 voxels spread evenly over the volume
 // are asked for their nearest surface point and for the mixture that is wanted there, as the layers will be
 // (layers/block_mixtures.h), and the mixtures are added up unscreened.
 //
 // Error, standard deviation: of the volume below 1 % where the cross-section of a layer's height says little about its
-// neighbours', 0.1 % for usual bodies; of a resin that fills the share f of the print less than sqrt(f / 100,000) of
+// neighbours', 0.1 % for usual bodies; of a resin that fills the share f of the print less than sqrt(f / 25,000) of
 // the whole. Layers and voxels are drawn by addressed random numbers: the same for any number of threads.
 #pragma once
 

@@ -101,7 +101,7 @@ TEST_CASE("Of a large body a sample is asked, and its resins are within the erro
     CHECK(volumes.body_ml == Approx(wanted.body_ml));  // that is counted
     for (std::size_t r = 0; r < 3; ++r) {
         CAPTURE(r);
-        const double share = wanted.ml[r] / wanted.body_ml, error = std::sqrt(share / 100'000) * wanted.body_ml;
+        const double share = wanted.ml[r] / wanted.body_ml, error = std::sqrt(share / 25'000) * wanted.body_ml;
         CHECK(std::abs(volumes.ml[r] - wanted.ml[r]) < 4 * error);
         // All of them were not asked: the figures differ.
         CHECK(volumes.ml[r] != Approx(wanted.ml[r]).epsilon(1e-9));
