@@ -213,6 +213,41 @@ echo '{"printer": {"id": "x"}, "size_mm": [1, 1, 1], "layers": 1, "voxels": 1, "
     }
 }
 
+TEST_CASE(
+    "One after the other, or until the first that fails, jobs begin in the order of the plan, whatever must be "
+    "weighed") {
+    Workshop shop(R"(
+case "$1" in estimate)
+  until [ -e $OUT/go ]; do sleep 0.01; done
+  echo '{"event":"result","result":{"format": "voxtone-estimate", "cpu_seconds": 1, "memory_bytes": 1000}}'
+  exit 0;;
+esac
+exit 3
+)");
+    const bool fail_fast = GENERATE(false, true);
+    shop.options.jobs = GENERATE(0, 1);
+    shop.options.fail_fast = fail_fast;
+    CAPTURE(fail_fast, shop.options.jobs);
+    Batch batch(shop);
+    PlannedJob first = shop.job("first");
+    first.options.iterations = "auto";  // of a size that nobody told: its memory is estimated before it begins
+    batch.queue.add(first);
+    batch.queue.add(shop.job("second"));
+    const auto begun = [&] {
+        std::vector<std::string> names;
+        for (const JobEvent& event : batch.events.of(Kind::started)) names.push_back(event.name);
+        return names;
+    };
+    REQUIRE(batch.queue.step());
+    const bool in_order = fail_fast || shop.options.jobs == 1;
+    CHECK(begun() == (in_order ? std::vector<std::string>{} : std::vector<std::string>{"second"}));
+    std::ofstream(shop.folder.path() / "go") << "";
+    batch.run();
+    REQUIRE_FALSE(begun().empty());
+    CHECK(begun().front() == (in_order ? "first" : "second"));
+    if (!fail_fast) CHECK(begun().size() == 2);
+}
+
 TEST_CASE("What an input held is known of one that was last changed long before the job began, and of no other") {
     const io::TemporaryFolder folder;
     const std::string model = (folder.path() / "a.obj").string();
