@@ -236,7 +236,9 @@ LoopRun::LoopRun(const LoopTask& task, const LoopOptions& options, Progress& pro
 }
 
 const EyeFilter& LoopRun::wide_filter() {
-    if (!wide_) wide_.emplace(*task_.surface, wider * options_.viewing_distance_mm, EyeSurround::none);
+    if (!wide_)
+        wide_.emplace(*task_.surface, wider * options_.viewing_distance_mm, EyeSurround::none, OpponentSpace::neutral,
+                      EyeParts::narrowest);
     return *wide_;
 }
 
@@ -513,7 +515,8 @@ LoopResult LoopRun::finish() {
     progress_.end_stage();
     for (const std::string& remark : best_remarks_) progress_.warn(remark);
     LoopResult result{std::move(state_),       std::move(in_gamut_), cancelled_,
-                      std::move(why_stopped_), std::nullopt,         std::move(best_remarks_)};
+                      std::move(why_stopped_), std::nullopt,         std::move(best_remarks_),
+                      measure_.seen_target()};
     const LoopState& state = result.state;
     switch (state.steps[state.best].method) {
         case LoopMethod::open_loop:

@@ -34,6 +34,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -46,6 +47,7 @@
 #include "halftone/loop/loop_steps.h"
 #include "halftone/loop/minimal_depth_separation.h"
 #include "halftone/loop/mixture_descent.h"
+#include "halftone/loop/seen_target.h"
 #include "halftone/loop/skin.h"
 #include "optics/colour/colour.h"
 #include "optics/scene/appearance_model.h"
@@ -119,6 +121,7 @@ struct LoopResult {
     std::string why_stopped;
     std::optional<SkinMixtures> best;  ///< nothing: the open loop was best
     std::vector<std::string> remarks;  ///< of the model, on the best iterate (Appearance::remarks)
+    std::shared_ptr<const SeenTarget> seen_target;
 };
 
 /// After each iteration, with all that is needed to go on. What it returns, if anything, is called before any of that

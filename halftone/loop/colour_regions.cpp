@@ -10,23 +10,17 @@
 #include <utility>
 
 #include "base/contracts.h"
+#include "base/parallel.h"
 #include "halftone/loop/paper.h"
 #include "optics/colour/colour.h"
 #include "optics/scene/surface_smoothing.h"
 
 namespace voxtone::halftone {
 
-namespace {
-
-constexpr float step_within = 0.008f, all_within = 0.012f, apart = 0.05f;  // Oklab
-constexpr int around_steps = 3;
-constexpr double solid_mm2 = 1, least_mm2 = 0.2;
-constexpr double rim_mm = 0.6, least_interior = 0.2;
-
 // Which cells touch: in order of z, y, x, as the cells of a surface lie, a row of one z and y is looked up at once.
-class CellRows {
+class CellNeighbours::Rows {
 public:
-    explicit CellRows(const optics::Surface& surface) : cells_(surface.cells) {
+    explicit Rows(const optics::Surface& surface) : cells_(surface.cells) {
         if (cells_.empty()) return;
         low_ = high_ = {cells_.front().cell[1], cells_.front().cell[2]};
         for (const optics::SurfaceCell& cell : cells_)
@@ -60,6 +54,15 @@ private:
     std::array<std::int32_t, 2> low_{}, high_{};  // of y and z
     std::vector<std::uint32_t> first_;            // cell of each row, and where the last one ends
 };
+
+namespace {
+
+constexpr float step_within = 0.008f, all_within = 0.012f, apart = 0.05f;  // Oklab
+constexpr int around_steps = 3;
+constexpr double solid_mm2 = 1, least_mm2 = 0.2;
+constexpr double rim_mm = 0.6, least_interior = 0.2;
+
+using CellRows = CellNeighbours::Rows;
 
 // A number for each cell of the surface.
 using Marks = std::vector<int>;
@@ -192,9 +195,10 @@ void join(std::vector<Strokes>& strokes, const Eigen::Vector3f& colour, const st
 
 std::vector<ColourRegion> colour_regions(const optics::Surface& surface, std::span<const Eigen::Vector3f> target) {
     VOXTONE_EXPECT(target.size() == surface.cells.size());
-    std::vector<Eigen::Vector3f> oklab;
-    for (const Eigen::Vector3f& rgb : target)
-        oklab.push_back(optics::oklab_from_linear_srgb(rgb.cast<double>().cwiseMax(0)).cast<float>());
+    std::vector<Eigen::Vector3f> oklab(target.size());
+    parallel_for(0, oklab.size(), 1024, [&](std::size_t i) {
+        oklab[i] = optics::oklab_from_linear_srgb(target[i].cast<double>().cwiseMax(0)).cast<float>();
+    });
     const CellRows rows(surface);
     Marks mark(surface.cells.size());
     std::vector<ColourRegion> regions;
@@ -237,14 +241,21 @@ std::vector<RegionLook> look_at(std::span<const ColourRegion> regions, const opt
                                 std::span<const Eigen::Vector3f> near_target, std::span<const Eigen::Vector3f> near) {
     const auto lab = [](const Eigen::Vector3d& rgb) { return optics::lab_from_linear_srgb(rgb.cwiseMax(0)); };
     std::vector<RegionLook> looks;
+    std::vector<Eigen::Vector3d> difference;
     for (const ColourRegion& region : regions) {
         RegionLook& look = looks.emplace_back();
+        difference.resize(region.interior.size());
+        parallel_for(0, difference.size(), 1024, [&](std::size_t n) {
+            const std::uint32_t i = region.interior[n];
+            difference[n] = lab(near[i].cast<double>()) - lab(near_target[i].cast<double>());
+        });
         Eigen::Vector3d target = Eigen::Vector3d::Zero(), print = target, mean = target, squares = target;
         double area = 0;
-        for (const std::uint32_t i : region.interior) {
+        for (std::size_t n = 0; n < difference.size(); ++n) {
+            const std::uint32_t i = region.interior[n];
             const auto a = static_cast<double>(surface.cells[i].area_mm2);
             const Eigen::Vector3d wanted = near_target[i].cast<double>(), shown = near[i].cast<double>();
-            const Eigen::Vector3d off = lab(shown) - lab(wanted);
+            const Eigen::Vector3d& off = difference[n];
             area += a, target += a * wanted, print += a * shown;
             mean += a * off, squares += a * off.cwiseProduct(off);
         }
@@ -256,16 +267,20 @@ std::vector<RegionLook> look_at(std::span<const ColourRegion> regions, const opt
     return looks;
 }
 
-std::vector<std::uint32_t> cells_around(const optics::Surface& surface, const ColourRegion& region, int steps) {
-    Marks mark(surface.cells.size());
-    return around(surface, CellRows(surface), region.cells, steps, mark);
+CellNeighbours::CellNeighbours(const optics::Surface& surface)
+    : surface_(surface), rows_(std::make_unique<const Rows>(surface)) {}
+CellNeighbours::~CellNeighbours() = default;
+
+std::vector<std::uint32_t> CellNeighbours::around(const ColourRegion& region, int steps) const {
+    Marks mark(surface_.cells.size());
+    return halftone::around(surface_, *rows_, region.cells, steps, mark);
 }
 
-double rim_chroma(const ColourRegion& region, const optics::Surface& surface,
-                  std::span<const Eigen::Vector3f> near_target, std::span<const Eigen::Vector3f> near) {
+double rim_chroma(const ColourRegion& region, const CellNeighbours& cells, std::span<const Eigen::Vector3f> near_target,
+                  std::span<const Eigen::Vector3f> near) {
+    const optics::Surface& surface = cells.surface();
     const double edge = std::sqrt(region.area_mm2 / static_cast<double>(region.cells.size()));
-    std::vector<std::uint32_t> rim =
-        cells_around(surface, region, std::max(1, static_cast<int>(std::lround(rim_mm / edge))));
+    std::vector<std::uint32_t> rim = cells.around(region, std::max(1, static_cast<int>(std::lround(rim_mm / edge))));
     // Of what is hardly wider than its rim all is interior.
     if (region.interior.size() < region.cells.size())
         std::ranges::set_difference(region.cells, region.interior, std::back_inserter(rim));

@@ -17,6 +17,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -39,14 +40,29 @@ struct ColourRegion {
 [[nodiscard]] std::vector<ColourRegion> colour_regions(const optics::Surface& surface,
                                                        std::span<const Eigen::Vector3f> target);
 
+/// Which cells of a surface touch. Keeps a reference.
+class CellNeighbours {
+public:
+    explicit CellNeighbours(const optics::Surface& surface);
+    ~CellNeighbours();
+    CellNeighbours(const CellNeighbours&) = delete;
+    CellNeighbours& operator=(const CellNeighbours&) = delete;
+
+    [[nodiscard]] const optics::Surface& surface() const { return surface_; }
+    /// Cells within so many steps of a region that are not of it: what it is seen against. Ascending.
+    [[nodiscard]] std::vector<std::uint32_t> around(const ColourRegion& region, int steps) const;
+
+    class Rows;
+
+private:
+    const optics::Surface& surface_;
+    std::unique_ptr<const Rows> rows_;
+};
+
 /// Mean chroma of print less target, CIELAB, of the cells within 0.6 mm of a region's edge, on both sides: a rim of
 /// another hue is seen more than a wide neutral transition. `near_target`, `near`: as for look_at.
-[[nodiscard]] double rim_chroma(const ColourRegion& region, const optics::Surface& surface,
+[[nodiscard]] double rim_chroma(const ColourRegion& region, const CellNeighbours& cells,
                                 std::span<const Eigen::Vector3f> near_target, std::span<const Eigen::Vector3f> near);
-
-/// Cells within so many steps of a region that are not of it: what it is seen against. Ascending.
-[[nodiscard]] std::vector<std::uint32_t> cells_around(const optics::Surface& surface, const ColourRegion& region,
-                                                      int steps);
 
 struct RegionLook {
     Eigen::Vector3d lab = Eigen::Vector3d::Zero();  ///< of the print's mean

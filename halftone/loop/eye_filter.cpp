@@ -47,7 +47,14 @@ struct EyeFilter::Data {
     std::unique_ptr<optics::SurfaceSmoothing> narrow;
     std::array<float, 3> narrow_weight{};  ///< of what the first smoothing gives, per channel
     std::vector<Wide> wide;
+    std::size_t gaussians = 1;  ///< all that the filter has, were they made or not
     Eigen::Matrix3f to_opponent, from_opponent;
+
+    /// That so many values, cell by cell, are of: 1 or 2.
+    [[nodiscard]] std::size_t pictures(std::size_t values) const {
+        VOXTONE_EXPECT(values == points.size() || values == 2 * points.size());
+        return values == points.size() ? 1 : 2;
+    }
 };
 
 const Eigen::Matrix3d& opponent_from_xyz_matrix(OpponentSpace space) {
@@ -69,7 +76,7 @@ double eye_transfer(std::size_t opponent_channel, double cycles_per_degree, EyeS
 }
 
 EyeFilter::EyeFilter(const optics::Surface& surface, double viewing_distance_mm, EyeSurround surround,
-                     OpponentSpace space)
+                     OpponentSpace space, EyeParts parts)
     : data_(std::make_unique<Data>()) {
     if (!(viewing_distance_mm > 0) || !std::isfinite(viewing_distance_mm))
         throw InputError(fmt::format("the viewing distance is {} mm; it must be above 0", viewing_distance_mm));
@@ -85,10 +92,12 @@ EyeFilter::EyeFilter(const optics::Surface& surface, double viewing_distance_mm,
     for (std::size_t c = 0; c < 3; ++c)
         for (const Gaussian& g : gaussians(c, surround)) {
             const auto weight = static_cast<float>(g.weight);
-            if (c == 0 && d.narrow_weight[0] == 0)
+            if (c == 0 && d.narrow_weight[0] == 0) {
                 d.narrow_weight[0] = weight;
-            else
-                d.wide.push_back({c, weight, g.spread_degrees * mm_per_degree});
+                continue;
+            }
+            ++d.gaussians;
+            if (parts == EyeParts::all) d.wide.push_back({c, weight, g.spread_degrees * mm_per_degree});
         }
     parallel_for(0, d.wide.size() + 1, 1, [&](std::size_t k) {
         if (k == 0)
@@ -112,6 +121,24 @@ EyeFilter::Views EyeFilter::views(std::span<const Eigen::Vector3f> rgb) const {
     return {std::move(far), std::move(near)};
 }
 
+std::array<EyeFilter::Views, 2> EyeFilter::views(std::span<const Eigen::Vector3f> first,
+                                                 std::span<const Eigen::Vector3f> second) const {
+    const std::size_t count = data_->points.size();
+    VOXTONE_EXPECT(first.size() == count && second.size() == count);
+    std::vector<Eigen::Vector3f> both(2 * count);
+    parallel_for(0, count, 4096, [&](std::size_t i) { both[2 * i] = first[i], both[2 * i + 1] = second[i]; });
+    const std::vector<Eigen::Vector3f> near = smoothed(both),
+                                       far = through(data_->to_opponent, data_->from_opponent, near);
+    std::array<Views, 2> views;
+    for (std::size_t p = 0; p < 2; ++p) {
+        views[p].filtered.resize(count), views[p].smoothed.resize(count);
+        parallel_for(0, count, 4096, [&](std::size_t i) {
+            views[p].filtered[i] = far[2 * i + p], views[p].smoothed[i] = near[2 * i + p];
+        });
+    }
+    return views;
+}
+
 std::vector<Eigen::Vector3f> EyeFilter::transposed(std::span<const Eigen::Vector3f> by_seen) const {
     return through(data_->from_opponent.transpose(), data_->to_opponent.transpose(), smoothed(by_seen));
 }
@@ -119,7 +146,8 @@ std::vector<Eigen::Vector3f> EyeFilter::transposed(std::span<const Eigen::Vector
 std::vector<Eigen::Vector3f> EyeFilter::through(const Eigen::Matrix3f& from, const Eigen::Matrix3f& into,
                                                 std::span<const Eigen::Vector3f> first) const {
     const Data& d = *data_;
-    const std::size_t count = d.points.size();
+    VOXTONE_EXPECT(d.wide.size() + 1 == d.gaussians);
+    const std::size_t count = first.size();
     std::array<std::vector<float>, 3> opponent, sum;
     for (std::size_t c = 0; c < 3; ++c) {
         opponent[c].resize(count);
@@ -134,7 +162,7 @@ std::vector<Eigen::Vector3f> EyeFilter::through(const Eigen::Matrix3f& from, con
     });
     std::vector<float> part(count);
     for (const Data::Wide& w : d.wide) {
-        w.smoothing->apply(opponent[w.channel], part, 1);
+        w.smoothing->apply(opponent[w.channel], part, d.pictures(count));
         parallel_for(0, count, 4096, [&](std::size_t i) { sum[w.channel][i] += w.weight * part[i]; });
     }
     std::vector<Eigen::Vector3f> out(count);
@@ -144,10 +172,14 @@ std::vector<Eigen::Vector3f> EyeFilter::through(const Eigen::Matrix3f& from, con
 }
 
 std::vector<Eigen::Vector3f> EyeFilter::smoothed(std::span<const Eigen::Vector3f> rgb) const {
-    VOXTONE_EXPECT(rgb.size() == data_->points.size());
+    const Data& d = *data_;
     std::vector<Eigen::Vector3f> out(rgb.size());
-    if (out.empty()) return out;
-    data_->narrow->apply({rgb.front().data(), 3 * rgb.size()}, {out.front().data(), 3 * out.size()}, 3);
+    if (out.empty()) {
+        VOXTONE_EXPECT(d.points.empty());
+        return out;
+    }
+    d.narrow->apply({rgb.front().data(), 3 * rgb.size()}, {out.front().data(), 3 * out.size()},
+                    3 * d.pictures(rgb.size()));
     return out;
 }
 

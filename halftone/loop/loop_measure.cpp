@@ -32,26 +32,26 @@ LoopMeasure::LoopMeasure(const optics::Surface& surface, std::span<const Eigen::
                          std::span<const Eigen::Vector3f> shown, const std::vector<char>& in_gamut,
                          double viewing_distance_mm, bool adapts)
     : surface_(surface),
-      eye_(surface, viewing_distance_mm, EyeSurround::none),
       asked_(target),
-      lab_seen_shown_(lab_of(eye_.filter(shown))),
+      seen_target_(see_target(surface, target, viewing_distance_mm)),
       in_gamut_(in_gamut),
-      adapts_(adapts),
-      regions_(colour_regions(surface, target)) {
-    EyeFilter::Views asked = eye_.views(target);
-    lab_asked_ = lab_of(target), lab_seen_asked_ = lab_of(asked.filtered), near_asked_ = std::move(asked.smoothed);
-    weight_ = weights(std::vector<float>(regions_.size(), 1.0f), 0);
+      adapts_(adapts) {
+    auto [seen_asked, seen_shown] = eye().views(target, shown);
+    lab_asked_ = lab_of(target);
+    lab_seen_asked_ = lab_of(seen_asked.filtered), lab_seen_shown_ = lab_of(seen_shown.filtered);
+    near_asked_ = std::move(seen_asked.smoothed);
+    weight_ = weights(std::vector<float>(regions().size(), 1.0f), 0);
 }
 
 float LoopMeasure::weight_of(const ColourRegion& region) const {
-    return std::min(most_weight, static_cast<float>(std::sqrt(regions_.front().area_mm2 / region.area_mm2)));
+    return std::min(most_weight, static_cast<float>(std::sqrt(regions().front().area_mm2 / region.area_mm2)));
 }
 
 std::vector<float> LoopMeasure::weights(std::span<const float> urgency, float beyond) const {
     std::vector<float> weight(asked_.size());
     for (std::size_t i = 0; i < weight.size(); ++i) weight[i] = in_gamut_[i] ? 1 : beyond;
-    for (std::size_t r = 0; r < regions_.size(); ++r)
-        for (const std::uint32_t i : regions_[r].cells) weight[i] = urgency[r] * weight_of(regions_[r]);
+    for (std::size_t r = 0; r < regions().size(); ++r)
+        for (const std::uint32_t i : regions()[r].cells) weight[i] = urgency[r] * weight_of(regions()[r]);
     return weight;
 }
 
@@ -59,16 +59,17 @@ LoopMeasure::Value LoopMeasure::operator()(std::span<const Eigen::Vector3f> rgb,
                                            std::span<const RegionLook> open) const {
     Value value;
     if (adapts_) value.paper = paper_level(surface_, asked_, rgb);
-    value.views = eye_.views(rgb);
-    std::vector<Eigen::Vector3f> seen = value.views.filtered;
-    for (Eigen::Vector3f& colour : seen) colour /= value.paper;
+    value.views = eye().views(rgb);
     // Lab of what is wanted is known; that of the print is found once.
+    std::vector<Eigen::Vector3f> near(rgb.size());
     std::vector<double> off_asked(rgb.size()), off_cells(rgb.size()), off(rgb.size());
     parallel_for(0, rgb.size(), 1024, [&](std::size_t i) {
-        const Eigen::Vector3d print = lab_of(seen[i]);
+        const Eigen::Vector3d print = lab_of(Eigen::Vector3f(value.views.filtered[i] / value.paper));
         off_asked[i] = optics::ciede2000(lab_seen_asked_[i].cast<double>(), print);
-        off[i] = optics::ciede2000(lab_seen_shown_[i].cast<double>(), print);
+        off[i] = lab_seen_shown_[i] == lab_seen_asked_[i] ? off_asked[i]
+                                                          : optics::ciede2000(lab_seen_shown_[i].cast<double>(), print);
         off_cells[i] = optics::ciede2000(lab_asked_[i].cast<double>(), lab_of(rgb[i]));
+        near[i] = value.views.smoothed[i] / value.paper;
     });
     value.seen = optics::summarize_by_area(surface_, off_asked);
     value.cells = optics::summarize_by_area(surface_, off_cells);
@@ -77,11 +78,9 @@ LoopMeasure::Value LoopMeasure::operator()(std::span<const Eigen::Vector3f> rgb,
         const double a = static_cast<double>(weight_[i] * surface_.cells[i].area_mm2);
         sum += a * off[i], all += a;
     }
-    seen = value.views.smoothed;
-    for (Eigen::Vector3f& colour : seen) colour /= value.paper;
-    value.looks = look_at(regions_, surface_, near_asked_, seen);
+    value.looks = look_at(regions(), surface_, near_asked_, near);
     for (std::size_t r = 0; r < open.size(); ++r)
-        sum += regions_[r].area_mm2 * static_cast<double>(weight_of(regions_[r])) *
+        sum += regions()[r].area_mm2 * static_cast<double>(weight_of(regions()[r])) *
                std::max(0.0, worse_by(value.looks[r], open[r]) - let_go);
     value.score = all > 0 ? sum / all : 0;
     return value;

@@ -11,6 +11,7 @@
 // worse than in the open loop (worse_by), which nobody sees up to 0.25: it is counted besides.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -18,6 +19,7 @@
 
 #include "halftone/loop/colour_regions.h"
 #include "halftone/loop/eye_filter.h"
+#include "halftone/loop/seen_target.h"
 #include "optics/colour/colour.h"
 
 namespace voxtone::halftone {
@@ -41,8 +43,10 @@ public:
     /// `open`: of the open loop's regions; empty: this is the open loop.
     [[nodiscard]] Value operator()(std::span<const Eigen::Vector3f> rgb, std::span<const RegionLook> open) const;
 
-    [[nodiscard]] const EyeFilter& eye() const { return eye_; }
-    [[nodiscard]] std::span<const ColourRegion> regions() const { return regions_; }
+    [[nodiscard]] const EyeFilter& eye() const { return seen_target_->eye; }
+    [[nodiscard]] std::span<const ColourRegion> regions() const { return seen_target_->regions; }
+    /// What was asked for.
+    [[nodiscard]] const std::shared_ptr<const SeenTarget>& seen_target() const { return seen_target_; }
     /// v of each cell, times its region's urgency: weights for the descent. Out of the gamut and in no region:
     /// `beyond`.
     [[nodiscard]] std::vector<float> weights(std::span<const float> urgency, float beyond) const;
@@ -51,13 +55,12 @@ private:
     [[nodiscard]] float weight_of(const ColourRegion& region) const;
 
     const optics::Surface& surface_;
-    EyeFilter eye_;
     std::span<const Eigen::Vector3f> asked_;
+    std::shared_ptr<const SeenTarget> seen_target_;
     std::vector<Eigen::Vector3f> lab_asked_, lab_seen_asked_, lab_seen_shown_;  ///< in single precision: 1e-5 of them
     std::vector<Eigen::Vector3f> near_asked_;
     const std::vector<char>& in_gamut_;
     bool adapts_;
-    std::vector<ColourRegion> regions_;
     std::vector<float> weight_;
 };
 

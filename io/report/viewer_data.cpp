@@ -2,10 +2,13 @@
 #include "io/report/viewer_data.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include "base/contracts.h"
+#include "base/parallel.h"
 #include "io/files/base64.h"
 #include "io/files/deflate.h"
 #include "io/files/json_writer.h"
@@ -94,29 +97,66 @@ void add_parts(JsonWriter& json, const ViewerSurface& s) {
     json.end_list();
 }
 
+/// What of a surface is deflated.
+struct PackedSurface {
+    std::string covered, positions, triangles;
+    std::vector<std::string> looks;
+    std::array<std::string, 2> differences;  ///< seen, single
+};
+
+PackedSurface packed_surface(const ViewerSurface& s) {
+    PackedSurface to;
+    to.looks.resize(s.looks.size());
+    constexpr std::size_t others = 5;
+    parallel_for(0, others + s.looks.size(), 1, [&](std::size_t i) {
+        switch (i) {
+            case 0:
+                if (s.is_picture()) to.covered = packed(s.covered);
+                return;
+            case 1:
+                if (!s.is_picture()) to.positions = packed_positions(s.positions);
+                return;
+            case 2:
+                if (!s.is_picture()) to.triangles = packed_triangles(s.triangles);
+                return;
+            case 3:
+                if (!s.seen.empty()) to.differences[0] = packed(s.seen);
+                return;
+            case 4:
+                if (!s.single.empty()) to.differences[1] = packed(s.single);
+                return;
+            default:
+                to.looks[i - others] = packed_colours(s.looks[i - others].rgb);
+        }
+    });
+    return to;
+}
+
 void add_surface(JsonWriter& json, const ViewerSurface& s) {
     const std::size_t places = s.is_picture() ? std::size_t{s.size_px[0]} * s.size_px[1] : s.positions.size() / 3;
+    for (const ViewerLook& look : s.looks) VOXTONE_EXPECT(look.rgb.size() == 3 * places);
+    const PackedSurface packed = packed_surface(s);
     json.line().key("surface").begin_object();
     json.add("low_mm", s.low_mm).add("high_mm", s.high_mm).add("place_mm", s.place_mm).add("places", places);
     if (s.is_picture()) {
-        json.add("size_px", s.size_px).add("covered", packed(s.covered));
+        json.add("size_px", s.size_px).add("covered", packed.covered);
         add_parts(json, s);
     } else {
-        json.add("positions", packed_positions(s.positions));
-        json.add("indices", s.triangles.size()).add("triangles", packed_triangles(s.triangles));
+        json.add("positions", packed.positions);
+        json.add("indices", s.triangles.size()).add("triangles", packed.triangles);
     }
     json.add("asked", s.asked).add("expected", s.expected).add("to_scale", s.to_scale);
     json.add("note", s.note).key("looks").begin_list();
-    for (const ViewerLook& look : s.looks) {
-        VOXTONE_EXPECT(look.rgb.size() == 3 * places);
-        json.begin_object().add("name", look.name).add("caption", look.caption);
-        json.add("rgb", packed_colours(look.rgb)).end_object();
+    for (std::size_t i = 0; i < s.looks.size(); ++i) {
+        json.begin_object().add("name", s.looks[i].name).add("caption", s.looks[i].caption);
+        json.add("rgb", packed.looks[i]).end_object();
     }
     json.end_list();
-    for (const auto& [name, differences] : {std::pair{"seen", &s.seen}, std::pair{"single", &s.single}}) {
+    for (const auto& [name, differences, text] : {std::tuple{"seen", &s.seen, &packed.differences[0]},
+                                                  std::tuple{"single", &s.single, &packed.differences[1]}}) {
         if (differences->empty()) continue;
         VOXTONE_EXPECT(differences->size() == places);
-        json.add(name, packed(*differences));
+        json.add(name, *text);
     }
     json.end_object();
 }

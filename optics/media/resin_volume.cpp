@@ -57,6 +57,16 @@ unsigned bits_for(std::size_t materials) {
     return materials > 4 ? 4 : materials > 2 ? 2 : 1;
 }
 
+template <unsigned bits>
+void pack(const Block& block, const std::array<std::uint8_t, 256>& value, std::uint8_t* to) {
+    constexpr std::size_t per_byte = 8 / bits;
+    for (std::size_t i = 0; i < block_voxels; i += per_byte) {
+        unsigned byte = 0;
+        for (std::size_t n = 0; n < per_byte; ++n) byte |= static_cast<unsigned>(value[block[i + n]]) << (n * bits);
+        *to++ = static_cast<std::uint8_t>(byte);
+    }
+}
+
 /// Appends a block; where it begins, in units.
 std::int32_t append_packed(const Block& block, std::vector<std::uint8_t>& packed) {
     std::array<std::uint8_t, 256> value{};
@@ -76,11 +86,15 @@ std::int32_t append_packed(const Block& block, std::vector<std::uint8_t>& packed
     head[0] = static_cast<std::uint8_t>(bits);
     if (bits == 8) {
         std::copy(block.begin(), block.end(), head + head_bytes);
-    } else {
-        std::copy_n(palette.begin(), materials, head + 1);
-        for (std::size_t i = 0; i < block_voxels; ++i)
-            head[head_bytes + i / per_byte] |= static_cast<std::uint8_t>(value[block[i]] << (i % per_byte * bits));
+        return static_cast<std::int32_t>(begin / head_bytes);
     }
+    std::copy_n(palette.begin(), materials, head + 1);
+    if (bits == 4)
+        pack<4>(block, value, head + head_bytes);
+    else if (bits == 2)
+        pack<2>(block, value, head + head_bytes);
+    else
+        pack<1>(block, value, head + head_bytes);
     return static_cast<std::int32_t>(begin / head_bytes);
 }
 
@@ -286,43 +300,73 @@ ResinVolume stacked(std::vector<ResinVolume> parts) {
     return whole;
 }
 
-ResinVolume all_of(const ResinVolume& volume, Material material) {
-    ResinVolume twin;
-    twin.size_ = volume.size_;
-    twin.blocks_ = volume.blocks_;
-    twin.pitch_mm_ = volume.pitch_mm_;
-    twin.block_.reserve(volume.block_.size());
+ResinVolume all_of(const ResinVolume& volume, Material material) { return remade(volume, material, nullptr); }
+
+namespace {
+
+/// A block while it is made: its voxels inside the volume are a box at its corner.
+struct OpenBlock {
     Block voxels;
-    std::size_t i = 0;
-    for (int bz = 0; bz < volume.blocks_[2]; ++bz)
-        for (int by = 0; by < volume.blocks_[1]; ++by)
-            for (int bx = 0; bx < volume.blocks_[0]; ++bx, ++i) {
-                const std::int32_t block = volume.block_[i];
-                if (block < 0) {
-                    twin.block_.push_back(block == -1 - air ? block : -1 - material);
-                    continue;
+    std::array<int, 3> inside{};
+
+    template <class Visit>
+    void for_each_row(Visit&& visit) {
+        for (int z = 0; z < inside[2]; ++z)
+            for (int y = 0; y < inside[1]; ++y)
+                visit(std::span(voxels).subspan(place_in_block(0, y, z), static_cast<std::size_t>(inside[0])));
+    }
+    void fill(Material material) {
+        voxels.fill(air);
+        for_each_row([&](std::span<Material> row) { std::ranges::fill(row, material); });
+    }
+    void replace_solid(Material material) {
+        for (Material& voxel : voxels) voxel = voxel == air ? air : material;
+    }
+    [[nodiscard]] bool is_uniform() {
+        bool uniform = true;
+        for_each_row([&](std::span<const Material> row) {
+            for (const Material voxel : row) uniform &= voxel == voxels[0];
+        });
+        return uniform;
+    }
+};
+
+}  // namespace
+
+ResinVolume remade(const ResinVolume& volume, Material material, const BlockRemake* remake, const Progress* progress) {
+    std::vector<ResinVolume> slabs(static_cast<std::size_t>(volume.blocks_[2]));
+    parallel_for(
+        0, slabs.size(), 1,
+        [&](std::size_t slab) {
+            const int bz = static_cast<int>(slab);
+            ResinVolume& made = slabs[slab];
+            made.size_ = volume.size_, made.blocks_ = volume.blocks_, made.pitch_mm_ = volume.pitch_mm_;
+            made.size_[2] = std::min(edge, volume.size_[2] - bz * edge), made.blocks_[2] = 1;
+            made.block_.reserve(volume.block_.size() / slabs.size());
+            OpenBlock open;
+            for (int by = 0; by < volume.blocks_[1]; ++by)
+                for (int bx = 0; bx < volume.blocks_[0]; ++bx) {
+                    const std::array<int, 3> at{bx, by, bz};
+                    const std::int32_t block = volume.block_[volume.block_index(bx, by, bz)];
+                    const bool touched = remake && remake->touches(at);
+                    if (block < 0 && !touched) {
+                        made.block_.push_back(block == -1 - air ? block : -1 - material);
+                        continue;
+                    }
+                    for (std::size_t a = 0; a < 3; ++a) open.inside[a] = std::min(edge, volume.size_[a] - at[a] * edge);
+                    if (block < 0) {
+                        open.fill(block == -1 - air ? air : material);
+                    } else {
+                        PackedBlock(head_of(volume.packed_, block)).copy(0, block_voxels, open.voxels.data());
+                        open.replace_solid(material);
+                    }
+                    if (touched) remake->remake(at, open.voxels);
+                    made.block_.push_back(open.is_uniform() ? -1 - open.voxels[0]
+                                                            : append_packed(open.voxels, made.packed_));
                 }
-                PackedBlock(head_of(volume.packed_, block)).copy(0, block_voxels, voxels.data());
-                std::size_t solid = 0;
-                for (Material& voxel : voxels) {
-                    if (voxel == air) continue;
-                    voxel = material;
-                    ++solid;
-                }
-                // What sticks out of the volume is air in a block and no part of it.
-                std::size_t inside = 1;
-                for (const auto& [first, size] :
-                     {std::pair{bx * edge, volume.size_[0]}, std::pair{by * edge, volume.size_[1]},
-                      std::pair{bz * edge, volume.size_[2]}})
-                    inside *= static_cast<std::size_t>(std::min(edge, size - first));
-                if (solid == inside) {
-                    twin.block_.push_back(-1 - material);
-                } else {
-                    twin.block_.push_back(append_packed(voxels, twin.packed_));
-                }
-            }
-    twin.packed_.shrink_to_fit();
-    return twin;
+        },
+        progress);
+    return stacked(std::move(slabs));
 }
 
 }  // namespace voxtone::optics

@@ -15,10 +15,23 @@
 #include <span>
 #include <vector>
 
+#include "base/progress.h"
+
 namespace voxtone::optics {
 
 using Material = std::uint8_t;
 inline constexpr Material air = 0;
+
+/// Blocks of a volume to be made anew.
+class BlockRemake {
+public:
+    virtual ~BlockRemake() = default;
+    /// From any thread.
+    [[nodiscard]] virtual bool touches(const std::array<int, 3>& block) const = 0;
+    /// `voxels`: of the block, x fastest, then y, then z; what sticks out of the volume has to stay air. From any
+    /// thread.
+    virtual void remake(const std::array<int, 3>& block, std::span<Material> voxels) const = 0;
+};
 
 class ResinVolume {
 public:
@@ -41,7 +54,8 @@ public:
 private:
     friend class ResinVolumeBuilder;
     friend ResinVolume stacked(std::vector<ResinVolume> parts);
-    friend ResinVolume all_of(const ResinVolume& volume, Material material);
+    friend ResinVolume remade(const ResinVolume& volume, Material material, const BlockRemake* remake,
+                              const Progress* progress);
     [[nodiscard]] std::size_t block_index(int bx, int by, int bz) const;
 
     std::array<int, 3> size_{}, blocks_{};
@@ -78,6 +92,10 @@ private:
 /// The same volume with every solid voxel of one resin: the "paper white" that media-relative colour refers to. Needs
 /// less memory than the volume: only blocks that the surface passes have several materials.
 [[nodiscard]] ResinVolume all_of(const ResinVolume& volume, Material material);
+
+/// The same, of which some blocks are made anew then; null: none.
+[[nodiscard]] ResinVolume remade(const ResinVolume& volume, Material material, const BlockRemake* remake,
+                                 const Progress* progress = nullptr);
 
 /// A volume of one function of the voxel, for tests and benchmarks.
 template <class MaterialOf>

@@ -21,9 +21,11 @@ constexpr float reach_spreads = 2.8F;   // exp(-7.84) = 4e-4
 constexpr float least_cosine = 0.342F;  // of 70 degrees
 constexpr std::size_t lanes = 16;
 
+constexpr std::size_t most_channels = 6;
+
 struct Candidate {
     SurfacePoint point;
-    std::array<float, 3> value;
+    std::array<float, most_channels> value;
 };
 
 struct Kernel {
@@ -33,7 +35,7 @@ struct Kernel {
 /// Sixteen points and their sums.
 struct Lanes {
     alignas(64) std::array<float, lanes> x, y, z, nx, ny, nz, weight;
-    alignas(64) std::array<std::array<float, lanes>, 3> sum;
+    alignas(64) std::array<std::array<float, lanes>, most_channels> sum;
 };
 
 }  // namespace
@@ -74,40 +76,56 @@ HWY_INLINE void accumulate_channels(const Kernel& kernel, const std::vector<Cand
     for (std::size_t l = 0; l < lanes; l += hn::Lanes(d)) {
         const auto x = hn::Load(d, &q.x[l]), y = hn::Load(d, &q.y[l]), z = hn::Load(d, &q.z[l]);
         const auto nx = hn::Load(d, &q.nx[l]), ny = hn::Load(d, &q.ny[l]), nz = hn::Load(d, &q.nz[l]);
-        auto weight = hn::Zero(d), s0 = hn::Zero(d), s1 = hn::Zero(d), s2 = hn::Zero(d);
+        auto weight = hn::Zero(d), s0 = hn::Zero(d), s1 = hn::Zero(d), s2 = hn::Zero(d), s3 = hn::Zero(d),
+             s4 = hn::Zero(d), s5 = hn::Zero(d);
         for (const Candidate& c : near) {
             const SurfacePoint& p = c.point;
             const auto dx = hn::Sub(hn::Set(d, p.at[0]), x), dy = hn::Sub(hn::Set(d, p.at[1]), y),
                        dz = hn::Sub(hn::Set(d, p.at[2]), z);
-            const auto mx = hn::Set(d, p.normal[0]), my = hn::Set(d, p.normal[1]), mz = hn::Set(d, p.normal[2]);
             const auto r2 = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
+            const auto within = hn::Le(r2, hn::Set(d, kernel.reach2));
+            if (hn::AllFalse(d, within)) continue;
+            const auto mx = hn::Set(d, p.normal[0]), my = hn::Set(d, p.normal[1]), mz = hn::Set(d, p.normal[2]);
             const auto cosine = hn::Add(hn::Add(hn::Mul(mx, nx), hn::Mul(my, ny)), hn::Mul(mz, nz));
             const auto off_plane = hn::Add(hn::Add(hn::Mul(dx, hn::Add(mx, nx)), hn::Mul(dy, hn::Add(my, ny))),
                                            hn::Mul(dz, hn::Add(mz, nz)));
-            const auto seen =
-                hn::And(hn::And(hn::Le(r2, hn::Set(d, kernel.reach2)), hn::Gt(cosine, hn::Set(d, least_cosine))),
-                        hn::Le(hn::Mul(off_plane, off_plane), hn::Add(r2, hn::Set(d, kernel.slack2))));
+            const auto seen = hn::And(hn::And(within, hn::Gt(cosine, hn::Set(d, least_cosine))),
+                                      hn::Le(hn::Mul(off_plane, off_plane), hn::Add(r2, hn::Set(d, kernel.slack2))));
             const auto t = hn::Min(hn::Mul(r2, hn::Set(d, kernel.per_spread2)), hn::Set(d, 8.0F));
             const auto w = hn::IfThenElseZero(seen, hn::Mul(hn::Mul(hn::Set(d, p.area), cosine), decay(t)));
             weight = hn::Add(weight, w);
             s0 = hn::Add(s0, hn::Mul(w, hn::Set(d, c.value[0])));
-            if constexpr (Channels == 3) {
-                s1 = hn::Add(s1, hn::Mul(w, hn::Set(d, c.value[1])));
-                s2 = hn::Add(s2, hn::Mul(w, hn::Set(d, c.value[2])));
+            if constexpr (Channels >= 2) s1 = hn::Add(s1, hn::Mul(w, hn::Set(d, c.value[1])));
+            if constexpr (Channels >= 3) s2 = hn::Add(s2, hn::Mul(w, hn::Set(d, c.value[2])));
+            if constexpr (Channels == 6) {
+                s3 = hn::Add(s3, hn::Mul(w, hn::Set(d, c.value[3])));
+                s4 = hn::Add(s4, hn::Mul(w, hn::Set(d, c.value[4])));
+                s5 = hn::Add(s5, hn::Mul(w, hn::Set(d, c.value[5])));
             }
         }
         hn::Store(weight, d, &q.weight[l]);
         hn::Store(s0, d, &q.sum[0][l]);
-        hn::Store(s1, d, &q.sum[1][l]);
-        hn::Store(s2, d, &q.sum[2][l]);
+        if constexpr (Channels >= 2) hn::Store(s1, d, &q.sum[1][l]);
+        if constexpr (Channels >= 3) hn::Store(s2, d, &q.sum[2][l]);
+        if constexpr (Channels == 6) {
+            hn::Store(s3, d, &q.sum[3][l]);
+            hn::Store(s4, d, &q.sum[4][l]);
+            hn::Store(s5, d, &q.sum[5][l]);
+        }
     }
 }
 
 void accumulate(const Kernel& kernel, const std::vector<Candidate>& near, std::size_t channels, Lanes& q) {
-    if (channels == 1)
-        accumulate_channels<1>(kernel, near, q);
-    else
-        accumulate_channels<3>(kernel, near, q);
+    switch (channels) {
+        case 1:
+            return accumulate_channels<1>(kernel, near, q);
+        case 2:
+            return accumulate_channels<2>(kernel, near, q);
+        case 3:
+            return accumulate_channels<3>(kernel, near, q);
+        default:
+            return accumulate_channels<6>(kernel, near, q);
+    }
 }
 
 }  // namespace voxtone::optics::HWY_NAMESPACE
@@ -159,11 +177,15 @@ GaussianGather::GaussianGather(std::span<const SurfacePoint> from, std::span<con
 
 void GaussianGather::apply(std::span<const float> in, std::span<float> out, std::size_t channels) const {
     VOXTONE_EXPECT(in.size() == from_order_.size() * channels && out.size() == to_.size() * channels);
-    VOXTONE_EXPECT(channels == 1 || channels == 3);
+    VOXTONE_EXPECT(channels == 1 || channels == 2 || channels == 3 || channels == most_channels);
     if (channels == 1)
         apply_channels<1>(in.data(), out.data());
-    else
+    else if (channels == 2)
+        apply_channels<2>(in.data(), out.data());
+    else if (channels == 3)
         apply_channels<3>(in.data(), out.data());
+    else
+        apply_channels<6>(in.data(), out.data());
 }
 
 template <int Channels>

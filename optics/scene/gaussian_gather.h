@@ -36,7 +36,7 @@ public:
                    std::span<const std::uint32_t> fallback, double spread_mm, double slack_mm);
     /// Among the same points: each takes its own value where it sees none.
     GaussianGather(std::span<const SurfacePoint> points, double spread_mm, double slack_mm);
-    /// `channels` values per point, interleaved.
+    /// `channels` values per point, interleaved: 1, 2, 3 or 6.
     void apply(std::span<const float> in, std::span<float> out, std::size_t channels) const;
 
 private:

@@ -16,6 +16,7 @@
 #include "slicer/colour/loop_report.h"
 #include "slicer/colour/verdict.h"
 #include "slicer/colour/viewer_report.h"
+#include "slicer/look/cell_mesh.h"
 #include "slicer/prepare/phase.h"
 
 namespace voxtone::slicer {
@@ -186,8 +187,10 @@ void ColourPrint::look(const io::StackDescription&, Progress& progress) {
     }
     volume_.reset();
     if (prediction_) {
+        const bool known = prediction_plan_.by == PredictionPlan::By::loop;
         prediction_->seen = seen_from(*prediction_, job_.options.loop.viewing_distance_mm,
-                                      job_.options.loop.intent != halftone::Intent::absolute);
+                                      job_.options.loop.intent != halftone::Intent::absolute,
+                                      known ? std::exchange(loop_->result.seen_target, nullptr) : nullptr);
         return;
     }
     prediction_plan_.why_not = "The print is not predicted: " + why_not + ".";
@@ -214,14 +217,21 @@ void ColourPrint::add_to(io::Report& report) const {
     add_remarks(loop_, prediction_, report);
 }
 
+ColourReport ColourPrint::drawn() const {
+    ColourReport sources{job_, body_, *colour_, parts_.surface_colour(), prediction_};
+    if (prediction_ && !body_.is_picture)
+        sources.cell_triangles = cell_triangles(prediction_->volume, prediction_->predicted.surface);
+    return sources;
+}
+
 void ColourPrint::draw(io::Report& report, Progress& progress) const {
-    const ColourReport sources{job_, body_, *colour_, parts_.surface_colour(), prediction_};
+    const ColourReport sources = drawn();
     draw_colour_report(sources, report, job_.options.out, progress);
     add_viewer(sources, report, progress);
 }
 
 std::optional<io::ViewerSurface> ColourPrint::viewer_surface(std::size_t bytes, Progress& progress) const {
-    return slicer::viewer_surface({job_, body_, *colour_, parts_.surface_colour(), prediction_}, bytes, progress);
+    return slicer::viewer_surface(drawn(), bytes, progress);
 }
 
 std::string ColourPrint::summary(const io::Report& report) const { return colour_summary(report); }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "slicer/colour/colour_report.h"
 #include "slicer/colour/job_loop.h"
 #include "slicer/colour/job_prediction.h"
 #include "slicer/colour/print_parts.h"
@@ -46,6 +47,7 @@ public:
     [[nodiscard]] std::string written_text() const override { return {}; }
 
 private:
+    [[nodiscard]] ColourReport drawn() const;
     /// The loop as it is set up, and where it goes on.
     struct PreparedLoop {
         std::unique_ptr<const LoopProblem> problem;

@@ -116,7 +116,7 @@ std::vector<Eigen::Vector3f> difference_colours(const std::vector<double>& diffe
 }
 
 /// The same cells with other colours; numbers are the colours.
-SurfacePrediction recoloured(const SurfacePrediction& cells, const std::vector<Eigen::Vector3f>& rgb) {
+SurfacePrediction cells_in_colours(const SurfacePrediction& cells, const std::vector<Eigen::Vector3f>& rgb) {
     SurfacePrediction out;
     out.surface.cell_voxels = cells.surface.cell_voxels;
     out.surface.cells = cells.surface.cells;
@@ -152,26 +152,33 @@ io::LinearPicture smaller_picture(const io::LinearPicture& large, std::uint32_t 
 /// Pictures of a slab from above, one pixel per cell.
 void draw_predicted_picture(const JobPrediction& p, io::Report& report, const std::filesystem::path& folder) {
     const auto px_per_mm = picture_px_per_mm(p.volume, p.predicted.surface.cell_voxels);
-    std::vector<io::ReportPicture> pictures;
-    const auto draw = [&](const char* caption, const std::vector<Eigen::Vector3f>& rgb, std::string_view file) {
-        const io::LinearPicture whole = top_picture(p.volume, recoloured(p.predicted, rgb));
-        if (!file.empty()) io::write_whole_file(folder / file, io::png_bytes(io::encode_transparent(whole), px_per_mm));
+    struct Drawn {
+        const char* caption;
+        std::string_view file;  ///< empty: for the page alone
+        std::vector<Eigen::Vector3f> rgb;
+    };
+    std::vector<Drawn> drawn{{"target", report_file::target_png, p.target},
+                             {"predicted", report_file::predicted_png, p.predicted.rgb},
+                             {difference_caption, report_file::difference_png, difference_colours(p.difference)}};
+    if (!p.open_loop.empty()) {
+        drawn.push_back({"open loop: without the appearance loop", report_file::open_loop_png, p.open_loop});
+        drawn.push_back(
+            {"difference of the open loop", "", difference_colours(colour_differences(p.target, p.open_loop))});
+    }
+    std::vector<io::ReportPicture> pictures(drawn.size());
+    parallel_for(0, drawn.size(), 1, [&](std::size_t i) {
+        const io::LinearPicture whole = top_picture(p.volume, cells_in_colours(p.predicted, drawn[i].rgb));
+        if (!drawn[i].file.empty())
+            io::write_whole_file(folder / drawn[i].file, io::png_bytes(io::encode_transparent(whole), px_per_mm));
         const std::uint32_t step = page_step(whole);
         const io::Picture8 codes = io::encode_transparent(smaller_picture(whole, step));
-        pictures.push_back(io::report_picture(caption, codes, px_per_mm[0] / step));
-    };
-    draw("target", p.target, report_file::target_png);
-    draw("predicted", p.predicted.rgb, report_file::predicted_png);
-    draw(difference_caption, difference_colours(p.difference), report_file::difference_png);
-    if (!p.open_loop.empty()) {
-        draw("open loop: without the appearance loop", p.open_loop, report_file::open_loop_png);
-        draw("difference of the open loop", difference_colours(colour_differences(p.target, p.open_loop)), "");
-    }
+        pictures[i] = io::report_picture(drawn[i].caption, codes, px_per_mm[0] / step);
+    });
     report.views.push_back({"top", std::move(pictures)});
     io::write_whole_file(folder / report_file::predicted_exr,
                          io::exr_bytes(top_numbers(p.volume, p.channels, p.predicted), px_per_mm));
     io::write_whole_file(folder / report_file::target_exr,
-                         io::exr_bytes(top_picture(p.volume, recoloured(p.predicted, p.target)), px_per_mm));
+                         io::exr_bytes(top_picture(p.volume, cells_in_colours(p.predicted, p.target)), px_per_mm));
 }
 
 void write_body_colours(const ColouredSurface& surface, const std::filesystem::path& file, const char* name,
@@ -205,22 +212,30 @@ void draw_separated(const ColourReport& s, io::Report& report, const std::filesy
 /// few cells for one.
 void draw_predicted_body(const ColourReport& s, const JobPrediction& p, io::Report& report,
                          const std::filesystem::path& folder, const Progress& progress) {
+    if (s.cell_triangles.empty()) return draw_separated(s, report, folder, progress);
     const Eigen::Vector3d& origin = s.body.grid.origin_mm;
-    io::ColouredMesh cells = body_mesh(p.volume, {origin.x(), origin.y(), origin.z()}, p.predicted);
-    if (cells.triangles.empty()) return draw_separated(s, report, folder, progress);
+    const io::ColouredMesh cells = body_mesh(s.cell_triangles, {origin.x(), origin.y(), origin.z()}, p.predicted);
+    const std::vector<Eigen::Vector3f> differences = difference_colours(p.difference);
     const ColouredSurface target = target_surface(s);
-    std::vector<Eigen::Vector3d> positions;
-    ReportViews views = views_of(target, s, report, progress);
-    views.add("target", target);
-    views.add("predicted", mesh_surface(cells, positions));
-    io::write_whole_file(folder / report_file::predicted_glb, io::glb_bytes(cells, "predicted"));
-    cells.rgb = difference_colours(p.difference);
-    views.add(difference_caption, mesh_surface(cells, positions));
-    if (!p.open_loop.empty()) {
-        cells.rgb = p.open_loop;
-        views.add("open loop: without the appearance loop", mesh_surface(cells, positions));
-    }
-    write_body_colours(target, folder / report_file::target_glb, "target", progress);
+    const auto draw_views = [&] {
+        std::vector<Eigen::Vector3d> positions;
+        std::vector<std::string> captions{"predicted", difference_caption};
+        std::vector<ColouredSurface> surfaces{mesh_surface(cells, positions)};
+        surfaces.push_back(recoloured(surfaces[0], differences));
+        if (!p.open_loop.empty()) {
+            captions.emplace_back("open loop: without the appearance loop");
+            surfaces.push_back(recoloured(surfaces[0], p.open_loop));
+        }
+        ReportViews views = views_of(target, s, report, progress);
+        views.add("target", target);
+        views.add(captions, surfaces);
+    };
+    // Meshes are written by one thread each.
+    parallel_for(0, 3, 1, [&](std::size_t task) {
+        if (task == 0) draw_views();
+        if (task == 1) io::write_whole_file(folder / report_file::predicted_glb, io::glb_bytes(cells, "predicted"));
+        if (task == 2) write_body_colours(target, folder / report_file::target_glb, "target", progress);
+    });
 }
 
 constexpr const char* separation_note =

@@ -7,9 +7,12 @@
 // what light does between neighbouring colours, at edges and in thin parts.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/progress.h"
 #include "io/report/report.h"
@@ -28,6 +31,8 @@ struct ColourReport {
     const JobColour& colour;
     const SurfaceColour& surface_colour;
     const std::optional<JobPrediction>& prediction;
+    /// Of the prediction's surface (cell_mesh.h), where it is a body's; for what draws it.
+    std::vector<std::array<std::uint32_t, 3>> cell_triangles = {};
 };
 
 /// The visible surface as it was asked for, and as the separation's own model says it will be.

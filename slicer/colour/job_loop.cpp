@@ -57,7 +57,7 @@ std::unique_ptr<const optics::AppearanceModel> loop_model(const ResolvedJob& job
 }
 
 /// Keeps the state of the loop while the next print is made: after each iteration, or, where writing takes longer than
-/// anybody would notice, as often as a twentieth of the loop's time allows. A state that cannot be written is no reason
+/// anybody would notice, as often as a sixtieth of the loop's time allows. A state that cannot be written is no reason
 /// to stop.
 class CheckpointKeeper {
 public:
@@ -92,7 +92,7 @@ public:
     }
 
 private:
-    static constexpr double share_of_writing = 20, unnoticed_s = 0.05;
+    static constexpr double share_of_writing = 60, unnoticed_s = 0.05;
     void tell_how_to_go_on() const {
         set_stop_advice(
             fmt::format("the appearance loop is saved in {}: the same command with --resume goes on, with --resume "
@@ -106,6 +106,26 @@ private:
     Stopwatch since_write_;
     double write_s_ = 0;  ///< of the last one
     std::future<void> writing_;
+};
+
+/// The skin's voxels, found when they are first asked for.
+class KeptSkin {
+public:
+    KeptSkin(const LoopProblem& problem, const Progress& progress) : problem_(problem), progress_(progress) {}
+    /// Null where memory is short: it is for light.
+    [[nodiscard]] const SkinVoxels* find() {
+        if (!std::exchange(looked_, true))
+            voxels_ = problem_.parts.skin_voxels(problem_.cells->map(),
+                                                 problem_.job.prediction.memory_bytes / share_of_memory, progress_);
+        return voxels_ ? &*voxels_ : nullptr;
+    }
+
+private:
+    static constexpr std::uint64_t share_of_memory = 32;
+    const LoopProblem& problem_;
+    const Progress& progress_;
+    std::optional<SkinVoxels> voxels_;
+    bool looked_ = false;
 };
 
 }  // namespace
@@ -174,14 +194,20 @@ JobLoop run_job_loop(const LoopProblem& problem, const LoopPlan& plan, const Loo
     task.surface = &cells.seen.surface;
     task.recipes = problem.recipes.get();
     task.target = cells.seen.target;
-    task.open_loop = [&] { return print(nullptr); };
+    KeptSkin kept(problem, progress);
+    task.open_loop = [&] {
+        if (plan.iterations != 0) (void)kept.find();  // while no light is kept yet
+        return print(nullptr);
+    };
     task.realise = [&](const halftone::SkinMixtures& mixtures) {
+        if (const SkinVoxels* skin = kept.find())
+            return problem.parts.volume(*skin, mixtures, problem.shape, problem.print_bytes, progress);
         const SkinSource skin(map, mixtures, problem.resins.core);
         return print(&skin);
     };
     task.mixture_gradient = [&](const auto& visit_all) {
-        return skin_gradient(problem.parts, map, cells.seen.surface.cells.size(), problem.resins.set.resins.size(),
-                             visit_all, progress);
+        return skin_gradient(problem.parts, map, kept.find(), cells.seen.surface.cells.size(),
+                             problem.resins.set.resins.size(), visit_all, progress);
     };
     halftone::LoopOptions options;
     options.iterations = plan.iterations;

@@ -80,7 +80,7 @@ struct JobLoop {
 [[nodiscard]] JobLoop loop_of(SavedSkin skin, const JobBody& body, double colour_mm);
 
 /// Goes on after `before` where there is one. Writes the checkpoint after each iteration, or where that takes longer
-/// than anybody would notice as often as a twentieth of the time allows; where it cannot be written the loop goes on,
+/// than anybody would notice as often as a sixtieth of the time allows; where it cannot be written the loop goes on,
 /// with a warning; says how to go on to who stops it (set_stop_advice). Throws ResourceError, Cancelled.
 [[nodiscard]] JobLoop run_job_loop(const LoopProblem& problem, const LoopPlan& plan, const LoopCheckpoint& checkpoint,
                                    std::optional<halftone::ResumedLoop> before, Progress& progress);

@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "base/stopwatch.h"
-#include "halftone/loop/eye_filter.h"
 #include "halftone/loop/misfit.h"
 #include "halftone/loop/paper.h"
 #include "slicer/look/coarse_cells.h"
@@ -41,24 +40,26 @@ std::optional<optics::ResinVolume> JobVolume::finish() {
     return volume;
 }
 
-SeenPrint seen_from(const JobPrediction& p, double viewing_distance_mm, bool adapts) {
-    const halftone::EyeFilter eye(p.predicted.surface, viewing_distance_mm, halftone::EyeSurround::none);
+SeenPrint seen_from(const JobPrediction& p, double viewing_distance_mm, bool adapts,
+                    std::shared_ptr<const halftone::SeenTarget> asked) {
+    const optics::Surface& surface = p.predicted.surface;
+    if (!asked) asked = halftone::see_target(surface, p.target, viewing_distance_mm);
     SeenPrint seen;
-    if (adapts) seen.paper = halftone::paper_level(p.predicted.surface, p.target, p.predicted.rgb);
+    if (adapts) seen.paper = halftone::paper_level(surface, p.target, p.predicted.rgb);
     std::vector<Eigen::Vector3f> print = p.predicted.rgb;
     for (Eigen::Vector3f& rgb : print) rgb /= seen.paper;
-    const auto [target_seen, near_target] = eye.views(p.target);
-    const auto [print_seen, near] = eye.views(print);
-    seen.target = target_seen, seen.print = print_seen;
+    auto [target_views, print_views] = asked->eye.views(p.target, print);
+    const std::vector<Eigen::Vector3f>&near_target = target_views.smoothed, &near = print_views.smoothed;
+    seen.target = std::move(target_views.filtered), seen.print = std::move(print_views.filtered);
     seen.difference = colour_differences(seen.target, seen.print);
-    seen.regions = halftone::colour_regions(p.predicted.surface, p.target);
-    seen.looks = halftone::look_at(seen.regions, p.predicted.surface, near_target, near);
+    seen.regions = asked->regions;
+    seen.looks = halftone::look_at(seen.regions, surface, near_target, near);
+    const halftone::CellNeighbours cells(surface);
     for (const halftone::ColourRegion& region : seen.regions)
-        seen.rims.push_back(region.kind == halftone::RegionKind::solid
-                                ? halftone::rim_chroma(region, p.predicted.surface, near_target, near)
-                                : 0);
-    const halftone::EyeFilter wide(p.predicted.surface, halftone::wider * viewing_distance_mm,
-                                   halftone::EyeSurround::none);
+        seen.rims.push_back(
+            region.kind == halftone::RegionKind::solid ? halftone::rim_chroma(region, cells, near_target, near) : 0);
+    const halftone::EyeFilter wide(surface, halftone::wider * viewing_distance_mm, halftone::EyeSurround::none,
+                                   halftone::OpponentSpace::neutral, halftone::EyeParts::narrowest);
     seen.fine = halftone::fine_contrast(near_target, near, wide);
     return seen;
 }

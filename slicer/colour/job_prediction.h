@@ -7,6 +7,7 @@
 #pragma once
 
 #include <atomic>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -15,6 +16,7 @@
 #include "base/progress.h"
 #include "halftone/loop/colour_regions.h"
 #include "halftone/loop/lost_contrast.h"
+#include "halftone/loop/seen_target.h"
 #include "io/layers/layer_runs.h"
 #include "optics/colour/colour.h"
 #include "slicer/colour/job_loop.h"
@@ -69,8 +71,10 @@ struct JobPrediction {
     SeenPrint seen;
 };
 
-/// `adapts`: the print's own paper is taken for white; not where white is absolute.
-[[nodiscard]] SeenPrint seen_from(const JobPrediction& prediction, double viewing_distance_mm, bool adapts);
+/// `adapts`: the print's own paper is taken for white; not where white is absolute. `asked`: of the same cells, where
+/// it is known.
+[[nodiscard]] SeenPrint seen_from(const JobPrediction& prediction, double viewing_distance_mm, bool adapts,
+                                  std::shared_ptr<const halftone::SeenTarget> asked = nullptr);
 
 /// What the appearance loop itself predicted of the print that it chose; the volume is that print. Colours only:
 /// what the loop saw by channel is not kept.

@@ -93,6 +93,31 @@ optics::ResinVolume PrintParts::volume_of(const LayerSources& sources, std::uint
     return volume.finish();
 }
 
+std::optional<SkinVoxels> PrintParts::skin_voxels(const SkinMap& map, std::uint64_t memory_bytes,
+                                                  const Progress& progress) const {
+    if (!screen_ || surface_colour_.sets_resins()) return std::nullopt;
+    const int depth = shell_.block_size()[2];
+    const auto& size = body_.grid.size;
+    const auto visit_slab = [&](int slab, const auto& visit) {
+        for_each_block({{0, 0, slab * depth}, {size[0], size[1], std::min((slab + 1) * depth, size[2])}}, visit,
+                       progress);
+    };
+    const auto number_of = [&](const ShellBlock& block, int at) {
+        const std::size_t unknown = map.at(block.triangle[at], block.u[at], block.v[at], block.distance_mm[at]);
+        return unknown == SkinMap::core ? SkinVoxels::core : static_cast<std::uint32_t>(unknown);
+    };
+    return SkinVoxels::of(body_.grid, depth, visit_slab, number_of, memory_bytes);
+}
+
+optics::ResinVolume PrintParts::volume(const SkinVoxels& skin, const halftone::SkinMixtures& mixtures,
+                                       const optics::ResinVolume& body, std::uint64_t memory_bytes,
+                                       const Progress& progress) const {
+    optics::ResinVolume print = skin.print(body, resins_.core_material(), halftone::cumulative_mixtures(mixtures),
+                                           static_cast<int>(mixtures.resins()), *screen_, progress);
+    expect_volume_fits(print.size(), double(print.memory_bytes()), memory_bytes);
+    return print;
+}
+
 void PrintParts::for_each_block(const optics::VoxelBox& box, const std::function<void(const ShellBlock&)>& visit,
                                 const Progress& progress) const {
     const int depth = shell_.block_size()[2], across = shell_.block_size()[1], layers = body_.grid.size[2];

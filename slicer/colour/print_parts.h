@@ -12,6 +12,7 @@
 #include "halftone/screens/blue_noise_screen.h"
 #include "optics/media/resin_volume.h"
 #include "slicer/layers/layer_maker.h"
+#include "slicer/layers/skin_voxels.h"
 #include "slicer/layers/wrapped_layers.h"
 #include "slicer/options/resolved_job.h"
 #include "slicer/prepare/job_body.h"
@@ -41,6 +42,14 @@ public:
                                              const Progress& progress) const;
     /// The same voxels, all of the core resin: a third of the work.
     [[nodiscard]] optics::ResinVolume shape(std::uint64_t memory_bytes, const Progress& progress) const;
+    /// What `volume` looks up again for every print by a skin, kept: nothing where it takes more than `memory_bytes`,
+    /// or where not every voxel is screened by itself from the loop's mixtures.
+    [[nodiscard]] std::optional<SkinVoxels> skin_voxels(const SkinMap& map, std::uint64_t memory_bytes,
+                                                        const Progress& progress) const;
+    /// As `volume` by a skin of these mixtures. `body`: its shape.
+    [[nodiscard]] optics::ResinVolume volume(const SkinVoxels& skin, const halftone::SkinMixtures& mixtures,
+                                             const optics::ResinVolume& body, std::uint64_t memory_bytes,
+                                             const Progress& progress) const;
     /// Visits the blocks that touch a box of voxels and have shell voxels, from several threads at once.
     void for_each_block(const optics::VoxelBox& box, const std::function<void(const ShellBlock&)>& visit,
                         const Progress& progress) const;

@@ -166,6 +166,7 @@ std::vector<io::ReportRegion> judge_regions(const JobPrediction& p, const JobCol
                                             const VerdictLimits& limits) {
     std::vector<io::ReportRegion> judged;
     const optics::Surface& surface = p.predicted.surface;
+    const halftone::CellNeighbours cells(surface);
     for (std::size_t r = 0; r < p.seen.regions.size(); ++r) {
         const ColourRegion& of = p.seen.regions[r];
         const halftone::RegionLook& look = p.seen.looks[r];
@@ -183,7 +184,7 @@ std::vector<io::ReportRegion> judge_regions(const JobPrediction& p, const JobCol
         if (of.kind == RegionKind::strokes) {
             const double edge = std::sqrt(of.area_mm2 / static_cast<double>(of.cells.size()));
             const std::vector<std::uint32_t> ground =
-                halftone::cells_around(surface, of, std::max(1, static_cast<int>(std::lround(ground_mm / edge))));
+                cells.around(of, std::max(1, static_cast<int>(std::lround(ground_mm / edge))));
             region.contrast_asked =
                 contrast(luminance(p.target, surface, of.cells), luminance(p.target, surface, ground));
             region.contrast =

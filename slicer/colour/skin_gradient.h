@@ -17,9 +17,10 @@
 namespace voxtone::slicer {
 
 /// [(cell * layers + layer) * resins + resin]; `cells` of them. `visit_all` hands the gradient over, box by box; empty
-/// where it says that there is none. Memory: 8 bytes a value while it works.
+/// where it says that there is none. `kept`: what the map says of each voxel; null: it is asked. Memory: 8 bytes a
+/// value while it works.
 [[nodiscard]] std::vector<float> skin_gradient(
-    const PrintParts& parts, const SkinMap& map, std::size_t cells, std::size_t resins,
+    const PrintParts& parts, const SkinMap& map, const SkinVoxels* kept, std::size_t cells, std::size_t resins,
     const std::function<bool(const optics::AppearanceSequence::GradientVisitor&)>& visit_all, const Progress& progress);
 
 }  // namespace voxtone::slicer

@@ -11,6 +11,7 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
+#include "base/parallel.h"
 #include "slicer/colour/region_verdict.h"
 #include "slicer/prepare/resin_choice.h"
 #include "slicer/surface/target_cells.h"
@@ -70,6 +71,10 @@ Losses losses_of(const VerdictSources& s, const JobPrediction& p) {
     const double thin_mm = 2 * s.job.options.colour.depth_mm;
     Losses losses;
     std::vector<ThinCell> thin;
+    std::vector<CellLoss> found(difference.size());
+    parallel_for(0, found.size(), 256, [&](std::size_t i) {
+        if (difference[i] > limits.good) found[i] = loss_of_cell(p, s.colour, i, thin_mm);
+    });
     for (std::size_t i = 0; i < difference.size(); ++i) {
         const optics::SurfaceCell& cell = p.predicted.surface.cells[i];
         const double area = cell.area_mm2, d = difference[i], weight = area * d;
@@ -77,7 +82,7 @@ Losses losses_of(const VerdictSources& s, const JobPrediction& p) {
         if (d > limits.bad) losses.bad_mm2 += area;
         if (d <= limits.good) continue;
         losses.off_mm2 += area;
-        const CellLoss loss = loss_of_cell(p, s.colour, i, thin_mm);
+        const CellLoss& loss = found[i];
         losses.of(loss.cause) += weight;
         const auto& centre = cell.centre_mm;
         if (loss.cause != thin_wall) continue;

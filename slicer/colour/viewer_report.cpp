@@ -86,8 +86,8 @@ io::ViewerPlace place_of(const ColourReport& s, const JobPrediction& p, std::siz
 
 std::optional<io::ViewerSurface> predicted_surface(const ColourReport& s, const JobPrediction& p, std::size_t bytes) {
     if (s.body.is_picture) return viewer_picture(p.volume, p.predicted.surface, predicted_looks(p), bytes);
-    const io::ColouredMesh mesh = body_mesh(p.volume, {0, 0, 0}, p.predicted);
-    if (mesh.triangles.empty()) return std::nullopt;
+    if (s.cell_triangles.empty()) return std::nullopt;
+    const io::ColouredMesh mesh = body_mesh(s.cell_triangles, {0, 0, 0}, p.predicted);
     const double grain_mm = *std::max_element(p.cell_um.begin(), p.cell_um.end()) * 1e-3;
     SurfaceLooks looks = predicted_looks(p);
     looks.looks.push_back(support_look(p));

@@ -17,6 +17,16 @@ constexpr int edge = optics::ResinVolume::block_edge;
 
 }  // namespace
 
+void expect_volume_fits(const std::array<int, 3>& size, double bytes, std::uint64_t most_bytes) {
+    if (bytes <= double(most_bytes)) return;
+    const double gib = 1.0 / (1 << 30);
+    throw ResourceError(fmt::format(
+        "the volume of {} x {} x {} voxels needs about {:.2g} GiB, more than the {:.2g} GiB that are allowed for it; "
+        "allow more "
+        "(--memory), or predict a part of the print or a smaller print",
+        size[0], size[1], size[2], bytes * gib, double(most_bytes) * gib));
+}
+
 LayerVolume::LayerVolume(const LayerWindow& window, const std::array<double, 3>& pitch_mm,
                          const std::array<optics::Material, io::max_materials>& material_of, std::uint64_t memory_bytes)
     : window_(window), pitch_mm_(pitch_mm), material_of_(material_of), memory_bytes_(memory_bytes) {
@@ -58,14 +68,9 @@ void LayerVolume::count_memory(std::uint64_t bytes) {
     const std::scoped_lock lock(mutex_);
     used_bytes_ += bytes;
     ++slabs_done_;
-    if (used_bytes_ <= memory_bytes_) return;
-    const double gib = 1.0 / (1 << 30);
-    throw ResourceError(fmt::format(
-        "the volume of {} x {} x {} voxels needs about {:.2g} GiB, more than the {:.2g} GiB that are allowed for it; "
-        "allow more "
-        "(--memory), or predict a part of the print or a smaller print",
-        window_.size[0], window_.size[1], window_.size[2],
-        double(used_bytes_) * gib * double(slabs_.size()) / double(slabs_done_), double(memory_bytes_) * gib));
+    if (used_bytes_ > memory_bytes_)
+        expect_volume_fits(window_.size, double(used_bytes_) * double(slabs_.size()) / double(slabs_done_),
+                           memory_bytes_);
 }
 
 optics::ResinVolume LayerVolume::build(const std::vector<std::optional<io::LayerRuns>>& layers) const {

@@ -25,6 +25,9 @@ struct LayerWindow {
     std::array<int, 3> size{};    ///< of the volume
 };
 
+/// Throws ResourceError where a volume of this size takes more bytes than it may.
+void expect_volume_fits(const std::array<int, 3>& size, double bytes, std::uint64_t most_bytes);
+
 class LayerVolume {
 public:
     /// Throws ResourceError from `add` once the volume needs more than `memory_bytes`.

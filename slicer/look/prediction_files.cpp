@@ -2,6 +2,7 @@
 #include "slicer/look/prediction_files.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -77,13 +78,19 @@ io::NumberPicture top_numbers(const optics::ResinVolume& volume, const optics::C
 
 io::ColouredMesh body_mesh(const optics::ResinVolume& volume, const std::array<double, 3>& corner_mm,
                            const SurfacePrediction& prediction) {
+    return body_mesh(cell_triangles(volume, prediction.surface), corner_mm, prediction);
+}
+
+io::ColouredMesh body_mesh(std::vector<std::array<std::uint32_t, 3>> triangles, const std::array<double, 3>& corner_mm,
+                           const SurfacePrediction& prediction) {
     io::ColouredMesh mesh;
     const Eigen::Vector3d corner(corner_mm[0], corner_mm[1], corner_mm[2]);
+    mesh.positions_mm.reserve(prediction.surface.cells.size());
     for (const optics::SurfaceCell& cell : prediction.surface.cells)
         mesh.positions_mm.push_back(
             (corner + Eigen::Vector3d(cell.centre_mm[0], cell.centre_mm[1], cell.centre_mm[2])).cast<float>());
     mesh.rgb = prediction.rgb;
-    mesh.triangles = cell_triangles(volume, prediction.surface);
+    mesh.triangles = std::move(triangles);
     return mesh;
 }
 
@@ -112,10 +119,13 @@ ColouredSurface mesh_surface(const io::ColouredMesh& mesh, std::vector<Eigen::Ve
     ColouredSurface surface;
     surface.positions_mm = positions_mm;
     surface.triangles = mesh.triangles;
-    surface.colour = [&mesh](std::uint32_t t, float u, float v) {
-        const auto& [a, b, c] = mesh.triangles[t];
-        return Eigen::Vector3f(
-            ((1 - u - v) * mesh.rgb[a] + u * mesh.rgb[b] + v * mesh.rgb[c]).cwiseMax(0.0f).cwiseMin(1.0f));
+    return recoloured(surface, mesh.rgb);
+}
+
+ColouredSurface recoloured(ColouredSurface surface, std::span<const Eigen::Vector3f> rgb) {
+    surface.colour = [triangles = surface.triangles, rgb](std::uint32_t t, float u, float v) {
+        const auto& [a, b, c] = triangles[t];
+        return Eigen::Vector3f(((1 - u - v) * rgb[a] + u * rgb[b] + v * rgb[c]).cwiseMax(0.0f).cwiseMin(1.0f));
     };
     return surface;
 }

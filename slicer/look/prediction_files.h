@@ -41,12 +41,17 @@ namespace voxtone::slicer {
 /// The whole surface as a mesh, `corner_mm` the place of the volume; vertex i is cell i.
 [[nodiscard]] io::ColouredMesh body_mesh(const optics::ResinVolume& volume, const std::array<double, 3>& corner_mm,
                                          const SurfacePrediction& prediction);
+/// The same where its triangles are known.
+[[nodiscard]] io::ColouredMesh body_mesh(std::vector<std::array<std::uint32_t, 3>> triangles,
+                                         const std::array<double, 3>& corner_mm, const SurfacePrediction& prediction);
 
 /// Per vertex: appearance_r, ... and error_r, ... (RGB sets) or appearance_450nm, ...
 [[nodiscard]] io::VertexNumbers body_numbers(const optics::Channels& channels, const SurfacePrediction& prediction);
 
 /// The mesh with its colours in between, for `render_views`; keeps references to both.
 [[nodiscard]] ColouredSurface mesh_surface(const io::ColouredMesh& mesh, std::vector<Eigen::Vector3d>& positions_mm);
+/// The same in other colours of its vertices.
+[[nodiscard]] ColouredSurface recoloured(ColouredSurface surface, std::span<const Eigen::Vector3f> rgb);
 
 /// Pictures side by side, four in a row, a little apart.
 [[nodiscard]] io::LinearPicture side_by_side(std::span<const Preview> views);

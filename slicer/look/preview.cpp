@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <fmt/core.h>
 #include <Eigen/Geometry>
@@ -239,15 +240,20 @@ Eigen::Vector4f pixel_of(const ColouredSurface& surface, const std::vector<std::
     return {sum[0] / count, sum[1] / count, sum[2] / count, count / static_cast<float>(samples * samples)};
 }
 
-Preview render(const ColouredSurface& surface, View view, const PreviewOptions& options, const Progress* progress) {
+/// Of each surface.
+std::vector<Preview> render(std::span<const ColouredSurface> surfaces, View view, const PreviewOptions& options,
+                            const Progress* progress) {
+    const ColouredSurface& shape = surfaces.front();
     const Eigen::Matrix3d axes = view_axes(view);
-    const Projection projection = project(surface, axes, options);
+    const Projection projection = project(shape, axes, options);
     const auto samples = static_cast<std::uint32_t>(options.samples);
-    const auto bands = triangles_of_bands(surface, projection, band_rows_px * samples);
+    const auto bands = triangles_of_bands(shape, projection, band_rows_px * samples);
     std::vector<std::array<float, 3>> light;  // empty: not lit
-    if (view == View::three_quarter) light = light_on(surface, axes);
-    Preview preview{view, options.px_per_mm, {projection.width_px, projection.height_px, {}}};
-    preview.picture.pixels.resize(std::size_t{projection.width_px} * projection.height_px);
+    if (view == View::three_quarter) light = light_on(shape, axes);
+    std::vector<Preview> previews(surfaces.size(),
+                                  {view, options.px_per_mm, {projection.width_px, projection.height_px, {}}});
+    for (Preview& preview : previews)
+        preview.picture.pixels.resize(std::size_t{projection.width_px} * projection.height_px);
     parallel_for(
         0, bands.size(), 1,
         [&](std::size_t b) {
@@ -255,14 +261,15 @@ Preview render(const ColouredSurface& surface, View view, const PreviewOptions& 
             const std::uint32_t rows_px = std::min(band_rows_px, projection.height_px - first_px);
             Band band{first_px * samples, rows_px * samples, projection.width_px * samples, {}};
             band.samples.resize(std::size_t{band.rows} * band.width);
-            for (const std::uint32_t t : bands[b]) draw_triangle(projection, surface.triangles[t], t, band);
-            for (std::uint32_t y = 0; y < rows_px; ++y)
-                for (std::uint32_t x = 0; x < projection.width_px; ++x)
-                    preview.picture.pixels[std::size_t{first_px + y} * projection.width_px + x] =
-                        pixel_of(surface, light, band, x, y, options);
+            for (const std::uint32_t t : bands[b]) draw_triangle(projection, shape.triangles[t], t, band);
+            for (std::size_t s = 0; s < surfaces.size(); ++s)
+                for (std::uint32_t y = 0; y < rows_px; ++y)
+                    for (std::uint32_t x = 0; x < projection.width_px; ++x)
+                        previews[s].picture.pixels[std::size_t{first_px + y} * projection.width_px + x] =
+                            pixel_of(surfaces[s], light, band, x, y, options);
         },
         progress);
-    return preview;
+    return previews;
 }
 
 }  // namespace
@@ -320,19 +327,33 @@ double fitting_scale(const ColouredSurface& surface, std::span<const View> views
                      const PreviewOptions& options) {
     const int room_px = longest_px - 2 * options.margin_px;
     VOXTONE_EXPECT(room_px >= 1);
-    double longest_mm = 0;
-    for (const View view : views)
-        longest_mm = std::max(longest_mm, extent_of(surface, view_axes(view)).size().maxCoeff());
+    std::vector<double> longest_of(views.size());
+    parallel_for(0, views.size(), 1,
+                 [&](std::size_t v) { longest_of[v] = extent_of(surface, view_axes(views[v])).size().maxCoeff(); });
+    const double longest_mm = views.empty() ? 0 : std::max(0.0, std::ranges::max(longest_of));
     // A hair less, so that rounding cannot add a pixel.
     return longest_mm > 0 ? room_px / longest_mm * (1 - 1e-9) : 1.0;
 }
 
 std::vector<Preview> render_views(const ColouredSurface& surface, std::span<const View> views,
                                   const PreviewOptions& options, const Progress* progress) {
+    return std::move(render_views(std::span(&surface, 1), views, options, progress).front());
+}
+
+std::vector<std::vector<Preview>> render_views(std::span<const ColouredSurface> surfaces, std::span<const View> views,
+                                               const PreviewOptions& options, const Progress* progress) {
     VOXTONE_EXPECT(options.px_per_mm > 0 && options.samples >= 1 && options.samples <= most_samples &&
                    options.margin_px >= 0);
-    std::vector<Preview> previews;
-    for (const View view : views) previews.push_back(render(surface, view, options, progress));
+    VOXTONE_EXPECT(!surfaces.empty() && std::ranges::all_of(surfaces, [&](const ColouredSurface& surface) {
+        return surface.positions_mm.data() == surfaces[0].positions_mm.data() &&
+               surface.triangles.data() == surfaces[0].triangles.data();
+    }));
+    std::vector<std::vector<Preview>> by_view(views.size());
+    parallel_for(0, views.size(), 1,
+                 [&](std::size_t v) { by_view[v] = render(surfaces, views[v], options, progress); });
+    std::vector<std::vector<Preview>> previews(surfaces.size());
+    for (std::vector<Preview>& of_view : by_view)
+        for (std::size_t s = 0; s < surfaces.size(); ++s) previews[s].push_back(std::move(of_view[s]));
     return previews;
 }
 

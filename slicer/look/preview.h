@@ -59,5 +59,9 @@ struct Preview {
 /// One picture per view. Throws InputError when a picture would have more than 2^26 pixels; Cancelled.
 [[nodiscard]] std::vector<Preview> render_views(const ColouredSurface& surface, std::span<const View> views,
                                                 const PreviewOptions& options, const Progress* progress = nullptr);
+/// The same of surfaces that have positions and triangles in common: [surface][view]. What is seen where is found once.
+[[nodiscard]] std::vector<std::vector<Preview>> render_views(std::span<const ColouredSurface> surfaces,
+                                                             std::span<const View> views, const PreviewOptions& options,
+                                                             const Progress* progress = nullptr);
 
 }  // namespace voxtone::slicer

@@ -2,8 +2,11 @@
 #include "slicer/look/report_views.h"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
+#include "base/contracts.h"
+#include "base/parallel.h"
 #include "io/report/report_picture.h"
 
 namespace voxtone::slicer {
@@ -26,13 +29,27 @@ ReportViews::ReportViews(const ColouredSurface& framed, bool is_picture, double 
 }
 
 io::Picture8 ReportViews::add(const char* caption, const ColouredSurface& surface) {
+    const std::string captions[] = {caption};
+    return add_all(captions, std::span(&surface, 1));
+}
+
+void ReportViews::add(std::span<const std::string> captions, std::span<const ColouredSurface> surfaces) {
+    (void)add_all(captions, surfaces);
+}
+
+io::Picture8 ReportViews::add_all(std::span<const std::string> captions, std::span<const ColouredSurface> surfaces) {
+    VOXTONE_EXPECT(captions.size() == surfaces.size());
+    const std::vector<std::vector<Preview>> shown = render_views(surfaces, views_, options_, &progress_);
     io::Picture8 first;
-    const std::vector<Preview> shown = render_views(surface, views_, options_, &progress_);
-    for (std::size_t v = 0; v < views_.size(); ++v) {
-        io::Picture8 codes = io::encode_transparent(shown[v].picture);
-        report_.views[v].pictures.push_back(io::report_picture(caption, codes, shown[v].px_per_mm));
-        if (v == 0) first = std::move(codes);
-    }
+    std::vector<io::ReportPicture> pictures(shown.size() * views_.size());
+    parallel_for(0, pictures.size(), 1, [&](std::size_t i) {
+        const std::size_t s = i / views_.size(), v = i % views_.size();
+        io::Picture8 codes = io::encode_transparent(shown[s][v].picture);
+        pictures[i] = io::report_picture(captions[s], codes, shown[s][v].px_per_mm);
+        if (i == 0) first = std::move(codes);
+    });
+    for (std::size_t i = 0; i < pictures.size(); ++i)
+        report_.views[i % views_.size()].pictures.push_back(std::move(pictures[i]));
     return first;
 }
 

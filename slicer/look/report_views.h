@@ -4,6 +4,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 
 #include "base/progress.h"
 #include "io/pictures/picture_writer.h"
@@ -21,10 +22,14 @@ public:
 
     /// Draws it from every side. The first side's picture, for a file.
     io::Picture8 add(const char* caption, const ColouredSurface& surface);
+    /// Surfaces of one mesh.
+    void add(std::span<const std::string> captions, std::span<const ColouredSurface> surfaces);
 
     [[nodiscard]] double px_per_mm() const { return options_.px_per_mm; }
 
 private:
+    /// The first side's picture of the first.
+    io::Picture8 add_all(std::span<const std::string> captions, std::span<const ColouredSurface> surfaces);
     std::span<const View> views_;
     PreviewOptions options_;
     io::Report& report_;

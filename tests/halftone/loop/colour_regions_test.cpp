@@ -55,7 +55,7 @@ TEST_CASE("A card has paper, a solid and strokes, blurred edges are none of them
     CHECK(regions[1].interior.size() == (39 - 14) * (40 - 14));
     CHECK(regions[2].kind == RegionKind::strokes);
     CHECK(regions[2].cells.size() == 6 * 3 * 40);
-    CHECK(cells_around(surface, regions[1], 1).size() == 41 * 42 - 39 * 40);
+    CHECK(CellNeighbours(surface).around(regions[1], 1).size() == 41 * 42 - 39 * 40);
 }
 
 TEST_CASE("What photographs hold is no region", "[loop]") {
@@ -143,6 +143,7 @@ TEST_CASE("A rim of another hue is told, a darker one is not", "[loop]") {
     const optics::Surface surface = test::flat_surface(n, n, cell_mm);
     const Colours target = card();
     const ColourRegion red_square = colour_regions(surface, target)[1];
+    const CellNeighbours cells(surface);
     const auto with_rim = [&](const Eigen::Vector3f& factor) {
         Colours print = target;
         for (int y = 3; y < 57; ++y)
@@ -151,7 +152,7 @@ TEST_CASE("A rim of another hue is told, a darker one is not", "[loop]") {
                     Eigen::Vector3f& rgb = print[static_cast<std::size_t>(y * n + x)];
                     rgb = rgb.cwiseProduct(factor);
                 }
-        return rim_chroma(red_square, surface, target, print);
+        return rim_chroma(red_square, cells, target, print);
     };
     CHECK(with_rim({1, 1, 1}) == Approx(0).margin(1e-6));
     CHECK(with_rim({0.8f, 0.8f, 0.8f}) < 0.5);
@@ -159,7 +160,7 @@ TEST_CASE("A rim of another hue is told, a darker one is not", "[loop]") {
     // What lies farther off than 0.6 mm is no rim.
     Colours far = target;
     for (int y = 0; y < n; ++y) far[static_cast<std::size_t>(y * n + 65)] = {1, 1, 0};
-    CHECK(rim_chroma(red_square, surface, target, far) == Approx(0).margin(1e-6));
+    CHECK(rim_chroma(red_square, cells, target, far) == Approx(0).margin(1e-6));
 }
 
 TEST_CASE("A letter of two cells' width is a stroke like its wider neighbours", "[loop]") {

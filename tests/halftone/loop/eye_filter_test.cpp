@@ -253,6 +253,28 @@ TEST_CASE("the filter has the same bits for any number of threads", "[eye_filter
     CHECK(seen != rgb);
 }
 
+TEST_CASE("two pictures at once look as each does alone, and the narrowest Gaussian alone as with the others",
+          "[eye_filter]") {
+    optics::Surface surface = plate(5, 4, 0.0847);
+    append(surface, sphere(3, 9000));
+    std::array<std::vector<Eigen::Vector3f>, 2> rgb;
+    for (std::size_t i = 0; i < surface.cells.size(); ++i)
+        for (std::size_t p = 0; p < 2; ++p) {
+            RandomStream random(11 + p, i);
+            rgb[p].emplace_back(static_cast<float>(random.uniform()), static_cast<float>(random.uniform()), 0.5F);
+        }
+    const EyeFilter eye(surface, distance_mm, EyeSurround::none);
+    const std::array<EyeFilter::Views, 2> both = eye.views(rgb[0], rgb[1]);
+    const EyeFilter narrow(surface, distance_mm, EyeSurround::none, OpponentSpace::neutral, EyeParts::narrowest);
+    for (std::size_t p = 0; p < 2; ++p) {
+        const EyeFilter::Views alone = eye.views(rgb[p]);
+        CHECK(both[p].filtered == alone.filtered);
+        CHECK(both[p].smoothed == alone.smoothed);
+        CHECK(narrow.smoothed(rgb[p]) == alone.smoothed);
+    }
+    CHECK(both[0].smoothed != both[1].smoothed);
+}
+
 TEST_CASE("a viewing distance that is none is refused, and a surface without cells is none", "[eye_filter]") {
     const optics::Surface surface = plate(1, 1, 0.1);
     CHECK_THROWS_AS(EyeFilter(surface, 0), InputError);

@@ -82,6 +82,42 @@ TEST_CASE("The white twin is solid where the volume is, and of one resin") {
     CHECK(twin.memory_bytes() < volume.memory_bytes() / 2);
 }
 
+TEST_CASE("Blocks that are made anew are, and nothing else is") {
+    const std::array<int, 3> size{37, 50, 41};
+    const auto made = [](int x, int y, int z) { return y < 18 || (x > 5 && x < 9) ? 0 : 1 + (x + y + z) % 4; };
+    const ResinVolume volume = make_resin_volume(size, j750, made);
+    /// Of a mixed block, of one that was all solid, of one that was air; what it gets is what `all_of` has there.
+    class Painter final : public BlockRemake {
+    public:
+        [[nodiscard]] bool touches(const std::array<int, 3>& block) const override {
+            return block == std::array{0, 1, 1} || block == std::array{2, 3, 2} || block == std::array{1, 0, 0};
+        }
+        void remake(const std::array<int, 3>& block, std::span<Material> voxels) const override {
+            for (std::size_t i = 0; i < voxels.size(); ++i)
+                if (voxels[i] != air && i % 3 == 0) voxels[i] = static_cast<Material>(8 + block[0] + i % 2);
+            if (block[1] == 0) voxels[5] = 9;
+        }
+    };
+    const Painter painter;
+    const ResinVolume print = remade(volume, 7, &painter);
+    std::size_t wrong = 0;
+    for (int z = 0; z < size[2]; ++z)
+        for (int y = 0; y < size[1]; ++y)
+            for (int x = 0; x < size[0]; ++x) {
+                const std::array<int, 3> block{x / 16, y / 16, z / 16};
+                const int i = (z % 16 * 16 + y % 16) * 16 + x % 16;
+                int expected = made(x, y, z) == 0 ? 0 : 7;
+                if (painter.touches(block)) {
+                    if (expected == 7 && i % 3 == 0) expected = 8 + block[0] + i % 2;
+                    if (block[1] == 0 && i == 5) expected = 9;
+                }
+                wrong += print.at(x, y, z) != expected;
+            }
+    CHECK(wrong == 0);
+    CHECK(print.at(21, 0, 0) == 9);
+    CHECK(print.count()[10] > 0);
+}
+
 TEST_CASE("Boxes of one material are known as such") {
     const ResinVolume volume = make_resin_volume({64, 64, 64}, j750, [](int x, int, int) { return x < 40 ? 2 : 3; });
     CHECK(volume.uniform_material({0, 0, 0}, {40, 64, 64}) == 2);

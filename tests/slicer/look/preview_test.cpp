@@ -284,6 +284,25 @@ TEST_CASE("Pictures carry the same bits for any number of threads") {
     }
 }
 
+TEST_CASE("Surfaces of one mesh are drawn as each is alone") {
+    const Body body = marker();
+    Body other = body;
+    for (std::size_t t = 0; t < other.rgb.size(); ++t) other.rgb[t] = Vector3f::Constant(0.01f * float(t));
+    const ColouredSurface first = body.surface();
+    const std::array surfaces{first, ColouredSurface{first.positions_mm, first.triangles, other.surface().colour}};
+    const PreviewOptions options{13.7, 3, 1, true};
+    const auto drawn = render_views(surfaces, all_views(), options);
+    REQUIRE(drawn.size() == 2);
+    for (std::size_t s = 0; s < 2; ++s) {
+        const std::vector<Preview> alone = render_views(surfaces[s], all_views(), options);
+        for (std::size_t v = 0; v < all_views().size(); ++v) {
+            CHECK(drawn[s][v].view == alone[v].view);
+            CHECK(drawn[s][v].picture.pixels == alone[v].picture.pixels);
+        }
+    }
+    CHECK(drawn[0][0].picture.pixels != drawn[1][0].picture.pixels);
+}
+
 TEST_CASE("Nothing, slivers and too much") {
     Body body;
     CHECK(covered_px(render(body.surface(), View::front, {}).front().picture) == 0);
