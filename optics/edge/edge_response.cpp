@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <Eigen/LU>
 
@@ -129,7 +130,7 @@ EdgeCells::EdgeCells(int halvings) {
             finer.push_back((half[k - 1] + half[k]) / 2);
             finer.push_back(half[k]);
         }
-        half = finer;
+        half = std::move(finer);
     }
     for (std::size_t k = half.size() - 1; k > 0; --k) edges_.push_back(-half[k]);
     edges_.insert(edges_.end(), half.begin(), half.end());
