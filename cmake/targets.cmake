@@ -124,12 +124,13 @@ function(voxtone_add_module name)
   voxtone_install_helper(${name} LIBRARY)
 endfunction()
 
-# voxtone_add_test(<name> [SLOW] LABELS <label>... LIBRARIES <target>... SOURCES <file>...)
-# Catch2 tests, one ctest per TEST_CASE. Labels: unit (below half a second each), slow, statistical, corpus, app. SLOW: cases
+# voxtone_add_test(<name> [SLOW] [TOGETHER] LABELS <label>... LIBRARIES <target>... SOURCES <file>...)
+# Catch2 tests, one ctest per TEST_CASE; TOGETHER: one for all of them, where they share what takes long to make, or are linked
+# with OpenImageIO, whose libraries take 0.3 s of a processor at each start. Labels: unit (below half a second each), slow, statistical, corpus, app. SLOW: cases
 # tagged [slow] take longer, and have the label `slow` instead. The target unit_tests builds all that is labelled unit.
 # A test one of whose libraries is missing is left out, and said to be: in its place stands a target that is never built.
 function(voxtone_add_test name)
-  cmake_parse_arguments(ARG "SLOW" "" "LABELS;LIBRARIES;SOURCES" ${ARGN})
+  cmake_parse_arguments(ARG "SLOW;TOGETHER" "" "LABELS;LIBRARIES;SOURCES" ${ARGN})
   foreach(library IN LISTS ARG_LIBRARIES)
     if(NOT TARGET ${library})
       message(STATUS "voxtone without ${name}: no ${library}")
@@ -152,6 +153,16 @@ function(voxtone_add_test name)
   if("unit" IN_LIST ARG_LABELS)
     add_dependencies(unit_tests ${name})
     set(cost 0)
+  endif()
+  if(ARG_TOGETHER)
+    if(ARG_SLOW)
+      add_test(NAME ${name}_slow COMMAND ${name} "[slow]")
+      set_tests_properties(${name}_slow PROPERTIES LABELS slow COST 20 SKIP_RETURN_CODE 77)
+      set(quick "~[slow]")
+    endif()
+    add_test(NAME ${name} COMMAND ${name} ${quick})
+    set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" COST ${cost} SKIP_RETURN_CODE 77)
+    return()
   endif()
   if(ARG_SLOW)
     catch_discover_tests(${name} EXTRA_ARGS ${no_tests_fail} TEST_SPEC "[slow]" TEST_PREFIX "${name}: " PROPERTIES LABELS slow COST 10 SKIP_RETURN_CODE 77)

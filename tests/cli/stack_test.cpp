@@ -220,12 +220,12 @@ TEST_CASE("verify finds what was spoiled, by name, with exit code 6") {
 TEST_CASE("A picture becomes a slab with its colours on top, upright") {
     const Folder folder("picture");
     const std::string picture = std::string(VOXTONE_SOURCE_DIR) + "/examples/models/spot/spot_texture.png";
-    REQUIRE(run_program(fmt::format("slice --quiet --iterations 0 {} --width 12mm --thickness 2mm -o {}", picture,
+    REQUIRE(run_program(fmt::format("slice --quiet --iterations 0 {} --width 6mm --thickness 2mm -o {}", picture,
                                     folder / "out"))
                 .exit_code == 0);
     const auto description = manifest(folder);
-    CHECK(description["size_px"] == nlohmann::json({284, 142}));  // 12 mm at 600 and 300 dpi, rounded up
-    CHECK(description["layers"] == 75);                           // 2 mm / 27 um, rounded up
+    CHECK(description["size_px"] == nlohmann::json({142, 71}));  // 6 mm at 600 and 300 dpi, rounded up
+    CHECK(description["layers"] == 75);                          // 2 mm / 27 um, rounded up
     CHECK(std::filesystem::exists(folder / "out/report.html"));
     CHECK(std::filesystem::exists(folder / "out/target.png"));
     CHECK(std::filesystem::exists(folder / "out/predicted.png"));

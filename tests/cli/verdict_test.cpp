@@ -156,22 +156,22 @@ double seen(const nlohmann::json& report) { return report["verdict"]["seen_de200
 
 TEST_CASE("Whoever follows an advice prints better") {
     const Folder folder("advice");
-    // Squares of 0.6 mm at 6 mm, of colours that the resins have.
-    write_sheet(folder, "squares.png", 60, 40, [](int x, int y) {
+    // Squares of 0.6 mm at 4.8 mm, of colours that the resins have.
+    write_sheet(folder, "squares.png", 48, 36, [](int x, int y) {
         return (x / 6 + y / 6) % 2 ? std::array{205, 190, 120} : std::array{90, 120, 140};
     });
     const std::string squares = folder / "squares.png" + " --thickness 2mm --resins vero-opaque";
-    const auto open = verdict_of(folder, squares + " --width 6mm --iterations 0");
+    const auto open = verdict_of(folder, squares + " --width 4.8mm --iterations 0");
     REQUIRE(advises(open, "--iterations auto"));
-    const auto looped = verdict_of(folder, squares + " --width 6mm --iterations 4");
+    const auto looped = verdict_of(folder, squares + " --width 4.8mm --iterations 4");
     CHECK(seen(looped) < 0.8 * seen(open));
     // Not "larger" where the loop was cut short, larger where it was not.
     REQUIRE(advises(looped, "until it gains no more"));
-    const auto whole = verdict_of(folder, squares + " --width 6mm --iterations auto");
+    const auto whole = verdict_of(folder, squares + " --width 4.8mm --iterations auto");
     CHECK(seen(whole) <= seen(looped));
     CHECK_FALSE(advises(whole, "--iterations"));
     REQUIRE(advises(open, "print it larger"));
-    CHECK(seen(verdict_of(folder, squares + " --width 18mm --iterations 0")) < 0.8 * seen(open));
+    CHECK(seen(verdict_of(folder, squares + " --width 14.4mm --iterations 0")) < 0.8 * seen(open));
 
     folder.write("plate.obj", ramp_box_obj(6, 0.5, 5));
     folder.write("block.obj", ramp_box_obj(6, 2.0, 5));

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <string>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -58,15 +59,42 @@ struct Bench {
         std::vector<std::string> warnings;
     };
 
-    [[nodiscard]] Read read() const {
-        const BenchCamera taken(setup, sheet, camera);
+    /// What the photographs without a slab say.
+    struct Lit {
+        BenchLight light;
+        BoardView board;
+        SheetReading sheet;
+    };
+    [[nodiscard]] Lit lit(const BenchCamera& taken) const {
         const CheckerChart chart = find_checker("colorchecker24");
         BenchLightPhotos photos{taken.of_checker(chart, 0), taken.of_sheet(1), std::nullopt};
         if (with_paper) photos.paper = taken.of_paper(2);
+        Lit result;
+        result.light = measure_bench_light(photos, chart, {}, result.board, 20);
+        result.sheet = read_sheet(cut_strip(photos.sheet, result.board, result.light.scale(photos.sheet)), "sheet");
+        return result;
+    }
+    /// Most benches do not differ in it: photographed once.
+    [[nodiscard]] bool is_lit_as_usual() const {
+        const auto light = [](const Bench& b) {
+            const BenchCameraOptions& c = b.camera;
+            return std::tuple(b.with_paper, b.setup.blur_mm, c.turn_deg, c.uneven, c.vignetting, c.electrons,
+                              c.exposure);
+        };
+        return light(*this) == light(Bench());
+    }
+
+    [[nodiscard]] Read read() const {
+        const BenchCamera taken(setup, sheet, camera);
+        static const Lit usual = [] {
+            const Bench bench;
+            return bench.lit(BenchCamera(bench.setup, bench.sheet, bench.camera));
+        }();
+        const Lit of_sheet = is_lit_as_usual() ? usual : lit(taken);
+        const BoardView& board = of_sheet.board;
         Read result;
-        BoardView board;
-        result.light = measure_bench_light(photos, chart, {}, board, 20);
-        result.sheet = read_sheet(cut_strip(photos.sheet, board, result.light.scale(photos.sheet)), "sheet");
+        result.light = of_sheet.light;
+        result.sheet = of_sheet.sheet;
         const BenchReference reference{
             &result.light, &result.sheet, board.place.to_px(Eigen::Vector2d::Zero()), 20, 10, 10};
         std::vector<SlabView> views;
@@ -274,8 +302,19 @@ TEST_CASE("photographs that cannot be measured are refused with a sentence", "[e
         bench.camera.scratches = 60;
         refused("scratched all over");
     }
+    SECTION("photographs in each other's places") {
+        const BenchCamera taken(bench.setup, bench.sheet, bench.camera);
+        const CheckerChart chart = find_checker("colorchecker24");
+        const io::Photograph checker = taken.of_checker(chart, 0), sheet = taken.of_sheet(1), paper = taken.of_paper(2);
+        const auto mistaken = [&](BenchLightPhotos photos, const char* why) {
+            BoardView board;
+            CHECK_THROWS_WITH(measure_bench_light(photos, chart, {}, board, 20), Contains(why));
+        };
+        mistaken({paper, sheet, paper}, "no colour checker");
+        mistaken({checker, paper, paper}, "no checkerboard found");
+        mistaken({checker, sheet, sheet}, "the light on the white paper");
+    }
     SECTION("a tone curve") {
-        bench.spoil = nullptr;
         const BenchCamera taken(bench.setup, bench.sheet, bench.camera);
         BenchLightPhotos photos{taken.of_checker(find_checker("colorchecker24"), 0), taken.of_sheet(1),
                                 taken.of_paper(2)};

@@ -50,7 +50,7 @@ Errors errors_of(const optics::ResinVolume& print, const optics::ResinSet& truth
     const auto values = [](const optics::ResinVolume& volume, const optics::ResinSet& set, optics::Surface& surface) {
         const optics::Scene scene{&volume, &set, optics::Backing::black, optics::Sides::mirrored};
         surface = find_surface(scene, {1, volume.size()[1], 1}, optics::SurfacePart::top);
-        return optics::MonteCarlo({.paths = 4000}).predict(scene, surface);
+        return optics::MonteCarlo({.paths = 2000}).predict(scene, surface);
     };
     const auto seen = [&](const optics::ResinSet& set, optics::Surface& surface) {
         const optics::Appearance white = values(optics::all_of(print, white_resin), set, surface),

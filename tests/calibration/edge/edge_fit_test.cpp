@@ -50,7 +50,7 @@ TEST_CASE("profiles between the records are those of a renderer that knows no re
     constexpr double allowed = 0.003;
     constexpr int renderings = 8;
     const EdgeSetup setup;
-    EdgeGrid grid = small_grid(2, 12, 1u << 18);
+    EdgeGrid grid = small_grid(2, 12, 1u << 17);
     grid.thickness_mm = {0.5};
     EdgeProfileTable table(traced(grid, setup), setup);
     table.prepare(0.4, false);
@@ -65,7 +65,7 @@ TEST_CASE("profiles between the records are those of a renderer that knows no re
                                           albedo,
                                           0.4,
                                           setup.sheet(channel),
-                                          1u << 16,
+                                          1u << 15,
                                           77u + static_cast<std::uint64_t>(k)};
             const std::vector<double> rendered = optics::render_edge(scene, 4, 0.1);
             sum.resize(rendered.size()), squares.resize(rendered.size());

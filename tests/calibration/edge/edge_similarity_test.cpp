@@ -100,8 +100,11 @@ TEST_CASE("media that are similar to a fit lie where the distance is least at ot
 }
 
 TEST_CASE("g comes back from profiles, one for all resins or one for each", "[edge]") {
-    EdgeProfileTable table = small_table({0.2, 0.3, 0.4, 0.5, 0.6}, 1u << 14);
-    table.prepare(truth_g, true);
+    static EdgeProfileTable table = [] {  // once for both sections
+        EdgeProfileTable made = small_table({0.2, 0.3, 0.4, 0.5, 0.6}, 1u << 14);
+        made.prepare(truth_g, true);
+        return made;
+    }();
     const auto measured = [&](double g_a, double g_b) {
         std::vector<EdgeProfile> profiles;
         for (std::size_t t = 0; t < 2; ++t) {

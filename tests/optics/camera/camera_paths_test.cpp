@@ -253,7 +253,7 @@ TEST_CASE("a flat slab seen from all sides is as bright as what leaves it") {
     const Sky sky = even_sky();
 
     const Surface surface = find_surface(scene, {4, 4, 30}, SurfacePart::top);
-    const Appearance seen = MonteCarlo({.paths = 200000, .seed = 3}).predict(scene, part_of(surface, std::array{112u}));
+    const Appearance seen = MonteCarlo({.paths = 100000, .seed = 3}).predict(scene, part_of(surface, std::array{112u}));
     REQUIRE(surface.cells.size() == 225);
 
     // Flux = integral of L over d(mu^2); the mirrored part is known.
@@ -269,7 +269,7 @@ TEST_CASE("a flat slab seen from all sides is as bright as what leaves it") {
         before.view.width_px = before.view.height_px = 1;
         before.sky = &sky;
         before.prints.push_back({&scene, &box, nullptr, {0, 0, 0}});
-        const CameraPicture picture = take(before, 50000, k + 1);
+        const CameraPicture picture = take(before, 25000, k + 1);
         const double mirrored = fresnel_reflectance(mu, resins.eta);
         entered += rule.w[k] * (1 - mirrored);
         for (std::size_t c = 0; c < 3; ++c) {
@@ -369,7 +369,7 @@ TEST_CASE("a print that absorbs nothing beside a ground that does not either is 
         CameraScene scene = ball.before(view_of_ball(24, 24), sky, &finish);
         scene.view.position = {2, -80, 50};
         scene.ground = Ground{{0, 0, 1}, 0.35, {1, 1, 1}};
-        const CameraPicture picture = take(scene, 512);
+        const CameraPicture picture = take(scene, 256);
         // Of the ground and of the ball alone: what one gains the other must not hide.
         std::array<double, 2> sum{}, variance{}, count{};
         for (std::size_t i = 0; i < picture.value.size(); ++i) {
@@ -396,8 +396,8 @@ TEST_CASE("the errors that a picture tells are those that its seeds have") {
     scene.ground = Ground{{0, 0, 1}, 0.35, {0.6, 0.5, 0.3}};
     for (const double filter_px : {0.0, 0.5}) {
         // Variances: per channel over all pixels, then of luminance over those that see the ball.
-        // Some 400 pixels with 15 degrees of freedom each: the ratio is known to 2 %.
-        constexpr int seeds = 16;
+        // Some 400 pixels with 7 degrees of freedom each: the ratio is known to 3 %.
+        constexpr int seeds = 8;
         std::vector<CameraPicture> pictures;
         for (int k = 0; k < seeds; ++k)
             pictures.push_back(take(scene, 16, 100 + static_cast<std::uint64_t>(k), filter_px));
@@ -435,7 +435,7 @@ TEST_CASE("a filter blurs and keeps the light, and noise falls to a third") {
     const Ball ball(one_resin(profile_sigma, profile_albedo));
     const Sky sky = even_sky();
     const CameraScene scene = ball.before(view_of_ball(48, 48), sky);
-    const CameraPicture square = take(scene, 400, 1, 0), gauss = take(scene, 400, 2, 0.5);
+    const CameraPicture square = take(scene, 200, 1, 0), gauss = take(scene, 200, 2, 0.5);
     const auto mean_inside = [](const CameraPicture& picture) {  // of the ball's middle
         double sum = 0;
         for (std::size_t y = 16; y < 32; ++y)

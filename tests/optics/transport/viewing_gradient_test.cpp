@@ -189,7 +189,7 @@ struct Agreement {
     double cosine = 0, scale = 0;  ///< of the gradient's promises with the differences that other resins make
 };
 
-/// In twelve places a sixth of the voxels around get another resin: the mean of the derivatives before and after is
+/// In eight places a sixth of the voxels around get another resin: the mean of the derivatives before and after is
 /// right to second order. Differences are those of predictions of eight sweeps.
 Agreement against_differences(const Body& body, const TransportOptions& options) {
     const ResinVolume volume = body.volume();
@@ -207,7 +207,7 @@ Agreement against_differences(const Body& body, const TransportOptions& options)
     };
     double dd = 0, dg = 0, gg = 0;
     voxtone::RandomStream draw(11, 0);
-    for (int trial = 0; trial < 12; ++trial) {
+    for (int trial = 0; trial < 8; ++trial) {
         std::array<int, 3> at{};
         const double wanted = 0.01 + 0.027 * (trial % 4) * 4;
         do

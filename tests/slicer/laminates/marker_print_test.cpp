@@ -50,15 +50,15 @@ Marker look_at(const fs::path& out) {
         const io::LayerRuns layer = reader.read(k, stack.palette());
         for (std::uint32_t y = 0; y < layer.rows(); ++y) {
             std::uint32_t x = 0;
+            const double mm = stack.size_mm[1] - (y + 0.5) * stack.pitch_um[1] * 1e-3;
+            const int row = int(mm);
+            const bool is_middle = std::abs(mm - row - 0.5) <= 0.05;
             for (const io::Run run : layer.row(y)) {
                 marker.voxels[run.material] += run.length;
-                for (int cell = 0; cell < edge; ++cell) {
+                for (int cell = 0; is_middle && run.material != io::background && cell < edge; ++cell) {
                     // The middle of the cell.
                     const auto column = std::uint32_t((cell + 0.5) * 1000 / stack.pitch_um[0]);
-                    const double mm = stack.size_mm[1] - (y + 0.5) * stack.pitch_um[1] * 1e-3;
-                    const int row = int(mm);
-                    if (column < x || column >= x + run.length || std::abs(mm - row - 0.5) > 0.05) continue;
-                    if (run.material == io::background) continue;
+                    if (column < x || column >= x + run.length) continue;
                     marker.above[std::size_t(row)][std::size_t(cell)] = io::Material(run.material);
                     marker.top[std::size_t(row)][std::size_t(cell)] = int(k);
                     if (k == 0) marker.below[std::size_t(row)][std::size_t(cell)] = io::Material(run.material);
