@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The memory that the two halves of an iteration take in turns, 32 bytes a cell.
+// The memory that an iteration works in, 48 bytes a cell. Its two halves take 16 of them in turns.
 //
 //   sweep        `up`, `down`        phi and J of the light that runs up, and down
 //   correction   `vector(0 .. 3)`    over `down`: the four vectors of the conjugate gradients
-//                `equations`         over `up`
+//   both         `equations`         of the corrections, made once for all of a channel
 //
 // What a half wrote is gone once the other half has written over it: the correction reads `down` before it writes a
-// vector, and `up` before it makes the equations.
+// vector.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <new>
@@ -25,20 +26,18 @@ public:
     /// Room for so many cells, a multiple of 64. What it holds then is anything.
     void resize(std::size_t cells) {
         if (cells > room_) {
-            first_.reset();
-            second_.reset();
-            first_ = make(cells);
-            second_ = make(cells);
+            for (Bytes& bytes : bytes_) bytes.reset();
+            for (Bytes& bytes : bytes_) bytes = make(cells);
             room_ = cells;
         }
         cells_ = cells;
     }
 
-    [[nodiscard]] std::span<Moments> up() { return {as<Moments>(first_), cells_}; }
-    [[nodiscard]] std::span<Moments> down() { return {as<Moments>(second_), cells_}; }
-    [[nodiscard]] std::span<BlockStencil<4>> equations() { return {as<BlockStencil<4>>(first_), cells_ / 64}; }
-    [[nodiscard]] std::span<float> vector(std::size_t i) { return {as<float>(second_) + i * cells_, cells_}; }
-    [[nodiscard]] std::size_t memory_bytes() const { return 2 * room_ * sizeof(Moments); }
+    [[nodiscard]] std::span<Moments> up() { return {as<Moments>(bytes_[0]), cells_}; }
+    [[nodiscard]] std::span<Moments> down() { return {as<Moments>(bytes_[1]), cells_}; }
+    [[nodiscard]] std::span<BlockStencil<4>> equations() { return {as<BlockStencil<4>>(bytes_[2]), cells_ / 64}; }
+    [[nodiscard]] std::span<float> vector(std::size_t i) { return {as<float>(bytes_[1]) + i * cells_, cells_}; }
+    [[nodiscard]] std::size_t memory_bytes() const { return bytes_.size() * room_ * sizeof(Moments); }
 
 private:
     static_assert(sizeof(BlockStencil<4>) == 64 * sizeof(Moments) && sizeof(Moments) == 4 * sizeof(float));
@@ -54,7 +53,7 @@ private:
     }
 
     std::size_t cells_ = 0, room_ = 0;
-    Bytes first_, second_;
+    std::array<Bytes, 3> bytes_;
 };
 
 }  // namespace voxtone::optics

@@ -30,7 +30,8 @@ using I8 = std::int32_t __attribute__((vector_size(32)));
 struct Ways {
     int nx, ny, nz;    ///< cells of a block
     V8 ax, ay, az, a;  ///< (1 + theta) |Omega| / h, and their sum
-    V8 theta, twice;   ///< theta, 2 / (1 + theta)
+    V8 theta;
+    V8 weights[4];  ///< {w, w Omega} / (1 + theta) of directions 2 k and 2 k + 1
 };
 
 /// Cells and faces of the two kinds of blocks.
@@ -43,7 +44,6 @@ struct CellKind {
 struct Octant {
     Ways ways[2];          ///< fine cells, coarse ones
     V8 sx, sy, sz;         ///< 3 Omega
-    V8 weights[4];         ///< {w, w Omega} / 2 of directions 2 k and 2 k + 1
     V8 along[3], flux[3];  ///< |Omega|, w |Omega|
     bool back[3];
     unsigned in_bit[3], out_bit[3];
@@ -89,7 +89,6 @@ Octant make_octant(const ViewingGrid& grid, int octant, const std::array<CellKin
         const auto& [n, h, theta] = kinds[kind];
         Ways& ways = o.ways[kind];
         ways.theta += theta;
-        ways.twice += 2 / (1 + theta);
         ways.nx = n[0];
         ways.ny = n[1];
         ways.nz = n[2];
@@ -107,15 +106,16 @@ Octant make_octant(const ViewingGrid& grid, int octant, const std::array<CellKin
     o.sx = 3 * cosine[0];
     o.sy = 3 * cosine[1];
     o.sz = 3 * cosine[2];
-    w *= 0.5f;  // the moments are taken of 2 psi
-    for (int d = 0; d < 8; ++d) {
-        V8& pair = o.weights[d / 2];
-        const int at = 4 * (d % 2);
-        pair[at] = w[d];
-        pair[at + 1] = w[d] * cosine[0][d];
-        pair[at + 2] = w[d] * cosine[1][d];
-        pair[at + 3] = w[d] * cosine[2][d];
-    }
+    for (Ways& ways : o.ways)
+        for (int d = 0; d < 8; ++d) {
+            V8& pair = ways.weights[d / 2];
+            const int at = 4 * (d % 2);
+            const float weight = w[d] / (1 + ways.theta[0]);
+            pair[at] = weight;
+            pair[at + 1] = weight * cosine[0][d];
+            pair[at + 2] = weight * cosine[1][d];
+            pair[at + 3] = weight * cosine[2][d];
+        }
     return o;
 }
 
@@ -143,7 +143,7 @@ struct BlockFaces {
 };
 
 /// What a medium does, the same for all octants: with d = 1 + theta: gain = d / (sigma + sum d |Omega| / h),
-/// pass = gain d |Omega_x| / h_x - theta, sigma = fit sigma_t; twice psi averaged over the cell is fit (2 psi) + rest q
+/// pass = gain d |Omega_x| / h_x - theta, sigma = fit sigma_t; d psi averaged over the cell is fit (d psi) + rest q
 /// fit.
 struct MediumWays {
     Octet gain, pass, fit, rest;
@@ -164,7 +164,7 @@ void fit_medium(const Ways& ways, const TransportMedium& medium, double theta, M
         out.gain.v[i] = static_cast<float>(gain);
         out.pass.v[i] = static_cast<float>(gain * static_cast<double>(ways.ax[d]) - theta);
         out.fit.v[i] = static_cast<float>(fit);
-        out.rest.v[i] = static_cast<float>(2 * lack / (sigma * fit));
+        out.rest.v[i] = static_cast<float>((1 + theta) * lack / (sigma * fit));
         out.sigma_s = medium.sigma_s;
         out.linear = medium.linear;
     }
@@ -182,12 +182,11 @@ HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const MediumWays& 
     px = out;
     py = both - ways.theta * py;
     pz = both - ways.theta * pz;
-    const V8 centre = both * ways.twice;
-    const V8 twice = as_vector(medium.fit) * centre + as_vector(medium.rest) * fitted;
-    V8 moment = __builtin_shuffle(twice, I8{0, 0, 0, 0, 1, 1, 1, 1}) * o.weights[0];
-    V8 other = __builtin_shuffle(twice, I8{2, 2, 2, 2, 3, 3, 3, 3}) * o.weights[1];
-    moment += __builtin_shuffle(twice, I8{4, 4, 4, 4, 5, 5, 5, 5}) * o.weights[2];
-    other += __builtin_shuffle(twice, I8{6, 6, 6, 6, 7, 7, 7, 7}) * o.weights[3];
+    const V8 mean = as_vector(medium.fit) * both + as_vector(medium.rest) * fitted;
+    V8 moment = __builtin_shuffle(mean, I8{0, 0, 0, 0, 1, 1, 1, 1}) * ways.weights[0];
+    V8 other = __builtin_shuffle(mean, I8{2, 2, 2, 2, 3, 3, 3, 3}) * ways.weights[1];
+    moment += __builtin_shuffle(mean, I8{4, 4, 4, 4, 5, 5, 5, 5}) * ways.weights[2];
+    other += __builtin_shuffle(mean, I8{6, 6, 6, 6, 7, 7, 7, 7}) * ways.weights[3];
     moment += other;
     V4 low, high;
     std::memcpy(&low, &moment, sizeof low);
@@ -210,18 +209,16 @@ HWY_INLINE void inner_row(const Octant& o, const Ways& ways, const MediumWays* m
     px_in_out = px;
 }
 
-/// What comes in and goes out through outer faces.
+/// What comes in and goes out through outer faces, by where they keep their light: among the core's with `into_core`
+/// set.
 struct Outside {
     const SweepJob& job;
     const Octant& o;
 
-    /// Where a face keeps its light, among the core's with `into_core` set.
-    [[nodiscard]] std::size_t place(std::size_t face) const { return job.grid.place_of_face[face]; }
     [[nodiscard]] std::size_t slot(std::size_t place, int axis) const {
         return 4 * (place & ~std::size_t{into_core}) + static_cast<unsigned>(o.signs[axis]);
     }
-    void take(int axis, std::size_t face, V8& p) const {
-        const std::size_t at = place(face);
+    void take(int axis, std::size_t at, V8& p) const {
         if (at & into_core) {
             const auto& [phi, J] = job.core_in[at & ~std::size_t{into_core}];
             p = phi - (3 * J) * o.along[axis];
@@ -229,16 +226,14 @@ struct Outside {
             load(p, &job.in[slot(at, axis)]);
         }
     }
-    void give(int axis, std::size_t face, const V8& p) const {
-        const std::size_t at = place(face);
+    void give(int axis, std::size_t at, const V8& p) const {
         if (at & into_core)
             job.core_out[slot(at, axis)] = flux(axis, p);
         else
             store(p, &job.out[slot(at, axis)]);
     }
     /// A part of a face, which was cleared before.
-    void give_part(int axis, std::size_t face, const V8& p, float share) const {
-        const std::size_t at = place(face);
+    void give_part(int axis, std::size_t at, const V8& p, float share) const {
         if (at & into_core) {
             job.core_out[slot(at, axis)] += share * flux(axis, p);
         } else {
@@ -248,8 +243,7 @@ struct Outside {
             store(sum, &job.out[slot(at, axis)]);
         }
     }
-    void clear(int axis, std::size_t face) const {
-        const std::size_t at = place(face);
+    void clear(int axis, std::size_t at) const {
         if (at & into_core)
             job.core_out[slot(at, axis)] = 0;
         else
@@ -265,29 +259,122 @@ private:
     }
 };
 
-/// Parts of a cell along each axis: one in a whole block, where the compiler leaves out all that is said of them.
-template <bool has_parts>
-HWY_INLINE std::array<int, 3> split_of(const ViewingGrid& grid) {
-    if constexpr (has_parts)
-        return grid.fine.split;
+HWY_INLINE void cross_row(const Octant& o, const Ways& ways, const MediumWays* media, const std::uint16_t* medium,
+                          const Moments* light, Moments* sum, int row, V8* row_y, V8* row_z, V8& px) {
+    if (o.back[0])
+        inner_row<-1>(o, ways, media, medium, light, sum, row, row_y, row_z, px);
     else
-        return {1, 1, 1};
+        inner_row<1>(o, ways, media, medium, light, sum, row, row_y, row_z, px);
 }
 
-/// Cells of a block, or parts of them. Outer faces are those of whole cells: all parts get the light that enters there,
-/// and what leaves is their mean.
-template <bool has_parts>
-void sweep_block(const SweepJob& job, const Octant& o, const std::vector<MediumWays>& media_ways, std::size_t t,
-                 const GridBlock& block, const BlockFaces& faces) {
+/// A whole block of solid cells: its outer faces are faces of the block.
+void sweep_solid_block(const SweepJob& job, const Octant& o, const MediumWays* media, const GridBlock& block,
+                       const BlockFaces& faces) {
+    const Ways ways = o.ways[1];
+    const std::uint16_t* const medium = job.grid.medium.data() + block.first_cell;
+    const Moments* const light = job.cells.light.data() + block.first_cell;
+    Moments* const sum = job.cells.sum.data() + block.first_cell;
+    const Outside outside{job, o};
+    const auto each_face = [&](int axis, unsigned bit, auto&& body) {
+        for (unsigned f = block.first_facing[bit]; f < block.first_facing[bit + 1]; ++f) {
+            const auto& [place, cell] = job.grid.by_facing[block.first_face + f];
+            body(place, axis == 0   ? faces.x[cell / 4]
+                        : axis == 1 ? faces.y[cell / 16 * 4 + cell % 4]
+                                    : faces.z[cell % 16]);
+        }
+    };
+    for (int a = 0; a < 3; ++a) each_face(a, o.in_bit[a], [&](std::size_t place, V8& p) { outside.take(a, place, p); });
+    for (int kz = 0; kz < 4; ++kz) {
+        const int z = o.back[2] ? 3 - kz : kz;
+        for (int ky = 0; ky < 4; ++ky) {
+            const int y = o.back[1] ? 3 - ky : ky;
+            cross_row(o, ways, media, medium, light, sum, (z * 4 + y) * 4, faces.y + z * 4, faces.z + y * 4,
+                      faces.x[z * 4 + y]);
+        }
+    }
+    for (int a = 0; a < 3; ++a)
+        each_face(a, o.out_bit[a], [&](std::size_t place, const V8& p) { outside.give(a, place, p); });
+}
+
+/// Radiance on all faces of a block's cells across each axis, five planes of them; those across x of a row one after
+/// the other.
+struct CellFaces {
+    V8 x[80], y[80], z[80];
+};
+/// The lower faces of a cell: the upper ones are 1, 4 and 16 further.
+constexpr unsigned x_face(unsigned cell) { return cell + (cell >> 2); }
+constexpr unsigned y_face(unsigned cell) { return cell + (cell >> 4 << 2); }
+
+/// In which order a half of the bits of a word is exchanged with the other one.
+HWY_INLINE std::uint64_t exchange(std::uint64_t bits, int step, std::uint64_t low) {
+    return (bits & low) << step | (bits >> step & low);
+}
+
+/// A whole block at the surface. Which cells are solid and which of their faces lie outside is as
+/// good as random, and a branch for each would be guessed wrongly: light that enters is put on its faces first, then
+/// the solid cells are crossed, then what leaves is taken from there.
+void sweep_surface_block(const SweepJob& job, const Octant& o, const MediumWays* media, const GridBlock& block,
+                         const BlockFaces& faces, CellFaces& on) {
+    const Ways ways = o.ways[1];
+    const std::uint16_t* const medium = job.grid.medium.data() + block.first_cell;
+    const Moments* const light = job.cells.light.data() + block.first_cell;
+    Moments* const sum = job.cells.sum.data() + block.first_cell;
+    const FacingFace* const by_facing = job.grid.by_facing.data() + block.first_face;
+    const Outside outside{job, o};
+    const unsigned in[3] = {o.back[0] ? 1u : 0u, o.back[1] ? 4u : 0u, o.back[2] ? 16u : 0u},
+                   out[3] = {1 - in[0], 4 - in[1], 16 - in[2]};
+    for (unsigned j = 0; j < 16; ++j) {
+        on.x[5 * j + 4 * in[0]] = faces.x[j];
+        on.y[j / 4 * 20 + 4 * in[1] + j % 4] = faces.y[j];
+        on.z[4 * in[2] + j] = faces.z[j];
+    }
+    const auto each_face = [&](int axis, unsigned bit, auto&& body) {
+        for (unsigned f = block.first_facing[bit]; f < block.first_facing[bit + 1]; ++f) {
+            const unsigned cell = by_facing[f].cell_in_block;
+            const bool upper = bit % 2;
+            if (axis == 0)
+                body(by_facing[f].place, on.x[x_face(cell) + (upper ? 1 : 0)]);
+            else if (axis == 1)
+                body(by_facing[f].place, on.y[y_face(cell) + (upper ? 4 : 0)]);
+            else
+                body(by_facing[f].place, on.z[cell + (upper ? 16 : 0)]);
+        }
+    };
+    for (int a = 0; a < 3; ++a) each_face(a, o.in_bit[a], [&](std::size_t place, V8& p) { outside.take(a, place, p); });
+    std::uint64_t solid = block.solid;  // in the order of this octant
+    if (o.back[0]) solid = exchange(exchange(solid, 1, 0x5555555555555555), 2, 0x3333333333333333);
+    if (o.back[1]) solid = exchange(exchange(solid, 4, 0x0f0f0f0f0f0f0f0f), 8, 0x00ff00ff00ff00ff);
+    if (o.back[2]) solid = exchange(exchange(solid, 16, 0x0000ffff0000ffff), 32, 0x00000000ffffffff);
+    const unsigned flip = (o.back[0] ? 3u : 0u) | (o.back[1] ? 12u : 0u) | (o.back[2] ? 48u : 0u);
+    for (; solid != 0; solid &= solid - 1) {
+        const unsigned cell = static_cast<unsigned>(__builtin_ctzll(solid)) ^ flip;
+        V8 *const x = on.x + x_face(cell), *const y = on.y + y_face(cell), *const z = on.z + cell;
+        V8 px = x[in[0]], py = y[in[1]], pz = z[in[2]];
+        cross_cell(o, ways, media[medium[cell]], light[cell], sum[cell], px, py, pz);
+        x[out[0]] = px;
+        y[out[1]] = py;
+        z[out[2]] = pz;
+    }
+    for (int a = 0; a < 3; ++a)
+        each_face(a, o.out_bit[a], [&](std::size_t place, const V8& p) { outside.give(a, place, p); });
+    for (unsigned j = 0; j < 16; ++j) {
+        faces.x[j] = on.x[5 * j + 4 * out[0]];
+        faces.y[j] = on.y[j / 4 * 20 + 4 * out[1] + j % 4];
+        faces.z[j] = on.z[4 * out[2] + j];
+    }
+}
+
+/// The parts of a block's cells. Outer faces are those of whole cells: all parts get the light that enters there, and
+/// what leaves is their mean.
+void sweep_parts(const SweepJob& job, const Octant& o, const MediumWays* media, std::size_t t, const GridBlock& block,
+                 const BlockFaces& faces) {
     const ViewingGrid& grid = job.grid;
-    const Ways ways = o.ways[has_parts ? 0 : 1];
-    const MediumWays* const media = media_ways.data();
-    const std::array<int, 3> split = split_of<has_parts>(grid);
-    const std::size_t first_cell = has_parts ? grid.fine.first[t] : block.first_cell;
-    const SweepCells& cells = has_parts ? job.parts : job.cells;
-    const std::uint16_t* const medium = (has_parts ? grid.fine.medium : grid.medium).data() + first_cell;
-    const Moments* const light = cells.light.data() + first_cell;
-    Moments* const sum = cells.sum.data() + first_cell;
+    const Ways ways = o.ways[0];
+    const std::array<int, 3> split = grid.fine.split;
+    const std::size_t first_part = grid.fine.first[t];
+    const std::uint16_t* const medium = grid.fine.medium.data() + first_part;
+    const Moments* const light = job.parts.light.data() + first_part;
+    Moments* const sum = job.parts.sum.data() + first_part;
     const std::uint8_t* const outer = grid.outer.data() + block.first_cell;
     const std::int32_t* const links = block.first_link < 0 ? nullptr : grid.face_of_cell.data() + block.first_link;
     const Outside outside{job, o};
@@ -297,12 +384,9 @@ void sweep_block(const SweepJob& job, const Octant& o, const std::vector<MediumW
         share[a] = 1.0f / static_cast<float>(split[(a + 1) % 3] * split[(a + 2) % 3]);
         first[a] = o.back[a] ? split[a] - 1 : 0;
         last[a] = o.back[a] ? 0 : split[a] - 1;
+        for (unsigned f = block.first_facing[o.out_bit[a]]; f < block.first_facing[o.out_bit[a] + 1]; ++f)
+            outside.clear(static_cast<int>(a), grid.by_facing[block.first_face + f].place);
     }
-    if constexpr (has_parts)
-        for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
-            const auto facing = static_cast<unsigned>(grid.faces[f].facing);
-            if (o.out_bit[facing / 2] == facing) outside.clear(static_cast<int>(facing / 2), f);
-        }
     for (int kz = 0; kz < ways.nz; ++kz) {
         const int z = o.back[2] ? ways.nz - 1 - kz : kz;
         for (int ky = 0; ky < ways.ny; ++ky) {
@@ -321,10 +405,7 @@ void sweep_block(const SweepJob& job, const Octant& o, const std::vector<MediumW
                 if (part != last[a]) any &= ~(1u << o.out_bit[a]);
             }
             if (any == 0) {
-                if (o.back[0])
-                    inner_row<-1>(o, ways, media, medium, light, sum, row, row_y, row_z, px);
-                else
-                    inner_row<1>(o, ways, media, medium, light, sum, row, row_y, row_z, px);
+                cross_row(o, ways, media, medium, light, sum, row, row_y, row_z, px);
                 faces.x[z * ways.ny + y] = px;
                 continue;
             }
@@ -333,38 +414,38 @@ void sweep_block(const SweepJob& job, const Octant& o, const std::vector<MediumW
                 const int cell = whole + x / split[0], part[3] = {x % split[0], y % split[1], z % split[2]};
                 const unsigned bits = outer[cell];
                 if (bits & not_solid) continue;
-                const auto face_of = [&](unsigned bit) {
-                    return static_cast<std::size_t>(links[cell]) +
-                           static_cast<unsigned>(__builtin_popcount(bits & ((1u << bit) - 1)));
+                const auto place_of = [&](unsigned bit) {
+                    return grid.place_of_face[static_cast<std::size_t>(links[cell]) +
+                                              static_cast<unsigned>(__builtin_popcount(bits & ((1u << bit) - 1)))];
                 };
                 V8 p[3] = {px, row_y[x], row_z[x]};
                 for (int a = 0; a < 3; ++a)
-                    if (bits >> o.in_bit[a] & 1 && part[a] == first[a]) outside.take(a, face_of(o.in_bit[a]), p[a]);
+                    if (bits >> o.in_bit[a] & 1 && part[a] == first[a]) outside.take(a, place_of(o.in_bit[a]), p[a]);
                 cross_cell(o, ways, media[medium[row + x]], light[row + x], sum[row + x], p[0], p[1], p[2]);
                 px = p[0];
                 row_y[x] = p[1];
                 row_z[x] = p[2];
-                for (int a = 0; a < 3; ++a) {
-                    if (!(bits >> o.out_bit[a] & 1) || part[a] != last[a]) continue;
-                    if constexpr (has_parts)
-                        outside.give_part(a, face_of(o.out_bit[a]), p[a], share[a]);
-                    else
-                        outside.give(a, face_of(o.out_bit[a]), p[a]);
-                }
+                for (int a = 0; a < 3; ++a)
+                    if (bits >> o.out_bit[a] & 1 && part[a] == last[a])
+                        outside.give_part(a, place_of(o.out_bit[a]), p[a], share[a]);
             }
             faces.x[z * ways.ny + y] = px;
         }
     }
 }
 
-/// Light that enters a block through its faces is fetched from memory while the block before is crossed: its cells ask
-/// for it one by one, and each would wait.
-void prefetch_light(const SweepJob& job, const GridBlock& block) {
-    for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
-        const std::size_t place = job.grid.place_of_face[f];
-        if (place & into_core) continue;
-        prefetch(&job.in[4 * place], 4 * sizeof(Octet));
-        prefetch(&job.out[4 * place], 4 * sizeof(Octet));
+/// What an octant takes from a block's faces and puts there is fetched from memory while the block before is crossed:
+/// its cells ask for it one by one, and each would wait.
+void prefetch_light(const SweepJob& job, const Octant& o, const GridBlock& block) {
+    const FacingFace* const by_facing = job.grid.by_facing.data() + block.first_face;
+    const auto each_face = [&](unsigned bit, int signs, const Octet* light) {
+        for (unsigned f = block.first_facing[bit]; f < block.first_facing[bit + 1]; ++f)
+            if (const std::size_t place = by_facing[f].place; !(place & into_core))
+                prefetch(light[4 * place + static_cast<unsigned>(signs)]);
+    };
+    for (int a = 0; a < 3; ++a) {
+        each_face(o.in_bit[a], o.signs[a], job.in.data());
+        each_face(o.out_bit[a], o.signs[a], job.out.data());
     }
 }
 
@@ -409,8 +490,9 @@ void sweep(const SweepJob& job, int half) {
             to_coarse(face, fine[a], fine[b], ratio[a], ratio[b]);
         is_fine = wanted;
     };
-    const auto cross_row = [&](std::size_t row, std::size_t k) {
+    const auto cross_blocks = [&](std::size_t row, std::size_t k) {
         const Octant& o = octants[k];
+        CellFaces on{};
         Front& front = fronts[k];
         std::vector<Octet> front_x(per_x);
         bool x_fine = false;
@@ -418,7 +500,7 @@ void sweep(const SweepJob& job, int half) {
         for (std::size_t i = begin; i < end; ++i) {
             const std::size_t t = o.back[0] ? end - 1 - (i - begin) : i;
             const GridBlock& block = grid.transport_block(t);
-            if (i + 1 < end) prefetch_light(job, grid.transport_block(o.back[0] ? t - 1 : t + 1));
+            if (i + 1 < end) prefetch_light(job, o, grid.transport_block(o.back[0] ? t - 1 : t + 1));
             const bool in_parts = any_fine && grid.fine.first[t] != not_fine;
             const auto bx = static_cast<std::size_t>(block.at[0]);
             const std::size_t bz = static_cast<std::size_t>(block.at[1]) * across + bx;
@@ -429,9 +511,11 @@ void sweep(const SweepJob& job, int half) {
             fit(faces.y, front.y_fine[by], in_parts, 0, 2);
             fit(faces.z, front.z_fine[bz], in_parts, 0, 1);
             if (in_parts)
-                sweep_block<true>(job, o, media[0], t, block, faces);
+                sweep_parts(job, o, media[0].data(), t, block, faces);
+            else if (block.solid == ~std::uint64_t{0})
+                sweep_solid_block(job, o, media[1].data(), block, faces);
             else
-                sweep_block<false>(job, o, media[1], t, block, faces);
+                sweep_surface_block(job, o, media[1].data(), block, faces, on);
         }
     };
     // All four octants of one way along z cross a plane of blocks before the next one, and both ways along x a row,
@@ -439,8 +523,8 @@ void sweep(const SweepJob& job, int half) {
     const auto cross = [&](std::uint32_t task) {
         if (job.progress) job.progress->check_cancelled();
         const std::size_t row = task / 2, back = task % 2;
-        cross_row(row, 2 * back);
-        cross_row(row, 2 * back + 1);
+        cross_blocks(row, 2 * back);
+        cross_blocks(row, 2 * back + 1);
     };
     if (job.rows.fronts > 1)
         parallel_graph(std::span<const RowFollowers>(job.rows.followers), cross);

@@ -522,9 +522,12 @@ void ViewingDiffusion::cycle(Vector b, Vector x, const Progress* progress) {
     check_cancelled(progress);
     std::copy(core_x1_.begin(), core_x1_.end(), x.core.begin());
     parallel_for(0, n, stencils_per_task, [&](std::size_t t) {
-        for (std::size_t place = 0; place < 64; ++place)
-            x.cells[64 * t + place] +=
-                fine_[t].inverse[place] > 0 ? x1_[8 * t + (place / 32 * 2 + place / 8 % 2) * 2 + place / 2 % 2] : 0;
+        for (std::size_t row = 0; row < 16; ++row) {
+            const float* const from = x1_.data() + 8 * t + (row / 8 * 2 + row / 2 % 2) * 2;
+            const Floats<4> more{from[0], from[0], from[1], from[1]};
+            float* const to = x.cells.data() + 64 * t + 4 * row;
+            store(to, load<4>(to) + (load<4>(fine_[t].inverse + 4 * row) > 0 ? more : Floats<4>{}));
+        }
     });
     relax(fine, b.cells, x.cells, x.core, true);
 }

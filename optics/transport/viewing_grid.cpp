@@ -26,6 +26,7 @@ void ViewingGrid::shrink() {
     faces.shrink_to_fit();
     for (auto* list : {&core_block, &ghosts, &core_faces, &open_faces, &place_of_face, &donors_of})
         list->shrink_to_fit();
+    by_facing.shrink_to_fit();
     donors.shrink_to_fit();
 }
 

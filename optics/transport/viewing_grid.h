@@ -45,6 +45,7 @@ struct GridBlock {
     std::uint64_t solid = 0;       ///< which of its 64 cells are
     std::int32_t first_link = -1;  ///< into `face_of_cell`; -1: no cell of it has an outer face
     std::uint32_t first_face = 0, faces = 0;
+    std::array<std::uint8_t, 7> first_facing{};  ///< of its faces in ViewingGrid::by_facing, with an end mark
     std::array<std::int32_t, 6> neighbour{-1, -1, -1, -1, -1, -1};
 };
 
@@ -58,6 +59,12 @@ struct OuterFace {
     Facing facing{};
     std::uint8_t region_in_block = 0;  ///< of 2 x 2 x 2 cells, in which light that passes corners is pooled
     float area_mm2 = 0;
+};
+
+/// A face as a sweep asks for it.
+struct FacingFace {
+    std::uint32_t place;  ///< as ViewingGrid::place_of_face
+    std::uint8_t cell_in_block;
 };
 
 /// Marks a place of ViewingGrid::place_of_face as one among the faces into the core.
@@ -216,6 +223,7 @@ struct ViewingGrid {
     std::vector<std::uint32_t> open_faces;  ///< the others: to the light, a sheet or a mirror
     /// Of each outer face among the open ones; `into_core` and among the core's.
     std::vector<std::uint32_t> place_of_face;
+    std::vector<FacingFace> by_facing;  ///< the outer faces of each block, ascending in facing
 
     bool mirrored = false;
     std::array<int, 3> size{};             ///< of the volume
@@ -242,6 +250,7 @@ void ViewingGrid::each_list(Grid& grid, Body&& body) {
     body(grid.core_faces);
     body(grid.open_faces);
     body(grid.place_of_face);
+    body(grid.by_facing);
     body(grid.towards);
     body(grid.donors);
     body(grid.donors_of);

@@ -421,8 +421,19 @@ struct ViewingGridBuilder {
                 list_faces_of_cell(block, at);
             });
             block.faces = static_cast<std::uint32_t>(grid.faces.size()) - block.first_face;
+            list_by_facing(block);
         }
         grid.donors_of.push_back(static_cast<std::uint32_t>(grid.donors.size()));
+    }
+
+    void list_by_facing(GridBlock& block) {
+        for (std::size_t facing = 0; facing < 6; ++facing) {
+            for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f)
+                if (static_cast<std::size_t>(grid.faces[f].facing) == facing)
+                    grid.by_facing.push_back(
+                        {grid.place_of_face[f], static_cast<std::uint8_t>(grid.faces[f].cell - block.first_cell)});
+            block.first_facing[facing + 1] = static_cast<std::uint8_t>(grid.by_facing.size() - block.first_face);
+        }
     }
 
     [[nodiscard]] bool has_no_outer_face(const GridBlock& block) const {

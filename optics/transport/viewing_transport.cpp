@@ -67,25 +67,22 @@ ViewingField::FaceCode face_code(const Octet* out, float least, const Code& code
 }
 
 /// Fluxes of a region's light that passes corners become its radiance for the room that there is: of the same direction
-/// first, the surplus everywhere. Sums are in the order of the directions.
+/// first, the surplus everywhere.
 void share_out(const float* leaves, const float* room, float* pool) {
-    std::array<float, 64> too_much, free;
+    std::array<float, 64> per_width;
+    Four surpluses{}, lacks{};
     for (std::size_t k = 0; k < 64; k += 4) {
-        const Four out = four(leaves + k), in = four(room + k);
-        const auto over = out > in;
-        put(over ? (1 - in / (over ? out : Four{} + 1)) * four(pool + k) : Four{}, too_much.data() + k);
-        put(over ? Four{} : in - out, free.data() + k);
+        const Four out = four(leaves + k), in = four(room + k), free = in - out, width = out > in ? out : in;
+        const Four share = 1 / (width > 0 ? width : Four{} + 1);
+        surpluses += above_zero(-free) * share * four(pool + k);
+        lacks += above_zero(free);
+        put(share, per_width.data() + k);
     }
-    float surplus = 0, lack = 0;
-    for (std::size_t k = 0; k < 64; ++k) {
-        surplus += too_much[k];
-        lack += free[k];
-    }
-    const float everywhere = lack > 1e-12f ? surplus / lack : 0;
+    const float surplus = (surpluses[0] + surpluses[1]) + (surpluses[2] + surpluses[3]),
+                lack = (lacks[0] + lacks[1]) + (lacks[2] + lacks[3]), everywhere = lack > 1e-12f ? surplus / lack : 0;
     for (std::size_t k = 0; k < 64; k += 4) {
-        const Four out = four(leaves + k), in = four(room + k), passing = four(pool + k);
-        const Four flux = out > in ? passing : passing + (in - out) * everywhere, width = out > in ? out : in;
-        put(width > 0 ? flux / (width > 0 ? width : Four{} + 1) : passing, pool + k);
+        const Four free = above_zero(four(room + k) - four(leaves + k));
+        put((four(pool + k) + free * everywhere) * four(per_width.data() + k), pool + k);
     }
 }
 
@@ -149,7 +146,7 @@ ViewingTransport::Room ViewingTransport::take_room() {
 }
 
 std::size_t ViewingTransport::bytes_for(const ViewingGrid& grid, std::size_t channels) {
-    return grid.cells() * (3 * sizeof(Moments) + channels * sizeof(ViewingField::Code) + 8) +
+    return grid.cells() * (4 * sizeof(Moments) + channels * sizeof(ViewingField::Code) + 8) +
            grid.open_faces.size() * (8 * sizeof(Octet) + sizeof(ViewingField::FaceCode) * channels + 8) +
            grid.core_faces.size() * 32 + grid.cells() / 64 * 440 + grid.core_block.size() * 200;
 }
@@ -187,10 +184,15 @@ void ViewingTransport::prepare() {
     };
     fill(media_->cells, D_, widened_, widest);
     fill(media_->core, core_D_, core_widened_, widest);
+    exchange_.resize(grid_.faces.size());
+    parallel_ranges(0, exchange_.size(), 1 << 12, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t f = begin; f < end; ++f)
+            if (grid_.faces[f].kind != FaceKind::core) exchange_[f] = exchange_at(f);
+    });
 }
 
 /// J = (T phi / 4 - S) / (1 - T / 2 + T h / (4 D)), S the current that comes in (Marshak's condition).
-ViewingTransport::Exchange ViewingTransport::exchange(std::size_t f) const {
+ViewingTransport::Exchange ViewingTransport::exchange_at(std::size_t f) const {
     const OuterFace& face = grid_.faces[f];
     const FaceSums& sums = sums_[grid_.law[f]];
     if (face.kind == FaceKind::mirror) return {0, face.area_mm2};
@@ -200,7 +202,7 @@ ViewingTransport::Exchange ViewingTransport::exchange(std::size_t f) const {
     return {face.area_mm2 * T / 4 / below, face.area_mm2 / below};
 }
 
-/// The equations for these diffusion constants; what is lost: absorbed, and out through the surface. Leaves x_ at 0.
+/// The equations for these diffusion constants; what is lost: absorbed, and out through the surface. Works in x_.
 void ViewingTransport::make_equations(const std::vector<float>& D, const std::vector<float>& core_D) {
     parallel_for(0, grid_.transport_blocks.size(), blocks_per_task, [&](std::size_t t) {
         for (std::size_t cell = 64 * t; cell < 64 * t + 64; ++cell) {
@@ -209,7 +211,7 @@ void ViewingTransport::make_equations(const std::vector<float>& D, const std::ve
         }
         const GridBlock& block = grid_.transport_block(t);
         for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f)
-            if (grid_.faces[f].kind != FaceKind::core) x_[grid_.faces[f].cell] += exchange(f).loss;
+            if (grid_.faces[f].kind != FaceKind::core) x_[grid_.faces[f].cell] += exchange_[f].loss;
     });
     for (std::size_t i = 0; i < core_x_.size(); ++i) core_x_[i] = core_absorption(i);
     if (!ghost_phi_.empty()) {
@@ -222,8 +224,6 @@ void ViewingTransport::make_equations(const std::vector<float>& D, const std::ve
     }
     check();
     diffusion_.prepare(D, core_D, x_, core_x_, scratch_.equations(), progress_);
-    std::fill(x_.begin(), x_.end(), 0.0f);
-    std::fill(core_x_.begin(), core_x_.end(), 0.0f);
 }
 
 int ViewingTransport::solve_diffusion(double tolerance, int most_steps) {
@@ -253,7 +253,7 @@ void ViewingTransport::start() {
     for (const std::uint32_t f : grid_.open_faces) {
         const OuterFace& face = grid_.faces[f];
         if (face.kind == FaceKind::light)
-            right_[face.cell] += exchange(f).gain * sums_[grid_.law[f]].through * light(f);
+            right_[face.cell] += exchange_[f].gain * sums_[grid_.law[f]].through * light(f);
     }
     check();
     // The residual of that guess.
@@ -342,7 +342,7 @@ void ViewingTransport::enter(bool start) {
             const OuterFace& face = grid_.faces[f];
             if (face.kind == FaceKind::core) continue;
             const std::size_t a = static_cast<std::size_t>(face.facing) / 2;
-            const Exchange at = exchange(f);
+            const Exchange at = exchange_[f];
             const float flow =
                 at.loss * x_[face.cell] -
                 (start && face.kind == FaceKind::light ? at.gain * sums_[grid_.law[f]].through * light(f) : 0);
@@ -615,7 +615,7 @@ void ViewingTransport::add_sources_at_faces() {
                 const Octet& was = in_[4 * std::size_t{grid_.place_of_face[f]} + slot];
                 for (std::size_t d = 0; d < 8; ++d) sum += w.v[d] * (from.v[d] - was.v[d]);
             }
-            right_[face.cell] += exchange(f).gain * sum;
+            right_[face.cell] += exchange_[f].gain * sum;
         }
     });
 }
@@ -651,8 +651,8 @@ void ViewingTransport::correct() {
     find_core_sources();
     hold_ghosts();
     check();
-    make_equations(widened_, core_widened_);
-    check();
+    std::fill(x_.begin(), x_.end(), 0.0f);
+    std::fill(core_x_.begin(), core_x_.end(), 0.0f);
     // One step leaves a tenth to a third of the residual; the next sweep makes more of the time that another would
     // take.
     solve_diffusion(0, 1);
@@ -685,6 +685,7 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
         start();
     else
         load(field);
+    if (sweeps > 0) make_equations(widened_, core_widened_);
     summary.diffusion_s += watch.lap();
     for (int k = 0; k < sweeps; ++k) {
         check();
@@ -760,7 +761,7 @@ std::size_t ViewingTransport::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
     return of(moments_) + of(parts_) + of(parts_up_) + of(parts_down_) + scratch_.memory_bytes() + of(core_phi_) +
            of(core_x_) + of(core_right_) + of(in_) + of(out_) + of(core_in_) + of(core_out_) + of(light_) + of(flux_) +
-           of(flux_change_) + diffusion_.memory_bytes();
+           of(flux_change_) + of(exchange_) + diffusion_.memory_bytes();
 }
 
 }  // namespace voxtone::optics

@@ -7,9 +7,8 @@
 // and what leaves through each face (viewing_field.h). A field of other resins is as good a start as the resins
 // are alike.
 //
-// Memory besides the grid and the fields: 48 bytes a cell (moments before and after a sweep, of light that runs up and
-// down; the diffusion equations take the place of the latter when they are summed), 256 a face to the light, and that
-// of ViewingDiffusion.
+// Memory besides the grid and the fields: 64 bytes a cell (moments before and after a sweep, of light that runs up and
+// down; the equations of the corrections), 256 a face to the light, and that of ViewingDiffusion.
 #pragma once
 
 #include <array>
@@ -92,7 +91,7 @@ private:
     struct Exchange {
         float loss = 0, gain = 0;
     };
-    [[nodiscard]] Exchange exchange(std::size_t face) const;
+    [[nodiscard]] Exchange exchange_at(std::size_t face) const;
     /// Radiance that comes in from outside.
     [[nodiscard]] float light(std::size_t face) const {
         if (scale_ > 0) return light_[grid_.place_of_face[face]];
@@ -137,6 +136,7 @@ private:
     float volume_ = 0;
     std::array<Octet, 3> flux_weight_{};                      ///< w |Omega_a|
     std::vector<FaceSums> sums_;                              ///< per law
+    std::vector<Exchange> exchange_;                          ///< per face that is not the core's
     std::vector<float> D_, core_D_, widened_, core_widened_;  ///< per medium
     std::vector<Moments> moments_;                            ///< per cell: phi and J; the mean of its parts
     std::vector<Moments> parts_, parts_up_, parts_down_;      ///< per fine cell
