@@ -167,23 +167,24 @@ struct ViewingGridBuilder {
         return FaceKind::light;
     }
 
-    /// Rings of blocks of this resin below those that are lit in which light becomes diffuse: 2.3 transport mean free
-    /// paths; a block of several resins takes those of its clearest, whatever else the set has. One of
-    /// them is spared where hardly anything is absorbed: there diffusion is right half as deep. Slabs of one resin,
-    /// wherever they cut the blocks, are within 0.0015 of the exact solution; with a ring spared for all, cyan is
-    /// 0.0023 off for 0.0007 and black 0.0010 for 0.0001 (viewing_sequence_test, "margins suffice").
+    /// Rings of blocks of this resin below those that are lit in which light becomes diffuse: in each channel 2.3
+    /// transport mean free paths, and one ring less where hardly anything is absorbed: there diffusion is right half as
+    /// deep. A block of several resins takes those of its clearest, whatever else the set has. Slabs of one resin,
+    /// wherever they cut the blocks, are within 0.001 of the exact solution; with one ring for all, magenta and yellow
+    /// are 0.005 off (viewing_sequence_test, "margins suffice").
     [[nodiscard]] int margin_blocks(std::size_t m) const {
         constexpr double free_paths = 2.3, hardly = 0.01;
-        double least = 1e9, most_absorbed = 0, edge = 0;
+        double edge = 0;
+        for (std::size_t a = 0; a < 3; ++a) edge = std::max(edge, block_voxels[a] * grid.pitch_mm[a]);
+        int rings = 1;
         for (std::size_t c = 0; c < scene.resins->channels.size(); ++c) {
             const Medium medium = scene.resins->resins[m - 1].medium(c);
-            least = std::min(least, medium.sigma_a + (1 - scene.resins->g) * medium.sigma_s);
-            most_absorbed = std::max(most_absorbed, 1 - medium.albedo());
+            const double sigma = medium.sigma_a + (1 - scene.resins->g) * medium.sigma_s;
+            const int spared = 1 - medium.albedo() < hardly ? 1 : 0;
+            rings = std::max(rings,
+                             static_cast<int>(std::ceil(free_paths / (std::max(sigma, 1e-3) * edge) - 0.1)) - spared);
         }
-        for (std::size_t a = 0; a < 3; ++a) edge = std::max(edge, block_voxels[a] * grid.pitch_mm[a]);
-        const int spared = most_absorbed < hardly ? 1 : 0;
-        return std::clamp(static_cast<int>(std::ceil(free_paths / (std::max(least, 1e-3) * edge) - 0.1)) - spared, 1,
-                          12);
+        return std::min(rings, 12);
     }
 
     /// Blocks with a face of the surface, and those beside them.

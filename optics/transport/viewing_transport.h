@@ -105,6 +105,7 @@ private:
     }
     void make_equations(const std::vector<float>& D, const std::vector<float>& core_D);
     void prepare();
+    void fit_core(float widest);
     void take_light(std::span<const float> light, std::span<const float> ghost_phi);
     void hold_ghosts();
     void start();
@@ -134,12 +135,12 @@ private:
 
     std::array<float, 3> edge_{};
     float volume_ = 0;
-    std::array<Octet, 3> flux_weight_{};                      ///< w |Omega_a|
-    std::vector<FaceSums> sums_;                              ///< per law
-    std::vector<Exchange> exchange_;                          ///< per face that is not the core's
-    std::vector<float> D_, core_D_, widened_, core_widened_;  ///< per medium
-    std::vector<Moments> moments_;                            ///< per cell: phi and J; the mean of its parts
-    std::vector<Moments> parts_, parts_up_, parts_down_;      ///< per fine cell
+    std::array<Octet, 3> flux_weight_{};                                     ///< w |Omega_a|
+    std::vector<FaceSums> sums_;                                             ///< per law
+    std::vector<Exchange> exchange_;                                         ///< per face that is not the core's
+    std::vector<float> D_, core_D_, core_sigma_a_, widened_, core_widened_;  ///< per medium
+    std::vector<Moments> moments_;                        ///< per cell: phi and J; the mean of its parts
+    std::vector<Moments> parts_, parts_up_, parts_down_;  ///< per fine cell
     SweepScratch scratch_;
     std::span<float> x_, right_, p_, z_;  ///< per cell, of the diffusion solve: in scratch_
     std::vector<float> core_phi_, core_x_, core_right_, core_p_, core_z_;

@@ -356,8 +356,13 @@ TEST_CASE("Cells of the eye: a flat surface looks alike wherever it cuts the cel
 }
 
 TEST_CASE("Deep colour in nodes: margins suffice wherever a flat surface cuts the cells", "[slow]") {
-    const ResinSet set = vero_opaque();
-    for (const int resin : {1, 2, 3, 4, 5})
+    ResinSet set = vero_opaque();
+    Resin white = set.resins[4];  // as measured on a J750 in its third and fourth channel, and a darker one
+    white.name = white.role = "measured white";
+    white.sigma_t_per_mm = {11.35, 23.99, 11.35};
+    white.albedo = {0.9895, 0.99629, 0.97};
+    set.resins.push_back(white);
+    for (const int resin : {1, 2, 3, 4, 5, 6})
         for (int empty = 0; empty < 12; ++empty) {  // of the layers of a block
             const int n = 120;
             const ResinVolume volume =
@@ -373,7 +378,7 @@ TEST_CASE("Deep colour in nodes: margins suffice wherever a flat surface cuts th
                 const double exact = exact_appearance(set, {&layer, 1}, Backing::black, i % 3),
                              error = double(cells.value[i]) - exact;
                 INFO("resin " << resin << ", layers of air " << empty << ", channel " << i % 3 << ": error " << error);
-                CHECK(std::abs(error) < 0.002);
+                CHECK(std::abs(error) < 0.0015);
             }
         }
 }
