@@ -76,13 +76,17 @@ TEST_CASE("The gradient by scattering agrees with differences for any phase func
     const double s = 1 / (1 - g);
     const ResinSet set = one_channel(g, eta, {{0.05, 6 * s}, {0.05, 3 * s}});
     const std::array<int, 3> size{24, 12, 60};
-    const auto chosen = [&](int x, int y, int z) {
+    const auto draw = [&](int x, int y, int z) {
         const auto address = static_cast<std::uint64_t>((z * size[1] + y) * size[0] + x);
-        return z >= size[2] - 12 && voxtone::RandomStream(5, address).uniform() < 0.17;
+        return voxtone::RandomStream(5, address).uniform();
     };
+    const auto chosen = [&](int x, int y, int z) { return z >= size[2] - 12 && draw(x, y, z) < 0.17; };
+    // What stays is of both: all cells of a layer of one would be rounded alike where light is kept, 16 bits a value,
+    // and their errors add up to a tenth of the derivative.
     const auto print = [&](bool changed) {
-        return make_resin_volume(size, slab_pitch_mm,
-                                 [&](int x, int y, int z) { return changed && chosen(x, y, z) ? 2 : 1; });
+        return make_resin_volume(size, slab_pitch_mm, [&](int x, int y, int z) {
+            return (changed && chosen(x, y, z)) || draw(x, y, z) > 0.7 ? 2 : 1;
+        });
     };
     const ResinVolume before = print(false), after = print(true);
     const Scene scene{&before, &set, Backing::black, Sides::mirrored};
@@ -109,5 +113,5 @@ TEST_CASE("The gradient by scattering agrees with differences for any phase func
     }
     INFO("g " << g << ", eta " << eta << ": difference " << difference << ", gradient " << expected);
     CHECK(difference < 0);
-    CHECK(expected / difference == Approx(1).epsilon(0.1));
+    CHECK(expected / difference == Approx(1).epsilon(0.05));
 }

@@ -370,7 +370,7 @@ TEST_CASE("Where there is nothing to gain the gradient says so, and what memory 
     }));
     // Enough memory for predictions, not for the adjoint light besides.
     TransportOptions tight = on_viewing_cells(2);
-    tight.memory_bytes = sequence.summary().memory_bytes * 7 / 10;
+    tight.memory_bytes = sequence.summary().memory_bytes * 17 / 20;
     ViewingSequence small(body.scene(volume), surface, tight);
     (void)small.next(volume);
     const auto never = [](const ResinGradient&, const VoxelBox&) { FAIL("visited"); };
