@@ -2,7 +2,7 @@
 //
 // The departure of halftones of Vero resins from Eq. 7 as a function of composition and voxel shape: mixtures of two
 // resins, 1 mm over 1.5 mm of white on a black sheet, appearance by Monte Carlo and by the medium of voxels, both
-// against Eq. 7. Comma-separated values; docs/halftone-departure.md is of random resins.
+// against Eq. 7. Comma-separated values; halftone_departure.cpp is of random resins.
 // Run: build/release/benchmarks/halftone_compositions [PATHS]
 #include <cstdio>
 #include <cstdlib>
