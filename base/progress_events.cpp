@@ -11,6 +11,7 @@
 #include <fmt/core.h>
 
 #include "base/printable.h"
+#include "base/warning.h"
 
 namespace voxtone {
 
@@ -102,7 +103,8 @@ void ProgressEvents::on_stage_end() {
 }
 
 void ProgressEvents::on_warning(const std::string& message) {
-    say(fmt::format(R"({{"event":"warning","message":{}}})", json_quoted(message)));
+    say(fmt::format(R"({{"event":"warning","name":{},"message":{}}})", json_quoted(message_name(message)),
+                    json_quoted(message)));
 }
 
 void ProgressEvents::on_note(const std::string& message) {
@@ -115,8 +117,8 @@ void ProgressEvents::say(const std::string& line) {
 }
 
 std::string error_event(ExitCode code, std::string_view message) {
-    return fmt::format(R"({{"event":"error","exit_code":{},"message":{}}})", static_cast<int>(code),
-                       json_quoted(message));
+    return fmt::format(R"({{"event":"error","exit_code":{},"name":{},"message":{}}})", static_cast<int>(code),
+                       json_quoted(message_name(message)), json_quoted(message));
 }
 
 TextSink stdout_sink() {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The picture of the house in HACKING.md is the tree: its floors, its rooms, and every arrow between them. An arrow is
-// an #include; one that is not drawn fails here, and so does one that is drawn and not there.
+// The picture of the house in HACKING.md is the tree: its floors, its rooms, and the arrows between them. An arrow is
+// an #include; one that does not follow from those that are drawn fails here, and so does one that is drawn and not
+// there.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -125,6 +126,20 @@ const std::vector<Source>& sources() {
 }
 
 /// The others in quotes are Highway's.
+/// Where arrows lead from a place of "" or of "optics/".
+Names reached(const std::map<std::string, Place>& places, const std::string& floor, const std::string& from) {
+    Names all;
+    std::vector<std::string> left{from};
+    while (!left.empty()) {
+        const auto place = places.find(floor + left.back());
+        left.pop_back();
+        if (place == places.end()) continue;
+        for (const std::string& next : place->second.knows)
+            if (all.insert(next).second) left.push_back(next);
+    }
+    return all;
+}
+
 bool of_the_tree(const Include& include) { return include.quoted && !include.text.starts_with("hwy/"); }
 std::string unit_of(const std::string& path) { return fs::path(path).replace_extension().generic_string(); }
 
@@ -183,7 +198,7 @@ TEST_CASE("a room is no heap") {
     }
 }
 
-TEST_CASE("arrows run down only, and as they are drawn") {
+TEST_CASE("arrows run down only, and follow from those that are drawn") {
     const auto places = picture();
     std::map<std::string, Names> floors, rooms;
     for (const Source& source : sources())
@@ -192,10 +207,10 @@ TEST_CASE("arrows run down only, and as they are drawn") {
             const Source to = place_of(include.text);
             INFO(source.path << " includes " << include.text);
             if (to.floor != source.floor) {
-                CHECK(places.at(source.floor).knows.contains(to.floor));
+                CHECK(reached(places, "", source.floor).contains(to.floor));
                 floors[source.floor].insert(to.floor);
             } else if (to.room != source.room) {
-                CHECK(places.at(source.floor + "/" + source.room).knows.contains(to.room));
+                CHECK(reached(places, source.floor + "/", source.room).contains(to.room));
                 rooms[source.floor + "/" + source.room].insert(source.floor + "/" + to.room);
             }
         }

@@ -2,7 +2,7 @@
 # What pages say is there: links, anchors, pictures, cited decisions, verbs and options; lines end at 120 columns. Blocks
 # of commands are ```sh run (run here, in one folder a page; "exit=N" is the code of its last command, the block "says"
 # behind it is what stderr holds) or ```sh norun; options are looked up in both.
-#   tests/pages_test.py PROGRAM TEST
+#   tests/pages_test.py PROGRAM TEST [WORD: only pages whose name has it]
 import os
 import pathlib
 import re
@@ -16,6 +16,7 @@ import unicodedata
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PROGRAM = os.path.abspath(sys.argv[1])
 PAGES = [ROOT / "README.md", ROOT / "HACKING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+PAGES = [page for page in PAGES if all(word in page.name for word in sys.argv[3:])]
 faults = []
 
 
@@ -198,20 +199,56 @@ def words():
                         fault(f"{name(path)}:{number}", f"{identifier}: write {' '.join(short)} out; whoever searches finds words")
 
 
+# Warnings whose cause no test brings about yet: a full or a foreign disk, an old kernel, a file beyond 4 GiB, a loop of
+# hours, a bad photograph. They have a row as all others.
+UNSEEN = set("""checker-off gcvf-zip64 less-guarded lock-doubt loop-left-out not-converged not-noted not-resumable
+other-grid printer-folder queue-unknown stopped-early stretched-map thin-laminate thin-walls""".split())
+
+
+def argument(text, at):
+    """What stands in the bracket that ends before `at`."""
+    depth, i = 1, at
+    while depth:
+        if text[i] in "\"'":
+            i = re.compile(r"(?:[^\\\n%s]|\\.)*" % text[i]).match(text, i + 1).end()
+        depth += (text[i] in "([{") - (text[i] in ")]}")
+        i += 1
+    return text[at:i - 1].strip()
+
+
 def messages():
-    """What docs/messages/warnings.md quotes in its tables is said by a source."""
-    sources = ""
+    """Every warning and every failure ends with a name that docs/messages has, with an example that a test runs."""
+    said = set()
     for floor in ["base", "cli", "slicer", "io", "halftone", "calibration", "optics"]:
         for path in sorted((ROOT / floor).rglob("*.cpp")):
-            sources += " ".join(path.read_text().split())
-    joined = re.sub(r'" *(?:// [^"]*)?"', "", sources)  # a string that goes on
-    page = ROOT / "docs" / "messages" / "warnings.md"
-    for number, line in enumerate(page.read_text().split("\n"), 1):
-        if line.startswith("| ") and line != "| says | do |":
-            for quoted in re.findall(r"`([^`]+)`", line.split(" | ")[0]):
-                pattern = ".{0,40}?".join(re.escape(part) for part in quoted.split("…"))
-                if not re.search(pattern, joined):
-                    fault(f"{name(page)}:{number}", f"no source says: {quoted}")
+            text = path.read_text()
+            said.update(re.findall(r'named_warning\(\s*"([a-z0-9-]+)",', text))
+            for call in re.finditer(r"\b(?:warn|warnings_?\.(?:push|emplace)_back|tell)\(", text):
+                told = argument(text, call.end())
+                if call[0] == "tell(" and "Kind::warned" not in told:
+                    continue
+                if re.search(r"[a-z]", "".join(re.findall(r'"((?:[^"\\]|\\.)*)"', told))) and "named_warning(" not in told:
+                    fault(f"{name(path)}:{text[:call.start()].count(chr(10)) + 1}", "a warning without a name (base/warning.h)")
+    folder = ROOT / "docs" / "messages"
+    rows = re.findall(r"^\| (`[a-z0-9-]+`(?:, `[a-z0-9-]+`)*) \|", (folder / "warnings.md").read_text(), re.MULTILINE)
+    told = [word for row in rows for word in re.findall(r"`([^`]+)`", row)]
+    for word in sorted(said.symmetric_difference(told)):
+        fault("docs/messages/warnings.md", f"{word}: " + ("has no row" if word in said else "no source warns so"))
+    failures = set(re.findall(r'return "([a-z-]+)";', (ROOT / "cli" / "program" / "outcome.cpp").read_text())) - {"done"}
+    headed = set(re.findall(r"^## \d+ ([a-z-]+)$", (folder / "exit-codes.md").read_text(), re.MULTILINE))
+    for word in sorted(failures.symmetric_difference(headed)):
+        fault("docs/messages/exit-codes.md", f"{word}: " + ("has no heading" if word in failures else "no failure is called so"))
+    examples = "".join("\n".join(lines) for page in folder.glob("*.md") for _, info, lines in blocks(page)[0] if info == ["says"])
+    examples += (ROOT / "tests" / "data" / "bugs" / "expected.json").read_text()
+    for path in (ROOT / "tests").rglob("*.cpp"):
+        examples += " ".join(re.findall(r'Contains\("[^"\n]*"\)', path.read_text()))
+    for path in (ROOT / "python" / "tests").glob("*.py"):
+        examples += "".join(f"[{word}]" for word in re.findall(r'"([a-z0-9-]+)" in \[', path.read_text()))
+    for word in sorted(said):
+        if (f"[{word}]" in examples) == (word in UNSEEN):
+            fault("docs/messages", f"{word}: " + ("is seen by a test" if word in UNSEEN else "no example is run by a test"))
+    if sum(page.stat().st_size for page in folder.glob("*.md")) > 15000:
+        fault("docs/messages", "are longer than 15 kB together")
 
 
 def run():

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/error.h"
+#include "base/warning.h"
 
 namespace voxtone::calibration {
 namespace {
@@ -153,24 +154,30 @@ void judge(BenchLight& light, const BenchLightPhotos& photos, const BenchLightOp
             "light (a tone curve): develop the photographs linearly",
             checker, off));
     if (off > chart_off)
-        light.warnings.push_back(
+        light.warnings.push_back(named_warning(
+            "checker-off",
             fmt::format("{}: after the colour correction the checker's patches are still off by {:.3f} on average "
                         "(linear, white is 1); levels of profiles will be as much.",
-                        checker, off));
+                        checker, off)));
     if (light.guessed)
-        light.warnings.push_back(fmt::format(
-            "{}: the file does not say how its samples stand for light; the checker's greys say {} (--coding sets it).",
-            checker, light.coding == io::SampleCoding::linear ? "linearly" : "as sRGB codes"));
+        light.warnings.push_back(named_warning(
+            "coding-guessed",
+            fmt::format("{}: the file does not say how its samples stand for light; the checker's greys say {} "
+                        "(--coding sets it).",
+                        checker, light.coding == io::SampleCoding::linear ? "linearly" : "as sRGB codes")));
     if (photos.checker.bits == 8)
-        light.warnings.push_back(
+        light.warnings.push_back(named_warning(
+            "coarse-samples",
             fmt::format("{}: 8 bits per sample are coarse for dark slabs, and pictures of this kind were developed for "
                         "the eye; use the camera's RAW files or linear 16-bit TIFF.",
-                        checker));
+                        checker)));
     if (!photos.paper) {
-        light.warnings.push_back(fmt::format(
-            "No photograph of white paper: whether the light is even within 1 % over the {:g} mm about the edge is not "
-            "known, only its slow change, from the sheet's white squares. Add a line that shows \"paper\".",
-            options.width_mm));
+        light.warnings.push_back(named_warning(
+            "uneven-light",
+            fmt::format("No photograph of white paper: whether the light is even within 1 % over the {:g} mm about the "
+                        "edge is not "
+                        "known, only its slow change, from the sheet's white squares. Add a line that shows \"paper\".",
+                        options.width_mm)));
         return;
     }
     const std::string& paper = photos.paper->name;
@@ -189,10 +196,11 @@ void judge(BenchLight& light, const BenchLightPhotos& photos, const BenchLightOp
                         "within 1 %",
                         paper, 100 * *light.unevenness, options.width_mm));
     if (*light.unevenness > uneven_said)
-        light.warnings.push_back(
+        light.warnings.push_back(named_warning(
+            "uneven-light",
             fmt::format("{}: the light varies by {:.1f} % over the {:g} mm about the edge; it was corrected (to {:.2f} "
                         "%), but within 1 % is better.",
-                        paper, 100 * *light.unevenness, options.width_mm, 100 * light.left_over));
+                        paper, 100 * *light.unevenness, options.width_mm, 100 * light.left_over)));
 }
 
 }  // namespace

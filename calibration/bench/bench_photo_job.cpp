@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/warning.h"
 #include "calibration/bench/bench_list.h"
 #include "calibration/bench/bench_overlay.h"
 #include "io/disk/output_files.h"
@@ -177,14 +178,15 @@ private:
         std::vector<std::string> warnings;
         for (const auto& [resin, list] : thicknesses)
             if (list.size() < 2)
-                warnings.push_back(
-                    fmt::format("{}: one thickness only ({} mm); extinction and albedo lean on one "
-                                "profile, and nothing tells when it is wrong. Measure a second slab.",
-                                resin, list[0]));
+                warnings.push_back(named_warning(
+                    "one-slab", fmt::format("{}: one thickness only ({} mm); extinction and albedo lean on one "
+                                            "profile, and nothing tells when it is wrong. Measure a second slab.",
+                                            resin, list[0])));
         if (thicknesses.size() < 2)
-            warnings.push_back(
+            warnings.push_back(named_warning(
+                "one-slab",
                 "Slabs of one resin only: the factor mu that takes the bench's bias out is told by what resins have in "
-                "common; `edge fit` wants two at least.");
+                "common; `edge fit` wants two at least."));
         warn_all(warnings);
     }
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/warning.h"
 
 namespace voxtone::calibration {
 namespace {
@@ -98,8 +99,9 @@ void check_scratches(const EdgeStrip& strip, const std::string& name, std::vecto
                         "scratched all over, or full of bubbles; polish the slab, press the gel out",
                         name, strip.roughness));
     if (strip.left_out_share > said_left_out)
-        warnings.push_back(fmt::format("{}: {:.1f} % of the region were left out as scratches, bubbles or dust.", name,
-                                       100 * strip.left_out_share));
+        warnings.push_back(named_warning(
+            "slab-photo", fmt::format("{}: {:.1f} % of the region were left out as scratches, bubbles or dust.", name,
+                                      100 * strip.left_out_share)));
 }
 
 }  // namespace
@@ -127,8 +129,9 @@ SlabView read_slab(const io::Photograph& photo, const BenchReference& reference,
                         "bare sheet over {:.3f} mm; focus on the sheet, not on the slab, and do not touch the camera",
                         photo.name, view.blur_mm, sheet_blur));
     if (view.blur_mm == 0)
-        warnings.push_back(
-            fmt::format("{}: no bare edge is seen beside the slab, so that its focus is not known.", photo.name));
+        warnings.push_back(named_warning(
+            "slab-photo",
+            fmt::format("{}: no bare edge is seen beside the slab, so that its focus is not known.", photo.name)));
     return view;
 }
 
@@ -170,16 +173,18 @@ EdgeProfile join_views(const std::vector<SlabView>& views, const std::string& re
             most = std::max(most, outer[k].cwiseSqrt().maxCoeff());
         }
     } else {
-        warnings.push_back(fmt::format(
-            "{} of {} mm: one photograph; take a second one with slab and glass shifted, so that what lies on the slab "
-            "can be told from what lies on the sheet.",
-            resin, thickness_mm));
+        warnings.push_back(
+            named_warning("slab-photo", fmt::format("{} of {} mm: one photograph; take a second one with slab and "
+                                                    "glass shifted, so that what lies on the slab "
+                                                    "can be told from what lies on the sheet.",
+                                                    resin, thickness_mm)));
     }
     if (most > shots_differ)
-        warnings.push_back(
+        warnings.push_back(named_warning(
+            "slab-photo",
             fmt::format("{} of {} mm: its photographs differ by {:.3f}; scratches along the edge, bubbles, or another "
                         "light. Its errors are as large.",
-                        resin, thickness_mm, 2 * most));
+                        resin, thickness_mm, 2 * most)));
     for (int c = 0; c < 3; ++c)
         for (std::size_t k = 0; k < samples; ++k) {
             profile.value[std::size_t(c)].push_back(mean[k][c]);

@@ -11,6 +11,7 @@
 #include "base/contracts.h"
 #include "base/error.h"
 #include "base/stopwatch.h"
+#include "base/warning.h"
 #include "calibration/chart/chart_folds.h"
 #include "calibration/chart/colour_fit.h"
 #include "calibration/chart/observer_fit.h"
@@ -83,9 +84,10 @@ void add_limits(const ChartData& data, ChartFit& fit) {
     for (Eigen::Index r = 0; r < data.resins(); ++r) {
         const double most = data.shares.col(r).maxCoeff();
         if (most < 0.95)
-            fit.warnings.push_back(fmt::format(
-                "no patch holds more than {:.0f} % of {}: colours of mixtures beyond that are the model's word alone",
-                100 * most, data.roles[static_cast<std::size_t>(r)]));
+            fit.warnings.push_back(
+                named_warning("few-patches", fmt::format("no patch holds more than {:.0f} % of {}: colours of mixtures "
+                                                         "beyond that are the model's word alone",
+                                                         100 * most, data.roles[static_cast<std::size_t>(r)])));
     }
 }
 
@@ -208,11 +210,13 @@ ChartFit fit_chart(const PatchTable& table, const ChartFitOptions& target, const
     add_parameter_errors(data, model, out, result);
     for (const std::string& sentence :
          edge_disagreements(data.edges, edge_residuals(data.edges, model, fit.parts, data.illuminant), data.roles))
-        result.warnings.push_back(sentence);
+        result.warnings.push_back(named_warning("misfit", sentence));
     if (model.fits_spread())
         result.dot_spread_text = fmt::format("Dot spread {:.2f} +- {:.2f}: 0 are sharp voxels, 1 an ideal mixture.",
                                              result.set.dot_spread, result.dot_spread_error);
-    if (!fit.converged) result.warnings.emplace_back("the least squares stopped before it came to rest");
+    if (!fit.converged)
+        result.warnings.emplace_back(
+            named_warning("not-converged", "the least squares stopped before it came to rest"));
     result.seconds = watch.total();
     return result;
 }

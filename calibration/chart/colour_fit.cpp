@@ -19,7 +19,7 @@ constexpr int most_iterations = 100;
 
 // Derivative of CIELAB's root by XYZ / white.
 double root_slope(double t) {
-    constexpr double knee = 6.0 / 29;
+    constexpr double knee = 6.0 / 29;  // CIE 15:2018, 8.2.1
     return t > knee * knee * knee ? 1 / (3 * std::cbrt(t) * std::cbrt(t)) : 1 / (3 * knee * knee);
 }
 

@@ -9,8 +9,9 @@
 
 #include <fmt/format.h>
 
-#include "base/cpu_time.h"
 #include "base/error.h"
+#include "base/process_usage.h"
+#include "base/warning.h"
 #include "calibration/edge/dictionary_file.h"
 #include "io/disk/output_files.h"
 #include "io/files/json_writer.h"
@@ -39,7 +40,8 @@ EdgeDictionary begun(const DictionaryJob& job, const EdgeSetup& setup, Progress&
     if (!fs::exists(partial_name(job))) return fresh;
     EdgeDictionary left = read_dictionary(partial_name(job), true);
     if (left.grid == fresh.grid && edge_setup_text(left.setup) == edge_setup_text(setup)) return left;
-    progress.warn(fmt::format("{} is of another grid or setup; its runs are not used", partial_name(job)));
+    progress.warn(named_warning(
+        "other-grid", fmt::format("{} is of another grid or setup; its runs are not used", partial_name(job))));
     return fresh;
 }
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/warning.h"
 #include "calibration/resins/resin_coordinates.h"
 
 namespace voxtone::calibration {
@@ -64,10 +65,11 @@ void complete_by_chart(EdgeFit& fit, const PatchTable& chart, PatchModelOptions 
         });
         if (!in_chart) {
             if (!std::ranges::all_of(resin.channel, is_told))
-                fit.warnings.push_back(fmt::format(
-                    "{}: no patch of {} has it, so nothing completes what its edges do not tell. Measure patches with "
-                    "it.",
-                    resin.role, chart.source));
+                fit.warnings.push_back(
+                    named_warning("few-patches", fmt::format("{}: no patch of {} has it, so nothing completes what its "
+                                                             "edges do not tell. Measure patches with "
+                                                             "it.",
+                                                             resin.role, chart.source)));
             continue;
         }
         const std::string channels =

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/stopwatch.h"
+#include "base/warning.h"
 #include "calibration/resins/resin_coordinates.h"
 
 namespace voxtone::calibration {
@@ -85,10 +86,11 @@ private:
         for (const EdgeProfile& profile : profiles)
             if (profile.resin == roles_[r]) slabs.push_back(&profile);
         if (slabs.size() < 2)
-            fit_.warnings.push_back(fmt::format(
-                "{}: one thickness only ({} mm); extinction and albedo lean on one profile, and nothing tells when it "
-                "is wrong. Measure a second slab.",
-                roles_[r], slabs[0]->thickness_mm));
+            fit_.warnings.push_back(
+                named_warning("one-slab", fmt::format("{}: one thickness only ({} mm); extinction and albedo lean on "
+                                                      "one profile, and nothing tells when it "
+                                                      "is wrong. Measure a second slab.",
+                                                      roles_[r], slabs[0]->thickness_mm)));
         fit_.resins[r].role = roles_[r];
         for (std::size_t c = 0; c < 3; ++c) {
             auto seen = edge_observations(slabs, c, table_, options_.metric, fit_.warnings);
@@ -305,21 +307,25 @@ private:
         for (const EdgeObservation& slab : part.objective->slabs())
             level = std::max(level, fit_.mu * slab.value.cwiseAbs().mean());
         if (part.found.distance < std::max(least_misfit, misfit_of_level * level)) return;
-        fit_.warnings.push_back(
+        fit_.warnings.push_back(named_warning(
+            "misfit",
             fmt::format("{} in {}: no resin has these profiles (distance {:.3f}, where they are {:.3f} bright). Are "
                         "its slabs of this "
                         "resin and as thick as the table says, and is the setup that of the bench?",
-                        roles_[part.resin], "RGB"[part.channel], part.found.distance, level));
+                        roles_[part.resin], "RGB"[part.channel], part.found.distance, level)));
     }
 
     void warn_of_mu() {
         const double from = options_.mu_from, to = options_.mu_to;
         if (to - from > 1e-9 && (fit_.mu < from + 2 * fine_mu || fit_.mu > to - 2 * fine_mu))
-            fit_.warnings.push_back(fmt::format(
-                "mu = {:.3f} lies at the end of its range, {} to {}: the bench's bias is larger than expected, or the "
-                "profiles are not those of the setup. Look at white point, setup and thicknesses; --mu widens the "
-                "range.",
-                fit_.mu, from, to));
+            fit_.warnings.push_back(named_warning(
+                "bias",
+                fmt::format(
+                    "mu = {:.3f} lies at the end of its range, {} to {}: the bench's bias is larger than expected, or "
+                    "the "
+                    "profiles are not those of the setup. Look at white point, setup and thicknesses; --mu widens the "
+                    "range.",
+                    fit_.mu, from, to)));
     }
 
     EdgeProfileTable& table_;

@@ -9,6 +9,7 @@
 #include <Eigen/LU>
 
 #include "base/error.h"
+#include "base/warning.h"
 #include "calibration/edge/wavelet_gradient.h"
 #include "calibration/resins/resin_coordinates.h"
 
@@ -99,10 +100,11 @@ std::vector<EdgeObservation> edge_observations(const std::vector<const EdgeProfi
     for (const EdgeProfile* slab : slabs) {
         const auto unknown = std::ranges::count_if(slab->value[channel], [](double v) { return std::isnan(v); });
         if (unknown > 0)
-            why.push_back(
+            why.push_back(named_warning(
+                "cut-profile",
                 fmt::format("{} of {} mm, {}: {} samples are not known (clipped or left out); the slab is not "
                             "used in this channel",
-                            slab->resin, slab->thickness_mm, "RGB"[channel], unknown));
+                            slab->resin, slab->thickness_mm, "RGB"[channel], unknown)));
         else
             seen.push_back(observation(*slab, channel, table, metric));
     }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/warning.h"
 #include "calibration/fit/fit_text.h"
 #include "calibration/fit/patch_page.h"
 #include "calibration/layers/layer_text.h"
@@ -21,7 +22,7 @@ JobResult run_check_job(const CheckJob& job, Progress& progress) {
         if (!job.page.empty())
             throw UsageError(
                 fmt::format("--out with {}, laminates: there is no page of them. Leave it out.", job.patches));
-        for (const std::string& note : layers->notes) progress.warn(note);
+        for (const std::string& note : layers->notes) progress.warn(named_warning("assumed", note));
         const LayerCheck check = check_layers(io::find_resin_set(job.resins), *layers);
         return {layer_check_json(check), layer_check_text(check)};
     }

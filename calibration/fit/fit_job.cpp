@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/warning.h"
 #include "calibration/chart/chart_order.h"
 #include "calibration/chart/chart_text.h"
 #include "calibration/fit/chart_page.h"
@@ -51,7 +52,7 @@ JobResult run_layer_fit(const FitJob& job, const LayerChart& chart, Progress& pr
     if (!job.report.empty())
         throw UsageError(
             fmt::format("--report with {}, laminates: there is no page of them. Leave it out.", job.patches));
-    for (const std::string& note : chart.notes) progress.warn(note);
+    for (const std::string& note : chart.notes) progress.warn(named_warning("assumed", note));
     const auto others = job.check.empty() ? std::nullopt : read_layer_chart(job.check, job.measured.illuminant);
     if (!job.check.empty() && !others)
         throw InputError(fmt::format("--check {}: holds no laminates, which {} does.", job.check, job.patches));

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/warning.h"
 #include "calibration/patches/patch_file.h"
 #include "io/disk/output_files.h"
 #include "io/files/whole_file.h"
@@ -45,7 +46,7 @@ JobResult run_icc_job(const IccJob& job, Progress& progress) {
     if (!job.chart.empty()) files.emplace_back(job.chart);
     io::expect_outputs(files, fit.overwrite);
     const IccChart chart = read_icc_chart(job.profile, job.options, &progress);
-    for (const std::string& note : chart.table.notes) progress.warn(note);
+    for (const std::string& note : chart.table.notes) progress.warn(named_warning("assumed", note));
     JobResult result = run_chart_fit(fit, fit_options(fit), chart.table, progress);
     if (!job.chart.empty()) {
         io::write_whole_file(job.chart, patch_table_text(chart.table, icc_origin(chart)));

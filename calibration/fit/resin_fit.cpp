@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/stopwatch.h"
+#include "base/warning.h"
 #include "calibration/fit/bounded_interval.h"
 #include "calibration/fit/channel_fit.h"
 #include "calibration/patches/patch_file.h"
@@ -263,8 +264,9 @@ ResinFit fit_resins(const PatchTable& table, const FitOptions& options, const Pr
             resin.sigma_t_per_mm.push_back(fitted.sigma_t[c].value);
             const ResinPrior::Resin* known = prior.find(role);
             if (known && fits[c].prior_chi2[r] > disagreement[known->channel[c].known()])
-                result.warnings.push_back(
-                    disagreement_text(role, channel_name(table.channels, c), fits[c].prior_chi2[r], prior.source));
+                result.warnings.push_back(named_warning(
+                    "misfit",
+                    disagreement_text(role, channel_name(table.channels, c), fits[c].prior_chi2[r], prior.source)));
         }
     }
     for (const ResinPrior::Resin& known : prior.resins)

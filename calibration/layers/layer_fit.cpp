@@ -13,6 +13,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "base/stopwatch.h"
+#include "base/warning.h"
 #include "calibration/chart/chart_data.h"
 #include "calibration/chart/colour_fit.h"
 #include "calibration/chart/observer_start.h"
@@ -133,7 +134,9 @@ LayerFit fit_layers(const LayerChart& chart, const LayerFitOptions& options, con
     expect_enough(chart, channels);
     LayerFit result;
     const Fitted fitted = fit_parts(chart, channels, options, progress);
-    if (!fitted.converged) result.warnings.emplace_back("the least squares stopped before it came to rest");
+    if (!fitted.converged)
+        result.warnings.emplace_back(
+            named_warning("not-converged", "the least squares stopped before it came to rest"));
     result.set = set_of(chart, fitted.parts, options);
     std::vector<double> differences = differences_of(chart, fitted.parts, options);
     result.fitted = optics::summarize(differences);

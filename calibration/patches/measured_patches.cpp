@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/warning.h"
 #include "calibration/patches/patch_file.h"
 
 namespace voxtone::calibration {
@@ -10,16 +11,17 @@ namespace voxtone::calibration {
 PatchTable read_measured_patches(const std::string& file, const MeasuredPatchOptions& options,
                                  const PatchModelOptions& model, Progress& progress) {
     PatchTable table = read_patches(file, options.illuminant);
-    for (const std::string& note : table.notes) progress.warn(note);
+    for (const std::string& note : table.notes) progress.warn(named_warning("assumed", note));
     apply_white_reference(table, options.white);
     if (options.base_mm)
         for (Patch& patch : table.patches) patch.base_mm = *options.base_mm;
     const bool mixed =
         !table.is_chart && std::ranges::any_of(table.patches, [](const Patch& patch) { return patch.top.size() > 1; });
     if (mixed && model.ideal_mixtures())
-        progress.warn(
+        progress.warn(named_warning(
+            "ideal-mixtures",
             "mixtures are taken as ideal; those of a printed target are dithers of voxels, and extinctions come out up "
-            "to a third wrong without them: give --printer or --pitch");
+            "to a third wrong without them: give --printer or --pitch"));
     return table;
 }
 

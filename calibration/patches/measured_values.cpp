@@ -84,7 +84,7 @@ void scale(PatchTable& table, double factor) {
 
 // d (X/Xn) / d f of CIELAB's curve.
 double slope_of_cube(double f) {
-    constexpr double knee = 6.0 / 29;
+    constexpr double knee = 6.0 / 29;  // CIE 15:2018, 8.2.1
     return f > knee ? 3 * f * f : 3 * knee * knee;
 }
 

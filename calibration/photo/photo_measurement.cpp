@@ -9,6 +9,7 @@
 
 #include "base/contracts.h"
 #include "base/error.h"
+#include "base/warning.h"
 #include "optics/colour/channels.h"
 
 namespace voxtone::calibration {
@@ -131,8 +132,9 @@ void check_light(PhotoMeasurement& m, const std::vector<LitSample>& frame) {
                                       ", too much for it to be corrected; use light from further away, and less of "
                                       "the picture's corners");
     if (least < steep_light * most)
-        m.warnings.push_back(
-            fmt::format("{}: {}; it was corrected, but light from further away is better.", m.photograph.name, fall));
+        m.warnings.push_back(named_warning(
+            "uneven-light",
+            fmt::format("{}: {}; it was corrected, but light from further away is better.", m.photograph.name, fall)));
     if (m.model.chart_residual() > chart_wrong)
         refuse(m.photograph.name,
                fmt::format("after the correction of light and colours the checker's patches are still off by {:.3f} on "
@@ -140,10 +142,11 @@ void check_light(PhotoMeasurement& m, const std::vector<LitSample>& frame) {
                            "light (a tone curve): develop the photograph linearly",
                            m.model.chart_residual()));
     if (m.model.chart_residual() > chart_doubt)
-        m.warnings.push_back(
+        m.warnings.push_back(named_warning(
+            "checker-off",
             fmt::format("{}: after the colour correction the checker's patches are still off by {:.3f} on average "
                         "(linear, white is 1); colours of squares will be as much.",
-                        m.photograph.name, m.model.chart_residual()));
+                        m.photograph.name, m.model.chart_residual())));
 }
 
 void check_halves(const PhotoMeasurement& m, const Target& target) {
@@ -208,14 +211,16 @@ PhotoMeasurement measure_linear(io::Photograph photograph, const Target& target,
     }
     check_halves(m, target);
     if (m.view.markers < 4)
-        m.warnings.push_back(
+        m.warnings.push_back(named_warning(
+            "markers",
             fmt::format("{}: only {} of the four markers were found; the place of the squares is less certain.",
-                        photo.name, m.view.markers));
+                        photo.name, m.view.markers)));
     if (photo.bits == 8)
-        m.warnings.push_back(
+        m.warnings.push_back(named_warning(
+            "coarse-samples",
             fmt::format("{}: 8 bits per sample are coarse for dark squares, and pictures of this kind were developed "
                         "for the eye; use the camera's RAW file or a linear 16-bit TIFF.",
-                        photo.name));
+                        photo.name)));
     return m;
 }
 
@@ -273,9 +278,11 @@ PhotoMeasurement measure_photo(io::Photograph photograph, const Target& target, 
     }
     const bool linear = as_linear && (!as_srgb || as_linear->model.chart_residual() <= as_srgb->model.chart_residual());
     PhotoMeasurement result = std::move(linear ? *as_linear : *as_srgb);
-    result.warnings.push_back(fmt::format(
-        "{}: the file does not say how its samples stand for light; the checker's greys say {} (--coding sets it).",
-        result.photograph.name, linear ? "linearly" : "as sRGB codes"));
+    result.warnings.push_back(named_warning(
+        "coding-guessed",
+        fmt::format(
+            "{}: the file does not say how its samples stand for light; the checker's greys say {} (--coding sets it).",
+            result.photograph.name, linear ? "linearly" : "as sRGB codes")));
     return result;
 }
 
@@ -308,9 +315,10 @@ enum class Told { cut, signed_rgb, wide };
 void tell_negative(const NegativeSquares& negative, Told told, const Target& target, MeasuredTable& result) {
     const std::string_view written = told == Told::cut ? "written as 0" : "written as it is";
     if (!negative.hardly.empty() && told != Told::wide)
-        result.warnings.push_back(fmt::format(
-            "In {} square(s), first of all {}, a channel came out below 0 by less than three of its errors; it is {}.",
-            negative.hardly.size(), square_name(target, negative.hardly.front()), written));
+        result.warnings.push_back(named_warning(
+            "beyond-rgb", fmt::format("In {} square(s), first of all {}, a channel came out below 0 by less than three "
+                                      "of its errors; it is {}.",
+                                      negative.hardly.size(), square_name(target, negative.hardly.front()), written)));
     if (negative.surely.empty()) return;
     const std::string where = fmt::format(
         "In {} square(s), first of all {}, a channel of linear sRGB lies below 0 by more than three of its errors: "
@@ -318,11 +326,12 @@ void tell_negative(const NegativeSquares& negative, Told told, const Target& tar
         "inks are more saturated than it can say",
         negative.surely.size(), square_name(target, negative.surely.front()));
     if (told == Told::wide)
-        result.warnings.push_back(where + "; the table is in wide channels (wR, wG, wB).");
+        result.warnings.push_back(named_warning("beyond-rgb", where + "; the table is in wide channels (wR, wG, wB)."));
     else if (told == Told::cut)
-        result.warnings.push_back(where + "; it is written as 0, and resins will be wrong: use --channels wide.");
+        result.warnings.push_back(named_warning(
+            "beyond-rgb", where + "; it is written as 0, and resins will be wrong: use --channels wide."));
     else
-        result.warnings.push_back(where + "; it is written as it is.");
+        result.warnings.push_back(named_warning("beyond-rgb", where + "; it is written as it is."));
 }
 
 void widen(std::vector<Mean>& means) {
@@ -344,11 +353,14 @@ void tell_too_light(const std::vector<Mean>& means, const Target& target, Measur
         most = std::max(most, rho);
     }
     if (squares > 0)
-        result.warnings.push_back(fmt::format(
-            "In {} square(s), first of all {}, a channel lies above that of a perfect diffuser, up to {:.3f}, and is "
-            "written as 1: an ink more saturated than R, G, B can say (--channels wide), gloss, uneven light, or a "
-            "checker that is not what its file says. Look at the overlay.",
-            squares, square_name(target, first), most));
+        result.warnings.push_back(named_warning(
+            "beyond-rgb",
+            fmt::format(
+                "In {} square(s), first of all {}, a channel lies above that of a perfect diffuser, up to {:.3f}, and "
+                "is "
+                "written as 1: an ink more saturated than R, G, B can say (--channels wide), gloss, uneven light, or a "
+                "checker that is not what its file says. Look at the overlay.",
+                squares, square_name(target, first), most)));
 }
 
 }  // namespace
@@ -370,9 +382,11 @@ MeasuredTable average_photos(const std::vector<PhotoMeasurement>& photos, const 
             spread2 += (photo.rho[s] - mean.rho).cwiseAbs2() / std::max(1.0, count - 1);
         constexpr double differ = 0.02;
         if (spread2.cwiseSqrt().maxCoeff() > differ)
-            result.warnings.push_back(fmt::format(
-                "{} differs by {:.3f} between the photographs: the light or the exposure of one of them is off.",
-                square_name(target, s), spread2.cwiseSqrt().maxCoeff()));
+            result.warnings.push_back(named_warning(
+                "uneven-light",
+                fmt::format(
+                    "{} differs by {:.3f} between the photographs: the light or the exposure of one of them is off.",
+                    square_name(target, s), spread2.cwiseSqrt().maxCoeff())));
         mean.error = (error2 / count).cwiseMax(spread2 / count).cwiseSqrt();
         means.push_back(mean);
         result.spread.push_back(spread2.cwiseSqrt());
@@ -385,11 +399,14 @@ MeasuredTable average_photos(const std::vector<PhotoMeasurement>& photos, const 
         widen(means);
         result.table.channels = optics::wide_channels();
         if (const NegativeSquares still = negative_squares(means); !still.surely.empty())
-            result.warnings.push_back(fmt::format(
-                "In {} square(s), first of all {}, a wide channel lies below 0 by more than three of its errors, which "
-                "no ink can: glare, a checker that is not what its file says, or a camera whose colours no matrix "
-                "relates to it. Look at the overlay.",
-                still.surely.size(), square_name(target, still.surely.front())));
+            result.warnings.push_back(named_warning(
+                "beyond-rgb",
+                fmt::format(
+                    "In {} square(s), first of all {}, a wide channel lies below 0 by more than three of its errors, "
+                    "which "
+                    "no ink can: glare, a checker that is not what its file says, or a camera whose colours no matrix "
+                    "relates to it. Look at the overlay.",
+                    still.surely.size(), square_name(target, still.surely.front()))));
     }
     result.table.is_chart = target.is_chart();
     if (!target.is_chart()) tell_too_light(means, target, result);

@@ -10,6 +10,7 @@
 
 #include "base/contracts.h"
 #include "base/error.h"
+#include "base/warning.h"
 
 namespace voxtone::calibration {
 namespace {
@@ -46,7 +47,8 @@ void warn_of_steps(const MergedPicture& picture, const ExposureSeries& series, s
             throw InputError(
                 what + "; its time is wrong, or the light or the camera's settings changed, or values are not linear");
         if (std::abs(off) > doubtful_step)
-            warnings.push_back(what + "; times on a dial are rounded: give measured ones (FILE@SECONDS)");
+            warnings.push_back(
+                named_warning("exposures", what + "; times on a dial are rounded: give measured ones (FILE@SECONDS)"));
     }
 }
 
@@ -94,10 +96,12 @@ MeasuredSide measure_merged(const MergedPicture& picture, const ExposureSeries& 
         ++side.pixels[std::min<std::size_t>(longest, picture.seconds.size())];
     warn_of_steps(picture, series, side.warnings);
     if (picture.cut_at_black > doubtful_cut)
-        side.warnings.push_back(fmt::format(
-            "{}: {:.0f} % of a dark frame's samples are exactly 0: noise below black was cut off, so the faint "
-            "end of the profile is wrong by about that noise; convert RAW files without taking the black level off",
-            series.name, 100 * picture.cut_at_black));
+        side.warnings.push_back(named_warning(
+            "noisy-profile",
+            fmt::format(
+                "{}: {:.0f} % of a dark frame's samples are exactly 0: noise below black was cut off, so the faint "
+                "end of the profile is wrong by about that noise; convert RAW files without taking the black level off",
+                series.name, 100 * picture.cut_at_black)));
     const auto named = [&](const InputError& error) {
         return InputError(fmt::format("{} series: {}", series.name, error.what()));
     };
@@ -131,20 +135,26 @@ MeasuredSide measure_merged(const MergedPicture& picture, const ExposureSeries& 
         const RadialProfile& profile = side.profile[c];
         side.tail[c] = light_of_tail(profile, options.spacing_mm) / side.total[c];
         if (side.tail[c] > doubtful_tail)
-            side.warnings.push_back(fmt::format(
-                "{}, {}: the last tenth of the profile holds {:.1f} % of the light; what lies beyond is counted "
-                "within, which makes the profile too bright: photograph more of what is about the spot",
-                series.name, channel_names[c], 100 * side.tail[c]));
+            side.warnings.push_back(named_warning(
+                "cut-profile",
+                fmt::format(
+                    "{}, {}: the last tenth of the profile holds {:.1f} % of the light; what lies beyond is counted "
+                    "within, which makes the profile too bright: photograph more of what is about the spot",
+                    series.name, channel_names[c], 100 * side.tail[c])));
         if (profile.scale_error > doubtful_scale)
-            side.warnings.push_back(fmt::format(
-                "{}, {}: the light of all rings is known to {:.1f} % only, for faint rings far out are wide; "
-                "give a shorter reach or expose longer",
-                series.name, channel_names[c], 100 * profile.scale_error));
+            side.warnings.push_back(named_warning(
+                "noisy-profile",
+                fmt::format(
+                    "{}, {}: the light of all rings is known to {:.1f} % only, for faint rings far out are wide; "
+                    "give a shorter reach or expose longer",
+                    series.name, channel_names[c], 100 * profile.scale_error)));
         if (profile.noise > doubtful_noise)
-            side.warnings.push_back(fmt::format(
-                "{}, {}: pixels scatter {:.1f} times as much as the camera's noise says (errors hold that); "
-                "dust, a moving slab, or a noisier camera",
-                series.name, channel_names[c], profile.noise));
+            side.warnings.push_back(named_warning(
+                "noisy-profile",
+                fmt::format(
+                    "{}, {}: pixels scatter {:.1f} times as much as the camera's noise says (errors hold that); "
+                    "dust, a moving slab, or a noisier camera",
+                    series.name, channel_names[c], profile.noise)));
     }
     return side;
 }

@@ -11,6 +11,7 @@
 #include "base/contracts.h"
 #include "base/error.h"
 #include "base/random.h"
+#include "base/warning.h"
 #include "calibration/chart/chart_mixtures.h"
 #include "calibration/patches/patch_mixture.h"
 #include "calibration/target/ideal_patch.h"
@@ -95,21 +96,24 @@ std::string chart_form(const Target& target) {
 void warn_of_base(const Target& target, const std::optional<optics::ResinSet>& set, Progress& progress) {
     if (!set) {
         if (target.base_mm < opaque_mm)
-            progress.warn(fmt::format(
-                "A base of {:.4g} mm may not be opaque: of Vero white, 5 mm are 0.03 darker over black than 15 mm. "
-                "Photograph the target on a black sheet (the fit knows the thickness), print --base 15mm, or give "
-                "--resin-set to have it computed.",
-                target.base_mm));
+            progress.warn(named_warning(
+                "thin-base",
+                fmt::format(
+                    "A base of {:.4g} mm may not be opaque: of Vero white, 5 mm are 0.03 darker over black than 15 mm. "
+                    "Photograph the target on a black sheet (the fit knows the thickness), print --base 15mm, or give "
+                    "--resin-set to have it computed.",
+                    target.base_mm)));
         return;
     }
     for (const std::string& role : {target.light, target.dark}) {
         const std::vector<double> lost = lost_through_base(*set, role, target.base_mm);
         if (*std::max_element(lost.begin(), lost.end()) > seen_loss)
-            progress.warn(
+            progress.warn(named_warning(
+                "thin-base",
                 fmt::format("{:.4g} mm of {} are not opaque: over black they are {:.3f} darker (by channel) than "
                             "without end. Photograph the target on a black sheet (the fit knows the thickness) or "
                             "print a thicker base.",
-                            target.base_mm, role, fmt::join(lost, ", ")));
+                            target.base_mm, role, fmt::join(lost, ", "))));
     }
 }
 

@@ -24,7 +24,7 @@ namespace voxtone::cli {
 namespace {
 
 /// What a message ends with: docs/messages/exit-codes.md has its remedy under this name.
-const char* message_name(ExitCode code) {
+const char* failure_name(ExitCode code) {
     switch (code) {
         case ExitCode::done:
             return "done";
@@ -49,7 +49,7 @@ const char* message_name(ExitCode code) {
 }
 
 int tell(Messages messages, ExitCode code, const std::string& what) {
-    const std::string message = fmt::format("{} [{}]", what, message_name(code));
+    const std::string message = fmt::format("{} [{}]", what, failure_name(code));
     std::fputs(printable("voxtone: " + message + "\n").c_str(), stderr);
     if (messages == Messages::events) print_out(error_event(code, message) + "\n");
     if (messages == Messages::openjd) print_out(openjd_failure(message) + "\n");
@@ -88,8 +88,8 @@ int noticing_lost_output(int code) {
     if (!left || isatty(STDERR_FILENO) == 0)  // who types `| head` knows
         std::fputs(
             fmt::format("voxtone: stdout could not be written ({}), so what was printed there is not whole; files "
-                        "that were named are. Make room or choose another place for it\n",
-                        std::strerror(left ? EPIPE : why))
+                        "that were named are. Make room or choose another place for it [{}]\n",
+                        std::strerror(left ? EPIPE : why), failure_name(ExitCode::try_again))
                 .c_str(),
             stderr);
     return code == 0 ? static_cast<int>(ExitCode::try_again) : code;

@@ -50,7 +50,7 @@ constexpr float most_contrast_part = 0.6f, part_for_contrast = 0.7f;
 /// print that feedback has brought near would be thrown off. So the first ones go by the mean error as seen of what it
 /// starts from.
 DescentRates first_rates(double mean) {
-    constexpr double far = 5;
+    constexpr double far = 5;  // CIEDE2000 as seen
     const auto part = static_cast<float>(std::min(1.0, mean / far));
     const DescentRates whole;
     return {part * whole.own, part * whole.shared};
@@ -392,7 +392,7 @@ void LoopRun::predict(optics::ResinVolume volume, LoopMethod method) {
 
 /// Regions that are worse than without a loop count more in the next step, until they are not.
 void LoopRun::hurry(const std::vector<RegionLook>& looks) {
-    constexpr float more = 1.5f, less = 0.85f, most = 16;
+    constexpr float more = 1.5f, less = 0.85f, most = 16;  // up to 2 type kept less (decisions/005)
     for (std::size_t r = 0; r < looks.size(); ++r) {
         float& urgency = state_.urgency[r];
         urgency =

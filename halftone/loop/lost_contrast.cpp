@@ -13,8 +13,8 @@ namespace voxtone::halftone {
 
 namespace {
 
-constexpr float middle_loss = 0.03f;  // s
-constexpr float least_contrast = 1e-6f;
+constexpr float middle_loss = 0.03f;     // s
+constexpr float least_contrast = 1e-6f;  // keeps ratios finite
 
 float lightness_of(const Eigen::Vector3f& rgb) {
     return static_cast<float>(optics::oklab_from_linear_srgb(rgb.cast<double>().cwiseMax(0))[0]);

@@ -16,6 +16,7 @@
 #include <Eigen/Dense>
 
 #include "base/error.h"
+#include "base/warning.h"
 
 namespace voxtone::io {
 
@@ -62,9 +63,11 @@ public:
         replaced.resize(parts_.triangles.size());
         keep_rest(replaced);
         if (white_walls_)
-            parts_.warnings.push_back(fmt::format(
-                "Where {} has something cut out of parts of several colours, the walls of the cuts are white.",
-                model_));
+            parts_.warnings.push_back(named_warning(
+                "which-colour",
+                fmt::format(
+                    "Where {} has something cut out of parts of several colours, the walls of the cuts are white.",
+                    model_)));
     }
 
 private:

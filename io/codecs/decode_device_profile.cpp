@@ -21,7 +21,7 @@ namespace {
 using OpenProfile = std::unique_ptr<void, decltype([](void* p) { cmsCloseProfile(p); })>;
 using ColourTransform = std::unique_ptr<void, decltype([](void* t) { cmsDeleteTransform(t); })>;
 
-constexpr std::size_t header_bytes = 128;
+constexpr std::size_t header_bytes = 128;  // ICC.1:2022, 7.2
 constexpr std::size_t most_text_bytes = std::size_t{64} << 20;
 constexpr std::uint32_t most_channels = 15;
 

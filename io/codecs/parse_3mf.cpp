@@ -15,6 +15,7 @@
 #include "base/counted.h"
 #include "base/error.h"
 #include "base/printable.h"
+#include "base/warning.h"
 #include "io/codecs/cut_volumes.h"
 #include "io/codecs/texture_baker.h"
 #include "io/codecs/threemf_part.h"
@@ -77,9 +78,11 @@ public:
         const ThreemfPart& part = load(root);
         parts_.mm_per_file_unit = part.mm_per_unit;
         if (part.items.empty()) {
-            warn(fmt::format(
-                "{} has no build items, so that nothing in it is meant to be printed; all its objects were taken.",
-                context_.name()));
+            warn(named_warning(
+                "damaged",
+                fmt::format(
+                    "{} has no build items, so that nothing in it is meant to be printed; all its objects were taken.",
+                    context_.name())));
             std::set<std::uint32_t> used;
             for (const auto& [id, object] : part.objects)
                 for (const ThreemfReference& component : object.components) used.insert(component.object);
@@ -100,8 +103,9 @@ public:
                             "what is to be printed",
                             off, context_.name()));
         if (off > 0)
-            warn(fmt::format("{} items of {} are switched off (printable=\"0\"); they are left aside.", off,
-                             context_.name()));
+            warn(named_warning(
+                "left-out", fmt::format("{} items of {} are switched off (printable=\"0\"); they are left aside.", off,
+                                        context_.name())));
         lay_baked();
         colour_by_filament();
         cut_volumes(parts_, cuts_, context_.name());
@@ -132,8 +136,10 @@ private:
                 if (const auto part = package_.find(file))
                     read_slicer_volumes(text_of(package_.read(*part)), context_.name() + ":" + file, roles_);
             } catch (const InputError& error) {
-                warn(fmt::format("What a slicer says of its parts could not be read ({}); all are taken for bodies.",
-                                 error.what()));
+                warn(named_warning(
+                    "damaged",
+                    fmt::format("What a slicer says of its parts could not be read ({}); all are taken for bodies.",
+                                error.what())));
             }
         for (const char* file : {"/Metadata/Slic3r_PE.config", "/Metadata/project_settings.config"})
             if (const auto part = package_.find(file)) read_slicer_colours(text_of(package_.read(*part)), roles_);
@@ -601,10 +607,12 @@ private:
         };
         for (const std::string& warning : package_.warnings()) warn(warning);
         if (!modifiers_.empty())
-            warn(fmt::format("{} has {} that {} no part of the body (modifiers or blockers of support); left aside.",
-                             context_.name(), counted(modifiers_.size(), "volume"),
-                             modifiers_.size() == 1 ? "is" : "are"));
-        for (const auto& [what, times] : losses_) warn(sentence(what, times));
+            warn(named_warning(
+                "left-out",
+                fmt::format("{} has {} that {} no part of the body (modifiers or blockers of support); left aside.",
+                            context_.name(), counted(modifiers_.size(), "volume"),
+                            modifiers_.size() == 1 ? "is" : "are")));
+        for (const auto& [what, times] : losses_) warn(named_warning("which-colour", sentence(what, times)));
         for (const auto& [what, times] : colour_losses_) parts_.lose_colour(sentence(what, times));
     }
 

@@ -18,6 +18,7 @@
 
 #include "base/error.h"
 #include "base/printable.h"
+#include "base/warning.h"
 #include "io/codecs/gltf_data.h"
 #include "io/files/base64.h"
 #include "io/models/model_text.h"
@@ -331,9 +332,11 @@ private:
         if (!glow.allFinite() || glow.maxCoeff() <= 0) return;
         material.rgb = glow.cwiseMax(0).cwiseMin(1);
         if (!info.empty()) read_texture(info, material, uv);
-        warn(fmt::format(
-            "The material '{}' of {} has no base colour or a black one; its emission was taken for its colour.",
-            printable(material.name), context_.name()));
+        warn(named_warning(
+            "which-colour",
+            fmt::format(
+                "The material '{}' of {} has no base colour or a black one; its emission was taken for its colour.",
+                printable(material.name), context_.name())));
     }
 
     /// alphaMode MASK: opaque from the cutoff on, nothing below it.
@@ -676,21 +679,27 @@ private:
 
     void report() {
         if (!others_.empty())
-            warn(fmt::format("{} has further colours of vertices ({}); they have no standard and are left aside.",
-                             context_.name(), fmt::join(others_, ", ")));
+            warn(named_warning(
+                "which-colour",
+                fmt::format("{} has further colours of vertices ({}); they have no standard and are left aside.",
+                            context_.name(), fmt::join(others_, ", "))));
         if (points_and_lines_)
-            warn(fmt::format("{} has points or lines ({} vertices); they have no volume and are left aside.",
-                             context_.name(), points_and_lines_));
+            warn(named_warning(
+                "no-volume",
+                fmt::format("{} has points or lines ({} vertices); they have no volume and are left aside.",
+                            context_.name(), points_and_lines_)));
         if (skinned_)
-            warn(fmt::format("{} has {} meshes with a skeleton; they are taken in the pose of the file.",
-                             context_.name(), skinned_));
+            warn(named_warning("left-out",
+                               fmt::format("{} has {} meshes with a skeleton; they are taken in the pose of the file.",
+                                           context_.name(), skinned_)));
         if (hidden_)
-            warn(
+            warn(named_warning(
+                "left-out",
                 fmt::format("{} has {} hidden nodes (KHR_node_visibility); they and what hangs on them are left aside.",
-                            context_.name(), hidden_));
+                            context_.name(), hidden_)));
         if (!array(root_, "animations").empty())
-            warn(fmt::format("{} has {} animations; they are left aside.", context_.name(),
-                             array(root_, "animations").size()));
+            warn(named_warning("left-out", fmt::format("{} has {} animations; they are left aside.", context_.name(),
+                                                       array(root_, "animations").size())));
         for (const std::string& warning : context_.side_file_warnings()) warn(warning);
         context_.expect_faces(
             parts_,

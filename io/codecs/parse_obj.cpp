@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "base/printable.h"
+#include "base/warning.h"
 #include "io/codecs/polygon_triangles.h"
 #include "io/models/colour_range.h"
 #include "io/models/model_text.h"
@@ -83,8 +84,10 @@ private:
         for (MtlMaterial& material : parse_mtl(model_text(*bytes))) {
             const std::string name = material.name;
             if (!materials.insert_or_assign(name, std::move(material)).second)
-                say(fmt::format("The library '{}' has the material '{}' several times; the last was taken.",
-                                printable(file), printable(name)));
+                say(named_warning(
+                    "which-colour",
+                    fmt::format("The library '{}' has the material '{}' several times; the last was taken.",
+                                printable(file), printable(name))));
         }
         library_.merge(materials);
         return true;
@@ -118,13 +121,15 @@ private:
     void take_library_beside() {
         const std::string name = context_.name().substr(0, context_.name().rfind('.')) + ".mtl";
         if (read_library(name))
-            say(fmt::format("{} has materials and names no library for them; '{}' beside it was taken.",
-                            context_.name(), name));
+            say(named_warning("side-file",
+                              fmt::format("{} has materials and names no library for them; '{}' beside it was taken.",
+                                          context_.name(), name)));
         else
-            say(
+            say(named_warning(
+                "lost-colour",
                 fmt::format("{} has materials and names no library (mtllib) for them, so that their colours are not "
                             "known; export it again with its MTL file.",
-                            context_.name()));
+                            context_.name())));
     }
 
     /// By the name as it is written, without comment and quotes, or in other upper and lower case.
@@ -213,10 +218,11 @@ private:
         for (std::size_t n = 0; n < file_.materials.size(); ++n) {
             if (!written[n] || !has_neighbours(*written[n], used[n])) continue;
             marked_[n] = written[n]->marked;
-            say(
+            say(named_warning(
+                "which-colour",
                 fmt::format("The texture '{}' of {} was taken for one of several tiles (UDIM): coordinates lie beyond "
                             "it, and its neighbours are there.",
-                            printable(found_[n]->map_kd), context_.name()));
+                            printable(found_[n]->map_kd), context_.name())));
         }
     }
 
@@ -245,15 +251,18 @@ private:
         made.alpha = mtl.opacity;
         if (mtl.kd) parts_.has_colour = true;
         if (mtl.has_opacity_map)
-            say(fmt::format("The material '{}' has an opacity map; prints are opaque here, it is left aside.",
-                            mtl.name));
+            say(named_warning(
+                "transparent",
+                fmt::format("The material '{}' has an opacity map; prints are opaque here, it is left aside.",
+                            mtl.name)));
         if (!map.empty()) parts_.has_colour = true;
         if (!map.empty() && shown == Shown::as_it_is) {
             made.image = image(map);
             made.wrap_u = made.wrap_v = mtl.map_clamp ? Wrap::decal : Wrap::repeat;
             if (!mtl.map_from.empty())
-                say(fmt::format("The material '{}' has no map_Kd; its {} was taken for its colours.", mtl.name,
-                                mtl.map_from));
+                say(named_warning("which-colour",
+                                  fmt::format("The material '{}' has no map_Kd; its {} was taken for its colours.",
+                                              mtl.name, mtl.map_from)));
         }
         if (!mtl.kd && !mtl.unread_kd.empty() && made.image < 0 && shown != Shown::vertex_colours)
             parts_.lose_colour(fmt::format(
@@ -264,13 +273,17 @@ private:
         if (made.image < 0) {
             made.rgb = srgb_to_linear(*mtl.kd);
             if (!mtl.colour_from.empty())
-                say(fmt::format("The material '{}' has a black Kd or none; its {} was taken for its colour.", mtl.name,
-                                mtl.colour_from));
+                say(named_warning(
+                    "which-colour",
+                    fmt::format("The material '{}' has a black Kd or none; its {} was taken for its colour.", mtl.name,
+                                mtl.colour_from)));
         } else if (mtl.kd->maxCoeff() - mtl.kd->minCoeff() > 0.01f) {
-            say(fmt::format(
-                "The material '{}' has both a texture and a coloured Kd ({:.2f} {:.2f} {:.2f}); the texture "
-                "is printed as it is, Kd is left aside.",
-                mtl.name, mtl.kd->x(), mtl.kd->y(), mtl.kd->z()));
+            say(named_warning(
+                "which-colour",
+                fmt::format(
+                    "The material '{}' has both a texture and a coloured Kd ({:.2f} {:.2f} {:.2f}); the texture "
+                    "is printed as it is, Kd is left aside.",
+                    mtl.name, mtl.kd->x(), mtl.kd->y(), mtl.kd->z())));
         }
     }
 
@@ -376,17 +389,24 @@ private:
         if (const auto white = static_cast<std::size_t>(std::ranges::count(white_, true)))
             parts_.lose_colour(white_without_colour(white, "vertices", context_.name()));
         if (paint_left_aside_)
-            say(fmt::format("{} has textures and colours of vertices on the same faces; the textures are printed.",
-                            context_.name()));
-        if (file_.comma) say(fmt::format("{} has decimal commas; they were read as points.", context_.name()));
+            say(named_warning(
+                "which-colour",
+                fmt::format("{} has textures and colours of vertices on the same faces; the textures are printed.",
+                            context_.name())));
+        if (file_.comma)
+            say(named_warning("decimal-commas",
+                              fmt::format("{} has decimal commas; they were read as points.", context_.name())));
         if (file_.points_and_lines)
-            say(fmt::format("{} has {} points or lines; they have no volume and are left aside.", context_.name(),
-                            file_.points_and_lines));
+            say(named_warning("no-volume",
+                              fmt::format("{} has {} points or lines; they have no volume and are left aside.",
+                                          context_.name(), file_.points_and_lines)));
         if (file_.free_forms)
-            say(fmt::format(
-                "{} has {} free-form curves or surfaces, which are not read: they are MISSING from the print. "
-                "Export it as a mesh.",
-                context_.name(), file_.free_forms));
+            say(named_warning(
+                "left-out",
+                fmt::format(
+                    "{} has {} free-form curves or surfaces, which are not read: they are MISSING from the print. "
+                    "Export it as a mesh.",
+                    context_.name(), file_.free_forms)));
         for (const std::string& warning : context_.side_file_warnings()) say(warning);
         const bool points = file_.points_and_lines || (!parts_.positions.empty() && !file_.free_forms);
         context_.expect_faces(

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/printable.h"
+#include "base/warning.h"
 #include "io/codecs/ply_header.h"
 #include "io/codecs/ply_values.h"
 #include "io/codecs/polygon_triangles.h"
@@ -47,7 +48,8 @@ public:
         PlyValues values(context_.bytes(), header_, context_.name());
         for (const PlyElement& element : header_.elements) read(element, values);
         if (values.commas())
-            parts_.warnings.push_back(fmt::format("{} has decimal commas; they were read as points.", context_.name()));
+            parts_.warnings.push_back(named_warning(
+                "decimal-commas", fmt::format("{} has decimal commas; they were read as points.", context_.name())));
         make_materials();
         settle_colours();
         for (std::size_t f = 0; f < faces_.size(); ++f) add(f);
@@ -262,8 +264,10 @@ private:
             return std::adjacent_find(colours.begin(), colours.end(), std::not_equal_to<>()) != colours.end();
         };
         if (differ(of_vertices_) && differ(of_faces_))
-            parts_.warnings.push_back(fmt::format(
-                "{} has colours of vertices and of faces; those of the vertices are printed.", context_.name()));
+            parts_.warnings.push_back(
+                named_warning("which-colour",
+                              fmt::format("{} has colours of vertices and of faces; those of the vertices are printed.",
+                                          context_.name())));
         return !differ(of_vertices_) && (of_vertices_.empty() || differ(of_faces_));
     }
 
@@ -326,8 +330,9 @@ private:
                             "others have: their colours are LOST.",
                             without_page_, context_.name()));
         if (points_and_lines_)
-            parts_.warnings.push_back(fmt::format("{} has {} points or lines; they have no volume and are left aside.",
-                                                  context_.name(), points_and_lines_));
+            parts_.warnings.push_back(named_warning(
+                "no-volume", fmt::format("{} has {} points or lines; they have no volume and are left aside.",
+                                         context_.name(), points_and_lines_)));
         for (const std::string& warning : context_.side_file_warnings()) parts_.warnings.push_back(warning);
         context_.expect_faces(parts_, {parts_.positions.empty() && !points_and_lines_
                                            ? ""

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/warning.h"
 #include "io/codecs/polygon_triangles.h"
 #include "io/models/model_text.h"
 
@@ -16,7 +17,7 @@ namespace voxtone::io {
 
 namespace {
 
-constexpr std::size_t stl_header_bytes = 84, facet_bytes = 50;
+constexpr std::size_t stl_header_bytes = 84, facet_bytes = 50;  // of a binary file, with the count
 
 std::string_view chars(std::span<const std::byte> bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -102,10 +103,13 @@ void read_text(std::string_view text, const std::string& name, ModelParts& parts
     if (!corners.empty())
         throw InputError(
             fmt::format("{} ends in the middle of a facet: it is damaged or cut short, export it again", name));
-    if (comma) parts.warnings.push_back(fmt::format("{} has decimal commas; they were read as points.", name));
-    if (too_few)
+    if (comma)
         parts.warnings.push_back(
-            fmt::format("{} has {} facets with fewer than three corners; they are left aside.", name, too_few));
+            named_warning("decimal-commas", fmt::format("{} has decimal commas; they were read as points.", name)));
+    if (too_few)
+        parts.warnings.push_back(named_warning(
+            "no-volume",
+            fmt::format("{} has {} facets with fewer than three corners; they are left aside.", name, too_few)));
 }
 
 bool is_text(std::string_view text) {

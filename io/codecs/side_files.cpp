@@ -12,6 +12,7 @@
 #include <utf8proc.h>
 
 #include "base/printable.h"
+#include "base/warning.h"
 
 namespace voxtone::io {
 
@@ -133,8 +134,8 @@ std::optional<fs::path> SideFiles::find(std::string_view name) {
     for (const std::string& other : other_readings(name)) {
         if (result) break;
         if (other == name || !(result = find_as_written(other))) continue;
-        warnings_.push_back(
-            fmt::format("{} names the file '{}'; '{}' was taken for it.", model_, printable(name), printable(other)));
+        warnings_.push_back(named_warning("side-file", fmt::format("{} names the file '{}'; '{}' was taken for it.",
+                                                                   model_, printable(name), printable(other))));
     }
     return found_[std::string(name)] = result;
 }
@@ -156,23 +157,25 @@ std::optional<fs::path> SideFiles::find_as_written(std::string_view name) {
     }
     if (!is_file(path)) return result;
     if (!lies_below(path, folder_)) {
-        warnings_.push_back(
+        warnings_.push_back(named_warning(
+            "side-file",
             fmt::format("{} names the file '{}', which is a link that leads out of the model's folder and is not "
                         "followed; copy the file itself there.",
-                        model_, name));
+                        model_, name)));
         return result;
     }
     result = path;
     const std::string taken = path.lexically_relative(folder_).generic_string();
     if (leaves)
-        warnings_.push_back(
+        warnings_.push_back(named_warning(
+            "side-file",
             fmt::format("{} names the file '{}', which lies outside the model's folder and is not followed; "
                         "'{}' beside the model was taken instead.",
-                        model_, name, taken));
+                        model_, name, taken)));
     else if (taken != exact)
-        warnings_.push_back(
-            fmt::format("{} names the file '{}', which is written '{}' on the disk; that one was taken.", model_,
-                        printable(name), printable(taken)));
+        warnings_.push_back(named_warning(
+            "side-file", fmt::format("{} names the file '{}', which is written '{}' on the disk; that one was taken.",
+                                     model_, printable(name), printable(taken))));
     return result;
 }
 

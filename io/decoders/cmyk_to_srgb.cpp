@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/warning.h"
 #include "io/decoders/icc_to_srgb.h"
 
 namespace voxtone::io {
@@ -29,10 +30,11 @@ void cmyk_to_srgb(std::span<Value> pixels, std::span<const std::uint8_t> profile
     const std::string trouble = profile.empty() ? "it has no profile" : convert_cmyk_icc_to_srgb(profile, pixels);
     if (!trouble.empty()) {
         by_plain_rule(pixels);
-        warnings.push_back(fmt::format(
-            "The picture {} is CMYK, and {}; it was converted by a plain rule, so that its colours are rough. Save it "
-            "as RGB to be exact.",
-            name, trouble));
+        warnings.push_back(
+            named_warning("picture-colours", fmt::format("The picture {} is CMYK, and {}; it was converted by a plain "
+                                                         "rule, so that its colours are rough. Save it "
+                                                         "as RGB to be exact.",
+                                                         name, trouble)));
     }
     for (std::size_t i = 3; i < pixels.size(); i += 4) pixels[i] = std::numeric_limits<Value>::max();
 }

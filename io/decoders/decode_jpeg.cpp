@@ -14,6 +14,7 @@
 #include <jpeglib.h>
 
 #include "base/error.h"
+#include "base/warning.h"
 #include "io/decoders/cmyk_to_srgb.h"
 #include "io/decoders/exif.h"
 #include "io/decoders/jpeg_end.h"
@@ -159,8 +160,9 @@ DecodedImage decode_jpeg(std::span<const std::byte> bytes, const std::string& na
         throw InputError(fmt::format(
             "the picture {} is cut short, and rows or details of it are missing; copy or save it again", name));
     if (!has_end)
-        samples.warnings.push_back(
-            fmt::format("The picture {} lacks its end mark; all of its rows are there and were read.", name));
+        samples.warnings.push_back(named_warning(
+            "damaged",
+            fmt::format("The picture {} lacks its end mark; all of its rows are there and were read.", name)));
     const std::span<const std::uint8_t> profile(facts.profile, facts.profile_bytes);
     if (facts.channels == 4) {
         if (facts.inverted) invert(samples.bytes);

@@ -11,6 +11,7 @@
 #include <png.h>
 
 #include "base/error.h"
+#include "base/warning.h"
 #include "io/decoders/exif.h"
 #include "io/decoders/picture_samples.h"
 
@@ -171,8 +172,9 @@ PictureColours colours_of_chunks(const Meanings& m, const std::string& name, std
     if (std::abs(gamma - 1) < 0.01)
         colours.curve = PictureCurve::linear;
     else if (gamma < 2 || gamma > 2.5)
-        warnings.push_back(
-            fmt::format("The picture {} says that it has a gamma of {:.3g}; it was taken as sRGB.", name, gamma));
+        warnings.push_back(named_warning(
+            "picture-colours",
+            fmt::format("The picture {} says that it has a gamma of {:.3g}; it was taken as sRGB.", name, gamma)));
     return colours;
 }
 
@@ -189,12 +191,14 @@ void take_meanings(PictureSamples& samples, const Meanings& m, const Source& sou
         samples.colours = colours_of_chunks(m, name, samples.warnings);
     }
     if (!samples.colours.known)
-        samples.warnings.push_back(fmt::format("The picture {} is coded in {}; sRGB's were taken in their place.", name,
-                                               samples.colours.name));
+        samples.warnings.push_back(named_warning(
+            "picture-colours", fmt::format("The picture {} is coded in {}; sRGB's were taken in their place.", name,
+                                           samples.colours.name)));
     if (source.frames > 1)
-        samples.warnings.push_back(
+        samples.warnings.push_back(named_warning(
+            "several-pictures",
             fmt::format("The picture {} is an animation of {} frames; the one that still viewers show was taken.", name,
-                        source.frames));
+                        source.frames)));
 }
 
 }  // namespace

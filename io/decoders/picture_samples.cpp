@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/warning.h"
 #include "io/decoders/icc_to_srgb.h"
 
 namespace voxtone::io {
@@ -84,7 +85,8 @@ private:
     bool apply_profile(std::vector<Value>& rgba) {
         if (in_.icc_profile.empty()) return false;
         const std::string trouble = convert_icc_to_srgb(in_.icc_profile, std::span<Value>(rgba));
-        if (!trouble.empty()) warn(fmt::format("The picture {}: {}.", name_, trouble));
+        if (!trouble.empty())
+            warn(named_warning("picture-colours", fmt::format("The picture {}: {}.", name_, trouble)));
         return true;
     }
 
@@ -126,15 +128,16 @@ private:
             if (std::isnan(value)) value = 0;
         }
         if (not_numbers)
-            warn(fmt::format("The picture {} has {} samples that are not numbers; they were taken as 0.", name_,
-                             not_numbers));
+            warn(named_warning("damaged",
+                               fmt::format("The picture {} has {} samples that are not numbers; they were taken as 0.",
+                                           name_, not_numbers)));
         if (!is_linear_srgb())
             convert([&](std::size_t i) { return pixels[i]; }, [&](std::size_t i, float v) { pixels[i] = v; });
         else if (clamped)
-            warn(fmt::format(
-                "The picture {} has {} samples outside the range 0 to 1; a print cannot be brighter than white, they "
-                "were clamped.",
-                name_, clamped));
+            warn(named_warning("colour-range", fmt::format("The picture {} has {} samples outside the range 0 to 1; a "
+                                                           "print cannot be brighter than white, they "
+                                                           "were clamped.",
+                                                           name_, clamped)));
         std::vector<std::uint16_t>& linear = image_.texels.linear16;
         linear.resize(pixels.size());
         for (std::size_t i = 0; i < pixels.size(); ++i)
@@ -152,12 +155,13 @@ private:
             brighter += rgb.maxCoeff() > 1 + rounding && rgb.minCoeff() > -rounding;
             for (std::size_t c = 0; c < 3; ++c) set(i + c, std::clamp(rgb[Eigen::Index(c)], 0.0f, 1.0f));
         }
-        warn(fmt::format("The picture {} is coded in {}; it was converted to sRGB.", name_, in_.colours.name));
+        warn(named_warning("picture-colours", fmt::format("The picture {} is coded in {}; it was converted to sRGB.",
+                                                          name_, in_.colours.name)));
         if (brighter && (in_.colours.curve == PictureCurve::pq || in_.colours.curve == PictureCurve::hlg))
-            warn(fmt::format(
-                "{} pixels of the picture {} are brighter than its reference white (203 cd/m2), which is laid on the "
-                "white of the print; they were clamped.",
-                brighter, name_));
+            warn(named_warning("colour-range", fmt::format("{} pixels of the picture {} are brighter than its "
+                                                           "reference white (203 cd/m2), which is laid on the "
+                                                           "white of the print; they were clamped.",
+                                                           brighter, name_)));
     }
 
     /// EXIF orientations 1 to 8: bit by bit a flip in x, a flip in y, a transposition.

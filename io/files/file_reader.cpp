@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/warning.h"
 #include "io/files/packed_values.h"
 #include "io/files/sandbox.h"
 #include "io/programs/build_identity.h"
@@ -134,7 +135,7 @@ std::vector<std::byte> read_guarded(IsolatedProgram& reader, const Progress* pro
                                     std::vector<std::string>& warnings) {
     std::vector<std::byte> bytes = reader.result(progress);
     if (std::string note = missing_walls_note(reader.missing_walls()); !note.empty())
-        warnings.push_back(std::move(note));
+        warnings.push_back(named_warning("less-guarded", std::move(note)));
     return bytes;
 }
 

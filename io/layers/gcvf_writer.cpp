@@ -10,6 +10,7 @@
 #include <fmt/core.h>
 
 #include "base/contracts.h"
+#include "base/warning.h"
 #include "io/files/zip_writer.h"
 #include "io/layers/gcvf_config.h"
 
@@ -130,7 +131,7 @@ void write_gcvf(const std::filesystem::path& file, const StackDescription& stack
     write_zip(file, entries, progress);
     if (const std::string note = gcvf_size_note(std::filesystem::file_size(file), entries.size());
         progress && !note.empty())
-        progress->warn(fmt::format("{}: {}", file.filename().string(), note));
+        progress->warn(named_warning("gcvf-zip64", fmt::format("{}: {}", file.filename().string(), note)));
 }
 
 }  // namespace voxtone::io

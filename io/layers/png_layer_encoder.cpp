@@ -13,7 +13,7 @@
 namespace voxtone::io {
 namespace {
 
-constexpr int end_of_block = 256;
+constexpr int end_of_block = 256;  // RFC 1951
 
 /// Length symbol and extra bits of RFC 1951, section 3.2.5, for a match of 3..258 bytes.
 struct LengthSymbol {

@@ -10,7 +10,7 @@
 namespace voxtone::io {
 namespace {
 
-constexpr std::uint32_t longest_distance = 32768;
+constexpr std::uint32_t longest_distance = 32768;      // RFC 1951
 constexpr std::uint32_t reach = longest_distance / 4;  // pixels that any match may look back
 constexpr std::uint32_t long_run = 24;                 // px; from here on a run is not searched in
 constexpr std::uint8_t filter_slot = 0xff, end_slot = 0xfe;

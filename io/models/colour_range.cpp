@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "base/warning.h"
 #include "io/pictures/srgb_code.h"
 
 namespace voxtone::io {
@@ -59,8 +60,9 @@ std::vector<Eigen::Vector4f> settled_colours(const FileColours& colours, std::st
     const bool usual =
         colours.numbers == ColourNumbers::bytes || (colours.numbers == ColourNumbers::reals && range == 1);
     if (!usual)
-        warnings.push_back(fmt::format("The {} colours of {} go up to {:g}: they were taken as of 0 to {:.0f}.", whose,
-                                       file, rgb.most, range));
+        warnings.push_back(named_warning(
+            "colour-range", fmt::format("The {} colours of {} go up to {:g}: they were taken as of 0 to {:.0f}.", whose,
+                                        file, rgb.most, range)));
     std::vector<Eigen::Vector4f> out;
     out.reserve(colours.value.size());
     std::size_t clamped = 0;
@@ -76,8 +78,9 @@ std::vector<Eigen::Vector4f> settled_colours(const FileColours& colours, std::st
         if (colours.has_alpha) rgba[3] = static_cast<float>(std::clamp(colour[3] / of_alpha, 0.0, 1.0));
     }
     if (clamped)
-        warnings.push_back(fmt::format("{} {} colours of {} lie outside 0 to {:.0f}; they were clamped.", clamped,
-                                       whose, file, range));
+        warnings.push_back(
+            named_warning("colour-range", fmt::format("{} {} colours of {} lie outside 0 to {:.0f}; they were clamped.",
+                                                      clamped, whose, file, range)));
     return out;
 }
 

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/warning.h"
 #include "io/models/fill_gutters.h"
 #include "io/models/texel_coverage.h"
 #include "io/models/weld.h"
@@ -50,8 +51,10 @@ void check(ModelParts& parts, const std::string& name) {
                     ++not_finite;
                 }
         if (not_finite)
-            parts.warnings.push_back(fmt::format(
-                "{} texture coordinates of {} are infinite or not numbers; they were taken as 0.", not_finite, name));
+            parts.warnings.push_back(named_warning(
+                "damaged",
+                fmt::format("{} texture coordinates of {} are infinite or not numbers; they were taken as 0.",
+                            not_finite, name)));
     }
     if (!parts.corner_rgba.empty())
         parts.corner_rgba.resize(parts.triangles.size(),
@@ -91,7 +94,7 @@ public:
         compose_corners();
         report_transparency();
         file.lost_colour = lost_colour();
-        if (!file.lost_colour.empty()) parts_.warnings.push_back(file.lost_colour);
+        if (!file.lost_colour.empty()) parts_.warnings.push_back(named_warning("lost-colour", file.lost_colour));
         file.format = parts_.format;
         file.mm_per_file_unit = parts_.mm_per_file_unit;
         file.has_colour = parts_.has_colour;
@@ -277,22 +280,27 @@ private:
             }
         }
         if (clamped)
-            parts_.warnings.push_back(fmt::format(
-                "{} values of vertex colours in {} lie outside 0 to 1; they were clamped.", clamped, name_));
+            parts_.warnings.push_back(named_warning(
+                "colour-range", fmt::format("{} values of vertex colours in {} lie outside 0 to 1; they were clamped.",
+                                            clamped, name_)));
     }
 
     void report_transparency() {
         if (!invisible_.empty())
-            parts_.warnings.push_back(fmt::format(
-                "{} has colours that are fully transparent ({}), so that nothing of them would be seen; they were "
-                "taken to be opaque{}.",
-                name_, first_few(invisible_, ", "),
-                parts_.format == "OBJ" ? " (some programs write 'Tr 1' in a material library and mean that)" : ""));
+            parts_.warnings.push_back(named_warning(
+                "transparent",
+                fmt::format(
+                    "{} has colours that are fully transparent ({}), so that nothing of them would be seen; they were "
+                    "taken to be opaque{}.",
+                    name_, first_few(invisible_, ", "),
+                    parts_.format == "OBJ" ? " (some programs write 'Tr 1' in a material library and mean that)"
+                                           : "")));
         if (transparent_materials_ == 0 && transparent_corners_ == 0) return;
-        parts_.warnings.push_back(
+        parts_.warnings.push_back(named_warning(
+            "transparent",
             fmt::format("{} has transparent colours ({} materials, {} vertex colours); a print is opaque, so they were "
                         "laid over white.",
-                        name_, transparent_materials_, transparent_corners_));
+                        name_, transparent_materials_, transparent_corners_)));
     }
 
     /// All that is lost, said once: in up to three sentences.

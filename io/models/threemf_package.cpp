@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/printable.h"
+#include "base/warning.h"
 #include "io/files/xml_reader.h"
 #include "io/models/model_text.h"
 
@@ -107,8 +108,9 @@ void ThreemfPackage::leave_folder() {
     for (const auto& [path, index] : parts_)
         if (path.starts_with(folder + "/")) inner.emplace(path.substr(folder.size()), index);
     parts_ = std::move(inner);
-    warnings_.push_back(fmt::format("{} holds its parts in a folder '{}', where they are not meant to be; it is read.",
-                                    name_, printable(folder.substr(1))));
+    warnings_.push_back(named_warning(
+        "damaged", fmt::format("{} holds its parts in a folder '{}', where they are not meant to be; it is read.",
+                               name_, printable(folder.substr(1)))));
 }
 
 std::optional<std::string> ThreemfPackage::find_exactly(const std::string& path) const {
@@ -141,10 +143,10 @@ std::string ThreemfPackage::root_part() {
     for (const auto& [path, index] : parts_)
         if (is_model_part(path)) models.push_back(path);
     if (models.size() == 1) {
-        warnings_.push_back(
-            fmt::format("{} names the part '{}' as its model, which is not in it; its only model, "
-                        "'{}', was taken.",
-                        name_, printable(told), printable(models[0])));
+        warnings_.push_back(named_warning(
+            "damaged", fmt::format("{} names the part '{}' as its model, which is not in it; its only model, "
+                                   "'{}', was taken.",
+                                   name_, printable(told), printable(models[0]))));
         return models[0];
     }
     if (models.empty())

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/warning.h"
 #include "io/decoders/cmyk_to_srgb.h"
 #include "io/decoders/picture_samples.h"
 #include "io/openimageio/declared_size.h"
@@ -173,13 +174,17 @@ private:
 
     void read_rgb() {
         if (spec_.nchannels > 4)
-            warn(fmt::format("The picture {} has {} channels; the first four were taken as red, green, blue and alpha.",
-                             name_, spec_.nchannels));
+            warn(named_warning(
+                "several-pictures",
+                fmt::format("The picture {} has {} channels; the first four were taken as red, green, blue and alpha.",
+                            name_, spec_.nchannels)));
         if (OIIO::Strutil::icontains(spec_.get_string_attribute("oiio:ColorSpace"), "cmyk"))
-            warn(fmt::format(
-                "The picture {} is CMYK; it was converted without its profile, so that its colours are rough. "
-                "Save it as RGB to be exact.",
-                name_));
+            warn(named_warning(
+                "picture-colours",
+                fmt::format(
+                    "The picture {} is CMYK; it was converted without its profile, so that its colours are rough. "
+                    "Save it as RGB to be exact.",
+                    name_)));
         samples_.premultiplied = spec_.get_int_attribute("oiio:UnassociatedAlpha", 0) == 0;
         const bool is_float = spec_.format.is_floating_point();
         take_colours(is_float);
@@ -208,8 +213,10 @@ private:
             const float gamma = spec_.get_float_attribute("oiio:Gamma", 2.2f);
             if (std::abs(gamma - 1) < 0.01f) colours.curve = PictureCurve::linear;
             if (gamma < 2 || gamma > 2.5f)
-                warn(fmt::format("The picture {} says that it has a gamma of {:.3g}; it was taken as sRGB.", name_,
-                                 gamma));
+                warn(named_warning(
+                    "picture-colours",
+                    fmt::format("The picture {} says that it has a gamma of {:.3g}; it was taken as sRGB.", name_,
+                                gamma)));
         }
         float stored[8];
         if (!spec_.getattribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), stored)) return;
@@ -224,9 +231,11 @@ private:
                 "the picture {} is separated into {} inks that are not cyan, magenta, yellow and black; save it as RGB",
                 name_, spec_.nchannels));
         if (spec_.nchannels > 4)
-            warn(fmt::format(
-                "The picture {} has {} channels beyond cyan, magenta, yellow and black; they were left aside.", name_,
-                spec_.nchannels - 4));
+            warn(named_warning(
+                "several-pictures",
+                fmt::format(
+                    "The picture {} has {} channels beyond cyan, magenta, yellow and black; they were left aside.",
+                    name_, spec_.nchannels - 4)));
         if (spec_.format.size() > 1)
             convert_inks(samples_.words, OIIO::TypeDesc::UINT16);
         else
@@ -278,7 +287,7 @@ DecodedImage decode_other(std::span<const std::byte> bytes, const std::string& f
         OpenPicture file(bytes, format, name, choice.raw);  // anew: not every reader finds its way back
         file.go_to(choice.picture);
         PictureSamples samples = ImageReader(file.input(), name, options).read();
-        if (!choice.warning.empty()) samples.warnings.push_back(choice.warning);
+        if (!choice.warning.empty()) samples.warnings.push_back(named_warning("several-pictures", choice.warning));
         return to_texels(std::move(samples), name, options);
     } catch (const Error&) {
         throw;

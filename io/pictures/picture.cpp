@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "base/warning.h"
 #include "io/files/file_reader.h"
 #include "io/pictures/packed_image.h"
 
@@ -44,11 +45,13 @@ Picture finish_picture(DecodedImage image, const std::string& name) {
     picture.dpi_y = image.dpi_y;
     picture.warnings = std::move(image.warnings);
     if (image.has_alpha && is_invisible(image.texels)) {
-        picture.warnings.push_back(
-            fmt::format("All of {} is transparent, which cannot be meant; it was taken as opaque.", name));
+        picture.warnings.push_back(named_warning(
+            "transparent",
+            fmt::format("All of {} is transparent, which cannot be meant; it was taken as opaque.", name)));
         for (std::size_t i = 0; i < image.texels.pixels(); ++i) image.texels.set_opaque(i);
     } else if (image.has_alpha) {
-        picture.warnings.push_back(fmt::format("{} has transparent pixels; they were laid over white.", name));
+        picture.warnings.push_back(
+            named_warning("transparent", fmt::format("{} has transparent pixels; they were laid over white.", name)));
         compose_over(image.texels, Eigen::Vector3f::Ones());
     }
     picture.texture = std::make_shared<const Texture>(std::move(image.texels), Wrap::clamp, Wrap::clamp);

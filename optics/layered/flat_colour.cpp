@@ -12,7 +12,7 @@ namespace voxtone::optics {
 
 namespace {
 
-constexpr double knee = 6.0 / 29;
+constexpr double knee = 6.0 / 29;  // CIE 15:2018, 8.2.1
 constexpr double largest_ratio = 2;
 
 Eigen::Matrix3Xd xyz_of_channels(const Channels& channels) {

@@ -33,7 +33,7 @@
 //
 // The constants are one set for all resins and printers, fitted to Monte Carlo of halftones of random resins by
 // benchmarks/optics/media/halftone_departure.cpp. Errors, in units of L* of a channel read as a grey: 0.1 to 0.2 rms,
-// against 0.7 to 1.3 by Eq. 7 (docs/halftone-departure.md). They belong to the blue-noise screen.
+// against 0.7 to 1.3 by Eq. 7 (benchmarks/results/accuracy). They belong to the blue-noise screen.
 //
 // Units mm, mm^-1. Range: any fractions >= 0, sigma_t up to about 1 / l (40 per mm for J750's voxels), p_z between a
 // fifth and two and a half times sqrt(p_x p_y). What it cannot see: anything but the mean over many voxels.

@@ -80,7 +80,7 @@ private:
         entries_ = next_entry_ = 0;
         for (; entries_ < Entries::most && path_ < end_; ++entries_, ++path_) {
             for (std::size_t a = 0; a < 2; ++a) {
-                constexpr double step[2] = {0.7548776662466927, 0.5698402909980532};
+                constexpr double step[2] = {0.7548776662466927, 0.5698402909980532};  // 1 / p, 1 / p^2, p^3 = p + 1
                 const double place = std::fmod(0.5 + step[a] * path_, 1.0);
                 column_[entries_][a] =
                     std::min(options_.end[a] - 1,

@@ -47,7 +47,7 @@ DirectionSet make_directions(double g, double eta) {
     DirectionSet set;
     set.g = g;
     set.eta = eta;
-    constexpr double most_linear = 1.0 / 3;
+    constexpr double most_linear = 1.0 / 3;  // mixtures are off beyond (decisions/008)
     set.linear = std::clamp(g < 0 ? g : g / (1 + g), -most_linear, most_linear);
     set.forward_peak = g >= 0 && g <= 0.5 ? g * g : (g - set.linear) / (1 - set.linear);
     const double critical = critical_cosine(eta), split = critical > 0.2 ? critical : 0.5;

@@ -25,7 +25,9 @@ def test_events_come_by_iteration_and_by_callback(tmp_path):
 def test_a_mesh_becomes_part_of_its_stack(tmp_path):
     """So that the job can be made again, and nothing is left where it is refused."""
     out = tmp_path / "box"
-    first = voxtone.slice(box(), out=out, quality="draft", predict="none", layers="0-9").result()
+    job = voxtone.slice(box(), out=out, quality="draft", predict="none", layers="0-9")
+    first = job.result()
+    assert "few-layers" in [warning.name for warning in job.warnings]
     assert (out / "model.glb").exists()
     again = voxtone.slice(job=out / "job.json", out=tmp_path / "again").result()
     assert again.manifest["content_sha256"] == first.manifest["content_sha256"]
@@ -69,6 +71,7 @@ def test_exceptions_by_exit_code(tmp_path, kind, options, word):
     with pytest.raises(voxtone.Error, match=word) as caught:
         voxtone.slice(box(), out=tmp_path / "x", **options).result()
     assert caught.value.exit_code in (2, 3, 4)
+    assert caught.value.name == {2: "usage", 3: "invalid-input", 4: "file"}[caught.value.exit_code]
     assert isinstance(caught.value, kind) or caught.value.exit_code != kind.exit_code
     assert not str(caught.value).startswith("voxtone:")
 

@@ -10,7 +10,7 @@
 A verb takes the options of its command line as keywords (`help(voxtone.slice)`), and returns a Job. docs/python.md
 """
 from .errors import (Bug, CheckFailed, Cancelled, Error, FileError, InputError, Killed, ProgramMissing, Stopped,
-                     TryAgain, Unfinished, UsageError)
+                     TryAgain, Unfinished, UsageError, Warned)
 from .job import Job
 from .mesh import Mesh, read_mesh
 from .options import Command, Option, option_table
@@ -20,6 +20,6 @@ from .verbs import (batch, calibrate, estimate, laminate, list, merge, predict, 
                     status, target, tray, verify)
 
 __all__ = ["Bug", "Cancelled", "CheckFailed", "Command", "Error", "FileError", "InputError", "Job", "Killed", "Mesh",
-           "Option", "Print", "ProgramMissing", "Stopped", "TryAgain", "Unfinished", "UsageError", "batch",
+           "Option", "Print", "ProgramMissing", "Stopped", "TryAgain", "Unfinished", "UsageError", "Warned", "batch",
            "calibrate", "estimate", "laminate", "list", "merge", "open", "option_table", "predict", "printers",
            "program", "proof", "read_mesh", "resin_sets", "slice", "status", "target", "tray", "verify", "version"]

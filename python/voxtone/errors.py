@@ -2,7 +2,26 @@
 """One exception for each exit code of the program; the message is the program's."""
 from __future__ import annotations
 
+import re
 from typing import Any, Optional
+
+
+_at_end = re.compile(r"\[([a-z0-9-]+)\]\s*\Z")
+
+
+def name_of_message(message: str) -> str:
+    """What stands in brackets at its end, "" where nothing does: docs/messages has the remedy under it."""
+    found = _at_end.search(message)
+    return found[1] if found else ""
+
+
+class Warned(str):
+    """The text of a warning."""
+
+    @property
+    def name(self) -> str:
+        """Of its kind: "thin-walls"."""
+        return name_of_message(self)
 
 
 class Error(Exception):
@@ -12,6 +31,7 @@ class Error(Exception):
     def __init__(self, message: str, result: Any = None) -> None:
         super().__init__(message)
         self.result = result  #: what was made or found nevertheless
+        self.name = name_of_message(message)  #: of its kind: "invalid-input"
 
 
 class Bug(Error):

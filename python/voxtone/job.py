@@ -10,7 +10,7 @@ import tempfile
 import threading
 from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Set
 
-from .errors import Cancelled, Error, Unfinished, error_of
+from .errors import Cancelled, Error, Unfinished, Warned, error_of
 from .program import environment, program
 
 Event = Dict[str, Any]  #: {"event": "progress", "stage": "layers", "done": 1842, "steps": 3920, ...}
@@ -90,8 +90,8 @@ class Job:
             return list(self._events)
 
     @property
-    def warnings(self) -> List[str]:
-        return [event["message"] for event in self.events if event["event"] == "warning"]
+    def warnings(self) -> List[Warned]:
+        return [Warned(event["message"]) for event in self.events if event["event"] == "warning"]
 
     @property
     def seconds_left(self) -> Optional[float]:

@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "base/progress_bar.h"
 #include "base/stop_deadline.h"
+#include "base/warning.h"
 #include "io/disk/disk_space.h"
 #include "io/files/json_writer.h"
 #include "io/models/foreign_kind.h"
@@ -83,7 +84,7 @@ void summarise(const BatchFolder& folder, Progress& progress) {
     try {
         write_batch_summary(folder);
     } catch (const Error& error) {
-        progress.warn(fmt::format("the summary could not be written: {}", error.what()));
+        progress.warn(named_warning("not-noted", fmt::format("the summary could not be written: {}", error.what())));
     }
 }
 
@@ -127,7 +128,7 @@ public:
         } catch (const Cancelled&) {
             throw;
         } catch (const Error& error) {
-            progress_.warn(error.what());
+            progress_.warn(named_warning("no-model", error.what()));
         }
     }
     void queue_what_waits() {
@@ -138,8 +139,9 @@ private:
     void accept(PlannedJob& job) {
         const auto [known, is_new] = model_of_.emplace(job.name, job.options.model);
         if (!is_new && known->second != job.options.model) {
-            progress_.warn(fmt::format("{}: is left aside: its job would be called '{}', as that of {}; rename it",
-                                       job.options.model, job.name, known->second));
+            progress_.warn(named_warning(
+                "no-model", fmt::format("{}: is left aside: its job would be called '{}', as that of {}; rename it",
+                                        job.options.model, job.name, known->second)));
             return;
         }
         std::erase_if(waiting_, [&](const PlannedJob& other) { return other.name == job.name; });
@@ -185,7 +187,8 @@ void run_watch_job(const std::filesystem::path& watched, const PlanOptions& plan
         if (clock() >= next_look_s) {
             const Arrivals::Arrived arrived = arrivals.poll();
             for (const std::filesystem::path& model : arrived.models) jobs.take(model);
-            for (const std::filesystem::path& file : arrived.strays) progress.warn(why_not_sliced(file));
+            for (const std::filesystem::path& file : arrived.strays)
+                progress.warn(named_warning("no-model", why_not_sliced(file)));
             next_look_s = clock() + look_every_s;
         }
         jobs.queue_what_waits();

@@ -7,6 +7,7 @@
 
 #include "base/control_group.h"
 #include "base/error.h"
+#include "base/warning.h"
 #include "io/disk/disk_space.h"
 #include "io/programs/build_identity.h"
 #include "slicer/batch/job_ending.h"
@@ -106,15 +107,19 @@ void QueuedJob::note_expected_time() {
         known.expected_cpu_s = state_.expected_cpu_s;
         context_.folder.publish(known);
     } catch (const Error& error) {
-        tell(JobEvent::Kind::warned, fmt::format("its state could not be written: {}", error.what()));
+        tell(JobEvent::Kind::warned,
+             named_warning("not-noted", fmt::format("its state could not be written: {}", error.what())));
     }
 }
 
 void QueuedJob::warn_that_it_runs_alone(std::uint64_t memory_there_is) const {
     if (!weight_.is_known())
-        return tell(JobEvent::Kind::warned, "how much memory it needs cannot be told beforehand: it runs alone");
-    tell(JobEvent::Kind::warned, fmt::format("may need {} of memory, more than the {} there are: it runs alone",
-                                             io::bytes_text(weight_.memory_bytes), io::bytes_text(memory_there_is)));
+        return tell(JobEvent::Kind::warned,
+                    named_warning("runs-alone", "how much memory it needs cannot be told beforehand: it runs alone"));
+    tell(JobEvent::Kind::warned,
+         named_warning("runs-alone",
+                       fmt::format("may need {} of memory, more than the {} there are: it runs alone",
+                                   io::bytes_text(weight_.memory_bytes), io::bytes_text(memory_there_is))));
 }
 
 void QueuedJob::start(int threads) {
@@ -142,7 +147,7 @@ void QueuedJob::take_lock_and_run(int threads) {
         told_elsewhere_ = true;
         return;
     }
-    if (!lock_->doubt().empty()) tell(JobEvent::Kind::warned, lock_->doubt());
+    if (!lock_->doubt().empty()) tell(JobEvent::Kind::warned, named_warning("lock-doubt", lock_->doubt()));
     // What another batch has made of it since.
     if (const auto known = context_.folder.state_of(job_.name)) {
         if (is_unchanged(known)) {
@@ -228,7 +233,7 @@ void QueuedJob::take_step(const NextStep& step) {
 void QueuedJob::read_stack() {
     const std::string no_picture =
         take_stack(job_.out, began_ns_, context_.folder.picture_file(job_.name), context_.digests, state_);
-    if (!no_picture.empty()) tell(JobEvent::Kind::warned, no_picture);
+    if (!no_picture.empty()) tell(JobEvent::Kind::warned, named_warning("not-noted", no_picture));
 }
 
 /// Throws Error where what was made, or that it was, cannot be kept.
@@ -280,9 +285,11 @@ void QueuedJob::take_end_of_follower(const ProcessEnd& end) {
     publish();
     if (end.exit_code == 0) return;
     tell(JobEvent::Kind::warned,
-         fmt::format("the command of --after failed ({}); the result stands. What it said is in {}",
-                     end.signal ? fmt::format("signal {}", end.signal) : fmt::format("exit code {}", end.exit_code),
-                     context_.folder.log_file(job_.name).string()));
+         named_warning(
+             "after-failed",
+             fmt::format("the command of --after failed ({}); the result stands. What it said is in {}",
+                         end.signal ? fmt::format("signal {}", end.signal) : fmt::format("exit code {}", end.exit_code),
+                         context_.folder.log_file(job_.name).string())));
 }
 
 void QueuedJob::leave(Stage stage) {
@@ -295,7 +302,8 @@ void QueuedJob::publish() {
     try {
         context_.folder.publish(state_);
     } catch (const Error& error) {
-        tell(JobEvent::Kind::warned, fmt::format("its state could not be written: {}", error.what()));
+        tell(JobEvent::Kind::warned,
+             named_warning("not-noted", fmt::format("its state could not be written: {}", error.what())));
     }
 }
 

@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "base/machine_memory.h"
 #include "base/parallel.h"
+#include "base/warning.h"
 #include "io/disk/disk_space.h"
 #include "io/files/json_writer.h"
 #include "slicer/batch/job_ending.h"
@@ -299,7 +300,7 @@ std::set<std::string> queue_for_closing(const std::vector<Submission>& submissio
         try {
             return slurm_queue();
         } catch (const FileError& error) {
-            progress.warn(error.what());
+            progress.warn(named_warning("queue-unknown", error.what()));
             return {};
         } catch (const TryAgain&) {
             if (attempt == tries) throw;

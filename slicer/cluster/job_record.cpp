@@ -10,6 +10,7 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
+#include "base/warning.h"
 #include "slicer/batch/batch_summary.h"
 #include "slicer/batch/job_life.h"
 #include "slicer/batch/job_result.h"
@@ -45,16 +46,19 @@ void change_state(const BatchFolder& batch, const std::string& name, Progress& p
     try {
         const auto lock = wait_for_job(batch, name);
         if (!lock) {
-            progress.warn(fmt::format("{}: its state is not noted, as a batch on another machine works on it", name));
+            progress.warn(named_warning(
+                "not-noted",
+                fmt::format("{}: its state is not noted, as a batch on another machine works on it", name)));
             return;
         }
-        if (!lock->doubt().empty()) progress.warn(lock->doubt());
+        if (!lock->doubt().empty()) progress.warn(named_warning("lock-doubt", lock->doubt()));
         JobState state = batch.state_of(name).value_or(JobState());
         state.name = name;
         change(state);
         batch.publish(state);
     } catch (const Error& error) {
-        progress.warn(fmt::format("{}: its state could not be noted: {}", name, error.what()));
+        progress.warn(
+            named_warning("not-noted", fmt::format("{}: its state could not be noted: {}", name, error.what())));
     }
 }
 
@@ -62,7 +66,7 @@ void note_stack(JobState& state, const BatchFolder& batch, const PlannedJob& job
                 InputDigests& digests, Progress& progress) {
     const std::string no_picture =
         take_stack(job.out, submission.began_ns, batch.picture_file(job.name), digests, state);
-    if (!no_picture.empty()) progress.warn(fmt::format("{}: {}", job.name, no_picture));
+    if (!no_picture.empty()) progress.warn(named_warning("not-noted", fmt::format("{}: {}", job.name, no_picture)));
     note_done(state);
     state.command = job.command;
 }
@@ -71,7 +75,7 @@ void summarise_batch(const BatchFolder& batch, Progress& progress) {
     try {
         write_batch_summary(batch);
     } catch (const Error& error) {
-        progress.warn(fmt::format("the summary could not be written: {}", error.what()));
+        progress.warn(named_warning("not-noted", fmt::format("the summary could not be written: {}", error.what())));
     }
 }
 
@@ -87,7 +91,7 @@ void summarise_at_times(const BatchFolder& batch, const std::string& name, std::
         const auto lock = batch.lock_summary();
         if (lock) summarise_batch(batch, progress);
     } catch (const Error& error) {
-        progress.warn(fmt::format("the summary could not be written: {}", error.what()));
+        progress.warn(named_warning("not-noted", fmt::format("the summary could not be written: {}", error.what())));
     }
 }
 

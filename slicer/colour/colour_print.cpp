@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/progress_bar.h"
 #include "base/stopwatch.h"
+#include "base/warning.h"
 #include "io/files/json_writer.h"
 #include "slicer/colour/colour_report.h"
 #include "slicer/colour/loop_report.h"
@@ -194,7 +195,7 @@ void ColourPrint::look(const io::StackDescription&, Progress& progress) {
         return;
     }
     prediction_plan_.why_not = "The print is not predicted: " + why_not + ".";
-    progress.warn(prediction_plan_.why_not);
+    progress.warn(named_warning("not-predicted", prediction_plan_.why_not));
 }
 
 std::vector<io::ReportStage> ColourPrint::stages_before_layers() const {
@@ -213,7 +214,8 @@ void ColourPrint::add_to(io::Report& report) const {
         judge({job_, body_, *colour_, prediction_, prediction_plan_.why_not, *report.gamut, loop_.has_value(),
                loop_ && plan_.loop.iterations >= 0 && loop_->result.why_stopped == halftone::all_iterations_made,
                plan_.all_white});
-    if (!why_no_loop_.empty() && !plan_.all_white) report.warnings.push_back(why_no_loop_);
+    if (!why_no_loop_.empty() && !plan_.all_white)
+        report.warnings.push_back(named_warning("loop-left-out", why_no_loop_));
     add_remarks(loop_, prediction_, report);
 }
 

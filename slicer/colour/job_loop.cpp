@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/stop_deadline.h"
 #include "base/stopwatch.h"
+#include "base/warning.h"
 #include "io/disk/scratch_file.h"
 #include "slicer/colour/skin_gradient.h"
 #include "slicer/options/model_choice.h"
@@ -86,8 +87,10 @@ public:
             writing_.get();
         } catch (const Error& error) {
             if (std::exchange(warned_, true)) return;
-            progress_.warn(fmt::format("{} The loop goes on, but if it is interrupted it cannot be resumed from here",
-                                       error.what()));
+            progress_.warn(named_warning(
+                "not-resumable",
+                fmt::format("{} The loop goes on, but if it is interrupted it cannot be resumed from here",
+                            error.what())));
         }
     }
 

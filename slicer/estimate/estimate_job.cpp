@@ -6,10 +6,10 @@
 #include <optional>
 #include <utility>
 
-#include "base/cpu_time.h"
 #include "base/parallel.h"
-#include "base/peak_memory.h"
+#include "base/process_usage.h"
 #include "base/stopwatch.h"
+#include "base/warning.h"
 #include "io/disk/disk_space.h"
 #include "slicer/estimate/orientations.h"
 #include "slicer/prepare/resin_choice.h"
@@ -66,7 +66,8 @@ void add_volume(const OpenedJob& job, const JobBody& body, const LayerRange& ran
 void add_remarks(const PlannedPrint& planned, JobEstimate& estimate) {
     estimate.warnings = planned.job.printer.warnings();
     estimate.warnings.insert(estimate.warnings.end(), planned.body.warnings.begin(), planned.body.warnings.end());
-    if (!planned.plan.loop.does_not_fit.empty()) estimate.warnings.push_back(planned.plan.loop.does_not_fit);
+    if (!planned.plan.loop.does_not_fit.empty())
+        estimate.warnings.push_back(named_warning("loop-left-out", planned.plan.loop.does_not_fit));
     estimate.notes = planned.body.notes;
     if (!planned.job.why_these_resins.empty()) estimate.notes.push_back(planned.job.why_these_resins);
 }

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/stopwatch.h"
+#include "base/warning.h"
 #include "io/disk/disk_space.h"
 #include "io/shards/shard_folder.h"
 #include "slicer/colour/colour_print.h"
@@ -35,7 +36,7 @@ JobBody read_body(const OpenedJob& job, JobMeasurements& figures, Progress& prog
 JobIdentity identify_said(const OpenedJob& job, const JobBody& body, Progress& progress) {
     JobIdentity identity = identify(job, body.side_files, &progress);
     for (const std::string& changed : changed_inputs(job.options.raw.recorded_inputs, identity.inputs))
-        progress.warn(changed);
+        progress.warn(named_warning("changed-input", changed));
     return identity;
 }
 

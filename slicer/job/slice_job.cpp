@@ -11,9 +11,10 @@
 
 #include "base/contracts.h"
 #include "base/parallel.h"
-#include "base/peak_memory.h"
+#include "base/process_usage.h"
 #include "base/stop_deadline.h"
 #include "base/stopwatch.h"
+#include "base/warning.h"
 #include "io/files/json_object.h"
 #include "io/files/whole_file.h"
 #include "io/layers/layer_stack_writer.h"
@@ -96,10 +97,11 @@ void expect_enough_layers(const PreparedJob& ready, Progress& progress) {
     check_layer_count(all, printer,
                       ready.body.is_picture ? "thicker (--thickness)" : "larger (--size), or turn it (--rotate)");
     if (made < printer.min_layers)
-        progress.warn(
+        progress.warn(named_warning(
+            "few-layers",
             fmt::format("these {} layers are a part of {}; {} takes no fewer than {}: lay the parts together before "
                         "they are printed or verified",
-                        made, all, printer.id, printer.min_layers));
+                        made, all, printer.id, printer.min_layers)));
 }
 
 /// Says what the job will take (`voxtone estimate` says more).
@@ -151,7 +153,7 @@ SliceResult run_slice_job(const SliceOptions& requested, Progress& progress) {
     std::vector<std::string_view> companions(report_file::all.begin(), report_file::all.end());
     companions.push_back(io::shards_name);
     io::StackFolder folder(opened.options.out, std::move(companions));
-    if (!folder.doubt().empty()) progress.warn(folder.doubt());
+    if (!folder.doubt().empty()) progress.warn(named_warning("lock-doubt", folder.doubt()));
     if (auto done = done_before(opened, folder, progress)) {
         hand_over(folder.path(), opened.options.for_printer, opened.options.overwrite, progress);
         return *std::move(done);
@@ -159,7 +161,8 @@ SliceResult run_slice_job(const SliceOptions& requested, Progress& progress) {
     expect_replaceable(opened, folder, progress);
     if (!opened.options.for_printer.empty())
         io::expect_printer_target(opened.options.out, opened.options.for_printer, opened.options.overwrite);
-    if (const std::string note = folder.strangers_note(); !note.empty()) progress.warn(note);
+    if (const std::string note = folder.strangers_note(); !note.empty())
+        progress.warn(named_warning("strange-files", note));
     expect_resumable(opened, folder, progress);
     const ThreadLimit threads(static_cast<std::size_t>(opened.options.threads));
     for (const std::string& warning : opened.printer.warnings()) progress.warn(warning);

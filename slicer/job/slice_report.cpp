@@ -3,8 +3,9 @@
 
 #include <fmt/core.h>
 
-#include "base/peak_memory.h"
+#include "base/process_usage.h"
 #include "base/progress_bar.h"
+#include "base/warning.h"
 #include "io/programs/build_identity.h"
 #include "slicer/kept/report_files.h"
 #include "slicer/options/option_table.h"
@@ -85,9 +86,10 @@ std::vector<std::string> warnings_of(const OpenedJob& job, const JobBody& body, 
     std::vector<std::string> warnings = job.printer.warnings();
     warnings.insert(warnings.end(), body.warnings.begin(), body.warnings.end());
     if (f.counts.thin_voxels > 0)
-        warnings.push_back(
+        warnings.push_back(named_warning(
+            "thin-walls",
             fmt::format("{} voxels were added where the body is thinner than a voxel, so that nothing vanishes",
-                        f.counts.thin_voxels));
+                        f.counts.thin_voxels)));
     return warnings;
 }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/warning.h"
 #include "io/disk/output_files.h"
 #include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
@@ -37,15 +38,17 @@ std::optional<std::size_t> drawn_point(const LaminateFactorJob& job, const optic
 void warn_of(const ChannelOutcome& outcome, const std::string& channel, const optics::SampledBssrdf& responses,
              Progress& progress) {
     if (!outcome.factor.converged)
-        progress.warn(
+        progress.warn(named_warning(
+            "not-converged",
             fmt::format("{}: the factorisation stopped at a residual of {:.1e} after {} steps; give it more --steps or "
                         "a larger --tolerance",
-                        channel, outcome.factor.residual, outcome.factor.steps));
+                        channel, outcome.factor.residual, outcome.factor.steps)));
     if (outcome.beyond_window > most_beyond_window)
-        progress.warn(
+        progress.warn(named_warning(
+            "cut-profile",
             fmt::format("{}: {:.1f} % of the light left beyond the window of {:.3g} mm, where the profiles end: they "
                         "are too dark by that; use data of a larger window",
-                        channel, 100 * outcome.beyond_window, responses.radius * responses.pitch_mm));
+                        channel, 100 * outcome.beyond_window, responses.radius * responses.pitch_mm)));
 }
 
 std::string channel_text(const ChannelOutcome& outcome, const std::string& channel) {

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/units.h"
+#include "base/warning.h"
 #include "halftone/laminates/whole_layers.h"
 #include "io/files/json_writer.h"
 #include "io/profiles/resin_file.h"
@@ -49,10 +50,11 @@ std::vector<io::SequenceLayer> rounded(const io::LayerSequence& sequence, double
     for (const auto& [i, mm] : halftone::whole_layers(layers, layer_mm))
         printed.push_back({sequence.layers[i].material, mm});
     if (printed.size() < layers.size())
-        progress.warn(
+        progress.warn(named_warning(
+            "laminate-layers",
             fmt::format("{}: {} of its {} layers are thinner than half a printed layer of {:g} mm and vanish; search "
                         "with --layer {:g}mm",
-                        sequence.name, layers.size() - printed.size(), layers.size(), layer_mm, layer_mm));
+                        sequence.name, layers.size() - printed.size(), layers.size(), layer_mm, layer_mm)));
     if (printed.empty())
         throw InputError(fmt::format("{}: is thinner than one printed layer ({:g} mm); there is nothing to print",
                                      sequence.name, layer_mm));

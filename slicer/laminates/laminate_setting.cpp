@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/warning.h"
 #include "halftone/laminates/laminate_materials.h"
 #include "io/profiles/resin_file.h"
 #include "optics/profiles/saunderson.h"
@@ -35,21 +36,26 @@ void expect_same(const optics::Channels& channels, const std::string& file, cons
 
 void warn_of(const std::string& what, double negative, double beyond, Progress& progress) {
     if (negative > noisy)
-        progress.warn(
+        progress.warn(named_warning(
+            "noisy-profile",
             fmt::format("{}: {:.0f} % of the light is below zero: the tail is noise; measure with longer exposures",
-                        what, 100 * negative));
+                        what, 100 * negative)));
     if (beyond > cut_off)
-        progress.warn(fmt::format(
-            "{}: about {:.0f} % of the light lies beyond the last sample and is left out; measure farther out", what,
-            100 * beyond));
+        progress.warn(named_warning(
+            "cut-profile",
+            fmt::format(
+                "{}: about {:.0f} % of the light lies beyond the last sample and is left out; measure farther out",
+                what, 100 * beyond)));
 }
 
 void warn_of(const std::string& what, const optics::MeasuredSummary& summary, Progress& progress) {
     warn_of(what + ", reflection", summary.negative_R, summary.beyond_R, progress);
     warn_of(what + ", transmission", summary.negative_T, summary.beyond_T, progress);
     if (summary.clamped > noisy)
-        progress.warn(fmt::format("{}: coefficients were changed by up to {:.2f} to lie within what a layer can do",
-                                  what, summary.clamped));
+        progress.warn(
+            named_warning("noisy-profile",
+                          fmt::format("{}: coefficients were changed by up to {:.2f} to lie within what a layer can do",
+                                      what, summary.clamped)));
 }
 
 io::ProfileFile read_material(const std::string& file) {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/warning.h"
 #include "halftone/laminates/widening_targets.h"
 #include "io/disk/output_files.h"
 #include "io/files/json_writer.h"
@@ -78,10 +79,11 @@ void warn_of_narrowing(const LaminateTargetsJob& job, const LaminateSetting& set
         if (const double near = optics::radius_of_share(setting.grid(), from[c], 0.8),
             far = optics::radius_of_share(setting.grid(), to[c], 0.8);
             far < near)
-            progress.warn(
+            progress.warn(named_warning(
+                "narrower-target",
                 fmt::format("channel {}: light spreads less in {} (80 % within {:.2f} mm) than in {} ({:.2f} mm): the "
                             "targets get narrower there",
-                            setting.channel_name(c), job.wide, far, job.narrow, near));
+                            setting.channel_name(c), job.wide, far, job.narrow, near)));
 }
 
 void draw(const fs::path& file, const LaminateSetting& setting, const std::vector<ChannelProfiles>& targets) {

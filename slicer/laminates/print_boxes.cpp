@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "base/stopwatch.h"
+#include "base/warning.h"
 #include "slicer/printer/how_to_print.h"
 
 namespace voxtone::slicer {
@@ -160,7 +161,8 @@ io::StackDescription print_boxes(const BoxPrint& print, const PrinterProfile& pr
     io::StackOutputs with_folder = outputs;
     with_folder.printer_folder = true;
     io::LayerStackWriter writer(out, describe(print, printer, layers.size()), with_folder, overwrite);
-    if (const std::string note = writer.strangers_note(); !note.empty()) progress.warn(note);
+    if (const std::string note = writer.strangers_note(); !note.empty())
+        progress.warn(named_warning("strange-files", note));
     progress.begin_stage("layers", layers.size()[2], "layers");
     parallel_for(
         0, layers.size()[2], 1,

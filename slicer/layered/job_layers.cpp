@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/stopwatch.h"
+#include "base/warning.h"
 #include "halftone/laminates/laminate_materials.h"
 #include "halftone/laminates/shortened_laminate.h"
 #include "optics/profiles/resin_laminate.h"
@@ -232,13 +233,15 @@ std::vector<io::Material> printed_materials(const LoadedResins& resins) {
 
 std::vector<std::string> warnings_of(const PlacedMap& placed, const LaminateFit& fit) {
     std::vector<std::string> warnings;
-    if (!placed.stretched.empty()) warnings.push_back(placed.stretched);
+    if (!placed.stretched.empty()) warnings.push_back(named_warning("stretched-map", placed.stretched));
     if (fit.thin_share > 0)
-        warnings.push_back(fmt::format(
-            "on {:.1f} % of the surface the body is too thin for its laminate, by {:.0f} % of the laminate's "
-            "depth on average: layers of "
-            "both sides meet there, and light spreads otherwise than the map asks",
-            100 * fit.thin_share, 100 * fit.missing_mean));
+        warnings.push_back(named_warning(
+            "thin-laminate",
+            fmt::format(
+                "on {:.1f} % of the surface the body is too thin for its laminate, by {:.0f} % of the laminate's "
+                "depth on average: layers of "
+                "both sides meet there, and light spreads otherwise than the map asks",
+                100 * fit.thin_share, 100 * fit.missing_mean)));
     return warnings;
 }
 

@@ -2,7 +2,7 @@
 #include "slicer/plan/job_plan.h"
 
 #include "base/parallel.h"
-#include "base/peak_memory.h"
+#include "base/process_usage.h"
 #include "slicer/plan/phase_estimates.h"
 #include "slicer/surface/surface_colour.h"
 

@@ -10,6 +10,7 @@
 #include "base/counted.h"
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/warning.h"
 #include "io/layers/orient.h"
 #include "slicer/predict/swapped_colours.h"
 
@@ -262,14 +263,15 @@ void tell_of_nearest(const ForeignStack& stack, const std::vector<LayerFinding>&
     const std::vector<StrayColour> strays = strays_of(findings);
     std::uint64_t pixels = pixels_of_all(strays);
     for (const LayerFinding& finding : findings) pixels += finding.other_pixels;
-    progress.warn(
+    progress.warn(named_warning(
+        "nearest-colour",
         fmt::format("{}: {} of {} that stand for no resin were taken for the nearest colour told (--nearest), most of "
                     "{}, the first in {}{}",
                     stack.name, counted(pixels, "pixel"), counted(strays.size(), "colour"), shown(strays[0].rgba),
                     place_of(stack, strays[0]),
                     may_be_a_resin(strays[0], findings)
                         ? "; so many are hardly an edge: if it is a resin of its own, say which with --assign"
-                        : ""));
+                        : "")));
 }
 
 bool all_known(const std::vector<LayerFinding>& findings) {

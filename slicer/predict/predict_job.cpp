@@ -12,8 +12,9 @@
 #include "base/error.h"
 #include "base/job_outlook.h"
 #include "base/parallel.h"
-#include "base/peak_memory.h"
+#include "base/process_usage.h"
 #include "base/stopwatch.h"
+#include "base/warning.h"
 #include "io/disk/output_files.h"
 #include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
@@ -347,10 +348,11 @@ std::optional<MeshBoundary> find_boundary(const ResolvedPrediction& job, const S
     if (job.boundary == BodyEnd::mesh)
         throw InputError(fmt::format("--boundary mesh: {}; give --boundary voxels, or slice again", found.why_not));
     if (figures.backing == optics::Backing::none)
-        progress.warn(
+        progress.warn(named_warning(
+            "voxel-surface",
             fmt::format("light leaves at the faces of the voxels, which shows slanting faces up to 7 CIEDE2000 "
                         "too light, and not at the mesh: {}",
-                        found.why_not));
+                        found.why_not)));
     return std::nullopt;
 }
 

@@ -6,7 +6,7 @@
 
 #include <fmt/core.h>
 
-#include "base/peak_memory.h"
+#include "base/process_usage.h"
 #include "io/pictures/picture_writer.h"
 #include "io/programs/build_identity.h"
 #include "io/report/report_html.h"

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/units.h"
+#include "base/warning.h"
 #include "io/layers/orient.h"
 #include "io/layers/stack_reader.h"
 #include "io/models/model_reader.h"
@@ -137,11 +138,12 @@ void warn_of_more_layers(const io::StackReader& stack, const std::string& name, 
     for (const std::string& stranger : stack.strangers())
         if (io::parse_slice_name(stranger)) more.push_back(stranger);
     if (more.empty()) return;
-    progress.warn(
+    progress.warn(named_warning(
+        "strange-files",
         fmt::format("{}: {} beside its layers {} left out, for nothing announces {}: {}; `voxtone verify` "
                     "lists all",
                     name, counted(more.size(), "bitmap"), more.size() == 1 ? "is" : "are",
-                    more.size() == 1 ? "it" : "them", more.front()));
+                    more.size() == 1 ? "it" : "them", more.front())));
 }
 
 /// Layers that are not there, and files that may be some.
@@ -149,8 +151,10 @@ void warn_of_series(const io::StackReader& stack, const std::string& name, Progr
     if (stack.kind() != io::StackReader::Kind::folder) return warn_of_more_layers(stack, name, progress);
     std::vector<std::string> layers;
     for (std::uint32_t k = 0; k < stack.layers(); ++k) layers.push_back(stack.layer_name(k));
-    for (const std::string& gap : io::series_gaps(layers)) progress.warn(name + ": " + gap);
-    for (const std::string& doubt : io::series_doubts(layers, stack.strangers())) progress.warn(name + ": " + doubt);
+    for (const std::string& gap : io::series_gaps(layers))
+        progress.warn(named_warning("missing-layers", name + ": " + gap));
+    for (const std::string& doubt : io::series_doubts(layers, stack.strangers()))
+        progress.warn(named_warning("strange-files", name + ": " + doubt));
 }
 
 void tell(const StackVolumeOptions& options, const Assignment& assignment, const LayerWindow& window,
@@ -307,14 +311,17 @@ void warn_of_swaps(const StackVolumeOptions& options, const optics::ResinSet& se
     for (const ColourAssignment& colour : options.assign)
         if (const int resin = find_resin(set, colour.role); resin >= 0)
             told.push_back({colour.rgb, colour.role, set.resins[static_cast<std::size_t>(resin)].role});
-    for (const std::string& doubt : swapped_colours(told)) progress.warn("--assign " + doubt);
+    for (const std::string& doubt : swapped_colours(told))
+        progress.warn(named_warning("assigned-colours", "--assign " + doubt));
 }
 
 void warn_of_absent(const StackVolumeOptions& options, const ForeignBody& body, Progress& progress) {
     for (const ColourAssignment& told : options.assign)
         if (body.pixels_of(told.rgb) == 0)
-            progress.warn(fmt::format("--assign \"{}={}\": no pixel of {} has this colour; is it the right one?",
-                                      hex_code(told.rgb), told.role, options.stack));
+            progress.warn(
+                named_warning("assigned-colours",
+                              fmt::format("--assign \"{}={}\": no pixel of {} has this colour; is it the right one?",
+                                          hex_code(told.rgb), told.role, options.stack)));
 }
 
 /// Transparent pixels are one more material, which is none.

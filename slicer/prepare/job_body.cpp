@@ -8,6 +8,7 @@
 #include "base/contracts.h"
 #include "base/error.h"
 #include "base/stopwatch.h"
+#include "base/warning.h"
 #include "io/models/model_reader.h"
 #include "slicer/marks/lay_marks.h"
 #include "slicer/mesh/box.h"
@@ -69,7 +70,7 @@ void look_for_colour(const ResolvedJob& job, JobBody& body) {
         "its texture coordinates in a mesh editor",
         job.model);
     if (job.strict) throw InputError("--strict: " + what);
-    body.warnings.push_back(what);
+    body.warnings.push_back(named_warning("no-colour", what));
 }
 
 /// Where letters are raised the body is larger than its mesh.
@@ -112,12 +113,13 @@ JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Prog
             job.model));
     body.placement = place(body.model, job.placement, job.model);
     check_extent(body.placement, printer.sliced_pitch_mm(), printer.sliced_tray_mm());
-    if (!body.model.has_colour) body.warnings.push_back("the model has no colour: it is printed white");
+    if (!body.model.has_colour)
+        body.warnings.push_back(named_warning("no-colour", "the model has no colour: it is printed white"));
     constexpr double smallest_plausible_mm = 2;
     if (!body.is_picture && body.placement.extent_mm.maxCoeff() < smallest_plausible_mm)
-        body.warnings.push_back(
-            fmt::format("the print is only {:.3g} mm large; if that is not meant, give --unit or --size",
-                        body.placement.extent_mm.maxCoeff()));
+        body.warnings.push_back(named_warning(
+            "tiny", fmt::format("the print is only {:.3g} mm large; if that is not meant, give --unit or --size",
+                                body.placement.extent_mm.maxCoeff())));
     body.read_s = watch.total();
     progress.end_stage();
 
@@ -126,7 +128,7 @@ JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Prog
     repairing.mode = job.repair;
     repairing.pitch_mm = printer.sliced_pitch_mm().minCoeff();
     RepairedMesh repaired = repair_mesh(body.model.mesh, repairing, &progress);
-    append(body.warnings, repaired.report.messages);
+    for (const std::string& done : repaired.report.messages) body.warnings.push_back(named_warning("repaired", done));
     progress.end_stage();
 
     const Eigen::AlignedBox3d box = bounding_box(repaired.solid->positions_mm, repaired.solid->triangles);

@@ -12,6 +12,7 @@
 
 #include "base/embedded_file.h"
 #include "base/error.h"
+#include "base/warning.h"
 #include "halftone/separation/mixture.h"
 #include "io/files/json_keys.h"
 #include "io/files/json_object.h"
@@ -192,7 +193,8 @@ PrinterProfile parse_printer(std::string_view json, const std::string& id, const
 std::vector<std::string> PrinterProfile::warnings() const {
     std::vector<std::string> sentences;
     for (const auto& [key, why] : unconfirmed)
-        sentences.push_back(fmt::format("Printer {}: {} is not confirmed ({}).", id, key, why));
+        sentences.push_back(
+            named_warning("unconfirmed", fmt::format("Printer {}: {} is not confirmed ({}).", id, key, why)));
     return sentences;
 }
 

@@ -12,8 +12,9 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "base/peak_memory.h"
+#include "base/process_usage.h"
 #include "base/stopwatch.h"
+#include "base/warning.h"
 #include "io/disk/output_files.h"
 #include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
@@ -156,7 +157,8 @@ JobResult run_proof_job(const ProofOptions& options, Progress& progress) {
                                                progress);
     if (!picture.complete) {
         progress.forgive();
-        progress.warn("stopped: what was drawn so far is written, noisier than was asked for");
+        progress.warn(
+            named_warning("stopped-early", "stopped: what was drawn so far is written, noisier than was asked for"));
     }
     write_files(picture, *scene, job);
     return describe(picture, *scene, job, watch.lap());

@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
+#include "base/warning.h"
 #include "io/pictures/photograph.h"
 
 namespace voxtone::slicer {
@@ -16,10 +17,11 @@ namespace {
 optics::Sky from_file(const std::string& file, Progress& progress) {
     io::Photograph photo = io::read_photograph(file, &progress);
     if (photo.coding != io::SampleCoding::linear || photo.bits < 32) {
-        progress.warn(
+        progress.warn(named_warning(
+            "flat-light",
             fmt::format("{}: a picture of codes cannot hold how bright lamps and windows are, so its light is too "
                         "even; give an EXR",
-                        file));
+                        file)));
         if (photo.coding == io::SampleCoding::srgb) make_linear(photo);
     }
     if (photo.width_px != 2 * photo.height_px)

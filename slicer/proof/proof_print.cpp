@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
+#include "base/warning.h"
 #include "optics/colour/channels.h"
 #include "optics/layered/layered_appearance.h"
 #include "slicer/look/cell_mesh.h"
@@ -95,8 +96,9 @@ void find_surface_of(ProofPrint& print, Progress& progress) {
         print.boundary.emplace(boundary_of(*body));
         print.boundary_is = "mesh";
     } else {
-        progress.warn(fmt::format("the surface is that of the voxels, smoothed, and not the mesh: {}",
-                                  body ? "its labels are raised or engraved" : print.body.why_not));
+        progress.warn(named_warning("voxel-surface",
+                                    fmt::format("the surface is that of the voxels, smoothed, and not the mesh: {}",
+                                                body ? "its labels are raised or engraved" : print.body.why_not)));
         print.boundary.emplace(cells_boundary(print.scene, progress));
         print.boundary_is = "cells";
     }

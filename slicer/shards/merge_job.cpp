@@ -12,8 +12,9 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "base/peak_memory.h"
+#include "base/process_usage.h"
 #include "base/stopwatch.h"
+#include "base/warning.h"
 #include "io/files/json_object.h"
 #include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
@@ -100,8 +101,9 @@ std::optional<MergedPrint> merged_print(const MergeOptions& options, const io::S
         asked.out = options.out.string();
         return MergedPrint{open_job(asked), read_prepared(options.out, shards.job())};
     } catch (const Error& error) {
-        progress.warn(fmt::format("{}: is not made, as the job cannot be opened: {}",
-                                  (options.out / io::printer_folder_name).string(), error.what()));
+        progress.warn(named_warning("printer-folder",
+                                    fmt::format("{}: is not made, as the job cannot be opened: {}",
+                                                (options.out / io::printer_folder_name).string(), error.what())));
         return std::nullopt;
     }
 }
@@ -121,9 +123,10 @@ void lay_together(const MergeOptions& options, const io::ShardSet& shards, Progr
                         "--overwrite",
                         (io::shards_folder(options.out) / job_file_name).string()));
     io::StackFolder folder(options.out, {report_file::all.begin(), report_file::all.end()});
-    if (!folder.doubt().empty()) progress.warn(folder.doubt());
+    if (!folder.doubt().empty()) progress.warn(named_warning("lock-doubt", folder.doubt()));
     expect_replaceable(options, folder, shards);
-    if (const std::string note = folder.strangers_note(); !note.empty()) progress.warn(note);
+    if (const std::string note = folder.strangers_note(); !note.empty())
+        progress.warn(named_warning("strange-files", note));
     io::expect_files(options.out, shards);
     const std::string job = job_text(options.out);
     const std::optional<MergedPrint> print = merged_print(options, shards, job, progress);

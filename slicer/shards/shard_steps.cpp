@@ -8,7 +8,7 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
-#include "base/peak_memory.h"
+#include "base/process_usage.h"
 #include "io/disk/folder_lock.h"
 #include "io/files/json_writer.h"
 #include "io/layers/stack_folder.h"

@@ -14,6 +14,7 @@
 #include "base/contracts.h"
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/warning.h"
 #include "slicer/mesh/disjoint_sets.h"
 #include "slicer/mesh/exact_predicates.h"
 #include "slicer/mesh/mesh_chain.h"
@@ -222,10 +223,11 @@ void VisibleParts::try_with_coarser_pieces(TryWith&& try_with) {
         try {
             try_with(piece_mm, work);
             if (doublings > 0 && progress_)
-                progress_->warn(
+                progress_->warn(named_warning(
+                    "rough-edges",
                     fmt::format("The model's parts lie in one another so often that the edges of what is seen of them "
                                 "are {:.2g} mm rough. Unite them in a mesh editor if that shows.",
-                                piece_mm));
+                                piece_mm)));
             return;
         } catch (const WorkExceeded&) {
         }

@@ -11,6 +11,7 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
+#include "base/warning.h"
 #include "io/files/sha256.h"
 #include "io/layers/stack_folder.h"
 #include "slicer/mesh/disjoint_sets.h"
@@ -207,7 +208,7 @@ void warn_of(const ReadyPart& a, const ReadyPart& b, std::set<std::string>& said
         "{} and {} lie within {:g} mm of each other, and light that passes between them is not predicted "
         "({}): their edges there may look otherwise than asked",
         first, second, near_mm, why);
-    if (said.insert(sentence).second) progress.warn(sentence);
+    if (said.insert(sentence).second) progress.warn(named_warning("neighbours", sentence));
 }
 
 }  // namespace

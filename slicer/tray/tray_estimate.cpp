@@ -9,10 +9,9 @@
 
 #include <fmt/core.h>
 
-#include "base/cpu_time.h"
 #include "base/error.h"
 #include "base/parallel.h"
-#include "base/peak_memory.h"
+#include "base/process_usage.h"
 #include "base/stopwatch.h"
 #include "io/disk/disk_space.h"
 #include "slicer/layers/layer_bytes.h"

@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/stopwatch.h"
+#include "base/warning.h"
 #include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
 #include "io/layers/layer_stack_writer.h"
@@ -67,10 +68,11 @@ std::optional<JobResult> done_before(const OpenedTray& tray, const io::StackFold
 /// Takes the folder of a tray; another tray's stack is replaced only where that was allowed.
 io::StackFolder take_folder(const OpenedTray& tray, int number, Progress& progress) {
     io::StackFolder folder(folder_of_tray(tray.plan.common.out, number), companions_of_tray());
-    if (!folder.doubt().empty()) progress.warn(folder.doubt());
+    if (!folder.doubt().empty()) progress.warn(named_warning("lock-doubt", folder.doubt()));
     if (!tray.plan.common.overwrite && !(folder.holds_stack() && is_same_job(folder.path(), tray.job, &progress)))
         folder.expect_free();
-    if (const std::string note = folder.strangers_note(); !note.empty()) progress.warn(note);
+    if (const std::string note = folder.strangers_note(); !note.empty())
+        progress.warn(named_warning("strange-files", note));
     if (const fs::path target = printer_target(tray, number); !target.empty())
         io::expect_printer_target(folder.path(), target, tray.plan.common.overwrite);
     return folder;

@@ -8,6 +8,7 @@
 
 #include <fmt/core.h>
 
+#include "base/warning.h"
 #include "io/layers/stack_folder.h"
 #include "slicer/kept/loop_checkpoint.h"
 #include "slicer/tray/arrangement.h"
@@ -198,8 +199,9 @@ bool goes_well(const TrayPart& part, bool fail_fast, std::vector<FailedPart>& fa
         if (fail_fast) throw Error(error.exit_code(), placed(error));
         failed.push_back({part.name, placed(error), error.exit_code()});
     }
-    progress.warn(fmt::format("{}: fails, and the tray is made without it (--fail-fast stops there): {}", part.name,
-                              failed.back().message));
+    progress.warn(named_warning("part-failed",
+                                fmt::format("{}: fails, and the tray is made without it (--fail-fast stops there): {}",
+                                            part.name, failed.back().message)));
     return false;
 }
 

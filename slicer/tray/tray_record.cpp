@@ -5,8 +5,9 @@
 
 #include <fmt/core.h>
 
-#include "base/peak_memory.h"
+#include "base/process_usage.h"
 #include "base/progress_bar.h"
+#include "base/warning.h"
 #include "io/files/json_object.h"
 #include "io/files/json_writer.h"
 #include "io/layers/stack_folder.h"
@@ -79,7 +80,7 @@ std::vector<std::string> overlap_notes(const PreparedTray& prepared, int tray, c
                 ", {:.1f} of them one of the same priority, which has them because it stands later in the plan: say by "
                 "\"priority\" whose they are",
                 mm3_of(prepared, tray, overlaps[p].to_equals));
-        notes.push_back(std::move(note));
+        notes.push_back(named_warning("parts-overlap", std::move(note)));
     }
     return notes;
 }

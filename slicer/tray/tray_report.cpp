@@ -8,7 +8,7 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include "base/peak_memory.h"
+#include "base/process_usage.h"
 #include "io/files/whole_file.h"
 #include "io/layers/stack_folder.h"
 #include "io/programs/build_identity.h"

@@ -5,7 +5,16 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/warning.h"
+
 using namespace voxtone;
+
+TEST_CASE("A message's name stands in brackets at its end") {
+    CHECK(message_name(named_warning("tiny", "[it] is small")) == "tiny");
+    CHECK(message_name("[it] is small").empty());
+    CHECK(message_name("is small]").empty());
+    CHECK(message_name("").empty());
+}
 
 TEST_CASE("Events are one JSON object a line") {
     std::string text;
@@ -16,7 +25,7 @@ TEST_CASE("Events are one JSON object a line") {
     events.advance(1);  // too early to tell
     now_s += 1;
     events.advance(19);
-    events.warn("C:\\model \"a\"\x01");
+    events.warn(named_warning("side-file", "C:\\model \"a\"\x01"));
     events.note("n");
     events.advance(20);  // too soon after the last
     now_s += 1;
@@ -31,12 +40,12 @@ TEST_CASE("Events are one JSON object a line") {
     events.tick();
     events.end_stage();
     events.result("{\n  \"layers\": 40,\n\t\"name\": \"a  b\"\n}\n");
-    text += error_event(ExitCode::invalid_input, "no triangles") + "\n";
+    text += error_event(ExitCode::invalid_input, "no triangles [invalid-input]") + "\n";
     CHECK(text == R"({"event":"stage","stage":"lay\"ers\n","state":"begin","steps":40,"unit":"layers"})"
                   "\n"
                   R"({"event":"progress","stage":"lay\"ers\n","done":20,"steps":40,"seconds":1.05})"
                   "\n"
-                  R"({"event":"warning","message":"C:\\model \"a\"\u0001"})"
+                  R"({"event":"warning","name":"side-file","message":"C:\\model \"a\"\u0001 [side-file]"})"
                   "\n"
                   R"({"event":"note","message":"n"})"
                   "\n"
@@ -50,6 +59,6 @@ TEST_CASE("Events are one JSON object a line") {
                   "\n"
                   R"({"event":"result","result":{"layers": 40,"name": "a  b"}})"
                   "\n"
-                  R"({"event":"error","exit_code":3,"message":"no triangles"})"
+                  R"({"event":"error","exit_code":3,"name":"invalid-input","message":"no triangles [invalid-input]"})"
                   "\n");
 }

@@ -279,7 +279,8 @@ TEST_CASE("A command follows each result, and takes nothing from it") {
     const Outcome outcome = shop.batch(fmt::format("--after 'cd \"{}\" && sh after.sh'", shop.folder.path().string()));
     INFO(outcome.err);
     CHECK(outcome.exit_code == 0);
-    CHECK_THAT(outcome.err, Contains("box1: warning: the command of --after failed (exit code 7)"));
+    CHECK_THAT(outcome.err,
+               Contains("box1: warning: the command of --after failed (exit code 7)") && Contains("[after-failed]"));
     const std::string told = read_file(shop.folder / "told");
     CHECK(count_of(told, "\"content_sha256\"") == 2);
     CHECK(shop.state("box1")["after"]["exit_code"] == 7);
@@ -305,6 +306,7 @@ TEST_CASE("A watched folder's models are sliced when they are complete, and agai
     fs::create_directory(shop.folder / "in");
     shop.folder.write("in/first.obj", ramp_box_obj(2, 2, 1));
     shop.folder.write("in/bad.obj", "v 0 0 0\n");
+    shop.folder.write("in/notes.txt", "no model");
     shop.folder.write("watch.sh", fmt::format(R"(set -u
 {0} batch --watch {1} --preset {2} -o {3} --json >{4} 2>&1 &
 said() {{ for i in $(seq 600); do [ $(grep -c "$1" {4}) -ge $2 ] && return; sleep 0.1; done; exit 9; }}
@@ -322,6 +324,7 @@ wait $!
     const std::string said = read_file(shop.folder / "said");
     INFO(said);
     CHECK(code == 85);
+    CHECK_THAT(said, Contains("notes.txt: is no model") && Contains("[no-model]"));
     CHECK(shop.state("first")["state"] == "done");
     CHECK(shop.state("first")["figures"]["size_mm"][0] == 3.5);
     CHECK(shop.state("second")["state"] == "done");

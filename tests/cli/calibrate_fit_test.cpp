@@ -36,7 +36,7 @@ TEST_CASE("calibrate fit makes a resin set of patches that slice can use, and ca
         fmt::format("calibrate fit {} --resins C,M,Y,K,W -o {}", folder / "patches.csv", folder / "my.json"));
     INFO(fit.err);
     REQUIRE(fit.exit_code == 0);
-    CHECK_THAT(fit.err, Contains("mixtures are taken as ideal"));
+    CHECK_THAT(fit.err, Contains("mixtures are taken as ideal") && Contains("[ideal-mixtures]"));
     CHECK_THAT(fit.out, Contains("CIEDE2000 of 20 patches") && Contains("reduced extinction"));
     const optics::ResinSet set = io::read_resin_set(folder / "my.json");
     CHECK(set.name == "my");

@@ -137,7 +137,7 @@ TEST_CASE("Photographs of all kinds of files are measured") {
     }
     require_done(run_program(simulate + folder / "codes.png" + " --8-bits"));
     const Outcome codes = run_program(photo + folder / "codes.png");
-    CHECK_THAT(codes.out, Contains("8 bits"));
+    CHECK_THAT(codes.out, Contains("8 bits") && Contains("[coarse-samples]"));
     result_of(codes);
     CHECK(worst_difference(folder / "patches.csv", folder / "truth.csv") < 0.005);
     CHECK(result_of(run_program(photo + folder / "photo.png" + " " + folder / "photo.tif"))["photographs"].size() == 2);

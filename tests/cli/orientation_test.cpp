@@ -240,5 +240,5 @@ TEST_CASE("Assigned colours that look swapped, and those that never occur, are w
     CHECK(swapped.find("\"#cd196e=C\": this colour looks far more like the resin 'M'") != std::string::npos);
     CHECK(swapped.find("#dcded8=W\": this") == std::string::npos);
     const std::string absent = run_program(predict + "\"#0096c8=C,#cd196e=M,#dcded8=W,#00ff00=Y\"").err;
-    CHECK(absent.find("\"#00ff00=Y\": no pixel of") != std::string::npos);
+    CHECK_THAT(absent, Catch::Contains("\"#00ff00=Y\": no pixel of") && Catch::Contains("[assigned-colours]"));
 }

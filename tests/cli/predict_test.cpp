@@ -381,7 +381,8 @@ TEST_CASE("What a prediction remarks of itself is said on the console and in the
         fmt::format("predict --overwrite {} --resins {} -o {}", stack, folder / "thin.json", folder / "p.png");
     const Outcome text = run_program(predict + " --sweeps 1"), json = run_program(predict + " --json --sweeps 1");
     REQUIRE(text.exit_code == 0);
-    CHECK_THAT(text.err, Contains("warning: the last sweep") && Contains("of the white that colours refer to"));
+    CHECK_THAT(text.err, Contains("warning: the last sweep") && Contains("of the white that colours refer to") &&
+                             Contains("[prediction-doubt]"));
     const auto last = json.out.rfind("\n", json.out.size() - 2) + 1;
     const auto result = nlohmann::json::parse(json.out.substr(last));
     CHECK_THAT(result.dump(), Contains("\"warnings\":[\"the last sweep"));
@@ -469,7 +470,7 @@ TEST_CASE("slice --predict shows target, prediction and difference, upright, wit
                                 "-o {}",
                                 marked_picture(folder), folder / "out"));
     CHECK(little.exit_code == 0);
-    CHECK_THAT(little.err, Contains("not predicted") && Contains("--memory"));
+    CHECK_THAT(little.err, Contains("not predicted") && Contains("[not-predicted]") && Contains("--memory"));
     CHECK_FALSE(nlohmann::json::parse(read_file(folder / "out/report.json")).contains("predicted"));
     CHECK_FALSE(std::filesystem::exists(folder / "out/predicted.exr"));
     CHECK(run_program("verify " + (folder / "out")).exit_code == 0);

@@ -16,6 +16,8 @@
 #include <fmt/core.h>
 #include <png.h>
 
+#include "base/warning.h"
+
 namespace voxtone::test {
 
 namespace fs = std::filesystem;
@@ -28,6 +30,18 @@ std::string read_file(const fs::path& path) {
 }
 
 namespace {
+
+/// Whatever a test runs: a warning ends with its name (base/warning.h).
+void expect_names(const std::string& err) {
+    bool open = false;  // a name of a file may break its line
+    std::stringstream lines(err);
+    for (std::string line; std::getline(lines, line);) {
+        const bool begins = line.find("warning: ") != std::string::npos;
+        if (begins && open) break;
+        open = (begins || open) && message_name(line).empty();
+    }
+    if (open) throw std::runtime_error("a warning without a name: " + err);
+}
 
 /// `meanwhile(child, stdout)` is called while it runs.
 template <class Meanwhile>
@@ -48,6 +62,7 @@ Outcome run(const std::string& arguments, Meanwhile&& meanwhile) {
     outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
     outcome.out = read_file(folder / "out");
     outcome.err = read_file(folder / "err");
+    expect_names(outcome.err);
     return outcome;
 }
 

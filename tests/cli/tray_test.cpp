@@ -172,7 +172,7 @@ TEST_CASE("What is odd about places is said, what cannot be is refused") {
     CHECK_THAT(joined.err, Contains("are in more than one of them"));
     const Outcome equal = bench.tray(both + "}", "--overwrite");
     CHECK(equal.exit_code == 0);
-    CHECK_THAT(equal.err, Contains("marker: ") && Contains("of the same priority"));
+    CHECK_THAT(equal.err, Contains("marker: ") && Contains("of the same priority") && Contains("[parts-overlap]"));
     CHECK(read_json(bench.folder / "out/tray.json")["parts"][0]["overlapped_by_equals_mm3"].get<double>() > 1);
     const Outcome higher = bench.tray(both + R"(, "priority": 1})", "--overwrite");
     CHECK_THAT(higher.err, Contains("where another part is printed") && !Contains("of the same priority"));

@@ -172,7 +172,8 @@ TEST_CASE("profiles come back from photographs, whatever the bench does", "[edge
         // 3 % across 10 mm, 0.8 of it along x and 0.6 along y: up to 2.1 % in a corner; smoothing takes some.
         CHECK(*read.light.unevenness == Approx(0.021).margin(0.003));
         CHECK(read.light.left_over < 0.004);
-        CHECK_THAT(fmt::format("{}", fmt::join(read.warnings, "|")), Contains("the light varies by"));
+        CHECK_THAT(fmt::format("{}", fmt::join(read.warnings, "|")),
+                   Contains("the light varies by") && Contains("[uneven-light]"));
     }
     SECTION("a factor on the slabs' photographs") {
         bench.bias = 0.913;
@@ -201,7 +202,8 @@ TEST_CASE("profiles come back from photographs, whatever the bench does", "[edge
     SECTION("one photograph") {
         bench.shots = 1;
         const Bench::Read read = check_close(bench, "one");
-        CHECK_THAT(fmt::format("{}", fmt::join(read.warnings, "|")), Contains("take a second one"));
+        CHECK_THAT(fmt::format("{}", fmt::join(read.warnings, "|")),
+                   Contains("take a second one") && Contains("[slab-photo]"));
     }
 }
 

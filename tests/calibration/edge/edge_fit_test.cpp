@@ -168,7 +168,8 @@ TEST_CASE("a fit refuses what it cannot use", "[edge]") {
     }
     SECTION("one slab a resin is used, and said") {
         const std::vector<EdgeProfile> single{profiles[0], profiles[2]};
-        CHECK_THAT(fit_edges(single, table, options).warnings.at(0), Contains("one thickness only"));
+        CHECK_THAT(fit_edges(single, table, options).warnings.at(0),
+                   Contains("one thickness only") && Contains("[one-slab]"));
     }
     SECTION("a channel that is clipped in all slabs") {
         auto clipped = profiles;
@@ -189,7 +190,7 @@ TEST_CASE("a fit refuses what it cannot use", "[edge]") {
         std::swap(swapped[0].resin, swapped[2].resin);
         const EdgeFit fit = fit_edges(swapped, table, options);
         REQUIRE_FALSE(fit.warnings.empty());
-        CHECK_THAT(fit.warnings[0], Contains("no resin has these profiles"));
+        CHECK_THAT(fit.warnings[0], Contains("no resin has these profiles") && Contains("[misfit]"));
         for (const std::string& warning : fit_edges(profiles, table, options).warnings)
             CHECK_THAT(warning, !Contains("no resin has these profiles"));
     }
@@ -202,7 +203,8 @@ TEST_CASE("a fit refuses what it cannot use", "[edge]") {
     SECTION("mu at the end of its range") {
         options.mu_from = 1.02;
         options.mu_to = 1.05;
-        CHECK_THAT(fit_edges(profiles, table, options).warnings.back(), Contains("end of its range"));
+        CHECK_THAT(fit_edges(profiles, table, options).warnings.back(),
+                   Contains("end of its range") && Contains("[bias]"));
     }
 }
 

@@ -87,7 +87,8 @@ TEST_CASE("a channel below 0 is told by its error: by less than three it is cut,
         }
         // In wide channels it is the same light, with the errors that a matrix makes of independent ones.
         CHECK(table.table.channels == optics::wide_channels());
-        CHECK_THAT(table.warnings.front(), Catch::Contains("by more than three of its errors"));
+        CHECK_THAT(table.warnings.front(),
+                   Catch::Contains("by more than three of its errors") && Catch::Contains("[beyond-rgb]"));
         const Eigen::Matrix3d back(optics::linear_srgb_weights(optics::wide_channels()));
         const Patch& patch = table.table.patches[2];
         CHECK((back * Vector3d(patch.rho.data()) - rho).norm() < 1e-12);

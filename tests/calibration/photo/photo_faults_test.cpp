@@ -151,7 +151,8 @@ TEST_CASE("three markers are enough and two are not") {
     const PhotoMeasurement m = measure_photo(photo.photograph, scene.target, scene.chart, {});
     CHECK(m.view.markers == 3);
     CHECK(worst_error(m.rho, scene.colours) < 0.005);
-    CHECK_FALSE(m.warnings.empty());
+    REQUIRE_FALSE(m.warnings.empty());
+    CHECK_THAT(m.warnings.back(), Contains("[markers]"));
     cover(scene.target.size_mm.x() - 3, 3);
     CHECK_THROWS_WITH(measure_photo(photo.photograph, scene.target, scene.chart, {}), Contains("2 of the markers"));
 }
@@ -166,7 +167,7 @@ TEST_CASE("samples that do not say what they mean are told by the checker's grey
             value = float(value <= 0.0031308f ? 12.92f * value : 1.055f * std::pow(value, 1 / 2.4f) - 0.055f);
     const PhotoMeasurement m = measure_photo(photo, scene.target, scene.chart, {});
     CHECK(worst_error(m.rho, scene.colours) < 0.005);
-    CHECK_THAT(m.warnings.back(), Contains("sRGB"));
+    CHECK_THAT(m.warnings.back(), Contains("sRGB") && Contains("[coding-guessed]"));
     PhotoMeasureOptions wrong;
     wrong.coding = io::SampleCoding::linear;
     CHECK_THROWS_WITH(measure_photo(photo, scene.target, scene.chart, wrong), Contains("tone curve"));

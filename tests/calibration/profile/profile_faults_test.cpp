@@ -67,11 +67,11 @@ TEST_CASE("Doubtful series are measured, and the doubt is said", "[slow]") {
     SpotCamera camera = small_camera();
     camera.black = 0, camera.stray = 0;
     REQUIRE(warnings(camera).size() >= 1);
-    CHECK_THAT(warnings(camera)[0], Contains("exactly 0") && Contains("black level"));
+    CHECK_THAT(warnings(camera)[0], Contains("exactly 0") && Contains("black level") && Contains("[noisy-profile]"));
     camera = small_camera();
     camera.size_px = 64, camera.offset_px = {0, 0};
     REQUIRE(warnings(camera).size() >= 1);
-    CHECK_THAT(warnings(camera)[0], Contains("last tenth") && Contains("beyond"));
+    CHECK_THAT(warnings(camera)[0], Contains("last tenth") && Contains("beyond") && Contains("[cut-profile]"));
     camera = small_camera();
     camera.peak = 0.02, camera.read_noise = 0.02, camera.black = 0.1;
     REQUIRE(warnings(camera).size() >= 1);
@@ -94,7 +94,7 @@ TEST_CASE("A time that is wrong is told from what the other exposures say", "[sl
     CHECK(measured(1).step[1] == Approx(1).epsilon(0.002));
     const MeasuredSide dial = measured(32.0 / 30);
     REQUIRE(dial.warnings.size() >= 1);
-    CHECK_THAT(dial.warnings[0], Contains("% brighter") && Contains("@SECONDS"));
+    CHECK_THAT(dial.warnings[0], Contains("% brighter") && Contains("@SECONDS") && Contains("[exposures]"));
     CHECK_THROWS_WITH(measured(2), Contains("transmission") && Contains("brighter") && Contains("time is wrong"));
 }
 

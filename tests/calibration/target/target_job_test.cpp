@@ -51,7 +51,7 @@ TEST_CASE("a target is printed by whoever is asked to, then described and drawn 
     CHECK(target.printer == "imagined");
     CHECK(std::filesystem::exists(folder.path() / "target.png"));
     CHECK(nlohmann::json::parse(result.json).at("layers") == 210);
-    CHECK_THAT(warnings.all, Contains("may not be opaque"));  // no resins are known
+    CHECK_THAT(warnings.all, Contains("may not be opaque") && Contains("[thin-base]"));  // no resins are known
 }
 
 TEST_CASE("a target is refused by the name of what is wrong, before anything is printed") {

@@ -10,6 +10,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "base/warning.h"
 #include "io/models/mtl_library.h"
 #include "io/pictures/texture.h"
 #include "model_checks.h"
@@ -101,7 +102,7 @@ TEST_CASE("OBJ models") {
     SECTION("what is lost is said once, and apart from other warnings") {
         const std::string faces = "usemtl m\nf 1/1 2/2 3/3\nusemtl n\nf 1/1 3/3 4/4\n";
         const ModelFile file = read(folder, {{"a.obj", "mtllib gone.mtl\nmtllib gone.mtl\n" + square + faces}});
-        CHECK(std::count(file.warnings.begin(), file.warnings.end(), file.lost_colour) == 1);
+        CHECK(std::ranges::count(file.warnings, named_warning("lost-colour", file.lost_colour)) == 1);
         CHECK_THAT(file.lost_colour, Contains("gone.mtl"));
         CHECK(file.lost_colour.find("gone.mtl") == file.lost_colour.rfind("gone.mtl"));
         CHECK(file.warnings.size() == 1);

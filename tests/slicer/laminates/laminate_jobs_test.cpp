@@ -298,7 +298,7 @@ TEST_CASE("Targets between two laminates have one albedo and rising width, and a
     job.overwrite = true;
     std::swap(job.narrow, job.wide);
     (void)run_laminate_targets(job, warnings);
-    CHECK_THAT(warnings.all, Contains("spreads less in W 1 "));
+    CHECK_THAT(warnings.all, Contains("spreads less in W 1 ") && Contains("[narrower-target]"));
     job.wide = "W 0.1, Q 0.1";
     CHECK_THROWS_WITH(run_laminate_targets(job, warnings), Contains("Q"));
     job.wide = "W 0.1";
@@ -318,7 +318,8 @@ TEST_CASE("Laminates are printed side by side, layer by layer, on their base") {
     job.out = (bench.folder.path() / "print").string();
     const JobResult result = run_laminate_print(job, warnings);
     CHECK_THAT(result.text, Contains("W 0.108, K 0.054, K 0.594 mm") && Contains("W 0.297, K 0.594 mm"));
-    CHECK_THAT(warnings.all, Contains("1 of its 2 layers are thinner than half a printed layer"));
+    CHECK_THAT(warnings.all,
+               Contains("1 of its 2 layers are thinner than half a printed layer") && Contains("[laminate-layers]"));
     StackVolumeOptions options;
     options.stack = job.out;
     Progress quiet;

@@ -351,7 +351,8 @@ TEST_CASE("Smoothed edges are refused with a way out, which is one", "[slow]") {
         const auto count = stack.volume.count();
         CHECK(count[static_cast<std::size_t>(1 + stack.resins.find("M"))] == 3 * 8 * 6);  // no edge of white is red
         REQUIRE(progress.warnings.size() == 1);
-        CHECK_THAT(progress.warnings[0], Contains("48 pixels") && Contains("--nearest"));
+        CHECK_THAT(progress.warnings[0],
+                   Contains("48 pixels") && Contains("--nearest") && Contains("[nearest-colour]"));
         // Nothing told yet: what is said then is enough.
         StackVolumeOptions untold = told;
         untold.assign.clear();

@@ -274,7 +274,7 @@ TEST_CASE("A heap of triangles is cut coarsely, and at last refused, in a senten
             break;
         }
         REQUIRE(listener.warnings.size() == 1);
-        CHECK_THAT(listener.warnings[0], Catch::Contains("mm rough"));
+        CHECK_THAT(listener.warnings[0], Catch::Contains("mm rough") && Catch::Contains("[rough-edges]"));
         coarse = std::move(found);
     }
     CHECK(enough.triangles.size() == fine.triangles.size());

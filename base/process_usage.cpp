@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "base/peak_memory.h"
+#include "base/process_usage.h"
 
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <fstream>
+#include <initializer_list>
 
 namespace voxtone {
 
@@ -28,5 +29,17 @@ std::uint64_t resident_bytes() {
 }
 
 std::uint64_t peak_child_memory_bytes() { return peak_of(RUSAGE_CHILDREN); }
+
+double cpu_seconds() {
+    constexpr double s_per_us = 1e-6;
+    double seconds = 0;
+    for (const auto who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+        rusage usage{};
+        getrusage(who, &usage);
+        for (const timeval& time : {usage.ru_utime, usage.ru_stime})
+            seconds += double(time.tv_sec) + s_per_us * double(time.tv_usec);
+    }
+    return seconds;
+}
 
 }  // namespace voxtone
