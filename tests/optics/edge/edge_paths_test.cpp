@@ -98,10 +98,10 @@ TEST_CASE("far from the edge the paths say what adding-doubling says, over white
     double worst = 0, squares = 0;
     const std::array slabs{std::pair{0.0, 0.5}, std::pair{0.4, 1.0}, std::pair{0.7, 0.5}};  // g, mm
     for (const double sigma_t : {0.7, 2.0, 5.0, 12.0}) {
-        // Albedo and base -> z, and z of a truth that is 3 % off, over the independent slabs.
+        // Albedo and base -> z, and z of a truth that is 2 % off, over the independent slabs.
         std::map<std::pair<double, double>, Eigen::Array2d> together;
         for (const auto& [g, slab_mm] : slabs) {
-            const EdgeRun run = bare_run(sigma_t, g, slab_mm, 360000, ++seed);
+            const EdgeRun run = bare_run(sigma_t, g, slab_mm, 800000, ++seed);
             const EdgeCounts counts = trace_edge_paths(run);
             for (const double albedo : {0.7, 0.98})
                 for (const double base : {0.024, 0.985}) {
@@ -109,7 +109,7 @@ TEST_CASE("far from the edge the paths say what adding-doubling says, over white
                         return far_from_edge(edge_kernels(batch, EdgeUnits(run), albedo), base);
                     });
                     const double truth = exact.far(sigma_t, albedo, g, slab_mm, base);
-                    const double z = (seen.mean - truth) / seen.error, wrong = (seen.mean - 1.03 * truth) / seen.error;
+                    const double z = (seen.mean - truth) / seen.error, wrong = (seen.mean - 1.02 * truth) / seen.error;
                     INFO("sigma_t " << sigma_t << " g " << g << " albedo " << albedo << " base " << base << ": "
                                     << seen.mean << " +- " << seen.error << ", exact " << truth);
                     // Student's t of 31 degrees: |z| > 5 has a chance of 2e-5, of 48 cases 0.1 %.
@@ -131,7 +131,7 @@ TEST_CASE("far from the edge the paths say what adding-doubling says, over white
     // The mean square of Student's t of 31 degrees is 31/29; cases share paths in fours, so it may wander.
     INFO("largest |z| " << worst << ", mean square " << squares / cases << ", rejected " << rejected);
     CHECK(squares / cases < 2.5);
-    // An error of 3 % is seen in all but a few of the 16.
+    // An error of 2 % is seen in all but a few of the 16.
     CHECK(rejected >= 14);
 }
 
@@ -139,7 +139,7 @@ TEST_CASE("no light is lost or made", "[edge]") {
     EdgeRun run;
     run.light = light_window(run.assembly);
     run.sigma_t = 6;
-    run.paths = 400000;
+    run.paths = 1000000;
     const EdgeCounts counts = trace_edge_paths(run);
     for (const PathBatch& batch : counts)
         for (const PathCounts* from : {&batch.camera, &batch.base, &batch.light}) {
@@ -154,7 +154,7 @@ TEST_CASE("no light is lost or made", "[edge]") {
     const double mirrored = std::pow(0.52 / 2.52, 2);
     INFO(seen.mean << " +- " << seen.error);
     CHECK(std::abs(seen.mean - (1 - mirrored)) < 6 * seen.error + 1e-12);
-    CHECK(std::abs(seen.mean - 1.03 * (1 - mirrored)) > 6 * seen.error);
+    CHECK(std::abs(seen.mean - 1.02 * (1 - mirrored)) > 6 * seen.error);
 }
 
 TEST_CASE("light and camera may change places", "[edge]") {
@@ -163,7 +163,7 @@ TEST_CASE("light and camera may change places", "[edge]") {
         there.assembly.slab_roughness = rough ? 0.05 : 0;
         there.assembly.sheet_roughness = rough ? 0.15 : 0;
         there.sigma_t = 4;
-        there.paths = 450000;
+        there.paths = 600000;
         there.camera = {std::cos(0.7), 1};
         there.light = light_window(there.assembly);
         EdgeRun back = there;
@@ -178,7 +178,7 @@ TEST_CASE("light and camera may change places", "[edge]") {
         const double error = std::hypot(a.error, b.error);
         INFO(a.mean << " +- " << a.error << ", " << b.mean << " +- " << b.error);
         CHECK(std::abs(a.mean - b.mean) < 6 * error);
-        CHECK(std::abs(1.03 * a.mean - b.mean) > 6 * error);
+        CHECK(std::abs(1.02 * a.mean - b.mean) > 6 * error);
     }
 }
 
@@ -186,7 +186,7 @@ TEST_CASE("what the base sends to the light is what the light sends to the base"
     EdgeRun run;
     run.light = light_window(run.assembly);
     run.sigma_t = 4;
-    run.paths = 1080000;
+    run.paths = 2400000;
     const EdgeCounts counts = trace_edge_paths(run);
     const auto weighted = [](const std::vector<std::uint32_t>& by_order) {
         double sum = 0;
@@ -201,7 +201,7 @@ TEST_CASE("what the base sends to the light is what the light sends to the base"
     const double error = std::hypot(counted.error, reversed.error);
     INFO(counted.mean << " +- " << counted.error << ", " << reversed.mean << " +- " << reversed.error);
     CHECK(std::abs(counted.mean - reversed.mean) < 5 * error);
-    CHECK(std::abs(counted.mean - 1.03 * reversed.mean) > 5 * error);
+    CHECK(std::abs(counted.mean - 1.02 * reversed.mean) > 5 * error);
 }
 
 TEST_CASE("the same counts for any number of threads", "[edge]") {
