@@ -91,7 +91,7 @@ private:
         SurfaceCell cell;
         cell.first_face = static_cast<std::uint32_t>(out.faces.size());
         std::array<double, 3> centre{}, normal{}, smooth{};
-        double area = 0, face_area = 0;
+        double area = 0;
         for (int z = low[2]; z < std::min(low[2] + cell_[2], size[2]); ++z)
             for (int y = low[1]; y < std::min(low[1] + cell_[1], size[1]); ++y)
                 for (int x = low[0]; x < std::min(low[0] + cell_[0], size[0]); ++x) {
@@ -122,7 +122,6 @@ private:
                             normal[k] += stands_for * n[k];
                         }
                         area += stands_for;
-                        face_area += a;
                         out.faces.push_back({at, static_cast<Facing>(f), slants});
                         ++cell.faces;
                     }
