@@ -43,6 +43,8 @@ struct ReportResin {
     Rgb rgb{};                  ///< its colour in the bitmaps
     std::uint64_t voxels = 0;
     double ml = 0;
+    /// As it is called wherever a person reads: what the printer's software calls it.
+    [[nodiscard]] const std::string& shown_name() const { return material_name.empty() ? name : material_name; }
 };
 
 struct ReportStage {

@@ -366,8 +366,7 @@ void add_resins(std::string& html, const Report& report) {
         total_voxels += resin.voxels;
     }
     for (const ReportResin& resin : report.resins) {
-        // As everywhere else it is called what the printer's software calls it; the set's own name stands behind.
-        const std::string& name = resin.material_name.empty() ? resin.name : resin.material_name;
+        const std::string& name = resin.shown_name();  // the set's own name stands behind
         const std::string in_set =
             name == resin.name ? std::string() : fmt::format(" <span class=\"soft\">{}</span>", html_text(resin.name));
         const double share =

@@ -99,7 +99,7 @@ std::string histogram_table(const std::vector<std::pair<double, double>>& histog
 std::string viewer_panels(const Report& report) {
     if (report.viewer.empty()) return {};
     std::vector<ViewerResin> resins;
-    for (const ReportResin& resin : report.resins) resins.push_back({resin.name, resin.role, resin.rgb});
+    for (const ReportResin& resin : report.resins) resins.push_back({resin.shown_name(), resin.role, resin.rgb});
     std::string html(page_asset("panels"));
     html += data_script("viewer-data", viewer_json(report.viewer, resins, report.prediction_note));
     return html + "<script>\n" + viewer_script() + "</script>\n";

@@ -130,8 +130,7 @@ std::string summary_text(const Print& print, const io::Report& report, double to
                                    folder.string(), report.size_mm[0], report.size_mm[1], report.size_mm[2],
                                    report.size_px[0], report.size_px[1], report.size_px[2], report.pitch_um[2]);
     for (const io::ReportResin& resin : report.resins)
-        text += fmt::format("  {:<3} {:<16} {:9.3f} ml\n", resin.role,
-                            resin.material_name.empty() ? resin.name : resin.material_name, resin.ml);
+        text += fmt::format("  {:<3} {:<16} {:9.3f} ml\n", resin.role, resin.shown_name(), resin.ml);
     text += print.summary(report);
     text += fmt::format("  done in {}{}; peak memory {:.0f} MB\n", duration_text(total_s),
                         longest_stages(report.stages, total_s), double(report.peak_memory_bytes) * 1e-6);

@@ -82,6 +82,15 @@ TEST_CASE("The page tells the figures with their units") {
     CHECK_THAT(html, Contains("<th class=\"n\">Count</th>") && Contains("<td class=\"n\">3.5 %</td>"));
 }
 
+TEST_CASE("A resin is called what the printer's software calls it, in the table and in the viewer's legend") {
+    Report report = sample("x");
+    report.resins[1].material_name = "VeroCY-V";
+    const std::string page = report_html(report);
+    CHECK_THAT(page, Contains("\"name\": \"VeroCY-V\""));
+    CHECK_THAT(page, !Contains("\"name\": \"VeroCyan\""));
+    CHECK_THAT(page, Contains("VeroCY-V <span class=\"soft\">VeroCyan</span>"));
+}
+
 TEST_CASE("No text can become markup, and nothing comes from outside") {
     const std::string calm = report_html(sample("calm")), html = report_html(sample(evil));
     for (const char* mark : {"<script", "</script", "<img", "onerror=\"", "<title", "\x1b"})
