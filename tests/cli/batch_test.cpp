@@ -306,7 +306,6 @@ TEST_CASE("A watched folder's models are sliced when they are complete, and agai
     fs::create_directory(shop.folder / "in");
     shop.folder.write("in/first.obj", ramp_box_obj(2, 2, 1));
     shop.folder.write("in/bad.obj", "v 0 0 0\n");
-    shop.folder.write("in/notes.txt", "no model");
     shop.folder.write("watch.sh", fmt::format(R"(set -u
 {0} batch --watch {1} --preset {2} -o {3} --json >{4} 2>&1 &
 said() {{ for i in $(seq 600); do [ $(grep -c "$1" {4}) -ge $2 ] && return; sleep 0.1; done; exit 9; }}
@@ -315,6 +314,8 @@ cat {5} >{1}/second.obj
 said '"state": "done"' 2
 cat {6} >{1}/first.obj
 said '"state": "done"' 3
+echo 'no model' >{1}/notes.txt
+said no-model 1
 kill -TERM $!
 wait $!
 )",
@@ -324,7 +325,7 @@ wait $!
     const std::string said = read_file(shop.folder / "said");
     INFO(said);
     CHECK(code == 85);
-    CHECK_THAT(said, Contains("notes.txt: is no model") && Contains("[no-model]"));
+    CHECK_THAT(said, Contains("notes.txt is a document") && Contains("[no-model]"));
     CHECK(shop.state("first")["state"] == "done");
     CHECK(shop.state("first")["figures"]["size_mm"][0] == 3.5);
     CHECK(shop.state("second")["state"] == "done");
