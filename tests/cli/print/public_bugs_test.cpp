@@ -21,15 +21,16 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Voxels of 0.2 mm, which the test body fills without a rest, and the screen that needs no making. Where the line does
-/// not ask for amounts of resins white does: asked colours, messages and sizes are the same, and separating colours is
-/// the longest part of so small a job.
+/// Voxels of 0.2 mm, which the test body fills without a rest, and the screen that needs no making. The usual resins:
+/// with white alone every colour is out of reach, and moving them takes longer than all else. The report, and with it
+/// target.glb and target.png, is drawn where one of them is looked at.
 std::string command(const BugLine& line, const Folder& folder) {
     const std::string file = (bug_folder() / line.file).string();
+    const bool looked_at = !line.sides.empty() || !line.spots.empty() || !line.like.empty();
     if (line.verb == "slice")
         return fmt::format(
             "slice '{}' {} {} --iterations 0 --predict none --screen error-diffusion --printer '{}' -o '{}'", file,
-            line.options, line.top.empty() ? "--load W" : "", (bug_folder() / "printer.json").string(), folder / "out");
+            line.options, looked_at ? "" : "--no-report", (bug_folder() / "printer.json").string(), folder / "out");
     if (line.verb == "predict")
         return fmt::format("predict '{}' {} -o '{}'", file, line.options, folder / "target.png");
     return fmt::format("{} '{}' {}", line.verb, file, line.options);
