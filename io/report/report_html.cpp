@@ -198,13 +198,16 @@ void add_parts(std::string& html, const Report& report) {
     if (report.parts.empty()) return;
     std::uint64_t copies = 0;
     for (const ReportPart& part : report.parts) copies += part.copies;
+    const bool seen = std::any_of(report.parts.begin(), report.parts.end(),
+                                  [](const ReportPart& part) { return part.seen_mean.has_value(); });
     html += fmt::format(
         "<section class=\"parts\">\n<h2>Parts</h2>\n<p class=\"soft\">{} bodies, {} in all. A name opens the part's "
         "own "
         "page.<span class=\"screen-only\"> A click on a place turns the view above to it.</span></p>\n<div "
         "class=\"table\"><table>\n<thead><tr><th></th><th>Part</th><th class=\"n\">Copies</th><th class=\"n\">ml each"
-        "</th><th class=\"n\">Difference as seen</th><th>Worst place</th></tr></thead>\n<tbody>\n",
-        report.parts.size(), copies);
+        "</th>{}</tr></thead>\n<tbody>\n",
+        report.parts.size(), copies,
+        seen ? "<th class=\"n\">Difference as seen</th><th>Worst place</th>" : "<th>Place</th>");
     for (std::size_t i = 0; i < report.parts.size(); ++i) {
         const ReportPart& part = report.parts[i];
         const std::string picture = part.picture.file.empty()
@@ -216,9 +219,12 @@ void add_parts(std::string& html, const Report& report) {
         html += fmt::format(
             "<tr><td class=\"picture\">{}</td><td>{}<small>{}</small></td><td class=\"n\">{}</td><td "
             "class=\"n\">{:#.3g}"
-            "</td><td class=\"n\"><i class=\"mark {}\"></i>{}</td><td>",
-            picture, name, html_text(part.headline), part.copies, part.ml, name_of(part.level),
-            part.seen_mean ? fmt::format("{:.1f}", *part.seen_mean) : std::string("not predicted"));
+            "</td>",
+            picture, name, html_text(part.headline), part.copies, part.ml);
+        if (seen)
+            html += fmt::format("<td class=\"n\"><i class=\"mark {}\"></i>{}</td>", name_of(part.level),
+                                part.seen_mean ? fmt::format("{:.1f}", *part.seen_mean) : std::string("not predicted"));
+        html += "<td>";
         if (i < report.viewer.worst.size()) {
             const ViewerPlace& place = report.viewer.worst[i];
             const std::string text = place.cause.empty()

@@ -136,6 +136,11 @@ TEST_CASE("Parts of a tray are listed with their figures, each with its page and
     CHECK(count(html, "Where it is worst") == 0);  // the parts say so
     CHECK(count(html, "<script>alert") == 0);
     CHECK(still_page_bytes(report) > html.size() / 2);
+    // Where nothing was predicted no place is the worst.
+    report.parts[0].seen_mean.reset();
+    const std::string unseen = report_html(report);
+    CHECK(count(unseen, "<th>Place</th>") == 1);
+    CHECK(count(unseen, "Worst place") + count(unseen, "Difference as seen") + count(unseen, "class=\"mark") == 0);
 }
 
 TEST_CASE("Drawings are in the page as they are, their captions as text") {
