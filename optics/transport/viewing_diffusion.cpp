@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "base/contracts.h"
 #include "base/parallel.h"
@@ -186,8 +187,6 @@ ViewingDiffusion::ViewingDiffusion(const ViewingGrid& grid) : grid_(grid) {
         k_[a] = static_cast<float>(2 * edge[b] * edge[c] / edge[a]);
     }
     const std::size_t n = grid.transport_blocks.size();
-    std::vector<std::int32_t> place(grid_.blocks.size(), -1);
-    for (std::size_t t = 0; t < n; ++t) place[grid.transport_blocks[t]] = static_cast<std::int32_t>(t);
     neighbour_.resize(n);
     side_of_.resize(n);
     std::vector<MultigridPlan::Contact> pairs;
@@ -198,15 +197,13 @@ ViewingDiffusion::ViewingDiffusion(const ViewingGrid& grid) : grid_(grid) {
         for (std::size_t f = 0; f < 6; ++f) {
             neighbour_[t][f] = side_of_[t][f] = -1;
             if (block.neighbour[f] < 0) continue;
-            const auto other = static_cast<std::size_t>(block.neighbour[f]);
-            if (place[other] >= 0) {
-                neighbour_[t][f] = place[other];
-                if (f % 2 == 1)
-                    pairs.push_back({static_cast<std::uint32_t>(t), static_cast<std::uint32_t>(place[other])});
+            const GridBlock& other = grid.blocks[static_cast<std::size_t>(block.neighbour[f])];
+            if (other.kind == BlockKind::transport) {
+                neighbour_[t][f] = static_cast<std::int32_t>(other.first_cell / 64);
+                if (f % 2 == 1) pairs.push_back({static_cast<std::uint32_t>(t), other.first_cell / 64});
             } else {
                 side_of_[t][f] = static_cast<std::int32_t>(sides_.size());
-                sides_.push_back(
-                    {static_cast<std::uint32_t>(t), grid_.blocks[other].core_node, static_cast<std::uint8_t>(f)});
+                sides_.push_back({static_cast<std::uint32_t>(t), other.core_node, static_cast<std::uint8_t>(f)});
             }
         }
     }
@@ -615,15 +612,6 @@ void combine(const ViewingDiffusion::Vector& to, float a, float b, const Viewing
 
 int ViewingDiffusion::solve(Vector x, Vector residual, Vector p, Vector z, double tolerance, int most_steps,
                             const Progress* progress) {
-    if (most_steps == 1) {  // the same with less copying: the direction is z
-        cycle(residual, z, progress);
-        const double rho = dot(residual, z);
-        if (!(rho > 0)) return 0;
-        check_cancelled(progress);
-        apply(z, p);
-        combine(x, 1, static_cast<float>(rho / dot(z, p)), z);
-        return 1;
-    }
     double start = 0, rho = 0;
     int step = 0;
     for (; step < most_steps; ++step) {
@@ -633,8 +621,7 @@ int ViewingDiffusion::solve(Vector x, Vector residual, Vector p, Vector z, doubl
         if (step == 0) start = rho_new;
         if (!(rho_new > tolerance * tolerance * start)) break;
         if (step == 0) {
-            std::copy(z.cells.begin(), z.cells.end(), p.cells.begin());
-            std::copy(z.core.begin(), z.core.end(), p.core.begin());
+            std::swap(p, z);
         } else {
             combine(p, static_cast<float>(rho_new / rho), 1, z);
         }
