@@ -19,6 +19,12 @@ namespace {
 /// guess.
 constexpr int first_rounds = 2, twin_rounds = 1;
 
+void require_memory(const std::string& what, std::size_t needed, std::size_t allowed, const std::string& remedy) {
+    if (allowed > 0 && needed > allowed)
+        throw ResourceError(what + std::to_string((needed >> 20) + 1) + " MiB of memory and " +
+                            std::to_string(allowed >> 20) + " are allowed: allow more, " + remedy);
+}
+
 }  // namespace
 
 ViewingSequence::ViewingSequence(const Scene& scene, const Surface& surface, const TransportOptions& options,
@@ -47,12 +53,9 @@ std::unique_ptr<ViewingSequence> ViewingSequence::within_memory(const Scene& sce
         grids.open_store();
         needed = bytes_with(static_cast<double>(sequence->live().field_bytes()));
     }
-    if (options.memory_bytes > 0 && needed > allowed)
-        throw ResourceError("predictions of " + std::to_string(surface.cells.size()) +
-                            " surface cells, one after the other, need " +
-                            std::to_string((std::size_t(needed) >> 20) + 1) + " MiB of memory and " +
-                            std::to_string(options.memory_bytes >> 20) +
-                            " are allowed: allow more, expect colour less deep, or take larger cells");
+    require_memory(
+        "predictions of " + std::to_string(surface.cells.size()) + " surface cells, one after the other, need ",
+        static_cast<std::size_t>(needed), options.memory_bytes, "expect colour less deep, or take larger cells");
     return sequence;
 }
 
@@ -67,11 +70,9 @@ void ViewingSequence::make_live(std::size_t index, const Progress* progress) {
     const std::size_t kept = keeps_light_ && !grids_.stores() ? channels() : 1,
                       own = tile.light[0].cells.empty() ? kept * tile.field_bytes() : 0,
                       needed = tile.bytes + own + grids_.field_bytes();
-    if (options_.memory_bytes > 0 && needed > options_.memory_bytes)
-        throw ResourceError("a sequence of predictions of " + std::to_string(tile.cells_of_grid) +
-                            " viewing cells at once needs " + std::to_string((needed >> 20) + 1) +
-                            " MiB of memory and " + std::to_string(options_.memory_bytes >> 20) +
-                            " are allowed: allow more, expect colour less deep, or take larger cells");
+    require_memory(
+        "a sequence of predictions of " + std::to_string(tile.cells_of_grid) + " viewing cells at once needs ", needed,
+        options_.memory_bytes, "expect colour less deep, or take larger cells");
     if (options_.memory_bytes > 0 && needed + room.memory_bytes() > options_.memory_bytes) room = {};
     grids_.make_room(needed, tile);
     if (progress) progress->check_cancelled();
@@ -262,10 +263,7 @@ bool ViewingSequence::gradient(std::span<const float> adjoint_seed, const Gradie
     VOXTONE_EXPECT(adjoint_seed.size() == surface_.cells.size() * channels());
     VOXTONE_EXPECT(volume_ != nullptr && keeps_light_);
     const std::size_t needed = gradient_bytes();
-    if (options_.memory_bytes > 0 && needed > options_.memory_bytes)
-        throw ResourceError("the gradient of a print needs " + std::to_string((needed >> 20) + 1) +
-                            " MiB of memory and " + std::to_string(options_.memory_bytes >> 20) +
-                            " are allowed: allow more, or take larger cells");
+    require_memory("the gradient of a print needs ", needed, options_.memory_bytes, "or take larger cells");
     const bool first = adjoint_.ghosts.empty();
     if (first) begin(adjoint_, adjoint_seed, first_rounds, progress);
     // An adjoint is wanted less exactly than what is seen.
