@@ -9,6 +9,22 @@
 #include "base/parallel.h"
 
 namespace voxtone::optics {
+namespace {
+
+/// f_r of the header, with w_l = exp(-step l); returns sum_rl s_rl w_l.
+double weigh_layers(const ViewingGrid::Mixture& mixture, double step, std::vector<double>& fractions) {
+    std::fill(fractions.begin(), fractions.end(), 0.0);
+    double all = 0;
+    for (const auto& [material, layer, share] : mixture.holds) {
+        const double weight = static_cast<double>(share) * std::exp(-step * layer);
+        all += weight;
+        fractions[material - 1u] += weight;
+    }
+    for (double& f : fractions) f /= all;
+    return all;
+}
+
+}  // namespace
 
 double SeenMedium::fall(const Medium& mean, std::size_t axis) const {
     // Fitted on the whole accuracy suite (`predictor_accuracy --fine 0 compare tests/data/appearance`), which is
@@ -35,15 +51,7 @@ Medium SeenMedium::operator()(const ViewingGrid::Mixture& mixture, std::size_t c
         fractions[material - 1u] += static_cast<double>(share) / filled;
     Medium medium = halftone(fractions, channel);
     if (layers > 1) {
-        const double step = fall(medium, mixture.axis);
-        std::fill(fractions.begin(), fractions.end(), 0.0);
-        double all = 0;
-        for (const auto& [material, layer, share] : mixture.holds) {
-            const double weight = static_cast<double>(share) * std::exp(-step * layer);
-            all += weight;
-            fractions[material - 1u] += weight;
-        }
-        for (double& f : fractions) f /= all;
+        weigh_layers(mixture, fall(medium, mixture.axis), fractions);
         medium = halftone(fractions, channel);
     }
     return {filled * medium.sigma_a, filled * medium.sigma_s};
@@ -69,13 +77,7 @@ void SeenMedium::derivatives(const ViewingGrid::Mixture& mixture, std::size_t ch
         for (std::size_t l = 0; l < layers; ++l)
             all += filled / static_cast<double>(layers) * std::exp(-step * static_cast<double>(l));
     } else {
-        std::fill(fractions.begin(), fractions.end(), 0.0);
-        for (const auto& [material, layer, share] : mixture.holds) {
-            const double weight = static_cast<double>(share) * std::exp(-step * layer);
-            all += weight;
-            fractions[material - 1u] += weight;
-        }
-        for (double& f : fractions) f /= all;
+        all = weigh_layers(mixture, step, fractions);
     }
     const EffectiveMedium::Point point = halftone.at(fractions, channel);
     halftone.gradient(point, channel, 1, 0, by_absorption);
