@@ -197,11 +197,10 @@ void number_contents(ViewingGrid& grid, const std::vector<Key>& keys, std::size_
 
 }  // namespace
 
-std::array<int, 3> parts_of_cell(const std::array<int, 3>& view_voxels, const std::array<double, 3>& pitch_mm,
-                                 double finest_mm) {
+std::array<int, 3> parts_of_cell(const std::array<int, 3>& view_voxels, const std::array<double, 3>& pitch_mm) {
     std::array<int, 3> parts = view_voxels;
-    for (std::size_t a = 0; finest_mm > 0 && a < 3; ++a)
-        parts[a] *= std::clamp(static_cast<int>(std::ceil(pitch_mm[a] / finest_mm - 0.1)), 1, 4);
+    for (std::size_t a = 0; a < 3; ++a)
+        parts[a] *= std::clamp(static_cast<int>(std::ceil(pitch_mm[a] / finest_part_mm - 0.1)), 1, 4);
     return parts;
 }
 
@@ -212,22 +211,6 @@ bool is_lit(const ViewingGrid& grid, const GridBlock& block) {
     return std::any_of(first, first + block.faces, [](const OuterFace& face) { return face.kind == FaceKind::light; });
 }
 
-/// The one resin of a block, air besides it or not; 0 of air alone, -1 of several.
-std::int16_t only_resin(const ViewingGrid& grid, const ResinVolume& volume, const GridBlock& block,
-                        std::vector<Material>& box) {
-    const Place extent = grid.block_voxels();
-    const Place corner = grid.corner_of(block.at);
-    if (const int whole = volume.uniform_material(corner, extent); whole >= 0) return static_cast<std::int16_t>(whole);
-    read_box(volume, grid.mirrored, corner, extent, box);
-    Material only = air;
-    for (const Material m : box) {
-        if (m == air || m == only) continue;
-        if (only != air) return -1;
-        only = m;
-    }
-    return only;
-}
-
 }  // namespace
 
 std::vector<std::uint32_t> blocks_to_refine(const ViewingGrid& grid, const ResinVolume& volume, Refinement which) {
@@ -236,7 +219,7 @@ std::vector<std::uint32_t> blocks_to_refine(const ViewingGrid& grid, const Resin
     std::vector<std::int16_t> only(grid.blocks.size());
     parallel_ranges(0, only.size(), 64, [&](std::size_t first, std::size_t last) {
         std::vector<Material> box;
-        for (std::size_t b = first; b < last; ++b) only[b] = only_resin(grid, volume, grid.blocks[b], box);
+        for (std::size_t b = first; b < last; ++b) only[b] = grid.content_of(grid.blocks[b], volume, box).resin;
     });
     for (std::size_t t = 0; t < grid.transport_blocks.size(); ++t) {
         const std::uint32_t b = grid.transport_blocks[t];

@@ -32,10 +32,9 @@ namespace voxtone::optics {
 inline constexpr double finest_part_mm = 0.0425;
 
 /// Into how many parts a cell of so many voxels is cut along each axis: into voxels, or pieces of voxels where these
-/// are longer than `finest_mm` (0: never).
+/// are longer than `finest_part_mm`.
 [[nodiscard]] std::array<int, 3> parts_of_cell(const std::array<int, 3>& view_voxels,
-                                               const std::array<double, 3>& pitch_mm,
-                                               double finest_mm = finest_part_mm);
+                                               const std::array<double, 3>& pitch_mm);
 
 /// The transport blocks that are to be cut, by geometry and resins alone, ascending: a body of one resin has none
 /// unless `which` is all.

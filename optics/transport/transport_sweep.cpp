@@ -375,9 +375,17 @@ void sweep_parts(const SweepJob& job, const Octant& o, const MediumWays* media, 
     const std::uint16_t* const medium = grid.fine.medium.data() + first_part;
     const Moments* const light = job.parts.light.data() + first_part;
     Moments* const sum = job.parts.sum.data() + first_part;
-    const std::uint8_t* const outer = grid.outer.data() + block.first_cell;
-    const std::int32_t* const links = block.first_link < 0 ? nullptr : grid.face_of_cell.data() + block.first_link;
     const Outside outside{job, o};
+    constexpr std::uint8_t not_solid = 64;
+    std::array<std::uint8_t, 64> outer;  // by cell: bit f is set where face f is an outer one; or `not_solid`
+    for (unsigned cell = 0; cell < 64; ++cell) outer[cell] = block.solid >> cell & 1 ? 0 : not_solid;
+    std::array<std::array<std::uint32_t, 64>, 6> place_of;  // where it is
+    for (unsigned facing = 0; facing < 6; ++facing)
+        for (unsigned f = block.first_facing[facing]; f < block.first_facing[facing + 1]; ++f) {
+            const auto& [place, cell] = grid.by_facing[block.first_face + f];
+            outer[cell] |= static_cast<std::uint8_t>(1u << facing);
+            place_of[facing][cell] = place;
+        }
     float share[3];
     int first[3], last[3];  // part of a cell that light enters first, and leaves last
     for (std::size_t a = 0; a < 3; ++a) {
@@ -396,8 +404,7 @@ void sweep_parts(const SweepJob& job, const Octant& o, const MediumWays* media, 
             V8* const row_y = faces.y + z * ways.nx;
             V8* const row_z = faces.z + y * ways.nx;
             unsigned any = 0;
-            if (links)
-                for (int x = 0; x < 4; ++x) any |= outer[whole + x];
+            for (std::size_t x = 0; x < 4; ++x) any |= outer[static_cast<std::size_t>(whole) + x];
             // Faces across y and z concern the parts along them alone.
             for (int a = 1; a < 3; ++a) {
                 const int part = a == 1 ? y % split[1] : z % split[2];
@@ -411,23 +418,21 @@ void sweep_parts(const SweepJob& job, const Octant& o, const MediumWays* media, 
             }
             const int step = o.back[0] ? -1 : 1;
             for (int kx = 0, x = o.back[0] ? ways.nx - 1 : 0; kx < ways.nx; ++kx, x += step) {
-                const int cell = whole + x / split[0], part[3] = {x % split[0], y % split[1], z % split[2]};
+                const auto cell = static_cast<std::size_t>(whole + x / split[0]);
+                const int part[3] = {x % split[0], y % split[1], z % split[2]};
                 const unsigned bits = outer[cell];
                 if (bits & not_solid) continue;
-                const auto place_of = [&](unsigned bit) {
-                    return grid.place_of_face[static_cast<std::size_t>(links[cell]) +
-                                              static_cast<unsigned>(__builtin_popcount(bits & ((1u << bit) - 1)))];
-                };
                 V8 p[3] = {px, row_y[x], row_z[x]};
                 for (int a = 0; a < 3; ++a)
-                    if (bits >> o.in_bit[a] & 1 && part[a] == first[a]) outside.take(a, place_of(o.in_bit[a]), p[a]);
+                    if (bits >> o.in_bit[a] & 1 && part[a] == first[a])
+                        outside.take(a, place_of[o.in_bit[a]][cell], p[a]);
                 cross_cell(o, ways, media[medium[row + x]], light[row + x], sum[row + x], p[0], p[1], p[2]);
                 px = p[0];
                 row_y[x] = p[1];
                 row_z[x] = p[2];
                 for (int a = 0; a < 3; ++a)
                     if (bits >> o.out_bit[a] & 1 && part[a] == last[a])
-                        outside.give_part(a, place_of(o.out_bit[a]), p[a], share[a]);
+                        outside.give_part(a, place_of[o.out_bit[a]][cell], p[a], share[a]);
             }
             faces.x[z * ways.ny + y] = px;
         }

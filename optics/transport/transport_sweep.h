@@ -40,6 +40,17 @@ namespace voxtone::optics {
 /// phi and J of a cell.
 struct alignas(16) Moments {
     float phi = 0, x = 0, y = 0, z = 0;
+    Moments& operator+=(const Moments& more) {
+        phi += more.phi;
+        x += more.x;
+        y += more.y;
+        z += more.z;
+        return *this;
+    }
+    friend Moments operator+(Moments a, const Moments& b) { return a += b; }
+    friend Moments operator*(float share, const Moments& m) {
+        return {share * m.phi, share * m.x, share * m.y, share * m.z};
+    }
 };
 
 /// The cells of one kind of blocks: whole ones, or the parts of those that are cut finer (ViewingGrid::Fine).

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <span>
 #include <utility>
 
@@ -180,6 +181,154 @@ ViewingFaces find_viewing_faces(const ViewingGrid& grid, const Surface& surface,
         one = {};
     }
     return seen;
+}
+
+namespace {
+
+using Normal = std::array<float, 3>;
+
+float length(const Normal& n) { return std::hypot(n[0], n[1], n[2]); }
+
+void add_to(Normal& sum, const Normal& n) {
+    for (std::size_t a = 0; a < 3; ++a) sum[a] += n[a];
+}
+
+/// Of each face of the grid: the sum of those of the voxel faces that are seen through it.
+std::vector<Normal> normals_of_faces(const ViewingGrid& grid, const Scene& scene, const Progress* progress) {
+    const Place block = grid.block_voxels();
+    VoxelBox box;
+    for (std::size_t a = 0; a < 3; ++a) {
+        box.begin[a] = -grid.shift_voxels[a];
+        box.end[a] = box.begin[a] + grid.lattice[a] * block[a];
+    }
+    const Surface surface = find_surface_near(scene, grid.view_voxels, box, progress);
+    const ViewingFaces seen = find_viewing_faces(grid, surface, progress);
+    std::vector<Normal> normal(grid.faces.size());
+    for (std::size_t i = 0; i < surface.cells.size(); ++i) {
+        const SurfaceCell& cell = surface.cells[i];
+        for (std::uint32_t e = seen.first[i]; e < seen.first[i + 1]; ++e)
+            for (std::size_t f = cell.first_face; f < cell.first_face + cell.faces; ++f)
+                if (surface.faces[f].facing == grid.faces[seen.face[e]].facing)
+                    add_to(normal[seen.face[e]], surface.normal_at(i, f));
+    }
+    return normal;
+}
+
+/// Which way the nearest surface lies: the main direction of the normals in each block, of its neighbours' where it
+/// has none.
+void find_ways(ViewingGrid& grid, const std::vector<Normal>& normal) {
+    const std::size_t n = grid.transport_blocks.size();
+    std::vector<Normal> way(n);
+    std::vector<std::uint32_t> front, next;
+    std::vector<std::uint8_t> known(n, 0);
+    for (std::size_t t = 0; t < n; ++t) {
+        const GridBlock& block = grid.transport_block(t);
+        for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) add_to(way[t], normal[f]);
+        if (way[t] == Normal{}) continue;
+        known[t] = 1;
+        front.push_back(static_cast<std::uint32_t>(t));
+    }
+    for (; !front.empty(); front.swap(next)) {
+        next.clear();
+        for (const std::uint32_t t : front)
+            for (const std::int32_t other : grid.transport_block(t).neighbour) {
+                if (other < 0 || grid.blocks[static_cast<std::size_t>(other)].kind == BlockKind::core) continue;
+                const std::uint32_t to = grid.blocks[static_cast<std::size_t>(other)].first_cell / 64;
+                if (known[to] == 1) continue;
+                if (known[to] == 0) next.push_back(to);
+                known[to] = 2;
+                add_to(way[to], way[t]);
+            }
+        for (const std::uint32_t t : next) known[t] = 1;
+    }
+    grid.towards.assign(n, static_cast<std::uint8_t>(Facing::plus_z));
+    for (std::size_t t = 0; t < n; ++t) {
+        std::size_t axis = 2;
+        for (std::size_t a = 0; a < 3; ++a)
+            if (std::abs(way[t][a]) > std::abs(way[t][axis])) axis = a;
+        grid.towards[t] = static_cast<std::uint8_t>(2 * axis + (way[t][axis] >= 0 ? 1 : 0));
+    }
+}
+
+/// Sum of the normals of the faces of the cells around that look partly the way of this one.
+Normal normal_near(const ViewingGrid& grid, std::uint32_t f, const std::vector<Normal>& normal) {
+    const OuterFace& face = grid.faces[f];
+    const GridBlock& block = grid.transport_block(face.cell / 64);
+    const int place = static_cast<int>(face.cell % 64);
+    const Place cell{4 * block.at[0] + place % 4, 4 * block.at[1] + place / 4 % 4, 4 * block.at[2] + place / 16};
+    const auto axis = static_cast<std::size_t>(face.facing) / 2;
+    const float sign = static_cast<int>(face.facing) % 2 ? 1.0f : -1.0f;
+    Normal sum{};
+    for_each({3, 3, 3}, [&](const Place& k) {
+        const std::int64_t other = grid.cell_of({cell[0] + k[0] - 1, cell[1] + k[1] - 1, cell[2] + k[2] - 1});
+        if (other < 0) return;
+        grid.each_face(static_cast<std::uint32_t>(other), [&](std::uint32_t g) {
+            if (normal[g][axis] * sign > 0) add_to(sum, normal[g]);
+        });
+    });
+    return sum;
+}
+
+/// Numbers of laws in the grid: 0 of a mirror, those of flat faces across x, y and z, then slanting ones, whose normals
+/// are told apart in steps of 1/48.
+class LawTable {
+public:
+    explicit LawTable(ViewingGrid& grid) : grid_(grid) {
+        grid.laws.push_back(mirror_law());
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            Normal n{};
+            n[axis] = 1;
+            grid.laws.push_back(face_law(grid.directions, static_cast<int>(axis), n));
+        }
+    }
+    [[nodiscard]] static std::uint32_t flat(std::size_t axis) { return 1 + static_cast<std::uint32_t>(axis); }
+    /// `normal`: of any length.
+    [[nodiscard]] std::uint32_t of(Facing facing, Normal n) {
+        const auto axis = static_cast<std::size_t>(facing) / 2;
+        const float sign = static_cast<int>(facing) % 2 ? 1.0f : -1.0f, l = length(n);
+        if (!(l > 0)) return flat(axis);
+        for (float& v : n) v /= l;
+        if (n[axis] * sign <= 0.01f || n[axis] * sign > 0.99999f) return flat(axis);
+        const std::size_t b = axis == 0 ? 1 : 0, c = axis == 2 ? 1 : 2;
+        constexpr float steps = 48;
+        const std::array<int, 3> key{static_cast<int>(axis), static_cast<int>(std::lround(steps * n[b])),
+                                     static_cast<int>(std::lround(steps * n[c]))};
+        const auto [found, fresh] = known_.try_emplace(key, static_cast<std::uint32_t>(grid_.laws.size()));
+        if (fresh) {
+            Normal rounded{};
+            rounded[b] = static_cast<float>(key[1]) / steps;
+            rounded[c] = static_cast<float>(key[2]) / steps;
+            rounded[axis] = std::sqrt(std::max(1e-4f, 1 - rounded[b] * rounded[b] - rounded[c] * rounded[c]));
+            grid_.laws.push_back(face_law(grid_.directions, static_cast<int>(axis), rounded));
+        }
+        return found->second;
+    }
+
+private:
+    ViewingGrid& grid_;
+    std::map<std::array<int, 3>, std::uint32_t> known_;
+};
+
+}  // namespace
+
+void find_face_laws(ViewingGrid& grid, const Scene& scene, const Progress* progress) {
+    const std::vector<Normal> normal = normals_of_faces(grid, scene, progress);
+    find_ways(grid, normal);
+    LawTable laws(grid);
+    grid.law.assign(grid.faces.size(), 0);
+    for (const std::uint32_t f : grid.open_faces) {
+        if (progress) progress->check_cancelled();
+        const OuterFace& face = grid.faces[f];
+        if (face.kind == FaceKind::light)
+            grid.law[f] = laws.of(face.facing, length(normal[f]) == 0 ? normal_near(grid, f, normal) : normal[f]);
+        else if (face.kind != FaceKind::mirror)
+            grid.law[f] = LawTable::flat(static_cast<std::size_t>(face.facing) / 2);
+    }
+    for (const std::uint32_t b : grid.transport_blocks) {
+        GridBlock& block = grid.blocks[b];
+        for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f)
+            block.slanting |= !grid.law_of(f).flat;
+    }
 }
 
 }  // namespace voxtone::optics

@@ -29,4 +29,9 @@ struct ViewingFaces {
 [[nodiscard]] ViewingFaces find_viewing_faces(const ViewingGrid& grid, const Surface& surface,
                                               const Progress* progress = nullptr);
 
+/// Given blocks and faces: the law of each (transport_directions.h) from the mean normal of the voxel faces that are
+/// seen through it, or of faces near by; which blocks slant, and which way the surface near each lies. Throws
+/// Cancelled.
+void find_face_laws(ViewingGrid& grid, const Scene& scene, const Progress* progress);
+
 }  // namespace voxtone::optics

@@ -43,22 +43,23 @@ struct ViewingField {
     }
 };
 
-inline constexpr float phi_step = 2.0f / 65535, J_step = 1.0f / 32767;
-inline constexpr float signed_step = 2 * phi_step, signed_zero = 32768;  ///< of phi of an adjoint
+inline constexpr float J_step = 1.0f / 32767;
 
-/// Whether a code holds this, or all of it but what nobody sees: corrections by diffusion leave dark places with light
-/// a little below none.
-inline constexpr float unseen = 1.0f / 256;
-[[nodiscard]] inline bool phi_fits(float phi) { return phi > -unseen && phi < 2 + unseen; }
-[[nodiscard]] inline bool signed_fits(float phi) { return std::abs(phi) < 2 + unseen; }
-[[nodiscard]] inline bool J_fits(float J) { return std::abs(J) < 1 + unseen; }
+/// How codes stand for phi: step * (code - zero), from `least` to 2.
+struct PhiCode {
+    float step, zero, least;
+    [[nodiscard]] std::uint16_t operator()(float phi) const {
+        return static_cast<std::uint16_t>(std::clamp(phi * (1 / step) + (zero + 0.5f), 0.0f, 65535.0f));
+    }
+    /// Whether a code holds this, or all of it but what nobody sees: corrections by diffusion leave dark places with
+    /// light a little below none.
+    [[nodiscard]] bool fits(float phi) const { return phi > least - unseen && phi < 2 + unseen; }
+    static constexpr float unseen = 1.0f / 256;
+};
+inline constexpr PhiCode phi_code{2.0f / 65535, 0, 0},
+    signed_code{4.0f / 65535, 32768, -2};  ///< of light 1, of an adjoint
+[[nodiscard]] inline bool J_fits(float J) { return std::abs(J) < 1 + PhiCode::unseen; }
 
-[[nodiscard]] inline std::uint16_t phi_code(float phi) {
-    return static_cast<std::uint16_t>(std::clamp(phi * (1 / phi_step) + 0.5f, 0.0f, 65535.0f));
-}
-[[nodiscard]] inline std::uint16_t signed_code(float phi) {
-    return static_cast<std::uint16_t>(std::clamp(phi * (1 / signed_step) + (signed_zero + 0.5f), 0.0f, 65535.0f));
-}
 [[nodiscard]] inline std::int16_t J_code(float J) {
     return static_cast<std::int16_t>(static_cast<int>(std::clamp(J * (1 / J_step), -32767.0f, 32767.0f) + 32768.5f) -
                                      32768);
@@ -68,10 +69,15 @@ inline constexpr float unseen = 1.0f / 256;
     const float low = face.low;
     return low + (static_cast<float>(face.high) - low) * (static_cast<float>(face.share[k]) * (1.0f / 255));
 }
-[[nodiscard]] inline float phi_of(const ViewingField::Code& code) { return phi_step * static_cast<float>(code.phi); }
+[[nodiscard]] inline float phi_of(const ViewingField::Code& code) {
+    return phi_code.step * static_cast<float>(code.phi);
+}
 [[nodiscard]] inline Moments moments_of(const ViewingField::Code& code) {
     return {phi_of(code), J_step * static_cast<float>(code.x), J_step * static_cast<float>(code.y),
             J_step * static_cast<float>(code.z)};
 }
+
+/// Of the 32 radiances that leave through a face, each clipped to what codes of phi hold.
+[[nodiscard]] ViewingField::FaceCode face_code(const Octet* out, const PhiCode& code);
 
 }  // namespace voxtone::optics

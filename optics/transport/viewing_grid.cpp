@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "optics/media/mirrored_box.h"
+
 namespace voxtone::optics {
 
 BlockLattice::BlockLattice(const std::array<int, 3>& size, const std::array<int, 3>& view_voxels) {
@@ -20,14 +22,23 @@ Place ViewingGrid::corner_of(const Place& block) const {
 }
 
 void ViewingGrid::shrink() {
-    blocks.shrink_to_fit();
-    transport_blocks.shrink_to_fit();
-    face_of_cell.shrink_to_fit();
-    faces.shrink_to_fit();
-    for (auto* list : {&core_block, &ghosts, &core_faces, &open_faces, &place_of_face, &donors_of})
-        list->shrink_to_fit();
-    by_facing.shrink_to_fit();
-    donors.shrink_to_fit();
+    each_list(*this, [](auto& list) { list.shrink_to_fit(); });
+}
+
+ViewingGrid::Content ViewingGrid::content_of(const GridBlock& block, const ResinVolume& volume,
+                                             std::vector<Material>& box) const {
+    const Place corner = corner_of(block.at), extent = block_voxels();
+    if (const int whole = volume.uniform_material(corner, extent); whole >= 0)
+        return {static_cast<std::int16_t>(whole), whole == air};
+    read_box(volume, mirrored, corner, extent, box);
+    Content found;
+    for (const Material m : box) {
+        if (m == air)
+            found.any_air = true;
+        else
+            found.resin = found.resin == 0 || found.resin == m ? m : std::int16_t{-1};
+    }
+    return found;
 }
 
 ViewingGrid::Home ViewingGrid::home_of(const Place& voxel) const {

@@ -17,8 +17,8 @@
 // expected, and deeper ones are nodes of the medium of the halftone of their shares.
 #pragma once
 
+#include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -30,9 +30,6 @@
 
 namespace voxtone::optics {
 
-/// Bit 6 of ViewingGrid::outer.
-inline constexpr std::uint8_t not_solid = 64;
-
 enum class BlockKind : std::uint8_t { transport, core };
 
 struct GridBlock {
@@ -43,8 +40,7 @@ struct GridBlock {
     std::uint32_t first_cell = 0;  ///< of its cells; none in a core block
     std::uint32_t core_node = 0;   ///< of a core block
     std::uint64_t solid = 0;       ///< which of its 64 cells are
-    std::int32_t first_link = -1;  ///< into `face_of_cell`; -1: no cell of it has an outer face
-    std::uint32_t first_face = 0, faces = 0;
+    std::uint32_t first_face = 0, faces = 0;     ///< ascending in cell, then facing
     std::array<std::uint8_t, 7> first_facing{};  ///< of its faces in ViewingGrid::by_facing, with an end mark
     std::array<std::int32_t, 6> neighbour{-1, -1, -1, -1, -1, -1};
 };
@@ -90,12 +86,7 @@ inline constexpr std::uint32_t into_core = 0x80000000u;
 /// The lattice of blocks of 4 x 4 x 4 viewing cells over a volume: from voxel 0 along x and y, from the top along z.
 struct BlockLattice {
     BlockLattice(const std::array<int, 3>& size, const std::array<int, 3>& view_voxels);
-    [[nodiscard]] std::uint64_t index(const std::array<int, 3>& block) const {
-        return (static_cast<std::uint64_t>(block[2]) * static_cast<std::uint64_t>(blocks[1]) +
-                static_cast<std::uint64_t>(block[1])) *
-                   static_cast<std::uint64_t>(blocks[0]) +
-               static_cast<std::uint64_t>(block[0]);
-    }
+    [[nodiscard]] std::uint64_t index(const std::array<int, 3>& block) const { return at3(block, blocks); }
     std::array<int, 3> block_voxels{}, blocks{};
     std::array<int, 3> shift_voxels{};  ///< voxel 0 lies so many voxels inside the first block
 };
@@ -154,6 +145,14 @@ struct ViewingGrid {
     }
     [[nodiscard]] const FaceLaw& law_of(std::size_t face) const { return laws[law[face]]; }
     [[nodiscard]] std::size_t cells() const { return medium.size(); }
+    /// The only resin of a block in a volume, 0 where there is none, -1 where there are several; and whether there is
+    /// air. `box`: room to work in.
+    struct Content {
+        std::int16_t resin = 0;
+        bool any_air = false;
+    };
+    [[nodiscard]] Content content_of(const GridBlock& block, const ResinVolume& volume,
+                                     std::vector<Material>& box) const;
     [[nodiscard]] std::size_t memory_bytes() const;
     /// Frees what the vectors hold in reserve.
     void shrink();
@@ -171,12 +170,10 @@ struct ViewingGrid {
     /// First transport block of each row of blocks along x, with an end mark.
     std::vector<std::uint32_t> transport_rows;
     std::vector<std::uint32_t> transport_blocks;
-    std::vector<std::uint16_t> medium;       ///< per cell: number of what it holds (ViewingGrid::mixtures); 0 is air
-    std::vector<std::uint8_t> outer;         ///< per cell: bit f is set where face f is an outer one; or `not_solid`
-    std::vector<std::int32_t> face_of_cell;  ///< first outer face of a cell, per cell of blocks that have any
-    std::vector<OuterFace> faces;            ///< those of a cell in order of `Facing`
-    std::vector<FaceLaw> laws;               ///< of faces; 0 lets nothing through
-    std::vector<std::uint32_t> law;          ///< per face
+    std::vector<std::uint16_t> medium;  ///< per cell: number of what it holds (ViewingGrid::mixtures); 0 is air
+    std::vector<OuterFace> faces;       ///< those of a cell in order of `Facing`
+    std::vector<FaceLaw> laws;          ///< of faces; 0 lets nothing through
+    std::vector<std::uint32_t> law;     ///< per face
 
     /// What a cell holds: share of its volume by resin and by layer across the light's way, the one nearest to the air
     /// first.
@@ -234,35 +231,18 @@ struct ViewingGrid {
 
 template <class Grid, class Body>
 void ViewingGrid::each_list(Grid& grid, Body&& body) {
-    body(grid.blocks);
-    body(grid.block_at);
-    body(grid.transport_rows);
-    body(grid.transport_blocks);
-    body(grid.medium);
-    body(grid.outer);
-    body(grid.face_of_cell);
-    body(grid.faces);
-    body(grid.laws);
-    body(grid.law);
-    body(grid.core_block);
-    body(grid.core_shares);
-    body(grid.ghosts);
-    body(grid.core_faces);
-    body(grid.open_faces);
-    body(grid.place_of_face);
-    body(grid.by_facing);
-    body(grid.towards);
-    body(grid.donors);
-    body(grid.donors_of);
+    const auto each = [&](auto&... lists) { (body(lists), ...); };
+    each(grid.blocks, grid.block_at, grid.transport_rows, grid.transport_blocks, grid.medium, grid.faces, grid.laws,
+         grid.law, grid.core_block, grid.core_shares, grid.ghosts, grid.core_faces, grid.open_faces, grid.place_of_face,
+         grid.by_facing, grid.towards, grid.donors, grid.donors_of);
 }
 
 template <class Body>
 void ViewingGrid::each_face(std::uint32_t cell, Body&& body) const {
-    const unsigned bits = outer[cell];
-    if (bits == 0 || bits & not_solid) return;
     const GridBlock& home = transport_block(cell / 64);
-    const auto first = static_cast<std::uint32_t>(face_of_cell[static_cast<std::size_t>(home.first_link) + cell % 64]);
-    for (std::uint32_t f = first; f < first + static_cast<std::uint32_t>(std::popcount(bits)); ++f) body(f);
+    const auto of_block = std::span(faces).subspan(home.first_face, home.faces);
+    for (const OuterFace& face : std::ranges::equal_range(of_block, cell, {}, &OuterFace::cell))
+        body(static_cast<std::uint32_t>(&face - faces.data()));
 }
 
 }  // namespace voxtone::optics

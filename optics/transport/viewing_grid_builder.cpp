@@ -4,13 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include "base/contracts.h"
 #include "base/parallel.h"
 #include "optics/media/mirrored_box.h"
 #include "optics/transport/lattice.h"
-#include "optics/transport/transport_sweep.h"
 #include "optics/transport/viewing_faces.h"
 #include "optics/transport/viewing_palette.h"
 
@@ -405,22 +403,16 @@ struct ViewingGridBuilder {
     void list_faces() {
         VOXTONE_EXPECT(64 * grid.transport_blocks.size() < std::numeric_limits<std::uint32_t>::max());
         grid.medium.assign(64 * grid.transport_blocks.size(), 0);
-        grid.outer.assign(64 * grid.transport_blocks.size(), not_solid);
         for (const std::uint32_t b : grid.transport_blocks) {
             check();
             GridBlock& block = grid.blocks[b];
             grid.donors_of.push_back(static_cast<std::uint32_t>(grid.donors.size()));
             if (has_no_outer_face(block)) {
                 block.solid = ~std::uint64_t{0};
-                std::fill_n(grid.outer.begin() + block.first_cell, 64, std::uint8_t{0});
                 continue;
             }
-            block.first_link = static_cast<std::int32_t>(grid.face_of_cell.size());
             block.first_face = static_cast<std::uint32_t>(grid.faces.size());
-            for_each({4, 4, 4}, [&](const Place& at) {
-                grid.face_of_cell.push_back(static_cast<std::int32_t>(grid.faces.size()));
-                list_faces_of_cell(block, at);
-            });
+            for_each({4, 4, 4}, [&](const Place& at) { list_faces_of_cell(block, at); });
             block.faces = static_cast<std::uint32_t>(grid.faces.size()) - block.first_face;
             list_by_facing(block);
         }
@@ -452,7 +444,6 @@ struct ViewingGridBuilder {
         if (!solid_at(cell)) return;
         const std::size_t place = place_in_block(at);
         block.solid |= std::uint64_t{1} << place;
-        std::uint8_t& outer = grid.outer[block.first_cell + place] = 0;
         const std::array<double, 3> edge = grid.edge_mm();
         for (std::size_t f = 0; f < 6; ++f) {
             OuterFace face;
@@ -466,13 +457,11 @@ struct ViewingGridBuilder {
                 const Place around{next[0] / 4, next[1] / 4, next[2] / 4};
                 const GridBlock& other =
                     grid.blocks[static_cast<std::size_t>(grid.block_at[at3(around, grid.lattice)])];
-                if (other.kind != BlockKind::core) continue;
-                add_core_face(face, other);
+                if (other.kind == BlockKind::core) add_core_face(face, other);
             } else {
                 add_open_face(face, kind_of(next, f));
                 if (fill_at(next) > 0 && receiver(next) == cell) add_donor(face.cell, next);
             }
-            outer |= static_cast<std::uint8_t>(1u << f);
         }
     }
 
@@ -496,138 +485,6 @@ struct ViewingGridBuilder {
         for (std::size_t a = 0; a < 3; ++a) from[a] = from_cell[a] * view[a] - grid.shift_voxels[a];
         grid.donors.push_back({to, from});
     }
-
-    /// The laws of the faces: of the mean normal of the voxel faces seen through each; where there are none, of faces
-    /// near by.
-    void find_laws() {
-        VoxelBox box;
-        for (std::size_t a = 0; a < 3; ++a) {
-            box.begin[a] = -grid.shift_voxels[a];
-            box.end[a] = box.begin[a] + grid.lattice[a] * block_voxels[a];
-        }
-        const Surface surface = find_surface_near(scene, grid.view_voxels, box, progress);
-        const ViewingFaces seen = find_viewing_faces(grid, surface, progress);
-        check();
-        std::vector<std::array<float, 3>> normal(grid.faces.size());
-        for (std::size_t i = 0; i < surface.cells.size(); ++i) {
-            const SurfaceCell& cell = surface.cells[i];
-            for (std::uint32_t e = seen.first[i]; e < seen.first[i + 1]; ++e) {
-                const Facing facing = grid.faces[seen.face[e]].facing;
-                for (std::size_t f = cell.first_face; f < cell.first_face + cell.faces; ++f)
-                    if (surface.faces[f].facing == facing) {
-                        const std::array<float, 3> n = surface.normal_at(i, f);
-                        for (std::size_t a = 0; a < 3; ++a) normal[seen.face[e]][a] += n[a];
-                    }
-            }
-        }
-        find_ways(normal);
-        const auto length = [](const std::array<float, 3>& n) { return std::hypot(n[0], n[1], n[2]); };
-        grid.laws.push_back(mirror_law());
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            std::array<float, 3> n{};
-            n[axis] = 1;
-            grid.laws.push_back(face_law(grid.directions, static_cast<int>(axis), n));
-        }
-        grid.law.assign(grid.faces.size(), 0);
-        std::map<std::array<int, 3>, std::uint32_t> known;
-        for (const std::uint32_t f : grid.open_faces) {
-            check();
-            const OuterFace& face = grid.faces[f];
-            const auto axis = static_cast<std::size_t>(face.facing) / 2;
-            if (face.kind == FaceKind::mirror) continue;
-            grid.law[f] = 1 + static_cast<std::uint32_t>(axis);
-            if (face.kind != FaceKind::light) continue;
-            const float sign = static_cast<int>(face.facing) % 2 ? 1.0f : -1.0f;
-            std::array<float, 3> n = normal[f];
-            if (length(n) == 0) n = normal_near(f, normal);
-            const float l = length(n);
-            if (!(l > 0)) continue;
-            for (float& v : n) v /= l;
-            if (n[axis] * sign <= 0.01f || n[axis] * sign > 0.99999f) continue;
-            const std::size_t b = axis == 0 ? 1 : 0, c = axis == 2 ? 1 : 2;
-            constexpr float steps = 48;
-            const std::array<int, 3> key{static_cast<int>(axis), static_cast<int>(std::lround(steps * n[b])),
-                                         static_cast<int>(std::lround(steps * n[c]))};
-            const auto [found, fresh] = known.try_emplace(key, static_cast<std::uint32_t>(grid.laws.size()));
-            if (fresh) {
-                std::array<float, 3> rounded{};
-                rounded[b] = static_cast<float>(key[1]) / steps;
-                rounded[c] = static_cast<float>(key[2]) / steps;
-                rounded[axis] = std::sqrt(std::max(1e-4f, 1 - rounded[b] * rounded[b] - rounded[c] * rounded[c]));
-                grid.laws.push_back(face_law(grid.directions, static_cast<int>(axis), rounded));
-            }
-            grid.law[f] = found->second;
-        }
-    }
-    /// Which way the nearest surface lies: the main direction of the normals in each block, of its neighbours' where it
-    /// has none.
-    void find_ways(const std::vector<std::array<float, 3>>& normal) {
-        const std::size_t n = grid.transport_blocks.size();
-        std::vector<std::int32_t> place(grid.blocks.size(), -1);
-        std::vector<std::array<float, 3>> way(n);
-        std::vector<std::uint32_t> front, next;
-        for (std::size_t t = 0; t < n; ++t) place[grid.transport_blocks[t]] = static_cast<std::int32_t>(t);
-        std::vector<std::uint8_t> known(n, 0);
-        for (std::size_t t = 0; t < n; ++t) {
-            const GridBlock& block = grid.transport_block(t);
-            for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f)
-                for (std::size_t a = 0; a < 3; ++a) way[t][a] += normal[f][a];
-            if (way[t] == std::array<float, 3>{}) continue;
-            known[t] = 1;
-            front.push_back(static_cast<std::uint32_t>(t));
-        }
-        for (; !front.empty(); front.swap(next)) {
-            next.clear();
-            for (const std::uint32_t t : front)
-                for (const std::int32_t other : grid.transport_block(t).neighbour) {
-                    if (other < 0 || place[static_cast<std::size_t>(other)] < 0) continue;
-                    const auto to = static_cast<std::size_t>(place[static_cast<std::size_t>(other)]);
-                    if (known[to] == 1) continue;
-                    if (known[to] == 0) next.push_back(static_cast<std::uint32_t>(to));
-                    known[to] = 2;
-                    for (std::size_t a = 0; a < 3; ++a) way[to][a] += way[t][a];
-                }
-            for (const std::uint32_t t : next) known[t] = 1;
-        }
-        grid.towards.assign(n, static_cast<std::uint8_t>(Facing::plus_z));
-        for (std::size_t t = 0; t < n; ++t) {
-            std::size_t axis = 2;
-            for (std::size_t a = 0; a < 3; ++a)
-                if (std::abs(way[t][a]) > std::abs(way[t][axis])) axis = a;
-            grid.towards[t] = static_cast<std::uint8_t>(2 * axis + (way[t][axis] >= 0 ? 1 : 0));
-        }
-    }
-
-    /// Sum of the normals of the faces of the cells around that look partly the way of this one.
-    [[nodiscard]] std::array<float, 3> normal_near(std::uint32_t f,
-                                                   const std::vector<std::array<float, 3>>& normal) const {
-        const OuterFace& face = grid.faces[f];
-        const GridBlock& block = grid.transport_block(face.cell / 64);
-        const int place = static_cast<int>(face.cell % 64);
-        const Place cell{4 * block.at[0] + place % 4, 4 * block.at[1] + place / 4 % 4, 4 * block.at[2] + place / 16};
-        const auto axis = static_cast<std::size_t>(face.facing) / 2;
-        const float sign = static_cast<int>(face.facing) % 2 ? 1.0f : -1.0f;
-        std::array<float, 3> sum{};
-        for_each({3, 3, 3}, [&](const Place& k) {
-            const std::int64_t other = grid.cell_of({cell[0] + k[0] - 1, cell[1] + k[1] - 1, cell[2] + k[2] - 1});
-            if (other < 0) return;
-            grid.each_face(static_cast<std::uint32_t>(other), [&](std::uint32_t g) {
-                if (normal[g][axis] * sign <= 0) return;
-                for (std::size_t a = 0; a < 3; ++a) sum[a] += normal[g][a];
-            });
-        });
-        return sum;
-    }
-
-    /// Blocks with faces of a slanting surface: there light passes corners of the staircase.
-    void find_regions() {
-        for (const std::uint32_t b : grid.transport_blocks) {
-            GridBlock& block = grid.blocks[b];
-            bool flat = true;
-            for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) flat &= grid.law_of(f).flat;
-            block.slanting = !flat;
-        }
-    }
 };
 
 }  // namespace
@@ -649,8 +506,7 @@ ViewingGrid make_viewing_grid(const Scene& scene, const std::array<int, 3>& view
     builder.look();
     builder.find_blocks(colour.mm, also, requested);
     builder.list_faces();
-    builder.find_laws();
-    builder.find_regions();
+    find_face_laws(made, scene, progress);
     std::vector<std::uint8_t> wanted;
     const bool filled = fill(made, *scene.volume, wanted, progress);
     VOXTONE_ENSURE(filled);

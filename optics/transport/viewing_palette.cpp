@@ -264,23 +264,17 @@ void read_block(const ViewingGrid& grid, const ResinVolume& volume, const GridBl
     read_box(volume, grid.mirrored, grid.corner_of(block.at), grid.block_voxels(), box);
 }
 
-/// The material of a block, -1 where there are several, air or not.
-int only_material(const ViewingGrid& grid, const ResinVolume& volume, const GridBlock& block,
-                  std::vector<Material>& box) {
-    const int material = volume.uniform_material(grid.corner_of(block.at), grid.block_voxels());
-    if (material >= 0) return material;
-    read_block(grid, volume, block, box);
-    return std::all_of(box.begin(), box.end(), [&](Material m) { return m == box[0]; }) ? box[0] : -1;
-}
-
 /// Materials of the core blocks, -1 for several; of ghosts 0: they stay as they are.
 std::vector<std::int16_t> core_materials(const ViewingGrid& grid, const ResinVolume& volume, const Progress* progress) {
     std::vector<std::int16_t> materials(grid.core_block.size(), 0);
     const auto look = [&](std::size_t begin, std::size_t end) {
         std::vector<Material> box;
-        for (std::size_t i = begin; i < end; ++i)
-            if (const GridBlock& block = grid.blocks[grid.core_block[i]]; !grid.is_ghost(block.at))
-                materials[i] = static_cast<std::int16_t>(only_material(grid, volume, block, box));
+        for (std::size_t i = begin; i < end; ++i) {
+            const GridBlock& block = grid.blocks[grid.core_block[i]];
+            if (grid.is_ghost(block.at)) continue;
+            const auto [resin, any_air] = grid.content_of(block, volume, box);
+            materials[i] = resin > 0 && any_air ? std::int16_t{-1} : resin;
+        }
     };
     parallel_ranges(0, materials.size(), 1 << 8, look, progress);
     return materials;

@@ -38,34 +38,6 @@ Four four(const float* from) {
 void put(const Four& v, float* to) { std::memcpy(to, &v, sizeof v); }
 Four above_zero(const Four& v) { return v > 0 ? v : Four{}; }
 
-/// Of the 32 radiances that leave through a face, each clipped to what codes of phi hold, from `least` to 2; `code`:
-/// phi_code or signed_code.
-template <class Code>
-ViewingField::FaceCode face_code(const Octet* out, float least, const Code& code) {
-    using Four32 __attribute__((vector_size(16))) = std::int32_t;
-    constexpr std::size_t fours = 8;
-    std::array<Four, fours> v;
-    std::memcpy(v.data(), out, sizeof v);
-    for (Four& f : v) {
-        f = f < least ? Four{} + least : f;
-        f = f > 2.0f ? Four{} + 2.0f : f;
-    }
-    Four lows = v[0], highs = v[0];
-    for (const Four& f : v) {
-        lows = f < lows ? f : lows;
-        highs = f > highs ? f : highs;
-    }
-    const float low = std::min({lows[0], lows[1], lows[2], lows[3]}),
-                high = std::max({highs[0], highs[1], highs[2], highs[3]}),
-                per_unit = high > low ? 255 / (high - low) : 0;
-    ViewingField::FaceCode face{code(low), code(high), {}};
-    for (std::size_t k = 0; k < fours; ++k) {
-        const Four32 share = __builtin_convertvector((v[k] - low) * per_unit + 0.5f, Four32);
-        for (std::size_t i = 0; i < 4; ++i) face.share[4 * k + i] = static_cast<std::uint8_t>(share[i]);
-    }
-    return face;
-}
-
 /// Fluxes of a region's light that passes corners become its radiance for the room that there is: of the same direction
 /// first, the surplus everywhere.
 void share_out(const float* leaves, const float* room, float* pool) {
@@ -112,11 +84,8 @@ ViewingTransport::ViewingTransport(const ViewingGrid& grid, const TransportOptio
     right_ = scratch_.vector(1);
     p_ = scratch_.vector(2);
     z_ = scratch_.vector(3);
-    core_phi_.resize(grid.core_block.size());
-    core_x_.resize(core_phi_.size());
-    core_right_.resize(core_phi_.size());
-    core_p_.resize(core_phi_.size());
-    core_z_.resize(core_phi_.size());
+    for (auto* const values : {&core_phi_, &core_x_, &core_right_, &core_p_, &core_z_})
+        values->resize(grid.core_block.size());
     in_.resize(4 * grid.open_faces.size());
     out_.resize(4 * grid.open_faces.size());
     core_in_.resize(grid.core_faces.size());
@@ -295,8 +264,8 @@ void ViewingTransport::start() {
 
 void ViewingTransport::load(const ViewingField& field) {
     const bool both_signs = field.scale > 0;
-    const float rescale = both_signs ? field.scale / scale_ : 1.0f, zero = both_signs ? signed_zero : 0.0f,
-                step = (both_signs ? signed_step : phi_step) * rescale, J = J_step * rescale;
+    const auto [phi_step, zero, least] = both_signs ? signed_code : phi_code;
+    const float rescale = both_signs ? field.scale / scale_ : 1.0f, step = phi_step * rescale, J = J_step * rescale;
     parallel_ranges(0, moments_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const ViewingField::Code& code = field.cells[i];
@@ -315,9 +284,7 @@ void ViewingTransport::load(const ViewingField& field) {
 }
 
 void ViewingTransport::store(ViewingField& field, TransportSummary& summary) const {
-    const bool both_signs = scale_ > 0;
-    const auto code = [both_signs](float phi) { return both_signs ? signed_code(phi) : phi_code(phi); };
-    const auto fits = [both_signs](float phi) { return both_signs ? signed_fits(phi) : phi_fits(phi); };
+    const PhiCode code = scale_ > 0 ? signed_code : phi_code;
     std::atomic<std::size_t> kept{0}, clipped{0};
     field.scale = scale_;
     field.cells.resize(moments_.size());
@@ -331,7 +298,7 @@ void ViewingTransport::store(ViewingField& field, TransportSummary& summary) con
             const Moments& m = moments_[cell];
             field.cells[cell] = {code(m.phi), J_code(m.x), J_code(m.y), J_code(m.z)};
             ++solid;
-            out_of_range += !(fits(m.phi) && J_fits(m.x) && J_fits(m.y) && J_fits(m.z));
+            out_of_range += !(code.fits(m.phi) && J_fits(m.x) && J_fits(m.y) && J_fits(m.z));
         }
         kept += solid;
         clipped += out_of_range;
@@ -339,8 +306,7 @@ void ViewingTransport::store(ViewingField& field, TransportSummary& summary) con
     field.core = core_phi_;
     field.out.resize(grid_.open_faces.size());
     parallel_ranges(0, grid_.open_faces.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-            field.out[i] = face_code(&out_[4 * i], both_signs ? -2.0f : 0.0f, code);
+        for (std::size_t i = begin; i < end; ++i) field.out[i] = face_code(&out_[4 * i], code);
     });
     summary.kept_values += kept;
     summary.clipped_values += clipped;
@@ -370,16 +336,51 @@ void ViewingTransport::enter(bool start) {
             const std::size_t cell = first + place;
             if (grid_.medium[cell] == 0) continue;
             for (std::size_t a = 0; a < 3; ++a) J[a][place] *= 0.5f / area[a];
-            Moments& m = moments_[cell];
-            m.phi += x_[cell];
-            m.x += J[0][place];
-            m.y += J[1][place];
-            m.z += J[2][place];
+            moments_[cell] += {x_[cell], J[0][place], J[1][place], J[2][place]};
         }
         if (grid_.fine.any() && grid_.fine.first[t] != not_fine) enter_parts(t, J);
         enter_faces(t, J);
     });
     for (std::size_t i = 0; i < core_phi_.size(); ++i) core_phi_[i] += core_x_[i];
+}
+
+/// The correction, linear over each cell of a block, in its parts.
+void ViewingTransport::enter_parts(std::size_t t, const ViewingDiffusion::Flows& J) {
+    const ViewingGrid::Fine& fine = grid_.fine;
+    for_each({4, 4, 4}, [&](const Place& cell) {
+        const std::size_t place = place_in_block(cell), at = 64 * t + place;
+        if (grid_.medium[at] == 0) return;
+        const float D = D_[grid_.medium[at]];
+        for_each(fine.split, [&](const Place& part) {
+            float phi = x_[at];
+            for (std::size_t a = 0; a < 3; ++a) {
+                const float offset = (static_cast<float>(part[a]) + 0.5f) / static_cast<float>(fine.split[a]) - 0.5f;
+                phi -= offset * edge_[a] * J[a][place] / D;
+            }
+            parts_[fine.first[t] + fine.part(cell, part)] += {phi, J[0][place], J[1][place], J[2][place]};
+        });
+    });
+}
+
+/// What the last sweep changed in a block's parts, as sources of its cells in scratch_.up().phi; the parts and their
+/// means become the sweep's.
+void ViewingTransport::gather_parts(std::size_t t) {
+    const ViewingGrid::Fine& fine = grid_.fine;
+    const float share = 1 / static_cast<float>(fine.parts()), volume = volume_ * share;
+    for_each({4, 4, 4}, [&](const Place& cell) {
+        const std::size_t at = 64 * t + place_in_block(cell);
+        float source = 0;
+        Moments mean;
+        for_each(fine.split, [&](const Place& part) {
+            const std::size_t i = fine.first[t] + fine.part(cell, part);
+            const Moments now = parts_up_[i] + parts_down_[i];
+            source += volume * media_->parts[fine.medium[i]].sigma_s * (now.phi - parts_[i].phi);
+            mean += share * now;
+            parts_[i] = now;
+        });
+        scratch_.up()[at].phi = source;
+        moments_[at] = mean;
+    });
 }
 
 /// The correction in what leaves through the faces of a block, and in their fluxes.
@@ -420,53 +421,6 @@ void ViewingTransport::enter_faces(std::size_t t, const ViewingDiffusion::Flows&
         flux_[f] = leaving * face.area_mm2;
         flux_change_[f] = (leaving - before) * face.area_mm2;
     }
-}
-
-/// The correction, linear over each cell of a block, in its parts.
-void ViewingTransport::enter_parts(std::size_t t, const ViewingDiffusion::Flows& J) {
-    const ViewingGrid::Fine& fine = grid_.fine;
-    for_each({4, 4, 4}, [&](const Place& cell) {
-        const std::size_t place = place_in_block(cell), at = 64 * t + place;
-        if (grid_.medium[at] == 0) return;
-        const float D = D_[grid_.medium[at]];
-        for_each(fine.split, [&](const Place& part) {
-            float phi = x_[at];
-            for (std::size_t a = 0; a < 3; ++a) {
-                const float offset = (static_cast<float>(part[a]) + 0.5f) / static_cast<float>(fine.split[a]) - 0.5f;
-                phi -= offset * edge_[a] * J[a][place] / D;
-            }
-            Moments& m = parts_[fine.first[t] + fine.part(cell, part)];
-            m.phi += phi;
-            m.x += J[0][place];
-            m.y += J[1][place];
-            m.z += J[2][place];
-        });
-    });
-}
-
-/// What the last sweep changed in a block's parts, as sources of its cells in scratch_.up().phi; the parts and their
-/// means become the sweep's.
-void ViewingTransport::gather_parts(std::size_t t) {
-    const ViewingGrid::Fine& fine = grid_.fine;
-    const float share = 1 / static_cast<float>(fine.parts()), volume = volume_ * share;
-    for_each({4, 4, 4}, [&](const Place& cell) {
-        const std::size_t at = 64 * t + place_in_block(cell);
-        float source = 0;
-        Moments mean;
-        for_each(fine.split, [&](const Place& part) {
-            const std::size_t i = fine.first[t] + fine.part(cell, part);
-            const Moments &p = parts_up_[i], &q = parts_down_[i];
-            const Moments now{p.phi + q.phi, p.x + q.x, p.y + q.y, p.z + q.z};
-            source += volume * media_->parts[fine.medium[i]].sigma_s * (now.phi - parts_[i].phi);
-            mean.phi += share * now.phi;
-            mean.x += share * now.x;
-            mean.y += share * now.y;
-            mean.z += share * now.z;
-            parts_[i] = now;
-        });
-        scratch_.up()[at].phi = source;
-        moments_[at] = mean;
-    });
 }
 
 /// The faces send back what they reflect.
@@ -569,6 +523,28 @@ Octet ViewingTransport::returned(const Pool& pool, std::size_t face, std::size_t
     return in;
 }
 
+/// What the surface will send back more than it did.
+void ViewingTransport::add_sources_at_faces() {
+    parallel_for(0, grid_.transport_blocks.size(), blocks_per_task, [&](std::size_t t) {
+        const GridBlock& block = grid_.transport_block(t);
+        prefetch_laws(t + 1);
+        Pool passing;
+        pool(block, passing);
+        for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
+            const OuterFace& face = grid_.faces[f];
+            if (face.kind == FaceKind::core) continue;
+            const Octet& w = flux_weight_[static_cast<std::size_t>(face.facing) / 2];
+            float sum = 0;
+            for (std::size_t slot = 0; slot < 4; ++slot) {
+                const Octet from = returned(passing, f, slot);
+                const Octet& was = in_[4 * std::size_t{grid_.place_of_face[f]} + slot];
+                for (std::size_t d = 0; d < 8; ++d) sum += w.v[d] * (from.v[d] - was.v[d]);
+            }
+            right_[face.cell] += exchange_[f].gain * sum;
+        }
+    });
+}
+
 void ViewingTransport::sweep() {
     // Both ways along z keep two threads busy; more of them cross several planes of each at once.
     const std::size_t threads = thread_count(), fronts = threads > 2 ? threads / 2 + 2 : 1;
@@ -601,8 +577,7 @@ void ViewingTransport::take_sweep() {
     const std::span<Moments> up = scratch_.up(), down = scratch_.down();
     parallel_ranges(0, moments_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
         for (std::size_t cell = begin; cell < end; ++cell) {
-            const Moments &p = up[cell], &q = down[cell];
-            const Moments now{p.phi + q.phi, p.x + q.x, p.y + q.y, p.z + q.z};
+            const Moments now = up[cell] + down[cell];
             const float sigma_s = media_->cells[grid_.medium[cell]].sigma_s;
             up[cell].phi = volume_ * sigma_s * (now.phi - moments_[cell].phi);
             moments_[cell] = now;
@@ -613,28 +588,6 @@ void ViewingTransport::take_sweep() {
     });
     parallel_ranges(0, moments_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
         for (std::size_t cell = begin; cell < end; ++cell) right_[cell] = up[cell].phi;
-    });
-}
-
-/// What the surface will send back more than it did.
-void ViewingTransport::add_sources_at_faces() {
-    parallel_for(0, grid_.transport_blocks.size(), blocks_per_task, [&](std::size_t t) {
-        const GridBlock& block = grid_.transport_block(t);
-        prefetch_laws(t + 1);
-        Pool passing;
-        pool(block, passing);
-        for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
-            const OuterFace& face = grid_.faces[f];
-            if (face.kind == FaceKind::core) continue;
-            const Octet& w = flux_weight_[static_cast<std::size_t>(face.facing) / 2];
-            float sum = 0;
-            for (std::size_t slot = 0; slot < 4; ++slot) {
-                const Octet from = returned(passing, f, slot);
-                const Octet& was = in_[4 * std::size_t{grid_.place_of_face[f]} + slot];
-                for (std::size_t d = 0; d < 8; ++d) sum += w.v[d] * (from.v[d] - was.v[d]);
-            }
-            right_[face.cell] += exchange_[f].gain * sum;
-        }
     });
 }
 

@@ -84,9 +84,8 @@ std::array<std::vector<double>, 2> held(const ViewingGrid& viewing) {
 }  // namespace
 
 TEST_CASE("Parts of cells are voxels, and pieces of those that are longer than light can be followed in") {
-    CHECK(parts_of_cell({2, 1, 3}, {0.0423, 0.0847, 0.027}, 0) == std::array{2, 1, 3});
-    CHECK(parts_of_cell({2, 1, 3}, {0.0423, 0.0847, 0.027}, 0.0425) == std::array{2, 2, 3});
-    CHECK(parts_of_cell({1, 1, 1}, {0.1, 0.2, 0.04}, 0.0425) == std::array{3, 4, 1});
+    CHECK(parts_of_cell({2, 1, 3}, {0.0423, 0.0847, 0.027}) == std::array{2, 2, 3});
+    CHECK(parts_of_cell({1, 1, 1}, {0.1, 0.2, 0.04}) == std::array{3, 4, 1});
 }
 
 TEST_CASE("Blocks are cut where resins meet, and hold in their parts what they held") {
@@ -98,7 +97,7 @@ TEST_CASE("Blocks are cut where resins meet, and hold in their parts what they h
     refine(grid, volume, blocks_to_refine(grid, volume, Refinement::none), viewing_cell);
     CHECK_FALSE(grid.fine.any());
     const auto fine_blocks = [&](Refinement which) {
-        refine(grid, volume, blocks_to_refine(grid, volume, which), parts_of_cell(viewing_cell, j750, 0.0425));
+        refine(grid, volume, blocks_to_refine(grid, volume, which), parts_of_cell(viewing_cell, j750));
         return std::count_if(grid.fine.first.begin(), grid.fine.first.end(),
                              [](std::uint32_t first) { return first != not_fine; });
     };
@@ -115,8 +114,8 @@ TEST_CASE("Blocks are cut where resins meet, and hold in their parts what they h
     CHECK(cells[5] > 0.1);
     // More contents than numbers: whole resins have one, and stand for what has none.
     CHECK(grid.fine.contents.size() > 30);
-    refine(grid, volume, blocks_to_refine(grid, volume, Refinement::contrast),
-           parts_of_cell(viewing_cell, j750, 0.0425), nullptr, 10);
+    refine(grid, volume, blocks_to_refine(grid, volume, Refinement::contrast), parts_of_cell(viewing_cell, j750),
+           nullptr, 10);
     CHECK(grid.fine.contents.size() == 10);
     CHECK(*std::max_element(grid.fine.medium.begin(), grid.fine.medium.end()) < 10);
 }

@@ -63,14 +63,14 @@ TEST_CASE("What went less than well in a prediction is remarked, and nothing els
 }
 
 TEST_CASE("Light is clipped where it is seen, not where a correction leaves a little below none") {
-    CHECK(phi_fits(-0.003f));
-    CHECK_FALSE(phi_fits(-0.005f));
-    CHECK(phi_fits(2.003f));
-    CHECK_FALSE(phi_fits(2.005f));
+    CHECK(phi_code.fits(-0.003f));
+    CHECK_FALSE(phi_code.fits(-0.005f));
+    CHECK(phi_code.fits(2.003f));
+    CHECK_FALSE(phi_code.fits(2.005f));
     CHECK(phi_code(-0.003f) == 0);
     CHECK(phi_code(2.003f) == 65535);
-    CHECK(signed_fits(-2));
-    CHECK_FALSE(signed_fits(-2.005f));
+    CHECK(signed_code.fits(-2));
+    CHECK_FALSE(signed_code.fits(-2.005f));
     CHECK(J_fits(1));
     CHECK_FALSE(J_fits(-1.005f));
 }

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "optics/transport/viewing_field.h"
+
+#include <cstring>
+
+namespace voxtone::optics {
+
+ViewingField::FaceCode face_code(const Octet* out, const PhiCode& code) {
+    // Vector types of the compiler: left to itself it takes these floats one by one.
+    using Four __attribute__((vector_size(16))) = float;
+    using Four32 __attribute__((vector_size(16))) = std::int32_t;
+    constexpr std::size_t fours = 8;
+    std::array<Four, fours> v;
+    std::memcpy(v.data(), out, sizeof v);
+    for (Four& f : v) {
+        f = f < code.least ? Four{} + code.least : f;
+        f = f > 2.0f ? Four{} + 2.0f : f;
+    }
+    Four lows = v[0], highs = v[0];
+    for (const Four& f : v) {
+        lows = f < lows ? f : lows;
+        highs = f > highs ? f : highs;
+    }
+    const float low = std::min({lows[0], lows[1], lows[2], lows[3]}),
+                high = std::max({highs[0], highs[1], highs[2], highs[3]}),
+                per_unit = high > low ? 255 / (high - low) : 0;
+    ViewingField::FaceCode face{code(low), code(high), {}};
+    for (std::size_t k = 0; k < fours; ++k) {
+        const Four32 share = __builtin_convertvector((v[k] - low) * per_unit + 0.5f, Four32);
+        for (std::size_t i = 0; i < 4; ++i) face.share[4 * k + i] = static_cast<std::uint8_t>(share[i]);
+    }
+    return face;
+}
+
+}  // namespace voxtone::optics
