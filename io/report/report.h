@@ -65,9 +65,9 @@ struct ReportRegion {
     std::string asked, printed;        ///< "red (255, 0, 0)", sRGB
     std::array<double, 3> place_mm{};  ///< of a cell in its middle, in the print
     double area_mm2 = 0;
-    double de2000 = 0;                        ///< between the means
-    double unevenness = 0;                    ///< root mean square within it, in CIELAB
-    double rim = 0;                           ///< of a solid: mean chroma of print less target by its edge, in CIELAB
+    std::optional<double> de2000 = {};        ///< between the means; not of type and lines that are seen by contrast
+    std::optional<double> unevenness = {};    ///< of a solid: root mean square within it, in CIELAB
+    std::optional<double> rim = {};           ///< of a solid: mean chroma of print less target by its edge, in CIELAB
     double contrast = 0, contrast_asked = 0;  ///< of type and lines against what surrounds them, (a - b) / (a + b)
     bool out_of_reach = false;                ///< no mixture of the loaded resins is much nearer
     bool good = true;

@@ -128,16 +128,20 @@ void add_regions(std::string& html, const std::vector<ReportRegion>& regions) {
     if (regions.empty()) return;
     html +=
         "<section>\n<h2>Solids, type and paper</h2>\n<p class=\"soft\">Each as one thing, the worst "
-        "first, the print's own paper taken for white. Unevenness and rim, within 0.6 mm of the edge, are in units of "
-        "CIELAB.</p>\n<div class=\"table\"><table>\n<tr><th>Asked for</th><th>Printed "
+        "first, the print's own paper taken for white. Unevenness and rim, within 0.6 mm of the edge, are of solids, "
+        "in "
+        "units of CIELAB; type is judged by its contrast.</p>\n<div class=\"table\"><table>\n<tr><th>Asked "
+        "for</th><th>Printed "
         "as</th><th>mm²</th><th>CIEDE2000</th><th>Unevenness</th><th>Rim</th><th></th></tr>\n";
+    const auto text = [](const std::optional<double>& figure) {
+        return figure ? fmt::format("{:.1f}", *figure) : std::string("–");
+    };
     for (std::size_t i = 0; i < std::min(most, regions.size()); ++i) {
         const ReportRegion& region = regions[i];
         html += fmt::format(
-            "<tr><td>{} "
-            "{}</td><td>{}</td><td>{:.1f}</td><td>{:.1f}</td><td>{:.1f}</td><td>{:.1f}</td><td>{}</td></tr>\n",
-            html_text(region.kind), html_text(region.asked), html_text(region.printed), region.area_mm2, region.de2000,
-            region.unevenness, region.rim, html_text(region.why));
+            "<tr><td>{} {}</td><td>{}</td><td>{:.1f}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+            html_text(region.kind), html_text(region.asked), html_text(region.printed), region.area_mm2,
+            text(region.de2000), text(region.unevenness), text(region.rim), html_text(region.why));
     }
     html += "</table></div>\n";
     if (regions.size() > most)

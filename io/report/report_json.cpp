@@ -33,9 +33,10 @@ void write_verdict(JsonWriter& json, const ReportVerdict& verdict) {
     json.end_list().line().add("advice", verdict.advice).key("regions").begin_list();
     for (const ReportRegion& region : verdict.regions) {
         json.line().begin_object().add("kind", region.kind).add("asked", region.asked).add("printed", region.printed);
-        json.add("place_mm", region.place_mm).add("area_mm2", region.area_mm2).add("de2000", region.de2000);
-        json.add("unevenness", region.unevenness);
-        if (region.rim > 0) json.add("rim", region.rim);
+        json.add("place_mm", region.place_mm).add("area_mm2", region.area_mm2);
+        for (const auto& [key, value] :
+             {std::pair{"de2000", region.de2000}, {"unevenness", region.unevenness}, {"rim", region.rim}})
+            if (value) json.add(key, *value);
         if (region.contrast_asked > 0)
             json.add("contrast", region.contrast).add("contrast_asked", region.contrast_asked);
         json.add("good", region.good).add("why", region.why).end_object();

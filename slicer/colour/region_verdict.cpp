@@ -107,11 +107,11 @@ std::string what_is_wrong(const io::ReportRegion& region, const VerdictLimits& l
         return fmt::format("is hard to read: its contrast is {:.2f}, {:.2f} was asked for and {:g} is legible",
                            region.contrast, region.contrast_asked, legible);
     if (region.de2000 > limits.bad)
-        return fmt::format("is printed as {}, {:.0f} off{}", region.printed, region.de2000,
+        return fmt::format("is printed as {}, {:.0f} off{}", region.printed, *region.de2000,
                            region.out_of_reach ? ": no mixture of the loaded resins is nearer" : "");
     if (region.rim > rim_limit(limits))
-        return fmt::format("has a rim of another colour, {:.0f} units of CIELAB in chroma", region.rim);
-    if (region.unevenness > limits.bad) return fmt::format("is uneven, by {:.0f} units of CIELAB", region.unevenness);
+        return fmt::format("has a rim of another colour, {:.0f} units of CIELAB in chroma", *region.rim);
+    if (region.unevenness > limits.bad) return fmt::format("is uneven, by {:.0f} units of CIELAB", *region.unevenness);
     return {};
 }
 
@@ -119,7 +119,8 @@ std::string what_is_wrong(const io::ReportRegion& region, const VerdictLimits& l
 
 double badness(const io::ReportRegion& region, const VerdictLimits& limits) {
     const double read = region.contrast_asked >= legible ? legible / std::max(region.contrast, 1e-3) : 0;
-    return std::max({region.de2000 / limits.bad, region.unevenness / limits.bad, region.rim / rim_limit(limits), read});
+    return std::max({region.de2000.value_or(0) / limits.bad, region.unevenness.value_or(0) / limits.bad,
+                     region.rim.value_or(0) / rim_limit(limits), read});
 }
 
 std::optional<io::ReportRegion> judge_thin_walls(const JobPrediction& p, std::span<const std::uint32_t> cells,
@@ -127,10 +128,11 @@ std::optional<io::ReportRegion> judge_thin_walls(const JobPrediction& p, std::sp
                                                  const VerdictLimits& limits) {
     io::ReportRegion region;
     Eigen::Vector3f target = Eigen::Vector3f::Zero(), print = target;
+    double off = 0;
     for (const std::uint32_t i : cells) {
         const float area = p.predicted.surface.cells[i].area_mm2;
         region.area_mm2 += static_cast<double>(area);
-        region.de2000 += static_cast<double>(area) * p.seen.difference[i];
+        off += static_cast<double>(area) * p.seen.difference[i];
         target += area * p.seen.target[i], print += area * p.seen.print[i];
     }
     if (region.area_mm2 < least_mm2) return std::nullopt;
@@ -138,11 +140,11 @@ std::optional<io::ReportRegion> judge_thin_walls(const JobPrediction& p, std::sp
     region.kind = "thin walls";
     region.asked = text_of(target / all), region.printed = text_of(print / all);
     region.place_mm = {place_mm.x(), place_mm.y(), place_mm.z()};
-    region.de2000 /= region.area_mm2;
-    region.good = region.de2000 <= limits.bad;
+    off /= region.area_mm2;
+    region.de2000 = off;
+    region.good = off <= limits.bad;
     if (!region.good)
-        region.why = fmt::format("let light pass, {:.0f} off on average: they are {:.1f} mm thick there", region.de2000,
-                                 wall_mm);
+        region.why = fmt::format("let light pass, {:.0f} off on average: they are {:.1f} mm thick there", off, wall_mm);
     return region;
 }
 
@@ -178,8 +180,8 @@ std::vector<io::ReportRegion> judge_regions(const JobPrediction& p, const JobCol
         region.printed = text_of(shown.cast<float>());
         region.place_mm = place_of(of, surface);
         region.area_mm2 = of.area_mm2, region.de2000 = look.difference;
-        region.unevenness = of.kind == RegionKind::solid ? look.unevenness : 0;
-        region.rim = p.seen.rims[r];
+        if (of.kind == RegionKind::solid)
+            region.unevenness = look.unevenness, region.rim = std::max(0.0, p.seen.rims[r]);
         region.out_of_reach = colour.separation.gamut_distance(of.target) >= look.difference / 2;
         if (of.kind == RegionKind::strokes) {
             const double edge = std::sqrt(of.area_mm2 / static_cast<double>(of.cells.size()));
@@ -190,7 +192,7 @@ std::vector<io::ReportRegion> judge_regions(const JobPrediction& p, const JobCol
             region.contrast =
                 contrast(luminance(p.predicted.rgb, surface, of.cells), luminance(p.predicted.rgb, surface, ground));
             // What is seen of strokes is their contrast: the eye mixes their colour with what lies beside them.
-            if (region.contrast_asked >= legible) region.de2000 = 0;
+            if (region.contrast_asked >= legible) region.de2000.reset();
         }
         region.why = what_is_wrong(region, limits);
         region.good = region.why.empty();

@@ -118,6 +118,10 @@ TEST_CASE("A white sheet is not good whose red is orange and whose fine type can
     CHECK_FALSE(of("solid")["good"].get<bool>());
     CHECK(of("paper")["asked"] == "white (255, 255, 255)");
     CHECK_THAT(of("fine detail")["why"].get<std::string>(), Contains("hard to read"));
+    // A figure that a kind is not judged by is none, and not 0.
+    CHECK((of("solid").contains("de2000") && of("solid").contains("rim")));
+    CHECK_FALSE((of("fine detail").contains("de2000") || of("paper").contains("unevenness")));
+    CHECK_THAT(read_file(folder.path() / "out/report.html"), Contains("<td>–</td>"));
     const std::string sentence = verdict["sentence"];
     CHECK_THAT(sentence, Contains(regions[0]["why"].get<std::string>()) && Contains(" mm2 at x "));
     CHECK_THAT(read_file(folder.path() / "out/report.html"), Contains("Solids, type and paper"));
