@@ -34,11 +34,11 @@ void OpenJobProgress::tick() {
     constexpr double silence_s = 10;  // workers take a silence of 20 s for a hang
     const std::lock_guard lock(mutex_);
     const double now_s = clock_();
-    if (has_begun_ && now_s - told_s_ >= silence_s) tell(now_s);
+    if (has_begun_ && now_s - written_s_ >= silence_s) write_state(now_s);
 }
 
-void OpenJobProgress::tell(double now_s) {
-    told_s_ = now_s;
+void OpenJobProgress::write_state(double now_s) {
+    written_s_ = now_s;
     const std::uint64_t steps_done = std::min(done(), stage_.steps);
     std::string text = in_stage_ ? stage_.name : "between two stages";
     if (in_stage_ && stage_.steps > 0) text += fmt::format(", {} of {} {}", steps_done, stage_.steps, stage_.unit);
@@ -48,13 +48,13 @@ void OpenJobProgress::tell(double now_s) {
     if (!left_s) return;
     constexpr double most = 99.9;  // until the result is there
     const double gone_s = now_s - began_s_, percent = 100 * gone_s / std::max(gone_s + *left_s, 1e-3);
-    told_percent_ = std::max(told_percent_, std::min(percent, most));
-    sink_(fmt::format("openjd_progress: {:.1f}\n", told_percent_));
+    written_percent_ = std::max(written_percent_, std::min(percent, most));
+    sink_(fmt::format("openjd_progress: {:.1f}\n", written_percent_));
 }
 
 void OpenJobProgress::finish() {
     const std::lock_guard lock(mutex_);
-    told_s_ = clock_();
+    written_s_ = clock_();
     sink_("openjd_progress: 100\n");
 }
 
@@ -73,7 +73,7 @@ void OpenJobProgress::on_stage(std::string_view name, std::uint64_t steps, std::
     stage_ = {std::string(name), steps, std::string(unit), clock_()};
     outlook_.begin(name, stage_.began_s);
     in_stage_ = has_begun_ = true;
-    tell(stage_.began_s);
+    write_state(stage_.began_s);
 }
 
 void OpenJobProgress::on_stage_end() {

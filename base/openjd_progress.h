@@ -37,14 +37,14 @@ private:
     void on_stage_end() override;
     void on_warning(const std::string& message) override;
     void on_note(const std::string& message) override;
-    void tell(double now_s);
+    void write_state(double now_s);
 
     TextSink sink_;
     SecondsClock clock_;
     std::mutex mutex_;
     Stage stage_;
     JobOutlook outlook_;
-    double began_s_, told_s_ = 0, told_percent_ = 0;
+    double began_s_, written_s_ = 0, written_percent_ = 0;
     bool in_stage_ = false, has_begun_ = false;
     std::optional<Ticker> ticker_;  ///< last: it uses the others
 };

@@ -127,7 +127,7 @@ void ProgressBar::tick() {
     const std::lock_guard lock(mutex_);
     if (!in_stage_) return;
     shown_ = std::max(shown_, done());
-    say("");
+    write("");
 }
 
 void ProgressBar::expect(std::vector<ExpectedStage> stages) {
@@ -147,7 +147,7 @@ void ProgressBar::on_stage(std::string_view name, std::uint64_t steps, std::stri
     shown_ = 0;
     in_stage_ = true;
     next_draw_s_ = stage_.began_s + seconds_between_drawings;
-    say("");
+    write("");
 }
 
 void ProgressBar::on_advance(std::uint64_t done) {
@@ -157,28 +157,28 @@ void ProgressBar::on_advance(std::uint64_t done) {
     if (!lock || now_s < next_draw_s_) return;
     next_draw_s_ = now_s + seconds_between_drawings;
     shown_ = std::max(shown_, done);
-    say("");
+    write("");
 }
 
 void ProgressBar::on_stage_end() {
     const std::lock_guard lock(mutex_);
     in_stage_ = false;
     outlook_.end(clock_());
-    say(ending(stage_, done(), clock_() - stage_.began_s));
+    write(ending(stage_, done(), clock_() - stage_.began_s));
 }
 
 void ProgressBar::on_warning(const std::string& message) {
     const std::lock_guard lock(mutex_);
-    say("warning: " + printable(message) + "\n");
+    write("warning: " + printable(message) + "\n");
 }
 
 void ProgressBar::on_note(const std::string& message) {
     const std::lock_guard lock(mutex_);
-    say(printable(message) + "\n");
+    write(printable(message) + "\n");
 }
 
 /// Replaces the bar by `text` and draws it anew below, in one write, so that nothing flickers.
-void ProgressBar::say(std::string_view text) {
+void ProgressBar::write(std::string_view text) {
     std::string piece(on_screen_ ? erase_line : std::string_view());
     piece += text;
     if (in_stage_) piece += drawing();
@@ -234,8 +234,8 @@ void ProgressLines::tick() {
     const std::lock_guard lock(mutex_);
     const double now_s = clock_();
     if (!in_stage_ || now_s - said_s_ < longest_silence_s) return;
-    say(fmt::format("{}{} after {}{}\n", stage_.name, stage_.steps ? ": " + count_text(stage_, done()) : "",
-                    duration_text(now_s - stage_.began_s), time_text(now_s)));
+    write(fmt::format("{}{} after {}{}\n", stage_.name, stage_.steps ? ": " + count_text(stage_, done()) : "",
+                      duration_text(now_s - stage_.began_s), time_text(now_s)));
 }
 
 void ProgressLines::expect(std::vector<ExpectedStage> stages) {
@@ -265,8 +265,8 @@ void ProgressLines::on_advance(std::uint64_t done) {
     next_line_ = ((tenth + 1) * stage_.steps + 9) / 10;
     const double now_s = clock_();
     if (now_s - std::max(said_s_, stage_.began_s) < shortest_pause_s) return;
-    say(fmt::format("{}: {} % ({}) after {}{}\n", stage_.name, tenth * 10, count_text(stage_, done),
-                    duration_text(now_s - stage_.began_s), time_text(now_s)));
+    write(fmt::format("{}: {} % ({}) after {}{}\n", stage_.name, tenth * 10, count_text(stage_, done),
+                      duration_text(now_s - stage_.began_s), time_text(now_s)));
 }
 
 void ProgressLines::on_stage_end() {
@@ -275,20 +275,20 @@ void ProgressLines::on_stage_end() {
     const double now_s = clock_(), elapsed_s = now_s - stage_.began_s;
     in_stage_ = false;
     outlook_.end(now_s);
-    if (elapsed_s >= worth_a_line_s) say(ending(stage_, done(), elapsed_s));
+    if (elapsed_s >= worth_a_line_s) write(ending(stage_, done(), elapsed_s));
 }
 
 void ProgressLines::on_warning(const std::string& message) {
     const std::lock_guard lock(mutex_);
-    say("warning: " + printable(message) + "\n");
+    write("warning: " + printable(message) + "\n");
 }
 
 void ProgressLines::on_note(const std::string& message) {
     const std::lock_guard lock(mutex_);
-    say(printable(message) + "\n");
+    write(printable(message) + "\n");
 }
 
-void ProgressLines::say(const std::string& text) {
+void ProgressLines::write(const std::string& text) {
     said_s_ = clock_();
     sink_(text);
 }

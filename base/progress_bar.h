@@ -67,7 +67,7 @@ private:
     void on_stage_end() override;
     void on_warning(const std::string& message) override;
     void on_note(const std::string& message) override;
-    void say(std::string_view text);
+    void write(std::string_view text);
     [[nodiscard]] std::string time_text();
     [[nodiscard]] std::string drawing();
 
@@ -104,7 +104,7 @@ private:
     TextSink sink_;
     SecondsClock clock_;
     std::mutex mutex_;
-    void say(const std::string& text);
+    void write(const std::string& text);
     [[nodiscard]] std::string time_text(double now_s);
 
     Stage stage_;

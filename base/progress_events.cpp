@@ -60,7 +60,7 @@ void ProgressEvents::expect_steps(std::uint64_t steps) {
 }
 
 void ProgressEvents::result(std::string_view json) {
-    say(fmt::format(R"({{"event":"result","result":{}}})", on_one_line(json)));
+    write_line(fmt::format(R"({{"event":"result","result":{}}})", on_one_line(json)));
 }
 
 void ProgressEvents::on_stage(std::string_view name, std::uint64_t steps, std::string_view unit) {
@@ -71,8 +71,8 @@ void ProgressEvents::on_stage(std::string_view name, std::uint64_t steps, std::s
         in_stage_ = true;
         next_event_s_ = stage_.began_s + seconds_between_events;
     }
-    say(fmt::format(R"({{"event":"stage","stage":{},"state":"begin","steps":{},"unit":{}}})", stage_.name, steps,
-                    stage_.unit));
+    write_line(fmt::format(R"({{"event":"stage","stage":{},"state":"begin","steps":{},"unit":{}}})", stage_.name, steps,
+                           stage_.unit));
 }
 
 void ProgressEvents::on_advance(std::uint64_t done) {
@@ -98,20 +98,20 @@ void ProgressEvents::on_stage_end() {
         in_stage_ = false;
         outlook_.end(clock_());
     }
-    say(fmt::format(R"({{"event":"stage","stage":{},"state":"end","done":{},"seconds":{:.2f}}})", stage_.name, done(),
-                    clock_() - stage_.began_s));
+    write_line(fmt::format(R"({{"event":"stage","stage":{},"state":"end","done":{},"seconds":{:.2f}}})", stage_.name,
+                           done(), clock_() - stage_.began_s));
 }
 
 void ProgressEvents::on_warning(const std::string& message) {
-    say(fmt::format(R"({{"event":"warning","name":{},"message":{}}})", json_quoted(message_name(message)),
-                    json_quoted(message)));
+    write_line(fmt::format(R"({{"event":"warning","name":{},"message":{}}})", json_quoted(message_name(message)),
+                           json_quoted(message)));
 }
 
 void ProgressEvents::on_note(const std::string& message) {
-    say(fmt::format(R"({{"event":"note","message":{}}})", json_quoted(message)));
+    write_line(fmt::format(R"({{"event":"note","message":{}}})", json_quoted(message)));
 }
 
-void ProgressEvents::say(const std::string& line) {
+void ProgressEvents::write_line(const std::string& line) {
     const std::lock_guard lock(mutex_);
     sink_(line + "\n");
 }

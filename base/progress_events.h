@@ -39,7 +39,7 @@ private:
     void on_stage_end() override;
     void on_warning(const std::string& message) override;
     void on_note(const std::string& message) override;
-    void say(const std::string& line);
+    void write_line(const std::string& line);
     void tell_progress(std::uint64_t done, double now_s);
 
     TextSink sink_;

@@ -74,7 +74,7 @@ std::string line_of(const JobEvent& event) {
 
 class EventsView final : public slicer::BatchView {
 public:
-    void tell(const JobEvent& event) override {
+    void notify(const JobEvent& event) override {
         io::JsonWriter json;
         json.begin_object().add("event", "job").add("job", event.name).add("state", word_of(event.kind));
         json.add("attempt", event.attempt);
@@ -91,7 +91,7 @@ public:
 class LinesView final : public slicer::BatchView {
 public:
     explicit LinesView(bool quiet) : quiet_(quiet) {}
-    void tell(const JobEvent& event) override {
+    void notify(const JobEvent& event) override {
         const bool matters = event.kind == Kind::failed || event.kind == Kind::again || event.kind == Kind::warned;
         if (quiet_ && !matters) return;
         unchanged_ += event.kind == Kind::unchanged;
@@ -109,7 +109,7 @@ private:
 class TableView final : public slicer::BatchView {
 public:
     ~TableView() override { wipe(); }
-    void tell(const JobEvent& event) override {
+    void notify(const JobEvent& event) override {
         if (event.kind == Kind::started || event.kind == Kind::unchanged) return;
         wipe();
         std::fputs(printable(line_of(event) + "\n").c_str(), stderr);

@@ -43,7 +43,7 @@ int run(PredictArguments& arguments) {
     check_scope(arguments);
     arguments.options.cell_mm = parse_length_mm(arguments.cell, "--cell");
     return run_on_console(arguments.console, [&](Progress& progress) {
-        arguments.model.tell(progress);
+        arguments.model.warn(progress);
         slicer::PredictResult result = slicer::run_predict_job(arguments.options, progress);
         return JobResult{std::move(result.json), std::move(result.text)};
     });

@@ -15,7 +15,7 @@ void FormerOption::add(CLI::App& command, const std::string& option, const std::
     command.add_option_function<std::string>(former, [&value](const std::string& word) { value = word; })->group("");
 }
 
-void FormerOption::tell(Progress& progress) const {
+void FormerOption::warn(Progress& progress) const {
     if (!command_ || command_->count(former_) == 0) return;
     if (command_->count(option_) > 0)
         throw UsageError(fmt::format("{} is what {} was called earlier, and both are given: leave {} out", former_,

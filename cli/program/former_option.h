@@ -19,7 +19,7 @@ public:
     /// `command`.
     void add(CLI::App& command, const std::string& option, const std::string& former, std::string& value);
     /// Throws UsageError where both names were given.
-    void tell(Progress& progress) const;
+    void warn(Progress& progress) const;
 
 private:
     const CLI::App* command_ = nullptr;

@@ -48,7 +48,7 @@ const char* failure_name(ExitCode code) {
     return "bug";
 }
 
-int tell(Messages messages, ExitCode code, const std::string& what) {
+int end_with(Messages messages, ExitCode code, const std::string& what) {
     const std::string message = fmt::format("{} [{}]", what, failure_name(code));
     std::fputs(printable("voxtone: " + message + "\n").c_str(), stderr);
     if (messages == Messages::events) print_out(error_event(code, message) + "\n");
@@ -56,20 +56,21 @@ int tell(Messages messages, ExitCode code, const std::string& what) {
     return static_cast<int>(code);
 }
 
-int tell_current_exception(Messages messages) {
+int end_with_current_exception(Messages messages) {
     try {
         throw;
     } catch (const Error& error) {
-        return tell(messages, error.exit_code(), error.what());
+        return end_with(messages, error.exit_code(), error.what());
     } catch (const std::bad_alloc&) {
-        return tell(messages, ExitCode::unfinished,
-                    "out of memory; use a smaller --size, fewer --threads or a machine with more memory");
+        return end_with(messages, ExitCode::unfinished,
+                        "out of memory; use a smaller --size, fewer --threads or a machine with more memory");
     } catch (const ContractViolation& error) {
-        return tell(messages, ExitCode::bug, fmt::format("a bug of ours, please report it: {}", error.what()));
+        return end_with(messages, ExitCode::bug, fmt::format("a bug of ours, please report it: {}", error.what()));
     } catch (const std::exception& error) {
-        return tell(messages, ExitCode::bug, fmt::format("an unexpected failure, please report it: {}", error.what()));
+        return end_with(messages, ExitCode::bug,
+                        fmt::format("an unexpected failure, please report it: {}", error.what()));
     } catch (...) {
-        return tell(messages, ExitCode::bug, "an unexpected failure of no known kind, please report it");
+        return end_with(messages, ExitCode::bug, "an unexpected failure of no known kind, please report it");
     }
 }
 
@@ -104,7 +105,7 @@ int guarded(Messages messages, const std::function<int()>& work) {
     try {
         code = work();
     } catch (...) {
-        code = tell_current_exception(messages);
+        code = end_with_current_exception(messages);
     }
     return noticing_lost_output(code);
 }

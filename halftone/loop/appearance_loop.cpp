@@ -147,7 +147,7 @@ public:
 private:
     [[nodiscard]] int iterations_made() const { return static_cast<int>(state_.steps.size()) - 1; }
     [[nodiscard]] bool has_gradient() const { return descent_wanted_ && state_.has_gradient; }
-    void tell() {
+    void notify() {
         if (listener_) settle_ = listener_(state_, *sequence_);
     }
     /// The listener looks no more.
@@ -272,7 +272,7 @@ void LoopRun::predict_open_loop() {
     best_remarks_ = remarks_;
     state_.control = state_.start_control = target_;
     correct_control();
-    tell();
+    notify();
 }
 
 void LoopRun::resume(ResumedLoop from) {
@@ -303,7 +303,7 @@ void LoopRun::iterate() {
                 descent_step();
             else
                 feedback_step();
-            tell();
+            notify();
         }
         if (gains_no_more()) why_stopped_ = "it stopped gaining";
     } catch (const Cancelled&) {

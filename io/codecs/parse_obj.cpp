@@ -84,7 +84,7 @@ private:
         for (MtlMaterial& material : parse_mtl(model_text(*bytes))) {
             const std::string name = material.name;
             if (!materials.insert_or_assign(name, std::move(material)).second)
-                say(named_warning(
+                warn(named_warning(
                     "which-colour",
                     fmt::format("The library '{}' has the material '{}' several times; the last was taken.",
                                 printable(file), printable(name))));
@@ -121,11 +121,11 @@ private:
     void take_library_beside() {
         const std::string name = context_.name().substr(0, context_.name().rfind('.')) + ".mtl";
         if (read_library(name))
-            say(named_warning("side-file",
-                              fmt::format("{} has materials and names no library for them; '{}' beside it was taken.",
-                                          context_.name(), name)));
+            warn(named_warning("side-file",
+                               fmt::format("{} has materials and names no library for them; '{}' beside it was taken.",
+                                           context_.name(), name)));
         else
-            say(named_warning(
+            warn(named_warning(
                 "lost-colour",
                 fmt::format("{} has materials and names no library (mtllib) for them, so that their colours are not "
                             "known; export it again with its MTL file.",
@@ -218,7 +218,7 @@ private:
         for (std::size_t n = 0; n < file_.materials.size(); ++n) {
             if (!written[n] || !has_neighbours(*written[n], used[n])) continue;
             marked_[n] = written[n]->marked;
-            say(named_warning(
+            warn(named_warning(
                 "which-colour",
                 fmt::format("The texture '{}' of {} was taken for one of several tiles (UDIM): coordinates lie beyond "
                             "it, and its neighbours are there.",
@@ -251,7 +251,7 @@ private:
         made.alpha = mtl.opacity;
         if (mtl.kd) parts_.has_colour = true;
         if (mtl.has_opacity_map)
-            say(named_warning(
+            warn(named_warning(
                 "transparent",
                 fmt::format("The material '{}' has an opacity map; prints are opaque here, it is left aside.",
                             mtl.name)));
@@ -260,9 +260,9 @@ private:
             made.image = image(map);
             made.wrap_u = made.wrap_v = mtl.map_clamp ? Wrap::decal : Wrap::repeat;
             if (!mtl.map_from.empty())
-                say(named_warning("which-colour",
-                                  fmt::format("The material '{}' has no map_Kd; its {} was taken for its colours.",
-                                              mtl.name, mtl.map_from)));
+                warn(named_warning("which-colour",
+                                   fmt::format("The material '{}' has no map_Kd; its {} was taken for its colours.",
+                                               mtl.name, mtl.map_from)));
         }
         if (!mtl.kd && !mtl.unread_kd.empty() && made.image < 0 && shown != Shown::vertex_colours)
             parts_.lose_colour(fmt::format(
@@ -273,12 +273,12 @@ private:
         if (made.image < 0) {
             made.rgb = srgb_to_linear(*mtl.kd);
             if (!mtl.colour_from.empty())
-                say(named_warning(
+                warn(named_warning(
                     "which-colour",
                     fmt::format("The material '{}' has a black Kd or none; its {} was taken for its colour.", mtl.name,
                                 mtl.colour_from)));
         } else if (mtl.kd->maxCoeff() - mtl.kd->minCoeff() > 0.01f) {
-            say(named_warning(
+            warn(named_warning(
                 "which-colour",
                 fmt::format(
                     "The material '{}' has both a texture and a coloured Kd ({:.2f} {:.2f} {:.2f}); the texture "
@@ -294,7 +294,7 @@ private:
         return context_.add_image_file(parts_, names.empty() ? file : names.front(), context_.decode_options());
     }
 
-    void say(std::string sentence) {
+    void warn(std::string sentence) {
         if (std::ranges::find(parts_.warnings, sentence) == parts_.warnings.end())
             parts_.warnings.push_back(std::move(sentence));
     }
@@ -389,25 +389,25 @@ private:
         if (const auto white = static_cast<std::size_t>(std::ranges::count(white_, true)))
             parts_.lose_colour(white_without_colour(white, "vertices", context_.name()));
         if (paint_left_aside_)
-            say(named_warning(
+            warn(named_warning(
                 "which-colour",
                 fmt::format("{} has textures and colours of vertices on the same faces; the textures are printed.",
                             context_.name())));
         if (file_.comma)
-            say(named_warning("decimal-commas",
-                              fmt::format("{} has decimal commas; they were read as points.", context_.name())));
+            warn(named_warning("decimal-commas",
+                               fmt::format("{} has decimal commas; they were read as points.", context_.name())));
         if (file_.points_and_lines)
-            say(named_warning("no-volume",
-                              fmt::format("{} has {} points or lines; they have no volume and are left aside.",
-                                          context_.name(), file_.points_and_lines)));
+            warn(named_warning("no-volume",
+                               fmt::format("{} has {} points or lines; they have no volume and are left aside.",
+                                           context_.name(), file_.points_and_lines)));
         if (file_.free_forms)
-            say(named_warning(
+            warn(named_warning(
                 "left-out",
                 fmt::format(
                     "{} has {} free-form curves or surfaces, which are not read: they are MISSING from the print. "
                     "Export it as a mesh.",
                     context_.name(), file_.free_forms)));
-        for (const std::string& warning : context_.side_file_warnings()) say(warning);
+        for (const std::string& warning : context_.side_file_warnings()) warn(warning);
         const bool points = file_.points_and_lines || (!parts_.positions.empty() && !file_.free_forms);
         context_.expect_faces(
             parts_, {points ? "points or lines, which have no volume: make a mesh of them in a mesh editor" : "",

@@ -56,7 +56,7 @@ private:
         if (!program_)
             program_ = std::make_shared<IsolatedProgram>(what_, find_pictures_program(), question, limits_);
         else
-            program_->ask(question);
+            program_->post_request(question);
         const std::shared_ptr<IsolatedProgram> program = std::move(program_);  // of no use after most errors
         std::vector<std::byte> picture = program->result(progress);
         missing_walls |= program->missing_walls();

@@ -221,7 +221,7 @@ void IsolatedProgram::wake() const {
     }
 }
 
-void IsolatedProgram::ask(std::span<const std::byte> request) {
+void IsolatedProgram::post_request(std::span<const std::byte> request) {
     began_s_ = processor_s();
     send_request(request);
 }

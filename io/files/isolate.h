@@ -67,7 +67,7 @@ public:
     /// Who answers its questions; without one they are refused.
     void answer_by(Answerer answerer) { answerer_ = std::move(answerer); }
     /// The next request, when the last one was answered.
-    void ask(std::span<const std::byte> request);
+    void post_request(std::span<const std::byte> request);
 
     /// MissingWall bits (io/files/sandbox.h), known with the first answer.
     [[nodiscard]] std::uint8_t missing_walls() const { return missing_walls_; }

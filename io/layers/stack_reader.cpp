@@ -93,7 +93,7 @@ const std::string& StackReader::note() const { return state_->note; }
 LayerInspection StackReader::inspect(std::uint32_t index, std::span<const Rgb> palette,
                                      const OtherPixels& others) const {
     auto program = state_->borrow();
-    program->ask(pack(LayerRequest{index, {palette.begin(), palette.end()}, others}));
+    program->post_request(pack(LayerRequest{index, {palette.begin(), palette.end()}, others}));
     LayerInspection found =
         unpack_inspection(program->result(), palette.size() + (others.transparent == palette.size()));
     state_->give_back(std::move(program));  // one that failed is not used again
@@ -105,7 +105,7 @@ bool StackReader::has_zbuffer() const { return state_->listing.has_zbuffer; }
 std::optional<ZbufferInspection> StackReader::zbuffer() const {
     if (!has_zbuffer()) return std::nullopt;
     auto program = state_->borrow();
-    program->ask(pack_zbuffer_request());
+    program->post_request(pack_zbuffer_request());
     ZbufferInspection found = unpack_zbuffer(program->result());
     state_->give_back(std::move(program));
     return found;

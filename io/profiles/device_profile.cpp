@@ -59,7 +59,7 @@ DeviceProfile read_device_profile(const std::filesystem::path& file, const Choos
         start_reader(file.string(), request, {.memory_bytes = most_profile_memory, .timeout_s = most_profile_seconds});
     const DeviceProfile profile = unpack_device_profile(reader->result(progress));
     request.samples = choose(profile);
-    reader->ask(pack(request));
+    reader->post_request(pack(request));
     DeviceProfile answer = unpack_device_profile(reader->result(progress));
     if (answer.samples != request.samples)
         throw InputError("what the reader left is no device profile: it has other colours than were asked for");

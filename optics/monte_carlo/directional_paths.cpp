@@ -68,7 +68,7 @@ double DirectionalPaths::estimate(const Surface& surface, const PathStarts& star
     Ray ray = walk_.at_face(face, u, v);
     ray.d = {0, 0, -1};
 
-    const auto ask = [&](double z) {
+    const auto ray_from = [&](double z) {
         Ray to_light = ray;
         const double phi = 2 * pi * random.uniform();
         to_light.d = {sine_ * std::cos(phi), sine_ * std::sin(phi), z};
@@ -87,14 +87,14 @@ double DirectionalPaths::estimate(const Surface& surface, const PathStarts& star
                 continue;
             }
             if (!stop.on_sheet || backing_ != Backing::white) return sum;
-            sum += T_0_ * weight * (1 - R_45_) * beam(ask(nu_), optics, random) / mean_T_;
+            sum += T_0_ * weight * (1 - R_45_) * beam(ray_from(nu_), optics, random) / mean_T_;
             ray.d = entering_light(2, 1.0, walk_.eta(), random);
         }
         weight *= optics.albedo[ray.material];
         if (!survives_roulette_by_weight(weight, roulette_weight_, random)) return sum;
         // Downward, as rarely as it is faint, for the light that the lower surface reflected.
         const bool down = random.uniform() < R_45_;
-        const Ray to_light = ask(down ? -nu_ : nu_);
+        const Ray to_light = ray_from(down ? -nu_ : nu_);
         const double cosine = ray.d[0] * to_light.d[0] + ray.d[1] * to_light.d[1] + ray.d[2] * to_light.d[2];
         const double B = beam(to_light, optics, random);
         sum += pi * T_0_ / (walk_.eta() * walk_.eta() * nu_) * weight * henyey_greenstein(cosine, walk_.g()) * B /

@@ -36,7 +36,7 @@ struct ViewingGridBuilder {
         if (progress) progress->check_cancelled();
     }
 
-    void look() {
+    void survey_volume() {
         view = grid.view_voxels;
         const BlockLattice whole(scene.volume->size(), view);
         block_voxels = whole.block_voxels;
@@ -503,7 +503,7 @@ ViewingGrid make_viewing_grid(const Scene& scene, const std::array<int, 3>& view
     made.directions = make_directions(scene.resins->g, scene.resins->eta);
     made.pitch_mm = scene.volume->pitch_mm();
     ViewingGridBuilder builder{made, scene, progress};
-    builder.look();
+    builder.survey_volume();
     builder.find_blocks(colour.mm, also, requested);
     builder.list_faces();
     find_face_laws(made, scene, progress);

@@ -43,7 +43,7 @@ struct BatchSnapshot {
 class BatchView {
 public:
     virtual ~BatchView() = default;
-    virtual void tell(const JobEvent& event) = 0;
+    virtual void notify(const JobEvent& event) = 0;
     /// Whether `show` wants to be called; asked many times a second.
     virtual bool wants_snapshot() { return false; }
     virtual void show(const BatchSnapshot&) {}

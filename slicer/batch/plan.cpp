@@ -154,7 +154,7 @@ void settle(PlannedJob& job, const NameTemplate& names, std::size_t n, const fs:
 }
 
 /// The place once, before what is wrong there.
-std::string told(const std::string& place, const std::string& source, const std::string& what) {
+std::string fault_text(const std::string& place, const std::string& source, const std::string& what) {
     if (place.empty() || what.starts_with(place)) return what;
     return place + ": " + (what.starts_with(source + ": ") ? what.substr(source.size() + 2) : what);
 }
@@ -175,7 +175,7 @@ void take_row(const PlanRow& row, std::size_t n, const PlanRows& rows, const Sli
         } catch (const Error& in_place) {
             what = in_place.what();
         }
-        faults.push_back(told(place, rows.source, what));
+        faults.push_back(fault_text(place, rows.source, what));
     }
 }
 

@@ -32,7 +32,7 @@ QueuedJob::QueuedJob(BatchContext& context, PlannedJob job, std::size_t number)
     if (is_unchanged(known)) {
         unchanged_ = true;
         stage_ = Stage::done;
-        tell(JobEvent::Kind::unchanged);
+        notify(JobEvent::Kind::unchanged);
         context_.folder.sweep_lock(job_.name);
         // It may have been killed between a result and what was to follow it.
         if (state_.after && !state_.after->over && !context_.options.after.empty()) {
@@ -107,19 +107,19 @@ void QueuedJob::note_expected_time() {
         known.expected_cpu_s = state_.expected_cpu_s;
         context_.folder.publish(known);
     } catch (const Error& error) {
-        tell(JobEvent::Kind::warned,
-             named_warning("not-noted", fmt::format("its state could not be written: {}", error.what())));
+        notify(JobEvent::Kind::warned,
+               named_warning("not-noted", fmt::format("its state could not be written: {}", error.what())));
     }
 }
 
 void QueuedJob::warn_that_it_runs_alone(std::uint64_t memory_there_is) const {
     if (!weight_.is_known())
-        return tell(JobEvent::Kind::warned,
-                    named_warning("runs-alone", "how much memory it needs cannot be told beforehand: it runs alone"));
-    tell(JobEvent::Kind::warned,
-         named_warning("runs-alone",
-                       fmt::format("may need {} of memory, more than the {} there are: it runs alone",
-                                   io::bytes_text(weight_.memory_bytes), io::bytes_text(memory_there_is))));
+        return notify(JobEvent::Kind::warned,
+                      named_warning("runs-alone", "how much memory it needs cannot be told beforehand: it runs alone"));
+    notify(JobEvent::Kind::warned,
+           named_warning("runs-alone",
+                         fmt::format("may need {} of memory, more than the {} there are: it runs alone",
+                                     io::bytes_text(weight_.memory_bytes), io::bytes_text(memory_there_is))));
 }
 
 void QueuedJob::start(int threads) {
@@ -143,17 +143,17 @@ void QueuedJob::take_lock_and_run(int threads) {
     lock_ = context_.folder.lock(job_.name);
     if (!lock_) {
         --tries_;
-        if (!told_elsewhere_) tell(JobEvent::Kind::elsewhere);
-        told_elsewhere_ = true;
+        if (!noted_elsewhere_) notify(JobEvent::Kind::elsewhere);
+        noted_elsewhere_ = true;
         return;
     }
-    if (!lock_->doubt().empty()) tell(JobEvent::Kind::warned, named_warning("lock-doubt", lock_->doubt()));
+    if (!lock_->doubt().empty()) notify(JobEvent::Kind::warned, named_warning("lock-doubt", lock_->doubt()));
     // What another batch has made of it since.
     if (const auto known = context_.folder.state_of(job_.name)) {
         if (is_unchanged(known)) {
             state_ = *known;
             unchanged_ = true;
-            tell(JobEvent::Kind::unchanged);
+            notify(JobEvent::Kind::unchanged);
             leave(Stage::done);
             return;
         }
@@ -177,7 +177,7 @@ void QueuedJob::run(const std::vector<std::string>& arguments) {
     note_start(state_, {io::host_name(), process_->pid(), process_->start_time(), utc_now()}, tries_, threads_);
     state_.command = job_.command;
     publish();
-    context_.view.tell({JobEvent::Kind::started, job_.name, {}, 0, tries_, threads_, 0});
+    context_.view.notify({JobEvent::Kind::started, job_.name, {}, 0, tries_, threads_, 0});
 }
 
 void QueuedJob::poll() {
@@ -233,7 +233,7 @@ void QueuedJob::take_step(const NextStep& step) {
 void QueuedJob::read_stack() {
     const std::string no_picture =
         take_stack(job_.out, began_ns_, context_.folder.picture_file(job_.name), context_.digests, state_);
-    if (!no_picture.empty()) tell(JobEvent::Kind::warned, named_warning("not-noted", no_picture));
+    if (!no_picture.empty()) notify(JobEvent::Kind::warned, named_warning("not-noted", no_picture));
 }
 
 /// Throws Error where what was made, or that it was, cannot be kept.
@@ -242,7 +242,7 @@ void QueuedJob::finish_stack() {
     note_done(state_);
     if (!context_.options.after.empty()) state_.after = AfterState{};
     context_.folder.publish(state_);  // a result of which no file tells would be forgotten: where it cannot be, again
-    tell(JobEvent::Kind::done);
+    notify(JobEvent::Kind::done);
     if (state_.after && !stopping_)
         follow();
     else
@@ -252,14 +252,14 @@ void QueuedJob::finish_stack() {
 void QueuedJob::fail(int exit_code, const std::string& message) {
     note_failed(state_, exit_code, message);
     publish();
-    tell(JobEvent::Kind::failed, message);
+    notify(JobEvent::Kind::failed, message);
     leave(Stage::failed);
 }
 
 void QueuedJob::wait_again(const NextStep& step, JobEvent::Kind event) {
     note_waiting(state_, step.exit_code, step.message);
     publish();
-    tell(event, step.message);
+    notify(event, step.message);
     if (event == JobEvent::Kind::again) {
         constexpr double longest_s = 60;
         since_pause_ = Stopwatch();
@@ -284,12 +284,12 @@ void QueuedJob::take_end_of_follower(const ProcessEnd& end) {
     state_.after = AfterState{true, end.exit_code};
     publish();
     if (end.exit_code == 0) return;
-    tell(JobEvent::Kind::warned,
-         named_warning(
-             "after-failed",
-             fmt::format("the command of --after failed ({}); the result stands. What it said is in {}",
-                         end.signal ? fmt::format("signal {}", end.signal) : fmt::format("exit code {}", end.exit_code),
-                         context_.folder.log_file(job_.name).string())));
+    notify(JobEvent::Kind::warned,
+           named_warning("after-failed",
+                         fmt::format("the command of --after failed ({}); the result stands. What it said is in {}",
+                                     end.signal ? fmt::format("signal {}", end.signal)
+                                                : fmt::format("exit code {}", end.exit_code),
+                                     context_.folder.log_file(job_.name).string())));
 }
 
 void QueuedJob::leave(Stage stage) {
@@ -302,13 +302,13 @@ void QueuedJob::publish() {
     try {
         context_.folder.publish(state_);
     } catch (const Error& error) {
-        tell(JobEvent::Kind::warned,
-             named_warning("not-noted", fmt::format("its state could not be written: {}", error.what())));
+        notify(JobEvent::Kind::warned,
+               named_warning("not-noted", fmt::format("its state could not be written: {}", error.what())));
     }
 }
 
-void QueuedJob::tell(JobEvent::Kind kind, const std::string& message) const {
-    context_.view.tell({kind, job_.name, message, state_.exit_code, tries_, threads_, since_start_.total()});
+void QueuedJob::notify(JobEvent::Kind kind, const std::string& message) const {
+    context_.view.notify({kind, job_.name, message, state_.exit_code, tries_, threads_, since_start_.total()});
 }
 
 void QueuedJob::ask_to_stop(int signal) {

@@ -91,14 +91,14 @@ private:
     void take_end_of_follower(const ProcessEnd& end);
     void leave(Stage stage);
     void publish();
-    void tell(JobEvent::Kind kind, const std::string& message = {}) const;
+    void notify(JobEvent::Kind kind, const std::string& message = {}) const;
 
     BatchContext& context_;
     PlannedJob job_;
     JobState state_;
     JobWeight weight_;
     Stage stage_ = Stage::waiting;
-    bool unchanged_ = false, stopping_ = false, told_elsewhere_ = false, has_got_more_ = false, was_weighed_ = false;
+    bool unchanged_ = false, stopping_ = false, noted_elsewhere_ = false, has_got_more_ = false, was_weighed_ = false;
     int threads_ = 0, tries_ = 0;
     double pause_s_ = 0;
     Stopwatch since_pause_, since_start_;

@@ -137,7 +137,7 @@ private:
         return arguments;
     }
 
-    [[nodiscard]] std::string told() const {
+    [[nodiscard]] std::string stage_text() const {
         return stage_.stage == TaskStage::layers ? fmt::format("shard {} of {}", index_, stage_.tasks)
                                                  : std::string(name_of(stage_.stage));
     }
@@ -194,7 +194,7 @@ private:
                 note_stack(state, batch_, job_, submission_, digests_, progress_);
             } else if (state.phase != JobPhase::failed) {
                 leave(state);
-                state.message = fmt::format("{}: {} is done", submission_.text(), told());
+                state.message = fmt::format("{}: {} is done", submission_.text(), stage_text());
             }
         });
         if (is_last) summarise_at_times(batch_, job_.name, submission_.jobs, progress_);
@@ -207,7 +207,7 @@ private:
             if (state.phase == JobPhase::failed) return;
             leave(state);
             state.exit_code = step.exit_code;
-            state.message = fmt::format("{}: {}", told(), step.message);
+            state.message = fmt::format("{}: {}", stage_text(), step.message);
         });
         if (!allocation_.task.empty() && requeue_in_slurm(allocation_.task)) {
             // Slurm ends this task now; one that ended by itself before would be counted as failed.
@@ -223,7 +223,7 @@ private:
             if (step.kind == NextStep::Kind::fail_with_stack)
                 note_stack(state, batch_, job_, submission_, digests_, progress_);
             note_failed(state, step.exit_code,
-                        stage_.stage == TaskStage::whole ? message : fmt::format("{}: {}", told(), message));
+                        stage_.stage == TaskStage::whole ? message : fmt::format("{}: {}", stage_text(), message));
         });
         summarise_at_times(batch_, job_.name, submission_.jobs, progress_);
         // What was tried often enough no scheduler is to try again.
@@ -252,7 +252,7 @@ private:
         json.begin_object().add("format", "voxtone-task").add("version", 1).add("job", job_.name);
         json.add("stage", name_of(stage_.stage)).add("task", index_).add("tasks", stage_.tasks);
         json.add("exit_code", static_cast<int>(code)).add("message", message).end_object();
-        return {json.text(), fmt::format("{}: {}: {}\n", job_.name, told(), message), code};
+        return {json.text(), fmt::format("{}: {}: {}\n", job_.name, stage_text(), message), code};
     }
 
     const TaskOptions& options_;

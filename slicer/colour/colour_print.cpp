@@ -161,7 +161,7 @@ void ColourPrint::expect_layers(const LayerRange&) {
         volume_.emplace(body_.grid, job_.options.prediction.memory_bytes / 2);
 }
 
-void ColourPrint::see(int k, const io::LayerRuns& layer) {
+void ColourPrint::take_layer(int k, const io::LayerRuns& layer) {
     if (volume_) volume_->add(k, layer);
 }
 
@@ -174,7 +174,7 @@ JobPrediction ColourPrint::predict(optics::ResinVolume volume, Progress& progres
     return prediction;
 }
 
-void ColourPrint::look(const io::StackDescription&, Progress& progress) {
+void ColourPrint::evaluate(const io::StackDescription&, Progress& progress) {
     if (std::error_code not_there; foreign_skin_) std::filesystem::remove(job_.options.loop.mixtures, not_there);
     if (!volume_) return;
     std::string why_not;

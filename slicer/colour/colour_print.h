@@ -34,9 +34,9 @@ public:
     [[nodiscard]] JobResult keep_loop() const override;
     [[nodiscard]] std::unique_ptr<const LayerSource> layers() const override;
     void expect_layers(const LayerRange& range) override;
-    void see(int k, const io::LayerRuns& layer) override;
+    void take_layer(int k, const io::LayerRuns& layer) override;
     /// Predicts the print; where memory does not suffice, not, with a warning.
-    void look(const io::StackDescription& stack, Progress& progress) override;
+    void evaluate(const io::StackDescription& stack, Progress& progress) override;
     [[nodiscard]] std::vector<io::ReportStage> stages_before_layers() const override;
     [[nodiscard]] std::vector<io::ReportStage> stages_after_layers() const override;
     void add_to(io::Report& report) const override;

@@ -29,7 +29,7 @@ BodyPreview::BodyPreview(const JobBody& body, bool wanted) {
 
 io::PreviewMesh BodyPreview::mesh() const { return {positions_mm_, triangles_}; }
 
-void LayerWatchers::see(int k, const io::LayerRuns& layer) {
+void LayerWatchers::take_layer(int k, const io::LayerRuns& layer) {
     if (thumbnails) thumbnails->offer(k, layer);
     if (voxels) voxels->offer(k, layer);
 }
@@ -46,8 +46,8 @@ void make_layers(Print& print, const LayerRange& range, const LayerTaker& take, 
         const Stopwatch encode;
         take(k, layer);
         encode_s += encode.total();
-        watchers.see(k, layer);
-        print.see(k, layer);
+        watchers.take_layer(k, layer);
+        print.take_layer(k, layer);
         progress.advance();
     };
     parallel_for(

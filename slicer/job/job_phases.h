@@ -45,7 +45,7 @@ struct LayerWatchers {
     std::optional<Thumbnails> thumbnails;
     std::optional<VoxelSample> voxels;
     /// From any thread, once for each layer.
-    void see(int k, const io::LayerRuns& layer);
+    void take_layer(int k, const io::LayerRuns& layer);
 };
 
 /// Makes the layers of the range, in slabs side by side; each goes to `take` and to those who look on.

@@ -192,7 +192,7 @@ SliceResult run_slice_job(const SliceOptions& requested, Progress& progress) {
     LoopCheckpoint::remove_from(job.options.out);
     set_stop_advice({});
 
-    print->look(stack, progress);
+    print->evaluate(stack, progress);
     progress.begin_stage(name_of(Phase::report), 0);
     io::Report report = make_report(job, body, stack, *print, figures);
     if (watchers.thumbnails) report.layers = watchers.thumbnails->take();

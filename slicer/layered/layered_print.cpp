@@ -30,11 +30,11 @@ void LayeredPrint::expect_layers(const LayerRange& range) {
     if (job_.options.report) cut_.emplace(body_.grid, range.first, range.last, body_.grid.size[1] / 2);
 }
 
-void LayeredPrint::see(int k, const io::LayerRuns& layer) {
+void LayeredPrint::take_layer(int k, const io::LayerRuns& layer) {
     if (cut_) cut_->add(k, layer);
 }
 
-void LayeredPrint::look(const io::StackDescription& stack, Progress& progress) {
+void LayeredPrint::evaluate(const io::StackDescription& stack, Progress& progress) {
     if (!job_.options.layered->surfaces) return;
     const Stopwatch watch;
     surfaces_ =

@@ -27,9 +27,9 @@ public:
     [[nodiscard]] JobResult keep_loop() const override { return {}; }
     [[nodiscard]] std::unique_ptr<const LayerSource> layers() const override;
     void expect_layers(const LayerRange& range) override;
-    void see(int k, const io::LayerRuns& layer) override;
+    void take_layer(int k, const io::LayerRuns& layer) override;
     /// Writes the closed surfaces of its layers, where they were asked for.
-    void look(const io::StackDescription& stack, Progress& progress) override;
+    void evaluate(const io::StackDescription& stack, Progress& progress) override;
     [[nodiscard]] std::vector<io::ReportStage> stages_before_layers() const override;
     [[nodiscard]] std::vector<io::ReportStage> stages_after_layers() const override;
     void add_to(io::Report& report) const override;

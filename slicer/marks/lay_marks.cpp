@@ -105,7 +105,8 @@ std::string side_text(const Eigen::Vector3d& out) {
     return fmt::format("facing ({:.2f}, {:.2f}, {:.2f})", out.x(), out.y(), out.z());
 }
 
-std::string told(const MarkOptions& mark, const io::Decal& decal, const Landing& landing, const Eigen::Vector3f& ink) {
+std::string place_text(const MarkOptions& mark, const io::Decal& decal, const Landing& landing,
+                       const Eigen::Vector3f& ink) {
     const Eigen::Vector3d middle =
         decal.corner_mm + decal.right * (decal.width_mm / 2) + decal.up * (decal.height_mm / 2);
     std::string text =
@@ -184,7 +185,7 @@ void lay_mark(const MarkOptions& mark, const BodyToMark& body, const io::ReadOpt
                                     : mark.ink_rgb;
     decal.picture = coloured(shape, mark.ink == MarkInk::none ? nullptr : &ink, mark.ground_rgb);
     laid.notes.push_back(uv ? fmt::format("{}: in the rectangle of the texture", mark.said)
-                            : told(mark, decal, landing, ink));
+                            : place_text(mark, decal, landing, ink));
     if (mark.relief_voxels != 0 && !uv)
         laid.embossed.push_back({taken.back(), decal.first_hit, shape.ink, mark.relief_voxels});
     body.mesh.decals.push_back(std::move(decal));

@@ -157,8 +157,8 @@ void warn_of_series(const io::StackReader& stack, const std::string& name, Progr
         progress.warn(named_warning("strange-files", name + ": " + doubt));
 }
 
-void tell(const StackVolumeOptions& options, const Assignment& assignment, const LayerWindow& window,
-          const std::array<double, 3>& pitch_mm, std::uint64_t solid_voxels, bool of_picture) {
+void report_assignment(const StackVolumeOptions& options, const Assignment& assignment, const LayerWindow& window,
+                       const std::array<double, 3>& pitch_mm, std::uint64_t solid_voxels, bool of_picture) {
     if (!options.before_reading) return;
     options.before_reading(
         {window.size, pitch_mm, solid_voxels, assignment.resins.name, assignment.white >= 0, of_picture});
@@ -207,7 +207,7 @@ StackVolume read_own(const io::StackReader& stack, const StackVolumeOptions& opt
         std::swap(pitch_mm[0], pitch_mm[1]);
     }
     const LayerWindow window{{}, {size[0], size[1], static_cast<int>(description.layers)}};
-    tell(options, assignment, window, pitch_mm, printed_voxels(description), result.of_picture);
+    report_assignment(options, assignment, window, pitch_mm, printed_voxels(description), result.of_picture);
     LayerVolume volume(window, pitch_mm, assignment.material_of, options.memory_bytes);
     progress.begin_stage("read layers", description.layers, "layers");
     parallel_for(
@@ -354,7 +354,7 @@ StackVolume read_foreign(const io::StackReader& stack, const StackVolumeOptions&
     const ForeignBody body = find_foreign_body(foreign, with_transparent(assignment), progress);
     warn_of_absent(options, body, progress);
     const LayerWindow& window = body.window;
-    tell(options, assignment, window, pitch_mm, body.solid_voxels(), false);
+    report_assignment(options, assignment, window, pitch_mm, body.solid_voxels(), false);
     const PixelMaterials& materials = body.materials;
     LayerVolume volume(window, pitch_mm, materials.material_of, options.memory_bytes);
     progress.begin_stage("read layers", static_cast<std::uint64_t>(window.size[2]), "layers");

@@ -42,10 +42,10 @@ public:
     /// These layers will be made.
     virtual void expect_layers(const LayerRange& range) = 0;
     /// A layer as it is written; from any thread.
-    virtual void see(int k, const io::LayerRuns& layer) = 0;
+    virtual void take_layer(int k, const io::LayerRuns& layer) = 0;
 
-    /// Once the stack is whole: predicts it, or writes what else was asked for.
-    virtual void look(const io::StackDescription& stack, Progress& progress) = 0;
+    /// Once the stack is whole: predicts what it looks like, or writes what else was asked for.
+    virtual void evaluate(const io::StackDescription& stack, Progress& progress) = 0;
 
     /// Where the time went, before layers were made and after.
     [[nodiscard]] virtual std::vector<io::ReportStage> stages_before_layers() const = 0;

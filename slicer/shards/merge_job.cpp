@@ -186,7 +186,7 @@ JobResult write_merged_report(const MergeOptions& options, const io::ShardSet& s
         show_layers(print, range, progress);
     else
         print.expect_layers(range);
-    print.look(shards.stack, progress);
+    print.evaluate(shards.stack, progress);
     progress.begin_stage(name_of(Phase::report), 0);
     JobMeasurements figures = figures_of(shards);
     figures.read_s = ready.figures.read_s;

@@ -121,7 +121,7 @@ public:
         : width_(width), height_(height), filled_(std::size_t(width) * std::size_t(height)) {}
 
     /// In the model's frame; from any thread.
-    void see(int k, const io::LayerRuns& layer) {
+    void take_layer(int k, const io::LayerRuns& layer) {
         std::array<std::uint64_t, io::max_materials> mine{};
         std::vector<std::array<int, 3>> spans;  // row, begin, end
         for (std::uint32_t y = 0; y < layer.height_px(); ++y) {
@@ -189,7 +189,7 @@ std::string survey(const io::StackReader& stack, const StackFacts& facts, StackS
                                              stack.layer_name(index), layer.width_px(), layer.height_px(),
                                              facts.size_px[0], facts.size_px[1]));
             digests[k] = io::layer_digest(layer);
-            found.see(int(k), io::as_sliced(std::move(layer), facts.orientation));
+            found.take_layer(int(k), io::as_sliced(std::move(layer), facts.orientation));
             progress.advance();
         },
         &progress);

@@ -54,8 +54,8 @@ public:
         ready.print->expect_layers(range);
         return [this](int k, const io::LayerRuns& layer) {
             count_resins(layer);
-            watchers_.see(k, layer);
-            part_.ready->print->see(k, layer);
+            watchers_.take_layer(k, layer);
+            part_.ready->print->take_layer(k, layer);
         };
     }
 
@@ -75,7 +75,7 @@ public:
             stack.resins[r].voxels = voxels_[r + 1];
             stack.resins[r].ml = io::millilitres(voxels_[r + 1], stack.pitch_um);
         }
-        ready.print->look(stack, progress);
+        ready.print->evaluate(stack, progress);
         progress.begin_stage(name_of(Phase::report), 0);
         io::Report report = make_report(ready.job, ready.body, stack, *ready.print, ready.figures);
         report.layers = watchers_.thumbnails->take();

@@ -69,7 +69,7 @@ void make_tray_layers(const ComposedLayers& layers, const LayerRange& range, con
                 (void)layers.make(int(slab), range.first, range.last + 1, [&](int k, const io::LayerRuns& layer) {
                     progress.check_cancelled();
                     take(k, layer);
-                    watchers.see(k, layer);
+                    watchers.take_layer(k, layer);
                     progress.advance();
                 });
             };

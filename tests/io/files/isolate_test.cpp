@@ -61,14 +61,14 @@ TEST_CASE("amid its work a program asks who started it") {
         CHECK(text_of(program->result()) == "abb");
         CHECK(questions == 2);
         CHECK((program->missing_walls() & 128) != 0);
-        program->ask(bytes_of("ask x"));
+        program->post_request(bytes_of("ask x"));
         CHECK(text_of(program->result()) == "xbb");
     }
     SECTION("a refusal is thrown in it") {
         const auto program = start();
         program->answer_by([](auto, auto, auto&) -> std::vector<std::byte> { throw InputError("no such thing"); });
         CHECK_THROWS_WITH(program->result(), "no such thing");
-        program->ask(bytes_of("echo"));  // and it is of use as before
+        program->post_request(bytes_of("echo"));  // and it is of use as before
         CHECK(text_of(program->result()) == "echo");
     }
     SECTION("nobody answers") { CHECK_THROWS_WITH(start()->result(), Contains("may not have")); }
@@ -133,11 +133,11 @@ TEST_CASE("work in another program", "[slow]") {
     SECTION("one after the other") {
         IsolatedProgram program("test.obj", MISBEHAVING_PROGRAM, bytes_of("first"), {.memory_bytes = 0});
         CHECK(text_of(program.result()) == "first");
-        program.ask(bytes_of("a longer second"));
+        program.post_request(bytes_of("a longer second"));
         CHECK(text_of(program.result()) == "a longer second");
-        program.ask(bytes_of("input error"));
+        program.post_request(bytes_of("input error"));
         CHECK_THROWS_AS(program.result(), InputError);
-        program.ask(bytes_of("x"));
+        program.post_request(bytes_of("x"));
         CHECK(text_of(program.result()) == "x");
     }
     SECTION("what it says is not heard") { CHECK(text_of(ask("chatter")) == "chatter"); }

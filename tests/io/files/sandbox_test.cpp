@@ -33,7 +33,7 @@ public:
         (void)program_.result();
     }
     std::string answer(const std::string& wish) {
-        program_.ask(std::as_bytes(std::span(wish)));
+        program_.post_request(std::as_bytes(std::span(wish)));
         const auto bytes = program_.result();
         return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
     }
