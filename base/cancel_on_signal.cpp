@@ -51,7 +51,7 @@ void catch_stop_signals() {
         sigaction(number, nullptr, &before);
         if (before.sa_handler != SIG_IGN) set_handler(number, on_signal);
     }
-    set_handler(SIGPIPE, SIG_IGN);
+    for (const int number : {SIGPIPE, SIGXFSZ}) set_handler(number, SIG_IGN);
 }
 
 ExitCode stop_code() {

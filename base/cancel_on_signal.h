@@ -2,9 +2,10 @@
 //
 // Requests to stop that come as signals. SIGINT is a user who wants an end (Ctrl-C, exit code 5); SIGTERM,
 // SIGUSR1 and SIGHUP (a terminal or a connection that is gone) come from what runs the program, which wants it saved to
-// run it again (exit code 85). SIGPIPE ends nothing: hours of work do not depend on who reads its words. The first of
-// them asks the work to stop (`Progress::cancel`), so that no half-written file is left; a Ctrl-C after it ends the
-// program at once, more of the others change nothing: schedulers send them twice.
+// run it again (exit code 85). The first of them asks the work to stop (`Progress::cancel`), so that no half-written
+// file is left; a Ctrl-C after it ends the program at once, more of the others change nothing: schedulers send them
+// twice. SIGPIPE ends nothing: hours of work do not depend on who reads its words; nor does SIGXFSZ: a file that must
+// not grow further is an error with a sentence.
 #pragma once
 
 #include "base/error.h"

@@ -185,9 +185,13 @@ IsolatedProgram::IsolatedProgram(std::string what, const std::filesystem::path& 
                                    {request.begin(), request.end()}};
     int ends[2] = {-1, -1};
     if (request_.get() < 0 || result_.get() < 0 || !fill(request_.get(), packed(orders)) ||
-        socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
+        socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
+        const int why = errno;
+        if (why == EFBIG) refuse_file_limit();
+        if (why == EMFILE) refuse_descriptor_limit();
         throw TryAgain(fmt::format("{} cannot be read: the system gives no file descriptor or memory ({}); try again",
-                                   what_, std::strerror(errno)));
+                                   what_, std::strerror(why)));
+    }
     line_.reset(ends[0]);
     const FileDescriptor far_end(moved_up(ends[1]));
     const std::string path = program_.string();
@@ -264,7 +268,7 @@ bool IsolatedProgram::wait_for_answer(const Progress* progress) const {
 }
 
 /// What a reader has read lies in memory that the system counts as a file.
-void IsolatedProgram::tell_of_file_limit() const {
+void IsolatedProgram::refuse_file_limit() const {
     rlimit files{};
     getrlimit(RLIMIT_FSIZE, &files);
     if (files.rlim_cur == RLIM_INFINITY || files.rlim_cur > limits_.memory_bytes) return;
@@ -275,7 +279,7 @@ void IsolatedProgram::tell_of_file_limit() const {
 }
 
 /// Its lines to us and the libraries that it opens.
-void IsolatedProgram::tell_of_descriptor_limit() const {
+void IsolatedProgram::refuse_descriptor_limit() const {
     constexpr rlim_t few = 16;
     rlimit descriptors{};
     getrlimit(RLIMIT_NOFILE, &descriptors);
@@ -292,7 +296,7 @@ void IsolatedProgram::tell_no_memory(bool outside) const {
             "reading {} needs more memory than the address space that this process is limited to (`ulimit -v`, or a "
             "scheduler's limit); nothing is known to be wrong with the file: try again with a higher limit",
             what_));
-    tell_of_file_limit();
+    refuse_file_limit();
     throw ResourceError(fmt::format(
         "reading {} needs more than the {} of memory that it may take; it is very large, or made to fill the memory: "
         "{}make it smaller",
@@ -319,7 +323,7 @@ void IsolatedProgram::tell_end() {
             "the program that reads {} was killed by the system or another program, most likely because the machine's "
             "memory was used up; nothing is known to be wrong with the file: try again with more memory free",
             what_));
-    tell_of_descriptor_limit();
+    refuse_descriptor_limit();
     // The loader of programs cannot map the libraries: it says so where nobody listens and leaves with 127.
     rlimit space{};
     getrlimit(RLIMIT_AS, &space);

@@ -95,8 +95,8 @@ private:
     std::vector<std::byte> take_answer(bool& is_question);
     void reply_to(std::span<const std::byte> question, const Progress* progress);
     [[noreturn]] void tell_end();
-    void tell_of_file_limit() const;
-    void tell_of_descriptor_limit() const;
+    void refuse_file_limit() const;
+    void refuse_descriptor_limit() const;
     [[noreturn]] void tell_no_memory(bool outside) const;
     int reap();
 

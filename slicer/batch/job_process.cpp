@@ -31,7 +31,7 @@ struct Plan {
 };
 
 void set_signals_to_default() {
-    for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGPIPE, SIGHUP}) std::signal(signal, SIG_DFL);
+    for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGPIPE, SIGXFSZ, SIGHUP}) std::signal(signal, SIG_DFL);
     sigset_t none;
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, nullptr);

@@ -44,7 +44,7 @@ struct Attributes {
         sigset_t signals;
         sigemptyset(&signals);
         posix_spawnattr_setsigmask(&value, &signals);
-        for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGPIPE, SIGHUP}) sigaddset(&signals, signal);
+        for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGPIPE, SIGXFSZ, SIGHUP}) sigaddset(&signals, signal);
         posix_spawnattr_setsigdefault(&value, &signals);
         posix_spawnattr_setflags(&value, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
     }

@@ -89,16 +89,27 @@ TEST_CASE("Missing and invalid inputs have their own exit codes and one clear se
 
 TEST_CASE("A limit of this process is named, and not the file that was read under it") {
     const Folder folder("limits");
-    folder.write("marker.obj", marker_obj());
-    for (const auto& [limit, word] : {std::pair{"-n 8", "ulimit -n"}, {"-f 1", "ulimit -f"}}) {
-        CAPTURE(limit);
-        // Into pipes: files are what is limited.
-        const std::string line = fmt::format("(ulimit {} && exec {} slice {} --size 8mm -o {}) 2>&1 | cat >{}", limit,
-                                             VOXTONE_PROGRAM, folder / "marker.obj", folder / "out", folder / "said");
+    const std::string deep(200, 'd');  // what its reader is told is more than a block of `ulimit -f`
+    std::filesystem::create_directory(folder / deep);
+    const std::string small = "v 0 0 0\nv 8 0 0\nv 0 8 0\nv 0 0 8\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    struct Limit {
+        std::string ulimit, model, text, says;
+    };
+    for (const Limit& limit : {Limit{"-n 8", "marker.obj", marker_obj(), "ulimit -n"},
+                               Limit{"-f 1", "marker.obj", marker_obj(), "ulimit -f"},
+                               Limit{"-f 1", deep + "/marker.obj", marker_obj(), "ulimit -f"},
+                               Limit{"-f 3", "small.obj", small, "could not be written (File too large)"}}) {
+        CAPTURE(limit.ulimit, limit.model);
+        folder.write(limit.model, limit.text);
+        // Into pipes: files are what is limited. As a shell starts it: what ran the tests may ignore the signal.
+        const std::string line = fmt::format(
+            "(ulimit {} && exec env --default-signal=XFSZ {} slice {} --iterations 0 --predict none --no-report -o {}) "
+            "2>&1 | cat >{}",
+            limit.ulimit, VOXTONE_PROGRAM, folder / limit.model, folder / "out", folder / "said");
         (void)run_shell(line);
         // How many descriptors are open already is the caller's: the program may not get as far as to its reader.
         const std::string said = read_file(folder / "said");
-        CHECK_THAT(said, Contains(word) || Contains("Too many open files"));
+        CHECK_THAT(said, Contains(limit.says) || Contains("Too many open files"));
         CHECK_THAT(said, !Contains("damaged"));
         CHECK_FALSE(std::filesystem::exists(folder / "out/manifest.json"));
     }
