@@ -43,3 +43,32 @@ TEST_CASE("standard errors are those of samples that see light or none by the to
         CHECK(told_of_colour == Approx(told).epsilon(1e-5));
     }
 }
+
+TEST_CASE("standard errors of gathered pixels know that the filter's weights scatter") {
+    // Left of the middle all is light, right of it nothing: samples of a pixel are all alike, and what varies from row
+    // to row is how much the filter gives to those that happen to lie near the edge.
+    const Sky halves(2, 1, {{1, 1, 1}, {0, 0, 0}});
+    CameraScene scene;
+    scene.view.position = {0, 0, 0}, scene.view.target = {1, 0, 0};
+    scene.view.focal_mm = 1e5;
+    scene.view.width_px = 2, scene.view.height_px = 3000;
+    scene.sky = &halves;
+    Progress progress;
+    const CameraPicture picture = take_picture(scene, {.samples = 16, .seed = 3, .filter_px = 0.5}, progress);
+    const std::size_t channels = picture.value.size() / 6000;
+    double mean = 0, square = 0, told = 0;
+    for (std::size_t row = 0; row < 3000; ++row) {
+        const double value = static_cast<double>(picture.value[2 * row * channels]);
+        mean += value / 3000, square += value * value / 3000;
+        told += std::pow(static_cast<double>(picture.standard_error[2 * row * channels]), 2) / 3000;
+    }
+    const double differ = square - mean * mean;
+    INFO("mean " << mean << ", variance " << differ << ", told " << told);
+    CHECK(mean > 0.6);
+    CHECK(mean < 0.99);
+    // A row shares samples with the two beside it: some 1000 independent values. Samples lie more evenly than by chance,
+    // which the error does not count on: it may be larger than what is there, by no more than half of the variance.
+    const double chance = 4 * std::sqrt(2.0 / 1000);
+    CHECK(told > differ * (1 - chance));
+    CHECK(told < 1.5 * differ * (1 + chance));
+}

@@ -77,15 +77,20 @@ TEST_CASE("A component is shown as its shape, in the colour of its mixture") {
         CHECK(white.low_mm[a] == Approx(0).margin(cell));
         CHECK(white.high_mm[a] == Approx(a < 2 ? 6 : 2).margin(cell));
     }
-    double furthest = 0;
+    double furthest = 0, outside = 0, of_side = 0;  // of the mantle: how far beyond it on average
     const std::size_t vertices = white.positions.size() / 3;
     REQUIRE(vertices > 500);
     for (std::size_t v = 0; v < vertices; ++v) {
         const auto [x, y, z] = at(white, v);
         const double to_side = std::abs(std::hypot(x - 3, y - 3) - 3), to_end = std::min(z, 2 - z);
         furthest = std::max(furthest, std::min(to_side, to_end));
+        if (to_end < 2 * cell) continue;
+        outside += std::hypot(x - 3, y - 3) - 3;
+        ++of_side;
     }
     CHECK(furthest < cell);
+    REQUIRE(of_side > 300);
+    CHECK(outside / of_side == Approx(0).margin(cell / 6));
     // sRGB codes: white is bright and even, cyan resin dark in red, a mixture between them.
     const auto rgb = [](const io::ViewerSurface& surface) {
         return std::array<int, 3>{surface.looks[0].rgb[0], surface.looks[0].rgb[1], surface.looks[0].rgb[2]};
