@@ -176,28 +176,32 @@ double Exposure::variance_of_mean(std::size_t pixel, std::size_t quantity) const
     return std::max(0.0, squares_[pixel * quantities_ + quantity] / n - square(mean(pixel, quantity))) / (n - 1);
 }
 
+/// Of a ratio: what samples differ from the filtered value by is weighed with weights that scatter.
 double Exposure::filtered_variance(int x, int y, std::size_t quantity) const {
     const auto width = static_cast<std::size_t>(picture_.width_px);
-    const auto pixel_at = [&](int px, int py) {
-        return static_cast<std::size_t>(py) * width + static_cast<std::size_t>(px);
-    };
-    const double here = mean(pixel_at(x, y), quantity);
     const int reach = filter_.reach();
-    double variance = 0, share = 0;
-    for (int dy = -reach; dy <= reach; ++dy)
-        for (int dx = -reach; dx <= reach; ++dx) {
-            if (x + dx < 0 || y + dy < 0 || x + dx >= picture_.width_px || y + dy >= picture_.height_px) continue;
-            const std::size_t pixel = pixel_at(x + dx, y + dy);
-            if (picture_.samples[pixel] == 0) continue;
-            // The weights are those of this pixel, seen from that one: the filter is even.
-            const auto i = static_cast<std::size_t>(1 + dx), k = static_cast<std::size_t>(1 + dy);
-            const double weight = filter_.mean()[i] * filter_.mean()[k],
-                         weight_square = filter_.mean_square()[i] * filter_.mean_square()[k];
-            variance += weight_square * variance_of_mean(pixel, quantity) + (weight_square - square(weight)) *
-                                                                                square(mean(pixel, quantity) - here) /
-                                                                                picture_.samples[pixel];
-            share += weight;
-        }
+    // The weights are those of this pixel, seen from its neighbours: the filter is even.
+    const auto each_neighbour = [&](auto&& body) {
+        for (int dy = -reach; dy <= reach; ++dy)
+            for (int dx = -reach; dx <= reach; ++dx) {
+                if (x + dx < 0 || y + dy < 0 || x + dx >= picture_.width_px || y + dy >= picture_.height_px) continue;
+                const std::size_t pixel = static_cast<std::size_t>(y + dy) * width + static_cast<std::size_t>(x + dx);
+                if (picture_.samples[pixel] == 0) continue;
+                const auto i = static_cast<std::size_t>(1 + dx), k = static_cast<std::size_t>(1 + dy);
+                body(pixel, filter_.mean()[i] * filter_.mean()[k], filter_.mean_square()[i] * filter_.mean_square()[k]);
+            }
+    };
+    double sum = 0, share = 0;
+    each_neighbour([&](std::size_t pixel, double weight, double) {
+        sum += weight * mean(pixel, quantity);
+        share += weight;
+    });
+    double variance = 0;
+    each_neighbour([&](std::size_t pixel, double weight, double weight_square) {
+        variance +=
+            weight_square * variance_of_mean(pixel, quantity) +
+            (weight_square - square(weight)) * square(mean(pixel, quantity) - sum / share) / picture_.samples[pixel];
+    });
     return variance / square(share);
 }
 
