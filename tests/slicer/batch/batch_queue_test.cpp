@@ -23,7 +23,7 @@ namespace {
 
 class Events final : public BatchView {
 public:
-    void tell(const JobEvent& event) override { all.push_back(event); }
+    void notify(const JobEvent& event) override { all.push_back(event); }
     [[nodiscard]] std::vector<JobEvent> of(Kind kind) const {
         std::vector<JobEvent> found;
         std::copy_if(all.begin(), all.end(), std::back_inserter(found),
