@@ -51,7 +51,7 @@ struct StateReader {
 /// In one order for reading and writing.
 template <class Stream, class Field>
 void field_in(Stream& stream, Field& field) {
-    stream.list(field.cells);
+    stream.list(field.blocks);
     stream.list(field.core);
     stream.list(field.out);
     stream.value(field.scale);

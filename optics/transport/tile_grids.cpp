@@ -28,7 +28,7 @@ void each_open_face(const ViewingGrid& grid, const GridBlock& block, Body&& body
 
 template <class Body>
 void each_list(ViewingField& field, Body&& body) {
-    body(field.cells);
+    body(field.blocks);
     body(field.core);
     body(field.out);
 }
@@ -52,7 +52,7 @@ std::size_t Tile::Shape::memory_bytes() const {
 }
 
 std::size_t Tile::field_bytes() const {
-    return cells_of_grid * sizeof(ViewingField::Code) + sizeof(ViewingField::FaceCode) * open_faces;
+    return cells_of_grid / 64 * sizeof(ViewingField::BlockCode) + sizeof(ViewingField::FaceCode) * open_faces;
 }
 
 TileGrids::TileGrids(const Scene& scene, const Surface& surface, const TransportOptions& options)
@@ -85,7 +85,7 @@ ViewingField& TileGrids::bring(Tile& tile, Fields Tile::*fields, std::size_t cha
 
 void TileGrids::put_away(Tile& tile, Fields Tile::*fields, std::size_t channel) {
     ViewingField& field = (tile.*fields)[channel];
-    if (!store_ || field.stored || field.cells.empty()) return;
+    if (!store_ || field.stored || field.blocks.empty()) return;
     store_->write(place_of(tile, fields, channel), field);
     const float scale = field.scale;
     field = {};
@@ -289,9 +289,9 @@ void TileGrids::count(TransportSummary& summary) const {
 
 ViewingField carried_over(const ViewingField& field, const ViewingGrid& was, const ViewingGrid& is) {
     VOXTONE_EXPECT(was.block_at.size() == is.block_at.size());
-    if (field.cells.empty()) return {};
+    if (field.blocks.empty()) return {};
     ViewingField next;
-    next.cells.resize(is.cells());
+    next.blocks.resize(is.transport_blocks.size());
     next.core.resize(is.core_block.size());
     next.out.resize(is.open_faces.size());
     for (std::size_t place = 0; place < is.block_at.size(); ++place) {
@@ -302,16 +302,16 @@ ViewingField carried_over(const ViewingField& field, const ViewingGrid& was, con
             next.core[to.core_node] = field.core[of.core_node];
         } else if (to.kind == BlockKind::core) {
             double sum = 0;
-            for (std::size_t k = 0; k < 64; ++k) sum += static_cast<double>(phi_of(field.cells[of.first_cell + k]));
+            for (const std::uint16_t phi : field.blocks[of.first_cell / 64].phi)
+                sum += static_cast<double>(phi_code.step * static_cast<float>(phi));
             next.core[to.core_node] = static_cast<float>(sum / 64);
         } else if (of.kind == BlockKind::core) {
-            ViewingField::Code code;
-            code.phi = phi_code(field.core[of.core_node]);
-            std::fill_n(next.cells.begin() + to.first_cell, 64, code);
+            const std::uint16_t phi = phi_code(field.core[of.core_node]);
+            next.blocks[to.first_cell / 64].phi.fill(phi);
             // Faces to a mirror: what leaves there is as diffuse as the core.
-            each_open_face(is, to, [&](std::uint32_t at) { next.out[at] = {code.phi, code.phi, {}}; });
+            each_open_face(is, to, [&](std::uint32_t at) { next.out[at] = {phi, phi, {}}; });
         } else {
-            std::copy_n(field.cells.begin() + of.first_cell, 64, next.cells.begin() + to.first_cell);
+            next.blocks[to.first_cell / 64] = field.blocks[of.first_cell / 64];
             std::vector<std::uint32_t> from;
             each_open_face(was, of, [&](std::uint32_t at) { from.push_back(at); });
             std::size_t k = 0;

@@ -60,7 +60,7 @@ struct FaceDirections {
 
 }  // namespace
 
-void derivatives_by_moments(const DerivativeScene& scene, std::span<const ViewingField::Code> forward,
+void derivatives_by_moments(const DerivativeScene& scene, std::span<const ViewingField::BlockCode> forward,
                             std::span<const Moments> adjoint, std::span<float> by_sigma_t,
                             std::span<float> by_sigma_s) {
     const ViewingGrid& grid = scene.grid;
@@ -69,7 +69,7 @@ void derivatives_by_moments(const DerivativeScene& scene, std::span<const Viewin
         for (std::size_t cell = begin; cell < end; ++cell) {
             by_sigma_t[cell] = by_sigma_s[cell] = 0;
             if (grid.medium[cell] == 0) continue;
-            const Moments a = moments_of(forward[cell]);
+            const Moments a = forward[cell / 64].moments(cell % 64, phi_code.step, 0);
             const Moments& b = adjoint[cell];
             const float phi2 = a.phi * b.phi, J2 = a.x * b.x + a.y * b.y + a.z * b.z;
             by_sigma_t[cell] = -V * (phi2 - 3 * J2);

@@ -22,7 +22,7 @@ struct DerivativeScene {
 };
 
 /// From phi and J of each cell: `forward` of light 1, `adjoint` / its scale. Sets both.
-void derivatives_by_moments(const DerivativeScene& scene, std::span<const ViewingField::Code> forward,
+void derivatives_by_moments(const DerivativeScene& scene, std::span<const ViewingField::BlockCode> forward,
                             std::span<const Moments> adjoint, std::span<float> by_sigma_t, std::span<float> by_sigma_s);
 
 /// Light on the open faces, 4 octets for each by tangential signs: what leaves through it and what enters.

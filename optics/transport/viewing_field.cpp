@@ -1,9 +1,33 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "optics/transport/viewing_field.h"
 
+#include <cmath>
 #include <cstring>
 
 namespace voxtone::optics {
+
+ViewingField::BlockCode block_code(const Moments* moments, std::uint64_t solid, const PhiCode& code) {
+    constexpr float steps = 127;
+    ViewingField::BlockCode block;
+    const auto is_solid = [&](std::size_t cell) { return (solid >> cell & 1) != 0; };
+    float largest = 0;
+    for (std::size_t cell = 0; cell < 64; ++cell)
+        if (is_solid(cell))
+            largest =
+                std::max({largest, std::abs(moments[cell].x), std::abs(moments[cell].y), std::abs(moments[cell].z)});
+    const float per_unit = largest > 0 ? steps / largest : 0;
+    block.J_step = largest / steps;
+    const auto rounded = [&](float J) {
+        return static_cast<std::int8_t>(static_cast<int>(J * per_unit + (steps + 0.5f)) - static_cast<int>(steps));
+    };
+    for (std::size_t cell = 0; cell < 64; ++cell) {
+        if (!is_solid(cell)) continue;
+        const Moments& m = moments[cell];
+        block.phi[cell] = code(m.phi);
+        block.J[0][cell] = rounded(m.x), block.J[1][cell] = rounded(m.y), block.J[2][cell] = rounded(m.z);
+    }
+    return block;
+}
 
 ViewingField::FaceCode face_code(const Octet* out, const PhiCode& code) {
     // Vector types of the compiler: left to itself it takes these floats one by one.

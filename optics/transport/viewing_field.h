@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Light of a viewing grid of whole cells as it is kept between two predictions: phi and J of each in 16 bits each, and
-// what leaves through each face to the light in its 32 directions, in 255 steps from the least of them to the most: a
-// few thousandths at an edge between black and white, of which the first sweep leaves a third. In 16 bits it was the
-// half of all light that is kept.
+// Light of a viewing grid of whole cells as it is kept between two predictions: phi of each in 16 bits, J in 8 bits an
+// axis of the largest in its block, and what leaves through each face to the light in its 32 directions, in 255 steps
+// from the least of them to the most: a few thousandths at an edge between black and white, of which the first sweep
+// leaves a third.
 //
-// Of light 1 everywhere phi has steps of 2 / 65535 from 0 to 2 and J of 1 / 32767 from -1 to 1; what lies outside is
-// clipped. Of an adjoint, which has both signs, phi has twice these steps, from -2 to 2, and all is in units of the
-// field's scale.
+// Of light 1 everywhere phi has steps of 2 / 65535 from 0 to 2; what lies outside is clipped. Of an adjoint, which has
+// both signs, it has twice these steps, from -2 to 2, and all is in units of the field's scale.
 #pragma once
 
 #include <algorithm>
@@ -23,27 +22,33 @@ namespace voxtone::optics {
 
 /// One channel's light between two predictions; of an adjoint, which has both signs, in coarser steps of its `scale`.
 struct ViewingField {
-    struct Code {
-        std::uint16_t phi = 0;
-        std::int16_t x = 0, y = 0, z = 0;
+    /// Of the cells of a transport block.
+    struct BlockCode {
+        std::array<std::uint16_t, 64> phi{};
+        std::array<std::array<std::int8_t, 64>, 3> J{};  ///< by axis, in J_step
+        float J_step = 0;
+        [[nodiscard]] Moments moments(std::size_t cell, float phi_step, float phi_zero, float unit = 1) const {
+            const float step = unit * J_step;
+            return {unit * phi_step * (static_cast<float>(phi[cell]) - phi_zero), step * static_cast<float>(J[0][cell]),
+                    step * static_cast<float>(J[1][cell]), step * static_cast<float>(J[2][cell])};
+        }
     };
-    /// Radiance that leaves through a face, as Code::phi; [tangential signs * 8 + direction] of 255 from low to high.
+    /// Radiance that leaves through a face, as BlockCode::phi; [tangential signs * 8 + direction] of 255 from low to
+    /// high.
     struct FaceCode {
         std::uint16_t low = 0, high = 0;
         std::array<std::uint8_t, 32> share{};
     };
-    std::vector<Code> cells;
+    std::vector<BlockCode> blocks;  ///< of each transport block
     std::vector<float> core;
     std::vector<FaceCode> out;  ///< of each open face
     float scale = 0;            ///< of an adjoint: radiance that stands for 1; 0: of light 1 everywhere
     bool stored = false;        ///< the lists are elsewhere (TileGrids::put_away)
-    [[nodiscard]] bool empty() const { return cells.empty() && !stored; }
+    [[nodiscard]] bool empty() const { return blocks.empty() && !stored; }
     [[nodiscard]] std::size_t memory_bytes() const {
-        return cells.capacity() * sizeof(Code) + 4 * core.capacity() + sizeof(FaceCode) * out.capacity();
+        return blocks.capacity() * sizeof(BlockCode) + 4 * core.capacity() + sizeof(FaceCode) * out.capacity();
     }
 };
-
-inline constexpr float J_step = 1.0f / 32767;
 
 /// How codes stand for phi: step * (code - zero), from `least` to 2.
 struct PhiCode {
@@ -58,25 +63,14 @@ struct PhiCode {
 };
 inline constexpr PhiCode phi_code{2.0f / 65535, 0, 0},
     signed_code{4.0f / 65535, 32768, -2};  ///< of light 1, of an adjoint
-[[nodiscard]] inline bool J_fits(float J) { return std::abs(J) < 1 + PhiCode::unseen; }
-
-[[nodiscard]] inline std::int16_t J_code(float J) {
-    return static_cast<std::int16_t>(static_cast<int>(std::clamp(J * (1 / J_step), -32767.0f, 32767.0f) + 32768.5f) -
-                                     32768);
-}
 /// Codes of phi that stand for its radiances, not rounded.
 [[nodiscard]] inline float code_of(const ViewingField::FaceCode& face, std::size_t k) {
     const float low = face.low;
     return low + (static_cast<float>(face.high) - low) * (static_cast<float>(face.share[k]) * (1.0f / 255));
 }
-[[nodiscard]] inline float phi_of(const ViewingField::Code& code) {
-    return phi_code.step * static_cast<float>(code.phi);
-}
-[[nodiscard]] inline Moments moments_of(const ViewingField::Code& code) {
-    return {phi_of(code), J_step * static_cast<float>(code.x), J_step * static_cast<float>(code.y),
-            J_step * static_cast<float>(code.z)};
-}
 
+/// Of the 64 cells of a block of which these are solid; air is kept as nothing.
+[[nodiscard]] ViewingField::BlockCode block_code(const Moments* moments, std::uint64_t solid, const PhiCode& code);
 /// Of the 32 radiances that leave through a face, each clipped to what codes of phi hold.
 [[nodiscard]] ViewingField::FaceCode face_code(const Octet* out, const PhiCode& code);
 

@@ -68,7 +68,7 @@ void ViewingSequence::make_live(std::size_t index, const Progress* progress) {
     grids_.make(tile, grids_.field_bytes() + room.memory_bytes(), progress);
     grids_.count(summary_);
     const std::size_t kept = keeps_light_ && !grids_.stores() ? channels() : 1,
-                      own = tile.light[0].cells.empty() ? kept * tile.field_bytes() : 0,
+                      own = tile.light[0].blocks.empty() ? kept * tile.field_bytes() : 0,
                       needed = tile.bytes + own + grids_.field_bytes();
     require_memory(
         "a sequence of predictions of " + std::to_string(tile.cells_of_grid) + " viewing cells at once needs ", needed,

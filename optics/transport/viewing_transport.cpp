@@ -115,7 +115,7 @@ ViewingTransport::Room ViewingTransport::take_room() {
 }
 
 std::size_t ViewingTransport::bytes_for(const ViewingGrid& grid, std::size_t channels) {
-    return grid.cells() * (4 * sizeof(Moments) + channels * sizeof(ViewingField::Code) + 8) +
+    return grid.cells() * (4 * sizeof(Moments) + 8) + grid.cells() / 64 * channels * sizeof(ViewingField::BlockCode) +
            grid.open_faces.size() * (8 * sizeof(Octet) + sizeof(ViewingField::FaceCode) * channels + 8) +
            grid.core_faces.size() * 32 + grid.cells() / 64 * 440 + grid.core_block.size() * 200;
 }
@@ -265,13 +265,10 @@ void ViewingTransport::start() {
 void ViewingTransport::load(const ViewingField& field) {
     const bool both_signs = field.scale > 0;
     const auto [phi_step, zero, least] = both_signs ? signed_code : phi_code;
-    const float rescale = both_signs ? field.scale / scale_ : 1.0f, step = phi_step * rescale, J = J_step * rescale;
-    parallel_ranges(0, moments_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const ViewingField::Code& code = field.cells[i];
-            moments_[i] = {step * (static_cast<float>(code.phi) - zero), J * static_cast<float>(code.x),
-                           J * static_cast<float>(code.y), J * static_cast<float>(code.z)};
-        }
+    const float rescale = both_signs ? field.scale / scale_ : 1.0f, step = phi_step * rescale;
+    parallel_ranges(0, field.blocks.size(), 1 << 8, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = 64 * begin; i < 64 * end; ++i)
+            moments_[i] = field.blocks[i / 64].moments(i % 64, phi_step, zero, rescale);
     });
     for (std::size_t i = 0; i < core_phi_.size(); ++i) core_phi_[i] = rescale * field.core[i];
     for (std::size_t i = 0; i < ghost_phi_.size(); ++i) core_phi_[grid_.ghosts[i]] = ghost_phi_[i];
@@ -287,18 +284,18 @@ void ViewingTransport::store(ViewingField& field, TransportSummary& summary) con
     const PhiCode code = scale_ > 0 ? signed_code : phi_code;
     std::atomic<std::size_t> kept{0}, clipped{0};
     field.scale = scale_;
-    field.cells.resize(moments_.size());
-    parallel_ranges(0, moments_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+    field.blocks.resize(grid_.transport_blocks.size());
+    parallel_ranges(0, field.blocks.size(), 1 << 8, [&](std::size_t begin, std::size_t end) {
         std::size_t solid = 0, out_of_range = 0;
-        for (std::size_t cell = begin; cell < end; ++cell) {
-            if (grid_.medium[cell] == 0) {
-                field.cells[cell] = {};
-                continue;
+        for (std::size_t t = begin; t < end; ++t) {
+            std::uint64_t holds = 0;
+            for (std::size_t cell = 64 * t; cell < 64 * t + 64; ++cell) {
+                if (grid_.medium[cell] == 0) continue;
+                holds |= std::uint64_t{1} << cell % 64;
+                ++solid;
+                out_of_range += !code.fits(moments_[cell].phi);
             }
-            const Moments& m = moments_[cell];
-            field.cells[cell] = {code(m.phi), J_code(m.x), J_code(m.y), J_code(m.z)};
-            ++solid;
-            out_of_range += !(code.fits(m.phi) && J_fits(m.x) && J_fits(m.y) && J_fits(m.z));
+            field.blocks[t] = block_code(&moments_[64 * t], holds, code);
         }
         kept += solid;
         clipped += out_of_range;
@@ -644,15 +641,15 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
     for (auto* const parts : {&parts_, &parts_up_, &parts_down_}) parts->resize(grid_.fine.medium.size());
     check();
     take_light(light, ghost_phi);
-    VOXTONE_EXPECT(field.cells.empty() || ((field.scale > 0) == (scale_ > 0) && !grid_.fine.any()));
-    VOXTONE_EXPECT(field.cells.empty() ||
-                   (field.cells.size() == grid_.cells() && field.core.size() == grid_.core_block.size() &&
+    VOXTONE_EXPECT(field.blocks.empty() || ((field.scale > 0) == (scale_ > 0) && !grid_.fine.any()));
+    VOXTONE_EXPECT(field.blocks.empty() ||
+                   (field.blocks.size() == grid_.transport_blocks.size() && field.core.size() == grid_.core_block.size() &&
                     field.out.size() == grid_.open_faces.size()));
     Stopwatch watch;
     prepare();
     std::fill(flux_.begin(), flux_.end(), 0.0f);
     std::fill(flux_change_.begin(), flux_change_.end(), 0.0f);
-    if (field.cells.empty())
+    if (field.blocks.empty())
         start();
     else
         load(field);
@@ -686,12 +683,12 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
 
 void ViewingTransport::derivatives(const ViewingField& forward, std::span<float> by_sigma_t,
                                    std::span<float> by_sigma_s, const Progress* progress) {
-    VOXTONE_EXPECT(scale_ > 0 && forward.scale == 0 && forward.cells.size() == moments_.size());
+    VOXTONE_EXPECT(scale_ > 0 && forward.scale == 0 && forward.blocks.size() == grid_.transport_blocks.size());
     const DerivativeScene scene{grid_, media_->cells, volume_ * scale_};
     const auto check_cancelled = [progress] {
         if (progress) progress->check_cancelled();
     };
-    derivatives_by_moments(scene, forward.cells, moments_, by_sigma_t, by_sigma_s);
+    derivatives_by_moments(scene, forward.blocks, moments_, by_sigma_t, by_sigma_s);
     check_cancelled();
     reflect();
     const std::vector<Octet> in = in_, out = out_;
