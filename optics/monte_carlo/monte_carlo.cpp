@@ -39,7 +39,7 @@ public:
                 .faces[starts_.face_at(surface_.cells[share.value / channels_], static_cast<double>(entry_.face[e]))];
         const auto axis = static_cast<std::size_t>(face.facing) / 2, along_u = (axis + 1) % 3, along_v = (axis + 2) % 3;
         const int side = static_cast<int>(face.facing) % 2;
-        start.voxel = face.voxel;
+        start.voxel = {face.voxel[0], face.voxel[1], face.voxel[2]};
         start.at[axis] = static_cast<float>(face.voxel[axis] + side);
         start.at[along_u] = static_cast<float>(face.voxel[along_u]) + entry_.u[e];
         start.at[along_v] = static_cast<float>(face.voxel[along_v]) + entry_.v[e];

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <string>
 #include <tuple>
 #include <type_traits>
 
 #include "base/contracts.h"
+#include "base/error.h"
 #include "base/parallel.h"
 #include "optics/media/mirrored_box.h"
 
@@ -15,6 +17,14 @@ namespace voxtone::optics {
 namespace {
 
 constexpr double kernel_sigma_mm = 0.12, kernel_reach_mm = 0.3, terrace_mm = 0.5;
+
+constexpr int most_voxels = 1 << 16;  // SurfaceFace::voxel
+
+SurfaceFace face_of(const std::array<int, 3>& voxel, Facing facing, bool slants) {
+    SurfaceFace face{{}, facing, slants};
+    for (std::size_t a = 0; a < 3; ++a) face.voxel[a] = static_cast<std::uint16_t>(voxel[a]);
+    return face;
+}
 
 /// A box of voxels with a margin, so that everything about a tile's faces is decided without looking elsewhere.
 struct Patch {
@@ -122,7 +132,7 @@ private:
                             normal[k] += stands_for * n[k];
                         }
                         area += stands_for;
-                        out.faces.push_back({at, static_cast<Facing>(f), slants});
+                        out.faces.push_back(face_of(at, static_cast<Facing>(f), slants));
                         ++cell.faces;
                     }
                 }
@@ -316,7 +326,7 @@ Surface top_surface(const Scene& scene, const std::array<int, 3>& cell, const Pr
                 for (int x = cx * cell[0]; x < std::min((cx + 1) * cell[0], size[0]); ++x) {
                     const int z = top[static_cast<std::size_t>(y) * nx + static_cast<std::size_t>(x)];
                     if (z < 0) continue;
-                    out.faces.push_back({{x, y, z}, Facing::plus_z});
+                    out.faces.push_back(face_of({x, y, z}, Facing::plus_z, false));
                     centre[0] += pitch[0] * (x + 0.5);
                     centre[1] += pitch[1] * (y + 0.5);
                     centre[2] += pitch[2] * (z + 1);
@@ -351,6 +361,11 @@ std::array<int, 3> cell_voxels(const std::array<double, 3>& pitch_mm, double cel
 
 Surface find_surface(const Scene& scene, const std::array<int, 3>& cell, SurfacePart part, const Progress* progress) {
     VOXTONE_EXPECT(scene.volume && cell[0] >= 1 && cell[1] >= 1 && cell[2] >= 1);
+    for (const int voxels : scene.volume->size())
+        if (voxels > most_voxels)
+            throw ResourceError("a print of " + std::to_string(voxels) + " voxels along an axis has more than the " +
+                                std::to_string(most_voxels) +
+                                " that its surface is looked for in: predict a part of it");
     Surface surface = part == SurfacePart::top ? top_surface(scene, cell, progress)
                                                : surface_near(scene, cell, {{}, scene.volume->size()}, progress);
     surface.cell_voxels = cell;

@@ -28,7 +28,7 @@ inline constexpr std::array<std::array<int, 3>, 6> step_of{
 
 /// A voxel's face between resin and air.
 struct SurfaceFace {
-    std::array<std::int32_t, 3> voxel{};  ///< the solid side
+    std::array<std::uint16_t, 3> voxel{};  ///< the solid side
     Facing facing{};
     bool slants =
         false;  ///< the smooth surface there has the slope of the face's cell and not the face's own direction
@@ -72,7 +72,8 @@ struct VoxelBox {
     }
 };
 
-/// The surface of a scene's volume. Faces on a sheet and on mirrored sides do not count. Throws Cancelled.
+/// The surface of a scene's volume. Faces on a sheet and on mirrored sides do not count. Throws Cancelled, and
+/// ResourceError for a volume of more than 65,536 voxels along an axis.
 [[nodiscard]] Surface find_surface(const Scene& scene, const std::array<int, 3>& cell_voxels, SurfacePart part,
                                    const Progress* progress = nullptr);
 /// All of it inside a box, and perhaps some around.

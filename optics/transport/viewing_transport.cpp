@@ -643,8 +643,8 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
     take_light(light, ghost_phi);
     VOXTONE_EXPECT(field.blocks.empty() || ((field.scale > 0) == (scale_ > 0) && !grid_.fine.any()));
     VOXTONE_EXPECT(field.blocks.empty() ||
-                   (field.blocks.size() == grid_.transport_blocks.size() && field.core.size() == grid_.core_block.size() &&
-                    field.out.size() == grid_.open_faces.size()));
+                   (field.blocks.size() == grid_.transport_blocks.size() &&
+                    field.core.size() == grid_.core_block.size() && field.out.size() == grid_.open_faces.size()));
     Stopwatch watch;
     prepare();
     std::fill(flux_.begin(), flux_.end(), 0.0f);

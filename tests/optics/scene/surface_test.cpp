@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
 #include "base/random.h"
 
 using namespace voxtone::optics;
@@ -55,4 +56,18 @@ TEST_CASE("No face stands for more than its own area, also where the body is ali
         CHECK(too_large == 0);
         CHECK(no_direction == 0);
     }
+}
+
+TEST_CASE("a row of voxels too long for a face's place is refused, the longest that fits has its last face") {
+    const ResinSet resins = vero_opaque();
+    const auto row = [](int voxels) {
+        return make_resin_volume({voxels, 1, 1}, j750, [](int, int, int) { return Material(1); });
+    };
+    const ResinVolume fits = row(65'536), too_long = row(65'537);
+    const Surface surface = find_surface({.volume = &fits, .resins = &resins}, {2, 1, 3}, SurfacePart::all);
+    const auto last = std::ranges::find(surface.faces, Facing::plus_x, &SurfaceFace::facing);
+    REQUIRE(last != surface.faces.end());
+    CHECK(last->voxel[0] == 65'535);
+    CHECK_THROWS_AS(find_surface({.volume = &too_long, .resins = &resins}, {2, 1, 3}, SurfacePart::all),
+                    voxtone::ResourceError);
 }
