@@ -22,7 +22,8 @@ constexpr io::Rgb tray_rgb{0x3a, 0x3c, 0x40};
 
 constexpr const char* style =
     "ol > li { margin: .9rem 0; max-width: 52rem; }\nol { padding-left: 1.4rem; margin: 0; }\n"
-    "li .table { margin: .5rem 0; }\nfigure svg { display: block; width: 100%; height: auto; background: #3a3c40; "
+    "li .table { margin: .5rem 0; }\nli th.n { white-space: normal; }\nfigure svg { display: block; width: 100%; "
+    "height: auto; background: #3a3c40; "
     "border-radius: 8px; }\n.two { display: grid; grid-template-columns: minmax(0, 3fr) minmax(0, 2fr); gap: 1.5rem; "
     "align-items: start; }\n@media (max-width: 50rem) { .two { grid-template-columns: minmax(0, 1fr); } }\n"
     "@media print { .warnings { border: 2px solid; } }\n";

@@ -101,6 +101,30 @@ TEST_CASE("The page of a print shows the numbers of its EXR files, and each of i
     CHECK(browser.requests() == std::vector<std::string>{});
 }
 
+TEST_CASE("What the operator reads is not cut off, in a window and on paper") {
+    if (find_chromium().empty()) return skip("there is no Chromium on this machine (Debian: chromium)");
+    const Folder folder("operator");
+    write_picture(folder);
+    REQUIRE(
+        run_program(fmt::format("slice {} --width 6mm --thickness 2.5mm --iterations 0 --predict none --quiet -o {}",
+                                folder / "picture.png", folder / "out"))
+            .exit_code == 0);
+    Chromium browser;
+    for (const std::string page : {"printer/HOW-TO-PRINT.html", "resin-assignment.html"})
+        for (const int width : {1400, 900, 720}) {
+            browser.open(folder / "out/" + page, width, 1000, 2);
+            for (const std::string media : {"screen", "print"}) {
+                browser.prefer_media(media);
+                CAPTURE(page, width, media);
+                CHECK(browser.evaluate("document.documentElement.scrollWidth <= innerWidth").get<bool>());
+                CHECK(browser
+                          .evaluate("[...document.querySelectorAll('.table')]"
+                                    ".filter(t => t.scrollWidth > t.clientWidth + 1).length")
+                          .get<int>() == 0);
+            }
+        }
+}
+
 TEST_CASE("predict writes a page too, with the voxels that it read") {
     const Folder folder("predicted-page");
     write_picture(folder);
