@@ -9,7 +9,7 @@ add_library(voxtone_flags INTERFACE)
 # An include is spelled as the tree is: "optics/layered/phase.h".
 target_include_directories(voxtone_flags INTERFACE ${PROJECT_SOURCE_DIR})
 # -ffp-contract=off: the same bits with and without fused multiply-add, so that a result does not depend on the machine.
-# -ffile-prefix-map: no path of the machine that built it in a program, and a compiler cache serves every checkout.
+# -ffile-prefix-map: no path of the machine that built it in a program.
 target_compile_options(voxtone_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off
                                                "-ffile-prefix-map=${PROJECT_SOURCE_DIR}/=")
 # Libraries that a program does not use are not loaded: OpenImageIO's 262 alone cost 0.14 s at every start.

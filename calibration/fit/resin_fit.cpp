@@ -237,6 +237,8 @@ ResinFit fit_resins(const PatchTable& table, const FitOptions& options, const Pr
     if (!prior.resins.empty()) result.set.source += fmt::format(", and {}", prior.source);
     result.set.channels = table.channels;
     result.set.g = options.model.g, result.set.eta = options.model.eta;
+    // Mixtures that were taken as ideal are to be sliced and predicted as such.
+    result.set.dot_spread = options.model.pitch_mm[0] > 0 ? options.model.dot_spread : 1;
     result.freedom = fits.front().freedom;
     std::vector<double> scale(channels, 1);
     for (std::size_t c = 0; c < channels; ++c) {

@@ -20,8 +20,8 @@ PatchTable read_measured_patches(const std::string& file, const MeasuredPatchOpt
     if (mixed && model.ideal_mixtures())
         progress.warn(named_warning(
             "ideal-mixtures",
-            "mixtures are taken as ideal; those of a printed target are dithers of voxels, and extinctions come out up "
-            "to a third wrong without them: give --printer or --pitch"));
+            "mixtures are taken as ideal, as a J750's droplets make them, which run together; where voxels stay sharp, "
+            "extinctions come out up to a third wrong: give --printer or --pitch there, and --dot-spread"));
     return table;
 }
 

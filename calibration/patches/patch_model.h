@@ -44,7 +44,7 @@ struct PatchModelOptions {
     UnderBase under = UnderBase::black;
     std::array<double, 3> pitch_mm{};  ///< of the voxels that mixtures are made of; 0: ideal mixtures
     optics::EffectiveMediumConstants dither = random_dither;
-    double dot_spread = 0;  ///< of the voxels (optics/media/effective_medium.h)
+    double dot_spread = 0;  ///< of the voxels (optics/media/effective_medium.h); ideal mixtures have 1
     [[nodiscard]] bool ideal_mixtures() const { return pitch_mm[0] == 0; }
 };
 

@@ -25,6 +25,8 @@ int run(CalibrateFitArguments& a, const CalibrateJobs& jobs) {
     return run_on_console(a.run, [&](Progress& progress) {
         set_patch_model(a.patches, a.job.fit.model);
         set_chart_fit(a.chart, a.job.chart);
+        if (a.job.fit.model.dot_spread > 0 && a.job.fit.model.ideal_mixtures())
+            throw UsageError("--dot-spread is of a printer's voxels; name it (--printer or --pitch)");
         return jobs.fit(a.job, progress);
     });
 }
@@ -38,6 +40,12 @@ void add_fit_options(CLI::App& command, calibration::FitOptions& fit) {
     add_value(command, "--g", fit.model.g, "mean cosine of the scattering angle; patches cannot tell it")
         ->group("Model");
     add_value(command, "--eta", fit.model.eta, "refractive index; patches cannot tell it")->group("Model");
+    add_value(
+        command, "--dot-spread", fit.model.dot_spread,
+        "of --printer's voxels in a target's mixtures: 0 sharp, 1 run together to an ideal mixture; a chart tells "
+        "its own")
+        ->check(CLI::Range(0.0, 1.0))
+        ->group("Model");
 }
 
 }  // namespace

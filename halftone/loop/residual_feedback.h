@@ -21,9 +21,8 @@
 //   min over the other channels of | W (Lab(v) - Lab(target)) |,   |W d| = CIEDE2000 of a small d at the target;
 //
 // then once more, if one of them cannot follow either. So white beside black turns grey and not blue: near grey a step
-// of chroma is seen as well as two or three of lightness. That is the relaxed target of the cell. (Oklab, its a and b
-// weighed by 2, was the distance before, and a cell was given up whose channels were all saturated: spot at 30 mm came
-// to 2.94 by four corrections that come to 2.35 now; docs/decisions/002.)
+// of chroma is seen as well as two or three of lightness. That is the relaxed target of the cell
+// (docs/decisions/002).
 //
 // Based on the idea of O. Elek et al., "Scattering-aware texture reproduction for 3D printing", ACM TOG 36, 6 (2017);
 // the relaxation is our own. Gauss-Newton is written out for it: three unknowns, for each saturated cell.

@@ -9,7 +9,8 @@
 //   w_l = exp(-1.6 kappa l h),   f_r = sum_l s_rl w_l / sum_rl s_rl w_l,   medium = (sum_rl s_rl) H(f),
 //
 // s_rl the share of the cell's volume that resin r has in layer l, h the thickness of a layer, H the medium of the
-// halftone (effective_medium.h). It takes a quarter off the error of photographs (docs/decisions/007).
+// halftone (effective_medium.h); sigma and kappa in mm^-1, h in mm. It takes a quarter off the error of photographs
+// (docs/decisions/007).
 #pragma once
 
 #include <array>

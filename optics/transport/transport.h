@@ -13,7 +13,7 @@
 // (transport_directions.h); media carry the albedo that makes homogeneous half-spaces that look along z exact
 // (transport_medium.h); where a cell holds several resins, they are those of the halftone (effective_medium.h).
 //
-// Large bodies are predicted tile by tile (viewing_tiles.h), in tiles as large as memory allows. Loops ask for a
+// Large bodies are predicted tile by tile (viewing_tiles.h), in tiles as the options have them. Loops ask for a
 // sequence, in which the light of one print is kept for the next (viewing_sequence.h), with its adjoint gradient
 // (viewing_gradient.h).
 //
@@ -38,7 +38,7 @@ public:
     /// Throws UsageError for less than one sweep and cells of no size.
     explicit TransportPredictor(const TransportOptions& options = {});
 
-    /// Throws ResourceError where not even small tiles fit into the memory allowed.
+    /// Throws ResourceError where a tile does not fit into the memory allowed.
     [[nodiscard]] Appearance predict(const Scene& scene, const Surface& surface,
                                      const Progress* progress = nullptr) const override;
     [[nodiscard]] Appearance predict(const Scene& scene, const Surface& surface, TransportSummary& summary,
@@ -47,8 +47,8 @@ public:
     /// there is a volume. It may need much more.
     [[nodiscard]] std::size_t least_bytes(double solid_mm3, const std::array<double, 3>& pitch_mm) const;
 
-    /// A ViewingSequence, in smaller tiles where memory is short; predictions anew each time where it does not allow
-    /// one.
+    /// A ViewingSequence, with what is not worked at outside of memory where that is short (TransportOptions::scratch);
+    /// predictions anew each time where it does not allow one.
     [[nodiscard]] std::unique_ptr<AppearanceSequence> sequence(const Scene& scene, const Surface& surface,
                                                                const Progress* progress = nullptr) const override;
 

@@ -3,7 +3,8 @@
 // Derivative of a function F of the appearance with respect to the resins of a viewing grid.
 //
 // L psi = S psi with psi coming in through the surface; the adjoint of L is L with all directions reversed. With psi*
-// the light that enters through each face with radiance d F / d (flux that leaves there), in a cell of volume V
+// the light that enters through each face with radiance d F / d (flux that leaves there), in a cell of volume V (mm^3;
+// sigma in mm^-1; adjoints: Lewis and Miller 1984, Ch. 1)
 //
 //   d F / d sigma_t = -V sum_d w_d psi_d psi*_-d,   d F / d sigma_s = V (phi phi* - 3 g' J . J*).
 //

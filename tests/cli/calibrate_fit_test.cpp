@@ -40,6 +40,7 @@ TEST_CASE("calibrate fit makes a resin set of patches that slice can use, and ca
     CHECK_THAT(fit.out, Contains("CIEDE2000 of 20 patches") && Contains("reduced extinction"));
     const optics::ResinSet set = io::read_resin_set(folder / "my.json");
     CHECK(set.name == "my");
+    CHECK(set.dot_spread == 1);  // ideal, as they were taken
     const optics::ResinSet truth = optics::vero_opaque();
     for (const auto& resin : truth.resins)
         for (std::size_t c = 0; c < 3; ++c) {
@@ -106,6 +107,7 @@ TEST_CASE("calibrate fit refuses what it cannot use, with the exit code of its k
     fails(folder / "negative.csv", 3, "W on W");
     fails(folder / "good.csv --resins C,M,Y,K,W,O", 3, "resin O has no patch");
     fails(folder / "good.csv --g 1.5", 3, "g is 1.5");
+    fails(folder / "good.csv --dot-spread 0.5", 2, "--printer or --pitch");
     fails(folder / "good.csv --printer stratasys-j750-hm --pitch 1,1,1mm", 2, "--pitch");
     const Outcome check = run_program(fmt::format("calibrate check nowhere {}", folder / "good.csv"));
     CHECK(check.exit_code == 3);

@@ -144,8 +144,17 @@ TEST_CASE("Halftoned mixtures are fitted as halftones, and their bias shows wher
     FitOptions options;
     options.model.pitch_mm = {0.0423, 0.0847, 0.027};
     measure(table, optics::vero_opaque(), 0, 1, options.model);
-    CHECK(worst_error(fit_resins(table, options), optics::vero_opaque()) < 1e-3);
-    CHECK(worst_error(fit_resins(table, {}), optics::vero_opaque()) > 0.05);
+    const ResinFit sharp = fit_resins(table, options), ideal = fit_resins(table, {});
+    CHECK(worst_error(sharp, optics::vero_opaque()) < 1e-3);
+    CHECK(worst_error(ideal, optics::vero_opaque()) > 0.05);
+    // Each set says how its mixtures were taken, for whoever slices with it.
+    CHECK(sharp.set.dot_spread == 0);
+    CHECK(ideal.set.dot_spread == 1);
+    options.model.dot_spread = 0.6;
+    measure(table, optics::vero_opaque(), 0, 1, options.model);
+    const ResinFit between = fit_resins(table, options);
+    CHECK(worst_error(between, optics::vero_opaque()) < 1e-3);
+    CHECK(between.set.dot_spread == 0.6);
 }
 
 TEST_CASE("Another phase function and index in both, and wavelengths instead of colours, give back the set") {

@@ -456,6 +456,5 @@ TEST_CASE("Cells of the eye: too little memory is an error") {
     TransportOptions options = on_viewing_cells();
     options.memory_bytes = 1'000'000;
     CHECK_THROWS_AS(ViewingSequence(scene, surface, options), ResourceError);
-    // The predictor then tries smaller tiles, for which this is too little as well.
     CHECK_THROWS_AS((void)TransportPredictor(options).predict(scene, surface), ResourceError);
 }
