@@ -119,6 +119,8 @@ void PhotoJob::validate() const {
     if (photos.empty()) throw UsageError("calibrate photo: no photograph");
     if (!(measure.inner >= 0.1 && measure.inner <= 0.9))
         throw UsageError(fmt::format("--inner: {:g}; it lies between 0.1 and 0.9 of a square's edge", measure.inner));
+    if (top_mm && !(*top_mm > 0 && *top_mm <= 10))
+        throw UsageError(fmt::format("--top: {:g} mm; squares are above 0 and at most 10 mm thick", *top_mm));
     if (photos.size() > 1 && (measure.corners || measure.checker_corners))
         throw UsageError("corners given by hand are those of one photograph; measure such photographs one by one");
 }
@@ -126,7 +128,10 @@ void PhotoJob::validate() const {
 JobResult run_photo_job(const PhotoJob& job, Progress& progress) {
     job.validate();
     io::expect_outputs(outputs(job), job.overwrite);
-    const Target target = read_target(job.target);
+    Target target = read_target(job.target);
+    if (job.top_mm && target.is_chart())
+        throw UsageError("--top: the squares of a chart are as thick as its slab; it is of a target of thin squares");
+    target.top_mm = job.top_mm.value_or(target.top_mm);
     const std::vector<PhotoMeasurement> photos = measure_all(job, target, progress);
     const MeasuredTable measured = average_photos(photos, target, job.channels);
     for (const std::string& warning : measured.warnings) progress.warn(warning);

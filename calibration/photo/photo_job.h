@@ -4,6 +4,7 @@
 // picture of what was sampled beside each.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,7 +20,8 @@ struct PhotoJob {
     std::string checker = "colorchecker24";  ///< chart beside the target, or its file
     PhotoMeasureOptions measure;             ///< corners by hand are those of one photograph
     PhotoChannels channels = PhotoChannels::automatic;
-    std::string out;         ///< table of patches (calibration/patches/patch_file.h)
+    std::optional<double> top_mm;  ///< thickness of the squares as they are, in (0, 10]; none: as they were printed
+    std::string out;               ///< table of patches (calibration/patches/patch_file.h)
     std::string overlay;     ///< picture of what was sampled, the next ones as NAME-2.png, ...; empty: beside the table
     std::string picture;     ///< the target as it was measured, straightened (target_picture.h); empty: none
     bool overwrite = false;  ///< files that are there are replaced

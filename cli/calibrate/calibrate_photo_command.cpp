@@ -60,6 +60,9 @@ Command add_calibrate_photo_command(CLI::App& calibrate, const CalibrateJobs& jo
         ->check(CLI::IsMember({"auto", "rgb", "wide"}));
     add_value(*command, "--inner", a.job.measure.inner, "part of a square's edge that is sampled")
         ->check(CLI::Range(0.1, 0.9));
+    a.run.lengths.add(*command, "--top", a.job.top_mm,
+                      "thickness of a target's squares as a gauge tells it, where they were polished; 30 um are 4 % of "
+                      "an extinction; empty: as printed");
     command->add_option("--overlay", a.job.overlay, "picture of what was sampled; empty: beside the table")
         ->type_name("FILE");
     command

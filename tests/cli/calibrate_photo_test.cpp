@@ -133,6 +133,12 @@ TEST_CASE("Photographs of all kinds of files are measured") {
         const nlohmann::json result = result_of(run_program(photo + folder / name));
         CHECK(result["count"] == 10);
         CHECK(worst_difference(folder / "patches.csv", folder / "truth.csv") < 0.005);
+        if (name != "photo.png") continue;
+        // Squares that were polished thinner are told as they are.
+        result_of(run_program(photo + folder / name + " --top 640um"));
+        for (const calibration::Patch& patch : calibration::read_patches(folder / "patches.csv").patches)
+            CHECK(patch.thickness_mm == Approx(0.64));
+        CHECK(run_program(photo + folder / name + " --top 0mm").exit_code == 2);
         CHECK(std::filesystem::exists(folder / "patches-overlay.png"));
     }
     require_done(run_program(simulate + folder / "codes.png" + " --8-bits"));
