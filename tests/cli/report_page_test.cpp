@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include <OpenImageIO/imageio.h>
 #include <fmt/core.h>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "exr_numbers.h"
 #include "io/pictures/picture_writer.h"
 #include "io/pictures/srgb_code.h"
 #include "run_program.h"
@@ -23,25 +23,11 @@ using Catch::Contains;
 
 namespace {
 
-struct Numbers {
-    int width = 0, height = 0, channels = 0;
-    std::vector<float> values;
-    [[nodiscard]] std::string hex(int x, int y) const {
-        const float* at =
-            values.data() + (std::size_t(y) * std::size_t(width) + std::size_t(x)) * std::size_t(channels);
-        return fmt::format("#{:02x}{:02x}{:02x}", io::linear_to_srgb8(at[0]), io::linear_to_srgb8(at[1]),
-                           io::linear_to_srgb8(at[2]));
-    }
-};
-
-Numbers read_exr(const std::string& path) {
-    const auto in = OIIO::ImageInput::open(path);
-    REQUIRE(in);
-    const OIIO::ImageSpec& spec = in->spec();
-    Numbers n{spec.width, spec.height, spec.nchannels, {}};
-    n.values.resize(std::size_t(n.width) * std::size_t(n.height) * std::size_t(n.channels));
-    REQUIRE(in->read_image(0, 0, 0, n.channels, OIIO::TypeDesc::FLOAT, n.values.data()));
-    return n;
+/// As the page writes a colour.
+std::string hex(const ExrNumbers& numbers, int x, int y) {
+    const float* at = numbers.at(x, y);
+    return fmt::format("#{:02x}{:02x}{:02x}", io::linear_to_srgb8(at[0]), io::linear_to_srgb8(at[1]),
+                       io::linear_to_srgb8(at[2]));
 }
 
 /// Stripes of colour and a dark square.
@@ -70,7 +56,7 @@ TEST_CASE("The page of a print shows the numbers of its EXR files, and each of i
     REQUIRE(run_program(fmt::format("slice {} --width 6mm --thickness 2.5mm --iterations 1 --quiet -o {}",
                                     folder / "picture.png", folder / "out"))
                 .exit_code == 0);
-    const Numbers target = read_exr(folder / "out/target.exr"), print = read_exr(folder / "out/predicted.exr");
+    const ExrNumbers target = read_exr(folder / "out/target.exr"), print = read_exr(folder / "out/predicted.exr");
     Chromium browser;
     browser.open(folder / "out/report.html");
     (void)browser.evaluate("document.getElementById('viewer-canvas').scrollIntoView({block: 'center'})");
@@ -87,7 +73,7 @@ TEST_CASE("The page of a print shows the numbers of its EXR files, and each of i
         REQUIRE(browser.wait_for(
             fmt::format("document.getElementById('probe-list').innerText.includes('{}, {}')", column, row)));
         CHECK_THAT(text_of(browser, "probe-values"),
-                   Contains(target.hex(column, row)) && Contains(print.hex(column, row)));
+                   Contains(hex(target, column, row)) && Contains(hex(print, column, row)));
         CHECK_THAT(text_of(browser, "probe-mixture"), Contains("0.7 to 1 mm") && Contains(" %"));
     }
     // A worst place has the difference that its line in the list says.
