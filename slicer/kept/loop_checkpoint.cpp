@@ -3,13 +3,17 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <memory>
 #include <type_traits>
 
 #include <fmt/core.h>
 
 #include "base/error.h"
+#include "io/disk/disk_space.h"
 #include "io/files/whole_file.h"
 #include "io/files/xxh64.h"
 #include "io/layers/stack_folder.h"
@@ -141,6 +145,10 @@ FileError broken_file(const std::filesystem::path& file) {
         "{}: is not whole, or no checkpoint of this program; start without --resume, with --overwrite", file.string()));
 }
 
+struct CloseState {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+};
+
 InputError of_another_job(const std::filesystem::path& file) {
     return InputError(
         fmt::format("{}: belongs to a job with other options, or with inputs (model, textures, resins, printer) "
@@ -206,20 +214,25 @@ void LoopCheckpoint::hand_over(const Piece& take, const halftone::LoopState& sta
 
 void LoopCheckpoint::write(const halftone::LoopState& state, const optics::AppearanceSequence& sequence) const {
     const std::filesystem::path part = io::part_path(file_);
-    std::ofstream out(part, std::ios::binary);
+    const std::unique_ptr<std::FILE, CloseState> out(std::fopen(part.c_str(), "wbe"));
+    if (!out) io::fail_to_write(file_, "cannot be created", errno);
+    int fault = 0;
+    const auto write = [&](const void* data, std::size_t more) {
+        if (fault == 0 && std::fwrite(data, 1, more, out.get()) != more) fault = errno;
+    };
     io::Xxh64 sum;
     const auto put = [&](const void* data, std::size_t more) {
         sum.update(data, more);
-        out.write(static_cast<const char*>(data), static_cast<std::streamsize>(more));
+        write(data, more);
     };
     hand_over(put, state, sequence);
     const std::uint64_t digest = sum.digest();
-    out.write(reinterpret_cast<const char*>(&digest), digest_size);
-    out.close();
-    if (out.fail()) {
+    write(&digest, digest_size);
+    if (std::fflush(out.get()) != 0 && fault == 0) fault = errno;
+    if (fault != 0) {
         std::error_code not_there;
         std::filesystem::remove(part, not_there);
-        throw FileError(fmt::format("{}: cannot be written; is the disk full?", file_.string()));
+        io::fail_to_write(file_, "could not be written", fault);
     }
     io::finish_part(file_);
 }

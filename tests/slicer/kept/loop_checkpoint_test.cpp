@@ -116,6 +116,20 @@ TEST_CASE("A state that cannot be written is said", "[loop]") {
     CHECK_THROWS_AS(save(checkpoint, some_state(6)), FileError);
 }
 
+TEST_CASE("A state that has no room says why, and leaves nothing half-written", "[loop]") {
+    const io::TemporaryFolder folder;
+    const std::vector<Eigen::Vector3f> target(6, Eigen::Vector3f::Constant(0.5f));
+    const LoopCheckpoint checkpoint(folder.path(), opened_job, a_job, target);
+    const std::filesystem::path part = io::part_path(checkpoint.file());
+    std::filesystem::create_symlink("/dev/full", part);
+    CHECK_THROWS_AS(save(checkpoint, some_state(6)), TryAgain);
+    CHECK_FALSE(std::filesystem::is_symlink(part));
+    // One that cannot be opened has its own reason, and a full disk is none of them.
+    const LoopCheckpoint nowhere(folder.path() / "not-there", opened_job, a_job, target);
+    CHECK_THROWS_WITH(save(nowhere, some_state(6)), Catch::Contains("No such file") && !Catch::Contains("disk"));
+    CHECK_FALSE(checkpoint.exists());
+}
+
 TEST_CASE("A state of another job or a broken file is refused", "[loop]") {
     const io::TemporaryFolder folder;
     const std::vector<Eigen::Vector3f> target(6, Eigen::Vector3f::Constant(0.5f));
