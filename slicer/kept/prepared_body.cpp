@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/kept/prepared_body.h"
 
+#include <algorithm>
 #include <cstring>
 #include <map>
 #include <memory>
@@ -93,16 +94,25 @@ void put_materials(PackedWriter& to, const std::vector<io::SurfaceMaterial>& mat
     }
 }
 
+/// All its levels lie within its texels.
+std::shared_ptr<const io::MipPyramid> pyramid_from(PackedReader& from) {
+    std::vector<io::MipPyramid::Level> levels;
+    std::vector<std::uint16_t> texels;
+    from(levels, texels);
+    const std::size_t all = texels.size() / 4;
+    const bool fit = std::ranges::all_of(levels, [&](const io::MipPyramid::Level& level) {
+        const std::uint64_t own = std::uint64_t{level.width} * level.height;
+        return own >= 1 && own <= all && level.first <= all - own;
+    });
+    if (levels.empty() || !fit) throw InputError("what the first shard left has a texture without its texels");
+    return std::make_shared<const io::MipPyramid>(std::move(levels), std::move(texels));
+}
+
 std::vector<io::SurfaceMaterial> materials_from(PackedReader& from) {
     std::uint64_t count = 0;
     from(count);
     std::vector<std::shared_ptr<const io::MipPyramid>> pyramids;
-    for (std::uint64_t i = 0; i < count; ++i) {
-        std::vector<io::MipPyramid::Level> levels;
-        std::vector<std::uint16_t> texels;
-        from(levels, texels);
-        pyramids.push_back(std::make_shared<const io::MipPyramid>(std::move(levels), std::move(texels)));
-    }
+    for (std::uint64_t i = 0; i < count; ++i) pyramids.push_back(pyramid_from(from));
     from(count);
     std::vector<io::SurfaceMaterial> materials;
     for (std::uint64_t i = 0; i < count; ++i) {
@@ -114,7 +124,9 @@ std::vector<io::SurfaceMaterial> materials_from(PackedReader& from) {
         io::Wrap wrap_u{}, wrap_v{};
         bool nearest = false;
         from(pyramid, wrap_u, wrap_v, nearest);
-        material.texture = std::make_shared<const io::Texture>(pyramids.at(pyramid), wrap_u, wrap_v, nearest);
+        if (pyramid >= pyramids.size())
+            throw InputError("what the first shard left has a material without its texture");
+        material.texture = std::make_shared<const io::Texture>(pyramids[pyramid], wrap_u, wrap_v, nearest);
     }
     return materials;
 }

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "io/files/whole_file.h"
+#include "io/files/xxh64.h"
+#include "io/pictures/texture.h"
+#include "io/shards/shard_folder.h"
+#include "slicer/kept/prepared_body.h"
+#include "tests/io/files/temporary_folder.h"
+
+using namespace voxtone;
+using namespace voxtone::slicer;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string this_job(64, 'a');
+
+JobBody body_with_texture() {
+    io::TexelImage image;
+    image.width_px = image.height_px = 2;
+    image.srgb8.assign(16, 200);
+    JobBody body;
+    body.name = "tile";
+    body.model.mesh.materials.push_back(
+        {"glaze", Eigen::Vector3f(0.25f, 0.5f, 1),
+         std::make_shared<const io::Texture>(std::move(image), io::Wrap{}, io::Wrap{}, false)});
+    return body;
+}
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// Where the bytes of `what` stand in the file.
+template <class Value>
+std::size_t place_of(const Bytes& bytes, const std::vector<Value>& what) {
+    const auto* const begin = reinterpret_cast<const std::uint8_t*>(what.data());
+    const auto found = std::search(bytes.begin(), bytes.end(), begin, begin + what.size() * sizeof(Value));
+    REQUIRE(found != bytes.end());
+    return std::size_t(found - bytes.begin());
+}
+
+/// Puts a number in, and the sum that is right for it.
+template <class Number>
+void forge(const fs::path& file, Bytes bytes, std::size_t at, Number number) {
+    REQUIRE(at + sizeof number < bytes.size() - sizeof(std::uint64_t));
+    std::memcpy(bytes.data() + at, &number, sizeof number);
+    const std::uint64_t sum = io::xxh64(std::span(bytes).first(bytes.size() - sizeof(std::uint64_t)));
+    std::memcpy(bytes.data() + bytes.size() - sizeof sum, &sum, sizeof sum);
+    io::write_whole_file(file, bytes);
+}
+
+}  // namespace
+
+TEST_CASE("A prepared body comes back as it was, for its own job", "[shards]") {
+    const io::TemporaryFolder folder;
+    fs::create_directories(io::shards_folder(folder.path()));
+    keep_prepared(folder.path(), this_job, body_with_texture());
+    const auto body = read_prepared(folder.path(), this_job);
+    REQUIRE(body);
+    CHECK(body->name == "tile");
+    REQUIRE(body->model.mesh.materials.size() == 1);
+    const io::SurfaceMaterial& back = body->model.mesh.materials[0];
+    const JobBody before = body_with_texture();
+    CHECK(back.name == "glaze");
+    CHECK(back.rgb == Eigen::Vector3f(0.25f, 0.5f, 1));
+    CHECK(back.texture->pyramid()->texels() == before.model.mesh.materials[0].texture->pyramid()->texels());
+    CHECK_FALSE(read_prepared(folder.path(), std::string(64, 'b')));
+}
+
+TEST_CASE("A prepared body whose parts do not fit together is made anew, though its sum is right", "[shards]") {
+    const io::TemporaryFolder folder;
+    fs::create_directories(io::shards_folder(folder.path()));
+    keep_prepared(folder.path(), this_job, body_with_texture());
+    const fs::path file = io::prepared_file(folder.path(), this_job);
+    const Bytes whole = io::read_whole_file(file, 1 << 20);
+
+    // Behind the material's name, its colour, and that it has a texture: which one.
+    const std::size_t name = place_of(whole, std::vector<char>{'g', 'l', 'a', 'z', 'e'});
+    const std::size_t number = name + 5 + sizeof(Eigen::Vector3f) + sizeof(bool);
+    forge(file, whole, number, std::uint32_t{0});
+    CHECK(read_prepared(folder.path(), this_job));
+    forge(file, whole, number, std::uint32_t{1});
+    CHECK_FALSE(read_prepared(folder.path(), this_job));
+
+    // Levels of 2 x 2 texels and of one: the second lies behind the texels, or is wider than what is there.
+    using Level = io::MipPyramid::Level;
+    const std::size_t second = place_of(whole, std::vector<std::uint32_t>{2, 2, 0, 0, 1, 1}) + sizeof(Level);
+    forge(file, whole, second + offsetof(Level, first), std::size_t{5});
+    CHECK_FALSE(read_prepared(folder.path(), this_job));
+    forge(file, whole, second + offsetof(Level, width), std::uint32_t{3});
+    CHECK_FALSE(read_prepared(folder.path(), this_job));
+    forge(file, whole, second + offsetof(Level, width), std::uint32_t{0});
+    CHECK_FALSE(read_prepared(folder.path(), this_job));
+}
