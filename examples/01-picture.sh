@@ -1,5 +1,5 @@
 #!/bin/sh
-# A picture as a flat print: 12 mm wide, 2 mm thick, then checked as the printer's software would check it.
+# A picture as a flat print: 6 mm wide, 2 mm thick, then checked as the printer's software would check it.
 set -eu
 voxtone=${VOXTONE:-build/release/bin/voxtone}
 out=${OUT:-out}/01-picture
