@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/batch/cluster_options.h"
 
+#include <algorithm>
+#include <array>
+#include <string>
+#include <string_view>
 #include <system_error>
+#include <vector>
 
 #include <fmt/core.h>
 
@@ -19,6 +24,38 @@ std::vector<std::string> with_dashes(const std::vector<std::string>& words) {
     std::vector<std::string> dashed;
     for (const std::string& word : words) dashed.push_back(word.starts_with('-') ? word : "--" + word);
     return dashed;
+}
+
+/// Options of sbatch that voxtone says itself: what a task waits for, which it is, where it works and writes. Who said
+/// them again would win. Names may be cut short, as in sbatch.
+void expect_sbatch_options(const std::vector<std::string>& words) {
+    struct Taken {
+        std::string_view name;
+        char letter;
+    };
+    constexpr Taken clusters{"clusters", 'M'};
+    constexpr std::array taken{Taken{"array", 'a'},  Taken{"chdir", 'D'},   Taken{"dependency", 'd'},
+                               Taken{"output", 'o'}, Taken{"test-only", 0}, Taken{"wait", 'W'},
+                               Taken{"wrap", 0}};
+    for (const std::string& word : words) {
+        const bool is_letter = word.size() > 1 && word[0] == '-' && word[1] != '-';
+        const std::size_t begin = std::min(word.find_first_not_of('-'), word.size());
+        const std::string_view name = std::string_view(word).substr(begin, word.find_first_of("= ", begin) - begin);
+        const auto is = [&](const Taken& option) {
+            constexpr std::size_t shortest = 3;  // letters that no other option begins with
+            return is_letter ? word[1] == option.letter : name.size() >= shortest && option.name.starts_with(name);
+        };
+        if (is(clusters))
+            throw UsageError(fmt::format(
+                "--sbatch-option {}: jobs that go to another cluster are not seen in the queue of this one, and would "
+                "be handed over again; call voxtone there",
+                word));
+        if (const auto* const own = std::ranges::find_if(taken, is); own != taken.end())
+            throw UsageError(fmt::format(
+                "--sbatch-option {}: --{} is said by voxtone itself, and tasks would run in another order or place; "
+                "leave it out",
+                word, own->name));
+    }
 }
 
 }  // namespace
@@ -70,6 +107,7 @@ void expect_cluster_options(const CLI::App& command, const ClusterOptions& optio
             throw UsageError("--shards goes with --slurm or --openjd; here a job is not cut");
     }
     if (!options.any()) return;
+    expect_sbatch_options(options.sbatch);
     const char* const kind = options.slurm ? "--slurm" : "--openjd";
     for (const char* const name : {"--jobs", "--memory", "--fail-fast", "--after", "--print-commands"})
         if (command.count(name) > 0)

@@ -260,6 +260,24 @@ TEST_CASE("Options that do not go with a cluster, or only with it, are refused")
     CHECK_FALSE(fs::exists(shop.folder.path() / "out"));
 }
 
+TEST_CASE("An option of sbatch that would undo the order or the place of the tasks is refused") {
+    const Workshop shop;
+    shop.slurm();
+    for (const char* word : {"dependency=singleton", "--depend=afterok:1", "-dafterok:1", "array=1-2", "chdir=/tmp",
+                             "output=x", "wrap=true", "test-only", "wait"}) {
+        const Outcome outcome = shop.batch(fmt::format("--sbatch-option={}", word));
+        INFO(word << ": " << outcome.err);
+        CHECK(outcome.exit_code == 2);
+        CHECK_THAT(outcome.err, Contains("--sbatch-option") && Contains("is said by voxtone itself"));
+    }
+    for (const char* word : {"clusters=far", "--clusters=far", "-Mfar"})
+        CHECK_THAT(shop.batch(fmt::format("--sbatch-option={}", word)).err,
+                   Contains("another cluster") && Contains("call voxtone there"));
+    CHECK_FALSE(fs::exists(shop.folder.path() / "out"));
+    for (const char* word : {"cluster-constraint=fast", "wait-all-nodes=1", "-plong", "mem=2G"})
+        CHECK(shop.batch(fmt::format("--dry-run --sbatch-option={}", word)).exit_code == 0);
+}
+
 TEST_CASE("A task that was never handed over, or was handed over anew since, is refused") {
     const Workshop shop;
     shop.slurm();
