@@ -82,7 +82,8 @@ double share(double quota_us, double period_us) {
 
 std::uint64_t cgroup_memory_bytes(const fs::path& cgroup, const fs::path& mount) {
     return least_of_groups<std::uint64_t>(
-        cgroup, mount, "memory", unlimited, [](const fs::path& group) { return bytes_in(group / "memory.max"); },
+        cgroup, mount, "memory", unlimited,
+        [](const fs::path& group) { return std::min(bytes_in(group / "memory.max"), bytes_in(group / "memory.high")); },
         [](const fs::path& group) { return bytes_in(group / "memory.limit_in_bytes"); });
 }
 

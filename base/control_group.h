@@ -10,7 +10,8 @@
 
 namespace voxtone {
 
-/// memory.max, memory.limit_in_bytes. The largest number where none is set.
+/// memory.max, memory.high (above it the kernel slows processes down), memory.limit_in_bytes. The largest number where
+/// none is set.
 [[nodiscard]] std::uint64_t cgroup_memory_bytes(const std::filesystem::path& cgroup = "/proc/self/cgroup",
                                                 const std::filesystem::path& mount = "/sys/fs/cgroup");
 

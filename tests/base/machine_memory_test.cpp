@@ -56,6 +56,16 @@ TEST_CASE("the memory of control groups", "[memory]") {
         groups.write("mount/other/memory.max", "5");
         CHECK(groups.memory() == 2000000000);
     }
+    SECTION("version 2: above memory.high a process is not killed but slowed down") {
+        groups.write("self", "0::/user/one");
+        groups.write("mount/user/memory.max", "3000000000");
+        groups.write("mount/user/memory.high", "max");
+        CHECK(groups.memory() == 3000000000);
+        groups.write("mount/user/memory.high", "2000000000");
+        CHECK(groups.memory() == 2000000000);
+        groups.write("mount/user/one/memory.high", "0");  // all that can be is to be given back: no limit
+        CHECK(groups.memory() == 2000000000);
+    }
     SECTION("version 2 in a container, where the mount is the group") {
         groups.write("self", "0::/");
         groups.write("mount/memory.max", "1000000000");
