@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What the program says to command lines that it cannot follow, and that every failure is told in the same voice.
+#include <fstream>
 #include <string>
 
 #include <fmt/core.h>
@@ -271,6 +272,20 @@ TEST_CASE("A stdout that takes nothing is noticed") {
         CHECK_THAT(read_file(folder / "err"), Contains("stdout could not be written"));
     }
     CHECK(run_into_full("slcie --json") == 2);
+}
+
+TEST_CASE("A print does not depend on who reads what is said of it") {
+    const Folder folder("pipe");
+    const std::string out = folder / "out", model = folder / "cube.obj";
+    std::ofstream(model) << "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 0 0 2\nv 2 0 2\nv 2 2 2\nv 0 2 2\n"
+                            "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+    // The reader is gone before the first word.
+    run_shell(fmt::format(
+        "{{ sleep 0.2; '{}' slice --json --quality draft --no-report '{}' -o '{}' 2>'{}'; echo $? >'{}'; }} | true",
+        VOXTONE_PROGRAM, model, out, folder / "err", folder / "code"));
+    CHECK(read_file(folder / "code") == "75\n");
+    CHECK_THAT(read_file(folder / "err"), Contains("stdout could not be written"));
+    CHECK(run_program("verify --quiet '" + out + "'").exit_code == 0);
 }
 
 TEST_CASE("Bytes of the user move no cursor") {
