@@ -141,7 +141,9 @@ Surface one_face(const std::array<int, 3>& voxel, const std::array<float, 3>& no
     cell.faces = 1;
     cell.normal = normal;
     surface.cells = {cell};
-    surface.faces = {{voxel, Facing::plus_z, true}};
+    SurfaceFace face{{}, Facing::plus_z, true};
+    for (std::size_t a = 0; a < 3; ++a) face.voxel[a] = static_cast<std::uint16_t>(voxel[a]);
+    surface.faces = {face};
     surface.slope = {normal};
     return surface;
 }
