@@ -9,6 +9,7 @@
 
 #include "base/contracts.h"
 #include "base/parallel.h"
+#include "base/random.h"
 #include "optics/media/mirrored_box.h"
 #include "optics/transport/lattice.h"
 
@@ -50,28 +51,25 @@ struct Composition {
             parts = {{parts[0].material, 0, all}};
         }
     }
-    /// Where there are too many different ones: layers are forgotten, the shares are rounded to eighths, the largest
-    /// rests up.
-    void round_to_eighths(int in_cell) {
+    void forget_layers() {
         std::array<int, 256> by_material{};
-        int all = 0;
-        for (const Part& p : parts) {
-            by_material[p.material] += p.count;
-            all += p.count;
-        }
+        for (const Part& p : parts) by_material[p.material] += p.count;
         clear();
-        const int eighths = std::max(1, (8 * all + in_cell / 2) / in_cell);
-        std::vector<std::pair<int, std::size_t>> rest;
-        int given = 0;
-        for (std::size_t m = 1; m < by_material.size(); ++m) {
-            if (by_material[m] == 0) continue;
-            const int wanted = by_material[m] * eighths;
-            rest.emplace_back(-(wanted % all), parts.size());
-            parts.push_back({static_cast<Material>(m), 0, wanted / all});
-            given += wanted / all;
+        for (std::size_t m = 1; m < by_material.size(); ++m)
+            if (by_material[m] > 0) parts.push_back({static_cast<Material>(m), 0, by_material[m]});
+    }
+    /// Without layers, and counts in eighths of a cell: steps of one ladder of all shares whose first rung lies at
+    /// `chance`, in [0, 1), so that over many cells each resin keeps its share.
+    void round_to_eighths(int in_cell, double chance) {
+        forget_layers();
+        int voxels = 0, counted = 0, given = 0;
+        for (const Part& p : parts) voxels += p.count;
+        const double step = std::max(8.0 / in_cell, 1.0 / voxels);  // one eighth at the least
+        for (Part& p : parts) {
+            counted += p.count;
+            const int rungs = static_cast<int>(counted * step + chance + 1e-9);
+            p.count = rungs - std::exchange(given, rungs);
         }
-        std::sort(rest.begin(), rest.end());
-        for (std::size_t i = 0; given < eighths; ++i, ++given) ++parts[rest[i].second].count;
         std::erase_if(parts, [](const Part& p) { return p.count == 0; });
     }
 };
@@ -162,14 +160,20 @@ private:
     std::vector<Material> box_, donor_;
 };
 
+/// How closely cells are told apart.
+enum class Kinds {
+    layered,  ///< by the counts in each layer
+    counted,  ///< by the counts alone
+    eighths,  ///< by their rounded shares
+};
+
 /// Gives every cell of the grid the number of its composition, and the grid the list of these.
 class CompositionFinder {
 public:
-    /// `rounded`: to eighths, without layers.
-    CompositionFinder(ViewingGrid& grid, const ResinVolume& volume, bool rounded, const Progress* progress)
+    CompositionFinder(ViewingGrid& grid, const ResinVolume& volume, Kinds kinds, const Progress* progress)
         : grid_(grid),
           volume_(volume),
-          rounded_(rounded),
+          kinds_(kinds),
           progress_(progress),
           in_cell_(static_cast<int>(product(grid.view_voxels))) {}
 
@@ -196,7 +200,7 @@ private:
         const int only = volume_.uniform_material(grid_.corner_of(block.at), grid_.block_voxels());
         std::uint16_t* const number = grid_.medium.data() + block.first_cell;
         if (only > 0 && grid_.donors_of[t] == grid_.donors_of[t + 1]) {
-            const Composition whole{{{static_cast<Material>(only), 0, rounded_ ? 8 : in_cell_}}};
+            const Composition whole{{{static_cast<Material>(only), 0, whole_cell()}}};
             std::fill_n(number, 64, table.intern(whole));
             return;
         }
@@ -210,9 +214,24 @@ private:
             voxels.each([&](Material m, int layer) {
                 if (m != air) found.add(m, layer);
             });
-            rounded_ ? found.round_to_eighths(in_cell_) : found.close(voxels.axis());
+            if (kinds_ == Kinds::layered)
+                found.close(voxels.axis());
+            else if (kinds_ == Kinds::counted)
+                found.forget_layers();
+            else
+                found.round_to_eighths(in_cell_, chance_of(block, at));
             number[place] = table.intern(found);
         });
+    }
+    /// What counts of a full cell sum up to.
+    [[nodiscard]] int whole_cell() const { return kinds_ == Kinds::eighths ? 8 : in_cell_; }
+    /// Of a place of the body, whatever the tile: prints are compared with each other.
+    [[nodiscard]] double chance_of(const GridBlock& block, const Place& at) const {
+        std::uint64_t place = 0;
+        for (std::size_t a = 0; a < 3; ++a)
+            place = place << 21 |
+                    static_cast<std::uint64_t>(grid_.corner_of(block.at)[a] + at[a] * grid_.view_voxels[a] + (1 << 20));
+        return RandomStream(0, place).uniform();
     }
 
     /// From the numbers of each range to those of the grid; 0 is air.
@@ -241,7 +260,7 @@ private:
     }
 
     void list_mixtures(const CompositionTable& all) {
-        const auto whole = static_cast<float>(rounded_ ? 8 : in_cell_);
+        const auto whole = static_cast<float>(whole_cell());
         grid_.mixtures.assign(1, {});
         for (const Composition* const one : all.in_order()) {
             ViewingGrid::Mixture& mixture = grid_.mixtures.emplace_back();
@@ -253,7 +272,7 @@ private:
 
     ViewingGrid& grid_;
     const ResinVolume& volume_;
-    bool rounded_;
+    Kinds kinds_;
     const Progress* progress_;
     int in_cell_;
 };
@@ -324,10 +343,10 @@ bool fill(ViewingGrid& grid, const ResinVolume& volume, std::vector<std::uint8_t
     }
     if (!same) return false;
     mix_core(grid, volume, materials, progress);
-    if (!CompositionFinder(grid, volume, false, progress).run()) {
-        const bool fits = CompositionFinder(grid, volume, true, progress).run();
-        VOXTONE_ENSURE(fits);
-    }
+    const bool fits = std::ranges::any_of(std::array{Kinds::layered, Kinds::counted, Kinds::eighths}, [&](Kinds kinds) {
+        return CompositionFinder(grid, volume, kinds, progress).run();
+    });
+    VOXTONE_ENSURE(fits);
     return true;
 }
 
