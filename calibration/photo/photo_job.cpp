@@ -131,6 +131,10 @@ JobResult run_photo_job(const PhotoJob& job, Progress& progress) {
     Target target = read_target(job.target);
     if (job.top_mm && target.is_chart())
         throw UsageError("--top: the squares of a chart are as thick as its slab; it is of a target of thin squares");
+    constexpr double most = 1.1;  // of what was meant: layers and a gauge are not that far off
+    if (job.top_mm && *job.top_mm > most * target.top_mm)
+        throw UsageError(fmt::format("--top: {:g} mm, and {:g} mm were printed; polishing only takes off", *job.top_mm,
+                                     target.top_mm));
     target.top_mm = job.top_mm.value_or(target.top_mm);
     const std::vector<PhotoMeasurement> photos = measure_all(job, target, progress);
     const MeasuredTable measured = average_photos(photos, target, job.channels);

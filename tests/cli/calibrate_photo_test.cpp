@@ -139,6 +139,9 @@ TEST_CASE("Photographs of all kinds of files are measured") {
         for (const calibration::Patch& patch : calibration::read_patches(folder / "patches.csv").patches)
             CHECK(patch.thickness_mm == Approx(0.64));
         CHECK(run_program(photo + folder / name + " --top 0mm").exit_code == 2);
+        const Outcome thick = run_program(photo + folder / name + " --top 6.75mm");
+        CHECK(thick.exit_code == 2);
+        CHECK_THAT(thick.out + thick.err, Contains("0.675 mm were printed"));
         CHECK(std::filesystem::exists(folder / "patches-overlay.png"));
     }
     require_done(run_program(simulate + folder / "codes.png" + " --8-bits"));
