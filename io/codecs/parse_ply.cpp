@@ -50,6 +50,11 @@ public:
         if (values.commas())
             parts_.warnings.push_back(named_warning(
                 "decimal-commas", fmt::format("{} has decimal commas; they were read as points.", context_.name())));
+        if (values.has_number_left())
+            parts_.warnings.push_back(named_warning(
+                "damaged", fmt::format("{} goes on behind the last item that its header tells of; what stands there "
+                                       "was left aside. Export it again.",
+                                       context_.name())));
         make_materials();
         settle_colours();
         for (std::size_t f = 0; f < faces_.size(); ++f) add(f);

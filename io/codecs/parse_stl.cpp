@@ -118,6 +118,31 @@ bool is_text(std::string_view text) {
     return head.starts_with("solid") || head.find("facet normal") != std::string::npos;
 }
 
+/// Who writes facets as they come may never go back to tell how many there are.
+constexpr bool is_left_open(std::uint32_t declared) { return declared == 0 || declared == 0xFFFFFFFF; }
+
+/// Facets to read: as many as there are where their number was left open. Throws InputError where some are missing.
+std::uint32_t facets_to_read(std::span<const std::byte> bytes, std::uint32_t declared, const std::string& name,
+                             ModelParts& parts) {
+    const std::uint64_t length = stl_header_bytes + std::uint64_t{declared} * facet_bytes,
+                        behind = bytes.size() - std::min<std::uint64_t>(bytes.size(), stl_header_bytes),
+                        there = behind / facet_bytes;
+    const auto damaged = [&](const char* what) {
+        parts.warnings.push_back(named_warning(
+            "damaged", fmt::format("{} declares {} triangles and has bytes for {}: {}", name, declared, there, what)));
+    };
+    if (is_left_open(declared) && there > 0 && behind % facet_bytes == 0 && there < 0xFFFFFFFF) {
+        damaged("all were read.");
+        return static_cast<std::uint32_t>(there);
+    }
+    if (bytes.size() < stl_header_bytes || length > bytes.size())
+        throw InputError(fmt::format(
+            "{} is no STL file, or it is cut short: it declares {} triangles, which need {} bytes, and has {}", name,
+            declared, length, bytes.size()));
+    if (there > declared) damaged("what is behind them was left aside. Export it again.");
+    return declared;
+}
+
 }  // namespace
 
 ModelParts parse_stl(ParseContext& context) {
@@ -139,12 +164,9 @@ ModelParts parse_stl(ParseContext& context) {
                             "was chosen to be exported",
                             context.name()));
     }
-    if (bytes.size() < stl_header_bytes || length > bytes.size())
-        throw InputError(fmt::format(
-            "{} is no STL file, or it is cut short: it declares {} triangles, which need {} bytes, and has {}",
-            context.name(), count, length, bytes.size()));
-    note_colours(bytes, count, context.name(), parts);
-    read_binary(bytes, count, parts);
+    const std::uint32_t facets = facets_to_read(bytes, count, context.name(), parts);
+    note_colours(bytes, facets, context.name(), parts);
+    read_binary(bytes, facets, parts);
     return parts;
 }
 

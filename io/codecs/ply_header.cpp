@@ -167,7 +167,7 @@ PlyHeader read_ply_header(std::span<const std::byte> bytes, const std::string& n
             header.encoding = second == "ascii"               ? PlyHeader::Encoding::ascii
                               : second == "binary_big_endian" ? PlyHeader::Encoding::big_endian
                                                               : PlyHeader::Encoding::little_endian;
-        } else if (key == "comment" && second == "TextureFile") {
+        } else if (key == "comment" && lower_case(second) == "texturefile") {
             std::string file;
             std::getline(words >> std::ws, file);
             header.texture_files.emplace_back(trimmed(file));  // some leave blanks there

@@ -66,6 +66,14 @@ void PlyValues::skip_word() {
     while (at_ < text_.size() && !is_blank(text_[at_])) ++at_;
 }
 
+bool PlyValues::has_number_left() {
+    if (encoding_ != PlyHeader::Encoding::ascii) return false;
+    skip_blanks();
+    const std::string_view rest = text_.substr(at_);
+    bool comma = false;
+    return number_of(rest.substr(0, rest.find_first_of(" \t\r\n")), comma).has_value();
+}
+
 double PlyValues::next_word() {
     skip_blanks();
     const std::size_t first = at_;

@@ -26,6 +26,8 @@ public:
     /// The length of a list, which fits into what is left of the file.
     [[nodiscard]] std::uint64_t length(PlyType type);
 
+    /// Whether text goes on with a number: the header told fewer items than there are.
+    [[nodiscard]] bool has_number_left();
     /// Whether any number that was read had a decimal comma.
     [[nodiscard]] bool commas() const { return commas_; }
 

@@ -307,6 +307,12 @@ TEST_CASE("PLY and STL models") {
         CHECK_THAT(warnings(read(folder, {{"c.stl", stl("COLOR=\1\2\3\4", {0, 0}, 2)}})), Contains("Magics"));
         CHECK(read(folder, {{"c.stl", stl("", {0x2020, 0x2020}, 2)}}).warnings.empty());
         CHECK_THROWS_WITH(read(folder, {{"c.stl", stl("", {0, 0}, 0x10000000)}}), Contains("cut short"));
+        for (const std::uint32_t left_open : {0U, 0xFFFFFFFFU}) {
+            const ModelFile file = read(folder, {{"c.stl", stl("", {0, 0}, left_open)}});
+            CHECK(file.mesh.triangles.size() == 2);
+            CHECK_THAT(warnings(file), Contains("bytes for 2: all were read") && Contains("[damaged]"));
+        }
+        CHECK_THAT(warnings(read(folder, {{"c.stl", stl("", {0, 0}, 1)}})), Contains("was left aside"));
     }
 }
 
@@ -586,7 +592,7 @@ TEST_CASE("PLY faces have colours and texture coordinates of their own") {
     SECTION("coordinates: two faces at one edge may tear there") {
         const ModelFile file =
             read(folder,
-                 {{"d.ply", "ply\nformat ascii 1.0\ncomment TextureFile   t.png \nelement vertex 4\n" + vertices +
+                 {{"d.ply", "ply\nformat ascii 1.0\ncomment texturefile   t.png \nelement vertex 4\n" + vertices +
                                 "element face 2\n" + face_list +
                                 "property list uchar float texcoord\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n"
                                 "3 0 1 2 6 0.25 0.25 0.25 0.25 0.25 0.25\n3 1 3 2 6 0.75 0.25 0.25 0.75 0.75 0.75\n"},
@@ -595,6 +601,12 @@ TEST_CASE("PLY faces have colours and texture coordinates of their own") {
         CHECK(near(corner_colour(file.mesh, 1, 0), {1, 1, 1}));
         CHECK(near(corner_colour(file.mesh, 1, 1), {1, 0, 0}));
         CHECK(near(corner_colour(file.mesh, 1, 2), {0, 1, 0}));
+    }
+    SECTION("what the header does not tell of is left aside with a word") {
+        const std::string head = "ply\nformat ascii 1.0\nelement vertex 3\n" + vertices + "element face 1\n" +
+                                 face_list + "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+        CHECK_THAT(warnings(read(folder, {{"e.ply", head + "3 2 1 0\n"}})), Contains("goes on behind"));
+        CHECK(warnings(read(folder, {{"e.ply", head + " \n"}})).find("goes on behind") == std::string::npos);
     }
     SECTION("what is transparent keeps its colour; transparent black is no colour") {
         const std::string head = "ply\nformat ascii 1.0\nelement vertex 3\n" + vertices + rgb +
