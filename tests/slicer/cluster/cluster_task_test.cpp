@@ -52,6 +52,14 @@ struct Workshop {
     Progress progress;
 };
 
+class Warnings final : public Progress {
+public:
+    std::string all;
+
+private:
+    void on_warning(const std::string& message) override { all += message + '\n'; }
+};
+
 }  // namespace
 
 TEST_CASE("A task that may go another time puts back its own allocation, and no other that it runs in") {
@@ -143,4 +151,35 @@ TEST_CASE("However many tasks end, the summary is drawn at times") {
     const auto another = shop.batch.lock_summary();
     summarise_at_times(shop.batch, "a", 10, progress);
     CHECK(fs::last_write_time(page) == before);
+}
+
+TEST_CASE("Of a batch whose queue cannot be asked no job is taken for one that still runs") {
+    const Workshop shop("");
+    shop.slurm.program("squeue", "echo 'squeue: error: no configuration source' >&2; exit 1");
+    Warnings warnings;
+    CHECK(close_cluster_batch(shop.slurm.at("out"), warnings).exit_code == ExitCode::done);
+    CHECK_THAT(warnings.all, Contains("no configuration source") && Contains("[queue-unknown]"));
+    CHECK(shop.state().phase == JobPhase::failed);
+    CHECK_THAT(shop.state().message, Contains("its tasks ended before it was done"));
+}
+
+TEST_CASE("A state that another host may write too is changed, and one that cannot be written is told") {
+    const Workshop shop("");
+    Warnings warnings;
+    const auto change = [&](int attempts) {
+        change_state(shop.batch, "a", warnings, [&](JobState& state) { state.attempts = attempts; });
+    };
+    change(3);
+    CHECK(warnings.all.empty());
+    std::ofstream(shop.batch.state_file("a").parent_path() / ".a.lock")
+        << "node-17 4711 99 2026-11-26T12:00:00Z 0123abcd\n";
+    change(4);
+    CHECK_THAT(warnings.all, Contains("node-17") && Contains("[lock-doubt]"));
+    CHECK(shop.state().attempts == 4);
+
+    warnings.all.clear();
+    fs::remove(shop.batch.state_file("a"));
+    fs::create_directories(shop.batch.state_file("a") / "a folder in its place");
+    change(5);
+    CHECK_THAT(warnings.all, Contains("a: its state could not be noted") && Contains("[not-noted]"));
 }

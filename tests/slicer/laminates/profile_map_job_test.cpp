@@ -7,8 +7,10 @@
 
 #include "base/error.h"
 #include "optics/numerics/hankel.h"
+#include "slicer/laminates/laminate_factor_job.h"
 #include "slicer/laminates/profile_map_picture.h"
 #include "tests/halftone/local_profiles/response_samples.h"
+#include "tests/io/files/temporary_folder.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;
@@ -79,6 +81,30 @@ TEST_CASE("A comparison shows data, factored and clustered surface side by side"
     for (const std::uint32_t x : {20u, 120u, 230u})
         for (const std::uint32_t panel : {1u, 2u}) CHECK(std::abs(code(x, 90) - code(x + panel * 250, 90)) < 25);
     CHECK(std::abs(code(20, 90) - code(200, 90)) + std::abs(code(20, 90) - code(120, 90)) > 25);
+}
+
+TEST_CASE("A factorisation that is given too few steps says so, and one that has enough does not") {
+    class Warnings final : public Progress {
+    public:
+        std::string all;
+
+    private:
+        void on_warning(const std::string& message) override { all += message + '\n'; }
+    };
+    const io::TemporaryFolder folder;
+    LaminateFactorJob job;
+    job.dataset = folder.path() / "data";
+    job.out = folder.path() / "map.json";
+    job.map.clusters.clusters = 3;
+    io::write_bssrdf(sample(200, 1), job.dataset);
+    Warnings enough, few;
+    (void)run_laminate_factor(job, enough);
+    CHECK_THAT(enough.all, !Contains("factorisation"));
+    job.map.factor.max_steps = 1;
+    job.overwrite = true;
+    (void)run_laminate_factor(job, few);
+    CHECK_THAT(few.all,
+               Contains("red: the factorisation stopped") && Contains("after 1 steps") && Contains("[not-converged]"));
 }
 
 TEST_CASE("Profile maps that cannot be made are refused with the reason") {

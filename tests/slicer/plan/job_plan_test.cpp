@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/progress.h"
+#include "slicer/estimate/estimate_job.h"
 #include "slicer/plan/phase_estimates.h"
 #include "tests/io/files/temporary_folder.h"
 
@@ -71,6 +72,15 @@ TEST_CASE("What is printed does not depend on the memory that there is") {
     CHECK(tight.plan.loop.why_not.empty());
     CHECK(tight.plan.loop.does_not_fit.find("--memory") != std::string::npos);
     CHECK(phases_of(tight.plan) == phases_of(roomy.plan));
+    const auto warnings_of = [](const Planned& planned) {
+        std::string all;
+        for (const std::string& warning :
+             estimate_print({planned.job, planned.body, planned.plan}, {}, nullptr, planned.progress).warnings)
+            all += warning + '\n';
+        return all;
+    };
+    CHECK_THAT(warnings_of(roomy), !Catch::Contains("[loop-left-out]"));
+    CHECK_THAT(warnings_of(tight), Catch::Contains("allow more (--memory)") && Catch::Contains("[loop-left-out]"));
 
     options.iterations = "3";  // asked for by number: tried all the same
     CHECK(Planned(options).plan.loop.does_not_fit.empty());
