@@ -120,7 +120,7 @@ TEST_CASE("Layered profiles are the same for any number of threads and from the 
     CHECK(std::filesystem::file_size(folder.path() / "one/surfaces/W.ply") > 1000);
 }
 
-TEST_CASE("slice arranges resins that are known by measured profiles") {
+TEST_CASE("slice arranges resins that are known by measured profiles, and says where they do not fit") {
     const Folder folder("layered-measured");
     const std::string map = write_map(folder);
     for (const auto& [role, R, T] : {std::tuple{"white", 0.6, 0.3}, {"black", 0.02, 0.05}}) {
@@ -135,6 +135,20 @@ TEST_CASE("slice arranges resins that are known by measured profiles") {
     REQUIRE(done.exit_code == 0);
     CHECK_THAT(read_file(folder / "out/report.html"),
                Contains("from measured layers") && Contains("nothing else is known"));
+    const auto warnings = [&] {
+        return nlohmann::json::parse(read_file(folder / "out/report.json"))["warnings"].dump();
+    };
+    CHECK_THAT(warnings(), !Contains("stretched") && !Contains("too thin"));
+    folder.write("square.ppm", "P6\n2 2\n255\n" + std::string(12, 'x'));
+    const Outcome other = run_program(fmt::format(
+        "slice --quiet --overwrite --load W,K --laminate-thickness 0.6mm --laminate-steps 16 --show layered-profile "
+        "--profiles {} --laminate-materials W={},K={} {} --width 3mm --thickness 0.3mm --printer generic -o {}",
+        map, folder / "white.json", folder / "black.json", folder / "square.ppm", folder / "out"));
+    INFO(other.err);
+    REQUIRE(other.exit_code == 0);
+    CHECK_THAT(warnings(), Contains("(6 x 2 mm) is stretched onto a picture of another shape (3 x 3 mm)"));
+    CHECK_THAT(warnings(), Contains("[stretched-map]"));
+    CHECK_THAT(warnings(), Contains("too thin for its laminate") && Contains("[thin-laminate]"));
     const auto fails = [&](const std::string& more, int exit_code, const std::string& words) {
         const Outcome failed = run_program(slab_job(folder, map) + " --overwrite " + more + " -o " + (folder / "out"));
         INFO(more << ": " << failed.err);

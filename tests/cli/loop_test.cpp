@@ -170,11 +170,11 @@ TEST_CASE("A state that cannot be saved is warned about once, and the job goes o
     const Folder folder("unsaved");
     class Listens final : public Progress {
     public:
-        int warned = 0;
+        std::vector<std::string> told;
 
     private:
         void on_warning(const std::string& message) override {
-            warned += message.find("loop.checkpoint") != std::string::npos;
+            if (message.find("loop.checkpoint") != std::string::npos) told.push_back(message);
         }
     } progress;
     // A folder in the place of the file.
@@ -183,7 +183,8 @@ TEST_CASE("A state that cannot be saved is warned about once, and the job goes o
     options.overwrite = true;
     options.iterations.assign(1, '2');
     (void)slicer::run_slice_job(options, progress);
-    CHECK(progress.warned == 1);
+    REQUIRE(progress.told.size() == 1);
+    CHECK_THAT(progress.told[0], Catch::Contains("cannot be resumed") && Catch::Contains("[not-resumable]"));
     CHECK(run_program("verify --quiet " + (folder / "out")).exit_code == 0);
 }
 

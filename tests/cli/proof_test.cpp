@@ -133,6 +133,7 @@ TEST_CASE("a proof that is stopped leaves what it has, and says so in the file")
     INFO(outcome.out << outcome.err);
     CHECK(outcome.exit_code == 5);
     CHECK(result_of(outcome.out)["complete"] == false);
+    CHECK_THAT(outcome.out, Contains("[stopped-early]"));
     CHECK_THAT(read_file(folder / "p.png"), Contains("Stopped before it was as wanted"));
 }
 

@@ -13,6 +13,7 @@
 #include "io/files/whole_file.h"
 #include "io/files/zip_reader.h"
 #include "io/layers/gcvf_config.h"
+#include "io/layers/gcvf_writer.h"
 #include "io/layers/stack_folder.h"
 #include "io/layers/stack_reader.h"
 #include "io/layers/topmost_layers.h"
@@ -206,4 +207,25 @@ TEST_CASE("What a GCVF cannot hold is refused before a layer is made", "[zbuffer
     CHECK(gcvf_size_note(0xfffffffe, 65534).empty());
     CHECK_THAT(gcvf_size_note(0xffffffff, 34), Contains("ZIP64") && Contains("not known"));
     CHECK_THAT(gcvf_size_note(1000, 65535), Contains("ZIP64"));
+}
+
+TEST_CASE("A GCVF of more entries than the printer's software is known to read is written, and said to be one",
+          "[zbuffer][slow]") {
+    class Warnings final : public Progress {
+    public:
+        std::string all;
+
+    private:
+        void on_warning(const std::string& message) override { all += message + '\n'; }
+    };
+    const TemporaryFolder folder;
+    StackDescription stack = sample_description(65531);  // and four entries besides
+    fs::create_directories((folder.path() / stack.layer_path(0)).parent_path());
+    const fs::path layer = folder.path() / "layer.png";
+    write_whole_file(layer, std::string(1, 'x'));  // a writer of containers looks at no layer
+    for (std::uint32_t k = 0; k < stack.layers; ++k) fs::create_symlink(layer, folder.path() / stack.layer_path(k));
+    Warnings warnings;
+    write_gcvf(folder.path() / "more.gcvf", stack, folder.path(), TopmostLayers(1, 1), gcvf_preview(stack, {}),
+               &warnings);
+    CHECK_THAT(warnings.all, Contains("more.gcvf: ") && Contains("65535 entries") && Contains("[gcvf-zip64]"));
 }
