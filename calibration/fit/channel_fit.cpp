@@ -399,6 +399,7 @@ ChannelFit ChannelFitter::fit(std::size_t channel) const {
         if (!roles_.is_clear(r)) free.push_back(r);
     solve(whole_, channel, free, true, fit.resins, fit.evaluations);
     errors(channel, free, fit);
+    fit.least_chi2 = fit.chi2;
     limit_opaque(channel, free, fit);
     fit.freedom = static_cast<int>(whole_.patches.size()) - static_cast<int>(2 * free.size());
     if (!prior_.resins.empty()) compare_with_prior(channel, fit);

@@ -34,6 +34,7 @@ struct ChannelFit {
     Eigen::MatrixXd covariance;      ///< of v and ln sigma_t of each role in turn; 0 for clear resin
     std::vector<double> predicted;   ///< rho of each patch
     double chi2 = 0;                 ///< sum of squared residuals / noise^2, those of the prior too
+    double least_chi2 = 0;           ///< the same before resins that are opaque were limited
     int freedom = 0;                 ///< patches + values of the prior - fitted values
     std::vector<double> prior_chi2;  ///< of each role: its squared distance from the prior; empty without one
     std::vector<bool> v_low, v_high, sigma_low, sigma_high;  ///< on a bound

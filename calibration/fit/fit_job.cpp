@@ -147,7 +147,9 @@ JobResult run_fit_job(const FitJob& job, Progress& progress) {
         text += fmt::format("\n{}\n{}", job.check, check_text(*extras.check, others));
     }
     if (job.g_sweep) {
-        extras.sweep = sweep_g(table, extras.checked, options, progress);
+        FitOptions swept = options;
+        swept.model.dot_spread = fit.set.dot_spread, swept.fit_dot_spread = false;
+        extras.sweep = sweep_g(table, extras.checked, swept, progress);
         text += sweep_text(extras.sweep);
     }
     if (!job.report.empty()) io::write_whole_file(job.report, fit_report_html(fit, table, options, map));

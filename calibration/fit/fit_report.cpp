@@ -52,8 +52,8 @@ public:
     io::Report report(const PatchMap& map, double noise) const {
         io::Report report = patch_report(table_, fit_.patches, fit_.set, map, noise);
         report.title = fmt::format("Calibration {}", fit_.set.name);
-        report.sections[0].paragraphs.push_back(
-            fmt::format("{}. g = {}, eta = {}.", fit_.set.source, fit_.set.g, fit_.set.eta));
+        report.sections[0].paragraphs.push_back(fmt::format("{}. g = {}, eta = {}. {}", fit_.set.source, fit_.set.g,
+                                                            fit_.set.eta, dot_spread_sentence(fit_)));
         report.warnings = fit_.warnings;
         report.sections.push_back(resins());
         report.sections.push_back(principles());

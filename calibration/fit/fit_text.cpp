@@ -116,6 +116,12 @@ void add_resin(io::JsonWriter& json, const FittedResin& resin, const optics::Cha
 
 }  // namespace
 
+std::string dot_spread_sentence(const ResinFit& fit) {
+    if (fit.dot_spread_error == 0) return {};
+    return fmt::format("Dot spread {:.2f} +- {:.2f}: 0 are sharp voxels, 1 an ideal mixture.\n", fit.set.dot_spread,
+                       fit.dot_spread_error);
+}
+
 std::string fit_text(const ResinFit& fit, const PatchTable& table) {
     std::string text =
         fmt::format("{} resins from {} patches, {} channels, g {}, eta {}, {:.2f} s\n\n", fit.resins.size(),
@@ -133,6 +139,7 @@ std::string fit_text(const ResinFit& fit, const PatchTable& table) {
             for (const Doubt d : s.doubts) ++doubts[d];
         }
     text += fmt::format("\n{}\n{}", differences_text(fit.patches.differences), worst_patches(fit.patches, table));
+    text += dot_spread_sentence(fit);
     for (const auto& [d, count] : doubts)
         text += fmt::format("{} values \"{}\": {}\n", count, doubt_name(d), doubt_meaning(d));
     if (!fit.misfit.empty()) {
@@ -161,7 +168,9 @@ std::string fit_json(const ResinFit& fit, const PatchTable& table, const FitExtr
     for (std::size_t c = 0; c < table.channels.size(); ++c) json.value(channel_name(table.channels, c));
     json.end_list().add("chi2", fit.chi2).key("misfit").begin_list();
     for (const std::size_t c : fit.misfit) json.value(channel_name(table.channels, c));
-    json.end_list().add("warnings", fit.warnings).key("resins").begin_list();
+    json.end_list().key("dot_spread").begin_object().add("value", fit.set.dot_spread);
+    json.add("error", fit.dot_spread_error).end_object();
+    json.add("warnings", fit.warnings).key("resins").begin_list();
     for (const FittedResin& resin : fit.resins) add_resin(json, resin, table.channels);
     json.end_list();
     add_patches_of(json, fit.patches, table);

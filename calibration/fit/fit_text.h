@@ -3,9 +3,10 @@
 // What a fit or a check has to say: as text for people, as one JSON object for programs.
 //
 //   {"format": "voxtone-fit", "version": 1, "g", "eta", "seconds", "freedom", "channels": [...], "chi2": [...],
-//    "misfit": [...], "warnings": [...], "resins": [{"role", "channels": [{"channel", "albedo": VALUE,
-//    "sigma_t_per_mm": VALUE, "reduced_per_mm": VALUE}]}], "patches": PATCHES}, and where asked for "check": a
-//    voxtone-check, "g_sweep": [{"g", "chi2_per_freedom", "mean_de2000", ...}]
+//    "misfit": [...], "dot_spread": {"value", "error" or 0 where it was not fitted}, "warnings": [...],
+//    "resins": [{"role", "channels": [{"channel", "albedo": VALUE, "sigma_t_per_mm": VALUE, "reduced_per_mm":
+//    VALUE}]}], "patches": PATCHES}, and where asked for "check": a voxtone-check, "g_sweep": [{"g",
+//    "chi2_per_freedom", "mean_de2000", ...}]
 //   {"format": "voxtone-check", "version": 1, "patches": PATCHES}
 //   VALUE: {"value", "standard_error", "low", "high", "doubts": [...]}
 //   PATCHES: {"mean_de2000", "median_de2000", "p95_de2000", "max_de2000", "rms",
@@ -28,6 +29,8 @@ struct FitExtras {
     std::vector<SweepLine> sweep;
 };
 
+/// What the fit found of the dot spread; empty where it was not fitted.
+[[nodiscard]] std::string dot_spread_sentence(const ResinFit& fit);
 [[nodiscard]] std::string fit_text(const ResinFit& fit, const PatchTable& table);
 [[nodiscard]] std::string fit_json(const ResinFit& fit, const PatchTable& table, const FitExtras& extras = {});
 [[nodiscard]] std::string check_text(const PatchCheck& check, const PatchTable& table);

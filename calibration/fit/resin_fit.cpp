@@ -15,6 +15,7 @@
 #include "base/warning.h"
 #include "calibration/fit/bounded_interval.h"
 #include "calibration/fit/channel_fit.h"
+#include "calibration/fit/dot_spread_fit.h"
 #include "calibration/patches/patch_file.h"
 
 namespace voxtone::calibration {
@@ -115,6 +116,25 @@ FittedResin known_resin(const ResinPrior::Resin& known, double g, optics::ResinS
         resin.sigma_t_per_mm.push_back(sigma_t);
     }
     return fitted;
+}
+
+// What is fitted where it is told; else `kept`, and a warning.
+double told_spread(const DotSpreadFit& fit, bool mixed, double kept, ResinFit& result) {
+    if (fit.error > 0) {
+        result.dot_spread_error = fit.error;
+        return fit.value;
+    }
+    const std::string why =
+        mixed ? fmt::format(
+                    "sharp voxels explain the patches nearly as well as ideal mixtures do (chi2 {:.1f} and "
+                    "{:.1f} above the least)",
+                    fit.sharp, fit.ideal)
+              : "no square holds a mixture";
+    result.warnings.push_back(named_warning(
+        "assumed", fmt::format("how far droplets run together cannot be told: {}. Dot spread {:g} is taken; give "
+                               "--dot-spread, or measure more mixtures",
+                               why, kept)));
+    return kept;
 }
 
 // Values, errors and doubts of one resin in one channel.
@@ -225,20 +245,24 @@ ResinFit fit_resins(const PatchTable& table, const FitOptions& options, const Pr
         throw InputError(fmt::format("{}: it has {}, the prior {} has R, G and B; measure the patches as R, G, B.",
                                      table.source, channels_text(table.channels), prior.source));
     VOXTONE_EXPECT(prior.resins.empty() || (prior.g == options.model.g && prior.eta == options.model.eta));
-    const ChannelFitter fitter(table, roles, options.model, options.noise, prior);
+    ResinFit result;
+    PatchModelOptions model = options.model;
+    if (options.fit_dot_spread && !model.ideal_mixtures())
+        model.dot_spread = told_spread(fit_dot_spread(table, roles, model, options.noise, prior, progress),
+                                       has_mixtures(table), model.dot_spread, result);
+    const ChannelFitter fitter(table, roles, model, options.noise, prior);
     const std::size_t channels = table.channels.size();
     std::vector<ChannelFit> fits(channels);
     parallel_for(
         0, channels, 1, [&](std::size_t c) { fits[c] = fitter.fit(c); }, progress);
 
-    ResinFit result;
     result.set.name = options.name;
     result.set.source = fmt::format("voxtone calibrate fit, {} patches of {}", table.patches.size(), table.source);
     if (!prior.resins.empty()) result.set.source += fmt::format(", and {}", prior.source);
     result.set.channels = table.channels;
     result.set.g = options.model.g, result.set.eta = options.model.eta;
     // Mixtures that were taken as ideal are to be sliced and predicted as such.
-    result.set.dot_spread = options.model.pitch_mm[0] > 0 ? options.model.dot_spread : 1;
+    result.set.dot_spread = model.ideal_mixtures() ? 1 : model.dot_spread;
     result.freedom = fits.front().freedom;
     std::vector<double> scale(channels, 1);
     for (std::size_t c = 0; c < channels; ++c) {

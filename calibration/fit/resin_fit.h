@@ -37,6 +37,7 @@ struct FitOptions {
     std::vector<std::string> expected;  ///< resins that must have been measured; may be empty
     std::string name = "calibrated";    ///< of the set
     ResinPrior prior;                   ///< may be empty; its g and eta are those of `model`
+    bool fit_dot_spread = false;  ///< of `model` with a pitch: by dot_spread_fit.h; where nothing tells it, it stays
 };
 
 /// Throws InputError that names the option, its value and the rule.
@@ -74,8 +75,9 @@ struct ResinFit {
     PatchCheck patches;                 ///< predicted against measured
     std::vector<double> chi2;           ///< per channel
     int freedom = 0;                    ///< patches less fitted values, per channel
+    double dot_spread_error = 0;        ///< standard error of the set's; 0: it was not fitted
     std::vector<std::size_t> misfit;    ///< channels whose residuals the noise does not explain
-    std::vector<std::string> warnings;  ///< where patches and prior disagree
+    std::vector<std::string> warnings;  ///< where patches and prior disagree, or do not tell the dot spread
     double seconds = 0;
 };
 

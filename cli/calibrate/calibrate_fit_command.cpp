@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -18,6 +19,7 @@ struct CalibrateFitArguments {
     calibration::FitJob job;
     PatchOptions patches;
     ChartOptions chart;
+    std::optional<double> dot_spread;
     RunOptions run;
 };
 
@@ -25,13 +27,18 @@ int run(CalibrateFitArguments& a, const CalibrateJobs& jobs) {
     return run_on_console(a.run, [&](Progress& progress) {
         set_patch_model(a.patches, a.job.fit.model);
         set_chart_fit(a.chart, a.job.chart);
-        if (a.job.fit.model.dot_spread > 0 && a.job.fit.model.ideal_mixtures())
+        calibration::FitOptions& fit = a.job.fit;
+        fit.fit_dot_spread = !a.dot_spread;
+        if (!a.dot_spread) return jobs.fit(a.job, progress);
+        if (fit.model.ideal_mixtures())
             throw UsageError("--dot-spread is of a printer's voxels; name it (--printer or --pitch)");
+        fit.model.dot_spread = *a.dot_spread;
         return jobs.fit(a.job, progress);
     });
 }
 
-void add_fit_options(CLI::App& command, calibration::FitOptions& fit) {
+void add_fit_options(CLI::App& command, CalibrateFitArguments& a) {
+    calibration::FitOptions& fit = a.job.fit;
     command.add_option("--resins", fit.expected, "resins that must be among the patches: C,M,Y,K,W")
         ->type_name("LIST")
         ->delimiter(',')
@@ -40,10 +47,11 @@ void add_fit_options(CLI::App& command, calibration::FitOptions& fit) {
     add_value(command, "--g", fit.model.g, "mean cosine of the scattering angle; patches cannot tell it")
         ->group("Model");
     add_value(command, "--eta", fit.model.eta, "refractive index; patches cannot tell it")->group("Model");
-    add_value(
-        command, "--dot-spread", fit.model.dot_spread,
-        "of --printer's voxels in a target's mixtures: 0 sharp, 1 run together to an ideal mixture; a chart tells "
-        "its own")
+    command
+        .add_option("--dot-spread", a.dot_spread,
+                    "of --printer's voxels in a target's mixtures: 0 sharp, 1 run together to an ideal mixture; empty: "
+                    "what patches tell, else 0; a chart tells its own")
+        ->type_name("FLOAT")
         ->check(CLI::Range(0.0, 1.0))
         ->group("Model");
 }
@@ -70,7 +78,7 @@ Command add_calibrate_fit_command(CLI::App& calibrate, const CalibrateJobs& jobs
         ->type_name("FILE.html");
     add_patch_map_options(*command, a.job.map);
     command->add_option("--name", a.job.name, "name of the set; empty: that of the file");
-    add_fit_options(*command, a.job.fit);
+    add_fit_options(*command, a);
     add_patch_options(*command, a.run.lengths, a.patches, a.job.measured);
     command
         ->add_option(

@@ -86,6 +86,32 @@ TEST_CASE(
     CHECK(one.at("check").at("patches").at("list").size() == 20);
 }
 
+TEST_CASE("calibrate fit finds a printer's dot spread in a target's squares, unless it is given") {
+    const Folder folder("calibrate_spread");
+    PatchTable table = calibration::testing::target('C', {"C", "M", "Y"});
+    PatchModelOptions printed;
+    printed.pitch_mm = {0.04233, 0.08467, 0.027};
+    printed.dot_spread = 1;
+    calibration::testing::measure(table, optics::vero_opaque(), 0.0005, 3, printed);
+    folder.write("patches.csv", patch_table_text(table));
+    const auto fit = [&](const std::string& more) {
+        const Outcome outcome =
+            run_program(fmt::format("calibrate fit {} --pitch 42.33,84.67,27um --noise {} --overwrite -o {}",
+                                    folder / "patches.csv", more, folder / "my.json"));
+        INFO(outcome.err);
+        REQUIRE(outcome.exit_code == 0);
+        return outcome;
+    };
+    const Outcome found = fit("0.0005");
+    CHECK_THAT(found.out, Contains("Dot spread "));
+    const auto details = nlohmann::json::parse(read_file(folder / "my.fit.json")).at("dot_spread");
+    CHECK(details.at("error") > 0);
+    CHECK(io::read_resin_set(folder / "my.json").dot_spread == Approx(1).margin(3 * details.at("error").get<double>()));
+    CHECK_THAT(fit("0.0005 --dot-spread 0").out, !Contains("Dot spread "));
+    CHECK(io::read_resin_set(folder / "my.json").dot_spread == 0);
+    CHECK_THAT(fit("0.1").err, Contains("cannot be told"));
+}
+
 TEST_CASE("calibrate fit refuses what it cannot use, with the exit code of its kind") {
     const Folder folder("calibrate_faults");
     const std::string good = patch_table_text(measured(0));

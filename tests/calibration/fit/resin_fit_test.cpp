@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "calibration/fit/channel_fit.h"
 #include "calibration/fit/fit_report.h"
+#include "calibration/fit/fit_text.h"
 #include "calibration/fit/patch_page.h"
 #include "calibration/fit/principles.h"
 #include "calibration/patches/patch_file.h"
@@ -155,6 +156,51 @@ TEST_CASE("Halftoned mixtures are fitted as halftones, and their bias shows wher
     const ResinFit between = fit_resins(table, options);
     CHECK(worst_error(between, optics::vero_opaque()) < 1e-3);
     CHECK(between.set.dot_spread == 0.6);
+}
+
+TEST_CASE("A target's own mixtures tell how far droplets ran together", "[slow]") {
+    const double spread = GENERATE(0.0, 0.4, 1.0);
+    FitOptions options;
+    options.model.pitch_mm = {0.0423, 0.0847, 0.027};
+    options.fit_dot_spread = true;
+    options.noise = 0.0005;
+    PatchModelOptions printed = options.model;
+    printed.dot_spread = spread;
+    PatchTable table = target('C', colours);
+    measure(table, optics::vero_opaque(), options.noise, 1, printed);
+    const ResinFit fit = fit_resins(table, options);
+    CAPTURE(spread, fit.set.dot_spread, fit.dot_spread_error);
+    CHECK(fit.warnings.empty());
+    CHECK(fit.dot_spread_error > 0);
+    CHECK(fit.dot_spread_error < 0.15);
+    CHECK(fit.set.dot_spread == Approx(spread).margin(3 * fit.dot_spread_error));
+    CHECK_THAT(fit_text(fit, table), Contains("Dot spread "));
+    // One that is given is not fitted.
+    options.fit_dot_spread = false, options.model.dot_spread = 0.5;
+    const ResinFit given = fit_resins(table, options);
+    CHECK(given.set.dot_spread == 0.5);
+    CHECK(given.dot_spread_error == 0);
+    CHECK_THAT(fit_text(given, table), !Contains("Dot spread"));
+}
+
+TEST_CASE("Where noise hides how far droplets ran together, or no square is a mixture, that is said", "[slow]") {
+    FitOptions options;
+    options.model.pitch_mm = {0.0423, 0.0847, 0.027};
+    options.fit_dot_spread = true;
+    PatchModelOptions printed = options.model;
+    printed.dot_spread = GENERATE(0.0, 1.0);
+    for (const char layout : {'A', 'C'}) {
+        options.noise = layout == 'A' ? 0.0005 : 0.02;
+        PatchTable table = target(layout, colours);
+        measure(table, optics::vero_opaque(), options.noise, 1, printed);
+        const ResinFit fit = fit_resins(table, options);
+        CAPTURE(printed.dot_spread, layout, fit.set.dot_spread);
+        CHECK(fit.set.dot_spread == 0);
+        CHECK(fit.dot_spread_error == 0);
+        REQUIRE(fit.warnings.size() == 1);
+        CHECK_THAT(fit.warnings[0], Contains("cannot be told") && Contains("[assumed]") &&
+                                        Contains(layout == 'A' ? "no square holds a mixture" : "nearly as well"));
+    }
 }
 
 TEST_CASE("Another phase function and index in both, and wavelengths instead of colours, give back the set") {
