@@ -207,6 +207,24 @@ TEST_CASE("Thin walls are a region of their own, with their place and what they 
     CHECK(double((*walls)["area_mm2"]) > 20);
 }
 
+TEST_CASE("What is thinner than a voxel is printed one voxel thick, and said, or vanishes where that is asked for") {
+    const Folder folder("sheet-of-metal");
+    // 0.014 mm thick, aslant: most of the voxels that it passes through have their middle outside.
+    folder.write("sheet.obj",
+                 "v 0 0 0\nv 2 2 0\nv 2.01 1.99 0\nv 0.01 -0.01 0\nv 0 0 2\nv 2 2 2\nv 2.01 1.99 2\n"
+                 "v 0.01 -0.01 2\nf 1 2 3 4\nf 8 7 6 5\nf 1 5 6 2\nf 2 6 7 3\nf 3 7 8 4\nf 4 8 5 1\n");
+    const std::string slice = "slice --quiet --overwrite --unit mm --iterations 0 --predict none " +
+                              folder / "sheet.obj" + " -o " + folder / "out ";
+    const auto warned = [&](const std::string& more) {
+        const Outcome outcome = run_program(slice + more);
+        INFO(outcome.err);
+        REQUIRE(outcome.exit_code == 0);
+        return report_in(folder)["warnings"].dump();
+    };
+    CHECK_THAT(warned(""), Contains("voxels were added") && Contains("[thin-walls]"));
+    CHECK_THAT(warned("--no-keep-thin"), !Contains("voxels were added"));
+}
+
 TEST_CASE("Black beside colours is as black with the loop as without") {
     const Folder folder("black");
     write_sheet(folder, "card.png", 90, 60, [](int x, int y) {

@@ -134,6 +134,22 @@ TEST_CASE("a missing or wrong colour checker is refused") {
     CHECK_THROWS_WITH(measure_photo(photo.photograph, scene.target, scene.chart, by_hand), Contains("colours"));
 }
 
+TEST_CASE("a colour checker that is somewhat off is told, and one that is another's is refused") {
+    Scene scene;
+    const SimulatedPhoto photo = scene.photo();
+    // Greens of every second patch by as much as no matrix of colours takes back.
+    const auto aged = [&](double by) {
+        CheckerChart chart = scene.chart;
+        for (std::size_t p = 0; p < chart.linear_srgb.size(); ++p) chart.linear_srgb[p].y() += p % 2 ? by : -by;
+        return measure_photo(photo.photograph, scene.target, chart, {}).warnings;
+    };
+    CHECK(aged(0).empty());
+    const std::vector<std::string> told = aged(0.07);
+    REQUIRE(told.size() == 1);
+    CHECK_THAT(told[0], Contains("the checker's patches are still off by 0.0") && Contains("[checker-off]"));
+    CHECK_THROWS_WITH(aged(0.15), Contains("another chart"));
+}
+
 TEST_CASE("three markers are enough and two are not") {
     Scene scene;
     SimulatedPhoto photo = scene.photo();

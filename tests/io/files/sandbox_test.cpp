@@ -10,6 +10,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "io/files/file_reader.h"
 #include "io/files/isolate.h"
 #include "tests/io/files/taken_program.h"
 #include "tests/io/files/temporary_folder.h"
@@ -152,4 +153,19 @@ TEST_CASE("missing walls are told in words", "[sandbox]") {
     CHECK_THAT(missing_walls_note(no_call_filter), Contains("seccomp") && !Contains("Landlock"));
     CHECK_THAT(missing_walls_note(no_file_filter), Contains("Landlock") && !Contains("seccomp"));
     CHECK_THAT(missing_walls_note(no_call_filter | no_file_filter), Contains("seccomp and Landlock"));
+}
+
+TEST_CASE("who reads through a program that lacks a wall is warned", "[sandbox]") {
+    const std::string wish = "ask a";
+    IsolatedProgram program("a.obj", MISBEHAVING_PROGRAM, std::as_bytes(std::span(wish)),
+                            {.memory_bytes = built_with_address_sanitizer() ? 0 : std::uint64_t{256} << 20});
+    // One that it asks in its turn, as voxtone-read asks voxtone-read-pictures.
+    program.answer_by([](std::span<const std::byte> question, const Progress*, std::uint8_t& missing) {
+        missing |= no_file_filter;
+        return std::vector<std::byte>(question.begin(), question.end());
+    });
+    std::vector<std::string> warnings;
+    (void)read_guarded(program, nullptr, warnings);
+    REQUIRE(warnings.size() == 1);
+    CHECK_THAT(warnings[0], Contains("Landlock") && Contains("[less-guarded]"));
 }
