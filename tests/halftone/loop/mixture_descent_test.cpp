@@ -102,7 +102,8 @@ TEST_CASE("Cells that share their light do not overshoot together", "[loop]") {
         last = misfit();
     }
     CHECK(last < 2e-3 * at_first);
-    CHECK(rose < 12);
+    // A rate falls to 0.4 of itself a step: one that is 25 times too large is right after four, and swings no more.
+    CHECK(rose <= 4);
     CHECK(state.mixtures.cell(0)[0] > 2 * state.mixtures.cell(1)[0]);
 }
 

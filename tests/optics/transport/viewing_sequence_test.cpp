@@ -419,7 +419,9 @@ TEST_CASE("Cells of the eye: a sphere of one colour looks as it does to cells of
             scatter += share * std::pow(static_cast<double>(cells.value[3 * i + c]) - mean, 2);
         INFO("channel " << c << ": " << mean << ", of smaller ones " << mean_of_smaller << ", scatter "
                         << std::sqrt(scatter));
-        CHECK(mean == Approx(mean_of_smaller).epsilon(0.05));  // half a unit of L*
+        // In L*: less than such a sphere differs from side to side, 0.3 at least (docs/predict.md).
+        const auto lightness = [](double y) { return 116 * std::cbrt(y) - 16; };
+        CHECK(std::abs(lightness(mean) - lightness(mean_of_smaller)) < 0.3);
         CHECK(std::sqrt(scatter) < 0.005);
     }
 }
