@@ -2,7 +2,7 @@
 #include "optics/transport/sweep_rows.h"
 
 #include <algorithm>
-#include <map>
+#include <limits>
 
 namespace voxtone::optics {
 
@@ -52,7 +52,8 @@ SweepRows sweep_rows(const ViewingGrid& grid, bool down, std::size_t fronts) {
     made.followers.resize(2 * rows);
     made.front.resize(rows);
     made.serial.reserve(2 * rows);
-    std::map<std::int32_t, std::size_t> last_at;  // by y: the row that was crossed there last
+    constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+    std::vector<std::size_t> last_at(static_cast<std::size_t>(grid.lattice[1]), none);  // by y: the row crossed last
     for (std::size_t p = 0; p < planes.size(); ++p) {
         const auto [first, count] = planes[p];
         for (std::size_t back = 0; back < 2; ++back)
@@ -66,11 +67,10 @@ SweepRows sweep_rows(const ViewingGrid& grid, bool down, std::size_t fronts) {
                 made.followers[task_of(row + 1, 1)].add(task_of(row, 1));
             }
             made.followers[task_of(row, 0)].add(task_of(row, 1));
-            const auto y = static_cast<std::int32_t>(block_of(grid, row).at[1]);
-            if (const auto before = last_at.find(y); before != last_at.end())
-                for (std::size_t back = 0; back < 2; ++back)
-                    made.followers[task_of(before->second, back)].add(task_of(row, back));
-            last_at[y] = row;
+            std::size_t& last = last_at[static_cast<std::size_t>(block_of(grid, row).at[1])];
+            for (std::size_t back = 0; last != none && back < 2; ++back)
+                made.followers[task_of(last, back)].add(task_of(row, back));
+            last = row;
         }
         if (p < made.fronts) continue;
         const auto [old_first, old_count] = planes[p - made.fronts];

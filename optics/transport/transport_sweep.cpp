@@ -142,38 +142,10 @@ struct BlockFaces {
     V8 *x, *y, *z;
 };
 
-/// What a medium does, the same for all octants: with d = 1 + theta: gain = d / (sigma + sum d |Omega| / h),
-/// pass = gain d |Omega_x| / h_x - theta, sigma = fit sigma_t; d psi averaged over the cell is fit (d psi) + rest q
-/// fit.
-struct MediumWays {
-    Octet gain, pass, fit, rest;
-    float sigma_s, linear;
-};
-using MediaWays = std::array<std::vector<MediumWays>, 2>;  // for both kinds of cells
-
-/// Exponential fitting (transport_sweep.h).
-void fit_medium(const Ways& ways, const TransportMedium& medium, double theta, MediumWays& out) {
-    const double sigma = std::max(static_cast<double>(medium.sigma_t), 1e-6);
-    const double sigma_a = std::max(0.0, static_cast<double>(medium.sigma_t) - static_cast<double>(medium.sigma_s));
-    for (int d = 0; d < 8; ++d) {
-        const auto i = static_cast<std::size_t>(d);
-        const double way = (1 + theta) / static_cast<double>(ways.a[d]), tau = sigma_a * way;
-        const bool thin = tau < 0.02;  // there 1 - fit cancels; the series has two terms
-        const double fit = cell_fit(sigma_a, way, theta), lack = theta == 1 && thin ? tau * tau / 12 : 1 - fit;
-        const double gain = (1 + theta) / (static_cast<double>(ways.a[d]) + fit * sigma);
-        out.gain.v[i] = static_cast<float>(gain);
-        out.pass.v[i] = static_cast<float>(gain * static_cast<double>(ways.ax[d]) - theta);
-        out.fit.v[i] = static_cast<float>(fit);
-        out.rest.v[i] = static_cast<float>((1 + theta) * lack / (sigma * fit));
-        out.sigma_s = medium.sigma_s;
-        out.linear = medium.linear;
-    }
-}
-
 /// psi of a cell; px, py, pz come in and go out. Written so that the way along x, where each cell waits for the one
 /// before, is one multiplication and one addition long: px_out = gain (fit q + ay py + az pz) + pass px = (1 + theta)
 /// psi - theta px.
-HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const MediumWays& medium, const Moments& light,
+HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const SweepMedium& medium, const Moments& light,
                            Moments& sum, V8& px, V8& py, V8& pz) {
     const V8 q = medium.sigma_s * (light.phi + medium.linear * (light.x * o.sx + (light.y * o.sy + light.z * o.sz)));
     const V8 fitted = as_vector(medium.fit) * q;
@@ -196,7 +168,7 @@ HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const MediumWays& 
 
 /// A row of cells none of which has an outer face.
 template <int step>
-HWY_INLINE void inner_row(const Octant& o, const Ways& ways, const MediumWays* media, const std::uint16_t* medium,
+HWY_INLINE void inner_row(const Octant& o, const Ways& ways, const SweepMedium* media, const std::uint16_t* medium,
                           const Moments* light, Moments* sum, int row, V8* row_y, V8* row_z, V8& px_in_out) {
     V8 px = px_in_out;
     int x = step > 0 ? 0 : ways.nx - 1;
@@ -259,7 +231,7 @@ private:
     }
 };
 
-HWY_INLINE void cross_row(const Octant& o, const Ways& ways, const MediumWays* media, const std::uint16_t* medium,
+HWY_INLINE void cross_row(const Octant& o, const Ways& ways, const SweepMedium* media, const std::uint16_t* medium,
                           const Moments* light, Moments* sum, int row, V8* row_y, V8* row_z, V8& px) {
     if (o.back[0])
         inner_row<-1>(o, ways, media, medium, light, sum, row, row_y, row_z, px);
@@ -268,7 +240,7 @@ HWY_INLINE void cross_row(const Octant& o, const Ways& ways, const MediumWays* m
 }
 
 /// A whole block of solid cells: its outer faces are faces of the block.
-void sweep_solid_block(const SweepJob& job, const Octant& o, const MediumWays* media, const GridBlock& block,
+void sweep_solid_block(const SweepJob& job, const Octant& o, const SweepMedium* media, const GridBlock& block,
                        const BlockFaces& faces) {
     const Ways ways = o.ways[1];
     const std::uint16_t* const medium = job.grid.medium.data() + block.first_cell;
@@ -313,7 +285,7 @@ HWY_INLINE std::uint64_t exchange(std::uint64_t bits, int step, std::uint64_t lo
 /// A whole block at the surface. Which cells are solid and which of their faces lie outside is as
 /// good as random, and a branch for each would be guessed wrongly: light that enters is put on its faces first, then
 /// the solid cells are crossed, then what leaves is taken from there.
-void sweep_surface_block(const SweepJob& job, const Octant& o, const MediumWays* media, const GridBlock& block,
+void sweep_surface_block(const SweepJob& job, const Octant& o, const SweepMedium* media, const GridBlock& block,
                          const BlockFaces& faces, CellFaces& on) {
     const Ways ways = o.ways[1];
     const std::uint16_t* const medium = job.grid.medium.data() + block.first_cell;
@@ -366,7 +338,7 @@ void sweep_surface_block(const SweepJob& job, const Octant& o, const MediumWays*
 
 /// The parts of a block's cells. Outer faces are those of whole cells: all parts get the light that enters there, and
 /// what leaves is their mean.
-void sweep_parts(const SweepJob& job, const Octant& o, const MediumWays* media, std::size_t t, const GridBlock& block,
+void sweep_parts(const SweepJob& job, const Octant& o, const SweepMedium* media, std::size_t t, const GridBlock& block,
                  const BlockFaces& faces) {
     const ViewingGrid& grid = job.grid;
     const Ways ways = o.ways[0];
@@ -480,13 +452,6 @@ void sweep(const SweepJob& job, int half) {
         front.z_fine.assign(across * deep, 0);
     }
     const bool any_fine = grid.fine.any();
-    MediaWays media;
-    for (std::size_t kind = 0; kind < 2; ++kind) {
-        const std::span<const TransportMedium> of = kind == 0 ? job.parts.media : job.cells.media;
-        media[kind].resize(of.size());
-        for (std::size_t m = 0; m < of.size(); ++m)
-            fit_medium(octants[0].ways[kind], of[m], static_cast<double>(kinds[kind].theta), media[kind][m]);
-    }
     const auto fit = [&](V8* face, auto& is_fine, bool wanted, std::size_t a, std::size_t b) {
         if (static_cast<bool>(is_fine) == wanted) return;
         if (wanted)
@@ -516,11 +481,11 @@ void sweep(const SweepJob& job, int half) {
             fit(faces.y, front.y_fine[by], in_parts, 0, 2);
             fit(faces.z, front.z_fine[bz], in_parts, 0, 1);
             if (in_parts)
-                sweep_parts(job, o, media[0].data(), t, block, faces);
+                sweep_parts(job, o, job.parts.media.data(), t, block, faces);
             else if (block.solid == ~std::uint64_t{0})
-                sweep_solid_block(job, o, media[1].data(), block, faces);
+                sweep_solid_block(job, o, job.cells.media.data(), block, faces);
             else
-                sweep_surface_block(job, o, media[1].data(), block, faces, on);
+                sweep_surface_block(job, o, job.cells.media.data(), block, faces, on);
         }
     };
     // All four octants of one way along z cross a plane of blocks before the next one, and both ways along x a row,
@@ -544,6 +509,47 @@ HWY_AFTER_NAMESPACE();
 namespace voxtone::optics {
 
 HWY_EXPORT(sweep);
+
+namespace {
+
+/// Exponential fitting (transport_sweep.h).
+SweepMedium sweep_medium(const Octet& a, const Octet& ax, double theta, const TransportMedium& medium) {
+    const double sigma = std::max(static_cast<double>(medium.sigma_t), 1e-6);
+    const double sigma_a = std::max(0.0, static_cast<double>(medium.sigma_t) - static_cast<double>(medium.sigma_s));
+    SweepMedium made;
+    made.sigma_s = medium.sigma_s;
+    made.linear = medium.linear;
+    for (std::size_t d = 0; d < 8; ++d) {
+        const double way = (1 + theta) / static_cast<double>(a.v[d]), tau = sigma_a * way;
+        const bool thin = tau < 0.02;  // there 1 - fit cancels; the series has two terms
+        const double fit = cell_fit(sigma_a, way, theta), lack = theta == 1 && thin ? tau * tau / 12 : 1 - fit;
+        const double gain = (1 + theta) / (static_cast<double>(a.v[d]) + fit * sigma);
+        made.gain.v[d] = static_cast<float>(gain);
+        made.pass.v[d] = static_cast<float>(gain * static_cast<double>(ax.v[d]) - theta);
+        made.fit.v[d] = static_cast<float>(fit);
+        made.rest.v[d] = static_cast<float>((1 + theta) * lack / (sigma * fit));
+    }
+    return made;
+}
+
+}  // namespace
+
+std::vector<SweepMedium> sweep_media(const DirectionSet& set, const std::array<double, 3>& edge_mm, float theta,
+                                     std::span<const TransportMedium> media) {
+    const auto weight = static_cast<double>(theta);
+    std::array<Octet, 3> per_way;  // (1 + theta) |Omega| / h, as an octant has it
+    Octet all;
+    for (std::size_t d = 0; d < 8; ++d) {
+        for (std::size_t a = 0; a < 3; ++a)
+            per_way[a].v[d] = set.cosine[a].v[d] * static_cast<float>((1 + weight) / edge_mm[a]);
+        all.v[d] = per_way[0].v[d] + per_way[1].v[d] + per_way[2].v[d];
+    }
+    std::vector<SweepMedium> made(media.size());
+    parallel_ranges(0, media.size(), 1 << 8, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t m = begin; m < end; ++m) made[m] = sweep_medium(all, per_way[0], weight, media[m]);
+    });
+    return made;
+}
 
 void sweep_half(const SweepJob& job, bool down) { HWY_DYNAMIC_DISPATCH(sweep)(job, down ? 1 : 0); }
 

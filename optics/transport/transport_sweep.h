@@ -31,6 +31,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "base/progress.h"
 #include "optics/transport/sweep_rows.h"
@@ -55,12 +56,26 @@ struct alignas(16) Moments {
     }
 };
 
+/// What a medium does to light on its way through a cell, the same in all octants. With d = 1 + theta: gain = d /
+/// (sigma
+/// + sum d |Omega| / h), pass = gain d |Omega_x| / h_x - theta, sigma = fit sigma_t; d psi averaged over the cell is
+/// fit (d psi) + rest q fit.
+struct SweepMedium {
+    Octet gain, pass, fit, rest;
+    float sigma_s = 0, linear = 0;
+};
+
+/// For cells of these edges; `theta`: weight of the differences. Two calls of libm a direction and medium: to be made
+/// once a channel.
+[[nodiscard]] std::vector<SweepMedium> sweep_media(const DirectionSet& set, const std::array<double, 3>& edge_mm,
+                                                   float theta, std::span<const TransportMedium> media);
+
 /// The cells of one kind of blocks: whole ones, or the parts of those that are cut finer (ViewingGrid::Fine).
 struct SweepCells {
-    std::span<const TransportMedium> media;  ///< by what the grid says that they hold, of this channel
-    std::span<const Moments> light;          ///< phi and J of what is scattered
-    std::span<Moments> sum;                  ///< their share is added
-    float theta = 1;                         ///< weight of the differences
+    std::span<const SweepMedium> media;  ///< by what the grid says that they hold, of this channel and `theta`
+    std::span<const Moments> light;      ///< phi and J of what is scattered
+    std::span<Moments> sum;              ///< their share is added
+    float theta = 1;                     ///< weight of the differences
 };
 
 struct SweepJob {

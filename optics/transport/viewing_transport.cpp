@@ -71,6 +71,9 @@ ViewingTransport::ViewingTransport(const ViewingGrid& grid, const TransportOptio
       flux_(std::move(room.flux)),
       flux_change_(std::move(room.flux_change)) {
     scratch_.resize(grid.cells());
+    // Both ways along z keep two threads busy; more of them cross several planes of each at once.
+    const std::size_t threads = thread_count(), fronts = threads > 2 ? threads / 2 + 2 : 1;
+    for (std::size_t half = 0; half < 2; ++half) rows_[half] = sweep_rows(grid, half == 1, fronts);
     const auto edge = grid_.edge_mm();
     for (std::size_t a = 0; a < 3; ++a) {
         edge_[a] = static_cast<float>(edge[a]);
@@ -154,6 +157,11 @@ void ViewingTransport::prepare() {
     fill(media_->cells, D_, widened_, widest);
     fill(media_->core, core_D_, core_widened_, widest);
     fit_core(widest);
+    std::array<double, 3> edge_mm = grid_.edge_mm();
+    cell_ways_ = sweep_media(grid_.directions, edge_mm, static_cast<float>(viewing_theta), media_->cells);
+    if (grid_.fine.any())
+        for (std::size_t a = 0; a < 3; ++a) edge_mm[a] /= grid_.fine.split[a];
+    part_ways_ = sweep_media(grid_.directions, edge_mm, static_cast<float>(fine_theta), media_->parts);
     exchange_.resize(grid_.faces.size());
     parallel_ranges(0, exchange_.size(), 1 << 12, [&](std::size_t begin, std::size_t end) {
         for (std::size_t f = begin; f < end; ++f)
@@ -543,16 +551,13 @@ void ViewingTransport::add_sources_at_faces() {
 }
 
 void ViewingTransport::sweep() {
-    // Both ways along z keep two threads busy; more of them cross several planes of each at once.
-    const std::size_t threads = thread_count(), fronts = threads > 2 ? threads / 2 + 2 : 1;
     parallel_for(0, 2, 1, [&](std::size_t half) {
-        const SweepRows rows = sweep_rows(grid_, half == 1, fronts);
         const SweepJob job{.grid = grid_,
-                           .cells = {.media = media_->cells,
+                           .cells = {.media = cell_ways_,
                                      .light = moments_,
                                      .sum = half == 0 ? scratch_.up() : scratch_.down(),
                                      .theta = static_cast<float>(viewing_theta)},
-                           .parts = {.media = media_->parts,
+                           .parts = {.media = part_ways_,
                                      .light = parts_,
                                      .sum = half == 0 ? parts_up_ : parts_down_,
                                      .theta = static_cast<float>(fine_theta)},
@@ -560,7 +565,7 @@ void ViewingTransport::sweep() {
                            .out = out_,
                            .core_in = core_in_,
                            .core_out = core_out_,
-                           .rows = rows,
+                           .rows = rows_[half],
                            .progress = progress_};
         std::fill(job.cells.sum.begin(), job.cells.sum.end(), Moments{});
         std::fill(job.parts.sum.begin(), job.parts.sum.end(), Moments{});
@@ -729,7 +734,7 @@ std::size_t ViewingTransport::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
     return of(moments_) + of(parts_) + of(parts_up_) + of(parts_down_) + scratch_.memory_bytes() + of(core_phi_) +
            of(core_x_) + of(core_right_) + of(in_) + of(out_) + of(core_in_) + of(core_out_) + of(light_) + of(flux_) +
-           of(flux_change_) + of(exchange_) + diffusion_.memory_bytes();
+           of(flux_change_) + of(exchange_) + of(cell_ways_) + of(part_ways_) + diffusion_.memory_bytes();
 }
 
 }  // namespace voxtone::optics

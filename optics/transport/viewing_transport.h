@@ -139,6 +139,8 @@ private:
     std::vector<FaceSums> sums_;                                             ///< per law
     std::vector<Exchange> exchange_;                                         ///< per face that is not the core's
     std::vector<float> D_, core_D_, core_sigma_a_, widened_, core_widened_;  ///< per medium
+    std::array<SweepRows, 2> rows_;                                          ///< of light that runs up, and down
+    std::vector<SweepMedium> cell_ways_, part_ways_;                         ///< per medium, of the solve that runs
     std::vector<Moments> moments_;                        ///< per cell: phi and J; the mean of its parts
     std::vector<Moments> parts_, parts_up_, parts_down_;  ///< per fine cell
     SweepScratch scratch_;

@@ -67,7 +67,8 @@ TEST_CASE("Grids are not made any more once that is cancelled", "[cancellation]"
 TEST_CASE("A sweep and a solve of diffusion leave off in the middle", "[cancellation]") {
     const Stopped stopped;
     const ViewingGrid grid = stopped.grid(nullptr);
-    const std::vector<TransportMedium> media(grid.mixtures.size(), TransportMedium{20, 18});
+    const std::vector<TransportMedium> mixtures(grid.mixtures.size(), TransportMedium{20, 18});
+    const std::vector<SweepMedium> media = sweep_media(grid.directions, grid.edge_mm(), 1, mixtures);
     const std::vector<Moments> light(grid.cells(), Moments{1, 0, 0, 0});
     std::vector<Moments> sum(grid.cells());
     const std::vector<Octet> in(4 * grid.open_faces.size());

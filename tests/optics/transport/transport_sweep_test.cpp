@@ -80,11 +80,17 @@ struct Result {
 
 Result swept(const Case& c, std::size_t fronts = 1) {
     Result result(c);
+    const std::array<double, 3> edge = c.grid.edge_mm();
+    std::array<double, 3> edge_of_parts = edge;
+    for (std::size_t a = 0; c.grid.fine.any() && a < 3; ++a) edge_of_parts[a] /= c.grid.fine.split[a];
+    const std::vector<SweepMedium> media = sweep_media(c.grid.directions, edge, float(theta), c.media),
+                                   media_of_parts = sweep_media(c.grid.directions, edge_of_parts, float(theta_of_parts),
+                                                                c.media_of_parts);
     for (const bool down : {false, true}) {
         const SweepRows rows = sweep_rows(c.grid, down, fronts);
         const SweepJob job{.grid = c.grid,
-                           .cells = {.media = c.media, .light = c.light, .sum = result.sum, .theta = float(theta)},
-                           .parts = {.media = c.media_of_parts,
+                           .cells = {.media = media, .light = c.light, .sum = result.sum, .theta = float(theta)},
+                           .parts = {.media = media_of_parts,
                                      .light = c.light_of_parts,
                                      .sum = result.sum_of_parts,
                                      .theta = float(theta_of_parts)},
