@@ -18,6 +18,7 @@
 #include "base/warning.h"
 #include "io/codecs/cut_volumes.h"
 #include "io/codecs/texture_baker.h"
+#include "io/codecs/threemf_namespace.h"
 #include "io/codecs/threemf_part.h"
 #include "io/models/model_text.h"
 #include "io/models/slicer_roles.h"
@@ -175,10 +176,7 @@ private:
             parse_threemf_part(is_utf16(bytes) ? model_text(bytes) : text_of(bytes), what);
         part.path = path;
         for (const std::string& extension : part.required_extensions) {
-            if (extension.find("/material/") != std::string::npos ||
-                extension.find("/production/") != std::string::npos ||
-                extension.find("/trianglesets/") != std::string::npos)
-                continue;
+            if (is_understood(threemf_namespace(extension))) continue;
             if (extension.find("/securecontent/") != std::string::npos)
                 throw InputError(fmt::format("{} is encrypted; export it without protection", context_.name()));
             throw InputError(

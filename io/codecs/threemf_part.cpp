@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "io/codecs/threemf_namespace.h"
 #include "io/files/xml_reader.h"
 
 namespace voxtone::io {
@@ -36,6 +37,10 @@ public:
     ThreemfPart parse() {
         bool any = false;
         for (XmlReader::Event event; (event = xml_.next()) != XmlReader::Event::finished;) {
+            if (passed_over_ > 0) {
+                if (event == XmlReader::Event::end && xml_.depth() == passed_over_) passed_over_ = 0;
+                continue;
+            }
             if (event == XmlReader::Event::end) {
                 leave();
                 continue;
@@ -46,10 +51,21 @@ public:
             enter();
         }
         if (!any) xml_.fail("it holds no <model>");
+        for (const auto& [id, element] : foreign_)
+            if (const auto [place, is_new] = part_.groups.try_emplace(id); is_new) place->second.element = element;
         return std::move(part_);
     }
 
 private:
+    [[nodiscard]] ThreemfNamespace space_of(std::string_view uri) {
+        // Nearly all elements are of the one that the one before was of.
+        if (uri.data() != uri_.data() || uri.size() != uri_.size()) {
+            uri_ = uri;
+            space_ = uri.empty() || uri == core_uri_ ? ThreemfNamespace::core : threemf_namespace(uri);
+        }
+        return space_;
+    }
+
     [[nodiscard]] double number(std::string_view text, std::string_view key) const {
         std::string_view digits = trimmed_token(text);
         if (digits.starts_with('+')) digits.remove_prefix(1);
@@ -60,13 +76,18 @@ private:
             xml_.fail(fmt::format("'{}' is no number for {}", text, key));
         return value;
     }
-    [[nodiscard]] std::uint32_t index(std::string_view text, std::string_view key) const {
+    [[nodiscard]] static std::optional<std::uint32_t> index_of(std::string_view text) {
         const std::string_view digits = trimmed_token(text);
         std::uint32_t value = 0;
         const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
         if (digits.empty() || end != digits.data() + digits.size() || error != std::errc() || value == no_property)
-            xml_.fail(fmt::format("'{}' is no index for {}", text, key));
+            return std::nullopt;
         return value;
+    }
+    [[nodiscard]] std::uint32_t index(std::string_view text, std::string_view key) const {
+        const auto value = index_of(text);
+        if (!value) xml_.fail(fmt::format("'{}' is no index for {}", text, key));
+        return *value;
     }
     [[nodiscard]] std::uint32_t required_index(std::string_view key) const {
         const std::string_view value = xml_.attribute(key);
@@ -111,8 +132,18 @@ private:
         return result;
     }
 
-    [[nodiscard]] ThreemfReference reference() const {
-        return {required_index("objectid"), XmlReader::decode(xml_.attribute("path")), transform(), true};
+    /// Of the production extension; without prefix, too.
+    [[nodiscard]] std::string_view path_of_part() {
+        for (const auto& [key, value] : xml_.attributes()) {
+            if (XmlReader::local(key) != "path") continue;
+            const ThreemfNamespace space = space_of(xml_.attribute_namespace(key));
+            if (space == ThreemfNamespace::core || space == ThreemfNamespace::production) return value;
+        }
+        return {};
+    }
+
+    [[nodiscard]] ThreemfReference reference() {
+        return {required_index("objectid"), XmlReader::decode(path_of_part()), transform(), true};
     }
 
     [[nodiscard]] Wrap tile_style(std::string_view key) const {
@@ -141,17 +172,31 @@ private:
         return *(group_ = &group);
     }
 
+    /// What is not understood, with all in it.
+    void pass_over() {
+        passed_over_ = xml_.depth();
+        if (xml_.depth() == 3)
+            if (const auto id = index_of(xml_.attribute("id"))) foreign_.try_emplace(*id, xml_.name());
+        if (xml_.depth() == 4 && object_) object_->other_shape = xml_.name();
+    }
+
     void enter() {
         const std::string_view name = xml_.name();
         using Kind = ThreemfGroup::Kind;
-        if (xml_.depth() == 1) return read_model();
+        if (xml_.depth() == 1) {
+            core_uri_ = xml_.namespace_uri();
+            return read_model();
+        }
+        const ThreemfNamespace space = space_of(xml_.namespace_uri());
+        if (space == ThreemfNamespace::other) return pass_over();
+        const bool is_core = space == ThreemfNamespace::core;
         if (xml_.depth() == 3) {  // children of <resources> and <build>
             group_ = nullptr;
             object_ = nullptr;
-            if (name == "item") {
+            if (is_core && name == "item") {
                 part_.items.push_back(reference());
                 part_.items.back().printable = xml_.attribute("printable") != "0";
-            } else if (name == "object") {
+            } else if (is_core && name == "object") {
                 object_ = &add_resource(part_.objects);
                 if (const auto type = xml_.attribute("type"); type.data()) object_->type = type;
                 object_->name = XmlReader::decode(xml_.attribute("name"));
@@ -181,7 +226,7 @@ private:
             }
             return;
         }
-        if (object_) return enter_in_object(name);
+        if (object_) return enter_in_object(name, space);
         if (!group_) return;
         if (name == "base" && group_->kind == Kind::base_materials) group_->rgba.push_back(colour("displaycolor"));
         if (name == "color" && group_->kind == Kind::colours) group_->rgba.push_back(colour("color"));
@@ -196,24 +241,31 @@ private:
         for (const auto word : words(xml_.attribute(key))) values.push_back(number(word, key));
     }
 
-    void enter_in_object(std::string_view name) {
-        if (name == "vertex") {
+    /// PrusaSlicer and its kin, Bambu Studio and its kin
+    [[nodiscard]] bool is_paint(std::string_view key) const {
+        if (key == "paint_color") return true;
+        return key.ends_with("mmu_segmentation") && XmlReader::local(key) == "mmu_segmentation" &&
+               (key.find(':') == key.npos || xml_.attribute_namespace(key).find("slic3r") != key.npos);
+    }
+
+    void enter_in_object(std::string_view name, ThreemfNamespace space) {
+        const bool is_core = space == ThreemfNamespace::core;
+        if (is_core && name == "vertex") {
             object_->vertices.emplace_back(required_number("x"), required_number("y"), required_number("z"));
-        } else if (name == "triangle") {
+        } else if (is_core && name == "triangle") {
             ThreemfTriangle triangle{{required_index("v1"), required_index("v2"), required_index("v3")}};
             for (const auto& [key, value] : xml_.attributes()) {
                 if (key == "pid") triangle.pid = index(value, key);
                 if (key == "p1") triangle.p[0] = index(value, key);
                 if (key == "p2") triangle.p[1] = index(value, key);
                 if (key == "p3") triangle.p[2] = index(value, key);
-                // PrusaSlicer and its kin, Bambu Studio and its kin
-                if (key.ends_with("mmu_segmentation") || key == "paint_color")
+                if (is_paint(key))
                     triangle.paint = triangle_paint(trimmed_token(value)).value_or(TrianglePaint{0, true});
             }
             object_->triangles.push_back(triangle);
-        } else if (name == "component") {
+        } else if (is_core && name == "component") {
             object_->components.push_back(reference());
-        } else if (name == "beam") {
+        } else if (name == "beam" && (is_core || space == ThreemfNamespace::beam_lattice)) {
             object_->has_beams = true;
         } else if (xml_.depth() == 4 && name != "mesh" && name != "components" && name != "metadatagroup") {
             object_->other_shape = name;
@@ -240,13 +292,16 @@ private:
             xml_.fail(
                 fmt::format("the unit '{}' is unknown (micron, millimeter, centimeter, inch, foot, meter)", unit));
         for (const auto prefix : words(xml_.attribute("requiredextensions")))
-            for (const auto& [key, value] : xml_.attributes())
-                if (key == fmt::format("xmlns:{}", prefix)) part_.required_extensions.emplace_back(value);
+            part_.required_extensions.emplace_back(xml_.meaning(prefix));
     }
 
     XmlReader xml_;
     ThreemfPart part_;
-    ThreemfGroup* group_ = nullptr;  // being read
+    std::string_view core_uri_, uri_;  // of <model>; that `space_` was last asked for
+    ThreemfNamespace space_ = ThreemfNamespace::core;
+    std::size_t passed_over_ = 0;                        // depth of an element that is not understood; 0: none
+    std::map<std::uint32_t, std::string_view> foreign_;  // resources that are not understood, by id
+    ThreemfGroup* group_ = nullptr;                      // being read
     ThreemfObject* object_ = nullptr;
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // One model part of a 3MF package as plain values: resources, objects, build items. Indices are as written; nothing is
-// resolved yet.
+// resolved yet. The namespace of <model> is the core's, whatever its address: some files have none, some an older one.
 // Based on: 3MF Consortium, "3D Manufacturing Format, Core Specification" 1.3.0; "Materials and Properties
 // Extension" 1.2.1; "Production Extension" 1.1.2.
 #pragma once
@@ -79,7 +79,7 @@ struct ThreemfPart {
     std::map<std::uint32_t, ThreemfGroup> groups;
     std::map<std::uint32_t, ThreemfObject> objects;
     std::vector<ThreemfReference> items;
-    std::vector<std::string> required_extensions;  ///< namespaces
+    std::vector<std::string> required_extensions;  ///< namespaces; a prefix that is declared nowhere
 };
 
 /// Throws InputError naming the line. `what` names the part.

@@ -15,6 +15,8 @@ namespace voxtone::io {
 namespace {
 
 constexpr std::size_t deepest = 256, longest_reference = 12;
+// Each element looks through them; the programs that write 3MF declare up to a dozen.
+constexpr std::size_t most_declarations = 256;
 
 bool blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 bool ends_name(char c) { return blank(c) || c == '/' || c == '>' || c == '=' || c == '<' || c == '"' || c == '\''; }
@@ -87,6 +89,7 @@ std::string_view XmlReader::read_name() {
 XmlReader::Event XmlReader::next() {
     if (ended_) {
         open_.pop_back();
+        while (!declarations_.empty() && declarations_.back().depth > open_.size()) declarations_.pop_back();
         ended_ = false;
     }
     if (closes_) {
@@ -152,6 +155,7 @@ void XmlReader::read_start() {
         const std::size_t end = text_.find(quote, at_);
         if (end == std::string_view::npos) fail("it is cut short");
         attributes_.emplace_back(key, text_.substr(at_, end - at_));
+        if (key.starts_with("xmlns")) declare(key, attributes_.back().second);
         at_ = end + 1;
     }
     open_.push_back(name_);
@@ -159,9 +163,25 @@ void XmlReader::read_start() {
     if (depth_ > deepest) fail("its elements are nested too deep");
 }
 
+/// Of the element that is being read, which is not open yet.
+void XmlReader::declare(std::string_view attribute, std::string_view uri) {
+    if (attribute != "xmlns" && !attribute.starts_with("xmlns:")) return;
+    if (declarations_.size() == most_declarations)
+        fail(fmt::format("it has more than {} namespaces", most_declarations));
+    declarations_.push_back({attribute == "xmlns" ? std::string_view() : local(attribute), uri, open_.size() + 1});
+}
+
+std::string_view XmlReader::meaning(std::string_view prefix) const {
+    for (auto declared = declarations_.rbegin(); declared != declarations_.rend(); ++declared)
+        if (declared->prefix == prefix) return declared->uri;
+    return prefix;
+}
+
 std::string_view XmlReader::attribute(std::string_view local_name) const {
     for (const auto& [key, value] : attributes_)
-        if (local(key) == local_name) return value.empty() ? std::string_view("") : value;
+        if (key == local_name ||
+            (key.ends_with(local_name) && local(key) == local_name && attribute_namespace(key) == namespace_uri()))
+            return value.empty() ? std::string_view("") : value;
     return {};
 }
 

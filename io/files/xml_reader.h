@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A pull parser for XML as data files use it: elements, attributes and plain text in UTF-8. No DTD is accepted (so no
-// entity can expand). Works in place, in time proportional to the text.
+// A pull parser for XML as data files use it: elements, attributes and plain text in UTF-8, with namespaces. No DTD is
+// accepted (so no entity can expand). Works in place, in time proportional to the text.
+// Based on: T. Bray et al., "Namespaces in XML 1.0", third edition, W3C 2009. Laxer than it where a prefix is declared
+// nowhere, which is an error there.
 //
 // Why not expat: it calls back, which turns its callers inside out, and hands every attribute of millions of vertices
 // over as a copy that ends in 0; what it has more (DTDs, encodings) is what must be refused here. Why not pugixml: it
@@ -30,6 +32,9 @@ public:
     /// Name of the element, with and without its prefix.
     [[nodiscard]] std::string_view full_name() const { return name_; }
     [[nodiscard]] std::string_view name() const { return local(name_); }
+    /// What the element's prefix is declared as, or the default; empty: nothing. A prefix that is declared nowhere
+    /// stands for itself. As written: no character reference is resolved.
+    [[nodiscard]] std::string_view namespace_uri() const { return meaning(prefix(name_)); }
     /// How many elements are open, this one included (at its end too).
     [[nodiscard]] std::size_t depth() const { return depth_; }
 
@@ -37,8 +42,20 @@ public:
     [[nodiscard]] const std::vector<std::pair<std::string_view, std::string_view>>& attributes() const {
         return attributes_;
     }
-    /// Value of the attribute with this name, whatever its prefix; data() == nullptr: none.
+    /// Value of the attribute with this name that belongs to the element: without prefix, or with one of the element's
+    /// namespace. data() == nullptr: none.
     [[nodiscard]] std::string_view attribute(std::string_view local_name) const;
+    /// An attribute's name without its prefix.
+    [[nodiscard]] static std::string_view local(std::string_view name) {
+        const std::size_t colon = name.find(':');
+        return colon == std::string_view::npos ? name : name.substr(colon + 1);
+    }
+    /// The namespace of an attribute of this name: the element's where it has no prefix.
+    [[nodiscard]] std::string_view attribute_namespace(std::string_view full_name) const {
+        return full_name.find(':') == std::string_view::npos ? namespace_uri() : meaning(prefix(full_name));
+    }
+    /// What a prefix is declared as at the element; itself where it is declared nowhere. Empty: the default.
+    [[nodiscard]] std::string_view meaning(std::string_view prefix) const;
 
     /// What stands behind the start that was read last, as written, up to the next mark.
     [[nodiscard]] std::string_view text() const;
@@ -49,10 +66,11 @@ public:
     [[noreturn]] void fail(const std::string& what) const;
 
 private:
-    static std::string_view local(std::string_view name) {
+    static std::string_view prefix(std::string_view name) {
         const std::size_t colon = name.find(':');
-        return colon == std::string_view::npos ? name : name.substr(colon + 1);
+        return colon == std::string_view::npos ? std::string_view() : name.substr(0, colon);
     }
+    void declare(std::string_view attribute, std::string_view uri);
     void skip_past(std::string_view mark);
     void skip_blanks();
     std::string_view read_name();
@@ -64,6 +82,11 @@ private:
     bool closes_ = false, ended_ = false;  // the last start was an empty element; the last event was an end
     std::string_view name_;
     std::vector<std::string_view> open_;
+    struct Declaration {
+        std::string_view prefix, uri;
+        std::size_t depth;  // of the element that it stands in
+    };
+    std::vector<Declaration> declarations_;  // of the elements that are open
     std::vector<std::pair<std::string_view, std::string_view>> attributes_;
 };
 

@@ -70,10 +70,13 @@ std::string without_percents(std::string_view path) {
 /// Target of the package's relationship to its model.
 std::string target_in(std::string_view relationships, const std::string& what) {
     XmlReader xml(relationships, what);
-    for (XmlReader::Event event; (event = xml.next()) != XmlReader::Event::finished;)
-        if (event == XmlReader::Event::start && xml.name() == "Relationship" &&
+    std::string_view package;  // namespace of relationships
+    for (XmlReader::Event event; (event = xml.next()) != XmlReader::Event::finished;) {
+        if (event == XmlReader::Event::start && xml.depth() == 1) package = xml.namespace_uri();
+        if (event == XmlReader::Event::start && xml.name() == "Relationship" && xml.namespace_uri() == package &&
             xml.attribute("Type").ends_with("/3dmodel"))
             return XmlReader::decode(xml.attribute("Target"));
+    }
     return {};
 }
 

@@ -98,3 +98,33 @@ TEST_CASE("An element's text ends at the next mark", "[xml]") {
     CHECK(open.text() == "cut");
     CHECK_THROWS_AS(open.next(), InputError);
 }
+
+TEST_CASE("A prefix means what the nearest element around it declares", "[xml]") {
+    XmlReader xml(R"(<a xmlns="urn:1" xmlns:p="urn:2"><p:b xmlns:p='urn:3' x="0" p:x="1" q:x="2" xmlns:q="urn:4">)"
+                  R"(<b xmlns="urn:5"/></p:b><p:c q:y="3" p:y="4" xmlnsx="n"/><q:d/><a xmlns=""/></a>)",
+                  "FILE");
+    std::string elements, attributes;
+    for (XmlReader::Event event; (event = xml.next()) != XmlReader::Event::finished;) {
+        elements += (event == XmlReader::Event::start ? " " : " /") + std::string(xml.name()) + "=" +
+                    std::string(xml.namespace_uri());
+        if (event != XmlReader::Event::start) continue;
+        for (const auto& [key, value] : xml.attributes())
+            if (!key.starts_with("xmlns"))
+                attributes += " " + std::string(value) + "=" + std::string(xml.attribute_namespace(key));
+    }
+    CHECK(elements == " a=urn:1 b=urn:3 b=urn:5 /b=urn:5 /b=urn:3 c=urn:2 /c=urn:2 d=q /d=q a= /a= /a=urn:1");
+    CHECK(attributes == " 0=urn:3 1=urn:3 2=urn:4 3=q 4=urn:2");
+
+    // An attribute of another namespace is not the element's; one of the element's is.
+    XmlReader named(R"(<a xmlns="urn:1" xmlns:p="urn:2" xmlns:o="urn:1" p:x="1" o:y="2" z="3"/>)", "FILE");
+    REQUIRE(named.next() == XmlReader::Event::start);
+    CHECK(named.attribute("x").data() == nullptr);
+    CHECK(named.attribute("y") == "2");
+    CHECK(named.attribute("z") == "3");
+
+    // Each name is looked for in all of them.
+    std::string many = "<a";
+    for (int n = 0; n < 1000; ++n) many += " xmlns:p" + std::to_string(n) + "='u'";
+    XmlReader hostile(many += "/>", "FILE");
+    CHECK_THROWS_WITH(hostile.next(), Catch::Contains("more than 256 namespaces"));
+}

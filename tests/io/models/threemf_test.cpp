@@ -312,3 +312,96 @@ TEST_CASE("Colours of filaments are found by their key, each at its place") {
                    .lost_colour,
                Contains("extruder 1 and does not say what colour"));
 }
+
+TEST_CASE("Elements and attributes of other namespaces are passed over with all in them") {
+    const Folder folder;
+    const auto read = [&](const std::string& namespaces, const std::string& resources,
+                          const std::string& build = R"(<item objectid="1"/>)") {
+        return read_package(folder, {{"3D/3dmodel.model", fmt::format("<model {}><resources>{}</resources><build>{}"
+                                                                      "</build></model>",
+                                                                      namespaces, resources, build)}});
+    };
+    const std::string core = R"(xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02")",
+                      other = R"(xmlns:q="urn:x")";
+    const auto body = [](const std::string& vertex, const std::string& triangle, const std::string& mesh) {
+        return R"(<object id="1"><mesh><vertices><vertex q:x="9" x="0" y="0" z="0"/>)" + vertex +
+               R"(<vertex x="5" y="0" z="0"/><vertex x="0" y="5" z="0"/><vertex x="0" y="0" z="5"/></vertices>)"
+               R"(<triangles><triangle v1="0" v2="2" v3="1"/>)" +
+               triangle +
+               R"(<triangle v1="0" v2="1" v3="3" q:mmu_segmentation="8"/><triangle v1="1" v2="2" v3="3"/>)"
+               R"(<triangle v1="2" v2="0" v3="3"/></triangles>)" +
+               mesh + "</mesh></object>";
+    };
+    const auto size_of = [](const ModelFile& file) {
+        Eigen::Vector3d low = file.mesh.positions.at(0), high = low;
+        for (const Eigen::Vector3d& p : file.mesh.positions) {
+            low = low.cwiseMin(p);
+            high = high.cwiseMax(p);
+        }
+        return Eigen::Vector3d(high - low);
+    };
+    const std::string foreign_vertex = R"(<q:vertex x="0" y="0" z="1"/>)";
+    for (const std::string& resources :
+         {body(foreign_vertex, "", ""), body(R"(<vertex xmlns="urn:x" x="0" y="0" z="1"/>)", "", ""),
+          body("<q:note><vertex x=\"0\" y=\"0\" z=\"1\"/></q:note>", "", ""),
+          body(R"(<vertices xmlns="urn:x"><vertex x="0" y="0" z="1"/></vertices>)", "", ""),
+          body("", R"(<q:triangle v1="0" v2="0" v3="0"/><q:x><triangle v1="7" v2="8" v3="9"/></q:x>)", ""),
+          body("", "", R"(<q:beamlattice><q:beams><q:beam v1="0" v2="1"/></q:beams></q:beamlattice>)"),
+          R"(<q:object id="1"/><q:thing id="no number"/><q:basematerials id="1"><base/></q:basematerials>)" +
+              body("", "", "")}) {
+        INFO(resources);
+        const ModelFile file = read(core + " " + other, resources);
+        CHECK(file.mesh.triangles.size() == 4);
+        CHECK(size_of(file) == Eigen::Vector3d(5, 5, 5));
+        CHECK(file.lost_colour.empty());
+        CHECK_FALSE(file.has_colour);
+    }
+    CHECK(read(core + " " + other, body("", "", ""), R"(<q:item objectid="7"/><item objectid="1" q:path="/3D/none"/>)")
+              .mesh.triangles.size() == 4);
+    // A vertex that is of the materials, by name only, is none.
+    CHECK(size_of(read(core + R"( xmlns:q="http://schemas.microsoft.com/3dmanufacturing/material/2015/02")",
+                       body(foreign_vertex, "", ""))) == Eigen::Vector3d(5, 5, 5));
+    // Another address for the core, none at all, or by a prefix: it is what <model> is of.
+    for (const char* namespaces : {"", R"(xmlns="http://schemas.microsoft.com/3dmanufacturing/2013/01")",
+                                   R"(xmlns="http://schemas.3mf.io/3dmanufacturing/core/2031/02")"})
+        CHECK(read(std::string(namespaces) + " " + other, body(foreign_vertex, "", "")).mesh.triangles.size() == 4);
+    const std::string prefixed =
+        R"(<c:model xmlns:c="http://schemas.microsoft.com/3dmanufacturing/core/2015/02" )"
+        R"(xmlns="urn:x"><c:resources><c:object id="1"><c:mesh><c:vertices>)"
+        R"(<c:vertex x="0" y="0" z="0"/><vertex x="9" y="9" z="9"/><c:vertex x="1" y="0" z="0"/>)"
+        R"(<c:vertex x="0" y="1" z="0"/></c:vertices><c:triangles>)"
+        R"(<c:triangle v1="0" v2="1" v3="2"/></c:triangles></c:mesh></c:object></c:resources>)"
+        R"(<c:build><c:item objectid="1"/></c:build></c:model>)";
+    CHECK(size_of(read_package(folder, {{"3D/3dmodel.model", prefixed}})) == Eigen::Vector3d(1, 1, 0));
+    // Materials by any prefix, by their own alone where it is not declared, or without.
+    for (const auto& [namespaces, prefix] : std::vector<std::pair<std::string, std::string>>{
+             {R"(xmlns:z="http://schemas.microsoft.com/3dmanufacturing/material/2015/02")", "z:"},
+             {"", "m:"},
+             {"", ""}}) {
+        INFO(namespaces << prefix);
+        const ModelFile file =
+            read(core + " " + namespaces,
+                 fmt::format(R"(<{0}colorgroup id="9"><{0}color color="#FF0000"/></{0}colorgroup>)", prefix) +
+                     object(R"(id="1" pid="9" pindex="0")"));
+        CHECK(file.has_colour);
+        CHECK(colour_of(file, 0) == red);
+    }
+    // Properties of somebody else's are lost, and said to be.
+    CHECK_THAT(read(core + " " + other, R"(<q:colorgroup id="9"><q:color color="#FF0000"/></q:colorgroup>)" +
+                                            object(R"(id="1" pid="9" pindex="0")"))
+                   .lost_colour,
+               Contains("of the kind 'colorgroup', which cannot be read"));
+}
+
+TEST_CASE("What a part requires is refused where it is not understood, declared or not") {
+    const Folder folder;
+    const auto refused = [&](const std::string& attributes) {
+        return refusal(folder, {{"3D/3dmodel.model", fmt::format("<model {}><resources>{}</resources><build>"
+                                                                 R"(<item objectid="1"/></build></model>)",
+                                                                 attributes, object(R"(id="1")"))}});
+    };
+    CHECK_THAT(refused(R"(requiredextensions="z" xmlns:z="urn:material")"), Contains("extension urn:material"));
+    CHECK_THAT(refused(R"(requiredextensions="m z")"), Contains("not known here") && Contains("extension z"));
+    CHECK(refused(R"(requiredextensions="z p" xmlns:z="http://schemas.3mf.io/3dmanufacturing/material/2031/02")") ==
+          "no error");
+}
