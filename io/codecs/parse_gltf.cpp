@@ -16,6 +16,7 @@
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
+#include "base/counted.h"
 #include "base/error.h"
 #include "base/printable.h"
 #include "base/warning.h"
@@ -321,15 +322,17 @@ private:
     }
 
     /// Glow is the colour of a material that has no other: unlit exporters put it there. Beside a base that is white by
-    /// default a picture is, a colour is a glow.
+    /// default a picture is, a colour is a glow. A glow beside a colour is none of the print's.
     void take_emission(const Json& json, PartMaterial& material, MaterialUv& uv) {
         const Json& info = object(json, "emissiveTexture");
         const bool black = material.rgb.maxCoeff() <= 0, absent = material.rgb.minCoeff() >= 1 && !info.empty();
-        if (material.image >= 0 || !(black || absent)) return;
+        const bool is_all = material.image < 0 && (black || absent);
         Eigen::Vector3f glow = Eigen::Vector3f::Zero();
         numbers(json, "emissiveFactor", glow);
-        if (!info.empty() && !json.contains("emissiveFactor")) glow.setOnes();  // left out by mistake: it is 0 then
+        // left out by mistake: it is 0 then
+        if (is_all && !info.empty() && !json.contains("emissiveFactor")) glow.setOnes();
         if (!glow.allFinite() || glow.maxCoeff() <= 0) return;
+        if (!is_all) return glowing_.push_back(printable(material.name));
         material.rgb = glow.cwiseMax(0).cwiseMin(1);
         if (!info.empty()) read_texture(info, material, uv);
         warn(named_warning(
@@ -683,6 +686,13 @@ private:
                 "which-colour",
                 fmt::format("{} has further colours of vertices ({}); they have no standard and are left aside.",
                             context_.name(), fmt::join(others_, ", "))));
+        if (!glowing_.empty())
+            warn(named_warning(
+                "which-colour",
+                fmt::format("{} of {} ('{}'{}) glow{} besides having a base colour; that was taken, the emission is "
+                            "left aside.",
+                            counted(glowing_.size(), "material"), context_.name(), glowing_.front(),
+                            glowing_.size() > 1 ? ", ..." : "", glowing_.size() > 1 ? "" : "s")));
         if (points_and_lines_)
             warn(named_warning(
                 "no-volume",
@@ -716,7 +726,8 @@ private:
     std::uint32_t default_material_ = 0;
     std::vector<float> cutoff_;  ///< per material; negative: alpha is not cut
     std::map<std::int64_t, Eigen::Affine3d> placed_;
-    std::set<std::string> others_;  ///< attributes that are colours and were not read
+    std::vector<std::string> glowing_;  ///< materials that have a colour, too
+    std::set<std::string> others_;      ///< attributes that are colours and were not read
     std::size_t points_and_lines_ = 0, skinned_ = 0, hidden_ = 0;
 };
 

@@ -406,6 +406,23 @@ TEST_CASE("glTF as the world writes it") {
         CHECK(near(corner_colour(alone.mesh, 0, 0), {1, 0, 0}));
         CHECK_THAT(warnings(alone), Contains("emission"));
     }
+    SECTION("a glow beside another colour is left aside, and said once for all materials") {
+        const auto said = [&](const std::string& materials) {
+            const ModelFile file =
+                read(b.file(mesh(position, R"(,"materials":[)" + materials + "]", R"(,"material":0)")));
+            return warnings(file);
+        };
+        const std::string coloured =
+            R"({"name":"lamp","emissiveFactor":[0,1,0],"pbrMetallicRoughness":{"baseColorFactor":[1,0,0,1]}})";
+        CHECK_THAT(said(coloured), Contains("1 material of") && Contains("('lamp') glows besides") &&
+                                       Contains("emission is left aside") && Contains("[which-colour]"));
+        CHECK_THAT(said(coloured + R"(,{"emissiveFactor":[0,0,1]})"),
+                   Contains("2 materials of") && Contains("('lamp', ...) glow besides"));
+        for (const char* none :
+             {R"({"emissiveFactor":[0,0,0],"pbrMetallicRoughness":{"baseColorFactor":[1,0,0,1]}})",
+              R"({"emissiveTexture":{"index":0},"pbrMetallicRoughness":{"baseColorFactor":[1,0,0,1]}})"})
+            CHECK(said(none).empty());
+    }
     SECTION("pictures in the text, in base64 or not, with %XX; the text in UTF-16 and with a mark") {
         const int uv = b.floats({0.25f, 0.25f, 0.25f, 0.25f, 0.25f, 0.25f}, "VEC2");
         std::string percent;
