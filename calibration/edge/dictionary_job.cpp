@@ -33,15 +33,21 @@ EdgeGrid grid_of(const DictionaryJob& job) {
     return grid;
 }
 
-// What an earlier start left, if it was of the same dictionary; else nothing.
+// What an earlier start left, if it was of the same dictionary; else nothing. Runs of another one took hours too: they
+// are replaced where that was asked for.
 EdgeDictionary begun(const DictionaryJob& job, const EdgeSetup& setup, Progress& progress) {
     EdgeDictionary fresh{setup, grid_of(job), {}};
     fresh.records.resize(fresh.grid.runs());
     if (!fs::exists(partial_name(job))) return fresh;
     EdgeDictionary left = read_dictionary(partial_name(job), true);
     if (left.grid == fresh.grid && edge_setup_text(left.setup) == edge_setup_text(setup)) return left;
+    if (!job.overwrite)
+        throw InputError(fmt::format(
+            "{} has runs of another grid or setup; give the options that it was begun with to go on with it, another "
+            "--out, or --overwrite to replace it",
+            partial_name(job)));
     progress.warn(named_warning(
-        "other-grid", fmt::format("{} is of another grid or setup; its runs are not used", partial_name(job))));
+        "other-grid", fmt::format("{} is of another grid or setup; its runs are replaced", partial_name(job))));
     return fresh;
 }
 

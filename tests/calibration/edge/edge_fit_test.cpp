@@ -230,6 +230,31 @@ TEST_CASE("a dictionary goes on where it was stopped, and shards make the same f
         CHECK(bytes_of(again.out) == whole);
         CHECK_THAT(result.json, !Contains("\"traced\":6,"));
     }
+    SECTION("runs of another grid are kept until they may be replaced") {
+        DictionaryJob other = job;
+        other.grid.sigma_t = {3};
+        other.grid.g = {0.2};
+        other.out = folder.path() / "other.dict";
+        const std::string left = other.out + ".partial";
+        io::write_whole_file(left, std::span(whole).first(whole.size() / 2));
+        const auto before = bytes_of(left);
+        CHECK_THROWS_WITH(run_dictionary_job(other, progress), Contains("other.dict.partial") &&
+                                                                   Contains("another grid or setup") &&
+                                                                   Contains("--overwrite"));
+        CHECK(bytes_of(left) == before);
+        class Warnings final : public Progress {
+        public:
+            std::string all;
+
+        private:
+            void on_warning(const std::string& message) override { all += message; }
+        } warnings;
+        other.overwrite = true;
+        static_cast<void>(run_dictionary_job(other, warnings));
+        CHECK_THAT(warnings.all, Contains("its runs are replaced") && Contains("[other-grid]"));
+        CHECK(missing_runs(read_dictionary(other.out)).empty());
+        CHECK_FALSE(fs::exists(left));
+    }
     SECTION("in shards") {
         DictionaryJob part = job;
         part.shards = 2;
