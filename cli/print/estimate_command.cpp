@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -41,13 +43,15 @@ int run(const EstimateArguments& arguments) {
     scope.resins = !arguments.quick;
     return run_on_console(arguments.console, [&](Progress& progress) {
         tell_notes(options, progress);
-        if (slicer::is_plan(options.model) && !slicer::is_tray_plan(options.model)) {
+        const std::vector<std::string> models = many_models(arguments.job);
+        if (models.empty() && slicer::is_plan(options.model) && !slicer::is_tray_plan(options.model)) {
             if (scope.orientations)
                 throw UsageError(
                     "--orientations is a table of one body; name its model, and not a plan of several jobs");
             return slicer::run_plan_estimate(plan_of(options), scope, progress);
         }
-        const slicer::JobEstimate estimate = slicer::estimate_any(options, progress, scope);
+        const slicer::JobEstimate estimate = models.empty() ? slicer::estimate_any(options, progress, scope)
+                                                            : slicer::estimate_tray(options, models, progress, scope);
         return JobResult{slicer::estimate_json(estimate), slicer::estimate_text(estimate)};
     });
 }
@@ -60,7 +64,9 @@ Command add_estimate_command(CLI::App& program) {
         "estimate",
         "Say what slicing would take, without doing it: size, layers, resins, time, memory, disk. In the place of a "
         "model "
-        "also of a plan as `batch` takes it (table, job list, folder, pattern): a line a job, and what they add up to");
+        "also of a plan as `batch` takes it (table, job list, folder, pattern): a line a job, and what they add up to. "
+        "Several models are a tray, as of `slice`");
+    arguments->job.takes_many = true;
     add_job_options(*command, arguments->job);
     command
         ->add_flag("--orientations", arguments->scope.orientations,

@@ -249,10 +249,11 @@ void take_common(const io::JsonObject& object, const fs::path& folder, const Sli
 
 }  // namespace
 
-TrayPlan read_tray_plan(const std::string& file, const SliceOptions& common) {
-    const PlanText text = io::extension_of(file) == "csv" ? text_of_table(file) : text_of_object(file);
+namespace {
+
+TrayPlan plan_of_text(const PlanText& text, const std::string& file, const fs::path& folder,
+                      const SliceOptions& common) {
     if (text.parts.empty()) throw InputError(fmt::format("{}: has no part; name a model for each in \"parts\"", file));
-    const fs::path folder = fs::path(file).parent_path();
     TrayPlan plan;
     plan.file = file;
     plan.common = common;
@@ -265,6 +266,24 @@ TrayPlan read_tray_plan(const std::string& file, const SliceOptions& common) {
     label_copies(plan);
     settle_names(plan);
     return plan;
+}
+
+}  // namespace
+
+TrayPlan read_tray_plan(const std::string& file, const SliceOptions& common) {
+    return plan_of_text(io::extension_of(file) == "csv" ? text_of_table(file) : text_of_object(file), file,
+                        fs::path(file).parent_path(), common);
+}
+
+TrayPlan tray_plan_of_models(std::span<const std::string> models, const SliceOptions& common) {
+    const fs::path here = fs::current_path();
+    const std::string file(tray_plan_name);
+    const io::JsonObject object = io::JsonObject::parse(tray_plan_of(models, here), file);
+    PlanText text;
+    int number = 0;
+    for (io::JsonObject& part : object.objects(parts_key))
+        text.parts.push_back({std::move(part), fmt::format("part {}", ++number)});
+    return plan_of_text(text, file, here, common);
 }
 
 std::string tray_plan_of(std::span<const std::string> models, const fs::path& folder) {

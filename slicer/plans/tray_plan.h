@@ -29,6 +29,8 @@ namespace voxtone::slicer {
 inline constexpr std::string_view tray_plan_name = "tray-plan.json";
 /// Such a plan, to be written into `folder`: a part for each model, in this order.
 [[nodiscard]] std::string tray_plan_of(std::span<const std::string> models, const std::filesystem::path& folder);
+/// What `read_tray_plan` would read of it. Nothing is written.
+[[nodiscard]] TrayPlan tray_plan_of_models(std::span<const std::string> models, const SliceOptions& common);
 
 /// Whether the file says that it is the plan of a tray. A table is one where its header has a word of a part that no
 /// job of a batch has.

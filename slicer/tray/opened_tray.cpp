@@ -77,6 +77,12 @@ OpenedTray open_tray(const SliceOptions& asked) {
     return {open_job(asked), read_tray_plan(asked.model, asked)};
 }
 
+OpenedTray open_tray_of_models(SliceOptions asked, std::span<const std::string> models) {
+    refuse_of_one_body(asked);
+    asked.model = tray_plan_name;
+    return {open_job(asked), tray_plan_of_models(models, asked)};
+}
+
 PreparedTray prepare_tray(const OpenedTray& tray, Progress& progress) {
     PreparedTray prepared{prepare_parts(tray.plan, progress), {}, {}};
     std::vector<StandingPart> standing;

@@ -36,6 +36,8 @@ struct OpenedTray {
 
 /// Throws UsageError, InputError, FileError. Changes nothing on disk.
 [[nodiscard]] OpenedTray open_tray(const SliceOptions& asked);
+/// The tray of these models, without a plan on disk.
+[[nodiscard]] OpenedTray open_tray_of_models(SliceOptions asked, std::span<const std::string> models);
 
 /// Its parts, prepared, in their places.
 struct PreparedTray {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -138,12 +139,14 @@ void add_print(const Arrangement& places, const PrinterProfile& printer, JobEsti
 
 }  // namespace
 
-JobEstimate estimate_tray(const SliceOptions& asked, Progress& progress, const EstimateScope& scope) {
+JobEstimate estimate_tray(const SliceOptions& asked, std::span<const std::string> models, Progress& progress,
+                          const EstimateScope& scope) {
     if (scope.orientations)
-        throw UsageError("--orientations is a table of one body; name its model, and not the plan of a tray");
+        throw UsageError(
+            "--orientations is a table of one body; name its model alone, and neither others nor the plan of a tray");
     SliceOptions options = asked;
     if (options.out.empty()) options.out = ".";
-    const OpenedTray tray = open_tray(options);
+    const OpenedTray tray = models.empty() ? open_tray(options) : open_tray_of_models(options, models);
     const SliceOptions& common = tray.plan.common;
     const ThreadLimit threads(static_cast<std::size_t>(common.threads));
     const std::optional<OpenedJob> of_all = common_job(tray.plan);
@@ -156,7 +159,7 @@ JobEstimate estimate_tray(const SliceOptions& asked, Progress& progress, const E
             {part.part, part.measured ? &part.measured->body : nullptr, part.component ? &*part.component : nullptr});
     const PrinterProfile printer = of_all ? of_all->printer : open_job(tray.plan.parts[0].options).printer;
     JobEstimate sum;
-    sum.model = asked.model;
+    sum.model = models.empty() ? asked.model : fmt::format("{}", fmt::join(models, ", "));
     sum.threads = thread_count();
     sum.warnings = printer.warnings();
     add_print(arrange(standing, printer.sliced_tray_mm(), tray_options_of(common)), printer, sum);
@@ -187,7 +190,7 @@ JobEstimate estimate_tray(const SliceOptions& asked, Progress& progress, const E
 }
 
 JobEstimate estimate_any(const SliceOptions& asked, Progress& progress, const EstimateScope& scope) {
-    return is_tray(asked) ? estimate_tray(asked, progress, scope) : estimate_job(asked, progress, scope);
+    return is_tray(asked) ? estimate_tray(asked, {}, progress, scope) : estimate_job(asked, progress, scope);
 }
 
 }  // namespace voxtone::slicer

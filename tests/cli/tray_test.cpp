@@ -216,6 +216,31 @@ TEST_CASE("What is for many parts is refused for one, and the other way round") 
     CHECK_FALSE(fs::exists(bench.folder / "out/manifest.json"));
 }
 
+TEST_CASE("An estimate of several models is that of their tray, and writes nothing") {
+    const Bench bench("estimate");
+    const std::string marker = bench.folder / "marker.obj", ramp = bench.folder / "ramp.obj";
+    bench.folder.write("tray.json", R"({"format": "voxtone-tray", "version": 1, "parts": [{"model": "marker.obj"},
+        {"model": "ramp.obj"}]})");
+    const std::string words = "estimate --json --gap 3mm " + quick;
+    const Outcome models = run_program(words + marker + " " + ramp + " -o " + (bench.folder / "out"));
+    CAPTURE(models.err);
+    REQUIRE(models.exit_code == 0);
+    const json several = result_in(models), plan = result_in(run_program(words + (bench.folder / "tray.json")));
+    CHECK(voxtone::io::schema_faults("estimate", several.dump()) == std::vector<std::string>{});
+    for (const char* key : {"size_px", "layers", "ml", "disk_bytes", "resins"}) {
+        CAPTURE(key);
+        CHECK(several.at(key) == plan.at(key));
+    }
+    CHECK(several["model"] == marker + ", " + ramp);
+    CHECK_FALSE(fs::exists(bench.folder / "out"));
+    // What the print would refuse.
+    const Outcome gone = run_program(words + marker + " " + (bench.folder / "gone.obj"));
+    CHECK(gone.exit_code == 4);
+    CHECK_THAT(gone.err, Contains("part 2: ") && Contains("gone.obj"));
+    for (const std::string& no : {"--orientations " + ramp, "--layers 0-5 " + ramp, bench.folder / "tray.json"})
+        CHECK(run_program(words + marker + " " + no).exit_code == 2);
+}
+
 TEST_CASE("What finds no room on the plate goes over it, or onto the next tray, or is named") {
     const Bench bench("room");
     // 490 x 390 mm hold two times two of 5 mm that lie 300 mm apart.
