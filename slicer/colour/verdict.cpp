@@ -144,20 +144,8 @@ std::string reason(LossCause cause, const Losses& losses) {
     return "light spreads between neighbouring colours and at edges";
 }
 
-std::string advice_on_gamut(const VerdictSources& s) {
-    const auto resin = most_helpful_resin(s.job, s.body);
-    if (!resin) return "choose colours that are less saturated or less dark: no other resin of the set would help much";
-    if (!resin->has_slot)
-        return fmt::format(
-            "print it where {} can be loaded too, in another mode or on another printer: colours out of reach go from "
-            "{:.1f} to {:.1f} CIEDE2000 then",
-            resin->role, resin->now_de2000, resin->mean_de2000);
-    return fmt::format("load {} too (--load): colours out of reach go from {:.1f} to {:.1f} CIEDE2000 then",
-                       resin->role, resin->now_de2000, resin->mean_de2000);
-}
-
 std::string advice_on(LossCause cause, const VerdictSources& s) {
-    if (cause == gamut) return advice_on_gamut(s);
+    if (cause == gamut) return gamut_advice(s.job, s.body);
     if (cause == thin_wall)
         return fmt::format("make these walls at least {:g} mm thick, or print it larger ({})",
                            2 * s.job.options.colour.depth_mm, s.body.is_picture ? "--thickness" : "--size");
@@ -248,7 +236,7 @@ void judge_gamut(const VerdictSources& s, io::ReportVerdict& verdict) {
                   100 * s.gamut.mapped_share, s.gamut.mean_de2000);
     if (verdict.level == io::VerdictLevel::bad) {
         verdict.causes.push_back({std::string(name_of(gamut)), 1});
-        verdict.advice.push_back(advice_on_gamut(s));
+        verdict.advice.push_back(gamut_advice(s.job, s.body));
         verdict.sentence =
             fmt::format("{}: {} (above {:g} is bad); try this: {}. Light in it was not predicted: {}.",
                         opening(verdict.level), reach, verdict.bad_above, verdict.advice.front(), reason);
@@ -295,6 +283,18 @@ CellLoss loss_of_cell(const JobPrediction& p, const JobColour& colour, std::size
     const Eigen::Vector3d centre(cell.centre_mm[0], cell.centre_mm[1], cell.centre_mm[2]);
     const double wall = wall_thickness_mm(p.volume, centre, {cell.normal[0], cell.normal[1], cell.normal[2]}, thin_mm);
     return {wall < thin_mm ? thin_wall : neighbours, wall};
+}
+
+std::string gamut_advice(const OpenedJob& job, const JobBody& body) {
+    const auto resin = most_helpful_resin(job, body);
+    if (!resin) return "choose colours that are less saturated or less dark: no other resin of the set would help much";
+    if (!resin->has_slot)
+        return fmt::format(
+            "print it where {} can be loaded too, in another mode or on another printer: colours out of reach go from "
+            "{:.1f} to {:.1f} CIEDE2000 then",
+            resin->role, resin->now_de2000, resin->mean_de2000);
+    return fmt::format("load {} too (--load): colours out of reach go from {:.1f} to {:.1f} CIEDE2000 then",
+                       resin->role, resin->now_de2000, resin->mean_de2000);
 }
 
 io::ReportVerdict judge(const VerdictSources& s) {

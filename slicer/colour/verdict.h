@@ -56,6 +56,9 @@ struct VerdictSources {
 
 [[nodiscard]] io::ReportVerdict judge(const VerdictSources& sources);
 
+/// What to try where colours are out of the resins' reach. Takes as long as separating a few thousand colours.
+[[nodiscard]] std::string gamut_advice(const OpenedJob& job, const JobBody& body);
+
 /// How much body there is behind a point of its surface: from `from_mm` along `-normal` (unit length) to the first air,
 /// at most `most_mm`. Steps of half a voxel.
 [[nodiscard]] double wall_thickness_mm(const optics::ResinVolume& volume, const Eigen::Vector3d& from_mm,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <numeric>
 #include <string>
 
@@ -50,11 +51,11 @@ io::Rgb codes_of(const Eigen::Vector3f& rgb) {
     return {io::linear_to_srgb8(rgb[0]), io::linear_to_srgb8(rgb[1]), io::linear_to_srgb8(rgb[2])};
 }
 
-/// In a few words, for a list of places.
+/// For a list of places; what the verdict says of colours out of reach holds for each of them.
 std::string advice_on_place(LossCause cause, const ColourReport& s) {
     switch (cause) {
         case LossCause::gamut:
-            return "load more resins, or ask for a colour that is less saturated or less dark";
+            return gamut_advice(s.job, s.body);
         case LossCause::thin_wall:
             return fmt::format("make the body at least {:g} mm thick there, or print it larger ({})",
                                2 * s.job.options.colour.depth_mm, s.body.is_picture ? "--thickness" : "--size");
@@ -66,7 +67,10 @@ std::string advice_on_place(LossCause cause, const ColourReport& s) {
                : "print it larger, or give local contrast the preference (--intent contrast)";
 }
 
-io::ViewerPlace place_of(const ColourReport& s, const JobPrediction& p, std::size_t i) {
+/// By cause, found once: what would help is tried out.
+using PlaceAdvice = std::map<LossCause, std::string>;
+
+io::ViewerPlace place_of(const ColourReport& s, const JobPrediction& p, std::size_t i, PlaceAdvice& advice) {
     const optics::SurfaceCell& cell = p.predicted.surface.cells[i];
     const double thin_mm = 2 * s.job.options.colour.depth_mm;
     const CellLoss loss = loss_of_cell(p, s.colour, i, thin_mm);
@@ -80,7 +84,8 @@ io::ViewerPlace place_of(const ColourReport& s, const JobPrediction& p, std::siz
     place.print = codes_of(p.seen.print[i]);
     place.cause = name_of(loss.cause);
     if (loss.cause == LossCause::thin_wall) place.cause += fmt::format(", {:.2f} mm", loss.wall_mm);
-    place.advice = advice_on_place(loss.cause, s);
+    if (!advice.contains(loss.cause)) advice[loss.cause] = advice_on_place(loss.cause, s);
+    place.advice = advice[loss.cause];
     return place;
 }
 
@@ -109,12 +114,13 @@ std::vector<io::ViewerPlace> worst_places(const ColourReport& s, const JobPredic
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return seen[a] > seen[b]; });
     std::vector<io::ViewerPlace> places;
     std::vector<Eigen::Vector3d> taken;
+    PlaceAdvice advice;
     for (const std::size_t i : order) {
         const Eigen::Vector3d at = vector_of(p.predicted.surface.cells[i].centre_mm);
         const auto near = [&](const Eigen::Vector3d& other) { return (other - at).norm() < apart_mm; };
         if (std::any_of(taken.begin(), taken.end(), near)) continue;
         taken.push_back(at);
-        places.push_back(place_of(s, p, i));
+        places.push_back(place_of(s, p, i, advice));
         if (places.size() == most) break;
     }
     return places;

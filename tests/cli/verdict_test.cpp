@@ -90,6 +90,28 @@ TEST_CASE("A thin wall gets its word, limits are the user's, and --strict makes 
     CHECK(run_program(slice + "--verdict-good 6").exit_code == 2);
 }
 
+TEST_CASE("What the page says of colours out of reach it says of each place, too") {
+    const Folder folder("reach");
+    io::Picture8 red{30, 30, 3, {}};
+    for (int i = 0; i < 30 * 30; ++i) red.codes.insert(red.codes.end(), {255, 0, 0});
+    const std::vector<std::uint8_t> png = io::png_bytes(red);
+    folder.write("red.png", std::string(png.begin(), png.end()));
+    for (const auto& [load, what] :
+         {std::pair("W,M", "load Y too (--load)"), std::pair("C,M,Y,K,W", "no other resin of the set would help")}) {
+        CAPTURE(load);
+        REQUIRE(run_program("slice --quiet --overwrite --iterations 0 --predict transport " + folder / "red.png" +
+                            " --width 3mm --thickness 2mm --resins vero-opaque --load " + load + " -o " +
+                            folder / "out")
+                    .exit_code == 0);
+        CHECK_THAT(report_in(folder)["verdict"]["advice"].dump(), Contains(what));
+        const std::string page = read_file(folder.path() / "out/report.html");
+        const std::size_t places = page.find("What to do there");
+        REQUIRE(places != std::string::npos);
+        CHECK_THAT(page.substr(places, page.find("</ul>", places) - places), Contains(what));
+        CHECK_THAT(page, !Contains("load more resins"));
+    }
+}
+
 TEST_CASE("A white sheet is not good whose red is orange and whose fine type cannot be read") {
     const Folder folder("sheet");
     // 10 x 6 mm at 0.1 mm: a red square of 2 mm in a corner, and lines of 0.2 mm, 0.3 mm apart.
