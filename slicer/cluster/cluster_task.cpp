@@ -299,8 +299,11 @@ std::set<std::string> queue_for_closing(const std::vector<Submission>& submissio
     for (int attempt = 1;; ++attempt) {
         try {
             return slurm_queue();
-        } catch (const FileError& error) {
-            progress.warn(named_warning("queue-unknown", error.what()));
+        } catch (const FileError&) {  // it says that nothing is submitted, and nothing was to be
+            progress.warn(named_warning(
+                "queue-unknown",
+                "squeue, which tells what still runs, is not on this machine or finds no cluster: jobs without a stack "
+                "are noted as failed, and what still runs notes itself again"));
             return {};
         } catch (const TryAgain&) {
             if (attempt == tries) throw;
