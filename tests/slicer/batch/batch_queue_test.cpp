@@ -9,7 +9,9 @@
 #include <fmt/core.h>
 #include <catch2/catch.hpp>
 
+#include "io/programs/build_identity.h"
 #include "slicer/batch/job_result.h"
+#include "slicer/kept/job_identity.h"
 #include "slicer/options/job_file.h"
 #include "tests/io/files/temporary_folder.h"
 
@@ -151,6 +153,30 @@ TEST_CASE("What another batch has made of a job since is its batch's, and may be
     batch.run();
     CHECK_THAT(shop.said(), Contains("--overwrite"));
     CHECK(batch.folder.state_of("a")->folder_is_ours);
+}
+
+TEST_CASE("What another version of the program made is made anew over it, what this one made is kept") {
+    const Workshop shop("echo \"$@\" >>$OUT/said\nexit 3\n");
+    const PlannedJob job = shop.job("a");
+    const bool another = GENERATE(false, true);
+    CAPTURE(another);
+    Batch batch(shop);
+    fs::create_directories(job.out);
+    std::ofstream(job.out / "manifest.json") << "{}";
+    std::ofstream(job.out / "report.json") << "{}";
+    std::ofstream(job.out / "job.json") << job_record(job.options, identify(open_job(job.options), {}).inputs, job.out);
+    JobState done;
+    done.name = job.name;
+    done.phase = JobPhase::done;
+    done.command = job.command;
+    done.program = another ? "0.0.9" : io::build_identity();
+    done.folder_is_ours = true;
+    batch.folder.publish(done);
+    batch.queue.add(job);
+    batch.run();
+    CHECK(batch.events.of(Kind::unchanged).size() == (another ? 0 : 1));
+    CHECK(batch.events.of(Kind::started).size() == (another ? 1 : 0));
+    CHECK((shop.said().find("--overwrite") != std::string::npos) == another);
 }
 
 TEST_CASE("A folder that no batch has made is not replaced") {
