@@ -16,6 +16,10 @@
 namespace voxtone::optics {
 namespace {
 
+// Degrees rms between normals and the true ones, on a J750's voxels. By sigma 0.06, 0.12, 0.18, 0.24, reach 2.5 sigma:
+// a sphere of 6 mm 4.3, 1.5, 1.3, 1.3; within 0.5 mm of a roof's ridge 5.4, 10.3, 12.6, 13.9. By reach 0.24, 0.3: the
+// sphere 2.0, 1.5. By terraces of 0.25, 0.5, 1: the sphere 3.8, 1.5, 1.3; bent of ribs 0.7 mm wide 13, 13, 46 % of the
+// surface.
 constexpr double kernel_sigma_mm = 0.12, kernel_reach_mm = 0.3, terrace_mm = 0.5;
 
 constexpr int most_voxels = 1 << 16;  // SurfaceFace::voxel

@@ -32,6 +32,8 @@ double transmitted_moment(double eta, int k) {
 
 /// T averaged over the cosines that one direction of the set stands for.
 double smooth_transmittance(double nu, double eta) {
+    // Of 0, 0.06, 0.12, 0.18, 0.24: the worst of 1,600 normals loses 35, 23, 9, 4, 0.4 % of the isotropic light that is
+    // to leave, and a sphere of dark blue, 2.4 mm, is 2, 4, 6, 8, 12 % too light in green by Monte Carlo.
     constexpr double half_width = 0.12;
     constexpr int samples = 8;
     double sum = 0;
