@@ -18,6 +18,7 @@
 #include "base/counted.h"
 #include "base/error.h"
 #include "base/stopwatch.h"
+#include "io/disk/disk_space.h"
 #include "io/disk/open_file.h"
 #include "io/files/whole_file.h"
 #include "io/pictures/png_pixels.h"
@@ -219,6 +220,22 @@ GcvfPreview preview_in(const fs::path& store) {
             read_whole_file(store / whole_folder_name / preview_box_name, most_bytes)};
 }
 
+fs::path store_of(const fs::path& out, const ShardSet& shards) {
+    return shards_folder(out) / shard_store(shards.job());
+}
+
+StackOutputs outputs_of(const ShardSet& shards) {
+    const ShardRecord& any = shards.records.front();
+    return {.resin_bitmaps = any.resin_bitmaps, .gcvf = any.gcvf, .png = any.png};
+}
+
+/// What shards know of the whole, which a page was made of.
+void remove_whole(const fs::path& store) {
+    std::error_code not_empty;
+    fs::remove_all(store / whole_folder_name, not_empty);
+    fs::remove(store, not_empty);
+}
+
 }  // namespace
 
 ShardSet read_shards(const fs::path& out, const KnownShards& known, const Progress* progress) {
@@ -241,7 +258,7 @@ bool is_merged(const fs::path& out, const ShardSet& shards) {
 }
 
 void expect_files(const fs::path& out, const ShardSet& shards) {
-    const fs::path store = shards_folder(out) / shard_store(shards.job());
+    const fs::path store = store_of(out, shards);
     for (const ShardRecord& record : shards.records)
         if (const auto missing = missing_file(record, store))
             throw InputError(fmt::format("{}: is not there, or not in the size that {} says; {}",
@@ -251,10 +268,8 @@ void expect_files(const fs::path& out, const ShardSet& shards) {
 
 void merge_shards(StackFolder& folder, const ShardSet& shards, std::string_view job_file,
                   const PageOfStack& how_to_print, Progress* progress) {
-    const fs::path out = folder.path(), store = shards_folder(out) / shard_store(shards.job());
-    StackOutputs outputs{.resin_bitmaps = shards.records.front().resin_bitmaps,
-                         .gcvf = shards.records.front().gcvf,
-                         .png = shards.records.front().png};
+    const fs::path out = folder.path(), store = store_of(out, shards);
+    const StackOutputs outputs = outputs_of(shards);
     std::optional<TopmostLayers> topmost;
     if (outputs.gcvf || how_to_print) topmost.emplace(topmost_of(store, shards));
     const fs::path unfinished = folder.begin();
@@ -272,9 +287,29 @@ void merge_shards(StackFolder& folder, const ShardSet& shards, std::string_view 
                             progress);
     }
     folder.publish();
-    std::error_code not_empty;
-    fs::remove_all(store / whole_folder_name, not_empty);
-    fs::remove(store, not_empty);
+    if (how_to_print) remove_whole(store);
+}
+
+bool waits_for_page(const fs::path& out, const ShardSet& shards) {
+    std::error_code none;
+    return fs::exists(store_of(out, shards) / whole_folder_name, none) && !fs::exists(out / printer_folder_name, none);
+}
+
+void add_printer_folder(const StackFolder& folder, const ShardSet& shards, const PageOfStack& how_to_print,
+                        const Progress* progress) {
+    const fs::path out = folder.path(), store = store_of(out, shards), made = part_path(out / printer_folder_name);
+    std::error_code error;
+    try {
+        make_printer_folder(out, printer_files(shards.stack, outputs_of(shards)), made,
+                            how_to_print(shards.stack, topmost_of(store, shards)), progress);
+        sync_file_system(made);
+        fs::rename(made, out / printer_folder_name, error);
+        if (error) fail_to_write(out / printer_folder_name, "could not be written", error.value());
+    } catch (...) {
+        fs::remove_all(made, error);
+        throw;
+    }
+    remove_whole(store);
 }
 
 }  // namespace voxtone::io

@@ -51,4 +51,11 @@ void expect_files(const std::filesystem::path& out, const ShardSet& shards);
 void merge_shards(StackFolder& folder, const ShardSet& shards, std::string_view job_file,
                   const PageOfStack& how_to_print = {}, Progress* progress = nullptr);
 
+/// Whether the stack was merged without a page, so that its printer's folder may still be made.
+[[nodiscard]] bool waits_for_page(const std::filesystem::path& out, const ShardSet& shards);
+
+/// The printer's folder of such a stack, whole or not there. Throws as merge_shards.
+void add_printer_folder(const StackFolder& folder, const ShardSet& shards, const PageOfStack& how_to_print,
+                        const Progress* progress = nullptr);
+
 }  // namespace voxtone::io

@@ -115,8 +115,16 @@ io::PageOfStack page_of(const MergedPrint& print) {
     return printer_page(print.job, title, std::move(bodies));
 }
 
+/// Where it could not be made when the stack was merged.
+void make_up_for_printer_folder(const MergeOptions& options, const io::ShardSet& shards, Progress& progress) {
+    if (!io::waits_for_page(options.out, shards)) return;
+    const io::StackFolder folder(options.out, {report_file::all.begin(), report_file::all.end()});
+    if (const std::optional<MergedPrint> print = merged_print(options, shards, job_text(options.out), progress))
+        io::add_printer_folder(folder, shards, page_of(*print), &progress);
+}
+
 void lay_together(const MergeOptions& options, const io::ShardSet& shards, Progress& progress) {
-    if (io::is_merged(options.out, shards)) return;
+    if (io::is_merged(options.out, shards)) return make_up_for_printer_folder(options, shards, progress);
     if (recorded_identity(io::shards_folder(options.out)) != shards.job())
         throw InputError(
             fmt::format("{}: is not of the job that the shards are of; make one of them again, with "
@@ -228,7 +236,8 @@ JobResult run_merge_job(const MergeOptions& options, Progress& progress) {
     if (!options.for_printer.empty()) io::expect_printer_target(options.out, options.for_printer, options.overwrite);
     lay_together(options, shards, progress);
     hand_over(options.out, options.for_printer, options.overwrite, progress);
-    if (std::error_code not_there; !options.report) fs::remove(io::prepared_file(options.out, shards.job()), not_there);
+    if (std::error_code not_there; !options.report && !io::waits_for_page(options.out, shards))
+        fs::remove(io::prepared_file(options.out, shards.job()), not_there);
     if (!options.report) return short_result(options.out, shards, was_merged ? "merged already" : "merged");
     if (was_merged && !options.predict && fs::exists(options.out / report_file::figures))
         return short_result(options.out, shards, "merged already, with its report; nothing was done");

@@ -104,6 +104,32 @@ TEST_CASE("A GCVF for the printer is the same for one thread and many, and of sh
     for (const auto& [name, bytes] : read_tree(folder / "parts/shards")) CHECK(name.find("whole") == std::string::npos);
 }
 
+TEST_CASE("Shards whose resins are gone are merged without the printer's folder, which a later merge makes") {
+    const Folder folder("shards-lost-resins");
+    folder.write("mine.json", read_file(std::string(VOXTONE_SOURCE_DIR) + "/data/resins/j750-opaque.json"));
+    const std::string resins = folder / "mine.json", job = quick + box(folder) + " --resins " + resins;
+    for (const char* out : {"usual", "lost"})
+        for (const char* shard : {"1/2", "2/2"})
+            REQUIRE(run_program(job + " --formats png,gcvf -o " + (folder / out) + " --shard " + shard).exit_code == 0);
+    REQUIRE(run_program("merge --no-report " + (folder / "usual")).exit_code == 0);
+    const std::string merge = "merge --no-report " + (folder / "lost");
+    fs::rename(resins, resins + ".away");
+    for (int again = 0; again < 2; ++again) {
+        const Outcome merged = run_program(merge);
+        CHECK(merged.exit_code == 0);
+        CHECK_THAT(merged.err, Contains("is not made, as the job cannot be opened") && Contains("[printer-folder]"));
+        CHECK_FALSE(fs::exists(folder.path() / "lost/printer"));
+        CHECK(run_program("verify " + (folder / "lost")).exit_code == 0);
+    }
+    fs::rename(resins + ".away", resins);
+    const Outcome made = run_program(merge);
+    CHECK(made.exit_code == 0);
+    CHECK_THAT(made.err, !Contains("[printer-folder]"));
+    CHECK(read_tree(folder / "lost/printer") == read_tree(folder / "usual/printer"));
+    CHECK(names_in(folder / "lost/shards") == names_in(folder / "usual/shards"));
+    CHECK(run_program("verify " + (folder / "lost/printer")).exit_code == 0);
+}
+
 TEST_CASE("A shard whose part of the Zbuffer was lost or spoilt is asked for again") {
     const Folder folder("lost-part");
     const std::string job = quick + box(folder) + " -o " + (folder / "out") + " --shard ";
