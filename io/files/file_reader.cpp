@@ -134,7 +134,7 @@ std::unique_ptr<IsolatedProgram> start_reader(const std::string& what, const Rea
 std::vector<std::byte> read_guarded(IsolatedProgram& reader, const Progress* progress,
                                     std::vector<std::string>& warnings) {
     std::vector<std::byte> bytes = reader.result(progress);
-    if (std::string note = missing_walls_note(reader.missing_walls()); !note.empty())
+    if (std::string note = told_walls().note(reader.missing_walls()); !note.empty())
         warnings.push_back(named_warning("less-guarded", std::move(note)));
     return bytes;
 }

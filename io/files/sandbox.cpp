@@ -193,4 +193,9 @@ std::string missing_walls_note(std::uint8_t missing) {
            " not available (an old kernel, or a container that forbids it). Read only files that you trust.";
 }
 
+ToldWalls& told_walls() {
+    static ToldWalls of_this_run;
+    return of_this_run;
+}
+
 }  // namespace voxtone::io

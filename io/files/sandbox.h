@@ -12,6 +12,7 @@
 // - Limits (rlimit): bytes of a file, open files, processes, core dumps, address space.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -41,5 +42,20 @@ std::uint8_t raise_walls(const WallDoors& doors, const WallLimits& limits);
 
 /// In words, for those who run the program; empty where no wall is missing.
 [[nodiscard]] std::string missing_walls_note(std::uint8_t missing);
+
+/// What was told of missing walls. They are the system's, and so the same for every file: once is enough.
+class ToldWalls {
+public:
+    /// In words what of `missing` no call named before; empty: nothing. Threads may call it at once.
+    [[nodiscard]] std::string note(std::uint8_t missing) {
+        return missing_walls_note(static_cast<std::uint8_t>(missing & ~told_.fetch_or(missing)));
+    }
+
+private:
+    std::atomic<std::uint8_t> told_ = 0;
+};
+
+/// Those of this run.
+[[nodiscard]] ToldWalls& told_walls();
 
 }  // namespace voxtone::io

@@ -36,7 +36,7 @@ struct StackReader::State {
     explicit State(const fs::path& stack) : path(stack) {
         auto program = start();
         listing = unpack_listing(program->result());
-        note = missing_walls_note(program->missing_walls());
+        missing_walls = program->missing_walls();
         idle.push_back(std::move(program));
     }
 
@@ -67,7 +67,7 @@ struct StackReader::State {
 
     fs::path path;
     StackListing listing;
-    std::string note;
+    std::uint8_t missing_walls = 0;
     std::mutex mutex;
     std::vector<std::unique_ptr<IsolatedProgram>> idle;
 };
@@ -88,7 +88,7 @@ const std::string& StackReader::layer_name(std::uint32_t index) const { return s
 const std::vector<std::string>& StackReader::strangers() const { return state_->listing.strangers; }
 const std::vector<std::string>& StackReader::missing() const { return state_->listing.missing; }
 std::uint64_t StackReader::missing_count() const { return state_->listing.missing_count; }
-const std::string& StackReader::note() const { return state_->note; }
+std::string StackReader::untold_note() const { return told_walls().note(state_->missing_walls); }
 
 LayerInspection StackReader::inspect(std::uint32_t index, std::span<const Rgb> palette,
                                      const OtherPixels& others) const {

@@ -52,8 +52,8 @@ public:
     /// them.
     [[nodiscard]] const std::vector<std::string>& missing() const;
     [[nodiscard]] std::uint64_t missing_count() const;
-    /// What the system lacks of the walls around the program that reads; empty: nothing.
-    [[nodiscard]] const std::string& note() const;
+    /// What the system lacks of the walls around the program that reads, where this run did not say it yet.
+    [[nodiscard]] std::string untold_note() const;
     /// What is in a layer's file, with runs in materials of the palette; a fault of the file is in it. Throws
     /// InputError where the file makes its reader crash, ResourceError, TryAgain.
     [[nodiscard]] LayerInspection inspect(std::uint32_t index, std::span<const Rgb> palette,

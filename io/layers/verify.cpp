@@ -487,7 +487,7 @@ StackReport verify_opened(const fs::path& path, const StackReader& reader, const
     StackReport report;
     report.kind = reader.kind();
     report.layers = reader.layers();
-    if (!reader.note().empty()) report.notes.push_back(reader.note());
+    if (std::string note = reader.untold_note(); !note.empty()) report.notes.push_back(std::move(note));
     FaultList faults(report, rules.most_named);
     if (reader.kind() == StackReader::Kind::voxtone) {
         check_seal(reader.seal(), report, faults);

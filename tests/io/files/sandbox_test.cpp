@@ -148,6 +148,15 @@ TEST_CASE("one file alone can be given", "[sandbox]") {
     CHECK_THAT(taken.answer("read " + (files.inside / "deep" / "b.png").string()), Contains("refused"));
 }
 
+TEST_CASE("missing walls are told once a run, each", "[sandbox]") {
+    ToldWalls told;
+    CHECK(told.note(0).empty());
+    CHECK_THAT(told.note(no_file_filter), Contains("Landlock"));
+    CHECK(told.note(no_file_filter).empty());
+    CHECK_THAT(told.note(no_call_filter | no_file_filter), Contains("seccomp") && !Contains("Landlock"));
+    CHECK(told.note(no_call_filter | no_file_filter).empty());
+}
+
 TEST_CASE("missing walls are told in words", "[sandbox]") {
     CHECK(missing_walls_note(0).empty());
     CHECK_THAT(missing_walls_note(no_call_filter), Contains("seccomp") && !Contains("Landlock"));
@@ -155,17 +164,19 @@ TEST_CASE("missing walls are told in words", "[sandbox]") {
     CHECK_THAT(missing_walls_note(no_call_filter | no_file_filter), Contains("seccomp and Landlock"));
 }
 
-TEST_CASE("who reads through a program that lacks a wall is warned", "[sandbox]") {
+TEST_CASE("who reads through programs that lack a wall is warned once a run", "[sandbox]") {
     const std::string wish = "ask a";
-    IsolatedProgram program("a.obj", MISBEHAVING_PROGRAM, std::as_bytes(std::span(wish)),
-                            {.memory_bytes = built_with_address_sanitizer() ? 0 : std::uint64_t{256} << 20});
-    // One that it asks in its turn, as voxtone-read asks voxtone-read-pictures.
-    program.answer_by([](std::span<const std::byte> question, const Progress*, std::uint8_t& missing) {
-        missing |= no_file_filter;
-        return std::vector<std::byte>(question.begin(), question.end());
-    });
     std::vector<std::string> warnings;
-    (void)read_guarded(program, nullptr, warnings);
+    for (int file = 0; file < 2; ++file) {
+        IsolatedProgram program("a.obj", MISBEHAVING_PROGRAM, std::as_bytes(std::span(wish)),
+                                {.memory_bytes = built_with_address_sanitizer() ? 0 : std::uint64_t{256} << 20});
+        // One that it asks in its turn, as voxtone-read asks voxtone-read-pictures.
+        program.answer_by([](std::span<const std::byte> question, const Progress*, std::uint8_t& missing) {
+            missing |= no_file_filter;
+            return std::vector<std::byte>(question.begin(), question.end());
+        });
+        (void)read_guarded(program, nullptr, warnings);
+    }
     REQUIRE(warnings.size() == 1);
     CHECK_THAT(warnings[0], Contains("Landlock") && Contains("[less-guarded]"));
 }
