@@ -34,12 +34,14 @@ std::string nearest_name(std::string_view name, std::span<const std::string> kno
     constexpr std::size_t longest = 200;  // a longer name is no slip of the keyboard
     std::string nearest;
     if (name.size() > longest) return nearest;
-    std::size_t smallest = std::max<std::size_t>(1, name.size() / 2) + 1;
+    std::size_t smallest = longest;
     for (const std::string& candidate : known) {
         const bool one_begins_the_other =
             name.size() >= 3 && (candidate.starts_with(name) || name.starts_with(candidate));
         const std::size_t distance = one_begins_the_other ? 1 : edit_distance(name, candidate);
-        if (distance < smallest) {
+        // More than that of the shorter word written otherwise, it is another word.
+        const std::size_t most = std::max<std::size_t>(1, 2 * std::min(name.size(), candidate.size()) / 5);
+        if (distance <= most && distance < smallest) {
             smallest = distance;
             nearest = candidate;
         }

@@ -39,6 +39,7 @@ io::JsonObject object_of(const PlanRow& row, const std::string& source, bool in_
 }
 
 void expect_keys(const io::JsonObject& object) {
+    refuse_copies(object);
     std::vector<std::string> known{std::string(name_key), "format", "version", "inputs"};
     for (std::string& key : option_keys()) known.push_back(std::move(key));
     std::ranges::copy_if(object.keys(), std::back_inserter(known), is_value_key);

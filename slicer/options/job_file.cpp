@@ -78,6 +78,7 @@ io::JsonObject parse_job(const std::string& path) {
     if (job.integer("version", 0, 1000000) != 1)
         job.fail("version",
                  fmt::format("version {} is unknown to this program, which reads version 1", job.any_text("version")));
+    refuse_copies(job);
     std::vector<std::string> known{"format", "version", "inputs"};
     for (std::string& key : option_keys()) known.push_back(std::move(key));
     job.allow_only(known);
@@ -253,6 +254,19 @@ std::vector<std::string> take_options(const io::JsonObject& from, const fs::path
         options, folder, [&](const std::string& key) { return from.has(key); },
         [&](const std::string& text) { return path_from(folder, text); });
     return taken;
+}
+
+bool is_word_for_copies(std::string_view key) {
+    constexpr std::string_view words[]{"copies", "count", "quantity", "qty", "amount", "pieces"};
+    return std::ranges::find(words, key) != std::end(words);
+}
+
+void refuse_copies(const io::JsonObject& of_job) {
+    for (const std::string& key : of_job.keys())
+        if (is_word_for_copies(key))
+            of_job.fail(key,
+                        "copies are a tray's, and a job is of one print: name the model in a part of a tray's plan, "
+                        "with \"copies\" (`voxtone tray`)");
 }
 
 void read_job(const std::string& path, SliceOptions& options) {

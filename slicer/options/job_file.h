@@ -31,6 +31,11 @@ using io::job_file_name;
 /// program's own as it is.
 [[nodiscard]] std::string input_named_in(const std::filesystem::path& folder, const std::string& name);
 
+/// What users call copies, which no job makes: they are a tray's.
+[[nodiscard]] bool is_word_for_copies(std::string_view key);
+/// Throws InputError, with what to do, where the object asks for copies.
+void refuse_copies(const io::JsonObject& of_job);
+
 /// Reads a job file into `options`: only the keys that it has. Unknown keys are errors that name the nearest known key.
 /// All relative paths in it are relative to the job file. Throws FileError, InputError.
 void read_job(const std::string& path, SliceOptions& options);

@@ -44,6 +44,9 @@ constexpr const char* of_the_tray[] = {"out",     "overwrite", "resume",      "p
                                        "trays",   "fail-fast", "read-memory", "for-printer"};
 
 void expect_keys(const io::JsonObject& object, std::vector<std::string> known) {
+    for (const std::string& key : object.keys())
+        if (is_word_for_copies(key) && std::ranges::find(known, key) == known.end())
+            object.fail(key, "is said in a part, as \"copies\": {\"model\": ..., \"copies\": 3}");
     for (const OptionSpec& spec : slice_option_table()) known.push_back(spec.key);
     std::ranges::copy_if(object.keys(), std::back_inserter(known), is_value_key);
     object.allow_only(known);

@@ -22,6 +22,13 @@ TEST_CASE("A slip of the keyboard names the key that was meant") {
 
 TEST_CASE("A key like no other names them all, and a monster is cut") {
     CHECK(nearest_name("quux", keys).empty());
+    // Half of the shorter word is another word.
+    const std::vector<std::string> words{"out", "copies", "turn"};
+    CHECK(nearest_name("count", words).empty());
+    CHECK(nearest_name("pitch", words).empty());
+    CHECK(nearest_name("tune", words).empty());
+    CHECK(nearest_name("copys", words) == "copies");
+    CHECK(nearest_name("uot", words) == "out");
     CHECK(unknown_key_message("quux", keys) == "unknown key 'quux'; known keys are pitch_um, printer, layers, size");
     CHECK(unknown_key_message(std::string(1'000'000, 'x'), keys).size() < 200);
     CHECK(nearest_name("", keys).empty());

@@ -193,6 +193,10 @@ TEST_CASE("Faults of a table are told with their lines, those of its form too") 
     CHECK_THAT(shop.fault("plan.csv", "model,size\na.obj,1mm\nb.obj\n"),
                Contains("plan.csv: line 3: has 1 cell") && Contains("no job was started"));
     CHECK_THAT(shop.fault("plan.csv", "model,size\n"), Contains("lists no job"));
+    for (const std::string word : {"count", "quantity"})
+        CHECK_THAT(shop.fault("plan.csv", "model," + word + "\na.obj,3\n"),
+                   Contains("plan.csv: line 2: key `" + word + "`: copies are a tray's") && Contains("voxtone tray"));
+    CHECK_THAT(shop.fault("plan.jsonl", "{\"model\": \"a.obj\", \"copies\": 2}\n"), Contains("copies are a tray's"));
     CHECK_THAT(shop.fault("plan.csv", "model,size\na.obj,\nb.obj,large\n"), Contains("plan.csv: line 3: key `size`"));
 }
 

@@ -133,6 +133,7 @@ TEST_CASE("A wrong job file is refused with file, key and what to try") {
     CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 2})"), Contains("version 2"));
     CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "sise": "60mm"})"),
                Contains("sise") && Contains("'size'"));
+    CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "count": 3})"), Contains("copies are a tray's"));
     CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "size": "big"})"),
                Contains("big") && Contains("size"));
     CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "screen": "lines"})"), Contains("blue-noise"));

@@ -96,6 +96,8 @@ TEST_CASE("What is wrong with a plan is said with its place") {
     CHECK_THAT(desk.fault("[]"), Contains("no part"));
     CHECK_THAT(desk.fault(R"([{"size": "2mm"}])"), Contains("model"));
     CHECK_THAT(desk.fault(R"([{"model": "a.obj", "copys": 2}])"), Contains("copys") && Contains("copies"));
+    CHECK_THAT(desk.fault(R"([{"model": "a.obj", "count": 2}])"), Contains(".count`") && Contains("\"copies\": 3"));
+    CHECK_THAT(desk.fault(R"([{"model": "a.obj"}])", R"("copies": 2, )"), Contains("said in a part"));
     CHECK_THAT(desk.fault(R"([{"model": "a.obj", "copies": 0}])"), Contains("from 1 to 10000"));
     CHECK_THAT(desk.fault(R"([{"model": "a.obj", "copies": 2.5}])"), Contains("whole number"));
     CHECK_THAT(desk.fault(R"([{"model": "a.obj", "copies": 3, "at": [1, 2]}])"), Contains("1 places for 3 copies"));
