@@ -2,7 +2,10 @@
 #include "io/disk/open_file.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
+
+#include <cerrno>
 
 #include "io/disk/disk_space.h"
 
@@ -19,6 +22,14 @@ OpenFile open_folder(const std::filesystem::path& folder) {
 bool OpenFile::close() {
     const int descriptor = std::exchange(descriptor_, -1);
     return descriptor < 0 || ::close(descriptor) == 0;
+}
+
+std::optional<std::uint64_t> size_of_open(int descriptor) {
+    struct stat about {};
+    if (fstat(descriptor, &about) != 0) return std::nullopt;
+    if (S_ISREG(about.st_mode)) return static_cast<std::uint64_t>(about.st_size);
+    errno = S_ISDIR(about.st_mode) ? EISDIR : ENOTSUP;
+    return std::nullopt;
 }
 
 void sync_folder(const std::filesystem::path& folder) {

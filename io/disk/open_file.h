@@ -3,7 +3,9 @@
 // A file descriptor that is closed with its owner, and syncing of what was written.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <utility>
 
 namespace voxtone::io {
@@ -28,6 +30,9 @@ public:
 private:
     int descriptor_ = -1;
 };
+
+/// How many bytes a regular file has that is open, whatever has its name by now. Nothing, with errno, where it is none.
+[[nodiscard]] std::optional<std::uint64_t> size_of_open(int descriptor);
 
 /// Makes the names in a folder (empty: the current one) last through a power cut, as far as its file system can.
 void sync_folder(const std::filesystem::path& folder);

@@ -111,13 +111,12 @@ std::vector<std::uint8_t> read_whole_file(const fs::path& file, std::uint64_t mo
         throw FileError(fmt::format("{}: {} ({})", file.string(), what, std::strerror(error)));
     };
     if (!in) fail("cannot be opened for reading", errno);
-    std::error_code error;
-    const auto size = fs::file_size(file, error);
-    if (error) throw FileError(fmt::format("{}: is no file that can be read ({})", file.string(), error.message()));
-    if (size > most)
+    const auto size = size_of_open(fileno(in.get()));
+    if (!size) fail("is no file that can be read", errno);
+    if (*size > most)
         throw FileError(fmt::format("{}: has {} bytes, more than the {} that a file of this kind may have",
-                                    file.string(), size, most));
-    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
+                                    file.string(), *size, most));
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(*size));
     if (std::fread(bytes.data(), 1, bytes.size(), in.get()) != bytes.size())
         fail("could not be read to its end", std::ferror(in.get()) ? errno : EIO);
     return bytes;

@@ -11,9 +11,12 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/core.h>
@@ -22,6 +25,7 @@
 #include "base/error.h"
 #include "io/disk/folder_lock.h"
 #include "io/disk/open_file.h"
+#include "io/files/read_bytes.h"
 #include "tests/io/files/temporary_folder.h"
 
 using namespace voxtone;
@@ -62,6 +66,20 @@ extern "C" int rename(const char* from, const char* to) noexcept {
     if (SystemCalls* const calls = SystemCalls::watching)
         calls->made.push_back("rename " + fs::path(from).filename().string() + " " + fs::path(to).filename().string());
     return static_cast<int>(syscall(SYS_renameat2, AT_FDCWD, from, AT_FDCWD, to, 0));
+}
+
+namespace {
+
+/// What happens as soon as the next file is open.
+std::function<void()> after_open;
+
+}  // namespace
+
+extern "C" std::FILE* fopen(const char* path, const char* mode) {
+    const int file = open(path, *mode == 'r' ? O_RDONLY : O_WRONLY | O_CREAT | O_TRUNC, 0666);
+    if (file < 0) return nullptr;
+    if (const auto what = std::exchange(after_open, nullptr)) what();
+    return fdopen(file, mode);
 }
 
 namespace {
@@ -208,4 +226,21 @@ TEST_CASE("a file is read up to the size that it may have, and no byte more", "[
     write_whole_file(file, std::string_view());
     CHECK(read_whole_file(file, 0).empty());
     CHECK_THROWS_AS(read_whole_file(folder.path() / "none.json", 1000), FileError);
+}
+
+TEST_CASE("A file is as long as what was opened, whatever has its name by then") {
+    const TemporaryFolder folder;
+    const fs::path file = folder.path() / "a.json";
+    const auto swapped = [&](std::size_t was, std::size_t becomes) {
+        write_whole_file(file, std::string(was, 'x'));
+        after_open = [file, becomes] { write_whole_file(file, std::string(becomes, 'y')); };
+    };
+    for (const std::size_t becomes : {10, 5000}) {
+        swapped(1000, becomes);
+        CHECK(read_whole_file(file, 1000) == std::vector<std::uint8_t>(1000, 'x'));
+        swapped(1000, becomes);
+        CHECK(read_bytes(file, 1000) == std::vector<std::byte>(1000, std::byte{'x'}));
+    }
+    CHECK_THROWS_WITH(read_whole_file(folder.path(), 1000), Contains("is no file that can be read (Is a directory)"));
+    CHECK_THROWS_AS(read_bytes(folder.path(), 1000), FileError);
 }
