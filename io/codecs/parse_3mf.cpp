@@ -198,7 +198,8 @@ private:
         if (found == part.objects.end())
             fail(fmt::format("object {} is used, but does not exist in {}", reference.object, path));
         const ThreemfObject& object = found->second;
-        const Eigen::Affine3d transform = parent * reference.transform;
+        Eigen::Affine3d transform = parent * reference.transform;
+        transform.linear() *= part.mm_per_unit / load(part_path).mm_per_unit;  // each part has a unit of its own
         if (object.type == "support" || object.type == "solidsupport" || object.type == "other") {
             lose(fmt::format("{} has objects of the type '{}', which are no part of the model; they are left aside",
                              context_.name(), object.type));

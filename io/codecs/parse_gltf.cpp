@@ -78,6 +78,14 @@ std::uint32_t little_endian(std::span<const std::byte> bytes, std::size_t at) {
     return value;
 }
 
+// glTF 2.0, 4.4.3: "JSON", and "BIN" with a zero.
+constexpr std::uint32_t json_chunk = 0x4E4F534A, binary_chunk = 0x004E4942;
+
+/// Four bytes as they are to be read.
+std::string chunk_name(std::span<const std::byte> bytes, std::size_t at) {
+    return printable({reinterpret_cast<const char*>(bytes.data()) + at, 4});
+}
+
 /// KHR_texture_transform, in glTF's coordinates (v down): translation * rotation * scale. Positive angles turn the
 /// coordinates counter-clockwise as one sees them on the picture; the matrix in the extension's listing turns the other
 /// way, which is a known mistake there (KhronosGroup/glTF issue 1563) and not what viewers do.
@@ -144,8 +152,10 @@ private:
             for (int chunk = 0; at + 8 <= bytes.size(); ++chunk) {
                 const std::size_t size = little_endian(bytes, at), type = little_endian(bytes, at + 4);
                 if (size > bytes.size() - at - 8) fail("a chunk reaches beyond its end");
+                if (chunk == 0 && type != json_chunk)
+                    fail(fmt::format("its first chunk is of the type '{}' and not JSON", chunk_name(bytes, at + 4)));
                 if (chunk == 0) json = bytes.subspan(at + 8, size);
-                if (chunk == 1 && type == 0x004E4942) binary_ = bytes.subspan(at + 8, size);  // "BIN"
+                if (chunk == 1 && type == binary_chunk) binary_ = bytes.subspan(at + 8, size);
                 at += 8 + size;
             }
         }

@@ -249,6 +249,9 @@ TEST_CASE("glTF models") {
                    Contains("KHR_draco_mesh_compression"));
         CHECK_THAT(error_of(glb(R"({"asset":{"version":"1.0"}})", "")), Contains("version"));
         CHECK_THAT(error_of(glb(R"({"asset":)", "")), Contains("JSON"));
+        std::string binary_first = glb(R"({"asset":{"version":"2.0"}})", "");
+        binary_first.replace(16, 4, "BIN\0", 4);
+        CHECK_THAT(error_of(binary_first), Contains("first chunk is of the type 'BIN") && Contains("not JSON"));
         CHECK_THAT(error_of(glb(R"([1])", "")), Contains("version"));
         CHECK_THAT(error_of(glb(R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":5,"uri":"../x.bin"}]})", "")),
                    Contains("../x.bin"));

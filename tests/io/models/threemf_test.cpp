@@ -125,6 +125,43 @@ TEST_CASE("A package that has no model is told by what it has") {
                Contains("no part '/3D/o.model'; in it is '/3D/3dmodel.model'"));
 }
 
+TEST_CASE("A part of another unit is as large as it says") {
+    const Folder folder;
+    const auto part = [](const std::string& unit, const std::string& resources, const std::string& build) {
+        return fmt::format(R"(<model {} xmlns:p="http://schemas.microsoft.com/3dmanufacturing/production/2015/06">)"
+                           "<resources>{}</resources><build>{}</build></model>",
+                           unit, resources, build);
+    };
+    // A tetrahedron of 1, and again by a component that is moved by 1 in its own part and by 2 in the root.
+    const std::string moved = R"(transform="1 0 0 0 1 0 0 0 1 {} 0 0"/>)",
+                      twice = object(R"(id="1")") + R"(<object id="2"><components><component objectid="1" )" +
+                              fmt::format(fmt::runtime(moved), 1) + "</components></object>";
+    const auto read = [&](const std::string& unit, const std::string& of_part) {
+        return read_package(
+            folder,
+            {{"3D/3dmodel.model", part(unit,
+                                       R"(<object id="7"><components><component p:path="/3D/o.model" objectid="2" )" +
+                                           fmt::format(fmt::runtime(moved), 2) + "</components></object>",
+                                       R"(<item objectid="7"/><item p:path="/3D/o.model" objectid="1"/>)")},
+             {"3D/o.model", part(of_part, twice, "")}});
+    };
+    for (const auto& [unit, mm] : std::vector<std::pair<std::string, double>>{
+             {R"(unit="millimeter")", 1}, {R"(unit="micron")", 0.001}, {"", 1}, {R"(unit="inch")", 25.4}})
+        for (const auto& [root, root_mm] :
+             std::vector<std::pair<std::string, double>>{{R"(unit="centimeter")", 10}, {R"(unit="inch")", 25.4}}) {
+            INFO(root << " and " << unit);
+            const ModelFile file = read(root, unit);
+            REQUIRE(file.mesh.positions.size() == 8);
+            double least = 1e9, most = -1e9;
+            for (const Eigen::Vector3d& p : file.mesh.positions) {
+                least = std::min(least, p.x() * file.mm_per_file_unit);
+                most = std::max(most, p.x() * file.mm_per_file_unit);
+            }
+            CHECK(least == Approx(0).margin(1e-12));
+            CHECK(most == Approx(2 * root_mm + 2 * mm));
+        }
+}
+
 TEST_CASE("Textures are found by any path that means them") {
     const Folder folder;
     const auto textured = [&](const std::string& path, const std::string& entry = "3D/Textures/a b.png") {
