@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <fstream>
 #include <thread>
@@ -179,6 +180,8 @@ private:
             case NextStep::Kind::again:
             case NextStep::Kind::with_more:
             case NextStep::Kind::put_aside:
+                // What begins anew comes no further in the same time.
+                if (!keeps_what_it_did(options_.stage, job_.options) && time_that_is_over()) break;
                 return try_again(step);
             case NextStep::Kind::fail:
             case NextStep::Kind::fail_with_stack:
@@ -219,6 +222,8 @@ private:
     JobResult fail(const JobEnding& ending, const NextStep& step) {
         std::string message = step.message;
         if (ending.kind == JobEnding::Kind::starved) message += what_it_was_given();
+        if (ending.kind == JobEnding::Kind::again)
+            if (const auto time = time_that_is_over()) message += time_it_was_given(*time);
         change_state(batch_, job_.name, progress_, [&](JobState& state) {
             if (step.kind == NextStep::Kind::fail_with_stack)
                 note_stack(state, batch_, job_, submission_, digests_, progress_);
@@ -238,6 +243,23 @@ private:
                            allocation_.number.empty()
                                ? std::string("on a machine that has it")
                                : fmt::format("--sbatch-option mem={}M, twice as much", 2 * bytes / mib));
+    }
+
+    /// Where this task was asked to stop because its time ends.
+    [[nodiscard]] std::optional<SlurmTime> time_that_is_over() const {
+        constexpr double soon_s =
+            180;  // asked a minute before (slurm_script.h), or up to one more; and saving took some
+        if (!progress_.cancelled() || allocation_.task.empty()) return std::nullopt;
+        const auto time = slurm_time(allocation_.task);
+        return time && time->left_s <= soon_s ? time : std::nullopt;
+    }
+
+    [[nodiscard]] static std::string time_it_was_given(const SlurmTime& time) {
+        const double minutes = std::ceil(time.limit_s / 60);
+        return fmt::format(
+            "; its time is over, {:.0f} min; hand it over again with more: --sbatch-option time={:.0f}, "
+            "twice as much",
+            minutes, 2 * minutes);
     }
 
     /// Others may work on it still.

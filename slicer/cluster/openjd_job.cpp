@@ -121,6 +121,7 @@ JobResult run_openjd_job(const PlanOptions& plan, const OpenJobOptions& options,
     std::vector<OpenJobChain> names;
     for (const PlannedJob& job : planned) names.push_back({job.name, {}});
     (void)openjd_template(names, frame);
+    if (const std::string note = note_of_memory(planned); !note.empty()) progress.note(note);
     TemplateJobs jobs(options, planned.size(), progress);
     for (std::size_t i = 0; i < planned.size(); ++i) {
         progress.check_cancelled();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cstdio>
 #include <cstdlib>
 #include <sstream>
 #include <string_view>
@@ -39,6 +40,17 @@ bool is_temporary(const std::string& reason) {
                         program, reason));
     throw TryAgain(fmt::format("Slurm does not answer, so nothing is submitted; try again when it does ({} says: {})",
                                program, reason));
+}
+
+/// "1-02:03:04", "2:03:04", "3:04"; nothing: "UNLIMITED" and its like.
+std::optional<double> duration_s(const std::string& text) {
+    int days = 0, hours = 0, minutes = 0, seconds = 0;
+    const bool has_days = std::sscanf(text.c_str(), "%d-%d:%d:%d", &days, &hours, &minutes, &seconds) == 4;
+    if (!has_days) days = 0;
+    const bool has_hours = has_days || std::sscanf(text.c_str(), "%d:%d:%d", &hours, &minutes, &seconds) == 3;
+    if (!has_hours) hours = 0;
+    if (!has_hours && std::sscanf(text.c_str(), "%d:%d", &minutes, &seconds) != 2) return std::nullopt;
+    return ((days * 24.0 + hours) * 60 + minutes) * 60 + seconds;
 }
 
 std::string variable(const char* name) {
@@ -109,6 +121,18 @@ SlurmAllocation own_slurm_allocation() {
     if (!array.empty() && !task.empty()) return {array, array + "_" + task, restarts};
     const std::string job = variable("SLURM_JOB_ID");
     return {job, job, restarts};
+}
+
+std::optional<SlurmTime> slurm_time(const std::string& task) {
+    const std::array<std::string, 4> arguments{"squeue", "--noheader", "--format=%L %l", "--jobs=" + task};
+    const CommandOutput said = run_command(arguments);
+    if (said.exit_code != 0) return std::nullopt;
+    std::istringstream words(said.out);
+    std::string left, limit;
+    words >> left >> limit;
+    const auto left_s = duration_s(left), limit_s = duration_s(limit);
+    if (!left_s || !limit_s) return std::nullopt;
+    return SlurmTime{*left_s, *limit_s};
 }
 
 bool requeue_in_slurm(const std::string& task) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -37,6 +38,12 @@ struct SlurmAllocation {
     int restarts = 0;    ///< how often it was put back into the queue
 };
 [[nodiscard]] SlurmAllocation own_slurm_allocation();
+
+struct SlurmTime {
+    double left_s = 0, limit_s = 0;
+};
+/// What a task that runs has of its time; nothing: it has no limit, or Slurm does not say.
+[[nodiscard]] std::optional<SlurmTime> slurm_time(const std::string& task);
 /// Puts the task back: false where Slurm refuses. Slurm ends its processes soon after.
 [[nodiscard]] bool requeue_in_slurm(const std::string& task);
 

@@ -347,12 +347,15 @@ std::optional<BatchFolder> batch_for(const SlurmOptions& options) {
 }  // namespace
 
 JobResult run_slurm_job(const PlanOptions& plan, const SlurmOptions& options, Progress& progress) {
-    std::vector<SlurmEntry> entries = entries_of(read_plan(plan, &progress));
+    std::vector<PlannedJob> planned = read_plan(plan, &progress);
+    const std::string note = note_of_memory(planned);
+    std::vector<SlurmEntry> entries = entries_of(std::move(planned));
     const SlurmConfig config = config_for(options.dry_run, progress);
     const std::set<std::string> queue = options.dry_run ? std::set<std::string>() : slurm_queue();
     const std::optional<BatchFolder> batch = batch_for(options);
     const BatchFolder* const written = options.dry_run ? nullptr : &*batch;
     const fs::path out = fs::absolute(options.out).lexically_normal();
+    if (!note.empty()) progress.note(note);
     InputDigests digests;
     EarlierSubmissions earlier(batch, queue, digests);
     for (SlurmEntry& entry : entries) {

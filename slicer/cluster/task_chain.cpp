@@ -8,6 +8,7 @@
 
 #include <fmt/core.h>
 
+#include "base/counted.h"
 #include "io/files/read_options.h"
 #include "slicer/options/command_words.h"
 #include "slicer/options/model_choice.h"
@@ -104,6 +105,13 @@ bool loop_comes_first(const SliceOptions& options) {
     return loop.iterations != 0 && !loop.mixtures_named;
 }
 
+/// Whether how much its loop or prediction may take is half of what the machine has.
+bool asks_machine_for_memory(const SliceOptions& options) {
+    if (options.memory_gib != 0) return false;
+    const ResolvedJob job = resolve(options);
+    return job.loop.iterations != 0 || job.prediction.automatic || job.prediction.model;
+}
+
 int shards_for(const JobEstimate& estimate, const ChainOptions& options) {
     const int most = std::clamp(int(estimate.layers), 1, options.most_shards);
     if (options.shards > 0) return std::min(options.shards, most);
@@ -136,11 +144,23 @@ ChainStage stage_of(TaskStage stage, std::vector<std::string> arguments, int tas
 
 SliceOptions options_on_cluster(const SliceOptions& options) {
     SliceOptions settled = options;
-    const ResolvedJob job = resolve(options);
-    const bool predicts = job.loop.iterations != 0 || job.prediction.automatic || job.prediction.model;
-    if (settled.memory_gib == 0 && predicts) settled.memory_gib = gib_of(memory_budget(0));
+    if (asks_machine_for_memory(options)) settled.memory_gib = gib_of(memory_budget(0));
     if (settled.read_memory_gib == 0) settled.read_memory_gib = gib_of(io::default_read_memory());
     return settled;
+}
+
+std::string note_of_memory(std::span<const PlannedJob> jobs) {
+    const auto asking =
+        std::ranges::count_if(jobs, [](const PlannedJob& j) { return asks_machine_for_memory(j.options); });
+    if (asking == 0) return {};
+    return fmt::format(
+        "loop and prediction of {} may take {:.1f} GiB, what a job allows itself on this machine, "
+        "whatever the nodes have; \"memory\" in the plan says another",
+        counted(std::uint64_t(asking), "job"), gib_of(memory_budget(0)));
+}
+
+bool keeps_what_it_did(TaskStage stage, const SliceOptions& options) {
+    return (stage == TaskStage::whole || stage == TaskStage::prepare) && loop_comes_first(options);
 }
 
 std::vector<std::string> arguments_of(const ChainStage& stage, int index) {

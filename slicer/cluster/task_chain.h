@@ -16,6 +16,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -64,6 +65,13 @@ struct TaskChain {
 /// allow itself here. A task is given no more than it needs, and half of that, which is what a job allows itself where
 /// nothing is said, might cut a loop otherwise or refuse a model.
 [[nodiscard]] SliceOptions options_on_cluster(const SliceOptions& options);
+
+/// That `options_on_cluster` says a memory that is this machine's, for whoever hands these jobs over; empty: it says
+/// none.
+[[nodiscard]] std::string note_of_memory(std::span<const PlannedJob> jobs);
+
+/// Whether a task that is stopped goes on where it was when it is run again, as the loop does. Others begin anew.
+[[nodiscard]] bool keeps_what_it_did(TaskStage stage, const SliceOptions& options);
 
 }  // namespace voxtone::slicer
 

@@ -98,6 +98,30 @@ TEST_CASE("A task that was put back often enough ends so that nobody tries it ag
     CHECK(shop.state().message == "the disk is full (after 3 attempts)");
 }
 
+TEST_CASE("A task whose time is over goes again where it keeps what it did, and else says what to give it") {
+    const auto message_of = [](std::string_view iterations, const std::string& left, int retries) {
+        Workshop shop("exec sleep 30\n");
+        shop.slurm.program("squeue", "echo \"$@\" >>$AT/asked\necho '" + left + " 22:00'");
+        PlannedJob job = handed_over_job(shop.batch, "a");
+        job.options.iterations = iterations;
+        SubmissionFolder(shop.batch).write_job(job);
+        shop.options.retries = retries;
+        shop.progress.cancel();  // as SIGTERM does
+        const SlurmEnvironment own("17", {}, {}, "1");
+        const JobResult result = run_cluster_task(shop.options, shop.progress);
+        CHECK((result.exit_code == ExitCode::unfinished) == (shop.state().phase == JobPhase::failed));
+        return shop.slurm.text("asked") + shop.state().message;
+    };
+    const std::string more = "its time is over, 22 min; hand it over again with more: --sbatch-option time=44";
+    const std::string without_loop = message_of("0", "0:58", 5);
+    CHECK_THAT(without_loop, Contains("--jobs=17") && Contains(more) && !Contains("requeue"));
+    CHECK_THAT(message_of("auto", "0:58", 5), Contains("requeue 17") && !Contains(more));
+    CHECK_THAT(message_of("auto", "0:58", 1), Contains("after 2 attempts") && Contains(more));
+    // Stopped for another reason, or by one that says nothing of time.
+    for (const char* left : {"15:00", "1-00:00:00", "UNLIMITED", ""})
+        CHECK_THAT(message_of("0", left, 5), Contains("requeue 17") && !Contains("time="));
+}
+
 TEST_CASE("A task that is for a person to mend says so, and its words stay in a file of its own") {
     Workshop shop("echo 'voxtone: no model'\nexit 3\n");
     const SlurmEnvironment own("17", {}, {});

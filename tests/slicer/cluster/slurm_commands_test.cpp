@@ -90,6 +90,21 @@ TEST_CASE("Any number of jobs is cancelled, in words that a command takes") {
     CHECK(slurm.text("counts") == "1001\n1001\n501\n");
 }
 
+TEST_CASE("What a task has of its time is read as squeue writes it") {
+    const StandIns slurm;
+    const auto time_of = [&](const std::string& said) {
+        slurm.program("squeue", "echo '" + said + "'");
+        const auto time = slurm_time("17_3");
+        return time ? std::pair(time->left_s, time->limit_s) : std::pair(-1.0, -1.0);
+    };
+    CHECK(time_of("0:58 22:00") == std::pair(58.0, 1320.0));
+    CHECK(time_of("2:00:01 1-02:03:04") == std::pair(7201.0, 93784.0));
+    for (const char* none : {"UNLIMITED UNLIMITED", "INVALID 22:00", "0:58", "", "58 22"})
+        CHECK(time_of(none).first == -1);
+    slurm.program("squeue", "echo '0:58 22:00'; exit 1");
+    CHECK_FALSE(slurm_time("17"));
+}
+
 TEST_CASE("An allocation is that of a job, or of one task of an array") {
     {
         const SlurmEnvironment none({}, {}, {});

@@ -11,6 +11,7 @@
 
 using namespace voxtone;
 using namespace voxtone::slicer;
+using Catch::Matchers::Contains;
 using Words = std::vector<std::string>;
 
 namespace {
@@ -116,6 +117,20 @@ TEST_CASE("All tasks of a job are told the memory that loop and reading may take
     CHECK(memory_in(other.chain(estimate_with(600, 10)).stages[0].arguments) == "3");
     const Shop none(", \"iterations\": 0, \"predict\": \"none\"");
     CHECK(memory_in(none.chain(estimate_with(0, 10)).stages[0].arguments).empty());  // there is no use for it
+}
+
+TEST_CASE("Whoever hands jobs over is told whose memory they go by") {
+    std::vector<PlannedJob> jobs(3);
+    for (PlannedJob& job : jobs) {
+        job.options.model = "a.obj";
+        job.options.out = "out";
+    }
+    CHECK_THAT(note_of_memory(jobs), Contains("of 3 jobs may take") && Contains("on this machine"));
+    jobs[0].options.memory_gib = 3;
+    jobs[1].options.iterations = "0";
+    jobs[1].options.predict = "none";
+    CHECK_THAT(note_of_memory(jobs), Contains("of 1 job may take"));
+    CHECK(note_of_memory({jobs.data(), 2}).empty());
 }
 
 TEST_CASE("Without a loop, or with one that was run before, shards come first") {
