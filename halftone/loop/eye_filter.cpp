@@ -65,16 +65,6 @@ const Eigen::Matrix3d& opponent_from_xyz_matrix(OpponentSpace space) {
     return space == OpponentSpace::neutral ? neutral : published;
 }
 
-double eye_transfer(std::size_t opponent_channel, double cycles_per_degree, EyeSurround surround) {
-    VOXTONE_EXPECT(opponent_channel < 3);
-    double sum = 0;
-    for (const Gaussian& g : gaussians(opponent_channel, surround)) {
-        const double a = std::numbers::pi * g.spread_degrees * cycles_per_degree;
-        sum += g.weight * std::exp(-a * a);
-    }
-    return sum;
-}
-
 EyeFilter::EyeFilter(const optics::Surface& surface, double viewing_distance_mm, EyeSurround surround,
                      OpponentSpace space, EyeParts parts)
     : data_(std::make_unique<Data>()) {

@@ -82,9 +82,6 @@ public:
 
     /// Linear sRGB per cell as it is seen: not clamped.
     [[nodiscard]] std::vector<Eigen::Vector3f> filter(std::span<const Eigen::Vector3f> rgb) const;
-    [[nodiscard]] std::vector<Eigen::Vector3f> operator()(std::span<const Eigen::Vector3f> rgb) const {
-        return filter(rgb);
-    }
 
     /// `filter` and, on the way to it, `smoothed`.
     struct Views {
@@ -111,11 +108,6 @@ private:
     struct Data;
     std::unique_ptr<Data> data_;
 };
-
-/// What the eye makes of stripes: amplitude of a grating of `cycles_per_degree` in an opponent channel (0: luminance,
-/// 1: red-green, 2: blue-yellow), sum of weight exp(-(pi spread f)^2).
-[[nodiscard]] double eye_transfer(std::size_t opponent_channel, double cycles_per_degree,
-                                  EyeSurround surround = EyeSurround::none);
 
 /// Rows luminance, red-green, blue-yellow; columns X, Y, Z.
 [[nodiscard]] const Eigen::Matrix3d& opponent_from_xyz_matrix(OpponentSpace space = OpponentSpace::neutral);

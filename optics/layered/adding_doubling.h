@@ -6,7 +6,7 @@
 // (exact views) are allowed.
 //
 // A kernel A_ij gives the radiance I_i = sum_j A_ij c_j I_j, in units where a perfect diffuser has A = 1. Layers are
-// matched in index to each other; the refractive surface belongs to what is around the stack (directional.h, slab.h).
+// matched in index to each other; the refractive surface belongs to what is around the stack (directional.h).
 //
 // Range: 0 <= albedo <= 1, any thickness, |g| < 1. Error on given nodes: below 1e-9. What the nodes cost:
 // angular_grid.h. Time: some 30 doublings of a dozen N^3 operations a layer; layer_modes.h solves the same equations

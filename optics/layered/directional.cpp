@@ -5,7 +5,6 @@
 
 namespace voxtone::optics {
 
-using Eigen::ArrayXd;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
@@ -14,10 +13,6 @@ MatrixXd reflectance_factors(const AngularGrid& grid, const MatrixXd& R) {
     const MatrixXd bounce = MatrixXd::Identity(n, n) - R * (grid.r * grid.c).matrix().asDiagonal();
     const VectorXd t = (grid.t / grid.eta).matrix();
     return t.asDiagonal() * bounce.partialPivLu().solve(R) * t.asDiagonal();
-}
-
-ArrayXd hemispherical_reflectance(const AngularGrid& grid, const MatrixXd& rho) {
-    return grid.eta * grid.eta * (rho.transpose() * grid.c.matrix()).array();
 }
 
 double appearance_of(const AngularGrid& grid, const MatrixXd& R) {

@@ -20,9 +20,6 @@ namespace voxtone::optics {
 /// All rho_ij on the grid.
 [[nodiscard]] Eigen::MatrixXd reflectance_factors(const AngularGrid& grid, const Eigen::MatrixXd& R);
 
-/// Share of the flux from each direction that is scattered out: eta^2 sum_i c_i rho_ij. Without the mirror reflection.
-[[nodiscard]] Eigen::ArrayXd hemispherical_reflectance(const AngularGrid& grid, const Eigen::MatrixXd& rho);
-
 /// Flux out through the surface / flux in through it under uniform diffuse light (layered_appearance.h): for a base
 /// that has no lower side,
 [[nodiscard]] double appearance_of(const AngularGrid& grid, const Eigen::MatrixXd& R);

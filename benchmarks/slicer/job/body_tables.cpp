@@ -33,9 +33,9 @@ double sampling_error(const BodyJudgement& j, const Colours& target, const Colou
 
 std::array<BodyFigures, 2> body_figures(const BodyJudgement& j, double viewing_distance_mm) {
     const halftone::EyeFilter eye(j.cells.surface, viewing_distance_mm, halftone::EyeSurround::published);
-    const Colours target = eye(j.cells.target);
-    const std::array<Colours, 2> half{eye(j.cells.half[0]), eye(j.cells.half[1])};
-    const Colours print = eye(j.cells.print());
+    const Colours target = eye.filter(j.cells.target);
+    const std::array<Colours, 2> half{eye.filter(j.cells.half[0]), eye.filter(j.cells.half[1])};
+    const Colours print = eye.filter(j.cells.print());
     std::array<BodyFigures, 2> figures;
     for (std::size_t thin = 0; thin < 2; ++thin) {
         std::vector<char> mask(j.inner.size());

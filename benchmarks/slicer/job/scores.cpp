@@ -24,7 +24,7 @@ optics::DifferenceSummary summary(const Colours& a, const Colours& b, std::span<
 
 double share_at_limit(const Judgement& j, const halftone::EyeFilter& eye) {
     constexpr float nearly = 0.02F;
-    const Colours target = eye(j.target), seen = eye(j.print());
+    const Colours target = eye.filter(j.target), seen = eye.filter(j.print());
     const std::vector<double> difference = differences(target, seen);
     double all = 0, at_limit = 0;
     for (std::size_t i = 0; i < difference.size(); ++i) {
@@ -91,22 +91,22 @@ Figures compare(const Colours& target, const std::array<Colours, 2>& half, std::
 }
 
 Scores score(const Judgement& j, const Eye& eye) {
-    const auto through = [&](const halftone::EyeFilter& filter, std::span<const char> mask) {
-        return compare(filter(j.target), {filter(j.half[0]), filter(j.half[1])}, mask);
+    const auto through = [&](const halftone::EyeFilter& with, std::span<const char> mask) {
+        return compare(with.filter(j.target), {with.filter(j.half[0]), with.filter(j.half[1])}, mask);
     };
     Scores s;
     s.cells_in_gamut = compare(j.target, j.half, j.in_gamut);
     s.cells_all = compare(j.target, j.half, {});
     s.eye_in_gamut = through(eye.published, j.in_gamut);
     s.eye_all = through(eye.published, {});
-    const Colours reachable = eye.published(j.mapped);
-    const std::array<Colours, 2> seen{eye.published(j.half[0]), eye.published(j.half[1])};
+    const Colours reachable = eye.published.filter(j.mapped);
+    const std::array<Colours, 2> seen{eye.published.filter(j.half[0]), eye.published.filter(j.half[1])};
     s.eye_reachable = compare(reachable, seen, j.in_gamut);
     s.eye_mapped = compare(reachable, seen, {});
     s.low_pass_in_gamut = through(eye.low_pass, j.in_gamut);
     s.s_cielab_in_gamut = through(eye.s_cielab, j.in_gamut);
     s.at_limit = share_at_limit(j, eye.published);
-    const Colours wanted = eye.low_pass(j.target), shown = eye.low_pass(j.print());
+    const Colours wanted = eye.low_pass.filter(j.target), shown = eye.low_pass.filter(j.print());
     s.contrast_kept = contrast_kept(j.surface, wanted, shown, j.in_gamut);
     s.paper = paper_difference(wanted, shown);
     return s;

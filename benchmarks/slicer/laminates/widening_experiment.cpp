@@ -32,11 +32,11 @@
 #include "io/pictures/picture_writer.h"
 #include "io/report/plot_svg.h"
 #include "optics/media/resin_volume.h"
-#include "optics/monte_carlo/point_spread.h"
 #include "optics/profiles/resin_laminate.h"
 #include "optics/profiles/saunderson.h"
 #include "slicer/laminates/print_boxes.h"
 #include "slicer/laminates/profile_plots.h"
+#include "tests/optics/monte_carlo/point_spread.h"
 
 using namespace voxtone;
 using halftone::ChannelProfiles;
@@ -136,7 +136,7 @@ InVoxels seen_in_voxels(const optics::ResinSet& set, const optics::HankelGrid& g
         }
         const optics::ResinVolume volume = builder.finish();
         const optics::Scene scene{&volume, &pure, optics::Backing::black, optics::Sides::mirrored};
-        optics::PointSpreadOptions options;
+        optics::testing::PointSpreadOptions options;
         options.edges_mm = optics::ring_edges(grid);
         options.paths = paths;
         options.seed = 5;
@@ -145,7 +145,7 @@ InVoxels seen_in_voxels(const optics::ResinSet& set, const optics::HankelGrid& g
             options.first[a] = static_cast<int>((side_mm - entry_mm) / 2 / pitch);
             options.end[a] = static_cast<int>((side_mm + entry_mm) / 2 / pitch);
         }
-        (contact ? seen.on_black : seen.on_paper) = optics::trace_point_spread(scene, options)[0];
+        (contact ? seen.on_black : seen.on_paper) = optics::testing::trace_point_spread(scene, options)[0];
     }
     return seen;
 }
@@ -280,7 +280,7 @@ int main(int argc, char** argv) {
         const Slab& slab = slabs[t];
         const InVoxels voxels = seen_in_voxels(set, grid, slab.design.layers, paths);
         const auto within = [&](const optics::RingLight& light, double share) {
-            return optics::radius_of_share(light, edges, share);
+            return optics::testing::radius_of_share(light, edges, share);
         };
         std::printf("| %zu | %.4f ± %.4f | %.4f ± %.4f | %.2f | %.2f | %.2f | %.2f | %.2f | %.4f | %.2f | %.2f |\n",
                     t + 1, slab.seen[0], slab.seen_error, voxels.on_black.total, voxels.on_black.standard_error,

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -67,6 +68,22 @@ double opponent(std::size_t channel, const Eigen::Vector3f& rgb) {
     return (to * rgb.cast<double>())[static_cast<Eigen::Index>(channel)];
 }
 
+/// What the eye makes of stripes: amplitude of a grating in an opponent channel, sum of weight exp(-(pi spread f)^2)
+/// over the Gaussians of X. Zhang, B. A. Wandell, J. SID 5, 61 (1997), scaled to the sum 1.
+double eye_transfer(std::size_t opponent_channel, double cycles_per_degree, EyeSurround surround) {
+    static const std::vector<std::pair<double, double>> published[3]{
+        {{0.921, 0.0283}, {0.105, 0.133}, {-0.108, 4.336}},
+        {{0.531, 0.0392}, {0.330, 0.494}},
+        {{0.488, 0.0536}, {0.371, 0.386}}};  // weight, spread in degrees
+    double sum = 0, weights = 0;
+    for (const auto& [weight, spread] : published[opponent_channel]) {
+        if (surround == EyeSurround::none && weight < 0) continue;
+        const double a = std::numbers::pi * spread * cycles_per_degree;
+        sum += weight * std::exp(-a * a), weights += weight;
+    }
+    return sum / weights;
+}
+
 }  // namespace
 
 TEST_CASE("a flat colour stays as it is", "[eye_filter]") {
@@ -77,7 +94,7 @@ TEST_CASE("a flat colour stays as it is", "[eye_filter]") {
     const Eigen::Vector3f colour(0.8F, 0.1F, 0.3F);
     const std::vector<Eigen::Vector3f> flat(surface.cells.size(), colour);
     float worst = 0;
-    for (const auto& seen : {eye(flat), eye.smoothed(flat)})
+    for (const auto& seen : {eye.filter(flat), eye.smoothed(flat)})
         for (const auto& c : seen) worst = std::max(worst, (c - colour).cwiseAbs().maxCoeff());
     CHECK(worst < 2e-6F);
 }
@@ -91,7 +108,7 @@ TEST_CASE(
         halves.push_back(Eigen::Vector3f::Constant(cell.centre_mm[0] < 6 ? 0.02F : 1.0F));
     const auto most_colour = [&](OpponentSpace space) {
         float most = 0;
-        for (const auto& c : EyeFilter(surface, distance_mm, EyeSurround::none, space)(halves))
+        for (const auto& c : EyeFilter(surface, distance_mm, EyeSurround::none, space).filter(halves))
             most = std::max(most, c.maxCoeff() - c.minCoeff());
         return most;
     };
@@ -117,7 +134,7 @@ TEST_CASE("the amplitude of a grating falls by the transfer function of the Gaus
             std::vector<Eigen::Vector3f> rgb;
             for (const auto& c : surface.cells)
                 rgb.push_back(of_opponent(channel, std::sin(k * (c.centre_mm[0] - 12))));
-            const auto seen = eye(rgb);
+            const auto seen = eye.filter(rgb);
             double in_phase = 0, count = 0;
             for (std::size_t i = 0; i < rgb.size(); ++i) {
                 const auto& at = surface.cells[i].centre_mm;
@@ -142,11 +159,11 @@ TEST_CASE("from very near everything is seen, from very far only the mean", "[ey
         rgb.emplace_back(static_cast<float>(random.uniform()), 0.2F, static_cast<float>(random.uniform()));
         mean += rgb.back() / static_cast<float>(surface.cells.size());
     }
-    const auto far = EyeFilter(surface, 1e5, EyeSurround::published)(rgb);
+    const auto far = EyeFilter(surface, 1e5, EyeSurround::published).filter(rgb);
     for (const auto& c : far) REQUIRE((c - mean).cwiseAbs().maxCoeff() < 5e-3F);
     // From 2 mm the narrow Gaussians are 0.001 mm wide, the wide ones of colour 0.02, that of luminance 0.15 mm: only
     // the part of the latter, 12 %, sees more than one cell.
-    const auto near = EyeFilter(surface, 2, EyeSurround::none)(rgb);
+    const auto near = EyeFilter(surface, 2, EyeSurround::none).filter(rgb);
     float worst = 0;
     for (std::size_t i = 0; i < rgb.size(); ++i) worst = std::max(worst, (near[i] - rgb[i]).cwiseAbs().maxCoeff());
     CHECK(worst < 1e-5F);
@@ -162,7 +179,7 @@ TEST_CASE("without the surround the luminance channel is a low-pass that darkens
         rgb.push_back(c.centre_mm[0] < 3 ? Eigen::Vector3f::Zero().eval() : Eigen::Vector3f::Ones().eval());
     const auto least = [&](EyeSurround surround) {
         double low = 1;
-        for (const auto& c : EyeFilter(surface, distance_mm, surround)(rgb)) low = std::min(low, opponent(0, c));
+        for (const auto& c : EyeFilter(surface, distance_mm, surround).filter(rgb)) low = std::min(low, opponent(0, c));
         return low;
     };
     CHECK(least(EyeSurround::none) > -1e-4);
@@ -204,8 +221,8 @@ TEST_CASE("a small spot looks the same on a large sphere as on a plate", "[eye_f
     for (const auto& c : flat.cells) on_flat.push_back(spot(std::hypot(c.centre_mm[0] - 6, c.centre_mm[1] - 6)));
     for (const auto& c : round.cells)
         on_round.push_back(c.centre_mm[2] > 0 ? spot(std::hypot(c.centre_mm[0], c.centre_mm[1])) : spot(9));
-    const auto seen_flat = EyeFilter(flat, distance_mm, EyeSurround::published)(on_flat),
-               seen_round = EyeFilter(round, distance_mm, EyeSurround::published)(on_round);
+    const auto seen_flat = EyeFilter(flat, distance_mm, EyeSurround::published).filter(on_flat),
+               seen_round = EyeFilter(round, distance_mm, EyeSurround::published).filter(on_round);
     // Mean over rings, because the points lie elsewhere.
     for (const double ring : {0.1, 0.4, 0.7, 1.1}) {
         const auto mean = [&](const optics::Surface& s, const std::vector<Eigen::Vector3f>& v, double x, double y) {
@@ -235,7 +252,7 @@ TEST_CASE("sides of a wall and sheets behind one another do not mix", "[eye_filt
     const auto seen = EyeFilter(surface, distance_mm, EyeSurround::published).smoothed(rgb);
     for (std::size_t i = 0; i < seen.size(); ++i) REQUIRE((seen[i] - rgb[i]).cwiseAbs().maxCoeff() < 1e-6F);
     // With the wide Gaussians too, but for the widest: what is 1.5 mm behind is not told apart at 23 mm.
-    const auto whole = EyeFilter(surface, distance_mm, EyeSurround::published)(rgb);
+    const auto whole = EyeFilter(surface, distance_mm, EyeSurround::published).filter(rgb);
     for (std::size_t i = 0; i < seen.size(); ++i) REQUIRE((whole[i] - rgb[i]).cwiseAbs().maxCoeff() < 0.15F);
     for (std::size_t i = side; i < 2 * side; ++i) REQUIRE(whole[i].norm() < 1e-6F);
 }
@@ -249,7 +266,7 @@ TEST_CASE("the filter has the same bits for any number of threads", "[eye_filter
         rgb.emplace_back(static_cast<float>(random.uniform()), static_cast<float>(random.uniform()), 0.5F);
     }
     const auto seen =
-        test::same_for_threads([&] { return EyeFilter(surface, distance_mm, EyeSurround::published)(rgb); });
+        test::same_for_threads([&] { return EyeFilter(surface, distance_mm, EyeSurround::published).filter(rgb); });
     CHECK(seen != rgb);
 }
 
@@ -279,5 +296,5 @@ TEST_CASE("a viewing distance that is none is refused, and a surface without cel
     const optics::Surface surface = plate(1, 1, 0.1);
     CHECK_THROWS_AS(EyeFilter(surface, 0), InputError);
     CHECK_THROWS_AS(EyeFilter(surface, std::numeric_limits<double>::quiet_NaN()), InputError);
-    CHECK(EyeFilter(optics::Surface{}, distance_mm)(std::vector<Eigen::Vector3f>{}).empty());
+    CHECK(EyeFilter(optics::Surface{}, distance_mm).filter(std::vector<Eigen::Vector3f>{}).empty());
 }

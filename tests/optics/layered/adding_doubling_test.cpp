@@ -10,7 +10,7 @@
 
 #include "base/parallel.h"
 #include "optics/layered/directional.h"
-#include "optics/layered/slab.h"
+#include "tests/optics/layered/slab.h"
 #include "tests/optics/reference.h"
 
 using namespace voxtone;

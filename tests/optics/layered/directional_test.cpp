@@ -14,6 +14,7 @@
 #include <catch2/catch.hpp>
 
 #include "optics/layered/layered_appearance.h"
+#include "tests/optics/layered/slab.h"
 #include "tests/optics/reference.h"
 
 using namespace voxtone::optics;

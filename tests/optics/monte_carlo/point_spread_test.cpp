@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "optics/monte_carlo/point_spread.h"
+#include "tests/optics/monte_carlo/point_spread.h"
 
 #include <cmath>
 
@@ -9,6 +9,7 @@
 
 using namespace voxtone;
 using namespace voxtone::optics;
+using namespace voxtone::optics::testing;
 
 namespace {
 

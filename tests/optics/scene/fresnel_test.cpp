@@ -6,7 +6,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "optics/layered/slab.h"
+#include "tests/optics/layered/slab.h"
 #include "tests/optics/reference.h"
 
 using namespace voxtone::optics;

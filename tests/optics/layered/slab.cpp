@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "optics/layered/slab.h"
+#include "tests/optics/layered/slab.h"
 
 #include <cmath>
 
@@ -9,7 +9,7 @@
 #include "optics/numerics/quadrature.h"
 #include "optics/scene/fresnel.h"
 
-namespace voxtone::optics {
+namespace voxtone::optics::testing {
 
 using Eigen::ArrayXd;
 using Eigen::MatrixXd;
@@ -40,6 +40,10 @@ FluxTotals with_scattered(FluxTotals totals, const AngularGrid& grid, const Arra
 }
 
 }  // namespace
+
+ArrayXd hemispherical_reflectance(const AngularGrid& grid, const MatrixXd& rho) {
+    return grid.eta * grid.eta * (rho.transpose() * grid.c.matrix()).array();
+}
 
 FluxTotals unscattered(double eta, double tau) {
     const Beam normal = direct_beam(1, eta, tau);
@@ -90,4 +94,4 @@ FluxTotals half_space_totals(const AngularGrid& grid, const MatrixXd& R) {
                           hemispherical_reflectance(grid, reflectance_factors(grid, R)), ArrayXd::Zero(grid.size()));
 }
 
-}  // namespace voxtone::optics
+}  // namespace voxtone::optics::testing

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "optics/monte_carlo/point_spread.h"
+#include "tests/optics/monte_carlo/point_spread.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 #include "optics/monte_carlo/scalar_paths.h"
 #include "optics/monte_carlo/voxel_walk.h"
 
-namespace voxtone::optics {
+namespace voxtone::optics::testing {
 namespace {
 
 constexpr std::uint32_t spread_paths_per_task = 1u << 12;
@@ -167,4 +167,4 @@ double radius_of_share(const RingLight& rings, std::span<const double> edges_mm,
     return edges_mm.back();
 }
 
-}  // namespace voxtone::optics
+}  // namespace voxtone::optics::testing

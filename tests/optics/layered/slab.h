@@ -8,12 +8,15 @@
 // Error, tested against converged tables: 8 + 8 directions and 32 terms below 1e-5 for |g| <= 0.5; 16 + 16 directions
 // and 64 terms below 1e-4 for g = 0.875.
 //
-// No part of a job asks for it: published tables are of slabs in air, and adding-doubling is held to them through it.
+// Published tables are of slabs in air: adding-doubling is held to them through it.
 #pragma once
 
 #include "optics/layered/adding_doubling.h"
 
-namespace voxtone::optics {
+namespace voxtone::optics::testing {
+
+/// Share of the flux from each direction that is scattered out: eta^2 sum_i c_i rho_ij. Without the mirror reflection.
+[[nodiscard]] Eigen::ArrayXd hemispherical_reflectance(const AngularGrid& grid, const Eigen::MatrixXd& rho);
 
 struct FluxTotals {
     double UR1 = 0, UT1 = 0, URU = 0, UTU = 0;
@@ -28,4 +31,4 @@ struct FluxTotals {
 /// Totals of a half-space that reflects R.
 [[nodiscard]] FluxTotals half_space_totals(const AngularGrid& grid, const Eigen::MatrixXd& R);
 
-}  // namespace voxtone::optics
+}  // namespace voxtone::optics::testing

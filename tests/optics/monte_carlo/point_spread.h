@@ -8,8 +8,8 @@
 // between edges_mm[i] and edges_mm[i + 1] of its entry; what went farther is counted in the last ring. Mirrored sides
 // fold far light back: keep the entries as far from the sides as light is to be told apart.
 //
-// No part of a job asks for it: it is the judge of printed voxels where profiles of layers (optics/profiles) are
-// compared with what their screened print does (benchmarks/slicer/laminates/widening_experiment.cpp).
+// The judge of printed voxels where profiles of layers (optics/profiles) are compared with what their screened print
+// does (benchmarks/slicer/laminates/widening_experiment.cpp).
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@
 #include "optics/monte_carlo/layer_paths.h"
 #include "optics/scene/appearance_model.h"
 
-namespace voxtone::optics {
+namespace voxtone::optics::testing {
 
 struct PointSpreadOptions {
     std::array<int, 2> first{}, end{};  ///< columns of voxels where light enters: x and y in [first, end)
@@ -38,4 +38,4 @@ struct PointSpreadOptions {
 /// Within this distance a share of the light left; linear between the edges.
 [[nodiscard]] double radius_of_share(const RingLight& rings, std::span<const double> edges_mm, double share);
 
-}  // namespace voxtone::optics
+}  // namespace voxtone::optics::testing
