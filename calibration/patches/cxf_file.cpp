@@ -74,7 +74,7 @@ public:
 private:
     bool inside(std::string_view name) const { return std::ranges::find(open_, name) != open_.end(); }
     std::string_view parent() const { return open_.size() < 2 ? std::string_view() : open_[open_.size() - 2]; }
-    std::string attribute(std::string_view name) const { return io::XmlReader::decode(xml_.attribute(name)); }
+    std::string attribute(std::string_view name) const { return std::string(xml_.attribute(name)); }
 
     std::string text() const {
         const std::string_view whole = xml_.text();

@@ -143,7 +143,7 @@ private:
     }
 
     [[nodiscard]] ThreemfReference reference() {
-        return {required_index("objectid"), XmlReader::decode(path_of_part()), transform(), true};
+        return {required_index("objectid"), std::string(path_of_part()), transform(), true};
     }
 
     [[nodiscard]] Wrap tile_style(std::string_view key) const {
@@ -199,11 +199,11 @@ private:
             } else if (is_core && name == "object") {
                 object_ = &add_resource(part_.objects);
                 if (const auto type = xml_.attribute("type"); type.data()) object_->type = type;
-                object_->name = XmlReader::decode(xml_.attribute("name"));
+                object_->name = xml_.attribute("name");
                 object_->pid = optional_index("pid");
                 object_->pindex = optional_index("pindex");
             } else if (name == "texture2d") {
-                add_resource(part_.textures) = {XmlReader::decode(xml_.attribute("path")), tile_style("tilestyleu"),
+                add_resource(part_.textures) = {std::string(xml_.attribute("path")), tile_style("tilestyleu"),
                                                 tile_style("tilestylev"), xml_.attribute("filter") == "nearest"};
             } else if (name == "basematerials") {
                 start_group(Kind::base_materials);

@@ -154,7 +154,9 @@ void XmlReader::read_start() {
         const char quote = text_[at_++];
         const std::size_t end = text_.find(quote, at_);
         if (end == std::string_view::npos) fail("it is cut short");
-        attributes_.emplace_back(key, text_.substr(at_, end - at_));
+        std::string_view value = text_.substr(at_, end - at_);
+        if (value.find('&') != std::string_view::npos) value = decoded_.emplace_back(decode(value));
+        attributes_.emplace_back(key, value);
         if (key.starts_with("xmlns")) declare(key, attributes_.back().second);
         at_ = end + 1;
     }

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <cstddef>
+#include <deque>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -33,12 +34,13 @@ public:
     [[nodiscard]] std::string_view full_name() const { return name_; }
     [[nodiscard]] std::string_view name() const { return local(name_); }
     /// What the element's prefix is declared as, or the default; empty: nothing. A prefix that is declared nowhere
-    /// stands for itself. As written: no character reference is resolved.
+    /// stands for itself.
     [[nodiscard]] std::string_view namespace_uri() const { return meaning(prefix(name_)); }
     /// How many elements are open, this one included (at its end too).
     [[nodiscard]] std::size_t depth() const { return depth_; }
 
-    /// Attributes of the start that was read last: names with prefixes, values as written (see `decode`).
+    /// Attributes of the start that was read last: names with prefixes, values with their character
+    /// references resolved.
     [[nodiscard]] const std::vector<std::pair<std::string_view, std::string_view>>& attributes() const {
         return attributes_;
     }
@@ -60,7 +62,7 @@ public:
     /// What stands behind the start that was read last, as written, up to the next mark.
     [[nodiscard]] std::string_view text() const;
 
-    /// A value with its character references resolved; one that is not known stays as it is.
+    /// Text with its character references resolved; one that is not known stays as it is.
     [[nodiscard]] static std::string decode(std::string_view value);
 
     [[noreturn]] void fail(const std::string& what) const;
@@ -87,6 +89,7 @@ private:
         std::size_t depth;  // of the element that it stands in
     };
     std::vector<Declaration> declarations_;  // of the elements that are open
+    std::deque<std::string> decoded_;        // values that do not stand in the text as they are
     std::vector<std::pair<std::string_view, std::string_view>> attributes_;
 };
 

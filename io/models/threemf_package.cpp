@@ -75,7 +75,7 @@ std::string target_in(std::string_view relationships, const std::string& what) {
         if (event == XmlReader::Event::start && xml.depth() == 1) package = xml.namespace_uri();
         if (event == XmlReader::Event::start && xml.name() == "Relationship" && xml.namespace_uri() == package &&
             xml.attribute("Type").ends_with("/3dmodel"))
-            return XmlReader::decode(xml.attribute("Target"));
+            return std::string(xml.attribute("Target"));
     }
     return {};
 }

@@ -115,6 +115,13 @@ TEST_CASE("A prefix means what the nearest element around it declares", "[xml]")
     CHECK(elements == " a=urn:1 b=urn:3 b=urn:5 /b=urn:5 /b=urn:3 c=urn:2 /c=urn:2 d=q /d=q a= /a= /a=urn:1");
     CHECK(attributes == " 0=urn:3 1=urn:3 2=urn:4 3=q 4=urn:2");
 
+    // Whoever asks for a value gets what it means, once.
+    XmlReader coded(R"(<m:color xmlns:m="urn:a&amp;b" color="&#35;C8&#x32;828" name="&amp;lt;"/>)", "FILE");
+    REQUIRE(coded.next() == XmlReader::Event::start);
+    CHECK(coded.attribute("color") == "#C82828");
+    CHECK(coded.attribute("name") == "&lt;");
+    CHECK(coded.namespace_uri() == "urn:a&b");
+
     // An attribute of another namespace is not the element's; one of the element's is.
     XmlReader named(R"(<a xmlns="urn:1" xmlns:p="urn:2" xmlns:o="urn:1" p:x="1" o:y="2" z="3"/>)", "FILE");
     REQUIRE(named.next() == XmlReader::Event::start);
