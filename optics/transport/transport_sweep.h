@@ -56,10 +56,10 @@ struct alignas(16) Moments {
     }
 };
 
-/// What a medium does to light on its way through a cell, the same in all octants. With d = 1 + theta: gain = d /
-/// (sigma
-/// + sum d |Omega| / h), pass = gain d |Omega_x| / h_x - theta, sigma = fit sigma_t; d psi averaged over the cell is
-/// fit (d psi) + rest q fit.
+/// What a medium does to light on its way through a cell, the same in all octants: gain and rest in mm. With
+/// d = 1 + theta and sigma = fit sigma_t:
+///   gain = d / (sigma + sum d |Omega| / h),  pass = gain d |Omega_x| / h_x - theta
+/// d psi averaged over the cell is fit (d psi) + rest q fit.
 struct SweepMedium {
     Octet gain, pass, fit, rest;
     float sigma_s = 0, linear = 0;
