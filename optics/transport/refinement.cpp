@@ -195,6 +195,72 @@ void number_contents(ViewingGrid& grid, const std::vector<Key>& keys, std::size_
     }
 }
 
+/// How many of eight eighths of a part's faces lead to another resin, by area; faces to air and out of the block do not
+/// count.
+class PartsApart {
+public:
+    explicit PartsApart(const ViewingGrid& grid) : fine_(grid.fine), material_(fine_.contents.size(), air) {
+        const std::array<double, 3> edge = grid.edge_mm();
+        for (std::size_t a = 0; a < 3; ++a) {
+            size_[a] = 4 * fine_.split[a];
+            area_[a] = fine_.split[a] / edge[a];  // of the two faces across a, per volume
+        }
+        for (std::size_t c = 1; c < fine_.contents.size(); ++c)
+            if (const auto& holds = fine_.contents[c].holds; holds.size() == 1) material_[c] = holds[0].material;
+    }
+    /// Of part `at` of a block whose parts begin at `first`.
+    [[nodiscard]] int eighths(std::uint32_t first, const Place& at) const {
+        const std::uint16_t* const medium = fine_.medium.data() + first;
+        const std::uint16_t own = medium[at3(at, size_)];
+        if (material_[own] == air) return 0;
+        double known = 0, others = 0;
+        for (std::size_t a = 0; a < 3; ++a)
+            for (const int step : {-1, 1}) {
+                Place beside = at;
+                beside[a] += step;
+                if (beside[a] < 0 || beside[a] >= size_[a]) continue;
+                const std::uint16_t other = medium[at3(beside, size_)];
+                if (other == 0) continue;
+                known += area_[a];
+                if (material_[other] != material_[own]) others += area_[a];
+            }
+        return known > 0 ? static_cast<int>(steps * others / known + 0.5) : 0;
+    }
+    static constexpr int steps = 8;
+
+private:
+    const ViewingGrid::Fine& fine_;
+    std::vector<Material> material_;  ///< of contents of one resin; air of others
+    Place size_{};
+    std::array<double, 3> area_{};
+};
+
+/// Parts of one resin are told apart by how much of others lies beside them (transport_sweep.h), as far as there are
+/// numbers.
+void tell_apart(ViewingGrid& grid, std::span<const std::uint32_t> chosen, std::size_t most) {
+    ViewingGrid::Fine& fine = grid.fine;
+    std::vector<std::uint8_t> eighths(fine.medium.size());
+    const PartsApart apart(grid);
+    parallel_for(0, chosen.size(), 32, [&](std::size_t i) {
+        const std::uint32_t first = fine.first[chosen[i]];
+        std::size_t part = first;
+        for_each({4 * fine.split[0], 4 * fine.split[1], 4 * fine.split[2]},
+                 [&](const Place& at) { eighths[part++] = static_cast<std::uint8_t>(apart.eighths(first, at)); });
+    });
+    constexpr std::size_t levels = PartsApart::steps + 1;
+    std::vector<std::uint16_t> variant(levels * fine.contents.size());
+    for (std::size_t i = 0; i < eighths.size(); ++i) {
+        if (eighths[i] == 0) continue;
+        std::uint16_t& number = variant[levels * fine.medium[i] + eighths[i]];
+        if (number == 0 && fine.contents.size() < most) {
+            number = static_cast<std::uint16_t>(fine.contents.size());
+            fine.contents.push_back(fine.contents[fine.medium[i]]);
+            fine.contents.back().apart = static_cast<float>(eighths[i]) / PartsApart::steps;
+        }
+        if (number != 0) fine.medium[i] = number;
+    }
+}
+
 }  // namespace
 
 std::array<int, 3> parts_of_cell(const std::array<int, 3>& view_voxels, const std::array<double, 3>& pitch_mm) {
@@ -346,6 +412,7 @@ void refine(ViewingGrid& grid, const ResinVolume& volume, std::span<const std::u
     };
     parallel_ranges(0, chosen.size(), 32, fill_range, progress);
     number_contents(grid, keys, most_contents);
+    tell_apart(grid, chosen, most_contents);
 }
 
 }  // namespace voxtone::optics

@@ -102,8 +102,10 @@ constexpr std::size_t media_per_task = 1 << 8;
 std::vector<TransportMedium> media_of_mixtures(const TransportMedia& media_of, const SeenMedium& seen,
                                                const std::vector<ViewingGrid::Mixture>& mixtures, std::size_t channel) {
     std::vector<TransportMedium> media(mixtures.size());
-    parallel_for(1, mixtures.size(), media_per_task,
-                 [&](std::size_t m) { media[m] = media_of(seen(mixtures[m], channel)); });
+    parallel_for(1, mixtures.size(), media_per_task, [&](std::size_t m) {
+        media[m] = media_of(seen(mixtures[m], channel));
+        media[m].apart = mixtures[m].apart;
+    });
     return media;
 }
 

@@ -12,6 +12,7 @@
 #include "base/contracts.h"
 #include "base/parallel.h"
 #include "optics/layered/layered_appearance.h"
+#include "optics/numerics/quadrature.h"
 
 namespace voxtone::optics {
 namespace {
@@ -56,6 +57,24 @@ double cell_fit(double sigma_a, double way, double theta) {
     const double tau = sigma_a * way;
     if (theta != 1) return tau < 1e-6 ? 1 : -(1 + theta) * std::expm1(-tau) / ((theta + std::exp(-tau)) * tau);
     return tau < 0.02 ? 1 - tau * tau / 12 : 2 * std::tanh(tau / 2) / tau;
+}
+
+double mean_in_box(double sigma_a, const std::array<double, 3>& ways) {
+    static const Rule rule = gauss_legendre(12, 0, 1);
+    const double to = std::min({ways[0], ways[1], ways[2], 16 / std::max(sigma_a, 1e-9)});
+    double lost = 0;  // 1 - mean = sigma_a times the integral over t of exp(-sigma_a t) and the share of s > t
+    for (std::size_t i = 0; i < rule.x.size(); ++i) {
+        const double t = to * rule.x[i];
+        lost += rule.w[i] * std::exp(-sigma_a * t) * (1 - t / ways[0]) * (1 - t / ways[1]) * (1 - t / ways[2]);
+    }
+    return 1 - sigma_a * to * lost;
+}
+
+double lump_fit(double sigma_a, const std::array<double, 3>& ways, double theta, double apart) {
+    const double way = 1 / (1 / ways[0] + 1 / ways[1] + 1 / ways[2]), tau = sigma_a * way;
+    if (!(apart > 0) || tau < 1e-6) return cell_fit(sigma_a, way, theta);
+    const double mean = (1 - apart) * -std::expm1(-tau) / tau + apart * mean_in_box(sigma_a, ways);
+    return (1 + theta) * mean / (1 + theta - tau * mean);
 }
 
 // One layer of cells between two planes, the same all over: what comes in sideways goes out sideways.

@@ -513,7 +513,8 @@ HWY_EXPORT(sweep);
 namespace {
 
 /// Exponential fitting (transport_sweep.h).
-SweepMedium sweep_medium(const Octet& a, const Octet& ax, double theta, const TransportMedium& medium) {
+SweepMedium sweep_medium(const Octet& a, const std::array<Octet, 3>& per_way, double theta,
+                         const TransportMedium& medium) {
     const double sigma = std::max(static_cast<double>(medium.sigma_t), 1e-6);
     const double sigma_a = std::max(0.0, static_cast<double>(medium.sigma_t) - static_cast<double>(medium.sigma_s));
     SweepMedium made;
@@ -522,10 +523,16 @@ SweepMedium sweep_medium(const Octet& a, const Octet& ax, double theta, const Tr
     for (std::size_t d = 0; d < 8; ++d) {
         const double way = (1 + theta) / static_cast<double>(a.v[d]), tau = sigma_a * way;
         const bool thin = tau < 0.02;  // there 1 - fit cancels; the series has two terms
-        const double fit = cell_fit(sigma_a, way, theta), lack = theta == 1 && thin ? tau * tau / 12 : 1 - fit;
+        double fit = cell_fit(sigma_a, way, theta), lack = theta == 1 && thin ? tau * tau / 12 : 1 - fit;
+        if (medium.apart > 0) {
+            std::array<double, 3> ways{};
+            for (std::size_t k = 0; k < 3; ++k) ways[k] = (1 + theta) / static_cast<double>(per_way[k].v[d]);
+            fit = lump_fit(sigma_a, ways, theta, static_cast<double>(medium.apart));
+            lack = 1 - fit;
+        }
         const double gain = (1 + theta) / (static_cast<double>(a.v[d]) + fit * sigma);
         made.gain.v[d] = static_cast<float>(gain);
-        made.pass.v[d] = static_cast<float>(gain * static_cast<double>(ax.v[d]) - theta);
+        made.pass.v[d] = static_cast<float>(gain * static_cast<double>(per_way[0].v[d]) - theta);
         made.fit.v[d] = static_cast<float>(fit);
         made.rest.v[d] = static_cast<float>((1 + theta) * lack / (sigma * fit));
     }
@@ -546,7 +553,7 @@ std::vector<SweepMedium> sweep_media(const DirectionSet& set, const std::array<d
     }
     std::vector<SweepMedium> made(media.size());
     parallel_ranges(0, media.size(), 1 << 8, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t m = begin; m < end; ++m) made[m] = sweep_medium(all, per_way[0], weight, media[m]);
+        for (std::size_t m = begin; m < end; ++m) made[m] = sweep_medium(all, per_way, weight, media[m]);
     });
     return made;
 }

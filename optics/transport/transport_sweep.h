@@ -13,6 +13,13 @@
 // differences keep the diffusion limit in thick cells. Between coarse and fine cells the radiance of a face is averaged
 // or repeated.
 //
+// That is a cell of a wide medium. Into a small one amid others light comes evenly over its sides, and some of it cuts
+// a corner: the mean over the cell of what is absorbed on its way is m = <exp(-sigma_a s)> (mean_in_box) for (1 -
+// exp(-sigma_a l)) / (sigma_a l), which is less. A part of one resin (refinement.h) has the one by the share of its
+// faces behind which others lie, the other for the rest, and fit = 2 m / (2 - sigma_a l m). Yellow voxels of a halftone
+// take up less blue then: the suite's mean is 0.41 for 0.46, and 0.27 for 0.35 as an eye at 300 mm sees it, with not a
+// case of solids changed (`predictor_accuracy --fine 1 compare`).
+//
 // Diamond differences answer an edge in the light that comes in with ripples from cell to cell. With a weight theta
 // below 1,
 //   psi_out,a = (1 + theta) psi - theta psi_in,a,   (1 + theta) |Omega_a| / h_a for 2 |Omega_a| / h_a,

@@ -185,6 +185,7 @@ struct ViewingGrid {
     struct Mixture {
         std::vector<Holding> holds;  ///< ascending in layer, then material
         std::uint8_t axis = 2;       ///< along which light comes
+        float apart = 0;             ///< of a part of one resin: the share of its faces behind which another one lies
     };
     std::vector<Mixture> mixtures;  ///< of cells, by ViewingGrid::medium; 0 is air
 

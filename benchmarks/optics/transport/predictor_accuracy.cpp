@@ -3,12 +3,13 @@
 // How far the fast predictor is from Monte Carlo, and what it costs.
 //
 //   predictor_accuracy report             all of the tables below
-//   predictor_accuracy compare [FOLDER]   one table with a row per case; what the columns mean: compare.h
-//   predictor_accuracy homogeneous        slabs of every mixture of a 10 % lattice; tilted slabs and spheres of one
-//   colour predictor_accuracy speed              cost per cell, square centimetre and byte predictor_accuracy dial
-//   [FOLDER]      sweeps and skin cells: error and price predictor_accuracy make [FOLDER]      Monte Carlo references
-//   of the suite, case by case predictor_accuracy picture CASE FILE  target, Monte Carlo, prediction, difference side
-//   by side (PNG)
+//   predictor_accuracy compare [FOLDER]   a row per case; what the columns mean: compare.h; seen: the mean of what an
+//                                         eye at 300 mm sees of the difference (halftone/loop/eye_filter.h)
+//   predictor_accuracy homogeneous        slabs of all mixtures of a 10 % lattice; tilted slabs, spheres of one colour
+//   predictor_accuracy speed              cost per cell, square centimetre and byte
+//   predictor_accuracy dial [FOLDER]      sweeps and skin cells: error and price
+//   predictor_accuracy make [FOLDER]      Monte Carlo references of the suite, case by case
+//   predictor_accuracy picture CASE FILE  target, Monte Carlo, prediction, difference side by side (PNG)
 #include <array>
 #include <cstdio>
 #include <ctime>
@@ -23,8 +24,10 @@
 
 #include "base/parallel.h"
 #include "compare.h"
+#include "halftone/loop/eye_filter.h"
 #include "homogeneous.h"
 #include "make_reference.h"
+#include "optics/colour/colour.h"
 #include "photo_cases.h"
 #include "pictures.h"
 #include "speed.h"
@@ -85,11 +88,29 @@ void write_cells(const fs::path& file, const Comparison& c) {
     }
 }
 
+/// Mean CIEDE2000 between the predicted and the reference's cells, the noise of these included, after the eye's filter.
+double seen_error(const Comparison& c) {
+    const halftone::EyeFilter eye(c.surface, 300);
+    const auto lab_of = [&](const std::vector<Rgb>& colours) {
+        std::vector<Eigen::Vector3f> rgb;
+        for (const Rgb& one : colours) rgb.emplace_back(one[0], one[1], one[2]);
+        std::vector<Eigen::Vector3d> lab;
+        for (const Eigen::Vector3f& seen : eye.filter(rgb))
+            lab.push_back(optics::lab_from_linear_srgb(seen.cast<double>().cwiseMax(0.0)));
+        return lab;
+    };
+    const std::vector<Eigen::Vector3d> predicted = lab_of(c.predicted), reference = lab_of(c.reference);
+    double sum = 0;
+    for (std::size_t i = 0; i < c.cells; ++i)
+        sum += static_cast<double>(c.surface.cells[i].area_mm2) * optics::ciede2000(predicted[i], reference[i]);
+    return sum / c.area_mm2;
+}
+
 void compare_all(const Arguments& a) {
     fmt::print(
         "| case | mean without noise | mean | rms without noise | 95 % | max | bias of L* | noise | bias R, G, B | of "
         "white, % | cells | core s | us/cell | "
-        "s/cm2 | x faster |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+        "s/cm2 | x faster | seen |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
     double sum = 0, sum_with = 0, worst = 0, n = 0;
     struct Set {
         double sum = 0, cases = 0;
@@ -106,12 +127,12 @@ void compare_all(const Arguments& a) {
         ++sets[reference.of.tuning].cases;
         fmt::print(
             "| {}{} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:+.2f} | {:.2f} | {:+.4f} {:+.4f} {:+.4f} | "
-            "{:+.2f} {:+.2f} {:+.2f} | {} | {:.2f} | {:.2f} | {:.2f} | {:.0f} |\n",
+            "{:+.2f} {:+.2f} {:+.2f} | {} | {:.2f} | {:.2f} | {:.2f} | {:.0f} | {:.2f} |\n",
             reference.of.name, reference.of.tuning ? "" : " (unseen)", c.mean_without_noise, c.mean, c.rms,
             c.percentile_95, c.max, c.bias, c.noise, c.channel_bias[0], c.channel_bias[1], c.channel_bias[2],
             100 * c.white_bias[0], 100 * c.white_bias[1], 100 * c.white_bias[2], c.optical_cells, c.core_seconds,
             1e6 * c.core_seconds / static_cast<double>(c.optical_cells), 100 * c.core_seconds / c.area_mm2,
-            c.times_faster);
+            c.times_faster, seen_error(c));
         std::fflush(stdout);
         if (!a.cells.empty()) write_cells(a.cells / (reference.of.name + ".csv"), c);
     }

@@ -102,7 +102,7 @@ TEST_CASE("The predictor agrees with Monte Carlo on every case of the suite") {
     }
     REQUIRE(n >= 36);
     WANTED(sum / n < 0.4);
-    CHECK(sum / n < 0.47);
+    CHECK(sum / n < 0.42);  // 0.406; 0.46 where small bodies are taken for wide ones (lump_fit)
 }
 
 /// What was measured of the loop's predictor, as `predictor_accuracy --fine 0 compare tests/data/appearance`

@@ -161,6 +161,50 @@ TEST_CASE("Each part of a full cell holds the resin of the voxel that is there")
     }
 }
 
+TEST_CASE("Parts are told apart by how much of other resins lies beside them") {
+    const ResinSet set = vero_opaque();
+    // A wall of one resin on the left; on the right single voxels amid white.
+    const auto single = [](int x, int y, int z) { return x > 16 && x % 4 == 2 && y % 3 == 1 && z % 4 == 2; };
+    const ResinVolume volume = make_resin_volume({32, 12, 36}, j750, [&](int x, int y, int z) -> int {
+        return x < 10 ? 2 : single(x, y, z) ? 3 : 5;
+    });
+    const Scene scene{&volume, &set, Backing::black, Sides::mirrored};
+    ViewingGrid grid =
+        make_viewing_grid(scene, viewing_cell, {0.8}, {}, {{}, BlockLattice(volume.size(), viewing_cell).blocks, {}});
+    std::vector<std::uint8_t> wanted;
+    REQUIRE(fill(grid, volume, wanted));
+    refine(grid, volume, blocks_to_refine(grid, volume, Refinement::all), viewing_cell);
+    std::size_t singles = 0, walls = 0, beside_walls = 0;
+    for (std::size_t t = 0; t < grid.fine.first.size(); ++t) {
+        if (grid.fine.first[t] == not_fine) continue;
+        const auto corner = grid.corner_of(grid.transport_block(t).at);
+        for_each({4, 4, 4}, [&](const Place& cell) {
+            for_each(viewing_cell, [&](const Place& part) {
+                Place voxel{};
+                for (std::size_t a = 0; a < 3; ++a) voxel[a] = corner[a] + cell[a] * viewing_cell[a] + part[a];
+                const auto& content =
+                    grid.fine.contents[grid.fine.medium[grid.fine.first[t] + grid.fine.part(cell, part)]];
+                const auto apart = double(content.apart);
+                if (single(voxel[0], voxel[1], voxel[2])) {
+                    CHECK(apart == 1);
+                    ++singles;
+                } else if (voxel[0] < 8) {
+                    CHECK(apart == 0);
+                    ++walls;
+                } else if (voxel[0] == 9 || voxel[0] == 10) {  // on either side of the wall's end
+                    if (voxel[0] % 8 != 0 && voxel[0] % 8 != 7) CHECK(apart > 0);
+                    CHECK(apart < 0.3);
+                    beside_walls += apart > 0;
+                }
+            });
+        });
+    }
+    CAPTURE(singles, walls, beside_walls);
+    CHECK(singles > 20);
+    CHECK(walls > 100);
+    CHECK(beside_walls > 100);
+}
+
 TEST_CASE("Cells of voxels: a body that absorbs nothing is white wherever the surface cuts the cells") {
     ResinSet set = vero_opaque();
     for (Resin& resin : set.resins) resin.albedo.assign(3, 1.0);

@@ -52,7 +52,10 @@ struct Case {
             return TransportMedium{sigma_t, sigma_t * (0.3f + 0.7f * value()), 0.6f * value() - 0.3f};
         };
         for (std::size_t m = 0; m < grid.mixtures.size(); ++m) media.push_back(medium());
-        for (std::size_t m = 0; m < grid.fine.contents.size(); ++m) media_of_parts.push_back(medium());
+        for (std::size_t m = 0; m < grid.fine.contents.size(); ++m) {
+            media_of_parts.push_back(medium());
+            if (m % 3 > 0) media_of_parts.back().apart = value();
+        }
         const auto moments = [&] {
             return Moments{value(), 0.3f * value() - 0.15f, 0.3f * value() - 0.15f, 0.3f * value() - 0.15f};
         };
@@ -181,8 +184,8 @@ private:
                     Moments& sum, double weight) {
         const auto edge = c_.grid.edge_mm();
         const double J[3]{double(light.x), double(light.y), double(light.z)};
-        double along = 0, all = 0, arriving = 0, way = 0;
-        std::array<double, 3> enters{}, omega{};
+        double along = 0, all = 0, arriving = 0;
+        std::array<double, 3> enters{}, omega{}, ways{};
         for (std::size_t a = 0; a < 3; ++a) {
             const double h = edge[a] * size[a] / split_[a], k = (1 + weight) * cosine_[a] / h;
             omega[a] = back_[a] ? -cosine_[a] : cosine_[a];
@@ -190,11 +193,11 @@ private:
             enters[a] = entering(low, size, face, a);
             all += k;
             arriving += k * enters[a];
-            way += cosine_[a] / h;
+            ways[a] = h / cosine_[a];
         }
         const double sigma = double(medium.sigma_t),
                      q = double(medium.sigma_s) * (double(light.phi) + 3 * double(medium.linear) * along),
-                     fit = cell_fit(sigma - double(medium.sigma_s), 1 / way, weight),
+                     fit = lump_fit(sigma - double(medium.sigma_s), ways, weight, double(medium.apart)),
                      psi = (fit * q + arriving) / (fit * sigma + all), seen = fit * psi + (1 - fit) * q / sigma;
         sum.phi += float(weight_ * seen);
         sum.x += float(weight_ * omega[0] * seen);
@@ -286,6 +289,34 @@ TEST_CASE("A sweep is what its equations say, through coarse cells, voxels, and 
         CHECK(light < 2e-5);
         CHECK(flux < 2e-5);
     }
+}
+
+TEST_CASE("A small body amid others takes up what light that comes in evenly leaves on its way through") {
+    for (const std::array<double, 3>& ways : {std::array{0.1, 0.1, 0.1}, std::array{0.05, 0.2, 0.07}})
+        for (const double sigma : {0.5, 8.0, 40.0, 100.0}) {
+            // Places in the box, and how far behind each its light came in.
+            constexpr int n = 60;
+            double mean = 0;
+            for (int i = 0; i < n * n * n; ++i)
+                mean += std::exp(-sigma * std::min({(i % n + 0.5) / n * ways[0], (i / n % n + 0.5) / n * ways[1],
+                                                    (i / (n * n) + 0.5) / n * ways[2]})) /
+                        (n * n * n);
+            CAPTURE(ways, sigma);
+            CHECK(mean_in_box(sigma, ways) == Approx(mean).epsilon(0.002));
+            const double l = 1 / (1 / ways[0] + 1 / ways[1] + 1 / ways[2]),
+                         wide = -std::expm1(-sigma * l) / (sigma * l);
+            CHECK(mean_in_box(sigma, ways) < wide);
+            for (const double weight : {1.0, 0.85})
+                for (const double apart : {0.0, 0.25, 1.0}) {
+                    // 1 in through all sides; what goes out is what was not taken up.
+                    const double psi = (1 + weight) / (1 + weight + lump_fit(sigma, ways, weight, apart) * sigma * l);
+                    CHECK((1 + weight) * psi - weight ==
+                          Approx(1 - sigma * l * ((1 - apart) * wide + apart * mean)).margin(0.002));
+                }
+        }
+    // Between two planes there is but one way; what is as good as black is lit on its sides alone.
+    CHECK(mean_in_box(20, {0.05, 1e9, 1e9}) == Approx(-std::expm1(-1.0)).epsilon(1e-6));
+    CHECK(mean_in_box(1e4, {0.05, 0.2, 0.1}) == Approx((20 + 5 + 10) / 1e4).epsilon(0.01));
 }
 
 namespace {
