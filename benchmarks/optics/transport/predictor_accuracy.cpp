@@ -111,7 +111,7 @@ void compare_all(const Arguments& a) {
         "| case | mean without noise | mean | rms without noise | 95 % | max | bias of L* | noise | bias R, G, B | of "
         "white, % | cells | core s | us/cell | "
         "s/cm2 | x faster | seen |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
-    double sum = 0, sum_with = 0, worst = 0, n = 0;
+    double sum = 0, sum_with = 0, sum_seen = 0, worst = 0, n = 0;
     struct Set {
         double sum = 0, cases = 0;
     };
@@ -121,6 +121,8 @@ void compare_all(const Arguments& a) {
         const Comparison c = compare(reference, a.transport, a.refine);
         sum += c.mean_without_noise;
         sum_with += c.mean;
+        const double seen = seen_error(c);
+        sum_seen += seen;
         worst = std::max(worst, c.mean_without_noise);
         ++n;
         sets[reference.of.tuning].sum += c.mean_without_noise;
@@ -132,11 +134,13 @@ void compare_all(const Arguments& a) {
             c.percentile_95, c.max, c.bias, c.noise, c.channel_bias[0], c.channel_bias[1], c.channel_bias[2],
             100 * c.white_bias[0], 100 * c.white_bias[1], 100 * c.white_bias[2], c.optical_cells, c.core_seconds,
             1e6 * c.core_seconds / static_cast<double>(c.optical_cells), 100 * c.core_seconds / c.area_mm2,
-            c.times_faster, seen_error(c));
+            c.times_faster, seen);
         std::fflush(stdout);
         if (!a.cells.empty()) write_cells(a.cells / (reference.of.name + ".csv"), c);
     }
-    if (n > 0) fmt::print("| mean of {} cases (largest {:.2f}) | {:.2f} | {:.2f} |\n", n, worst, sum / n, sum_with / n);
+    if (n > 0)
+        fmt::print("| mean of {} cases (largest {:.2f}) | {:.2f} | {:.2f} | seen {:.2f} |\n", n, worst, sum / n,
+                   sum_with / n, sum_seen / n);
     for (const bool seen : {true, false})
         if (sets[seen].cases > 0)
             fmt::print("| mean of the {} {} | {:.2f} |\n", sets[seen].cases, seen ? "looked at while tuning" : "unseen",
