@@ -22,7 +22,7 @@ if(VOXTONE_SANITIZE)
   # every object looks broken. Those of null, alignment and sizes of objects double the time of compilation; what they
   # would find is mostly the address sanitizer's, too. TBB's headers hold fences that the thread sanitizer does not see,
   # and a warning says so: base/parallel.h does without TBB under it.
-  target_compile_options(voxtone_flags INTERFACE -fsanitize=${VOXTONE_SANITIZE} -fno-sanitize=vptr,null,alignment,object-size,nonnull-attribute,returns-nonnull-attribute -fno-omit-frame-pointer -g1 -Wno-tsan)
+  target_compile_options(voxtone_flags INTERFACE -fsanitize=${VOXTONE_SANITIZE} -fno-sanitize=vptr,null,alignment,object-size -fno-omit-frame-pointer -g1 -Wno-tsan)
   target_link_options(voxtone_flags INTERFACE -fsanitize=${VOXTONE_SANITIZE})
 endif()
 

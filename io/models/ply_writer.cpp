@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/models/ply_writer.h"
 
+#include <algorithm>
 #include <bit>
-#include <cstring>
 #include <string>
 
 #include <fmt/core.h>
@@ -35,8 +35,7 @@ std::vector<std::uint8_t> ply_bytes(const ColouredMesh& mesh, const VertexNumber
                                     face_bytes * mesh.triangles.size());
     std::uint8_t* to = bytes.data();
     const auto put = [&to](const void* from, std::size_t size) {
-        std::memcpy(to, from, size);
-        to += size;
+        to = std::copy_n(static_cast<const std::uint8_t*>(from), size, to);  // no numbers: nothing, from nowhere
     };
     put(header.data(), header.size());
     for (std::size_t i = 0; i < mesh.positions_mm.size(); ++i) {

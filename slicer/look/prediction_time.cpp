@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/look/prediction_time.h"
 
+#include <algorithm>
+
 #include "slicer/look/coarse_cells.h"
 
 namespace voxtone::slicer {
@@ -25,6 +27,11 @@ double prediction_seconds(PredictionModel model, const ModelOptions& quality, co
     if (coarse_cells(pitch_mm, quality.cell_mm))
         return quick_s_per_cell * of_rgb * area_mm2 / (eye_cell_mm * eye_cell_mm);
     return transport_s_per_cell * of_rgb * cells;
+}
+
+double prediction_bytes(double cells) {
+    constexpr double of_a_tile = 4e5;  // cells; what is beyond waits in few bits
+    return 1.5e8 + 6000 * std::min(cells, of_a_tile) + 1500 * std::max(cells - of_a_tile, 0.0);
 }
 
 }  // namespace voxtone::slicer

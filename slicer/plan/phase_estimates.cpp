@@ -30,8 +30,7 @@ constexpr double prepared_bytes_per_cell = 900;
 constexpr double descent_bytes = 1.6e8, descent_bytes_per_cell = 6400;
 constexpr double feedback_bytes = 1.4e8, feedback_bytes_per_cell = 2700;
 constexpr double kept_bytes = 5e7, kept_bytes_per_cell = 1800;  // of the loop, while a model predicts
-constexpr double predicted_bytes = 1.5e8, predicted_bytes_per_cell = 6000;
-constexpr double topmost_bytes_per_column = 2;  // io/layers/topmost_layers.h
+constexpr double topmost_bytes_per_column = 2;                  // io/layers/topmost_layers.h
 constexpr double drawn_bytes = 1e8, drawn_bytes_per_cell = 2500;
 
 /// What a job is counted in.
@@ -120,7 +119,7 @@ std::vector<PhaseEstimate> phase_estimates(const OpenedJob& job, const JobBody& 
     const bool predicts = work.prediction.by == PredictionPlan::By::model;
     if (predicts)
         phases.add(Phase::predict, predicted_cpu * prediction_cost(job, body, work.prediction.model, amounts.area_mm2),
-                   with(predicted_bytes, predicted_bytes_per_cell) +
+                   working + prediction_bytes(amounts.cells) +
                        (loop.wanted ? kept_bytes + kept_bytes_per_cell * amounts.cells : 0));
     const double drawn_s = predicts || loop.wanted ? seen_s_per_cell : drawn_s_per_cell;
     if (options.report)
@@ -145,9 +144,10 @@ std::vector<ExpectedStage> expected_stages(const std::vector<PhaseEstimate>& pha
 }
 
 double most_bytes_of_surface(double area_mm2, double cell_mm) {
-    // A model predicts while the mixtures of the loop are kept; that is above descent.
-    return predicted_bytes + kept_bytes +
-           (predicted_bytes_per_cell + kept_bytes_per_cell) * area_mm2 / (cell_mm * cell_mm);
+    const double cells = area_mm2 / (cell_mm * cell_mm);
+    // A model predicts while the mixtures of the loop are kept.
+    return std::max(prediction_bytes(cells) + kept_bytes + kept_bytes_per_cell * cells,
+                    descent_bytes + descent_bytes_per_cell * cells);
 }
 
 std::uint64_t bytes_of_voxels(const OpenedJob& job, const JobBody& body, const LayerRange& range) {

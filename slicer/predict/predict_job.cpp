@@ -15,6 +15,7 @@
 #include "base/process_usage.h"
 #include "base/stopwatch.h"
 #include "base/warning.h"
+#include "io/disk/disk_space.h"
 #include "io/disk/output_files.h"
 #include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
@@ -397,14 +398,20 @@ PredictedCells find_cells(const optics::Scene& scene, const ResolvedPrediction& 
 }
 
 /// Throws ResourceError where more is held than allowed.
-void note_memory(const optics::ResinVolume& volume, std::size_t cells, std::uint64_t held, std::uint64_t budget,
-                 const PredictFigures& figures, Progress& progress) {
+void note_memory(const ResolvedPrediction& job, const optics::ResinVolume& volume, std::size_t cells,
+                 std::uint64_t held, const PredictFigures& figures, Progress& progress) {
     const auto& size = volume.size();
+    const std::uint64_t budget = job.memory_bytes;
+    const bool fast = job.model == PredictionModel::transport;
     progress.note(
-        fmt::format("{} x {} x {} voxels and {} surface cells of {:.1f} x {:.1f} x {:.1f} um take {:.0f} MB of the "
-                    "{:.0f} MB allowed (--memory)",
+        fmt::format("{} x {} x {} voxels and {} surface cells of {:.1f} x {:.1f} x {:.1f} um take {}{} of the {} "
+                    "allowed (--memory)",
                     size[0], size[1], size[2], cells, figures.cell_um[0], figures.cell_um[1], figures.cell_um[2],
-                    double(held) * 1e-6, double(budget) * 1e-6));
+                    io::bytes_text(held),
+                    fast ? fmt::format(", their light up to {},",
+                                       io::bytes_text(static_cast<std::uint64_t>(prediction_bytes(double(cells)))))
+                         : "",
+                    io::bytes_text(budget)));
     if (held <= budget) return;
     throw ResourceError(
         fmt::format("the volume and its surface need {:.2f} GiB, more than the {:.2f} GiB allowed; allow more "
@@ -485,7 +492,7 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
     const std::optional<PartsInSight> parts = find_parts_in_sight(job, stack.volume, cells.surface, figures, progress);
     figures.surface_s = watch.lap();
     const std::uint64_t held = volumes + surface_bytes(cells.surface) + (parts ? parts->memory_bytes() : 0);
-    note_memory(stack.volume, cells.surface.cells.size(), held, job.memory_bytes, figures, progress);
+    note_memory(job, stack.volume, cells.surface.cells.size(), held, figures, progress);
 
     double area_mm2 = 0;
     for (const optics::SurfaceCell& cell : cells.surface.cells) area_mm2 += double(cell.area_mm2);
