@@ -42,9 +42,9 @@ StackOrigin origin_in(const fs::path& folder) {
     try {
         const JsonObject job = JsonObject::read(file);
         if (text_or_nothing(job, "format") != "voxtone-job") return {};
-        return {text_or_nothing(job, "model"), text_or_nothing(job, "resins"), text_or_nothing(job, "backing")};
-    } catch (const Error&) {
-        return {};  // a stack needs none
+        return {text_or_nothing(job, "model"), text_or_nothing(job, "resins"), text_or_nothing(job, "backing"), {}};
+    } catch (const Error& error) {
+        return {{}, {}, {}, error.what()};  // a stack needs none
     }
 }
 

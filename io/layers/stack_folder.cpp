@@ -201,6 +201,23 @@ struct StackFolder::Held {
     }
 };
 
+void expect_apart_from_layers(const fs::path& stack, const std::vector<fs::path>& files) {
+    const fs::path folder = stack.filename() == manifest_name ? stack.parent_path() : stack;
+    std::error_code none;
+    std::vector<fs::path> pure;
+    if (fs::is_directory(folder / layers_name, none))
+        for (const auto name : pure_folders) pure.push_back(folder / name);
+    else if (fs::is_directory(folder, none))
+        pure.push_back(folder);
+    for (const fs::path& file : files) {
+        const fs::path parent = file.has_parent_path() ? file.parent_path() : fs::path(".");
+        if (std::ranges::any_of(pure, [&](const fs::path& one) { return fs::equivalent(one, parent, none); }))
+            throw InputError(
+                fmt::format("{}: would lie among the layers of {}, where nothing else may be; name another folder",
+                            file.string(), stack.string()));
+    }
+}
+
 void expect_free_for_stack(const fs::path& out) {
     if (is_there(out / manifest_name))
         throw InputError(fmt::format(

@@ -44,6 +44,10 @@ inline constexpr std::string_view parts_name = "parts";
 /// the appearance loop keep there. Nothing there is free.
 void expect_free_for_stack(const std::filesystem::path& out);
 
+/// Throws InputError where a file would lie among the layers of a stack, which is a folder of ours, its manifest, or a
+/// folder of bitmaps: a printer takes all that lies there.
+void expect_apart_from_layers(const std::filesystem::path& stack, const std::vector<std::filesystem::path>& files);
+
 class StackFolder {
 public:
     /// Takes `out`: made if it is not there, locked, ends what a killed job began. An old stack stays untouched.

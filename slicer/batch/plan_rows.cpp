@@ -96,6 +96,22 @@ std::string foreign_in(const fs::path& folder) {
     return {};
 }
 
+/// A file of the options of one job, as `slice` writes it over several lines, in one line, which is that of a list;
+/// empty: it is no such file.
+std::string job_line(const std::string& word) {
+    if (!ends_as(word, "json")) return {};
+    try {
+        const io::JsonObject object = io::JsonObject::read(word);
+        if (!object.has("format") || object.any_text("format") != "voxtone-job") return {};
+    } catch (const Error&) {
+        return {};  // as a list it says what is wrong
+    }
+    std::string line = text_of_plan(word);
+    std::ranges::replace_if(
+        line, [](char c) { return c == '\n' || c == '\r'; }, ' ');
+    return line;
+}
+
 PlanRows read_one(const std::string& word) {
     PlanRows plan{word, {}, {}};
     const fs::path folder = fs::path(word).parent_path();
@@ -109,6 +125,8 @@ PlanRows read_one(const std::string& word) {
         plan.rows.push_back(row_of(word));
     } else if (fs::exists(word) && ends_as(word, "csv")) {
         read_table(text_of_plan(word), folder, plan);
+    } else if (const std::string line = job_line(word); !line.empty()) {
+        read_list(line, folder, plan);
     } else if (is_list(word)) {
         read_list(text_of_plan(word), folder, plan);
     } else {

@@ -71,6 +71,7 @@ ResolvedJob resolve(const SliceOptions& options) {
     const Show show = value_of<Show>(options.show).value();
     for (const OptionSpec& spec : slice_option_table())
         if (spec.resolve && spec.belongs_to(show)) spec.resolve(options, job);
+    if (job.is_picture) job.placement.size_mm = 0;  // where nobody named it: a slab is as wide as `width` says
     settle_labels(job);
     return job;
 }

@@ -19,6 +19,7 @@
 #include "io/disk/output_files.h"
 #include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
+#include "io/layers/stack_folder.h"
 #include "io/models/glb_writer.h"
 #include "io/models/ply_writer.h"
 #include "optics/colour/channels.h"
@@ -473,7 +474,9 @@ ResolvedPrediction resolve(const PredictOptions& o) {
 
 PredictResult run_predict_job(const PredictOptions& options, Progress& progress) {
     const ResolvedPrediction job = resolve(options);
-    io::expect_outputs({options.files.begin(), options.files.end()}, options.overwrite);
+    const std::vector<std::filesystem::path> files(options.files.begin(), options.files.end());
+    io::expect_apart_from_layers(options.stack, files);
+    io::expect_outputs(files, options.overwrite);
     const ThreadLimit threads(static_cast<std::size_t>(options.threads));
     PredictFigures figures;
     Stopwatch watch;

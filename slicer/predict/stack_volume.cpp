@@ -126,10 +126,39 @@ void expect_all_layers(const io::StackReader& stack, const std::string& name) {
                                  layer, width, height, size[0], size[1]));
 }
 
-/// The resin set that the job of a stack names, seen from here.
-std::string set_of(const io::StackOrigin& origin, const std::filesystem::path& stack) {
-    const auto folder = stack.filename() == io::manifest_name ? stack.parent_path() : stack;
-    return origin.resins.empty() ? optics::vero_opaque().name : input_named_in(folder, origin.resins);
+/// That of a printer, as far as it is known here.
+std::string set_of_printer(const std::string& printer) {
+    try {
+        if (std::string set = find_printer(printer).default_resins; !set.empty()) return set;
+    } catch (const Error&) {  // a profile of somebody's own, elsewhere
+    }
+    return optics::vero_opaque().name;
+}
+
+/// The resin set that the job of a stack names, seen from here; or that of its printer, which is said unless the user
+/// names one.
+std::string set_of(const io::StackReader& stack, const StackVolumeOptions& options, Progress& progress) {
+    const io::StackOrigin& origin = stack.origin();
+    const std::filesystem::path path = options.stack;
+    if (!origin.resins.empty())
+        return input_named_in(path.filename() == io::manifest_name ? path.parent_path() : path, origin.resins);
+    std::string set = set_of_printer(stack.description()->printer);
+    if (options.resins.empty())
+        progress.warn(named_warning(
+            "changed-input",
+            fmt::format("{}: {}; that of its printer {} is taken, '{}'; name another with --resins", options.stack,
+                        origin.fault.empty() ? std::string("no job.json says of which resin set it was made")
+                                             : "of which resin set it was made cannot be read: " + origin.fault,
+                        stack.description()->printer, set)));
+    return set;
+}
+
+void warn_of_seal(const io::StackReader& stack, const std::string& name, Progress& progress) {
+    if (stack.seal() == io::ManifestSeal::broken)
+        progress.warn(named_warning(
+            "changed-input", fmt::format("{}: its {} was changed after it was written, and may name the wrong resins: "
+                                         "slice it again",
+                                         name, io::manifest_name)));
 }
 
 /// Bitmaps beside the layers that a manifest or container announces.
@@ -184,6 +213,7 @@ StackVolume read_own(const io::StackReader& stack, const StackVolumeOptions& opt
     const io::StackDescription& description = *stack.description();
     expect_all_layers(stack, options.stack);
     warn_of_series(stack, options.stack, progress);
+    warn_of_seal(stack, options.stack, progress);
     StackVolume result;
     const io::StackOrigin& origin = stack.origin();
     SliceOptions sliced;
@@ -196,7 +226,7 @@ StackVolume read_own(const io::StackReader& stack, const StackVolumeOptions& opt
         // A resin that is loaded and not used needs no data.
         colours.push_back({resin.rgb, resin.voxels > 0 ? resin.role : no_material,
                            fmt::format("resin {} (role {})", resin.name, resin.role)});
-    Assignment assignment = assign(colours, resin_set(options, set_of(origin, options.stack)), options.stack);
+    Assignment assignment = assign(colours, resin_set(options, set_of(stack, options, progress)), options.stack);
 
     std::array<int, 2> size{static_cast<int>(description.size_px[0]), static_cast<int>(description.size_px[1])};
     const std::array<int, 2> size_px = size;
@@ -335,6 +365,22 @@ PixelMaterials with_transparent(const Assignment& assignment) {
     return materials;
 }
 
+/// Where transparent pixels are the background black is no longer that: a resin that nobody told would be air.
+void expect_told_black(const ForeignBody& body, const StackVolumeOptions& options, const ForeignStack& foreign) {
+    constexpr io::Rgb black{};
+    const std::uint64_t pixels = body.pixels_of(black);
+    const std::size_t transparent = body.materials.others.transparent;
+    if (foreign.layers.gcvf() || pixels == 0 || transparent >= body.pixels.size() || body.pixels[transparent] == 0 ||
+        std::ranges::any_of(options.assign, [&](const ColourAssignment& told) { return told.rgb == black; }))
+        return;
+    if (transparent < body.materials.palette.size()) return;  // numbered as another colour is that stands for nothing
+    throw InputError(fmt::format(
+        "{}: has {} of {} amid a transparent background, and nothing says what they are: --assign \"{}={}\" (or "
+        "another "
+        "of {}, none)",
+        options.stack, counted(pixels, "pixel"), hex_code(black), hex_code(black), foreign.role, foreign.roles));
+}
+
 StackVolume read_foreign(const io::StackReader& stack, const StackVolumeOptions& options, Progress& progress) {
     expect_all_layers(stack, options.stack);
     const BitmapFrame frame = foreign_frame(stack, options);
@@ -352,6 +398,7 @@ StackVolume read_foreign(const io::StackReader& stack, const StackVolumeOptions&
                                .any_assigned = stack.gcvf() || !options.assign.empty(),
                                .nearest = options.nearest};
     const ForeignBody body = find_foreign_body(foreign, with_transparent(assignment), progress);
+    expect_told_black(body, options, foreign);
     warn_of_absent(options, body, progress);
     const LayerWindow& window = body.window;
     report_assignment(options, assignment, window, pitch_mm, body.solid_voxels(), false);

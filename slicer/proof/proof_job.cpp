@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <optional>
 #include <vector>
 
@@ -18,6 +19,7 @@
 #include "io/disk/output_files.h"
 #include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
+#include "io/layers/stack_folder.h"
 #include "io/pictures/exr_writer.h"
 #include "io/pictures/picture_writer.h"
 #include "optics/camera/camera_paths.h"
@@ -143,7 +145,9 @@ JobResult describe(const CameraPicture& picture, const ProofScene& scene, const 
 JobResult run_proof_job(const ProofOptions& options, Progress& progress) {
     const ResolvedProof job = resolve(options);
     expect_picture_fits(job, 3);
-    io::expect_outputs({options.files.begin(), options.files.end()}, options.overwrite);
+    const std::vector<std::filesystem::path> files(options.files.begin(), options.files.end());
+    for (const std::string& stack : options.stacks) io::expect_apart_from_layers(stack, files);
+    io::expect_outputs(files, options.overwrite);
     const ThreadLimit threads(static_cast<std::size_t>(options.threads));
     Stopwatch watch;
     const auto scene = make_proof_scene(job, progress);

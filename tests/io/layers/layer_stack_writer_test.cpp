@@ -288,6 +288,23 @@ TEST_CASE("nothing is written through a link that leads outside", "[stack]") {
     CHECK(contents(folder.path() / "elsewhere").empty());
 }
 
+TEST_CASE("no result comes to lie among the layers of a stack", "[stack]") {
+    const TemporaryFolder folder;
+    const fs::path own = folder.path() / "own", foreign = folder.path() / "theirs";
+    fs::create_directories(own / "layers");
+    fs::create_directories(own / "printer");
+    fs::create_directories(foreign);
+    for (const fs::path& stack : {own, own / "manifest.json"}) {
+        CHECK_NOTHROW(expect_apart_from_layers(stack, {own / "seen.png", folder.path() / "seen.png", "seen.png"}));
+        for (const fs::path& within : {own / "layers", own / "printer", own / "layers" / "." / ".." / "layers"})
+            CHECK_THROWS_WITH(expect_apart_from_layers(stack, {folder.path() / "a.png", within / "slice_00000.png"}),
+                              Contains("among the layers of") && Contains("slice_00000.png"));
+    }
+    CHECK_THROWS_WITH(expect_apart_from_layers(foreign, {foreign / "seen.png"}), Contains("name another folder"));
+    CHECK_NOTHROW(expect_apart_from_layers(foreign, {own / "seen.png"}));
+    CHECK_NOTHROW(expect_apart_from_layers(folder.path() / "a.gcvf", {folder.path() / "seen.png"}));
+}
+
 TEST_CASE("a stack that lacks a layer is not finished", "[stack]") {
     TemporaryFolder folder;
     LayerStackWriter writer(folder.path() / "stack", description(3));

@@ -141,6 +141,11 @@ TEST_CASE("A whole job file is a row as well") {
     text = job_json(options);
     std::replace(text.begin(), text.end(), '\n', ' ');
     CHECK(shop.plan("plan.jsonl", text + "\n").at(0).options.size_mm == 25);
+    // Or a plan of its own, as it lies in the folder of a stack.
+    const auto own = shop.plan("job.json", job_json(options));
+    REQUIRE(own.size() == 1);
+    CHECK(own[0].options.size_mm == 25);
+    CHECK(own[0].options.model == options.model);
 }
 
 TEST_CASE("Every fault of a plan is told with its line, at once") {

@@ -148,6 +148,9 @@ TEST_CASE("An option that would do nothing is refused where it is named") {
     }
     CHECK_NOTHROW(resolve(with(with(named(), "scale", "2"), "size", "0")));
     CHECK_THROWS_WITH(resolve(with(with(named(), "scale", "2"), "size", "3mm")), Contains("--size decides"));
+    SliceOptions of_file = with(with(picture, "width", "3mm"), "size", "5mm");
+    of_file.named.clear();  // as beside `--quality draft` on the command line
+    CHECK(resolve(of_file).placement.size_mm == 0);
     CHECK(decides_scope("show"));
     CHECK_FALSE(decides_scope("depth"));
 }

@@ -14,6 +14,7 @@
 #include "io/layers/stack_folder.h"
 #include "io/pictures/picture_writer.h"
 #include "slicer/predict/stack_volume.h"
+#include "slicer/printer/printer.h"
 #include "tests/io/files/temporary_folder.h"
 #include "tests/io/layers/stack_samples.h"
 
@@ -86,6 +87,11 @@ std::vector<ColourAssignment> assigned(const std::vector<std::string>& texts) {
     for (const std::string& text : texts) assigned.push_back(parse_assignment(text));
     return assigned;
 }
+
+struct ListeningProgress final : Progress {
+    std::vector<std::string> warnings;
+    void on_warning(const std::string& message) override { warnings.push_back(message); }
+};
 
 const std::vector<std::string> sample_colours{"#00aeef=C", "#ec008c=m", "#fff200=VeroYellow", "#282828=K", "#dcded8=W"};
 
@@ -177,7 +183,7 @@ TEST_CASE("What is known of a stack is told before its layers are kept, and can 
         CHECK(head.size == std::array<int, 3>{nx, ny, nz});
         CHECK(head.pitch_mm[2] == Approx(0.027));
         CHECK(head.solid_voxels == solid);
-        CHECK(head.resin_set == "vero-opaque");
+        CHECK(head.resin_set == (told == 1 ? "j750-opaque" : "vero-opaque"));  // its printer's; a container names none
         CHECK(head.has_white);
         CHECK_FALSE(head.of_picture);
         throw UsageError("no");
@@ -215,6 +221,46 @@ TEST_CASE("What the job of a stack says counts as far as it can be understood") 
         "g": 0.4, "eta": 1.5, "resins": [{"name": "White", "role": "W", "sigma_t_per_mm": [6, 9, 24], "albedo": [0.999, 0.999, 0.999]}]})"));
     io::write_whole_file(own + "/job.json", begin + "\"resins\": \"../few.json\"}");
     CHECK_THAT(message({.stack = own}, ExitCode::invalid_input), Contains("'few'") && Contains("no optical data"));
+}
+
+TEST_CASE("A stack without its job takes the resins of its printer, and says so") {
+    const io::TemporaryFolder folder;
+    const std::string own = (folder.path() / "own").string();
+    write_marker(own, {});
+    const auto warnings_of = [&](const std::string& resins) {
+        ListeningProgress progress;
+        const StackVolume stack = read_stack_volume({.stack = own, .resins = resins}, progress);
+        CHECK(stack.resins.name == (resins.empty() ? find_printer("stratasys-j750-hm").default_resins : resins));
+        return progress.warnings;
+    };
+    CHECK_THAT(warnings_of("").at(0), Contains("no job.json says of which resin set it was made") &&
+                                          Contains("stratasys-j750-hm") && Contains("--resins") &&
+                                          Contains("[changed-input]"));
+    CHECK(warnings_of("vero-opaque").empty());
+    io::write_whole_file(own + "/job.json", std::string_view("{"));
+    CHECK_THAT(warnings_of("").at(0), Contains("cannot be read") && Contains("job.json"));
+    io::write_whole_file(own + "/job.json",
+                         std::string_view(R"({"format": "voxtone-job", "version": 1, "resins": "vero-opaque"})"));
+    ListeningProgress progress;
+    CHECK(read_stack_volume({.stack = own}, progress).resins.name == "vero-opaque");
+    CHECK(progress.warnings.empty());
+}
+
+TEST_CASE("A manifest that was changed after it was written is told") {
+    const io::TemporaryFolder folder;
+    const std::string own = (folder.path() / "own").string();
+    write_marker(own, {});
+    const std::filesystem::path file = own + "/manifest.json";
+    const auto bytes = io::read_whole_file(file, 1 << 20);
+    std::string text(bytes.begin(), bytes.end());
+    const std::size_t at = text.find("VeroCyan");
+    REQUIRE(at != std::string::npos);
+    text.replace(at, 8, "Cyan----");
+    io::write_whole_file(file, text);
+    ListeningProgress progress;
+    (void)read_stack_volume({.stack = own, .resins = "vero-opaque"}, progress);
+    REQUIRE(progress.warnings.size() == 1);
+    CHECK_THAT(progress.warnings[0], Contains("was changed after it was written") && Contains("[changed-input]"));
 }
 
 TEST_CASE("What a stack lacks is said with what to do") {
@@ -290,11 +336,6 @@ struct DrawnStack {
     }
 };
 
-struct ListeningProgress final : Progress {
-    std::vector<std::string> warnings;
-    void on_warning(const std::string& message) override { warnings.push_back(message); }
-};
-
 StackVolume read_drawn(const std::filesystem::path& folder, const std::vector<std::string>& colours, bool nearest,
                        Progress& progress) {
     return read_stack_volume({.stack = folder.string(),
@@ -325,6 +366,24 @@ TEST_CASE("Pixels of alpha 0 are nothing, whatever their colour") {
     Progress progress;
     const StackVolume stack = read_drawn(folder.path(), {"#ffffff=W", "#000000=K"}, false, progress);
     CHECK(stack.volume.count()[optics::air] == 0);
+}
+
+TEST_CASE("Black amid transparent pixels is asked about: it is no background there") {
+    const io::TemporaryFolder folder;
+    DrawnStack{.red = {0, 0, 0, 255}}.write(folder.path());
+    Progress progress;
+    for (const bool nearest : {false, true}) {
+        CAPTURE(nearest);
+        CHECK_THROWS_WITH(read_drawn(folder.path(), {"#ffffff=W"}, nearest, progress),
+                          Contains("pixels of #000000 amid a transparent background") && Contains("\"#000000=W\"") &&
+                              Contains("none"));
+        const StackVolume told = read_drawn(folder.path(), {"#ffffff=W", "#000000=none"}, nearest, progress);
+        CHECK(told.volume.count()[optics::air] > 0);
+    }
+    // Around an opaque picture black is what nobody has to tell.
+    const io::TemporaryFolder opaque;
+    DrawnStack{.nothing = {0, 0, 0, 255}}.write(opaque.path());
+    CHECK(read_drawn(opaque.path(), drawn_colours, false, progress).volume.count()[optics::air] == 0);
 }
 
 TEST_CASE("Smoothed edges are refused with a way out, which is one", "[slow]") {
@@ -435,7 +494,7 @@ TEST_CASE("Bitmaps beside the layers of an own stack are told") {
     write_marker(own, {});
     std::filesystem::copy(own / "layers/slice_00003.png", own / "layers/slice_00035.png");
     ListeningProgress progress;
-    CHECK(read_stack_volume({.stack = own.string()}, progress).volume.size()[2] == nz);
+    CHECK(read_stack_volume({.stack = own.string(), .resins = "vero-opaque"}, progress).volume.size()[2] == nz);
     REQUIRE(progress.warnings.size() == 1);
     CHECK_THAT(progress.warnings[0], Contains("1 bitmap beside its layers is left out") && Contains("slice_00035"));
 }
