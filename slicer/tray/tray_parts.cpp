@@ -8,6 +8,7 @@
 
 #include <fmt/core.h>
 
+#include "base/error.h"
 #include "base/warning.h"
 #include "io/layers/stack_folder.h"
 #include "slicer/kept/loop_checkpoint.h"
@@ -218,6 +219,13 @@ std::optional<OpenedJob> common_job(const TrayPlan& plan, const std::vector<std:
     if (std::ranges::none_of(plan.parts, [](const TrayPart& part) { return part.component.has_value(); }))
         return std::nullopt;
     SliceOptions options = plan.common;
+    for (const auto& [mirrors, name] : {std::pair{options.flip_x, "flip-x"}, std::pair{options.flip_y, "flip-y"},
+                                        std::pair{options.swap_xy, "swap-xy"}})
+        if (mirrors)
+            throw UsageError(
+                fmt::format("--{}: would mirror the tray's models, each for itself, and none of its boxes, cuts and "
+                            "finished prints; mirror in the printer's profile, or in the files of the models",
+                            name));
     options.model = plan.file;
     if (options.load.empty()) options.load = roles;
     return open_job(options);

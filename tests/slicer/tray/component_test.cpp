@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "slicer/look/composed_surface.h"
 #include "slicer/tray/component_surface.h"
+#include "slicer/tray/tray_parts.h"
 #include "tests/io/files/temporary_folder.h"
 
 using namespace voxtone;
@@ -58,6 +59,21 @@ TEST_CASE("A cylinder stands where its size says, its resins in their shares") {
     CHECK_FALSE(made.outline.at(0, 0));
     CHECK(made.outline.at(6, 6));
     CHECK(double(made.outline.area()) * 0.25 == Approx(std::acos(-1) * 9).epsilon(0.25));
+}
+
+TEST_CASE("Mirrors are of models alone, and refused where boxes would stay as they are") {
+    TrayPlan plan;
+    plan.file = common_of().options.raw.model;
+    plan.common.out = "unused";
+    plan.parts.push_back(part_of(ComponentKind::box, {6, 6, 2}, {{"W", 1}}));
+    CHECK(common_job(plan));
+    for (bool SliceOptions::*const flip : {&SliceOptions::flip_x, &SliceOptions::flip_y, &SliceOptions::swap_xy}) {
+        TrayPlan mirrored = plan;
+        mirrored.common.*flip = true;
+        CHECK_THROWS_WITH(common_job(mirrored), Contains("none of its boxes") && Contains("printer's profile"));
+        mirrored.parts.clear();
+        CHECK_FALSE(common_job(mirrored));
+    }
 }
 
 TEST_CASE("A component is shown as its shape, in the colour of its mixture") {
