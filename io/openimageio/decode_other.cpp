@@ -168,8 +168,13 @@ private:
         const int channels = std::min(spec_.nchannels, 4);
         read_channels(pixels, channels, type);
         spread_to_rgba(pixels, samples_.pixels(), channels, spec_.alpha_channel == 1, opaque);
-        if (channels == 4 && (spec_.alpha_channel < 0 || spec_.alpha_channel > 3))
+        if (channels == 4 && !fourth_is_alpha())
             for (std::size_t i = 3; i < pixels.size(); i += 4) pixels[i] = opaque;
+    }
+
+    /// OpenImageIO 2.4 numbers a GIF's channels from 1 where it says which is alpha.
+    [[nodiscard]] bool fourth_is_alpha() const {
+        return spec_.alpha_channel == 3 || (spec_.alpha_channel >= 0 && spec_.channel_name(3) == "A");
     }
 
     void read_rgb() {

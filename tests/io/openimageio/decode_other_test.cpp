@@ -114,6 +114,19 @@ TEST_CASE("PSD is read as the picture of all its layers") {
     CHECK(image.warnings.empty());
 }
 
+TEST_CASE("what a GIF leaves transparent is transparent") {
+    // 2 x 1, two colours, of which one is transparent; then clear, 0, 1, end in codes of 3 bits.
+    std::string gif("GIF89a\2\0\1\0\x80\0\0\xc8\x28\x28\x28\x3c\xc8", 19);
+    gif.append("\x21\xf9\4\1\0\0\1\0", 8).append("\x2c\0\0\0\0\2\0\1\0\0\2\2\x44\x0a\0\x3b", 16);
+    const auto read = [&] { return decode_image(std::as_bytes(std::span(gif)), "a.gif", {.others = decode_other}); };
+    const DecodedImage image = read();
+    CHECK(image.has_alpha);
+    CHECK(image.texels.alpha(0) == 1);
+    CHECK(image.texels.alpha(1) == 0);
+    gif[22] = 0;  // no colour is transparent
+    CHECK_FALSE(read().has_alpha);
+}
+
 TEST_CASE("TGA is known by its name, in quotes or not, and by its foot") {
     // 1 x 1, 24 bits, no palette: blue, green, red
     const std::string head("\0\0\2\0\0\0\0\0\0\0\0\0\1\0\1\0\x18\0\x28\x28\xc8", 21);
