@@ -73,10 +73,10 @@ double hlg_scene(double code) {
 
 Eigen::Vector3d xyz_of(double x, double y) { return {x / y, 1, (1 - x - y) / y}; }
 
-/// Columns: XYZ of the primaries so that their sum is white, Y 1.
+/// Columns: XYZ of the primaries so that their sum is white, Y 1. A primary without Y, as those of XYZ itself, is one.
 Eigen::Matrix3d to_xyz(const std::array<double, 8>& c) {
     Eigen::Matrix3d primaries;
-    for (int i = 0; i < 3; ++i) primaries.col(i) = xyz_of(c[std::size_t(2 * i)], c[std::size_t(2 * i + 1)]);
+    for (std::size_t i = 0; i < 6; i += 2) primaries.col(Eigen::Index(i / 2)) << c[i], c[i + 1], 1 - c[i] - c[i + 1];
     const Eigen::Vector3d amounts = primaries.fullPivLu().solve(xyz_of(c[6], c[7]));
     return primaries * amounts.asDiagonal();
 }
@@ -107,6 +107,13 @@ bool has_srgb_primaries(const PictureColours& colours) {
     for (std::size_t i = 0; i < srgb.chromaticities.size(); ++i)
         if (!(std::abs(colours.chromaticities[i] - srgb.chromaticities[i]) <= rounding)) return false;
     return true;
+}
+
+bool has_usable_primaries(const PictureColours& colours) {
+    constexpr double least_y = 0.01, least_volume = 1e-6;  // of a white; of the body of colours
+    if (!(colours.chromaticities[7] >= least_y)) return false;
+    const Eigen::Matrix3d xyz = to_xyz(colours.chromaticities);
+    return xyz.allFinite() && std::abs(xyz.determinant()) >= least_volume;
 }
 
 ColourConversion::ColourConversion(const PictureColours& colours) : colours_(colours) {

@@ -35,9 +35,13 @@ struct PictureColours {
 /// Whether the primaries are those of sRGB, within what files round them to.
 [[nodiscard]] bool has_srgb_primaries(const PictureColours& colours);
 
+/// Whether there is a body of colours between black, the primaries and white; without one nothing can be converted.
+[[nodiscard]] bool has_usable_primaries(const PictureColours& colours);
+
 /// From samples, 0 to 1, to linear sRGB, not clamped.
 class ColourConversion {
 public:
+    /// Expects usable primaries.
     explicit ColourConversion(const PictureColours& colours);
     [[nodiscard]] Eigen::Vector3f operator()(const Eigen::Vector3f& samples) const;
 

@@ -44,6 +44,7 @@ public:
             in_.icc_profile.clear();
             in_.colours = {};
         }
+        check_primaries();
         if (!in_.floats.empty())
             take_floats();
         else if (!in_.words.empty())
@@ -56,6 +57,16 @@ public:
 
 private:
     void warn(std::string text) { image_.warnings.push_back(std::move(text)); }
+
+    void check_primaries() {
+        if (has_usable_primaries(in_.colours)) return;
+        in_.colours.chromaticities = PictureColours{}.chromaticities;
+        warn(named_warning(
+            "picture-colours",
+            fmt::format("The primaries and the white that the picture {} gives make no colours; those of sRGB were "
+                        "taken. Save it as sRGB.",
+                        name_)));
+    }
 
     [[nodiscard]] bool is_srgb() const {
         return in_.colours.curve == PictureCurve::srgb && !in_.colours.narrow && has_srgb_primaries(in_.colours);

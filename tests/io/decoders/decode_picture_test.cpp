@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "io/decoders/decode_image.h"
+#include "io/decoders/picture_samples.h"
 #include "io/openimageio/decode_other.h"
 #include "io/pictures/picture.h"
 #include "optics/colour/colour.h"
@@ -269,6 +270,29 @@ TEST_CASE("PNG says by numbers what its samples mean") {
         const DecodedImage image = decoded(png_of_colour({1, 2, 3}, {{"acTL", bytes({0, 0, 0, 7, 0, 0, 0, 0})}}));
         REQUIRE(image.warnings.size() == 1);
         CHECK_THAT(image.warnings[0], Contains("7 frames"));
+    }
+}
+
+TEST_CASE("primaries may be those of XYZ, which have no brightness, and are refused where they make no colours") {
+    const PictureColours xyz{.chromaticities = {1, 0, 0, 1, 0, 0, 0.3127, 0.329}, .curve = PictureCurve::linear};
+    REQUIRE(has_usable_primaries(xyz));
+    // The white's amounts of X, Y and Z are one each.
+    CHECK((ColourConversion(xyz)({1, 1, 1}) - Eigen::Vector3f::Ones()).norm() < 1e-5f);
+    const Vector3d grey = optics::xyz_from_linear_srgb({0.2, 0.5, 0.1}), white = optics::d65_white();
+    const Eigen::Vector3f samples = grey.cwiseQuotient(white).cast<float>();
+    CHECK((ColourConversion(xyz)(samples) - Eigen::Vector3f(0.2f, 0.5f, 0.1f)).norm() < 1e-3f);
+    const double none = std::nan("");
+    for (const std::array<double, 8>& useless : {std::array<double, 8>{},
+                                                 {0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3, 0},
+                                                 {0.64, 0.33, 0.64, 0.33, 0.15, 0.06, 0.3127, 0.329},
+                                                 {none, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329}}) {
+        CHECK_FALSE(has_usable_primaries({.chromaticities = useless}));
+        PictureSamples picture{.width_px = 1, .height_px = 1, .bytes = {200, 40, 40, 255}};
+        picture.colours.chromaticities = useless;
+        const DecodedImage image = to_texels(picture, "a.exr", {});
+        CHECK((codes_of(image) - Vector3d(200, 40, 40)).norm() < 1);
+        REQUIRE(image.warnings.size() == 1);
+        CHECK_THAT(image.warnings[0], Contains("primaries") && Contains("[picture-colours]"));
     }
 }
 
