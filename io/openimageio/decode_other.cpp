@@ -137,6 +137,9 @@ public:
             throw InputError(fmt::format(
                 "the picture {} declares an impossible size ({} x {} x {} pixels, {} channels); it is damaged", name_,
                 spec_.width, spec_.height, spec_.depth, spec_.nchannels));
+        if (has_wide_numbers(spec_))
+            throw InputError(fmt::format(
+                "the picture {} is stored as 64-bit numbers, which are not read; save it with 16 or 32 bits", name_));
         check_picture_size(std::uint64_t(spec_.width), std::uint64_t(spec_.height), name_, options_);
         samples_.width_px = static_cast<std::uint32_t>(spec_.width);
         samples_.height_px = static_cast<std::uint32_t>(spec_.height);

@@ -56,6 +56,10 @@ Photograph decode_photograph(const std::filesystem::path& file) {
         throw InputError(fmt::format(
             "the photograph {} declares an impossible size ({} x {} pixels); it is damaged or larger than {} pixels",
             file.string(), spec.width, spec.height, most_pixels));
+    if (has_wide_numbers(spec))
+        throw InputError(
+            fmt::format("the photograph {} is stored as 64-bit numbers, which are not read; save it with 16 or 32 bits",
+                        file.string()));
     if (spec.nchannels < 3)
         throw InputError(fmt::format("the photograph {} has {} channel(s); red, green and blue are needed",
                                      file.string(), spec.nchannels));

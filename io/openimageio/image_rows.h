@@ -11,6 +11,12 @@
 
 namespace voxtone::io {
 
+/// Whether samples are numbers of 64 bits, of which OpenImageIO 2.4 makes 0 (TIFF's rows and tiles).
+template <class Spec>
+[[nodiscard]] bool has_wide_numbers(const Spec& spec) {
+    return spec.format.is_floating_point() && spec.format.size() > 4;
+}
+
 /// The first `channels` as `type`, rows from the top. False: the file is damaged; `input`, an ImageInput, knows why.
 template <class Input, class Type>
 [[nodiscard]] bool read_rows(Input& input, int channels, Type type, void* pixels) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <random>
 #include <stdexcept>
 
@@ -58,6 +59,19 @@ Bytes png_bytes(const PngKind& kind, std::uint32_t width, std::uint32_t height, 
     png_write_end(png, nullptr);
     png_destroy_write_struct(&png, &info);
     return out;
+}
+
+/// In this machine's order.
+std::vector<std::uint8_t> sample_bytes(std::uint16_t sample, int bits) {
+    const double number = sample / 65535.0;
+    const auto narrow = static_cast<float>(number);
+    std::vector<std::uint8_t> bytes(std::size_t(bits / 8));
+    std::memcpy(bytes.data(),
+                bits == 64   ? static_cast<const void*>(&number)
+                : bits == 32 ? static_cast<const void*>(&narrow)
+                             : &sample,
+                bytes.size());
+    return bytes;
 }
 
 }  // namespace
@@ -137,6 +151,9 @@ Bytes tiff_of(const std::vector<TiffPage>& pages, std::uint32_t width, std::uint
         TIFFSetField(file, TIFFTAG_PHOTOMETRIC, page.photometric);
         TIFFSetField(file, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
         TIFFSetField(file, TIFFTAG_COMPRESSION, COMPRESSION_ADOBE_DEFLATE);
+        if (page.bits > 16) TIFFSetField(file, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_IEEEFP);
+        if (!page.profile.empty())
+            TIFFSetField(file, TIFFTAG_ICCPROFILE, std::uint32_t(page.profile.size()), page.profile.data());
         if (page.smaller_copy) TIFFSetField(file, TIFFTAG_SUBFILETYPE, FILETYPE_REDUCEDIMAGE);
         const int colours = page.photometric == PHOTOMETRIC_SEPARATED ? 4 : 3;
         const std::vector<std::uint16_t> extra(std::size_t(std::max(samples - colours, 0)), EXTRASAMPLE_UNSPECIFIED);
@@ -148,10 +165,8 @@ Bytes tiff_of(const std::vector<TiffPage>& pages, std::uint32_t width, std::uint
         const std::size_t row_pixels = page.tile ? std::size_t(page.tile) * std::size_t(page.tile) : w;
         std::vector<std::uint8_t> bytes;
         for (std::size_t x = 0; x < row_pixels; ++x)
-            for (const std::uint16_t sample : page.pixel) {
-                bytes.push_back(static_cast<std::uint8_t>(sample & 255));  // this machine's order
-                if (page.bits == 16) bytes.push_back(static_cast<std::uint8_t>(sample >> 8));
-            }
+            for (const std::uint16_t sample : page.pixel)
+                for (const std::uint8_t byte : sample_bytes(sample, page.bits)) bytes.push_back(byte);
         if (page.tile)
             for (std::uint32_t t = 0; t < TIFFNumberOfTiles(file); ++t)
                 TIFFWriteEncodedTile(file, t, bytes.data(), tmsize_t(bytes.size()));

@@ -45,10 +45,11 @@ struct JpegKind {
 [[nodiscard]] Bytes jpeg_of_kind(const JpegKind& kind, std::uint32_t width, std::uint32_t height);
 
 struct TiffPage {
-    int photometric = 2, bits = 8;
-    int tile = 0;  ///< its side, a multiple of 16; 0: strips
+    int photometric = 2, bits = 8;  ///< 32 and 64: floating point, `pixel` is in 65535ths
+    int tile = 0;                   ///< its side, a multiple of 16; 0: strips
     bool smaller_copy = false;
-    std::vector<std::uint16_t> pixel;  ///< as stored; its length is the number of samples
+    std::vector<std::uint16_t> pixel;        ///< as stored; its length is the number of samples
+    std::vector<std::uint8_t> profile = {};  ///< ICC
 };
 
 [[nodiscard]] Bytes tiff_of(const std::vector<TiffPage>& pages, std::uint32_t width = 20, std::uint32_t height = 10);

@@ -85,6 +85,14 @@ TEST_CASE("TIFF of inks is taken as inks, whatever channels follow them") {
     CHECK_THROWS_WITH(decoded(tiff_of({{PHOTOMETRIC_SEPARATED, 8, 0, false, two}})), Contains("2 inks"));
 }
 
+TEST_CASE("TIFF of floating point is linear light, and refused where its numbers have 64 bits") {
+    const TiffPage page{.bits = 32, .pixel = {30000, 20000, 10000}};
+    CHECK((decoded(tiff_of({page})).texels.rgb(0) - Eigen::Vector3f(30000, 20000, 10000) / 65535).norm() < 1e-4f);
+    for (const int tile : {0, 16})
+        CHECK_THROWS_WITH(decoded(tiff_of({{.bits = 64, .tile = tile, .pixel = page.pixel}})),
+                          Contains("64-bit") && Contains("32 bits"));
+}
+
 TEST_CASE("pages are said, and smaller copies are passed over") {
     const TiffPage red{.pixel = {200, 40, 40}}, blue{.pixel = {40, 60, 200}};
     TiffPage thumbnail{.pixel = {1, 2, 3}};
