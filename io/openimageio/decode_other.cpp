@@ -265,8 +265,14 @@ private:
         lab_to_srgb(samples_.words, coding);
     }
 
+    /// Floating point or, in BMP, whole.
+    [[nodiscard]] float number(const char* name, float unsaid) const {
+        const int whole = spec_.get_int_attribute(name, 0);
+        return spec_.get_float_attribute(name, whole != 0 ? float(whole) : unsaid);
+    }
+
     void read_resolution() {
-        const float x = spec_.get_float_attribute("XResolution", 0), y = spec_.get_float_attribute("YResolution", x);
+        const float x = number("XResolution", 0), y = number("YResolution", x);
         const std::string unit = spec_.get_string_attribute("ResolutionUnit");
         double per_inch = 0;
         if (OIIO::Strutil::istarts_with(unit, "in")) per_inch = 1;

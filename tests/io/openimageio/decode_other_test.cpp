@@ -135,6 +135,16 @@ TEST_CASE("what a GIF leaves transparent is transparent") {
     CHECK_FALSE(read().has_alpha);
 }
 
+TEST_CASE("BMP says how large it is printed") {
+    // 1 x 1, 24 bits, 7874 and 3937 pixels a metre
+    std::string bmp("BM\x3a\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0\1\0\0\0\1\0\0\0\1\0\x18\0\0\0\0\0\4\0\0\0", 38);
+    bmp += std::string("\xc2\x1e\0\0\x61\x0f\0\0\0\0\0\0\0\0\0\0\x28\x28\xc8\0", 20);
+    const DecodedImage image = decode_image(std::as_bytes(std::span(bmp)), "a.bmp", {.others = decode_other});
+    CHECK(near(codes_of(image), {200, 40, 40}, 0.5));
+    CHECK(image.dpi_x == Approx(200).epsilon(1e-3));
+    CHECK(image.dpi_y == Approx(100).epsilon(1e-3));
+}
+
 TEST_CASE("TGA is known by its name, in quotes or not, and by its foot") {
     // 1 x 1, 24 bits, no palette: blue, green, red
     const std::string head("\0\0\2\0\0\0\0\0\0\0\0\0\1\0\1\0\x18\0\x28\x28\xc8", 21);
