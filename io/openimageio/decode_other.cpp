@@ -20,6 +20,7 @@
 #include "io/openimageio/lab_to_srgb.h"
 #include "io/openimageio/memory_file.h"
 #include "io/openimageio/no_threads.h"
+#include "io/openimageio/webp_facts.h"
 
 namespace voxtone::io {
 
@@ -290,6 +291,13 @@ private:
     PictureSamples samples_;
 };
 
+void take_webp_facts(PictureSamples& samples, const WebpFacts& facts) {
+    samples.icc_profile.assign(facts.icc_profile.begin(), facts.icc_profile.end());
+    samples.orientation = facts.exif.orientation;
+    samples.dpi_x = facts.exif.dpi_x;
+    samples.dpi_y = facts.exif.dpi_y;
+}
+
 }  // namespace
 
 DecodedImage decode_other(std::span<const std::byte> bytes, const std::string& format, const std::string& name,
@@ -301,6 +309,7 @@ DecodedImage decode_other(std::span<const std::byte> bytes, const std::string& f
         OpenPicture file(bytes, format, name, choice.raw);  // anew: not every reader finds its way back
         file.go_to(choice.picture);
         PictureSamples samples = ImageReader(file.input(), name, options).read();
+        if (format == "webp") take_webp_facts(samples, webp_facts(bytes));
         if (!choice.warning.empty()) samples.warnings.push_back(named_warning("several-pictures", choice.warning));
         return to_texels(std::move(samples), name, options);
     } catch (const Error&) {

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include <jpeglib.h>
+#include <lcms2.h>
 #include <png.h>
 #include <tiffio.h>
 
@@ -176,6 +177,22 @@ Bytes tiff_of(const std::vector<TiffPage>& pages, std::uint32_t width, std::uint
     }
     TIFFClose(file);
     return io::read_bytes(path, 1 << 24);
+}
+
+std::vector<std::uint8_t> swapped_profile() {
+    const cmsCIExyY white{0.3127, 0.329, 1};
+    const cmsCIExyYTRIPLE primaries{{0.15, 0.06, 1}, {0.3, 0.6, 1}, {0.64, 0.33, 1}};
+    const cmsFloat64Number srgb[] = {2.4, 1 / 1.055, 0.055 / 1.055, 1 / 12.92, 0.04045};
+    cmsToneCurve* const curve = cmsBuildParametricToneCurve(nullptr, 4, srgb);
+    cmsToneCurve* const curves[] = {curve, curve, curve};
+    cmsHPROFILE profile = cmsCreateRGBProfile(&white, &primaries, curves);
+    cmsUInt32Number size = 0;
+    cmsSaveProfileToMem(profile, nullptr, &size);
+    std::vector<std::uint8_t> out(size);
+    cmsSaveProfileToMem(profile, out.data(), &size);
+    cmsCloseProfile(profile);
+    cmsFreeToneCurve(curve);
+    return out;
 }
 
 }  // namespace voxtone::test

@@ -54,4 +54,7 @@ struct TiffPage {
 
 [[nodiscard]] Bytes tiff_of(const std::vector<TiffPage>& pages, std::uint32_t width = 20, std::uint32_t height = 10);
 
+/// An ICC profile whose red is sRGB's blue and whose blue is sRGB's red; its curve is sRGB's.
+[[nodiscard]] std::vector<std::uint8_t> swapped_profile();
+
 }  // namespace voxtone::test

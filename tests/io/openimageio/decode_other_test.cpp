@@ -7,6 +7,8 @@
 
 #include "base/error.h"
 #include "io/decoders/decode_image.h"
+#include "io/openimageio/webp_facts.h"
+#include "io/pictures/webp.h"
 #include "optics/colour/colour.h"
 #include "tests/io/decoders/picture_bytes.h"
 
@@ -40,6 +42,21 @@ std::vector<std::uint16_t> stored(const Vector3d& lab, int photometric, int bits
         values.push_back(static_cast<std::uint16_t>(number & (bits == 8 ? 0xff : 0xffff)));
     }
     return values;
+}
+
+std::string riff_chunk(const std::string& kind, std::string data) {
+    std::string chunk = kind;
+    for (int i = 0; i < 4; ++i) chunk += static_cast<char>(data.size() >> (8 * i) & 255);
+    if (data.size() % 2) data += '\0';
+    return chunk + data;
+}
+
+/// 2 x 1 pixels of one colour.
+std::string webp_with(const std::string& profile, const std::string& exif) {
+    const auto plain = webp_bytes({2, 1, 3, {200, 40, 40, 200, 40, 40}});
+    const std::string flags = std::string("\x28\0\0\0\1\0\0\0\0\0", 10);
+    return riff_chunk("RIFF", "WEBP" + riff_chunk("VP8X", flags) + riff_chunk("ICCP", profile) +
+                                  std::string(plain.begin() + 12, plain.end()) + riff_chunk("EXIF", exif));
 }
 
 }  // namespace
@@ -143,6 +160,29 @@ TEST_CASE("BMP says how large it is printed") {
     CHECK(near(codes_of(image), {200, 40, 40}, 0.5));
     CHECK(image.dpi_x == Approx(200).epsilon(1e-3));
     CHECK(image.dpi_y == Approx(100).epsilon(1e-3));
+}
+
+TEST_CASE("WebP says its profile and how it is turned") {
+    // to be turned by a quarter
+    const std::string turned("MM\0*\0\0\0\x08\0\1\1\x12\0\3\0\0\0\1\0\6\0\0\0\0\0\0", 26);
+    const std::vector<std::uint8_t> profile = swapped_profile();
+    const auto read = [](const std::string& file) {
+        return decode_image(std::as_bytes(std::span(file)), "a.webp", {.turn_upright = true, .others = decode_other});
+    };
+    for (const std::string& exif : {turned, std::string("Exif\0\0", 6) + turned}) {
+        const std::string file = webp_with({profile.begin(), profile.end()}, exif);
+        const DecodedImage image = read(file);
+        CHECK(image.texels.height_px == 2);
+        CHECK((Vector3d(image.texels.rgb(0).cast<double>()) - Vector3d(0.02, 0.02, 0.578)).norm() < 0.03);
+        CHECK(image.warnings.empty());
+        // Cut chunks say nothing, and are not read behind.
+        for (std::size_t length = 0; length < file.size(); ++length) {
+            const WebpFacts facts = webp_facts(std::as_bytes(std::span(file)).first(length));
+            CHECK((facts.icc_profile.empty() || facts.icc_profile.size() == profile.size()));
+            CHECK(facts.exif.orientation == 1);
+        }
+    }
+    CHECK(read(webp_with("", "")).texels.width_px == 2);
 }
 
 TEST_CASE("TGA is known by its name, in quotes or not, and by its foot") {
