@@ -90,6 +90,10 @@ std::string convert_icc_to_srgb(std::span<const std::uint8_t> profile, std::span
     return convert(profile, rgba, TYPE_RGBA_16);
 }
 
+std::string convert_icc_to_srgb(std::span<const std::uint8_t> profile, std::span<float> rgba) {
+    return convert(profile, rgba, TYPE_RGBA_FLT);
+}
+
 std::string convert_cmyk_icc_to_srgb(std::span<const std::uint8_t> profile, std::span<std::uint8_t> pixels) {
     return convert_inks(profile, pixels, TYPE_CMYK_8, TYPE_RGBA_8);
 }

@@ -14,6 +14,8 @@ namespace voxtone::io {
 /// sentence where the profile could not be used (broken, or not of RGB data), else an empty string.
 [[nodiscard]] std::string convert_icc_to_srgb(std::span<const std::uint8_t> profile, std::span<std::uint8_t> rgba);
 [[nodiscard]] std::string convert_icc_to_srgb(std::span<const std::uint8_t> profile, std::span<std::uint16_t> rgba);
+/// Codes are 0 to 1.
+[[nodiscard]] std::string convert_icc_to_srgb(std::span<const std::uint8_t> profile, std::span<float> rgba);
 
 /// In place, from cyan, magenta, yellow, black (the most is full ink) to RGB and a fourth value that is not touched.
 /// Returns a sentence where the profile could not be used, and pixels stay as they were; else an empty string.

@@ -142,7 +142,11 @@ private:
             warn(named_warning("damaged",
                                fmt::format("The picture {} has {} samples that are not numbers; they were taken as 0.",
                                            name_, not_numbers)));
-        if (!is_linear_srgb())
+        const bool profiled = apply_profile(pixels);
+        if (profiled)
+            for (std::size_t i = 0; i < pixels.size(); ++i)
+                if (i % 4 != 3) pixels[i] = srgb_to_linear(std::clamp(pixels[i], 0.0f, 1.0f));
+        if (!profiled && !is_linear_srgb())
             convert([&](std::size_t i) { return pixels[i]; }, [&](std::size_t i, float v) { pixels[i] = v; });
         else if (clamped)
             warn(named_warning("colour-range", fmt::format("The picture {} has {} samples outside the range 0 to 1; a "

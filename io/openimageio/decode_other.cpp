@@ -6,6 +6,7 @@
 #include <cstring>
 #include <memory>
 #include <new>
+#include <string_view>
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
@@ -203,7 +204,7 @@ private:
             read_rgba<std::uint16_t>(samples_.words, OIIO::TypeDesc::UINT16, 65535);
         else
             read_rgba<std::uint8_t>(samples_.bytes, OIIO::TypeDesc::UINT8, 255);
-        if (!is_float) samples_.icc_profile = profile();
+        if (!is_linear_by_definition()) samples_.icc_profile = profile();
     }
 
     [[nodiscard]] std::vector<std::uint8_t> profile() const {
@@ -212,6 +213,8 @@ private:
         const auto* const bytes = static_cast<const std::uint8_t*>(found->data());
         return {bytes, bytes + found->datasize()};
     }
+
+    [[nodiscard]] bool is_linear_by_definition() const { return std::string_view(input_.format_name()) == "openexr"; }
 
     void take_colours(bool is_float) {
         const std::string space = spec_.get_string_attribute("oiio:ColorSpace");

@@ -110,6 +110,19 @@ TEST_CASE("TIFF of floating point is linear light, and refused where its numbers
                           Contains("64-bit") && Contains("32 bits"));
 }
 
+TEST_CASE("floating point with a profile is coded as the profile says") {
+    TiffPage page{.bits = 32, .pixel = {200 * 257, 40 * 257, 40 * 257}};
+    page.profile = swapped_profile();
+    const DecodedImage image = decoded(tiff_of({page}));
+    CHECK(near(codes_of(image), {40, 40, 200}, 2));
+    CHECK(image.warnings.empty());
+    page.profile.assign(200, 7);
+    const DecodedImage broken = decoded(tiff_of({page}));
+    CHECK(near(codes_of(broken), {200, 40, 40}, 0.5));
+    REQUIRE(broken.warnings.size() == 1);
+    CHECK_THAT(broken.warnings[0], Contains("ICC profile is broken"));
+}
+
 TEST_CASE("pages are said, and smaller copies are passed over") {
     const TiffPage red{.pixel = {200, 40, 40}}, blue{.pixel = {40, 60, 200}};
     TiffPage thumbnail{.pixel = {1, 2, 3}};
