@@ -11,7 +11,6 @@ namespace voxtone::io {
 
 namespace {
 
-/// Has colours, and none would be seen: the fourth byte of some formats is no alpha.
 bool is_invisible(const TexelImage& texels) {
     constexpr float least_seen_alpha = 1 / 255.0f;
     bool some_colour = false;
@@ -37,19 +36,23 @@ DecodedImage read_picture_with_alpha(const std::filesystem::path& path, const Re
     return image;
 }
 
+void show_if_invisible(DecodedImage& image, const std::string& name) {
+    if (!image.has_alpha || !is_invisible(image.texels)) return;
+    image.warnings.push_back(named_warning(
+        "transparent", fmt::format("All of {} is transparent, which cannot be meant; it was taken as opaque.", name)));
+    for (std::size_t i = 0; i < image.texels.pixels(); ++i) image.texels.set_opaque(i);
+    image.has_alpha = false;
+}
+
 Picture finish_picture(DecodedImage image, const std::string& name) {
+    show_if_invisible(image, name);
     Picture picture;
     picture.width_px = image.texels.width_px;
     picture.height_px = image.texels.height_px;
     picture.dpi_x = image.dpi_x;
     picture.dpi_y = image.dpi_y;
     picture.warnings = std::move(image.warnings);
-    if (image.has_alpha && is_invisible(image.texels)) {
-        picture.warnings.push_back(named_warning(
-            "transparent",
-            fmt::format("All of {} is transparent, which cannot be meant; it was taken as opaque.", name)));
-        for (std::size_t i = 0; i < image.texels.pixels(); ++i) image.texels.set_opaque(i);
-    } else if (image.has_alpha) {
+    if (image.has_alpha) {
         picture.warnings.push_back(
             named_warning("transparent", fmt::format("{} has transparent pixels; they were laid over white.", name)));
         compose_over(image.texels, Eigen::Vector3f::Ones());

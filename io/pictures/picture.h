@@ -27,6 +27,10 @@ struct Picture {
 /// The same as it is in the file, alpha and all.
 [[nodiscard]] DecodedImage read_picture_with_alpha(const std::filesystem::path& path, const ReadOptions& options = {});
 
+/// Pixels that have colours, of which none would be seen, become opaque, with a warning: the fourth byte of some
+/// formats is no alpha. `name` is for the warning.
+void show_if_invisible(DecodedImage& image, const std::string& name);
+
 /// A decoded picture, composed over white. `name` is for the warning of that.
 [[nodiscard]] Picture finish_picture(DecodedImage image, const std::string& name);
 

@@ -24,6 +24,7 @@ struct BodyToMark {
 };
 
 struct LaidMarks {
+    std::vector<std::string> warnings;   ///< of what was read for them
     std::vector<std::string> notes;      ///< what there is to say of each: its size, where it lies, its colour
     std::vector<EmbossedMark> embossed;  ///< those that are raised or engraved
 };

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include <fmt/core.h>
 
@@ -56,9 +57,11 @@ io::Coverage ink_of_text(const MarkOptions& mark) {
 }
 
 MarkShape shape_of_picture(const MarkOptions& mark, const io::ReadOptions& reading) {
-    const io::DecodedImage image = io::read_picture_with_alpha(mark.file, reading);
+    io::DecodedImage image = io::read_picture_with_alpha(mark.file, reading);
+    io::show_if_invisible(image, std::filesystem::path(mark.file).filename().string());
     const double pixel_aspect = image.dpi_x > 0 && image.dpi_y > 0 ? image.dpi_x / image.dpi_y : 1.0;
     MarkShape shape;
+    for (const std::string& warning : image.warnings) shape.warnings.push_back(mark.said + ": " + warning);
     shape.pixels = std::make_shared<const io::AlphaPicture>(image.texels);
     shape.width_mm = mark.size_mm > 0 ? mark.size_mm : 1;
     shape.height_mm = shape.width_mm * image.texels.height_px / image.texels.width_px * pixel_aspect;

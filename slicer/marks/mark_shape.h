@@ -5,6 +5,8 @@
 
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "io/files/read_options.h"
 #include "io/lettering/coverage.h"
@@ -17,6 +19,7 @@ struct MarkShape {
     io::Coverage ink;                                ///< with a quiet zone around codes; of pictures their alpha
     std::shared_ptr<const io::AlphaPicture> pixels;  ///< of pictures
     double width_mm = 0, height_mm = 0;              ///< pictures laid by texture coordinates have a ratio alone
+    std::vector<std::string> warnings;               ///< of the picture's reader
 };
 
 /// Sets the text, makes the code or reads the picture. Throws FileError, InputError that begins with the mark.

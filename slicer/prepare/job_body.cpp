@@ -78,6 +78,7 @@ void mark_body(const ResolvedJob& job, const PrinterProfile& printer, const Soli
     if (job.marks.empty()) return;
     const LaidMarks laid = lay_marks(job.marks, {body.model.mesh, solid, body.surface, body.is_picture}, job.reading);
     append(body.notes, laid.notes);
+    append(body.warnings, laid.warnings);
     for (const MarkOptions& mark : job.marks) body.resin_of_decal.push_back(mark.resin);
     if (laid.embossed.empty()) return;
     const Eigen::Vector3d pitch_mm = printer.sliced_pitch_mm();

@@ -174,6 +174,18 @@ TEST_CASE("A decal lies over the model's colour as far as it is opaque, upright 
                       Contains("nowhere.png"));
 }
 
+TEST_CASE("What there is to say of a decal's picture is said, and one without any alpha is taken as opaque") {
+    const io::TemporaryFolder folder;
+    const std::filesystem::path file = folder.path() / "clear.png";
+    io::write_whole_file(file, io::png_bytes({2, 1, 4, {200, 40, 40, 0, 200, 40, 40, 0}}));
+    Body body = box({20, 20, 20}, white);
+    const LaidMarks laid = lay_marks({parse_mark(MarkFamily::decal, file.string() + "; place=left; size=8mm")},
+                                     {body.mesh, body.solid, body.surface}, {});
+    REQUIRE(laid.warnings.size() == 1);
+    CHECK_THAT(laid.warnings[0], Contains("--decal") && Contains("clear.png") && Contains("opaque"));
+    CHECK(colour_at(body, {0, 10, 10}).z() < 0.1f);
+}
+
 TEST_CASE("A mark in a rectangle of the texture lies where the texture does") {
     Body body = box({10, 10, 10}, white);
     body.mesh.corner_uv.assign(12, {Eigen::Vector2f(2, 2), Eigen::Vector2f(2, 2), Eigen::Vector2f(2, 2)});
