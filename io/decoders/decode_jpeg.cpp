@@ -10,8 +10,10 @@
 
 #include <fmt/format.h>
 // after <cstdio>
-#include <jerror.h>
 #include <jpeglib.h>
+
+// after <jpeglib.h>, whose settings its numbers follow
+#include <jerror.h>
 
 #include "base/error.h"
 #include "base/warning.h"
@@ -28,7 +30,8 @@ struct JpegErrors {
     jpeg_error_mgr base;
     std::jmp_buf out;
     char fault[JMSG_LENGTH_MAX] = "";
-    bool ran_out = false;  ///< of codes, amid a scan
+    bool ran_out = false;      ///< of codes, amid a scan
+    bool bad_profile = false;  ///< pieces of the ICC profile are missing or contradict each other
 };
 
 void on_error(j_common_ptr info) {
@@ -37,7 +40,10 @@ void on_error(j_common_ptr info) {
     std::longjmp(errors->out, 1);
 }
 void on_message(j_common_ptr info, int level) {
-    if (level < 0 && info->err->msg_code == JWRN_HIT_MARKER) reinterpret_cast<JpegErrors*>(info->err)->ran_out = true;
+    if (level >= 0) return;
+    auto* const errors = reinterpret_cast<JpegErrors*>(info->err);
+    if (info->err->msg_code == JWRN_HIT_MARKER) errors->ran_out = true;
+    if (info->err->msg_code == JWRN_BOGUS_ICC) errors->bad_profile = true;
 }
 
 struct JpegFacts {
@@ -102,6 +108,8 @@ public:
         return true;
     }
 
+    [[nodiscard]] bool has_bad_profile() const { return errors_.bad_profile; }
+
     /// Whether every code of every coefficient was there.
     [[nodiscard]] bool is_whole(bool has_end) const {
         if (errors_.ran_out) return false;
@@ -163,6 +171,11 @@ DecodedImage decode_jpeg(std::span<const std::byte> bytes, const std::string& na
         samples.warnings.push_back(named_warning(
             "damaged",
             fmt::format("The picture {} lacks its end mark; all of its rows are there and were read.", name)));
+    if (reader.has_bad_profile() && (options.use_profile || facts.channels == 4))
+        samples.warnings.push_back(named_warning(
+            "damaged", fmt::format("The ICC profile of the picture {} is damaged (pieces are missing or out of order) "
+                                   "and was left aside; save it again.",
+                                   name)));
     const std::span<const std::uint8_t> profile(facts.profile, facts.profile_bytes);
     if (facts.channels == 4) {
         if (facts.inverted) invert(samples.bytes);

@@ -19,10 +19,25 @@ namespace voxtone::io {
 
 namespace {
 
+/// What a picture can do without, and means something else without.
+struct PngPart {
+    const char *chunk, *name;
+};
+constexpr std::array<PngPart, 8> png_parts{{{"iCCP", "ICC profile"},
+                                            {"sRGB", "colour space"},
+                                            {"cHRM", "primaries"},
+                                            {"gAMA", "gamma"},
+                                            {"cICP", "coding of colours"},
+                                            {"tRNS", "transparency"},
+                                            {"pHYs", "resolution"},
+                                            {"eXIf", "Exif block"}}};
+constexpr std::size_t cicp_part = 4;
+
 struct Source {
     std::span<const std::byte> file;
     std::size_t at = 0;
     char fault[200] = "";
+    std::array<std::array<char, 100>, png_parts.size()> complaints{};  ///< of libpng, about parts
     // chunks that libpng does not know
     int primaries = -1, transfer = -1;
     bool narrow = false;
@@ -34,7 +49,13 @@ void on_error(png_structp png, png_const_charp message) {
     std::strncpy(source->fault, message, sizeof source->fault - 1);
     png_longjmp(png, 1);
 }
-void on_warning(png_structp, png_const_charp) {}
+/// libpng begins with the name of the chunk where it leaves one aside, but also where it only dislikes it.
+void on_warning(png_structp png, png_const_charp message) {
+    auto* const source = static_cast<Source*>(png_get_error_ptr(png));
+    for (std::size_t i = 0; i < png_parts.size(); ++i)
+        if (std::strncmp(message, png_parts[i].chunk, 4) == 0 && source->complaints[i][0] == 0)
+            std::strncpy(source->complaints[i].data(), message, source->complaints[i].size() - 1);
+}
 
 void on_read(png_structp png, png_bytep out, png_size_t count) {
     auto* const source = static_cast<Source*>(png_get_io_ptr(png));
@@ -46,7 +67,7 @@ void on_read(png_structp png, png_bytep out, png_size_t count) {
 int on_chunk(png_structp png, png_unknown_chunkp chunk) {
     auto* const source = static_cast<Source*>(png_get_user_chunk_ptr(png));
     const auto is = [&](const char* name) { return std::memcmp(chunk->name, name, 4) == 0; };
-    if (is("cICP") && chunk->size == 4) {
+    if (is("cICP") && chunk->size == 4 && source->complaints[cicp_part][0] == 0) {
         source->primaries = chunk->data[0];
         source->transfer = chunk->data[1];
         source->narrow = chunk->data[3] == 0;
@@ -58,7 +79,7 @@ int on_chunk(png_structp png, png_unknown_chunkp chunk) {
 
 struct Header {
     std::uint32_t width_px = 0, height_px = 0;
-    bool deep = false;
+    bool deep = false, has_transparency = false;
 };
 
 struct Meanings {
@@ -69,6 +90,7 @@ struct Meanings {
     std::array<double, 8> chromaticities{};
     double dpi_x = 0, dpi_y = 0;
     int orientation = 1;
+    bool has_resolution = false, has_exif = false;
 };
 
 /// libpng reports faults by longjmp: what calls it holds nothing that would have to be destroyed, gives false, and
@@ -99,6 +121,7 @@ public:
         header.width_px = png_get_image_width(png_, info_);
         header.height_px = png_get_image_height(png_, info_);
         header.deep = png_get_bit_depth(png_, info_) == 16;
+        header.has_transparency = png_get_valid(png_, info_, PNG_INFO_tRNS) != 0;
         return true;
     }
 
@@ -142,13 +165,15 @@ public:
         m.has_gamma = png_get_gAMA(png_, info_, &m.gamma) != 0;
         double* const c = m.chromaticities.data();
         m.has_chromaticities = png_get_cHRM(png_, info_, c + 6, c + 7, c, c + 1, c + 2, c + 3, c + 4, c + 5) != 0;
-        if (png_get_pHYs(png_, info_, &x, &y, &unit) && unit == PNG_RESOLUTION_METER) {
+        m.has_resolution = png_get_pHYs(png_, info_, &x, &y, &unit) != 0;
+        if (m.has_resolution && unit == PNG_RESOLUTION_METER) {
             m.dpi_x = 0.0254 * x;
             m.dpi_y = 0.0254 * y;
         }
         png_bytep exif = nullptr;
         png_uint_32 exif_bytes = 0;
-        if (png_get_eXIf_1(png_, info_, &exif_bytes, &exif)) m.orientation = exif_facts({exif, exif_bytes}).orientation;
+        m.has_exif = png_get_eXIf_1(png_, info_, &exif_bytes, &exif) != 0;
+        if (m.has_exif) m.orientation = exif_facts({exif, exif_bytes}).orientation;
         return true;
     }
 
@@ -176,6 +201,27 @@ PictureColours colours_of_chunks(const Meanings& m, const std::string& name, std
             "picture-colours",
             fmt::format("The picture {} says that it has a gamma of {:.3g}; it was taken as sRGB.", name, gamma)));
     return colours;
+}
+
+/// Parts that are there, damaged, and that libpng left aside.
+void warn_of_lost_parts(PictureSamples& samples, const Header& header, const Meanings& m, const Source& source,
+                        const std::string& name, const DecodeOptions& options) {
+    const bool has_coding = source.primaries >= 0 || !options.use_profile;
+    const bool has_space = has_coding || m.profile || m.says_srgb;  // what stands behind these says nothing more
+    const std::array<bool, png_parts.size()> needless{has_space,
+                                                      has_space,
+                                                      has_space || m.has_chromaticities,
+                                                      has_space || m.has_gamma,
+                                                      has_coding,
+                                                      header.has_transparency,
+                                                      m.has_resolution,
+                                                      m.has_exif};
+    for (std::size_t i = 0; i < png_parts.size(); ++i)
+        if (source.complaints[i][0] != 0 && !needless[i])
+            samples.warnings.push_back(named_warning(
+                "damaged",
+                fmt::format("A part of the picture {} is damaged and was left aside, its {} ({}); save it again.", name,
+                            png_parts[i].name, source.complaints[i].data())));
 }
 
 void take_meanings(PictureSamples& samples, const Meanings& m, const Source& source, const std::string& name) {
@@ -224,7 +270,10 @@ DecodedImage decode_png(std::span<const std::byte> bytes, const std::string& nam
         fail("decoded");
     (void)reader.read_end();
     Meanings meanings;
-    if (reader.read_meanings(meanings)) take_meanings(samples, meanings, source, name);
+    if (reader.read_meanings(meanings)) {
+        take_meanings(samples, meanings, source, name);
+        warn_of_lost_parts(samples, header, meanings, source, name, options);
+    }
     return to_texels(std::move(samples), name, options);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // PNG and JPEG by our way through libpng and libjpeg, held against OpenImageIO's.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -271,6 +272,40 @@ TEST_CASE("PNG says by numbers what its samples mean") {
         REQUIRE(image.warnings.size() == 1);
         CHECK_THAT(image.warnings[0], Contains("7 frames"));
     }
+}
+
+TEST_CASE("parts of a PNG that are damaged and left aside are said") {
+    const std::vector<PngChunk> parts{{"iCCP", "a" + bytes({0, 0}) + "no deflated profile"},
+                                      {"cHRM", std::string(32, '\1')},
+                                      {"gAMA", bytes({0, 0, 177, 143})},
+                                      {"cICP", bytes({12, 13, 0, 1})},
+                                      {"tRNS", bytes({0, 1, 0, 2, 0, 3})},
+                                      {"pHYs", bytes({0, 0, 30, 0, 0, 0, 30, 0, 1})},
+                                      {"eXIf", "MM" + bytes({0, 42, 0, 0, 0, 8, 0, 0})}};
+    for (const PngChunk& part : parts) {
+        Bytes file = png_of_colour({30000, 20000, 10000}, {part});
+        const auto at = std::ranges::search(file, std::as_bytes(std::span(part.name))).begin();
+        *(at + std::ptrdiff_t(4 + part.data.size())) ^= std::byte{1};  // of the check sum
+        const DecodedImage image = decoded(file);
+        INFO(part.name);
+        REQUIRE(image.warnings.size() == 1);
+        CHECK_THAT(image.warnings[0], Contains(part.name) && Contains("left aside") && Contains("[damaged]"));
+    }
+    // Whole ones, and one that is damaged behind what says the same, are not.
+    CHECK(decoded(png_of_colour({30000, 20000, 10000}, {parts[2], parts[5]})).warnings.empty());
+    Bytes file = png_of_colour({30000, 20000, 10000}, {{"sRGB", bytes({0})}, parts[2]});
+    *(std::ranges::search(file, std::as_bytes(std::span(parts[2].name))).begin() + 8) ^= std::byte{1};
+    CHECK(decoded(file).warnings.empty());
+}
+
+TEST_CASE("an ICC profile of a JPEG, of which a piece is missing, is left aside and said") {
+    Bytes file = jpeg_of_kind({.profile = swapped_profile()}, 16, 16);
+    CHECK(decode_image(file, "a.jpg").warnings.empty());
+    const std::string mark("ICC_PROFILE");
+    *(std::ranges::search(file, std::as_bytes(std::span(mark))).begin() + 13) = std::byte{2};  // 1 of 2
+    const DecodedImage image = decode_image(file, "a.jpg");
+    REQUIRE(image.warnings.size() == 1);
+    CHECK_THAT(image.warnings[0], Contains("ICC profile") && Contains("[damaged]"));
 }
 
 TEST_CASE("primaries may be those of XYZ, which have no brightness, and are refused where they make no colours") {
