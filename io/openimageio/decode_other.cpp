@@ -16,6 +16,7 @@
 #include "base/warning.h"
 #include "io/decoders/cmyk_to_srgb.h"
 #include "io/decoders/picture_samples.h"
+#include "io/openimageio/bmp_masks.h"
 #include "io/openimageio/declared_size.h"
 #include "io/openimageio/image_rows.h"
 #include "io/openimageio/lab_to_srgb.h"
@@ -312,6 +313,7 @@ DecodedImage decode_other(std::span<const std::byte> bytes, const std::string& f
         OpenPicture file(bytes, format, name, choice.raw);  // anew: not every reader finds its way back
         file.go_to(choice.picture);
         PictureSamples samples = ImageReader(file.input(), name, options).read();
+        if (format == "bmp") apply_bmp_masks(samples.bytes, bytes, name);
         if (format == "webp") take_webp_facts(samples, webp_facts(bytes));
         if (!choice.warning.empty()) samples.warnings.push_back(named_warning("several-pictures", choice.warning));
         return to_texels(std::move(samples), name, options);

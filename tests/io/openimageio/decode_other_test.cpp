@@ -44,9 +44,24 @@ std::vector<std::uint16_t> stored(const Vector3d& lab, int photometric, int bits
     return values;
 }
 
+/// Of 32 bits, the least first.
+std::string number(std::size_t value) {
+    std::string text;
+    for (int i = 0; i < 4; ++i) text += static_cast<char>(value >> (8 * i) & 255);
+    return text;
+}
+
+/// 1 x 1, 32 bits.
+std::string bmp_with_masks(const std::vector<std::size_t>& masks, const std::string& pixel) {
+    std::string bmp = "BM" + number(126) + number(0) + number(122) + number(108) + number(1) + number(1);
+    bmp += number(1 | 32 << 16) + number(3) + number(4) + std::string(16, '\0');
+    for (const std::size_t mask : masks) bmp += number(mask);
+    bmp.resize(122);
+    return bmp + pixel;
+}
+
 std::string riff_chunk(const std::string& kind, std::string data) {
-    std::string chunk = kind;
-    for (int i = 0; i < 4; ++i) chunk += static_cast<char>(data.size() >> (8 * i) & 255);
+    std::string chunk = kind + number(data.size());
     if (data.size() % 2) data += '\0';
     return chunk + data;
 }
@@ -173,6 +188,22 @@ TEST_CASE("BMP says how large it is printed") {
     CHECK(near(codes_of(image), {200, 40, 40}, 0.5));
     CHECK(image.dpi_x == Approx(200).epsilon(1e-3));
     CHECK(image.dpi_y == Approx(100).epsilon(1e-3));
+}
+
+TEST_CASE("BMP says by masks which byte is which colour") {
+    const auto read = [](const std::vector<std::size_t>& masks, const std::string& pixel) {
+        const std::string file = bmp_with_masks(masks, pixel);
+        return decode_image(std::as_bytes(std::span(file)), "a.bmp", {.others = decode_other});
+    };
+    const std::string rgba("\xc8\x28\x3c\xff"), abgr("\xff\x3c\x28\xc8"), bgra("\x3c\x28\xc8\xff");
+    for (const DecodedImage& image :
+         {read({0xff, 0xff00, 0xff0000, 0xff000000}, rgba), read({0xff000000, 0xff0000, 0xff00, 0xff}, abgr),
+          read({0xff0000, 0xff00, 0xff, 0xff000000}, bgra), read({0xff, 0xff00, 0xff0000, 0}, "\xc8\x28\x3c\x01")}) {
+        CHECK(near(codes_of(image), {200, 40, 60}, 0.5));
+        CHECK_FALSE(image.has_alpha);
+    }
+    CHECK(read({0xff, 0xff00, 0xff0000, 0xff000000}, "\xc8\x28\x3c\x80").has_alpha);
+    CHECK_THROWS_WITH(read({0x3ff, 0xffc00, 0x3ff00000, 0}, rgba), Contains("not 8 bits each"));
 }
 
 TEST_CASE("WebP says its profile and how it is turned") {
