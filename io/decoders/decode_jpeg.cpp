@@ -50,7 +50,7 @@ struct JpegFacts {
     std::uint32_t width_px = 0, height_px = 0;
     int channels = 0;
     bool inverted = false;  ///< CMYK as Adobe's programs store it: 255 is no ink
-    double dpi_x = 0, dpi_y = 0;
+    double dpi_x = 0, dpi_y = 0, pixel_aspect = 1;
     ExifFacts exif;
     JOCTET* profile = nullptr;
     unsigned profile_bytes = 0;
@@ -123,6 +123,8 @@ public:
 
 private:
     void read_facts(JpegFacts& facts) {
+        if (info_.saw_JFIF_marker && info_.X_density > 0 && info_.Y_density > 0)
+            facts.pixel_aspect = double(info_.X_density) / info_.Y_density;
         if (info_.saw_JFIF_marker && info_.density_unit > 0) {
             const double per_inch = info_.density_unit == 2 ? 2.54 : 1;
             facts.dpi_x = per_inch * info_.X_density;
@@ -187,6 +189,7 @@ DecodedImage decode_jpeg(std::span<const std::byte> bytes, const std::string& na
     samples.orientation = facts.exif.orientation;
     samples.dpi_x = facts.dpi_x > 0 ? facts.dpi_x : facts.exif.dpi_x;
     samples.dpi_y = facts.dpi_y > 0 ? facts.dpi_y : facts.exif.dpi_y;
+    samples.pixel_aspect = facts.pixel_aspect;
     return to_texels(std::move(samples), name, options);
 }
 

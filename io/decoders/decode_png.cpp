@@ -88,7 +88,7 @@ struct Meanings {
     bool says_srgb = false, has_gamma = false, has_chromaticities = false;
     double gamma = 0;  ///< of the file: 1 / 2.2
     std::array<double, 8> chromaticities{};
-    double dpi_x = 0, dpi_y = 0;
+    double dpi_x = 0, dpi_y = 0, pixel_aspect = 1;
     int orientation = 1;
     bool has_resolution = false, has_exif = false;
 };
@@ -166,6 +166,7 @@ public:
         double* const c = m.chromaticities.data();
         m.has_chromaticities = png_get_cHRM(png_, info_, c + 6, c + 7, c, c + 1, c + 2, c + 3, c + 4, c + 5) != 0;
         m.has_resolution = png_get_pHYs(png_, info_, &x, &y, &unit) != 0;
+        if (x > 0 && y > 0) m.pixel_aspect = double(x) / y;
         if (m.has_resolution && unit == PNG_RESOLUTION_METER) {
             m.dpi_x = 0.0254 * x;
             m.dpi_y = 0.0254 * y;
@@ -227,6 +228,7 @@ void warn_of_lost_parts(PictureSamples& samples, const Header& header, const Mea
 void take_meanings(PictureSamples& samples, const Meanings& m, const Source& source, const std::string& name) {
     samples.dpi_x = m.dpi_x;
     samples.dpi_y = m.dpi_y;
+    samples.pixel_aspect = m.pixel_aspect;
     samples.orientation = m.orientation;
     if (source.primaries >= 0) {
         samples.colours = colours_of_code_points(source.primaries, source.transfer);

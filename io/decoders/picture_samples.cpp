@@ -39,6 +39,8 @@ public:
         image_.texels.height_px = in_.height_px;
         image_.dpi_x = in_.dpi_x;
         image_.dpi_y = in_.dpi_y;
+        const double aspect = in_.dpi_x > 0 && in_.dpi_y > 0 ? in_.dpi_x / in_.dpi_y : in_.pixel_aspect;
+        if (std::isfinite(aspect) && aspect > 0) image_.pixel_aspect = aspect;
         image_.warnings = std::move(in_.warnings);
         if (!use_profile_) {
             in_.icc_profile.clear();
@@ -204,7 +206,9 @@ private:
                                 out.linear16.begin() + std::ptrdiff_t(4 * to));
             }
         in = std::move(out);
-        if (transpose) std::swap(image_.dpi_x, image_.dpi_y);
+        if (!transpose) return;
+        std::swap(image_.dpi_x, image_.dpi_y);
+        image_.pixel_aspect = 1 / image_.pixel_aspect;
     }
 
     PictureSamples in_;

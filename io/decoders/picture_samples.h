@@ -24,6 +24,7 @@ struct PictureSamples {
     PictureColours colours{};                 ///< sRGB codes; linear light for floats
     std::vector<std::uint8_t> icc_profile{};  ///< of RGB data: goes before `colours`; empty: none
     double dpi_x = 0, dpi_y = 0;              ///< 0: not in the file
+    double pixel_aspect = 1;                  ///< height by width, where there is no dpi
     int orientation = 1;                      ///< EXIF, 1 to 8; others count as 1
     std::vector<std::string> warnings{};
 

@@ -283,7 +283,10 @@ private:
         if (OIIO::Strutil::istarts_with(unit, "in")) per_inch = 1;
         if (OIIO::Strutil::istarts_with(unit, "cm")) per_inch = 2.54;
         if (OIIO::Strutil::iequals(unit, "m")) per_inch = 0.0254;
+        const double width_to_height = number("PixelAspectRatio", 1);
+        if (width_to_height > 0) samples_.pixel_aspect = 1 / width_to_height;
         if (!std::isfinite(x) || !std::isfinite(y) || x <= 0 || y <= 0) return;
+        samples_.pixel_aspect = double(x) / y;
         samples_.dpi_x = x * per_inch;
         samples_.dpi_y = y * per_inch;
     }

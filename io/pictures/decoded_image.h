@@ -13,6 +13,7 @@ namespace voxtone::io {
 struct DecodedImage {
     TexelImage texels;
     double dpi_x = 0, dpi_y = 0;  ///< 0: not in the file
+    double pixel_aspect = 1;      ///< height of a pixel by its width
     bool has_alpha = false;       ///< some pixel is not opaque
     std::vector<std::string> warnings;
 };

@@ -51,6 +51,7 @@ Picture finish_picture(DecodedImage image, const std::string& name) {
     picture.height_px = image.texels.height_px;
     picture.dpi_x = image.dpi_x;
     picture.dpi_y = image.dpi_y;
+    picture.pixel_aspect = image.pixel_aspect;
     picture.warnings = std::move(image.warnings);
     if (image.has_alpha) {
         picture.warnings.push_back(

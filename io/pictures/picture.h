@@ -18,6 +18,7 @@ struct Picture {
     std::shared_ptr<const Texture> texture;  ///< not repeated at its borders
     std::uint32_t width_px = 0, height_px = 0;
     double dpi_x = 0, dpi_y = 0;  ///< 0 where the file has none
+    double pixel_aspect = 1;      ///< height of a pixel by its width
     std::vector<std::string> warnings;
 };
 

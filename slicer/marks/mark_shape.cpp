@@ -59,12 +59,11 @@ io::Coverage ink_of_text(const MarkOptions& mark) {
 MarkShape shape_of_picture(const MarkOptions& mark, const io::ReadOptions& reading) {
     io::DecodedImage image = io::read_picture_with_alpha(mark.file, reading);
     io::show_if_invisible(image, std::filesystem::path(mark.file).filename().string());
-    const double pixel_aspect = image.dpi_x > 0 && image.dpi_y > 0 ? image.dpi_x / image.dpi_y : 1.0;
     MarkShape shape;
     for (const std::string& warning : image.warnings) shape.warnings.push_back(mark.said + ": " + warning);
     shape.pixels = std::make_shared<const io::AlphaPicture>(image.texels);
     shape.width_mm = mark.size_mm > 0 ? mark.size_mm : 1;
-    shape.height_mm = shape.width_mm * image.texels.height_px / image.texels.width_px * pixel_aspect;
+    shape.height_mm = shape.width_mm * image.texels.height_px / image.texels.width_px * image.pixel_aspect;
     shape.ink = {int(image.texels.width_px), int(image.texels.height_px), shape.width_mm / image.texels.width_px, {}};
     for (std::size_t i = 0; i < image.texels.pixels(); ++i)
         shape.ink.ink.push_back(std::uint8_t(std::lround(255 * image.texels.alpha(i))));

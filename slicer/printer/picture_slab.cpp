@@ -14,8 +14,7 @@ PictureSlab make_picture_slab(const io::Picture& picture, double width_mm, doubl
             throw UsageError("the picture says nothing about its size; give --width, such as --width 40mm");
         width_mm = picture.width_px / picture.dpi_x * mm_per_inch;
     }
-    const double pixel_aspect = picture.dpi_x > 0 && picture.dpi_y > 0 ? picture.dpi_x / picture.dpi_y : 1.0;
-    const double height_mm = width_mm * picture.height_px / picture.width_px * pixel_aspect;
+    const double height_mm = width_mm * picture.height_px / picture.width_px * picture.pixel_aspect;
 
     PictureSlab slab;
     slab.model.format = "picture";

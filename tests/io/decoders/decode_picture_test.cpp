@@ -274,6 +274,28 @@ TEST_CASE("PNG says by numbers what its samples mean") {
     }
 }
 
+TEST_CASE("pixels have the shape that a file says, also where it says no size, and are turned with the picture") {
+    const auto png_with = [](const std::string& said) {
+        return decoded(png_of_colour({30000, 20000, 10000}, {{"pHYs", said}}));
+    };
+    CHECK(png_with(bytes({0, 0, 0, 2, 0, 0, 0, 1, 0})).pixel_aspect == Approx(2));
+    CHECK(png_with(bytes({0, 0, 0, 2, 0, 0, 0, 1, 0})).dpi_x == 0);
+    CHECK(png_with(bytes({0, 0, 0, 10, 0, 0, 0, 40, 1})).pixel_aspect == Approx(0.25));
+    CHECK(png_with(bytes({0, 0, 0, 2, 0, 0, 0, 0, 0})).pixel_aspect == 1);
+    Bytes jpeg = jpeg_of_kind({}, 16, 16);
+    CHECK(decode_image(jpeg, "a.jpg").pixel_aspect == Approx(2));
+    jpeg[13] = std::byte{0};  // JFIF's unit
+    CHECK(decode_image(jpeg, "a.jpg").pixel_aspect == Approx(2));
+    CHECK(decode_image(jpeg, "a.jpg").dpi_x == 0);
+    PictureSamples turned{.width_px = 2, .height_px = 1, .bytes = std::vector<std::uint8_t>(8), .pixel_aspect = 2};
+    turned.orientation = 6;
+    CHECK(to_texels(turned, "a", {.turn_upright = true}).pixel_aspect == Approx(0.5));
+    const DecodedImage tiff =
+        decode_image(tiff_of({{.pixel = {200, 40, 40}, .pixel_aspect = 2}}), "a.tif", {.others = decode_other});
+    CHECK(tiff.pixel_aspect == Approx(2));
+    CHECK(tiff.dpi_x == 0);
+}
+
 TEST_CASE("parts of a PNG that are damaged and left aside are said") {
     const std::vector<PngChunk> parts{{"iCCP", "a" + bytes({0, 0}) + "no deflated profile"},
                                       {"cHRM", std::string(32, '\1')},

@@ -152,6 +152,11 @@ Bytes tiff_of(const std::vector<TiffPage>& pages, std::uint32_t width, std::uint
         TIFFSetField(file, TIFFTAG_PHOTOMETRIC, page.photometric);
         TIFFSetField(file, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
         TIFFSetField(file, TIFFTAG_COMPRESSION, COMPRESSION_ADOBE_DEFLATE);
+        if (page.pixel_aspect > 0) {
+            TIFFSetField(file, TIFFTAG_RESOLUTIONUNIT, RESUNIT_NONE);
+            TIFFSetField(file, TIFFTAG_XRESOLUTION, page.pixel_aspect);
+            TIFFSetField(file, TIFFTAG_YRESOLUTION, 1.0f);
+        }
         if (page.bits > 16) TIFFSetField(file, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_IEEEFP);
         if (!page.profile.empty())
             TIFFSetField(file, TIFFTAG_ICCPROFILE, std::uint32_t(page.profile.size()), page.profile.data());

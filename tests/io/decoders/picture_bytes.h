@@ -50,6 +50,7 @@ struct TiffPage {
     bool smaller_copy = false;
     std::vector<std::uint16_t> pixel;        ///< as stored; its length is the number of samples
     std::vector<std::uint8_t> profile = {};  ///< ICC
+    float pixel_aspect = 0;                  ///< height by width, by resolutions without a unit; 0: not said
 };
 
 [[nodiscard]] Bytes tiff_of(const std::vector<TiffPage>& pages, std::uint32_t width = 20, std::uint32_t height = 10);

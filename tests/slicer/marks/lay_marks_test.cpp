@@ -174,6 +174,16 @@ TEST_CASE("A decal lies over the model's colour as far as it is opaque, upright 
                       Contains("nowhere.png"));
 }
 
+TEST_CASE("A decal whose pixels are higher than wide is as high as they are") {
+    const io::TemporaryFolder folder;
+    const std::filesystem::path file = folder.path() / "tall.png";
+    io::write_whole_file(file, io::png_bytes({4, 1, 3, std::vector<std::uint8_t>(12, 40)}, {20, 10}));
+    Body body = box({20, 20, 20}, white);
+    const LaidMarks laid = lay_marks({parse_mark(MarkFamily::decal, file.string() + "; place=left; size=8mm")},
+                                     {body.mesh, body.solid, body.surface}, {});
+    CHECK_THAT(laid.notes.at(0), Contains("8.0 x 4.0 mm"));
+}
+
 TEST_CASE("What there is to say of a decal's picture is said, and one without any alpha is taken as opaque") {
     const io::TemporaryFolder folder;
     const std::filesystem::path file = folder.path() / "clear.png";
