@@ -30,13 +30,17 @@ struct JpegErrors {
     jpeg_error_mgr base;
     std::jmp_buf out;
     char fault[JMSG_LENGTH_MAX] = "";
-    bool ran_out = false;      ///< of codes, amid a scan
-    bool bad_profile = false;  ///< pieces of the ICC profile are missing or contradict each other
+    bool unknown_kind = false;  ///< and not damaged
+    bool ran_out = false;       ///< of codes, amid a scan
+    bool bad_profile = false;   ///< pieces of the ICC profile are missing or contradict each other
 };
 
 void on_error(j_common_ptr info) {
     auto* const errors = reinterpret_cast<JpegErrors*>(info->err);
     info->err->format_message(info, errors->fault);
+    const int code = info->err->msg_code;
+    errors->unknown_kind = code == JERR_SOF_UNSUPPORTED || code == JERR_BAD_PRECISION || code == JERR_NOT_COMPILED ||
+                           code == JERR_ARITH_NOTIMPL || code == JERR_CONVERSION_NOTIMPL;
     std::longjmp(errors->out, 1);
 }
 void on_message(j_common_ptr info, int level) {
@@ -76,6 +80,11 @@ public:
     }
 
     [[nodiscard]] const char* fault() const { return errors_.fault[0] ? errors_.fault : "no memory"; }
+
+    [[nodiscard]] const char* advice() const {
+        return errors_.unknown_kind ? "it is a JPEG of a kind that is not read here; save it as PNG"
+                                    : "it is damaged or cut short";
+    }
 
     bool read_header(JpegFacts& facts) {
         if (!created_ || setjmp(errors_.out)) return false;
@@ -155,7 +164,7 @@ DecodedImage decode_jpeg(std::span<const std::byte> bytes, const std::string& na
     JpegReader reader(bytes);
     const auto fail = [&](const char* what) {
         throw InputError(
-            fmt::format("the picture {} cannot be {} ({}); it is damaged or cut short", name, what, reader.fault()));
+            fmt::format("the picture {} cannot be {} ({}); {}", name, what, reader.fault(), reader.advice()));
     };
     JpegFacts facts;
     if (!reader.read_header(facts)) fail("read");

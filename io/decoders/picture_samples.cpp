@@ -172,8 +172,9 @@ private:
             brighter += rgb.maxCoeff() > 1 + rounding && rgb.minCoeff() > -rounding;
             for (std::size_t c = 0; c < 3; ++c) set(i + c, std::clamp(rgb[Eigen::Index(c)], 0.0f, 1.0f));
         }
-        warn(named_warning("picture-colours", fmt::format("The picture {} is coded in {}; it was converted to sRGB.",
-                                                          name_, in_.colours.name)));
+        const std::string& coding = in_.colours.name.empty() ? "floating point by sRGB's curve" : in_.colours.name;
+        warn(named_warning("picture-colours",
+                           fmt::format("The picture {} is coded in {}; it was converted to sRGB.", name_, coding)));
         if (brighter && (in_.colours.curve == PictureCurve::pq || in_.colours.curve == PictureCurve::hlg))
             warn(named_warning("colour-range", fmt::format("{} pixels of the picture {} are brighter than its "
                                                            "reference white (203 cd/m2), which is laid on the "

@@ -39,6 +39,15 @@ bool is_converted_here(const OIIO::ImageSpec& spec) {
     return photometric == separated || photometric == cie_lab || photometric == icc_lab;
 }
 
+/// What a reader says, if anything, and what follows from it.
+std::string why_not(const std::string& said) {
+    if (said.empty()) return "; it is damaged, cut short or of a kind that is not read here: save it as PNG";
+    for (const char* const word : {"unsupported", "not supported"})
+        if (OIIO::Strutil::icontains(said, word))
+            return fmt::format(" ({}); it is of a kind that is not read here: save it as PNG", said);
+    return fmt::format(" ({}); it is damaged or cut short", said);
+}
+
 /// A file that was opened, with what it is read from.
 class OpenPicture {
 public:
@@ -71,8 +80,7 @@ public:
 
 private:
     [[noreturn]] void fail() const {
-        throw InputError(
-            fmt::format("the picture {} cannot be read ({}); it is damaged or cut short", name_, input_->geterror()));
+        throw InputError(fmt::format("the picture {} cannot be read{}", name_, why_not(input_->geterror())));
     }
 
     const std::string& name_;
@@ -164,8 +172,7 @@ private:
     void read_channels(std::vector<Value>& pixels, int channels, OIIO::TypeDesc type) {
         pixels.resize(std::size_t(std::max(channels, 4)) * samples_.pixels());
         if (!read_rows(input_, channels, type, pixels.data()))
-            throw InputError(fmt::format("the picture {} cannot be decoded ({}); it is damaged or cut short", name_,
-                                         input_.geterror()));
+            throw InputError(fmt::format("the picture {} cannot be decoded{}", name_, why_not(input_.geterror())));
     }
 
     /// Grey, RGB, with alpha.
@@ -220,10 +227,12 @@ private:
     void take_colours(bool is_float) {
         const std::string space = spec_.get_string_attribute("oiio:ColorSpace");
         PictureColours& colours = samples_.colours;
-        if (OIIO::Strutil::iequals(space, "linear") || (space.empty() && is_float))
+        const std::string_view format = input_.format_name();
+        if (OIIO::Strutil::iequals(space, "linear") || (is_float && (space.empty() || format == "pnm")))
             colours.curve = PictureCurve::linear;
         if (OIIO::Strutil::istarts_with(space, "gamma")) {
-            const float gamma = spec_.get_float_attribute("oiio:Gamma", 2.2f);
+            const float said = spec_.get_float_attribute("oiio:Gamma", 2.2f);
+            const float gamma = format == "hdr" ? 1 / said : said;
             if (std::abs(gamma - 1) < 0.01f) colours.curve = PictureCurve::linear;
             if (gamma < 2 || gamma > 2.5f)
                 warn(named_warning(

@@ -157,6 +157,16 @@ TEST_CASE("a JPEG without its end mark is read, and that is said") {
     CHECK_THROWS_WITH(decode_image(file, "a.jpg"), Contains("cut short"));
 }
 
+TEST_CASE("a JPEG of a kind that is not read is not called damaged") {
+    Bytes file = jpeg_of_kind({}, 16, 16);
+    const auto frame = std::ranges::search(file, std::array{std::byte{0xff}, std::byte{0xc0}}).begin();
+    *(frame + 1) = std::byte{0xc3};  // lossless
+    CHECK_THROWS_WITH(decode_image(file, "a.jpg"), Contains("kind that is not read") && !Contains("damaged"));
+    *(frame + 1) = std::byte{0xc1};
+    *(frame + 4) = std::byte{12};  // bits
+    CHECK_THROWS_WITH(decode_image(file, "a.jpg"), Contains("kind that is not read") && !Contains("damaged"));
+}
+
 TEST_CASE("Exif turns a JPEG and gives its resolution, in either byte order") {
     std::string little("Exif\0\0", 6), big = little;
     little += bytes({'I', 'I', 42, 0, 8, 0, 0, 0, 3, 0});

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/openimageio/decode_other.h"
 
+#include <array>
+#include <bit>
+
 #include <fmt/format.h>
 #include <tiffio.h>
 #include <catch2/catch.hpp>
@@ -206,6 +209,24 @@ TEST_CASE("BMP says by masks which byte is which colour") {
     CHECK_THROWS_WITH(read({0x3ff, 0xffc00, 0x3ff00000, 0}, rgba), Contains("not 8 bits each"));
 }
 
+TEST_CASE("PFM is linear light, and Radiance's gamma of 2.2 is coded as sRGB is") {
+    std::string pfm("PF\n1 1\n-1.0\n");
+    for (const float value : {0.5f, 0.25f, 0.125f}) {
+        const auto bits = std::bit_cast<std::array<char, 4>>(value);
+        pfm.append(bits.begin(), bits.end());
+    }
+    const auto read = [](const std::string& file) {
+        return decode_image(std::as_bytes(std::span(file)), "a.picture", {.others = decode_other});
+    };
+    CHECK((read(pfm).texels.rgb(0) - Eigen::Vector3f(0.5f, 0.25f, 0.125f)).norm() < 1e-4f);
+    CHECK(read(pfm).warnings.empty());
+    std::string hdr("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nGAMMA=2.2\n\n-Y 1 +X 1\n");
+    const DecodedImage coded = read(hdr + "\x80\x80\x80\x80");
+    CHECK(codes_of(coded)[0] == Approx(127.5).margin(1));
+    REQUIRE(coded.warnings.size() == 1);
+    CHECK_THAT(coded.warnings[0], Contains("sRGB's curve"));
+}
+
 TEST_CASE("WebP says its profile and how it is turned") {
     // to be turned by a quarter
     const std::string turned("MM\0*\0\0\0\x08\0\1\1\x12\0\3\0\0\0\1\0\6\0\0\0\0\0\0", 26);
@@ -227,6 +248,14 @@ TEST_CASE("WebP says its profile and how it is turned") {
         }
     }
     CHECK(read(webp_with("", "")).texels.width_px == 2);
+}
+
+TEST_CASE("whole files of kinds that are not read are not called damaged") {
+    std::string psd("8BPS\0\1\0\0\0\0\0\0\0\1\0\0\0\2\0\0\0\2\0\x8\0\x8", 26);  // duotone
+    psd.append(16, '\0');
+    for (const std::string& file : {psd, std::string("P1\n2 2\n0110\n")})
+        CHECK_THROWS_WITH(decode_image(std::as_bytes(std::span(file)), "a", {.others = decode_other}),
+                          Contains("of a kind that is not read") && !Contains("()"));
 }
 
 TEST_CASE("TGA is known by its name, in quotes or not, and by its foot") {
