@@ -18,6 +18,7 @@
 #include "io/decoders/picture_samples.h"
 #include "io/openimageio/bmp_masks.h"
 #include "io/openimageio/declared_size.h"
+#include "io/openimageio/display_window.h"
 #include "io/openimageio/image_rows.h"
 #include "io/openimageio/lab_to_srgb.h"
 #include "io/openimageio/memory_file.h"
@@ -160,6 +161,7 @@ public:
             read_inks();
         else
             read_lab();
+        if (is_openexr()) lay_into_display();
         samples_.orientation = spec_.get_int_attribute("Orientation", 1);
         read_resolution();
         return std::move(samples_);
@@ -212,7 +214,7 @@ private:
             read_rgba<std::uint16_t>(samples_.words, OIIO::TypeDesc::UINT16, 65535);
         else
             read_rgba<std::uint8_t>(samples_.bytes, OIIO::TypeDesc::UINT8, 255);
-        if (!is_linear_by_definition()) samples_.icc_profile = profile();
+        if (!is_openexr()) samples_.icc_profile = profile();
     }
 
     [[nodiscard]] std::vector<std::uint8_t> profile() const {
@@ -222,7 +224,21 @@ private:
         return {bytes, bytes + found->datasize()};
     }
 
-    [[nodiscard]] bool is_linear_by_definition() const { return std::string_view(input_.format_name()) == "openexr"; }
+    [[nodiscard]] bool is_openexr() const { return std::string_view(input_.format_name()) == "openexr"; }
+
+    void lay_into_display() {
+        const PixelWindow data{spec_.x, spec_.y, spec_.width, spec_.height};
+        const PixelWindow display{spec_.full_x, spec_.full_y, spec_.full_width, spec_.full_height};
+        if (data == display) return;
+        check_picture_size(std::uint64_t(std::max<std::int64_t>(display.width, 0)),
+                           std::uint64_t(std::max<std::int64_t>(display.height, 0)), name_, options_);
+        const bool clear = spec_.alpha_channel >= 0;
+        if (!samples_.floats.empty()) samples_.floats = in_window(samples_.floats, data, display, clear ? 0.0f : 1.0f);
+        if (!samples_.words.empty())
+            samples_.words = in_window<std::uint16_t>(samples_.words, data, display, clear ? 0 : 65535);
+        samples_.width_px = std::uint32_t(display.width);
+        samples_.height_px = std::uint32_t(display.height);
+    }
 
     void take_colours(bool is_float) {
         const std::string space = spec_.get_string_attribute("oiio:ColorSpace");

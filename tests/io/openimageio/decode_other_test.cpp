@@ -4,16 +4,20 @@
 #include <array>
 #include <bit>
 
+#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 #include <tiffio.h>
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
 #include "io/decoders/decode_image.h"
+#include "io/files/read_bytes.h"
+#include "io/openimageio/display_window.h"
 #include "io/openimageio/webp_facts.h"
 #include "io/pictures/webp.h"
 #include "optics/colour/colour.h"
 #include "tests/io/decoders/picture_bytes.h"
+#include "tests/io/files/temporary_folder.h"
 
 using namespace voxtone;
 using namespace voxtone::io;
@@ -256,6 +260,34 @@ TEST_CASE("whole files of kinds that are not read are not called damaged") {
     for (const std::string& file : {psd, std::string("P1\n2 2\n0110\n")})
         CHECK_THROWS_WITH(decode_image(std::as_bytes(std::span(file)), "a", {.others = decode_other}),
                           Contains("of a kind that is not read") && !Contains("()"));
+}
+
+TEST_CASE("OpenEXR shows its display window, and nothing where it has no pixels or beyond") {
+    const TemporaryFolder folder;
+    const auto read = [&](const PixelWindow& data, const PixelWindow& display, int channels) {
+        const std::string file = (folder.path() / "a.exr").string();
+        OIIO::ImageSpec spec(int(data.width), int(data.height), channels, OIIO::TypeDesc::FLOAT);
+        spec.x = int(data.x);
+        spec.y = int(data.y);
+        spec.full_x = int(display.x);
+        spec.full_y = int(display.y);
+        spec.full_width = int(display.width);
+        spec.full_height = int(display.height);
+        const std::vector<float> ones(std::size_t(channels) * data.pixels(), 1.0f);
+        const auto out = OIIO::ImageOutput::create(file);
+        REQUIRE((out && out->open(file, spec) && out->write_image(OIIO::TypeDesc::FLOAT, ones.data()) && out->close()));
+        return decode_image(read_bytes(file, 1 << 24), "a.exr", {.others = decode_other});
+    };
+    for (const int channels : {3, 4}) {
+        const DecodedImage part = read({2, 1, 2, 1}, {0, 0, 5, 3}, channels);
+        CHECK(part.texels.width_px == 5);
+        CHECK(part.texels.height_px == 3);
+        CHECK(part.has_alpha == (channels == 4));
+        for (std::size_t i = 0; i < 15; ++i) CHECK(part.texels.rgb(i).x() == (i == 7 || i == 8 ? 1 : 0));
+    }
+    const DecodedImage shown = read({-2, -1, 6, 6}, {0, 0, 3, 2}, 3);
+    CHECK(shown.texels.pixels() == 6);
+    CHECK(shown.texels.rgb(5).x() == 1);
 }
 
 TEST_CASE("TGA is known by its name, in quotes or not, and by its foot") {
