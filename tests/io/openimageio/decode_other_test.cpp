@@ -3,6 +3,7 @@
 
 #include <array>
 #include <bit>
+#include <string_view>
 
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
@@ -12,6 +13,8 @@
 #include "base/error.h"
 #include "io/decoders/decode_image.h"
 #include "io/files/read_bytes.h"
+#include "io/files/whole_file.h"
+#include "io/openimageio/decode_photograph.h"
 #include "io/openimageio/display_window.h"
 #include "io/openimageio/webp_facts.h"
 #include "io/pictures/webp.h"
@@ -130,6 +133,11 @@ TEST_CASE("TIFF of floating point is linear light, and refused where its numbers
     for (const int tile : {0, 16})
         CHECK_THROWS_WITH(decoded(tiff_of({{.bits = 64, .tile = tile, .pixel = page.pixel}})),
                           Contains("64-bit") && Contains("32 bits"));
+    const TemporaryFolder folder;
+    const std::filesystem::path file = folder.path() / "photograph.tif";
+    const Bytes wide = tiff_of({{.bits = 64, .pixel = page.pixel}});
+    write_whole_file(file, std::string_view(reinterpret_cast<const char*>(wide.data()), wide.size()));
+    CHECK_THROWS_WITH(decode_photograph(file), Contains("64-bit"));
 }
 
 TEST_CASE("floating point with a profile is coded as the profile says") {
