@@ -44,7 +44,7 @@ io::VerifyRules rules_of(const slicer::PrinterProfile& printer) {
     rules.printer = printer.id;
     rules.most_colours = static_cast<std::uint32_t>(printer.max_colours);
     rules.least_layers = static_cast<std::uint32_t>(printer.min_layers);
-    rules.pitch_um = {printer.pitch_um.x(), printer.pitch_um.y()};
+    rules.pitch_um = {printer.pitch_um.x(), printer.pitch_um.y(), printer.pitch_um.z()};
     return rules;
 }
 

@@ -83,7 +83,7 @@ std::string shown(const Rgba& c) {
 /// What the stack says of itself, in one form for manifests and containers.
 struct Announced {
     std::optional<std::array<std::uint32_t, 2>> size_px;
-    std::optional<std::array<double, 2>> pitch_um;
+    std::optional<std::array<double, 3>> pitch_um;
     std::vector<Rgb> palette;           // empty: nothing is announced
     std::vector<std::uint64_t> voxels;  // per resin
     std::vector<std::string> names;
@@ -94,7 +94,7 @@ Announced announced(const StackReader& reader) {
     Announced result;
     if (const auto& stack = reader.description()) {
         result.size_px = stack->size_px;
-        result.pitch_um = {stack->pitch_um[0], stack->pitch_um[1]};
+        result.pitch_um = stack->pitch_um;
         result.palette = stack->palette();
         result.background = stack->background_rgb;
         for (const auto& resin : stack->resins) {
@@ -103,7 +103,8 @@ Announced announced(const StackReader& reader) {
         }
     } else if (const auto& config = reader.gcvf()) {
         result.size_px = {config->width_px, config->height_px};
-        result.pitch_um = {25400 / config->x_dpi, 25400 / config->y_dpi};
+        result.pitch_um = {25400 / config->x_dpi, 25400 / config->y_dpi,
+                           static_cast<double>(config->slice_thickness_nm) / 1000};
         result.background = {config->background[0], config->background[1], config->background[2]};
         if (config->materials.size() < max_materials) {
             result.palette.push_back(result.background);
@@ -289,19 +290,30 @@ std::array<std::uint32_t, 2> size_of(const StackSummary& stack) {
 }
 
 std::array<std::uint32_t, 2> resolution_of(const StackSummary& stack, const VerifyRules& rules) {
-    if (rules.pitch_um) return pixels_per_metre(*rules.pitch_um);
-    if (stack.announced.pitch_um) return pixels_per_metre(*stack.announced.pitch_um);
+    if (const auto& pitch_um = rules.pitch_um ? rules.pitch_um : stack.announced.pitch_um)
+        return pixels_per_metre({(*pitch_um)[0], (*pitch_um)[1]});
     const PngHeader* const header = stack.first_header();
     return header ? std::array{header->x_per_metre, header->y_per_metre} : std::array<std::uint32_t, 2>{};
 }
 
-void check_pitch(const StackSummary& stack, const VerifyRules& rules, FaultList& faults) {
-    const auto& pitch_um = stack.announced.pitch_um;
-    if (rules.pitch_um && pitch_um && pixels_per_metre(*pitch_um) != stack.resolution)
-        faults.add({"resolution", stack.name,
-                    fmt::format("is made for pixels of {:.3f} x {:.3f} um", (*pitch_um)[0], (*pitch_um)[1]),
-                    fmt::format("this printer has {:.3f} x {:.3f} um: slice for it", (*rules.pitch_um)[0],
-                                (*rules.pitch_um)[1])});
+void check_pitch(const StackSummary& stack, const VerifyRules& rules, StackReport& report, FaultList& faults) {
+    if (!rules.pitch_um) return;
+    const std::array<double, 3>& wanted = *rules.pitch_um;
+    if (!stack.announced.pitch_um) {
+        report.notes.push_back(fmt::format(
+            "bitmaps do not say how thick a layer is: that they were made for layers of {:g} um was not checked",
+            wanted[2]));
+        return;
+    }
+    const std::array<double, 3>& said = *stack.announced.pitch_um;
+    if (pixels_per_metre({said[0], said[1]}) != stack.resolution)
+        faults.add({"resolution", stack.name, fmt::format("is made for pixels of {:.3f} x {:.3f} um", said[0], said[1]),
+                    fmt::format("this printer has {:.3f} x {:.3f} um: slice for it", wanted[0], wanted[1])});
+    // The printer repeats or skips layers of another pitch. A GCVF says it in whole nanometres.
+    constexpr double rounding_um = 0.00051;
+    if (std::abs(said[2] - wanted[2]) > rounding_um)
+        faults.add({"resolution", stack.name, fmt::format("is made for layers of {:g} um", said[2]),
+                    fmt::format("this printer has {:g} um: slice for it", wanted[2])});
 }
 
 void check_header(const PngHeader& header, const std::string& layer, const std::array<std::uint32_t, 2>& size_px,
@@ -499,7 +511,7 @@ StackReport verify_opened(const fs::path& path, const StackReader& reader, const
     look_at_layers(stack, progress);
     report.size_px = size_of(stack);
     stack.resolution = resolution_of(stack, rules);
-    check_pitch(stack, rules, faults);
+    check_pitch(stack, rules, report, faults);
     check_layers(stack, report, faults);
     count_colours(stack, report);
     check_colours(stack, rules.most_colours, report, faults);

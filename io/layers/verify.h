@@ -23,8 +23,8 @@ namespace voxtone::io {
 struct VerifyRules {
     std::uint32_t most_colours = 6;  ///< besides the background
     std::uint32_t least_layers = 30;
-    /// Of columns and rows; absent: that of the manifest or container, else only that all layers say the same.
-    std::optional<std::array<double, 2>> pitch_um;
+    /// Of columns, rows and layers; absent: that of the manifest or container, else only that all bitmaps say the same.
+    std::optional<std::array<double, 3>> pitch_um;
     /// Whose these are, for the report ("stratasys-j750-hm"); empty: nobody's, they are usual ones.
     std::string printer;
     /// What else there is to say of the rules: what could not be checked, and why.

@@ -82,6 +82,30 @@ TEST_CASE("a stack of ours passes, and reads back as it was written", "[verify]"
     CHECK(StackReader(out / "layers").palette().size() == 6);
 }
 
+TEST_CASE("a stack for layers of another pitch than the printer's is a fault", "[verify]") {
+    TemporaryFolder folder;
+    const auto out = folder.path() / "stack";
+    (void)write_sample_stack(out, 40, {ResinBitmaps::none, true, false});
+    VerifyRules rules;
+    for (const double layer_um : {14.0, 26.999, 27.001, 60.0}) {
+        CAPTURE(layer_um);
+        rules.pitch_um = {{25400.0 / 600, 25400.0 / 300, layer_um}};
+        for (const fs::path& stack : {out, out / "stack.gcvf"}) {
+            const StackReport report = verify_stack(stack, rules);
+            CHECK(report.fault_count == 1);
+            CHECK(has(report, "resolution", "made for layers of 27 um"));
+        }
+        // Bitmaps alone do not say it, which is said.
+        const StackReport bare = verify_stack(out / "layers", rules);
+        CHECK(bare.passed());
+        CHECK_THAT(report_text(bare), Contains("note: bitmaps do not say how thick a layer is"));
+    }
+    rules.pitch_um = {{25400.0 / 600, 25400.0 / 300, 27.0004}};  // as a container rounds it
+    CHECK(verify_stack(out, rules).passed());
+    CHECK(verify_stack(out / "stack.gcvf", rules).passed());
+    CHECK(verify_stack(out).notes.empty());
+}
+
 TEST_CASE("the report is the same for any number of threads", "[verify]") {
     TemporaryFolder folder;
     const auto out = folder.path() / "stack";
@@ -165,9 +189,9 @@ TEST_CASE("every fault is named", "[verify][slow]") {
     high_speed.most_colours = 3;
     CHECK(has(verify_stack(out, high_speed), "colours", "5 colours"));
     VerifyRules other;
-    other.pitch_um = {{84.667, 84.667}};
+    other.pitch_um = {{84.667, 84.667, 27}};
     CHECK(has(verify_stack(out, other), "resolution"));
-    other.pitch_um = {{25400.0 / 300, 25400.0 / 600}};
+    other.pitch_um = {{25400.0 / 300, 25400.0 / 600, 27}};
     CHECK(has(verify_stack(out, other), "resolution", "swapped"));
     (void)write_sample_stack(out, 29);
     CHECK(has(verify_stack(out), "few-layers", "29"));

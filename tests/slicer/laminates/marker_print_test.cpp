@@ -107,7 +107,7 @@ TEST_CASE("The marker is whole for every printer, and each resin lies raised in 
         io::VerifyRules rules;
         rules.most_colours = std::uint32_t(printer.max_colours);
         rules.least_layers = std::uint32_t(printer.min_layers);
-        rules.pitch_um = {printer.pitch_um.x(), printer.pitch_um.y()};
+        rules.pitch_um = {printer.pitch_um.x(), printer.pitch_um.y(), printer.pitch_um.z()};
         CHECK(io::verify_stack(job.out, rules).passed());
         CHECK(io::verify_stack(fs::path(job.out) / "printer", rules).passed());
         const Marker marker = look_at(job.out);
