@@ -99,6 +99,13 @@ std::optional<std::size_t> ZipReader::find(const std::string& part) const {
     return static_cast<std::size_t>(index);
 }
 
+std::uint64_t ZipReader::size(std::size_t index) const {
+    const std::lock_guard lock(handle_->mutex);
+    zip_stat_t about;
+    const bool known = zip_stat_index(handle_->zip, index, 0, &about) == 0 && (about.valid & ZIP_STAT_SIZE);
+    return known ? about.size : 0;
+}
+
 std::uint64_t ZipReader::checked_size(std::size_t index, std::uint64_t most, const std::string& part) const {
     zip_stat_t about;
     if (zip_stat_index(handle_->zip, index, 0, &about) != 0 || !(about.valid & ZIP_STAT_SIZE))

@@ -33,6 +33,8 @@ public:
     [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
     /// Index of a part; a leading '/' is ignored, and upper and lower case where no name fits exactly.
     [[nodiscard]] std::optional<std::size_t> find(const std::string& part) const;
+    /// In bytes, as a part declares it; 0 where it declares none.
+    [[nodiscard]] std::uint64_t size(std::size_t index) const;
     /// A part's contents, of `most` bytes where that is less than the limits. From any thread, one at a time. Throws
     /// InputError where it claims or has more, has no size or is damaged.
     [[nodiscard]] std::vector<std::uint8_t> read(std::size_t index, std::uint64_t most) const;

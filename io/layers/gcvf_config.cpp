@@ -24,6 +24,14 @@ namespace {
 /// Names of elements and the text in them.
 using Elements = std::map<std::string, std::string, std::less<>>;
 
+template <class Number>
+std::optional<Number> number_in(const std::string& text) {
+    Number value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+    return value;
+}
+
 class ElementReader {
 public:
     ElementReader(const Elements& elements, const std::string& source) : elements_(elements), source_(source) {}
@@ -36,15 +44,19 @@ public:
         if (found == elements_.end()) fail(tag, "is missing");
         return found->second;
     }
+    [[nodiscard]] std::string text_or_nothing(std::string_view tag) const {
+        const auto found = elements_.find(tag);
+        return found == elements_.end() ? std::string() : found->second;
+    }
     [[nodiscard]] std::uint64_t integer(std::string_view tag, std::uint64_t least, std::uint64_t most) const {
-        const auto value = parsed<std::uint64_t>(text(tag));
+        const auto value = number_in<std::uint64_t>(text(tag));
         if (!value || *value < least || *value > most)
             fail(tag, fmt::format("holds \"{}\", expected a whole number from {} to {}", text(tag).substr(0, 40), least,
                                   most));
         return *value;
     }
     [[nodiscard]] double number(std::string_view tag, double least, double most) const {
-        const auto value = parsed<double>(text(tag));
+        const auto value = number_in<double>(text(tag));
         if (!value || !(*value >= least && *value <= most))
             fail(tag,
                  fmt::format("holds \"{}\", expected a number from {} to {}", text(tag).substr(0, 40), least, most));
@@ -63,14 +75,6 @@ public:
     }
 
 private:
-    template <class Number>
-    static std::optional<Number> parsed(const std::string& text) {
-        Number value{};
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-        return value;
-    }
-
     const Elements& elements_;
     const std::string& source_;
 };
@@ -183,18 +187,20 @@ std::string gcvf_config_text(const GcvfConfig& config) {
             "</Material>\n",
             markup_text(material.name), rgba(material.rgba), material.voxels);
     return fmt::format(
-        "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<GCVF>\n  <Version>2</Version>\n"
+        "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<GCVF>\n  <Version>{}</Version>\n"
         "  <Resolution>\n    <XDpi>{}</XDpi>\n    <YDpi>{}</YDpi>\n    "
         "<SliceThicknessNanoMeter>{}</SliceThicknessNanoMeter>\n  </Resolution>\n"
         "  <SliceDimensions>\n    <SliceWidth>{}</SliceWidth>\n    <SliceHeight>{}</SliceHeight>\n  "
         "</SliceDimensions>\n"
         "  <SliceRange>\n    <StartIndex>{}</StartIndex>\n    <NumberOfSlices>{}</NumberOfSlices>\n  </SliceRange>\n"
-        "  <BitDepth>4</BitDepth>\n  <MaxNumberOfColors>{}</MaxNumberOfColors>\n  "
-        "<DataSemantics>Materials</DataSemantics>\n"
+        "  <BitDepth>{}</BitDepth>\n  <MaxNumberOfColors>{}</MaxNumberOfColors>\n  "
+        "<DataSemantics>{}</DataSemantics>\n"
         "  <CreationMode>MODEL_ONLY</CreationMode>\n  <ImageFilePrefix>{}</ImageFilePrefix>\n"
         "  <MaterialList>\n    <BackGroundMaterialRGBA>{}</BackGroundMaterialRGBA>\n{}  </MaterialList>\n</GCVF>\n",
-        config.x_dpi, config.y_dpi, config.slice_thickness_nm, config.width_px, config.height_px, config.start_index,
-        config.slices, most_gcvf_colours, markup_text(config.prefix), rgba(config.background), materials);
+        markup_text(config.version), config.x_dpi, config.y_dpi, config.slice_thickness_nm, config.width_px,
+        config.height_px, config.start_index, config.slices, markup_text(config.bit_depth),
+        markup_text(config.most_colours), markup_text(config.semantics), markup_text(config.prefix),
+        rgba(config.background), materials);
 }
 
 GcvfConfig parse_gcvf_config(std::string_view xml, const std::string& source) {
@@ -202,6 +208,10 @@ GcvfConfig parse_gcvf_config(std::string_view xml, const std::string& source) {
     const ElementReader root(elements.all, source);
     (void)root.text("GCVF");
     GcvfConfig config;
+    config.version = root.text_or_nothing("Version");
+    config.bit_depth = root.text_or_nothing("BitDepth");
+    config.most_colours = root.text_or_nothing("MaxNumberOfColors");
+    config.semantics = root.text_or_nothing("DataSemantics");
     config.x_dpi = root.number("XDpi", 0.1, 1e6);
     config.y_dpi = root.number("YDpi", 0.1, 1e6);
     config.slice_thickness_nm = root.integer("SliceThicknessNanoMeter", 1, 100'000'000);
@@ -219,6 +229,27 @@ GcvfConfig parse_gcvf_config(std::string_view xml, const std::string& source) {
             {material.text("Name"), material.rgba("RGBA"), material.integer("VoxelCount", 0, std::uint64_t{1} << 62)});
     }
     return config;
+}
+
+std::vector<std::string> unknown_in(const GcvfConfig& config) {
+    std::vector<std::string> result;
+    const GcvfConfig known;
+    const auto compare = [&](std::string_view tag, const std::string& said, const std::string& wanted) {
+        if (said.empty())
+            result.push_back(fmt::format("does not say its {}, which is {} where it is known", tag, wanted));
+        else if (said != wanted)
+            result.push_back(fmt::format("{} {} is not known here, only {} is", tag, said.substr(0, 40), wanted));
+    };
+    compare("Version", config.version, known.version);
+    compare("DataSemantics", config.semantics, known.semantics);
+    compare("BitDepth", config.bit_depth, known.bit_depth);
+    const auto most = number_in<std::uint64_t>(config.most_colours);
+    if (!most)
+        result.emplace_back("does not say how many resins it holds (MaxNumberOfColors)");
+    else if (config.materials.size() > *most)
+        result.push_back(fmt::format("names {} materials, and says that it holds {} (MaxNumberOfColors)",
+                                     config.materials.size(), *most));
+    return result;
 }
 
 }  // namespace voxtone::io

@@ -20,7 +20,13 @@ struct GcvfMaterial {
     friend bool operator==(const GcvfMaterial&, const GcvfMaterial&) = default;
 };
 
+/// Besides the background, as ConfigFile.xml says.
+inline constexpr int most_gcvf_colours = 6;
+
 struct GcvfConfig {
+    /// Of every GCVF that is known; as they stand there, empty: missing.
+    std::string version = "2", bit_depth = "4", most_colours = std::to_string(most_gcvf_colours),
+                semantics = "Materials";
     double x_dpi = 0, y_dpi = 0;
     std::uint64_t slice_thickness_nm = 0;
     std::uint32_t width_px = 0, height_px = 0;
@@ -31,13 +37,13 @@ struct GcvfConfig {
     friend bool operator==(const GcvfConfig&, const GcvfConfig&) = default;
 };
 
-/// Besides the background, as ConfigFile.xml says.
-inline constexpr int most_gcvf_colours = 6;
-
 [[nodiscard]] GcvfConfig gcvf_config(const StackDescription& stack);
 [[nodiscard]] std::string gcvf_config_text(const GcvfConfig& config);
 /// Throws InputError, beginning with `source`, that names the element and the rule.
 [[nodiscard]] GcvfConfig parse_gcvf_config(std::string_view xml, const std::string& source);
+/// What in it differs from every GCVF that is known, so that its layers may be refused or mean something else; for the
+/// user, one text each.
+[[nodiscard]] std::vector<std::string> unknown_in(const GcvfConfig& config);
 
 /// What a container can hold: six resins (MaxNumberOfColors) and TopmostLayers::most_layers. Throws InputError that
 /// says what to do instead.

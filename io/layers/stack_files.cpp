@@ -214,8 +214,11 @@ void StackFiles::open_gcvf() {
     listing_.gcvf =
         parse_gcvf_config({reinterpret_cast<const char*>(xml.data()), xml.size()}, root_.string() + ": ConfigFile.xml");
     index.erase(config_entry);
-    index.erase("Mesh.stl");
-    index.erase("MeshBbx.ktn");
+    for (std::size_t part = 0; part < preview_names.size(); ++part)
+        if (const auto found = index.find(std::string(preview_names[part])); found != index.end()) {
+            listing_.preview_bytes[part] = zip_->size(found->second);
+            index.erase(found);
+        }
     if (const auto found = index.find(std::string(zbuffer_name)); found != index.end()) {
         zbuffer_entry_ = found->second;
         listing_.has_zbuffer = true;

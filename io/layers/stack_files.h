@@ -5,6 +5,7 @@
 // io/layers/stack_reader.h behind its walls.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -39,19 +40,21 @@ struct StackOrigin {
 /// What there is in a stack.
 struct StackListing {
     StackKind kind = StackKind::folder;
-    std::optional<StackDescription> description;  ///< of a stack of ours
-    ManifestSeal seal = ManifestSeal::none;       ///< of its manifest
-    StackOrigin origin;                           ///< of a stack of ours
-    std::optional<std::string> sheet;             ///< of a stack of ours: the text of its sheet of resins
-    std::optional<GcvfConfig> gcvf;               ///< of a container
-    bool has_zbuffer = false;                     ///< a container's Zbuffer.png is there
-    std::vector<std::string> names;               ///< of layers, bottom first
-    std::vector<std::string> strangers;           ///< what lies beside the layers and should not
-    std::vector<std::string> missing;             ///< announced and not there: the first thousand by name
-    std::uint64_t missing_count = 0;              ///< all of them
+    std::optional<StackDescription> description;   ///< of a stack of ours
+    ManifestSeal seal = ManifestSeal::none;        ///< of its manifest
+    StackOrigin origin;                            ///< of a stack of ours
+    std::optional<std::string> sheet;              ///< of a stack of ours: the text of its sheet of resins
+    std::optional<GcvfConfig> gcvf;                ///< of a container
+    bool has_zbuffer = false;                      ///< a container's Zbuffer.png is there
+    std::array<std::uint64_t, 2> preview_bytes{};  ///< of a container's Mesh.stl and MeshBbx.ktn; 0: not there, empty
+    std::vector<std::string> names;                ///< of layers, bottom first
+    std::vector<std::string> strangers;            ///< what lies beside the layers and should not
+    std::vector<std::string> missing;              ///< announced and not there: the first thousand by name
+    std::uint64_t missing_count = 0;               ///< all of them
 };
 
 inline constexpr std::string_view zbuffer_name = "Zbuffer.png";
+inline constexpr std::array<std::string_view, 2> preview_names{"Mesh.stl", "MeshBbx.ktn"};
 
 class StackFiles {
 public:

@@ -101,6 +101,7 @@ LayerInspection StackReader::inspect(std::uint32_t index, std::span<const Rgb> p
 }
 
 bool StackReader::has_zbuffer() const { return state_->listing.has_zbuffer; }
+std::array<std::uint64_t, 2> StackReader::preview_bytes() const { return state_->listing.preview_bytes; }
 
 std::optional<ZbufferInspection> StackReader::zbuffer() const {
     if (!has_zbuffer()) return std::nullopt;

@@ -43,6 +43,8 @@ public:
     /// Of a container: nothing where it has no Zbuffer.png. Throws as `look` does.
     [[nodiscard]] std::optional<ZbufferInspection> zbuffer() const;
     [[nodiscard]] bool has_zbuffer() const;
+    /// Of a container: the sizes of Mesh.stl and MeshBbx.ktn; 0: not there, or empty.
+    [[nodiscard]] std::array<std::uint64_t, 2> preview_bytes() const;
     [[nodiscard]] std::uint32_t layers() const;
     /// Name of a layer for messages, bottom first.
     [[nodiscard]] const std::string& layer_name(std::uint32_t index) const;

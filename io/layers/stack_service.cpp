@@ -14,7 +14,7 @@ namespace voxtone::io {
 
 namespace {
 
-const std::string stack_protocol = "voxtone-read-stack 4, voxtone " + build_identity();
+const std::string stack_protocol = "voxtone-read-stack 5, voxtone " + build_identity();
 
 template <class Value, class Plain>
 concept is_a = std::is_same_v<std::remove_const_t<Value>, Plain>;
@@ -102,8 +102,8 @@ void describe(Stream& stream, Value& m) {
 }
 template <class Stream, is_a<GcvfConfig> Config>
 void describe(Stream& stream, Config& c) {
-    stream(c.x_dpi, c.y_dpi, c.slice_thickness_nm, c.width_px, c.height_px, c.start_index, c.slices, c.prefix,
-           c.background, c.materials);
+    stream(c.version, c.bit_depth, c.most_colours, c.semantics, c.x_dpi, c.y_dpi, c.slice_thickness_nm, c.width_px,
+           c.height_px, c.start_index, c.slices, c.prefix, c.background, c.materials);
 }
 template <class Stream, is_a<PackedHeader> Header>
 void describe(Stream& stream, Header& h) {
@@ -132,7 +132,7 @@ std::vector<std::byte> pack_listing(const StackListing& listing) {
         writer(*listing.description, listing.seal, listing.origin, listing.sheet.has_value());
         if (listing.sheet) writer(*listing.sheet);
     }
-    if (listing.gcvf) writer(*listing.gcvf, listing.has_zbuffer);
+    if (listing.gcvf) writer(*listing.gcvf, listing.has_zbuffer, listing.preview_bytes);
     return std::move(writer.bytes);
 }
 
@@ -202,7 +202,7 @@ StackListing unpack_listing(std::span<const std::byte> bytes) {
         listing.description->validate("what the reader of the stack left");
     }
     if (listing.kind == StackKind::gcvf) {
-        reader(listing.gcvf.emplace(), listing.has_zbuffer);
+        reader(listing.gcvf.emplace(), listing.has_zbuffer, listing.preview_bytes);
         expect_stack(layers == listing.gcvf->slices, "layers that are not those of the container");
         check_config(*listing.gcvf);
     }

@@ -412,6 +412,26 @@ void check_digest(const StackSummary& stack, StackReport& report, FaultList& fau
                     "layers were changed, swapped or reordered after slicing: slice again"});
 }
 
+/// Whether a container is of the known kind, and has all its parts.
+void check_container(const StackReader& reader, FaultList& faults) {
+    if (!reader.gcvf()) return;
+    for (const std::string& unknown : unknown_in(*reader.gcvf()))
+        faults.add({"container", "ConfigFile.xml", unknown,
+                    "the printer's software may refuse it or take its layers for something else: slice again"});
+    const auto check_part = [&](std::size_t part, bool whole, const char* kind) {
+        const std::uint64_t bytes = reader.preview_bytes()[part];
+        if (whole) return;
+        faults.add({"container", std::string(preview_names[part]),
+                    bytes == 0 ? "is missing or empty, which every known GCVF has"
+                               : fmt::format("has {}, which is no {}", counted(bytes, "byte"), kind),
+                    "slice again or copy it again"});
+    };
+    constexpr std::uint64_t stl_head = 84, stl_triangle = 50, box = 6 * sizeof(float);
+    const auto [mesh_bytes, box_bytes] = reader.preview_bytes();
+    check_part(0, mesh_bytes >= stl_head && (mesh_bytes - stl_head) % stl_triangle == 0, "binary STL");
+    check_part(1, box_bytes == box, "box of six 32-bit numbers");
+}
+
 /// What is on top of each column, as a container says it besides.
 void check_zbuffer(const StackSummary& stack, StackReport& report, FaultList& faults) {
     if (stack.reader.kind() != StackReader::Kind::gcvf) return;
@@ -505,6 +525,7 @@ StackReport verify_opened(const fs::path& path, const StackReader& reader, const
         check_seal(reader.seal(), report, faults);
         if (reader.sheet()) check_sheet(*reader.sheet(), *reader.description(), faults);
     }
+    check_container(reader, faults);
     check_parts(stack, faults);
     check_names(reader, faults);
     check_least_layers(stack, rules.least_layers, faults);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Zbuffer.png of a GCVF: against the layers as they are read back, and as libpng sees it; and what a GCVF cannot hold.
+// Zbuffer.png of a GCVF: against the layers as they are read back, and as libpng sees it; the other parts of a GCVF
+// that are no layers; and what a GCVF cannot hold.
 #include <png.h>
 #include <zip.h>
 
@@ -92,11 +93,11 @@ struct Discard {
     void operator()(zip_t* zip) const { zip_discard(zip); }
 };
 
-/// The container with another Zbuffer.png, or without where there are no bytes.
-void replace_zbuffer(const fs::path& container, const std::vector<std::uint8_t>& bytes) {
+/// The container with another part of this name, or without where there are no bytes.
+void replace_part(const fs::path& container, const char* name, const std::vector<std::uint8_t>& bytes) {
     std::unique_ptr<zip_t, Discard> zip(zip_open(container.c_str(), 0, nullptr));
     REQUIRE(zip);
-    const zip_int64_t index = zip_name_locate(zip.get(), "Zbuffer.png", 0);
+    const zip_int64_t index = zip_name_locate(zip.get(), name, 0);
     REQUIRE(index >= 0);
     if (bytes.empty()) {
         REQUIRE(zip_delete(zip.get(), std::uint64_t(index)) == 0);
@@ -106,6 +107,10 @@ void replace_zbuffer(const fs::path& container, const std::vector<std::uint8_t>&
     }
     REQUIRE(zip_close(zip.get()) == 0);
     (void)zip.release();
+}
+
+void replace_zbuffer(const fs::path& container, const std::vector<std::uint8_t>& bytes) {
+    replace_part(container, "Zbuffer.png", bytes);
 }
 
 std::vector<std::uint8_t> cut(std::vector<std::uint8_t> bytes) {
@@ -187,6 +192,41 @@ TEST_CASE("verify compares a container's Zbuffer with its layers", "[zbuffer]") 
     const StackReport without = verify_stack(container);
     CHECK(without.passed());
     CHECK_THAT(report_text(without), Contains("note: Zbuffer.png is not in it"));
+}
+
+TEST_CASE("A container without a part, or of another kind, does not pass", "[zbuffer]") {
+    TemporaryFolder folder;
+    const fs::path container = write_sparse(folder.path() / "s") / gcvf_name;
+    const auto check = [&](const char* part, const std::vector<std::uint8_t>& bytes, const std::string& words) {
+        const auto good = entry(container, part);
+        REQUIRE(bytes != good);
+        replace_part(container, part, bytes);
+        const StackReport report = verify_stack(container);
+        INFO(report_text(report));
+        CHECK(report.fault_count == 1);
+        CHECK(has(report, "container", words));
+        std::unique_ptr<zip_t, Discard> zip(zip_open(container.c_str(), 0, nullptr));
+        REQUIRE(zip_file_add(zip.get(), part, zip_source_buffer(zip.get(), good.data(), good.size(), 0),
+                             ZIP_FL_OVERWRITE) >= 0);
+        REQUIRE(zip_close(zip.release()) == 0);
+        REQUIRE(verify_stack(container).passed());
+    };
+    const auto xml = entry(container, "ConfigFile.xml");
+    const auto config = [&](const std::string& from, const std::string& to) {
+        std::string text(xml.begin(), xml.end());
+        text.replace(text.find(from), from.size(), to);
+        return std::vector<std::uint8_t>(text.begin(), text.end());
+    };
+    for (const char* part : {"Mesh.stl", "MeshBbx.ktn"}) {
+        check(part, {}, "is missing");
+        check(part, {1, 2, 3}, "has 3 bytes");
+    }
+    check("ConfigFile.xml", config("<Version>2<", "<Version>3<"), "Version 3 is not known here");
+    check("ConfigFile.xml", config("<Version>2</Version>", ""), "does not say its Version");
+    check("ConfigFile.xml", config(">Materials<", ">Colors<"), "DataSemantics Colors");
+    check("ConfigFile.xml", config("<BitDepth>4<", "<BitDepth>1<"), "BitDepth 1");
+    check("ConfigFile.xml", config("<MaxNumberOfColors>6<", "<MaxNumberOfColors>2<"), "names 5 materials");
+    check("ConfigFile.xml", config("<MaxNumberOfColors>6<", "<MaxNumberOfColors>many<"), "MaxNumberOfColors");
 }
 
 TEST_CASE("What a GCVF cannot hold is refused before a layer is made", "[zbuffer]") {
