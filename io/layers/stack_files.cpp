@@ -72,6 +72,34 @@ fs::path inner_series(const fs::path& folder) {
     return found.empty() ? fs::path() : *std::min_element(found.begin(), found.end());
 }
 
+/// Whether a link leads to something outside of a folder.
+bool leads_out(const fs::path& link, const fs::path& folder) {
+    std::error_code gone;
+    const fs::path target = fs::canonical(link, gone), base = fs::canonical(folder.empty() ? "." : folder, gone);
+    return std::mismatch(base.begin(), base.end(), target.begin(), target.end()).first != base.end();
+}
+
+/// What lies in the place of a layer, before it is opened: a pipe would be waited for. Of links those within the stack
+/// are followed; what is outside is no business of this program (stack_reader.h).
+void expect_layer_file(const fs::path& root, const std::string& name) {
+    std::error_code error;
+    const fs::file_type type = fs::status(root / name, error).type();
+    std::error_code no_link;
+    if (fs::is_symlink(root / name, no_link)) {
+        if (type == fs::file_type::not_found || error == std::errc::too_many_symbolic_link_levels)
+            throw InputError(name + ": is a link that leads nowhere: put the file itself there");
+        if (leads_out(root / name, root))
+            throw InputError(name + ": is a link out of the stack, which is not followed: put the file itself there");
+    }
+    const char* const what = type == fs::file_type::directory   ? "folder"
+                             : type == fs::file_type::fifo      ? "pipe"
+                             : type == fs::file_type::socket    ? "socket"
+                             : type == fs::file_type::character ? "device"
+                             : type == fs::file_type::block     ? "device"
+                                                                : nullptr;
+    if (what) throw InputError(fmt::format("{}: is a {}: put the layer's file there", name, what));
+}
+
 [[noreturn]] void refuse_no_layers(const fs::path& folder, const std::vector<std::string>& files) {
     if (fs::is_directory(folder / "layers"))
         throw InputError(
@@ -105,16 +133,15 @@ std::optional<SliceName> parse_slice_name(const std::string& file_name) {
     return SliceName{base.substr(0, begin), std::stoull(base.substr(begin)), static_cast<int>(digits)};
 }
 
-/// Slices of a folder by number; what is no slice of the largest series is a stranger.
+/// Slices of a folder by number, what is no file in their place among them: `bytes` says what it is. What is no slice
+/// of the largest series is a stranger.
 void StackFiles::list_folder(const fs::path& folder) {
-    std::vector<std::string> files, others;
-    for (const auto& entry : fs::directory_iterator(folder))
-        (entry.is_regular_file() ? files : others).push_back(entry.path().filename().string());
-    PictureSeries series = find_series(files);
-    if (series.names.empty()) refuse_no_layers(folder, files);
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().filename().string());
+    PictureSeries series = find_series(names);
+    if (series.names.empty()) refuse_no_layers(folder, names);
     listing_.names = std::move(series.names);
     listing_.strangers = std::move(series.strangers);
-    listing_.strangers.insert(listing_.strangers.end(), others.begin(), others.end());
     std::sort(listing_.strangers.begin(), listing_.strangers.end());
 }
 
@@ -171,13 +198,7 @@ void StackFiles::list_ours() {
     const std::string prefix = inner.empty() ? std::string() : inner.string() + "/";
     std::set<std::string> there;
     if (fs::is_directory(folder))
-        for (const auto& entry : fs::directory_iterator(folder)) {
-            const std::string name = entry.path().filename().string();
-            if (entry.is_regular_file())
-                there.insert(name);
-            else if (!prefix.empty())
-                listing_.strangers.push_back(prefix + name);
-        }
+        for (const auto& entry : fs::directory_iterator(folder)) there.insert(entry.path().filename().string());
     for (std::uint32_t k = 0; k < listing_.description->layers; ++k) {
         const std::string name = listing_.description->layer_path(k);
         if (there.erase(fs::path(name).filename().string()))
@@ -267,7 +288,9 @@ StackFiles::StackFiles(const fs::path& path) : root_(path) {
 
 std::vector<std::uint8_t> StackFiles::bytes(std::uint32_t index) const {
     if (zip_) return zip_->read(entries_.at(index), most_layer_bytes);
-    return read_whole_file(root_ / listing_.names.at(index), most_layer_bytes);
+    const std::string& name = listing_.names.at(index);
+    expect_layer_file(root_, name);
+    return read_whole_file(root_ / name, most_layer_bytes);
 }
 
 std::vector<std::uint8_t> StackFiles::zbuffer_bytes() const {

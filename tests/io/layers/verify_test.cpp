@@ -385,3 +385,45 @@ TEST_CASE("What lies beside the layers of a stack from elsewhere is read where t
     CHECK(report.faults.front().rule == "manifest");
     CHECK_THAT(report.faults.front().what, Contains("is no file"));
 }
+
+TEST_CASE("What is no file in the place of a layer is called what it is", "[verify]") {
+    const TemporaryFolder folder;
+    const fs::path out = folder.path() / "stack", elsewhere = folder.path() / "elsewhere.png";
+    (void)write_sample_stack(out, 40);
+    fs::rename(slice(out, 20), elsewhere);
+    const auto check = [&](const std::string& words) {
+        for (const fs::path& stack : {out, out / "layers"}) {
+            const StackReport report = verify_stack(stack);
+            INFO(report_text(report));
+            CHECK(report.layers == 40);
+            CHECK(report.fault_count == 1);
+            CHECK(has(report, "unreadable", words));
+            const StackReader reader(stack);
+            CHECK_THROWS_WITH(reader.read(20, sample_description(40).palette()),
+                              Contains("slice_00020.png") && Contains(words));
+        }
+        fs::remove(slice(out, 20));
+    };
+    fs::create_symlink("nowhere.png", slice(out, 20));
+    check("is a link that leads nowhere");
+    fs::create_symlink(slice(out, 20).filename(), slice(out, 20));
+    check("is a link that leads nowhere");
+    fs::create_symlink(elsewhere, slice(out, 20));
+    check("is a link out of the stack, which is not followed");
+    fs::create_directory_symlink(folder.path(), slice(out, 20));
+    check("is a link out of the stack, which is not followed");
+    fs::create_directory(slice(out, 20));
+    check("is a folder");
+    REQUIRE(mkfifo(slice(out, 20).c_str(), 0600) == 0);
+    check("is a pipe");
+    // Within the stack a link is as good as its file: here it is another layer's, which the counts tell.
+    fs::create_symlink(slice(out, 21).filename(), slice(out, 20));
+    CHECK(has(verify_stack(out), "digest"));
+    CHECK(verify_stack(out / "layers").passed());
+    // Beside the layers such things are in the way, whatever they are.
+    fs::remove(slice(out, 20));
+    fs::rename(elsewhere, slice(out, 20));
+    fs::create_symlink("nowhere", out / "layers" / "notes");
+    CHECK(has(verify_stack(out), "stranger", "layers/notes"));
+    CHECK(has(verify_stack(out / "layers"), "stranger", "notes"));
+}
