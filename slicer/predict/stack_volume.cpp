@@ -365,12 +365,14 @@ PixelMaterials with_transparent(const Assignment& assignment) {
     return materials;
 }
 
-/// Where transparent pixels are the background black is no longer that: a resin that nobody told would be air.
+/// Where transparent pixels are the background black is no longer that: a resin that nobody told would be air. With
+/// --nearest what is black may be an edge that was nearest to nothing.
 void expect_told_black(const ForeignBody& body, const StackVolumeOptions& options, const ForeignStack& foreign) {
     constexpr io::Rgb black{};
     const std::uint64_t pixels = body.pixels_of(black);
     const std::size_t transparent = body.materials.others.transparent;
-    if (foreign.layers.gcvf() || pixels == 0 || transparent >= body.pixels.size() || body.pixels[transparent] == 0 ||
+    if (foreign.nearest || foreign.layers.gcvf() || pixels == 0 || transparent >= body.pixels.size() ||
+        body.pixels[transparent] == 0 ||
         std::ranges::any_of(options.assign, [&](const ColourAssignment& told) { return told.rgb == black; }))
         return;
     if (transparent < body.materials.palette.size()) return;  // numbered as another colour is that stands for nothing

@@ -372,14 +372,11 @@ TEST_CASE("Black amid transparent pixels is asked about: it is no background the
     const io::TemporaryFolder folder;
     DrawnStack{.red = {0, 0, 0, 255}}.write(folder.path());
     Progress progress;
-    for (const bool nearest : {false, true}) {
-        CAPTURE(nearest);
-        CHECK_THROWS_WITH(read_drawn(folder.path(), {"#ffffff=W"}, nearest, progress),
-                          Contains("pixels of #000000 amid a transparent background") && Contains("\"#000000=W\"") &&
-                              Contains("none"));
-        const StackVolume told = read_drawn(folder.path(), {"#ffffff=W", "#000000=none"}, nearest, progress);
-        CHECK(told.volume.count()[optics::air] > 0);
-    }
+    CHECK_THROWS_WITH(
+        read_drawn(folder.path(), {"#ffffff=W"}, false, progress),
+        Contains("pixels of #000000 amid a transparent background") && Contains("\"#000000=W\"") && Contains("none"));
+    const StackVolume told = read_drawn(folder.path(), {"#ffffff=W", "#000000=none"}, false, progress);
+    CHECK(told.volume.count()[optics::air] > 0);
     // Around an opaque picture black is what nobody has to tell.
     const io::TemporaryFolder opaque;
     DrawnStack{.nothing = {0, 0, 0, 255}}.write(opaque.path());
