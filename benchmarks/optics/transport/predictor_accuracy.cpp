@@ -4,7 +4,7 @@
 //
 //   predictor_accuracy report             all of the tables below
 //   predictor_accuracy compare [FOLDER]   a row per case; what the columns mean: compare.h; seen: the mean of what an
-//                                         eye at 300 mm sees of the difference (halftone/loop/eye_filter.h)
+//                                         eye at 300 mm sees of the difference, noise and all (eye_filter.h)
 //   predictor_accuracy homogeneous        slabs of all mixtures of a 10 % lattice; tilted slabs, spheres of one colour
 //   predictor_accuracy speed              cost per cell, square centimetre and byte
 //   predictor_accuracy dial [FOLDER]      sweeps and skin cells: error and price
