@@ -29,8 +29,8 @@
 // for discrete ordinates calculations", Trans. Am. Nucl. Soc., choose the weight cell by cell from the fluxes, here it
 // is one number, so that the equations stay linear.
 //
-// psi, phi, J of light 1 that comes in from everywhere; h in mm, sigma in mm^-1; fit in (0, 1], below theta
-// = 1 to 1.005.
+// psi, phi, J of light 1 that comes in from everywhere; h in mm, sigma in mm^-1; fit in (0, 1], with
+// theta = 0.85 up to 1.005.
 //
 // Work: cells x 8 directions, about 30 vector instructions a cell; data touched: 16 bytes of moments in and out per
 // cell and 3 bytes of geometry. The order of arithmetic is fixed: the same bits on every run.
