@@ -142,23 +142,34 @@ struct BlockFaces {
     V8 *x, *y, *z;
 };
 
-/// psi of a cell; px, py, pz come in and go out. Written so that the way along x, where each cell waits for the one
-/// before, is one multiplication and one addition long: px_out = gain (fit q + ay py + az pz) + pass px = (1 + theta)
-/// psi - theta px.
-HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const SweepMedium& medium, const Moments& light,
-                           Moments& sum, V8& px, V8& py, V8& pz) {
+// A cell is crossed in three steps, each made for many cells before the next one: what is scattered there, the way of
+// the light, and the sum of what the cell sees. One after the other for each cell they are a chain of a hundred cycles,
+// and a processor does not look far enough ahead to begin the next cell meanwhile: 15 ns a cell for 11.
+
+/// fit q of a cell.
+HWY_INLINE void find_source(const Octant& o, const SweepMedium& medium, const Moments& light, V8& fitted) {
     const V8 q = medium.sigma_s * (light.phi + medium.linear * (light.x * o.sx + (light.y * o.sy + light.z * o.sz)));
-    const V8 fitted = as_vector(medium.fit) * q;
+    fitted = as_vector(medium.fit) * q;
+}
+
+/// `seen`: what the cell sees; px, py, pz come in and go out. Written so that the way along x, where each cell waits
+/// for the one before, is one multiplication and one addition long: px_out = gain (fit q + ay py + az pz) + pass px =
+/// (1 + theta) psi - theta px.
+HWY_INLINE void cross_cell(const Ways& ways, const SweepMedium& medium, const V8& fitted, V8& seen, V8& px, V8& py,
+                           V8& pz) {
     const V8 out = as_vector(medium.gain) * (fitted + (ways.ay * py + ways.az * pz)) + as_vector(medium.pass) * px;
     const V8 both = out + ways.theta * px;
     px = out;
     py = both - ways.theta * py;
     pz = both - ways.theta * pz;
-    const V8 mean = as_vector(medium.fit) * both + as_vector(medium.rest) * fitted;
-    V8 moment = __builtin_shuffle(mean, I8{0, 0, 0, 0, 1, 1, 1, 1}) * ways.weights[0];
-    V8 other = __builtin_shuffle(mean, I8{2, 2, 2, 2, 3, 3, 3, 3}) * ways.weights[1];
-    moment += __builtin_shuffle(mean, I8{4, 4, 4, 4, 5, 5, 5, 5}) * ways.weights[2];
-    other += __builtin_shuffle(mean, I8{6, 6, 6, 6, 7, 7, 7, 7}) * ways.weights[3];
+    seen = as_vector(medium.fit) * both + as_vector(medium.rest) * fitted;
+}
+
+HWY_INLINE void add_moments(const Ways& ways, const V8& seen, Moments& sum) {
+    V8 moment = __builtin_shuffle(seen, I8{0, 0, 0, 0, 1, 1, 1, 1}) * ways.weights[0];
+    V8 other = __builtin_shuffle(seen, I8{2, 2, 2, 2, 3, 3, 3, 3}) * ways.weights[1];
+    moment += __builtin_shuffle(seen, I8{4, 4, 4, 4, 5, 5, 5, 5}) * ways.weights[2];
+    other += __builtin_shuffle(seen, I8{6, 6, 6, 6, 7, 7, 7, 7}) * ways.weights[3];
     moment += other;
     V4 low, high;
     std::memcpy(&low, &moment, sizeof low);
@@ -166,20 +177,10 @@ HWY_INLINE void cross_cell(const Octant& o, const Ways& ways, const SweepMedium&
     add_to(sum, low + high);
 }
 
-/// A row of cells none of which has an outer face.
-template <int step>
-HWY_INLINE void inner_row(const Octant& o, const Ways& ways, const SweepMedium* media, const std::uint16_t* medium,
-                          const Moments* light, Moments* sum, int row, V8* row_y, V8* row_z, V8& px_in_out) {
-    V8 px = px_in_out;
-    int x = step > 0 ? 0 : ways.nx - 1;
-    for (int k = 0; k < ways.nx; ++k, x += step) {
-        V8 py = row_y[x], pz = row_z[x];
-        cross_cell(o, ways, media[medium[row + x]], light[row + x], sum[row + x], px, py, pz);
-        row_y[x] = py;
-        row_z[x] = pz;
-    }
-    px_in_out = px;
-}
+/// Of cells that are crossed together.
+struct CellLight {
+    V8 *fitted, *seen;
+};
 
 /// What comes in and goes out through outer faces, by where they keep their light: among the core's with `into_core`
 /// set.
@@ -231,14 +232,6 @@ private:
     }
 };
 
-HWY_INLINE void cross_row(const Octant& o, const Ways& ways, const SweepMedium* media, const std::uint16_t* medium,
-                          const Moments* light, Moments* sum, int row, V8* row_y, V8* row_z, V8& px) {
-    if (o.back[0])
-        inner_row<-1>(o, ways, media, medium, light, sum, row, row_y, row_z, px);
-    else
-        inner_row<1>(o, ways, media, medium, light, sum, row, row_y, row_z, px);
-}
-
 /// A whole block of solid cells: its outer faces are faces of the block.
 void sweep_solid_block(const SweepJob& job, const Octant& o, const SweepMedium* media, const GridBlock& block,
                        const BlockFaces& faces) {
@@ -256,14 +249,21 @@ void sweep_solid_block(const SweepJob& job, const Octant& o, const SweepMedium* 
         }
     };
     for (int a = 0; a < 3; ++a) each_face(a, o.in_bit[a], [&](std::size_t place, V8& p) { outside.take(a, place, p); });
+    V8 fitted[64], seen[64];
+    for (int c = 0; c < 64; ++c) find_source(o, media[medium[c]], light[c], fitted[c]);
     for (int kz = 0; kz < 4; ++kz) {
         const int z = o.back[2] ? 3 - kz : kz;
         for (int ky = 0; ky < 4; ++ky) {
-            const int y = o.back[1] ? 3 - ky : ky;
-            cross_row(o, ways, media, medium, light, sum, (z * 4 + y) * 4, faces.y + z * 4, faces.z + y * 4,
-                      faces.x[z * 4 + y]);
+            const int y = o.back[1] ? 3 - ky : ky, row = (z * 4 + y) * 4;
+            V8 px = faces.x[z * 4 + y];
+            for (int kx = 0; kx < 4; ++kx) {
+                const int x = o.back[0] ? 3 - kx : kx, c = row + x;
+                cross_cell(ways, media[medium[c]], fitted[c], seen[c], px, faces.y[z * 4 + x], faces.z[y * 4 + x]);
+            }
+            faces.x[z * 4 + y] = px;
         }
     }
+    for (int c = 0; c < 64; ++c) add_moments(ways, seen[c], sum[c]);
     for (int a = 0; a < 3; ++a)
         each_face(a, o.out_bit[a], [&](std::size_t place, const V8& p) { outside.give(a, place, p); });
 }
@@ -280,6 +280,16 @@ constexpr unsigned y_face(unsigned cell) { return cell + (cell >> 4 << 2); }
 /// In which order a half of the bits of a word is exchanged with the other one.
 HWY_INLINE std::uint64_t exchange(std::uint64_t bits, int step, std::uint64_t low) {
     return (bits & low) << step | (bits >> step & low);
+}
+
+/// As light meets them.
+template <class Body>
+HWY_INLINE void each_solid_cell(const Octant& o, std::uint64_t solid, Body&& body) {
+    if (o.back[0]) solid = exchange(exchange(solid, 1, 0x5555555555555555), 2, 0x3333333333333333);
+    if (o.back[1]) solid = exchange(exchange(solid, 4, 0x0f0f0f0f0f0f0f0f), 8, 0x00ff00ff00ff00ff);
+    if (o.back[2]) solid = exchange(exchange(solid, 16, 0x0000ffff0000ffff), 32, 0x00000000ffffffff);
+    const unsigned flip = (o.back[0] ? 3u : 0u) | (o.back[1] ? 12u : 0u) | (o.back[2] ? 48u : 0u);
+    for (; solid != 0; solid &= solid - 1) body(static_cast<unsigned>(__builtin_ctzll(solid)) ^ flip);
 }
 
 /// A whole block at the surface. Which cells are solid and which of their faces lie outside is as
@@ -313,20 +323,21 @@ void sweep_surface_block(const SweepJob& job, const Octant& o, const SweepMedium
         }
     };
     for (int a = 0; a < 3; ++a) each_face(a, o.in_bit[a], [&](std::size_t place, V8& p) { outside.take(a, place, p); });
-    std::uint64_t solid = block.solid;  // in the order of this octant
-    if (o.back[0]) solid = exchange(exchange(solid, 1, 0x5555555555555555), 2, 0x3333333333333333);
-    if (o.back[1]) solid = exchange(exchange(solid, 4, 0x0f0f0f0f0f0f0f0f), 8, 0x00ff00ff00ff00ff);
-    if (o.back[2]) solid = exchange(exchange(solid, 16, 0x0000ffff0000ffff), 32, 0x00000000ffffffff);
-    const unsigned flip = (o.back[0] ? 3u : 0u) | (o.back[1] ? 12u : 0u) | (o.back[2] ? 48u : 0u);
-    for (; solid != 0; solid &= solid - 1) {
-        const unsigned cell = static_cast<unsigned>(__builtin_ctzll(solid)) ^ flip;
+    unsigned cells = 0;
+    std::uint8_t cell_at[64];
+    each_solid_cell(o, block.solid, [&](unsigned cell) { cell_at[cells++] = static_cast<std::uint8_t>(cell); });
+    V8 fitted[64], seen[64];
+    for (unsigned k = 0; k < cells; ++k) find_source(o, media[medium[cell_at[k]]], light[cell_at[k]], fitted[k]);
+    for (unsigned k = 0; k < cells; ++k) {
+        const unsigned cell = cell_at[k];
         V8 *const x = on.x + x_face(cell), *const y = on.y + y_face(cell), *const z = on.z + cell;
         V8 px = x[in[0]], py = y[in[1]], pz = z[in[2]];
-        cross_cell(o, ways, media[medium[cell]], light[cell], sum[cell], px, py, pz);
+        cross_cell(ways, media[medium[cell]], fitted[k], seen[k], px, py, pz);
         x[out[0]] = px;
         y[out[1]] = py;
         z[out[2]] = pz;
     }
+    for (unsigned k = 0; k < cells; ++k) add_moments(ways, seen[k], sum[cell_at[k]]);
     for (int a = 0; a < 3; ++a)
         each_face(a, o.out_bit[a], [&](std::size_t place, const V8& p) { outside.give(a, place, p); });
     for (unsigned j = 0; j < 16; ++j) {
@@ -336,79 +347,87 @@ void sweep_surface_block(const SweepJob& job, const Octant& o, const SweepMedium
     }
 }
 
-/// The parts of a block's cells. Outer faces are those of whole cells: all parts get the light that enters there, and
-/// what leaves is their mean.
+/// Where a part lies from the first one of its cell: among the block's parts, and on the faces across x, y and z.
+struct PartPlace {
+    int part, face[3];
+};
+
+/// The parts of a cell as light meets them.
+std::vector<PartPlace> parts_in_order(const Octant& o, const std::array<int, 3>& split) {
+    const Ways& ways = o.ways[0];
+    std::vector<PartPlace> parts;
+    for (int kz = 0; kz < split[2]; ++kz)
+        for (int ky = 0; ky < split[1]; ++ky)
+            for (int kx = 0; kx < split[0]; ++kx) {
+                const int x = o.back[0] ? split[0] - 1 - kx : kx, y = o.back[1] ? split[1] - 1 - ky : ky,
+                          z = o.back[2] ? split[2] - 1 - kz : kz;
+                parts.push_back({(z * ways.ny + y) * ways.nx + x, {z * ways.ny + y, z * ways.nx + x, y * ways.nx + x}});
+            }
+    return parts;
+}
+
+/// The parts of a block's cells, cell by cell. Outer faces are those of whole cells: all parts get the light that
+/// enters there, and what leaves is their mean. `parts`: of a cell; `work`: room for as many.
 void sweep_parts(const SweepJob& job, const Octant& o, const SweepMedium* media, std::size_t t, const GridBlock& block,
-                 const BlockFaces& faces) {
+                 const BlockFaces& faces, std::span<const PartPlace> parts, CellLight work) {
     const ViewingGrid& grid = job.grid;
     const Ways ways = o.ways[0];
     const std::array<int, 3> split = grid.fine.split;
     const std::size_t first_part = grid.fine.first[t];
-    const std::uint16_t* const medium = grid.fine.medium.data() + first_part;
-    const Moments* const light = job.parts.light.data() + first_part;
-    Moments* const sum = job.parts.sum.data() + first_part;
     const Outside outside{job, o};
-    constexpr std::uint8_t not_solid = 64;
-    std::array<std::uint8_t, 64> outer;  // by cell: bit f is set where face f is an outer one; or `not_solid`
-    for (unsigned cell = 0; cell < 64; ++cell) outer[cell] = block.solid >> cell & 1 ? 0 : not_solid;
-    std::array<std::array<std::uint32_t, 64>, 6> place_of;  // where it is
-    for (unsigned facing = 0; facing < 6; ++facing)
-        for (unsigned f = block.first_facing[facing]; f < block.first_facing[facing + 1]; ++f) {
+    V8* const on[3] = {faces.x, faces.y, faces.z};
+    std::uint64_t entered[3]{}, left[3]{};       // cells with such outer faces
+    std::uint32_t enters[3][64], leaves[3][64];  // where these are
+    for (int a = 0; a < 3; ++a) {
+        for (unsigned f = block.first_facing[o.in_bit[a]]; f < block.first_facing[o.in_bit[a] + 1]; ++f) {
             const auto& [place, cell] = grid.by_facing[block.first_face + f];
-            outer[cell] |= static_cast<std::uint8_t>(1u << facing);
-            place_of[facing][cell] = place;
+            entered[a] |= std::uint64_t{1} << cell;
+            enters[a][cell] = place;
         }
-    float share[3];
-    int first[3], last[3];  // part of a cell that light enters first, and leaves last
-    for (std::size_t a = 0; a < 3; ++a) {
-        share[a] = 1.0f / static_cast<float>(split[(a + 1) % 3] * split[(a + 2) % 3]);
-        first[a] = o.back[a] ? split[a] - 1 : 0;
-        last[a] = o.back[a] ? 0 : split[a] - 1;
-        for (unsigned f = block.first_facing[o.out_bit[a]]; f < block.first_facing[o.out_bit[a] + 1]; ++f)
-            outside.clear(static_cast<int>(a), grid.by_facing[block.first_face + f].place);
-    }
-    for (int kz = 0; kz < ways.nz; ++kz) {
-        const int z = o.back[2] ? ways.nz - 1 - kz : kz;
-        for (int ky = 0; ky < ways.ny; ++ky) {
-            const int y = o.back[1] ? ways.ny - 1 - ky : ky;
-            const int row = (z * ways.ny + y) * ways.nx, whole = (z / split[2] * 4 + y / split[1]) * 4;
-            V8 px = faces.x[z * ways.ny + y];
-            V8* const row_y = faces.y + z * ways.nx;
-            V8* const row_z = faces.z + y * ways.nx;
-            unsigned any = 0;
-            for (std::size_t x = 0; x < 4; ++x) any |= outer[static_cast<std::size_t>(whole) + x];
-            // Faces across y and z concern the parts along them alone.
-            for (int a = 1; a < 3; ++a) {
-                const int part = a == 1 ? y % split[1] : z % split[2];
-                if (part != first[a]) any &= ~(1u << o.in_bit[a]);
-                if (part != last[a]) any &= ~(1u << o.out_bit[a]);
-            }
-            if (any == 0) {
-                cross_row(o, ways, media, medium, light, sum, row, row_y, row_z, px);
-                faces.x[z * ways.ny + y] = px;
-                continue;
-            }
-            const int step = o.back[0] ? -1 : 1;
-            for (int kx = 0, x = o.back[0] ? ways.nx - 1 : 0; kx < ways.nx; ++kx, x += step) {
-                const auto cell = static_cast<std::size_t>(whole + x / split[0]);
-                const int part[3] = {x % split[0], y % split[1], z % split[2]};
-                const unsigned bits = outer[cell];
-                if (bits & not_solid) continue;
-                V8 p[3] = {px, row_y[x], row_z[x]};
-                for (int a = 0; a < 3; ++a)
-                    if (bits >> o.in_bit[a] & 1 && part[a] == first[a])
-                        outside.take(a, place_of[o.in_bit[a]][cell], p[a]);
-                cross_cell(o, ways, media[medium[row + x]], light[row + x], sum[row + x], p[0], p[1], p[2]);
-                px = p[0];
-                row_y[x] = p[1];
-                row_z[x] = p[2];
-                for (int a = 0; a < 3; ++a)
-                    if (bits >> o.out_bit[a] & 1 && part[a] == last[a])
-                        outside.give_part(a, place_of[o.out_bit[a]][cell], p[a], share[a]);
-            }
-            faces.x[z * ways.ny + y] = px;
+        for (unsigned f = block.first_facing[o.out_bit[a]]; f < block.first_facing[o.out_bit[a] + 1]; ++f) {
+            const auto& [place, cell] = grid.by_facing[block.first_face + f];
+            left[a] |= std::uint64_t{1} << cell;
+            leaves[a][cell] = place;
+            outside.clear(a, place);
         }
     }
+    const std::uint64_t any_entered = entered[0] | entered[1] | entered[2], any_left = left[0] | left[1] | left[2];
+    const std::size_t count = parts.size();
+    // The parts behind a cell's face, one of each row of parts across it.
+    const auto each_on_face = [&](int axis, auto&& body) {
+        const int step = axis == 0 ? split[0] : axis == 1 ? split[0] * split[1] : split[0] * split[1] * split[2];
+        const int within = axis == 0 ? 1 : axis == 1 ? split[0] : split[0] * split[1];
+        for (int from = 0; from < static_cast<int>(count); from += step)
+            for (int k = from; k < from + within; ++k) body(parts[static_cast<std::size_t>(k)].face[axis]);
+    };
+    each_solid_cell(o, block.solid, [&](unsigned cell) {
+        const int x = static_cast<int>(cell & 3) * split[0], y = static_cast<int>(cell >> 2 & 3) * split[1],
+                  z = static_cast<int>(cell >> 4) * split[2];
+        V8* const at[3] = {on[0] + z * ways.ny + y, on[1] + z * ways.nx + x, on[2] + y * ways.nx + x};
+        if (any_entered >> cell & 1)
+            for (int a = 0; a < 3; ++a)
+                if (entered[a] >> cell & 1) {
+                    V8 p;
+                    outside.take(a, enters[a][cell], p);
+                    each_on_face(a, [&](int face) { at[a][face] = p; });
+                }
+        const std::size_t first = first_part + static_cast<std::size_t>((z * ways.ny + y) * ways.nx + x);
+        const std::uint16_t* const medium = grid.fine.medium.data() + first;
+        const Moments* const light = job.parts.light.data() + first;
+        Moments* const sum = job.parts.sum.data() + first;
+        for (std::size_t k = 0; k < count; ++k)
+            find_source(o, media[medium[parts[k].part]], light[parts[k].part], work.fitted[k]);
+        for (std::size_t k = 0; k < count; ++k)
+            cross_cell(ways, media[medium[parts[k].part]], work.fitted[k], work.seen[k], at[0][parts[k].face[0]],
+                       at[1][parts[k].face[1]], at[2][parts[k].face[2]]);
+        for (std::size_t k = 0; k < count; ++k) add_moments(ways, work.seen[k], sum[parts[k].part]);
+        if (any_left >> cell & 1)
+            for (int a = 0; a < 3; ++a)
+                if (left[a] >> cell & 1) {
+                    const float share = 1.0f / static_cast<float>(split[(a + 1) % 3] * split[(a + 2) % 3]);
+                    each_on_face(a, [&](int face) { outside.give_part(a, leaves[a][cell], at[a][face], share); });
+                }
+    });
 }
 
 /// What an octant takes from a block's faces and puts there is fetched from memory while the block before is crossed:
@@ -441,10 +460,12 @@ void sweep(const SweepJob& job, int half) {
                per_z = static_cast<std::size_t>(fine[0] * fine[1]);
     const auto across = static_cast<std::size_t>(grid.lattice[0]), deep = static_cast<std::size_t>(grid.lattice[1]);
     std::array<Octant, 4> octants;
+    std::array<std::vector<PartPlace>, 4> parts;
     std::array<Front, 4> fronts;
     for (int k = 0; k < 4; ++k) {
         const auto i = static_cast<std::size_t>(k);
         octants[i] = make_octant(grid, k + 4 * half, kinds);
+        if (grid.fine.any()) parts[i] = parts_in_order(octants[i], grid.fine.split);
         Front& front = fronts[i];
         front.y.resize(per_y * across * job.rows.fronts);
         front.z.resize(per_z * across * deep);
@@ -464,7 +485,7 @@ void sweep(const SweepJob& job, int half) {
         const Octant& o = octants[k];
         CellFaces on{};
         Front& front = fronts[k];
-        std::vector<Octet> front_x(per_x);
+        std::vector<Octet> front_x(per_x), fitted(parts[k].size()), seen(parts[k].size());
         bool x_fine = false;
         const std::size_t begin = grid.transport_rows[row], end = grid.transport_rows[row + 1];
         for (std::size_t i = begin; i < end; ++i) {
@@ -481,7 +502,8 @@ void sweep(const SweepJob& job, int half) {
             fit(faces.y, front.y_fine[by], in_parts, 0, 2);
             fit(faces.z, front.z_fine[bz], in_parts, 0, 1);
             if (in_parts)
-                sweep_parts(job, o, job.parts.media.data(), t, block, faces);
+                sweep_parts(job, o, job.parts.media.data(), t, block, faces, parts[k],
+                            {as_vectors(fitted.data()), as_vectors(seen.data())});
             else if (block.solid == ~std::uint64_t{0})
                 sweep_solid_block(job, o, job.cells.media.data(), block, faces);
             else

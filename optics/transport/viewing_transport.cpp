@@ -352,17 +352,23 @@ void ViewingTransport::enter(bool start) {
 /// The correction, linear over each cell of a block, in its parts.
 void ViewingTransport::enter_parts(std::size_t t, const ViewingDiffusion::Flows& J) {
     const ViewingGrid::Fine& fine = grid_.fine;
+    std::array<std::vector<float>, 3> falls;  // how much less phi is in a part, by its place along each axis
+    for (std::size_t a = 0; a < 3; ++a) falls[a].resize(static_cast<std::size_t>(fine.split[a]));
     for_each({4, 4, 4}, [&](const Place& cell) {
         const std::size_t place = place_in_block(cell), at = 64 * t + place;
         if (grid_.medium[at] == 0) return;
         const float D = D_[grid_.medium[at]];
-        for_each(fine.split, [&](const Place& part) {
-            float phi = x_[at];
-            for (std::size_t a = 0; a < 3; ++a) {
-                const float offset = (static_cast<float>(part[a]) + 0.5f) / static_cast<float>(fine.split[a]) - 0.5f;
-                phi -= offset * edge_[a] * J[a][place] / D;
+        for (std::size_t a = 0; a < 3; ++a)
+            for (std::size_t k = 0; k < falls[a].size(); ++k) {
+                const float offset = (static_cast<float>(k) + 0.5f) / static_cast<float>(fine.split[a]) - 0.5f;
+                falls[a][k] = offset * edge_[a] * J[a][place] / D;
             }
-            parts_[fine.first[t] + fine.part(cell, part)] += {phi, J[0][place], J[1][place], J[2][place]};
+        const float phi = x_[at];
+        Moments* const first = parts_.data() + fine.first[t] + fine.part(cell, {});
+        for_each(fine.split, [&](const Place& part) {
+            float here = phi;
+            for (std::size_t a = 0; a < 3; ++a) here -= falls[a][static_cast<std::size_t>(part[a])];
+            first[fine.part({}, part)] += {here, J[0][place], J[1][place], J[2][place]};
         });
     });
 }
@@ -376,13 +382,16 @@ void ViewingTransport::gather_parts(std::size_t t) {
         const std::size_t at = 64 * t + place_in_block(cell);
         float source = 0;
         Moments mean;
-        for_each(fine.split, [&](const Place& part) {
-            const std::size_t i = fine.first[t] + fine.part(cell, part);
-            const Moments now = parts_up_[i] + parts_down_[i];
-            source += volume * media_->parts[fine.medium[i]].sigma_s * (now.phi - parts_[i].phi);
-            mean += share * now;
-            parts_[i] = now;
-        });
+        if (grid_.medium[at] != 0) {
+            const std::size_t first = fine.first[t] + fine.part(cell, {});
+            for_each(fine.split, [&](const Place& part) {
+                const std::size_t i = first + fine.part({}, part);
+                const Moments now = parts_up_[i] + parts_down_[i];
+                source += volume * media_->parts[fine.medium[i]].sigma_s * (now.phi - parts_[i].phi);
+                mean += share * now;
+                parts_[i] = now;
+            });
+        }
         scratch_.up()[at].phi = source;
         moments_[at] = mean;
     });
