@@ -156,6 +156,16 @@ MonteCarlo::MonteCarlo(const MonteCarloOptions& options) : options_(options) {
     VOXTONE_EXPECT(options.tracer == PathTracer::packets || !options.boundary);
 }
 
+TwinAppearances MonteCarlo::predict_with_twin(const Scene& scene, const Surface& surface, const ResinVolume& twin,
+                                              const Progress* progress) const {
+    MonteCarloOptions others = options_;
+    others.seed = ~options_.seed;
+    Scene other = scene;
+    other.volume = &twin;
+    Appearance body = predict(scene, surface, progress);
+    return {std::move(body), MonteCarlo(others).predict(other, surface, progress)};
+}
+
 Appearance MonteCarlo::predict(const Scene& scene, const Surface& surface, const Progress* progress) const {
     MonteCarloSummary summary;
     return predict(scene, surface, summary, progress);

@@ -27,6 +27,9 @@ public:
 
     [[nodiscard]] Appearance predict(const Scene& scene, const Surface& surface,
                                      const Progress* progress = nullptr) const override;
+    /// The twin by the seed's complement.
+    [[nodiscard]] TwinAppearances predict_with_twin(const Scene& scene, const Surface& surface, const ResinVolume& twin,
+                                                    const Progress* progress = nullptr) const override;
     /// The same, and what it took.
     [[nodiscard]] Appearance predict(const Scene& scene, const Surface& surface, MonteCarloSummary& summary,
                                      const Progress* progress = nullptr) const;

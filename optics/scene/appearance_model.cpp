@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "optics/scene/appearance_model.h"
 
+#include <utility>
+
 namespace voxtone::optics {
 namespace {
 
@@ -25,6 +27,14 @@ private:
 bool AppearanceSequence::gradient(std::span<const float> /*adjoint_seed*/, const GradientVisitor& /*visit*/,
                                   const Progress* /*progress*/) {
     return false;
+}
+
+TwinAppearances AppearanceModel::predict_with_twin(const Scene& scene, const Surface& surface, const ResinVolume& twin,
+                                                   const Progress* progress) const {
+    Scene other = scene;
+    other.volume = &twin;
+    Appearance body = predict(scene, surface, progress);
+    return {std::move(body), predict(other, surface, progress)};
 }
 
 std::unique_ptr<AppearanceSequence> AppearanceModel::sequence(const Scene& scene, const Surface& surface,

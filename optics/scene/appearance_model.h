@@ -79,6 +79,11 @@ public:
                                         const Progress* progress = nullptr);
 };
 
+/// Of a body and of its twin: a volume of the same shape in other resins, as the white one that colours refer to.
+struct TwinAppearances {
+    Appearance body, twin;
+};
+
 class AppearanceModel {
 public:
     virtual ~AppearanceModel() = default;
@@ -86,6 +91,11 @@ public:
     /// without a resin, ResourceError where it would need more memory than allowed, Cancelled.
     [[nodiscard]] virtual Appearance predict(const Scene& scene, const Surface& surface,
                                              const Progress* progress = nullptr) const = 0;
+    /// Both, `twin` with the size, pitch and air of the scene's volume; what they share may be found once. Random
+    /// numbers are others for each.
+    [[nodiscard]] virtual TwinAppearances predict_with_twin(const Scene& scene, const Surface& surface,
+                                                            const ResinVolume& twin,
+                                                            const Progress* progress = nullptr) const;
     /// Predictions of volumes of the scene's shape, one after the other; what they share may be kept between them. The
     /// default predicts each anew. Scene, surface and model must outlive the sequence. Throws Cancelled.
     [[nodiscard]] virtual std::unique_ptr<AppearanceSequence> sequence(const Scene& scene, const Surface& surface,

@@ -30,6 +30,14 @@ Appearance TransportPredictor::predict(const Scene& scene, const Surface& surfac
     return seen;
 }
 
+TwinAppearances TransportPredictor::predict_with_twin(const Scene& scene, const Surface& surface,
+                                                      const ResinVolume& twin, const Progress* progress) const {
+    VOXTONE_EXPECT(scene.volume && scene.resins);
+    ViewingSequence sequence(scene, surface, options_, progress);
+    Appearance body = sequence.only(*scene.volume, progress);
+    return {std::move(body), sequence.only(twin, progress)};
+}
+
 std::size_t TransportPredictor::least_bytes(double solid_mm3, const std::array<double, 3>& pitch_mm) const {
     constexpr double of_a_block = 64 * 100;  // moments and equations
     constexpr double least_blocks = 32;      // of a tile and the halo around it, where the body has as many

@@ -43,6 +43,9 @@ public:
                                      const Progress* progress = nullptr) const override;
     [[nodiscard]] Appearance predict(const Scene& scene, const Surface& surface, TransportSummary& summary,
                                      const Progress* progress = nullptr) const;
+    /// On one grid.
+    [[nodiscard]] TwinAppearances predict_with_twin(const Scene& scene, const Surface& surface, const ResinVolume& twin,
+                                                    const Progress* progress = nullptr) const override;
     /// What a prediction of a body of so many mm^3, in voxels of this pitch, needs at the least: can be told before
     /// there is a volume. It may need much more.
     [[nodiscard]] std::size_t least_bytes(double solid_mm3, const std::array<double, 3>& pitch_mm) const;

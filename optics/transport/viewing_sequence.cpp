@@ -85,7 +85,6 @@ void ViewingSequence::prepare(std::size_t index, const Progress* progress) {
     if (live().shape->filled == volume_) return;
     const Stopwatch watch;
     if (!grids_.fill(live(), *volume_, progress)) remake_live(progress);
-    refine_live(progress);
     live().shape->filled = volume_;
     summary_.grid_s += watch.total();
 }
@@ -107,11 +106,13 @@ void ViewingSequence::remake_live(const Progress* progress) {
 
 void ViewingSequence::refine_live(const Progress* progress) {
     if (keeps_light_ || options_.refinement == Refinement::none) return;
+    const Stopwatch watch;
     ViewingGrid& grid = live().shape->grid;
     std::vector<std::uint32_t> blocks = blocks_to_refine(grid, *volume_, options_.refinement);
     if (options_.refinement == Refinement::contrast)
         blocks = blocks_of_contrast(grid, *scene_.resins, std::move(blocks), options_.least_contrast);
     refine(grid, *volume_, blocks, parts_of_cell(grid.view_voxels, grid.pitch_mm), progress);
+    summary_.grid_s += watch.total();
 }
 
 template <class Done>
@@ -151,6 +152,7 @@ void ViewingSequence::begin(KeptLight& light, std::span<const float> adjoint_see
 
 Appearance ViewingSequence::only(const ResinVolume& volume, const Progress* progress) {
     keeps_light_ = false;
+    light_.ghosts.clear();
     // A tile's light is not kept from the last round: it is found once more, with what its neighbours told, and swept.
     return predict(volume, {options_.sweeps, 0, first_rounds - 1}, progress);
 }
@@ -192,11 +194,13 @@ Appearance ViewingSequence::predict(const ResinVolume& volume, Effort effort, co
     summary_.mean_change = 0;
     for (std::size_t t = 0; t < tiles.size(); ++t) {
         prepare(t, progress);
+        refine_live(progress);
         solve(light_, true, effort, {}, progress, [&](std::size_t c) {
             summary_.last_change[c] = std::max(summary_.last_change[c], transport_->last_change());
             summary_.mean_change = std::max(summary_.mean_change, transport_->relative_change());
             read_appearance(c, appearance);
         });
+        live().shape->grid.fine = {};
     }
     count_memory(0);
     // Another tile comes next: what this one worked in is not held while the next print is made.

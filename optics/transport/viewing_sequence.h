@@ -54,8 +54,8 @@ public:
                                                                         const Progress* progress = nullptr);
     [[nodiscard]] Appearance next(const ResinVolume& volume, const Progress* progress = nullptr) override;
     [[nodiscard]] Appearance twin(const ResinVolume& volume, const Progress* progress = nullptr) override;
-    /// The first prediction and no other, on cells that are cut where `options` say so: the light of a tile is dropped
-    /// when the next one's turn comes.
+    /// A prediction that stands alone, on cells that are cut where `options` say so: the light of a tile is dropped
+    /// when the next one's turn comes. Another may follow on the same grids; no other kind may.
     [[nodiscard]] Appearance only(const ResinVolume& volume, const Progress* progress = nullptr);
     /// Of viewing_gradient.h, box by box of the tiles. The adjoint light of each channel is kept for the next one:
     /// `sweeps` the first time, then `next_sweeps`. Contract: there was a prediction.

@@ -99,20 +99,18 @@ JobPrediction predict_print(const ResolvedJob& job, PredictionModel model, const
     if (model == PredictionModel::monte_carlo && !body.is_picture && body.relief.empty()) boundary = boundary_of(body);
     std::optional<CoarseCells> coarse;
     if (model == PredictionModel::transport) coarse = coarse_cells(scene.volume->pitch_mm(), job.prediction.cell_mm);
-    const ModelMaker maker = [&](bool white) {
-        const std::uint64_t memory = job.prediction.memory_bytes;
-        ModelOptions quality;
-        quality.cell_mm = coarse ? eye_cell_mm : job.prediction.cell_mm;
-        quality.viewing_cells = coarse.has_value();
-        quality.memory_bytes = memory - std::min(memory, std::uint64_t{2 * prediction.volume.memory_bytes()});
-        set_depth_of_cells(quality, scene.backing);
-        quality.boundary = boundary ? &*boundary : nullptr;
-        quality.seed = white ? ~job.seed : job.seed;
-        return make_model(model, quality);
-    };
+    const std::uint64_t memory = job.prediction.memory_bytes;
+    ModelOptions quality;
+    quality.cell_mm = coarse ? eye_cell_mm : job.prediction.cell_mm;
+    quality.viewing_cells = coarse.has_value();
+    quality.memory_bytes = memory - std::min(memory, std::uint64_t{2 * prediction.volume.memory_bytes()});
+    set_depth_of_cells(quality, scene.backing);
+    quality.boundary = boundary ? &*boundary : nullptr;
+    quality.seed = job.seed;
+    const auto seer = make_model(model, quality);
     const int white = resins.set.find("W");
     const auto predicted_on = [&](optics::Surface surface) {
-        return predict_surface(scene, std::move(surface), maker, white >= 0 ? white : resins.core, progress);
+        return predict_surface(scene, std::move(surface), *seer, white >= 0 ? white : resins.core, progress);
     };
     if (coarse) {
         optics::Surface eye = optics::find_surface(scene, coarse->eye, seen_part(body), &progress);

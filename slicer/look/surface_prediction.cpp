@@ -39,29 +39,27 @@ void make_relative(SurfacePrediction& prediction, const optics::Appearance& whit
 
 }  // namespace
 
-SurfacePrediction predict_surface(const optics::Scene& scene, optics::Surface surface, const ModelMaker& make_model,
-                                  int white_resin, Progress& progress) {
+SurfacePrediction predict_surface(const optics::Scene& scene, optics::Surface surface,
+                                  const optics::AppearanceModel& model, int white_resin, Progress& progress) {
     SurfacePrediction prediction;
     prediction.surface = std::move(surface);
-    {
-        optics::Appearance appearance = make_model(false)->predict(scene, prediction.surface, &progress);
-        prediction.channels = appearance.channels;
-        prediction.value = std::move(appearance.value);
-        prediction.standard_error = std::move(appearance.standard_error);
-        prediction.remarks = std::move(appearance.remarks);
-    }
-    VOXTONE_ENSURE(prediction.value.size() == prediction.surface.cells.size() * prediction.channels);
+    optics::TwinAppearances seen;
     if (white_resin >= 0) {
         const optics::ResinVolume twin = optics::all_of(*scene.volume, static_cast<optics::Material>(white_resin + 1));
-        optics::Scene white = scene;
-        white.volume = &twin;
-        const optics::Appearance appearance = make_model(true)->predict(white, prediction.surface, &progress);
-        prediction.rgb = colours_of(prediction, scene.resins->channels, &appearance.value);
-        make_relative(prediction, appearance);
-        for (const std::string& remark : appearance.remarks)
-            prediction.remarks.push_back("of the white that colours refer to: " + remark);
+        seen = model.predict_with_twin(scene, prediction.surface, twin, &progress);
     } else {
-        prediction.rgb = colours_of(prediction, scene.resins->channels, nullptr);
+        seen.body = model.predict(scene, prediction.surface, &progress);
+    }
+    prediction.channels = seen.body.channels;
+    prediction.value = std::move(seen.body.value);
+    prediction.standard_error = std::move(seen.body.standard_error);
+    prediction.remarks = std::move(seen.body.remarks);
+    VOXTONE_ENSURE(prediction.value.size() == prediction.surface.cells.size() * prediction.channels);
+    prediction.rgb = colours_of(prediction, scene.resins->channels, white_resin >= 0 ? &seen.twin.value : nullptr);
+    if (white_resin >= 0) {
+        make_relative(prediction, seen.twin);
+        for (const std::string& remark : seen.twin.remarks)
+            prediction.remarks.push_back("of the white that colours refer to: " + remark);
     }
     const optics::MixtureCorrection correction(*scene.resins, white_resin);
     if (correction.any())

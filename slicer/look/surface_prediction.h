@@ -16,8 +16,6 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -37,11 +35,9 @@ struct SurfacePrediction {
     std::vector<std::string> remarks;   ///< of the model (Appearance::remarks), of the body and of its white twin
 };
 
-/// A model for the body (`white` false) or for its white twin: where random numbers are drawn, others for each.
-using ModelMaker = std::function<std::unique_ptr<const optics::AppearanceModel>(bool white)>;
-
 /// `white_resin`: index of the white resin for media-relative values; -1: absolute values. Remarks are warned of too.
 [[nodiscard]] SurfacePrediction predict_surface(const optics::Scene& scene, optics::Surface surface,
-                                                const ModelMaker& make_model, int white_resin, Progress& progress);
+                                                const optics::AppearanceModel& model, int white_resin,
+                                                Progress& progress);
 
 }  // namespace voxtone::slicer

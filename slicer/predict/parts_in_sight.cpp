@@ -46,13 +46,22 @@ public:
         : model_(std::move(model)), parts_(parts) {}
     [[nodiscard]] optics::Appearance predict(const optics::Scene& scene, const optics::Surface& surface,
                                              const Progress* progress) const override {
-        optics::Appearance seen = model_->predict(scene, surface, progress);
-        VOXTONE_EXPECT(seen.standard_error.empty());
-        parts_.shade(seen.value, seen.channels, scene.resins->eta);
-        return seen;
+        return shaded(model_->predict(scene, surface, progress), *scene.resins);
+    }
+    [[nodiscard]] optics::TwinAppearances predict_with_twin(const optics::Scene& scene, const optics::Surface& surface,
+                                                            const optics::ResinVolume& twin,
+                                                            const Progress* progress) const override {
+        auto seen = model_->predict_with_twin(scene, surface, twin, progress);
+        return {shaded(std::move(seen.body), *scene.resins), shaded(std::move(seen.twin), *scene.resins)};
     }
 
 private:
+    [[nodiscard]] optics::Appearance shaded(optics::Appearance seen, const optics::ResinSet& resins) const {
+        VOXTONE_EXPECT(seen.standard_error.empty());
+        parts_.shade(seen.value, seen.channels, resins.eta);
+        return seen;
+    }
+
     std::unique_ptr<const optics::AppearanceModel> model_;
     const PartsInSight& parts_;
 };

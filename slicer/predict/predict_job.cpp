@@ -501,17 +501,14 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
     for (const optics::SurfaceCell& cell : cells.surface.cells) area_mm2 += double(cell.area_mm2);
     expect_rest(job, 0, area_mm2, stack.volume.pitch_mm(), stack.resins.channels.size(), progress);
     progress.begin_stage("predict", 0);
-    const ModelMaker maker = [&](bool white) {
-        ModelOptions quality = model_options(job, quick, job.memory_bytes - held);
-        set_depth_of_cells(quality, scene.backing);
-        quality.boundary = boundary ? &*boundary : nullptr;
-        quality.follow_outside = job.outside == LightOutside::followed;
-        if (white) quality.seed = ~quality.seed;
-        auto model = make_model(job.model, quality);
-        return parts ? with_light_between_parts(std::move(model), *parts) : std::move(model);
-    };
+    ModelOptions quality = model_options(job, quick, job.memory_bytes - held);
+    set_depth_of_cells(quality, scene.backing);
+    quality.boundary = boundary ? &*boundary : nullptr;
+    quality.follow_outside = job.outside == LightOutside::followed;
+    auto model = make_model(job.model, quality);
+    if (parts) model = with_light_between_parts(std::move(model), *parts);
     SurfacePrediction prediction =
-        predict_surface(scene, std::move(cells.surface), maker, options.absolute ? -1 : stack.white, progress);
+        predict_surface(scene, std::move(cells.surface), *model, options.absolute ? -1 : stack.white, progress);
     if (quick) prediction = averaged(prediction, std::move(*cells.averaged_over), seen_part(figures));
     progress.end_stage();
     figures.predict_s = watch.lap();

@@ -77,6 +77,19 @@ TEST_CASE("Light trapped in clear resin comes out or is ended without bias", "[s
     }
 }
 
+TEST_CASE("A body and its twin are drawn with random numbers of their own") {
+    const ResinSet set = one_resin(8, 0.9);
+    const ResinVolume volume = make_resin_volume({8, 4, 12}, slab_pitch_mm, [](int, int, int) { return 1; });
+    const Scene scene{&volume, &set, Backing::none, Sides::open};
+    const Surface surface = find_surface(scene, {2, 1, 3}, SurfacePart::all);
+    constexpr std::uint64_t seed = 7;
+    const auto [body, twin] =
+        MonteCarlo({.paths = 50, .seed = seed}).predict_with_twin(scene, surface, volume);  // the same body
+    CHECK(body.value == MonteCarlo({.paths = 50, .seed = seed}).predict(scene, surface).value);
+    CHECK(twin.value == MonteCarlo({.paths = 50, .seed = ~seed}).predict(scene, surface).value);
+    CHECK(twin.value != body.value);
+}
+
 TEST_CASE("Half-spaces look as a prototype and the exact solution say") {
     // physics.md: four digits, 1.6 million paths each.
     const std::vector<std::pair<double, double>> table{{0.35, 0.0124}, {0.7, 0.0553}, {0.95, 0.2648}, {0.99, 0.5194}};

@@ -141,6 +141,24 @@ TEST_CASE("A twin leaves shape and the light between tiles, and no light to star
     CHECK(own < 0.95 * without);
 }
 
+TEST_CASE("A body and its twin on one grid are seen as alone, in parts and in tiles") {
+    const ResinSet set = vero_opaque();
+    const ResinVolume print = halftoned_sphere(1.5, 0.5), white = all_of(print, 5);
+    Scene scene{&print, &set, Backing::none, Sides::open};
+    const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
+    TransportOptions options;
+    options.tile_cells = GENERATE(std::size_t{250'000}, std::size_t{3000});
+    const TransportPredictor model(options);
+    const auto [body, twin] = model.predict_with_twin(scene, surface, white);
+    CHECK(body.value == model.predict(scene, surface).value);
+    scene.volume = &white;
+    const Distance apart = between(twin.value, model.predict(scene, surface).value);
+    CAPTURE(apart.rms, apart.largest);
+    // The print's grid has cells deeper down than a white body needs: one grid more that it may be seen on.
+    CHECK(apart.rms < 0.001);
+    CHECK(apart.largest < 0.01);
+}
+
 TEST_CASE("Colour that gets deeper than expected makes a new grid and keeps the light", "[slow]") {
     const ResinSet set = vero_opaque();
     const ResinVolume first = halftoned_sphere(2.0, 0.5), deep = halftoned_sphere(2.0, 0.5, 1.8);

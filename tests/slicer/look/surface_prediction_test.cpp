@@ -17,35 +17,35 @@ using namespace voxtone::slicer;
 
 namespace {
 
-/// Sees one grey everywhere and has something to say of it.
+bool all_white(const optics::Scene& scene) {
+    return scene.volume->at(0, 0, 0) == static_cast<optics::Material>(scene.resins->find("W") + 1);
+}
+
+/// Sees one grey everywhere and has something to say of it; another one of a body all of white.
 class Remarks final : public optics::AppearanceModel {
 public:
-    Remarks(float grey, std::string remark) : grey_(grey), remark_(std::move(remark)) {}
-    [[nodiscard]] optics::Appearance predict(const optics::Scene& /*scene*/, const optics::Surface& surface,
+    [[nodiscard]] optics::Appearance predict(const optics::Scene& scene, const optics::Surface& surface,
                                              const Progress* /*progress*/) const override {
-        return {3, std::vector<float>(3 * surface.cells.size(), grey_), {}, {remark_}};
+        const bool white = all_white(scene);
+        return {3,
+                std::vector<float>(3 * surface.cells.size(), white ? 0.8f : 0.2f),
+                {},
+                {white ? "of the twin" : "of the body"}};
     }
-
-private:
-    float grey_;
-    std::string remark_;
 };
 
 /// The same light everywhere, another in each of four channels.
 class FourChannels final : public optics::AppearanceModel {
 public:
-    explicit FourChannels(bool white) : white_(white) {}
-    [[nodiscard]] optics::Appearance predict(const optics::Scene& /*scene*/, const optics::Surface& surface,
+    [[nodiscard]] optics::Appearance predict(const optics::Scene& scene, const optics::Surface& surface,
                                              const Progress* /*progress*/) const override {
         optics::Appearance seen{4, {}, {}, {}};
         for (std::size_t i = 0; i < surface.cells.size(); ++i)
-            for (const float value : white_ ? std::array{0.8f, 0.9f, 0.7f, 1.0f} : std::array{0.1f, 0.2f, 0.3f, 0.4f})
+            for (const float value :
+                 all_white(scene) ? std::array{0.8f, 0.9f, 0.7f, 1.0f} : std::array{0.1f, 0.2f, 0.3f, 0.4f})
                 seen.value.push_back(value);
         return seen;
     }
-
-private:
-    bool white_;
 };
 
 class Listens final : public Progress {
@@ -66,11 +66,9 @@ TEST_CASE("Prints in channels of their own are predicted as the R, G, B prints t
     const auto predicted = [&](const optics::ResinSet& set, bool relative) {
         const optics::Scene scene{&volume, &set, optics::Backing::black, optics::Sides::open};
         Progress quiet;
-        const auto model = [](bool) {
-            optics::TransportOptions options;
-            options.refinement = optics::Refinement::none;
-            return std::make_unique<const optics::TransportPredictor>(options);
-        };
+        optics::TransportOptions options;
+        options.refinement = optics::Refinement::none;
+        const optics::TransportPredictor model(options);
         return predict_surface(scene, optics::find_surface(scene, {2, 1, 3}, optics::SurfacePart::top), model,
                                relative ? set.find("W") : -1, quiet);
     };
@@ -105,8 +103,7 @@ TEST_CASE("Colours are relative to white as colours, whatever the channels") {
     const optics::Scene scene{&volume, &set, optics::Backing::none, optics::Sides::open};
     Progress quiet;
     const SurfacePrediction prediction = predict_surface(
-        scene, optics::find_surface(scene, {1, 1, 1}, optics::SurfacePart::all),
-        [](bool white) { return std::make_unique<const FourChannels>(white); }, set.find("W"), quiet);
+        scene, optics::find_surface(scene, {1, 1, 1}, optics::SurfacePart::all), FourChannels(), set.find("W"), quiet);
     const Eigen::Matrix3Xd M = optics::linear_srgb_weights(set.channels);
     const Eigen::Vector3d body = M * Eigen::Vector4d(0.1, 0.2, 0.3, 0.4), paper = M * Eigen::Vector4d(0.8, 0.9, 0.7, 1);
     CHECK((prediction.rgb[0].cast<double>() - body.cwiseQuotient(paper)).norm() < 1e-6);
@@ -118,9 +115,7 @@ TEST_CASE("What a model remarks of the body and of its white twin is kept and wa
     const optics::ResinVolume volume =
         optics::make_resin_volume({4, 4, 4}, {0.1, 0.1, 0.1}, [](int, int, int) { return 1; });
     const optics::Scene scene{&volume, &set, optics::Backing::none, optics::Sides::open};
-    const auto model = [](bool white) {
-        return std::make_unique<const Remarks>(white ? 0.8f : 0.2f, white ? "of the twin" : "of the body");
-    };
+    const Remarks model;
     const auto surface = [&] { return optics::find_surface(scene, {1, 1, 1}, optics::SurfacePart::all); };
     Listens relative, absolute;
     const SurfacePrediction prediction = predict_surface(scene, surface(), model, set.find("W"), relative);
