@@ -144,7 +144,7 @@ struct BlockFaces {
 
 // A cell is crossed in three steps, each made for many cells before the next one: what is scattered there, the way of
 // the light, and the sum of what the cell sees. One after the other for each cell they are a chain of a hundred cycles,
-// and a processor does not look far enough ahead to begin the next cell meanwhile: 15 ns a cell for 11.
+// and a processor does not look far enough ahead to begin the next cell meanwhile.
 
 /// fit q of a cell.
 HWY_INLINE void find_source(const Octant& o, const SweepMedium& medium, const Moments& light, V8& fitted) {

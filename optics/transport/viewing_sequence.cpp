@@ -153,6 +153,7 @@ void ViewingSequence::begin(KeptLight& light, std::span<const float> adjoint_see
 Appearance ViewingSequence::only(const ResinVolume& volume, const Progress* progress) {
     keeps_light_ = false;
     light_.ghosts.clear();
+    summary_.open_solves = 0;  // of another prediction's light
     // A tile's light is not kept from the last round: it is found once more, with what its neighbours told, and swept.
     return predict(volume, {options_.sweeps, 0, first_rounds - 1}, progress);
 }
@@ -200,9 +201,9 @@ Appearance ViewingSequence::predict(const ResinVolume& volume, Effort effort, co
             summary_.mean_change = std::max(summary_.mean_change, transport_->relative_change());
             read_appearance(c, appearance);
         });
+        count_memory(0);
         live().shape->grid.fine = {};
     }
-    count_memory(0);
     // Another tile comes next: what this one worked in is not held while the next print is made.
     if (tiles.size() > 1) transport_.reset();
     grids_.count(summary_);
