@@ -98,7 +98,8 @@ Command add_predict_command(CLI::App& program) {
              ->capture_default_str(),
          command
              ->add_option("--sweeps", o.quality.sweeps,
-                          "transport: sweeps of discrete ordinates; more are nearer and slower")
+                          "transport: least sweeps of discrete ordinates, up to twice as many until one changes less "
+                          "than 0.5 % of what is seen; more are nearer and slower")
              ->type_name("N")
              ->capture_default_str(),
          command

@@ -8,8 +8,8 @@
 // ordinates (64 directions, diamond differences, transport_sweep.h) through cells of the eye's size near the surface,
 // cut into voxels where light enters and resins meet (refinement.h); deeper, in the core, the light is diffuse and
 // stays with diffusion. After each sweep a diffusion solve for the scattering source that the sweep left over corrects
-// phi everywhere (diffusion synthetic acceleration: Larsen 1984; Adams and Larsen 2002), so that 3 sweeps are enough
-// although white scatters hundreds of times. The refractive surface reflects by mirror images of directions
+// phi everywhere (diffusion synthetic acceleration: Larsen 1984; Adams and Larsen 2002), so that 3 to 6 sweeps are
+// enough although white scatters hundreds of times. The refractive surface reflects by mirror images of directions
 // (transport_directions.h); media carry the albedo that makes homogeneous half-spaces that look along z exact
 // (transport_medium.h); where a cell holds several resins, they are those of the halftone (effective_medium.h).
 //

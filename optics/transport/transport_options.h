@@ -20,7 +20,9 @@ enum class Refinement : std::uint8_t {
 };
 
 struct TransportOptions {
-    int sweeps = 3;                                ///< >= 1
+    /// >= 1. A prediction that stands alone makes so many, and up to twice as many until one changes less than
+    /// `first_change`; the first one of a sequence at most so many.
+    int sweeps = 3;
     double cell_mm = 0.085;                        ///< viewing cell: what a person resolves at 300 mm
     Refinement refinement = Refinement::contrast;  ///< where they are cut finer
     /// Of Refinement::contrast, in units of L* (refinement.h): blocks of less stay whole. 0: none does.
@@ -30,9 +32,9 @@ struct TransportOptions {
     /// of their blocks (a node for 64 cells). Then grids keep their shape whatever is printed, and a gradient ends
     /// there.
     bool deep_colour_in_nodes = false;
-    /// The first print of a sequence and its twin are swept no more where the last sweep changed less of what is seen
-    /// in a channel: the twin of a cow of 30 mm changed 0.015, 0.003 and 0.001 after one, two and three. 0: always
-    /// `sweeps`. Not of a prediction that stands alone.
+    /// A print that stands alone, the first one of a sequence and its twin are swept no more where the last sweep
+    /// changed less of what is seen in a channel: the twin of a cow of 30 mm changed 0.015, 0.003 and 0.001 after one,
+    /// two and three; a photograph in its darkest channel 0.51, 0.02, 0.02 and 0.003. 0: always `sweeps`.
     double first_change = 0.005;
     /// Of the later predictions of a sequence, >= 1: the first correction of a print moves more light than two sweeps
     /// carry, and a loop that believes them stops early (docs/decisions/007).

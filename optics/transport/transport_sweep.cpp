@@ -63,7 +63,7 @@ HWY_INLINE void add_to(Moments& sum, const V4& v) {
 std::array<CellKind, 2> cell_kinds(const SweepJob& job) {
     const CellKind coarse{{4, 4, 4}, job.grid.edge_mm(), job.cells.theta};
     CellKind fine = coarse;
-    if (!job.grid.fine.any()) return {fine, coarse};
+    if (job.parts.light.empty()) return {fine, coarse};
     for (std::size_t a = 0; a < 3; ++a) {
         fine.n[a] *= job.grid.fine.split[a];
         fine.h[a] /= job.grid.fine.split[a];
@@ -367,13 +367,14 @@ std::vector<PartPlace> parts_in_order(const Octant& o, const std::array<int, 3>&
 }
 
 /// The parts of a block's cells, cell by cell. Outer faces are those of whole cells: all parts get the light that
-/// enters there, and what leaves is their mean. `parts`: of a cell; `work`: room for as many.
-void sweep_parts(const SweepJob& job, const Octant& o, const SweepMedium* media, std::size_t t, const GridBlock& block,
-                 const BlockFaces& faces, std::span<const PartPlace> parts, CellLight work) {
+/// enters there, and what leaves is their mean. `parts`: of a cell; `work`: room for as many; `next`: the block whose
+/// parts are crossed afterwards.
+void sweep_parts(const SweepJob& job, const Octant& o, const SweepMedium* media, std::size_t t, std::size_t next,
+                 const GridBlock& block, const BlockFaces& faces, std::span<const PartPlace> parts, CellLight work) {
     const ViewingGrid& grid = job.grid;
     const Ways ways = o.ways[0];
     const std::array<int, 3> split = grid.fine.split;
-    const std::size_t first_part = grid.fine.first[t];
+    const std::size_t first_part = grid.fine.first[t], first_later = grid.fine.first[next];
     const Outside outside{job, o};
     V8* const on[3] = {faces.x, faces.y, faces.z};
     std::uint64_t entered[3]{}, left[3]{};       // cells with such outer faces
@@ -415,6 +416,9 @@ void sweep_parts(const SweepJob& job, const Octant& o, const SweepMedium* media,
         const std::uint16_t* const medium = grid.fine.medium.data() + first;
         const Moments* const light = job.parts.light.data() + first;
         Moments* const sum = job.parts.sum.data() + first;
+        const std::size_t later = first_later + count * cell;
+        prefetch(&job.parts.light[later], count * sizeof(Moments));
+        prefetch(&job.parts.sum[later], count * sizeof(Moments));
         for (std::size_t k = 0; k < count; ++k)
             find_source(o, media[medium[parts[k].part]], light[parts[k].part], work.fitted[k]);
         for (std::size_t k = 0; k < count; ++k)
@@ -465,14 +469,14 @@ void sweep(const SweepJob& job, int half) {
     for (int k = 0; k < 4; ++k) {
         const auto i = static_cast<std::size_t>(k);
         octants[i] = make_octant(grid, k + 4 * half, kinds);
-        if (grid.fine.any()) parts[i] = parts_in_order(octants[i], grid.fine.split);
+        if (!job.parts.light.empty()) parts[i] = parts_in_order(octants[i], grid.fine.split);
         Front& front = fronts[i];
         front.y.resize(per_y * across * job.rows.fronts);
         front.z.resize(per_z * across * deep);
         front.y_fine.assign(across * job.rows.fronts, 0);
         front.z_fine.assign(across * deep, 0);
     }
-    const bool any_fine = grid.fine.any();
+    const bool any_fine = !job.parts.light.empty();
     const auto fit = [&](V8* face, auto& is_fine, bool wanted, std::size_t a, std::size_t b) {
         if (static_cast<bool>(is_fine) == wanted) return;
         if (wanted)
@@ -501,8 +505,11 @@ void sweep(const SweepJob& job, int half) {
             fit(faces.x, x_fine, in_parts, 1, 2);
             fit(faces.y, front.y_fine[by], in_parts, 0, 2);
             fit(faces.z, front.z_fine[bz], in_parts, 0, 1);
+            std::size_t next = t;
+            if (in_parts && i + 1 < end && grid.fine.first[o.back[0] ? t - 1 : t + 1] != not_fine)
+                next = o.back[0] ? t - 1 : t + 1;
             if (in_parts)
-                sweep_parts(job, o, job.parts.media.data(), t, block, faces, parts[k],
+                sweep_parts(job, o, job.parts.media.data(), t, next, block, faces, parts[k],
                             {as_vectors(fitted.data()), as_vectors(seen.data())});
             else if (block.solid == ~std::uint64_t{0})
                 sweep_solid_block(job, o, job.cells.media.data(), block, faces);

@@ -88,7 +88,7 @@ struct SweepCells {
 
 struct SweepJob {
     const ViewingGrid& grid;
-    SweepCells cells, parts;
+    SweepCells cells, parts;    ///< no parts: their blocks are swept as whole cells
     std::span<const Octet> in;  ///< [open face * 4 + tangential signs]: radiance that enters
     std::span<Octet> out;       ///< the same, that leaves
     /// Per face into the core phi and net current outwards: psi = phi - 3 |Omega . e| J comes in.

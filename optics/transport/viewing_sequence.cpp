@@ -127,7 +127,7 @@ void ViewingSequence::solve(KeptLight& light, bool receives, Effort effort, std:
         if (receives)
             for (const std::uint32_t place : live().shape->received) at_ghosts.push_back(light.ghosts[c][place]);
         ViewingField& field = grids_.bring(live(), light.fields, c);
-        transport_->solve(media, field, effort.sweeps, summary_, progress, seed, at_ghosts, effort.enough);
+        transport_->solve(media, field, effort.sweeps, summary_, progress, seed, at_ghosts);
         for (const auto& [block, place] : live().shape->sent)
             light.ghosts[c][place] = transport_->mean_phi(live_grid().blocks[block]);
         done(c);
@@ -155,11 +155,12 @@ Appearance ViewingSequence::only(const ResinVolume& volume, const Progress* prog
     light_.ghosts.clear();
     summary_.open_solves = 0;  // of another prediction's light
     // A tile's light is not kept from the last round: it is found once more, with what its neighbours told, and swept.
-    return predict(volume, {options_.sweeps, 0, first_rounds - 1}, progress);
+    const int least = options_.sweeps, most = options_.first_change > 0 ? 2 * least : least;
+    return predict(volume, {{least, most, options_.first_change}, first_rounds - 1}, progress);
 }
 
 Appearance ViewingSequence::twin(const ResinVolume& volume, const Progress* progress) {
-    Appearance appearance = predict(volume, {options_.sweeps, options_.first_change, twin_rounds}, progress);
+    Appearance appearance = predict(volume, {{1, options_.sweeps, options_.first_change}, twin_rounds}, progress);
     for (Tile& tile : grids_.tiles()) tile.light.assign(channels(), {});
     return appearance;
 }
@@ -167,8 +168,8 @@ Appearance ViewingSequence::twin(const ResinVolume& volume, const Progress* prog
 Appearance ViewingSequence::next(const ResinVolume& volume, const Progress* progress) {
     const bool first = grids_.tiles()[0].light[0].empty();
     return predict(volume,
-                   first ? Effort{options_.sweeps, options_.first_change, first_rounds}
-                         : Effort{options_.next_sweeps, options_.next_change, 0},
+                   first ? Effort{{1, options_.sweeps, options_.first_change}, first_rounds}
+                         : Effort{{1, options_.next_sweeps, options_.next_change}, 0},
                    progress);
 }
 
@@ -272,7 +273,8 @@ bool ViewingSequence::gradient(std::span<const float> adjoint_seed, const Gradie
     const bool first = adjoint_.ghosts.empty();
     if (first) begin(adjoint_, adjoint_seed, first_rounds, progress);
     // An adjoint is wanted less exactly than what is seen.
-    const Effort whole{options_.sweeps, 0, 0}, more{options_.next_sweeps, 10 * options_.next_change, 0};
+    const Effort whole{{options_.sweeps, options_.sweeps, 0}, 0},
+        more{{1, options_.next_sweeps, 10 * options_.next_change}, 0};
     // Backwards: the tile that was solved last is still at hand.
     for (std::size_t t = grids_.tiles().size(); t-- > 0;) {
         prepare(t, progress);

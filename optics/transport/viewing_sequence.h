@@ -68,12 +68,9 @@ public:
     [[nodiscard]] const TransportSummary& summary() const { return summary_; }
 
 private:
-    /// Most sweeps, the change that is small enough to stop, and how often diffusion goes over the tiles before the
-    /// first one.
     struct Effort {
-        int sweeps = 0;
-        double enough = 0;
-        int rounds = 0;
+        ViewingTransport::Sweeps sweeps{};
+        int rounds = 0;  ///< how often diffusion goes over the tiles before the first one
     };
     /// The light of prints, or of adjoints: in each tile, and at the ghosts between.
     struct KeptLight {

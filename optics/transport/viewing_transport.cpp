@@ -397,6 +397,18 @@ void ViewingTransport::gather_parts(std::size_t t) {
     });
 }
 
+/// What a sweep of whole cells changed, alike in all parts of a cell.
+void ViewingTransport::take_into_parts(std::size_t t) {
+    const ViewingGrid::Fine& fine = grid_.fine;
+    for_each({4, 4, 4}, [&](const Place& cell) {
+        const std::size_t at = 64 * t + place_in_block(cell);
+        if (grid_.medium[at] == 0) return;
+        const Moments more = scratch_.up()[at] + scratch_.down()[at] + -1.0f * moments_[at];
+        Moments* const first = parts_.data() + fine.first[t] + fine.part(cell, {});
+        for_each(fine.split, [&](const Place& part) { first[fine.part({}, part)] += more; });
+    });
+}
+
 /// The correction in what leaves through the faces of a block, and in their fluxes.
 void ViewingTransport::enter_faces(std::size_t t, const ViewingDiffusion::Flows& J) {
     const auto& set = grid_.directions;
@@ -559,23 +571,25 @@ void ViewingTransport::add_sources_at_faces() {
     });
 }
 
-void ViewingTransport::sweep() {
+void ViewingTransport::sweep(bool in_parts) {
     parallel_for(0, 2, 1, [&](std::size_t half) {
-        const SweepJob job{.grid = grid_,
-                           .cells = {.media = cell_ways_,
-                                     .light = moments_,
-                                     .sum = half == 0 ? scratch_.up() : scratch_.down(),
-                                     .theta = static_cast<float>(viewing_theta)},
-                           .parts = {.media = part_ways_,
-                                     .light = parts_,
-                                     .sum = half == 0 ? parts_up_ : parts_down_,
-                                     .theta = static_cast<float>(fine_theta)},
-                           .in = in_,
-                           .out = out_,
-                           .core_in = core_in_,
-                           .core_out = core_out_,
-                           .rows = rows_[half],
-                           .progress = progress_};
+        SweepJob job{.grid = grid_,
+                     .cells = {.media = cell_ways_,
+                               .light = moments_,
+                               .sum = half == 0 ? scratch_.up() : scratch_.down(),
+                               .theta = static_cast<float>(viewing_theta)},
+                     .parts = {},
+                     .in = in_,
+                     .out = out_,
+                     .core_in = core_in_,
+                     .core_out = core_out_,
+                     .rows = rows_[half],
+                     .progress = progress_};
+        if (in_parts)
+            job.parts = {.media = part_ways_,
+                         .light = parts_,
+                         .sum = half == 0 ? parts_up_ : parts_down_,
+                         .theta = static_cast<float>(fine_theta)};
         std::fill(job.cells.sum.begin(), job.cells.sum.end(), Moments{});
         std::fill(job.parts.sum.begin(), job.parts.sum.end(), Moments{});
         sweep_half(job, half == 1);
@@ -584,8 +598,14 @@ void ViewingTransport::sweep() {
 
 /// What the sweep changed, as sources in right_; moments_ become the sweep's. `right_` lies over `down`
 /// (sweep_scratch.h): sources stay in the phi of `up` until all of both has been read.
-void ViewingTransport::take_sweep() {
+void ViewingTransport::take_sweep(bool in_parts) {
     const std::span<Moments> up = scratch_.up(), down = scratch_.down();
+    const auto each_fine_block = [&](auto&& body) {
+        parallel_for(0, grid_.fine.first.size(), blocks_per_task, [&](std::size_t t) {
+            if (grid_.fine.first[t] != not_fine) body(t);
+        });
+    };
+    if (!in_parts) each_fine_block([&](std::size_t t) { take_into_parts(t); });
     parallel_ranges(0, moments_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
         for (std::size_t cell = begin; cell < end; ++cell) {
             const Moments now = up[cell] + down[cell];
@@ -594,9 +614,7 @@ void ViewingTransport::take_sweep() {
             moments_[cell] = now;
         }
     });
-    parallel_for(0, grid_.fine.first.size(), blocks_per_task, [&](std::size_t t) {
-        if (grid_.fine.first[t] != not_fine) gather_parts(t);
-    });
+    if (in_parts) each_fine_block([&](std::size_t t) { gather_parts(t); });
     parallel_ranges(0, moments_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
         for (std::size_t cell = begin; cell < end; ++cell) right_[cell] = up[cell].phi;
     });
@@ -626,8 +644,8 @@ void ViewingTransport::find_core_sources() {
 }
 
 /// The diffusion correction, into x_ and core_x_, from what the sweep changed; moments_ become the sweep's.
-void ViewingTransport::correct() {
-    take_sweep();
+void ViewingTransport::correct(bool in_parts) {
+    take_sweep(in_parts);
     check();
     add_sources_at_faces();
     find_core_sources();
@@ -646,9 +664,8 @@ void ViewingTransport::hold_ghosts() {
     for (const std::uint32_t ghost : grid_.ghosts) core_right_[ghost] = 0;
 }
 
-void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps, TransportSummary& summary,
-                             const Progress* progress, std::span<const float> light, std::span<const float> ghost_phi,
-                             double enough) {
+void ViewingTransport::solve(const Media& media, ViewingField& field, Sweeps sweeps, TransportSummary& summary,
+                             const Progress* progress, std::span<const float> light, std::span<const float> ghost_phi) {
     VOXTONE_EXPECT(media.cells.size() == grid_.mixtures.size());
     media_ = &media;
     progress_ = progress;
@@ -667,18 +684,20 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
         start();
     else
         load(field);
-    if (sweeps > 0) make_equations(widened_, core_widened_);
+    if (sweeps.most > 0) make_equations(widened_, core_widened_);
     summary.diffusion_s += watch.lap();
-    for (int k = 0; k < sweeps; ++k) {
+    for (int k = 0; k < sweeps.most; ++k) {
         check();
-        sweep();
+        const bool in_parts = grid_.fine.any() && (k > 0 || sweeps.least == 1);
+        sweep(in_parts);
         summary.sweep_s += watch.lap();
         check();
-        correct();
+        correct(in_parts);
         check();
         enter(false);
         check();
-        const bool more = k + 1 < sweeps && !(enough > 0 && relative_change() < enough);
+        const int made = k + 1;
+        const bool more = made < sweeps.most && (made < sweeps.least || !(relative_change() < sweeps.enough));
         if (more) reflect();
         summary.diffusion_s += watch.lap();
         if (!more) break;
@@ -688,7 +707,7 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, int sweeps
     steps_ = open_solves_ = 0;
     progress_ = nullptr;
     TransportSummary first_guess;  // diffusion alone: what is clipped of it does not matter to the sweeps to come
-    store(field, sweeps > 0 ? summary : first_guess);
+    store(field, sweeps.most > 0 ? summary : first_guess);
     last_change_ = 0;
     for (const std::uint32_t f : grid_.open_faces)
         if (grid_.faces[f].kind == FaceKind::light)

@@ -56,14 +56,19 @@ public:
     /// Media of the grid's mixtures and of core blocks, by material; index 0 is air. Starts from `field`, or with a
     /// diffusion solve where it is empty; leaves the new field there. `light`: radiance that comes in through each
     /// outer face to the light, of any sign and size; nothing given: 1. `ghost_phi`: phi of the grid's ghosts; nothing
-    /// given: they take that of their neighbours, as if the cut were a mirror. No more sweeps are made after one that
-    /// changed less than `enough` of what leaves. Throws Cancelled: `progress` is asked many times a second.
+    /// given: they take that of their neighbours, as if the cut were a mirror. Of several sweeps the first one crosses
+    /// whole cells, which costs a tenth, and leaves the light between cells nearer to its own than diffusion does.
+    /// Throws Cancelled: `progress` is asked many times a second.
     struct Media {
         std::vector<TransportMedium> cells, core;
         std::vector<TransportMedium> parts;  ///< of the fine cells, as ViewingGrid::Fine numbers them
     };
-    void solve(const Media& media, ViewingField& field, int sweeps, TransportSummary& summary, const Progress* progress,
-               std::span<const float> light = {}, std::span<const float> ghost_phi = {}, double enough = 0);
+    struct Sweeps {
+        int least = 0, most = 0;
+        double enough = 0;  ///< no more after one that changed less of what leaves, once `least` are made
+    };
+    void solve(const Media& media, ViewingField& field, Sweeps sweeps, TransportSummary& summary,
+               const Progress* progress, std::span<const float> light = {}, std::span<const float> ghost_phi = {});
     /// After `solve` with a function's d F / d flux as light: d F / d sigma_t and d F / d sigma_s of each cell's
     /// TransportMedium, from `forward`, the field of light 1 in the same media (viewing_gradient.h). Holds that light
     /// afterwards.
@@ -115,12 +120,13 @@ private:
     void enter_faces(std::size_t t, const ViewingDiffusion::Flows& J);
     void enter_parts(std::size_t t, const ViewingDiffusion::Flows& J);
     void gather_parts(std::size_t t);
+    void take_into_parts(std::size_t t);
     void reflect();
-    void sweep();
-    void take_sweep();
+    void sweep(bool in_parts);
+    void take_sweep(bool in_parts);
     void add_sources_at_faces();
     void find_core_sources();
-    void correct();
+    void correct(bool in_parts);
     using Pool = std::array<float, 512>;  ///< of a block: [region][octant][direction]
     void pool(const GridBlock& block, Pool& pool) const;
     void prefetch_laws(std::size_t t) const;

@@ -207,6 +207,7 @@ void dial(const Arguments& a) {
         options.refinement = set.refinement;
         options.least_contrast = set.least_contrast;
         options.sweeps = set.sweeps;
+        options.first_change = 0;              // so many and no more
         std::array<double, 2> sum{}, cases{};  // unseen, looked at while tuning
         double worst = 0, seconds = 0, cells = 0, area = 0;
         for (const Reference& reference : all) {
@@ -239,7 +240,9 @@ int main(int argc, char** argv) {
     app.require_subcommand(1);
     app.add_option("--threads", a.threads, "0: one per core")->capture_default_str();
     app.add_option("--sweeps", a.transport.sweeps)->capture_default_str();
-    app.add_option("--fine", a.fine, "cells of voxels: 0 nowhere, as the loop, 1 where resins meet, 2 everywhere")
+    app.add_option("--fine", a.fine,
+                   "cells of voxels: 0 nowhere, and no sweep more than --sweeps, as the loop; 1 where resins meet; 2 "
+                   "everywhere")
         ->check(CLI::Range(0, 2))
         ->capture_default_str();
     app.add_option("--contrast", a.transport.least_contrast, "L*; blocks of less are not cut, with --fine 1")
@@ -275,6 +278,7 @@ int main(int argc, char** argv) {
     picture_command->add_option("--references", a.folder)->capture_default_str();
     CLI11_PARSE(app, argc, argv);
     a.transport.refinement = static_cast<optics::Refinement>(a.fine);
+    if (a.fine == 0) a.transport.first_change = 0;
     const ThreadLimit limit(a.threads);
     try {
         if (*make_command) make(a);

@@ -231,6 +231,24 @@ TEST_CASE("Cut where resins meet alone, a slab looks as it does cut everywhere")
     CHECK(fine < 0.4 * coarse);
 }
 
+TEST_CASE("A sweep of whole cells before one of parts brings them nearer to where many end") {
+    const ResinSet set = vero_opaque();
+    const ResinVolume volume = slab(48, 0.5);
+    const Scene scene{&volume, &set, Backing::black, Sides::mirrored};
+    const Surface surface = find_surface(scene, viewing_cell, SurfacePart::top);
+    const auto after = [&](int sweeps) {
+        TransportOptions options = refined(Refinement::all, sweeps);
+        options.first_change = 0;  // so many and no more
+        return TransportPredictor(options).predict(scene, surface).value;
+    };
+    const std::vector<float> many = after(12);
+    const double parts_alone = rms(after(1), many), whole_first = rms(after(2), many),
+                 parts_twice = rms(after(3), many);
+    CAPTURE(parts_alone, whole_first, parts_twice);
+    CHECK(whole_first < parts_alone / 2);
+    CHECK(parts_twice < whole_first / 2);
+}
+
 TEST_CASE("Refined predictions are the same bits for any threads, and a sequence refines nothing") {
     const ResinSet set = vero_opaque();
     const ResinVolume first = slab(48, 0.0), second = slab(48, 0.6);

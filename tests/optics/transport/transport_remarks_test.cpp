@@ -86,6 +86,7 @@ TEST_CASE("Open solves and late changes are counted where they happen") {
         // Light that crosses the body without being scattered needs sweeps, not diffusion.
         TransportOptions once = usual;
         once.sweeps = 1;
+        once.first_change = 0;
         CHECK(says(remarks_of_slab(once, thin, thin), "the last sweep"));
     }
 }
