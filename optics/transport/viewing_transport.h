@@ -56,9 +56,9 @@ public:
     /// Media of the grid's mixtures and of core blocks, by material; index 0 is air. Starts from `field`, or with a
     /// diffusion solve where it is empty; leaves the new field there. `light`: radiance that comes in through each
     /// outer face to the light, of any sign and size; nothing given: 1. `ghost_phi`: phi of the grid's ghosts; nothing
-    /// given: they take that of their neighbours, as if the cut were a mirror. Of several sweeps the first one crosses
-    /// whole cells, which costs a tenth, and leaves the light between cells nearer to its own than diffusion does.
-    /// Throws Cancelled: `progress` is asked many times a second.
+    /// given: they take that of their neighbours, as if the cut were a mirror. Unless `least` is 1 the first sweep
+    /// crosses whole cells, of which there are fewer than parts (docs/decisions/022). Throws Cancelled: `progress` is
+    /// asked many times a second.
     struct Media {
         std::vector<TransportMedium> cells, core;
         std::vector<TransportMedium> parts;  ///< of the fine cells, as ViewingGrid::Fine numbers them
