@@ -495,7 +495,8 @@ void sweep(const SweepJob& job, int half) {
         for (std::size_t i = begin; i < end; ++i) {
             const std::size_t t = o.back[0] ? end - 1 - (i - begin) : i;
             const GridBlock& block = grid.transport_block(t);
-            if (i + 1 < end) prefetch_light(job, o, grid.transport_block(o.back[0] ? t - 1 : t + 1));
+            const std::size_t next = i + 1 == end ? t : o.back[0] ? t - 1 : t + 1;
+            if (next != t) prefetch_light(job, o, grid.transport_block(next));
             const bool in_parts = any_fine && grid.fine.first[t] != not_fine;
             const auto bx = static_cast<std::size_t>(block.at[0]);
             const std::size_t bz = static_cast<std::size_t>(block.at[1]) * across + bx;
@@ -505,12 +506,9 @@ void sweep(const SweepJob& job, int half) {
             fit(faces.x, x_fine, in_parts, 1, 2);
             fit(faces.y, front.y_fine[by], in_parts, 0, 2);
             fit(faces.z, front.z_fine[bz], in_parts, 0, 1);
-            std::size_t next = t;
-            if (in_parts && i + 1 < end && grid.fine.first[o.back[0] ? t - 1 : t + 1] != not_fine)
-                next = o.back[0] ? t - 1 : t + 1;
             if (in_parts)
-                sweep_parts(job, o, job.parts.media.data(), t, next, block, faces, parts[k],
-                            {as_vectors(fitted.data()), as_vectors(seen.data())});
+                sweep_parts(job, o, job.parts.media.data(), t, grid.fine.first[next] != not_fine ? next : t, block,
+                            faces, parts[k], {as_vectors(fitted.data()), as_vectors(seen.data())});
             else if (block.solid == ~std::uint64_t{0})
                 sweep_solid_block(job, o, job.cells.media.data(), block, faces);
             else
