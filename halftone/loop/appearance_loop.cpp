@@ -182,6 +182,7 @@ private:
     [[nodiscard]] bool gains_no_more() const;
     [[nodiscard]] std::size_t predictions_left() const;
     [[nodiscard]] bool nothing_visible_left() const;
+    [[nodiscard]] bool ends() const;
 
     const LoopTask& task_;
     const LoopOptions& options_;
@@ -294,18 +295,17 @@ void LoopRun::iterate() {
     why_stopped_ = all_iterations_made;
     try {
         // A resumed loop may have been at its end already.
-        while (!gains_no_more() && iterations_made() < most_) {
-            if (nothing_visible_left()) {
-                why_stopped_ = "what was left to gain cannot be seen";
-                return;
-            }
+        while (!ends()) {
             if (descending())
                 descent_step();
             else
                 feedback_step();
             notify();
         }
-        if (gains_no_more()) why_stopped_ = "it stopped gaining";
+        if (gains_no_more())
+            why_stopped_ = "it stopped gaining";
+        else if (iterations_made() < most_)
+            why_stopped_ = "what was left to gain cannot be seen";
     } catch (const Cancelled&) {
         cancelled_ = true;
         why_stopped_ = "it was stopped";
@@ -354,6 +354,7 @@ void LoopRun::descent_step() {
     if (iterations_made() + 1 == most_) mixtures = state_.recent;
     print_and_predict(mixtures, LoopMethod::descent);
     keep_if_best(mixtures);
+    if (ends()) return;  // resumed with more iterations it looks at this print again first
     state_.has_gradient = move_downhill();
     if (!state_.has_gradient) state_.descent = {};
 }
@@ -495,6 +496,9 @@ bool LoopRun::by_last_method() const { return state_.steps.back().method == Loop
 bool LoopRun::gains_no_more() const {
     return options_.iterations < 0 && by_last_method() && stopped_gaining(state_.steps);
 }
+
+/// No step follows. A resumed loop may be there at its beginning.
+bool LoopRun::ends() const { return gains_no_more() || iterations_made() >= most_ || nothing_visible_left(); }
 
 /// About: all that may follow while it gains, the fewer the longer it has not.
 std::size_t LoopRun::predictions_left() const {

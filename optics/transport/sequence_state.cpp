@@ -54,7 +54,6 @@ void field_in(Stream& stream, Field& field) {
     stream.list(field.blocks);
     stream.list(field.core);
     stream.list(field.out);
-    stream.value(field.scale);
 }
 
 [[nodiscard]] bool fits(const Tile& tile) {
@@ -65,31 +64,26 @@ void field_in(Stream& stream, Field& field) {
 
 }  // namespace
 
-void write_state(const TileGrids& grids, const std::array<const GhostLight*, 2>& ghosts,
-                 const AppearanceSequence::StateSink& sink) {
+void write_state(const TileGrids& grids, const GhostLight& ghosts, const AppearanceSequence::StateSink& sink) {
     StateWriter writer{sink};
     writer.value(std::uint64_t{grids.tile_cells()});
     for (const Tile& tile : grids.tiles()) {
         writer.list(tile.also);
         writer.value(tile.trimmed);
-        for (const auto fields : {&Tile::light, &Tile::adjoint})
-            for (std::size_t c = 0; c < (tile.*fields).size(); ++c) {
-                if (const ViewingField& field = (tile.*fields)[c]; !field.stored) {
-                    field_in(writer, field);
-                } else {
-                    const ViewingField copy = grids.copy(tile, fields, c);
-                    field_in(writer, copy);
-                }
+        for (std::size_t c = 0; c < tile.light.size(); ++c) {
+            if (const ViewingField& field = tile.light[c]; !field.stored) {
+                field_in(writer, field);
+            } else {
+                const ViewingField copy = grids.copy(tile, c);
+                field_in(writer, copy);
             }
+        }
     }
-    for (const GhostLight* const light : ghosts) {
-        writer.value(std::uint64_t{light->size()});
-        for (const auto& channel : *light) writer.list(channel);
-    }
+    writer.value(std::uint64_t{ghosts.size()});
+    for (const auto& channel : ghosts) writer.list(channel);
 }
 
-bool read_state(TileGrids& grids, const std::array<GhostLight*, 2>& ghosts, std::size_t channels,
-                std::span<const std::byte> state) {
+bool read_state(TileGrids& grids, GhostLight& ghosts, std::size_t channels, std::span<const std::byte> state) {
     StateReader reader{state};
     std::uint64_t tile_cells = 0;
     reader.value(tile_cells);
@@ -98,23 +92,20 @@ bool read_state(TileGrids& grids, const std::array<GhostLight*, 2>& ghosts, std:
     for (Tile& tile : grids.tiles()) {
         reader.list(tile.also);
         reader.value(tile.trimmed);
-        for (const auto fields : {&Tile::light, &Tile::adjoint})
-            for (std::size_t c = 0; c < (tile.*fields).size(); ++c) {
-                ViewingField& field = (tile.*fields)[c];
-                field.stored = false;
-                field_in(reader, field);
-                grids.put_away(tile, fields, c);
-            }
-    }
-    for (GhostLight* const light : ghosts) {
-        std::uint64_t count = 0;
-        reader.value(count);
-        if (!reader.good || (count != 0 && count != channels)) return false;
-        light->resize(count);
-        for (auto& channel : *light) {
-            reader.list(channel);
-            if (channel.size() != grids.ghosts()) return false;
+        for (std::size_t c = 0; c < tile.light.size(); ++c) {
+            ViewingField& field = tile.light[c];
+            field.stored = false;
+            field_in(reader, field);
+            grids.put_away(tile, c);
         }
+    }
+    std::uint64_t count = 0;
+    reader.value(count);
+    if (!reader.good || (count != 0 && count != channels)) return false;
+    ghosts.resize(count);
+    for (auto& channel : ghosts) {
+        reader.list(channel);
+        if (channel.size() != grids.ghosts()) return false;
     }
     // Grids are made anew, with the blocks that these tiles have cells in.
     for (Tile& tile : grids.tiles()) tile.shape.reset();

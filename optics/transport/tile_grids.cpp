@@ -68,34 +68,32 @@ void TileGrids::open_store() {
     if (!store_) store_.emplace(options_.scratch());
 }
 
-/// A tile has one for its grid, and one for each channel's light and adjoint.
+/// A tile has one for its grid, and one for each channel's light.
 std::size_t TileGrids::place_of_shape(const Tile& tile) const {
-    return static_cast<std::size_t>(&tile - tiles_.data()) * (1 + 2 * channels());
+    return static_cast<std::size_t>(&tile - tiles_.data()) * (1 + channels());
 }
 
-std::size_t TileGrids::place_of(const Tile& tile, const Fields Tile::*fields, std::size_t channel) const {
-    return place_of_shape(tile) + 1 + channel + (fields == &Tile::adjoint ? channels() : 0);
+std::size_t TileGrids::place_of(const Tile& tile, std::size_t channel) const {
+    return place_of_shape(tile) + 1 + channel;
 }
 
-ViewingField& TileGrids::bring(Tile& tile, Fields Tile::*fields, std::size_t channel) const {
-    ViewingField& field = (tile.*fields)[channel];
-    if (std::exchange(field.stored, false)) store_->read(place_of(tile, fields, channel), field);
+ViewingField& TileGrids::bring(Tile& tile, std::size_t channel) const {
+    ViewingField& field = tile.light[channel];
+    if (std::exchange(field.stored, false)) store_->read(place_of(tile, channel), field);
     return field;
 }
 
-void TileGrids::put_away(Tile& tile, Fields Tile::*fields, std::size_t channel) {
-    ViewingField& field = (tile.*fields)[channel];
+void TileGrids::put_away(Tile& tile, std::size_t channel) {
+    ViewingField& field = tile.light[channel];
     if (!store_ || field.stored || field.blocks.empty()) return;
-    store_->write(place_of(tile, fields, channel), field);
-    const float scale = field.scale;
+    store_->write(place_of(tile, channel), field);
     field = {};
-    field.scale = scale;
     field.stored = true;
 }
 
-ViewingField TileGrids::copy(const Tile& tile, const Fields Tile::*fields, std::size_t channel) const {
-    ViewingField field = (tile.*fields)[channel];
-    if (std::exchange(field.stored, false)) store_->read(place_of(tile, fields, channel), field);
+ViewingField TileGrids::copy(const Tile& tile, std::size_t channel) const {
+    ViewingField field = tile.light[channel];
+    if (std::exchange(field.stored, false)) store_->read(place_of(tile, channel), field);
     return field;
 }
 
@@ -107,7 +105,6 @@ void TileGrids::cut(std::size_t tile_cells) {
         tiles_.emplace_back();
         static_cast<ViewingTile&>(tiles_.back()) = std::move(tile);
         tiles_.back().light.resize(channels());
-        tiles_.back().adjoint.resize(channels());
     }
     number_ghosts();
 }
@@ -273,8 +270,7 @@ std::size_t TileGrids::shape_bytes() const {
 std::size_t TileGrids::field_bytes() const {
     std::size_t sum = 0;
     for (const Tile& tile : tiles_)
-        for (const Fields* const fields : {&tile.light, &tile.adjoint})
-            for (const ViewingField& field : *fields) sum += field.memory_bytes();
+        for (const ViewingField& field : tile.light) sum += field.memory_bytes();
     return sum;
 }
 
@@ -303,7 +299,7 @@ ViewingField carried_over(const ViewingField& field, const ViewingGrid& was, con
         } else if (to.kind == BlockKind::core) {
             double sum = 0;
             for (const std::uint16_t phi : field.blocks[of.first_cell / 64].phi)
-                sum += static_cast<double>(phi_code.step * static_cast<float>(phi));
+                sum += static_cast<double>(phi_step * static_cast<float>(phi));
             next.core[to.core_node] = static_cast<float>(sum / 64);
         } else if (of.kind == BlockKind::core) {
             const std::uint16_t phi = phi_code(field.core[of.core_node]);

@@ -28,7 +28,7 @@
 
 namespace voxtone::optics {
 
-/// Light of all channels, or of all adjoints.
+/// Light of all channels.
 using Fields = std::vector<ViewingField>;
 
 struct Tile : ViewingTile {
@@ -44,7 +44,7 @@ struct Tile : ViewingTile {
     };
     std::vector<std::uint8_t> also;  ///< blocks of the window that have had colour deep down
     bool trimmed = false;            ///< of those where it came no more, once
-    Fields light, adjoint;
+    Fields light;
     std::unique_ptr<Shape> shape;  ///< none where it has to be made
     /// Of the shape that was made last: bytes of it and of the equations, and what a field of it has.
     std::size_t bytes = 0, cells_of_grid = 0, parts = 0, core_nodes = 0, open_faces = 0;
@@ -62,12 +62,12 @@ public:
     /// TransportOptions::scratch throws.
     void open_store();
     [[nodiscard]] bool stores() const { return store_.has_value(); }
-    /// A tile's light or adjoint of a channel, in memory.
-    ViewingField& bring(Tile& tile, Fields Tile::*fields, std::size_t channel) const;
+    /// A tile's light of a channel, in memory.
+    ViewingField& bring(Tile& tile, std::size_t channel) const;
     /// To the store, if there is one.
-    void put_away(Tile& tile, Fields Tile::*fields, std::size_t channel);
+    void put_away(Tile& tile, std::size_t channel);
     /// Left where it is.
-    [[nodiscard]] ViewingField copy(const Tile& tile, const Fields Tile::*fields, std::size_t channel) const;
+    [[nodiscard]] ViewingField copy(const Tile& tile, std::size_t channel) const;
 
     /// Cuts the body anew into tiles of at most so many surface cells, without light.
     void cut(std::size_t tile_cells);
@@ -97,7 +97,7 @@ private:
     [[nodiscard]] std::size_t channels() const { return scene_.resins->channels.size(); }
     [[nodiscard]] double tiles_like_first() const;
     [[nodiscard]] std::size_t place_of_shape(const Tile& tile) const;
-    [[nodiscard]] std::size_t place_of(const Tile& tile, const Fields Tile::*fields, std::size_t channel) const;
+    [[nodiscard]] std::size_t place_of(const Tile& tile, std::size_t channel) const;
     void drop(Tile& tile);
     void number_ghosts();
     [[nodiscard]] std::uint32_t ghost_at(const Place& block) const;

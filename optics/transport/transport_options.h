@@ -39,9 +39,11 @@ struct TransportOptions {
     /// Of the later predictions of a sequence, >= 1: the first correction of a print moves more light than two sweeps
     /// carry, and a loop that believes them stops early (docs/decisions/007).
     int next_sweeps = 3;
-    /// A later prediction sweeps no more where the last sweep changed less of what is seen in a channel; of
-    /// its adjoint ten times as much. 0: always `next_sweeps`.
+    /// A later prediction sweeps no more where the last sweep changed less of what is seen in a channel. 0: always
+    /// `next_sweeps`.
     double next_change = 0.01;
+    /// Of an adjoint, after a step of diffusion, >= 1: they leave 1 to 3 % of it, one 4 to 10 % (docs/decisions/003).
+    int adjoint_sweeps = 2;
     std::size_t tile_cells = 250'000;  ///< most surface cells predicted at once (viewing_tiles.h), >= 1
     int tile_halo = 3;                 ///< blocks around a tile that it transports light in, >= 1
     double start_tolerance = 0.05;     ///< of the first diffusion solve

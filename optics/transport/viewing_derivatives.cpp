@@ -3,58 +3,75 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "base/parallel.h"
 
 namespace voxtone::optics {
 namespace {
 
+// Eight directions side by side. A vector type of the compiler: left to itself it takes them one by one.
+using Eight __attribute__((vector_size(32))) = float;
+
+void load(Eight& to, const Octet& from) { std::memcpy(&to, &from, sizeof to); }
+
+float sum(const Eight& v) { return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7])); }
+
 /// Light on a face, by tangential signs: what leaves through it and what enters.
 struct FaceLight {
-    std::array<Octet, 4> out, in;
+    std::array<Eight, 4> out, in;
 };
 
 /// The directions of a face's axis and of the two others.
 struct FaceDirections {
-    const Octet &weight, &normal, &u, &v;
-    template <class Body>
-    static void each(Body&& body) {
-        for (std::size_t s = 0; s < 4; ++s)
-            for (std::size_t d = 0; d < 8; ++d) body(s, d);
+    Eight weight, normal, u, v;
+    FaceDirections(const DirectionSet& set, std::size_t axis) {
+        load(weight, set.weight);
+        load(normal, set.cosine[axis]);
+        load(u, set.cosine[axis == 0 ? 1 : 0]);
+        load(v, set.cosine[axis == 2 ? 1 : 2]);
     }
-    /// Along the first and the second of the two other axes.
-    [[nodiscard]] float along_u(std::size_t s, std::size_t d) const { return s & 1 ? -u.v[d] : u.v[d]; }
-    [[nodiscard]] float along_v(std::size_t s, std::size_t d) const { return s & 2 ? -v.v[d] : v.v[d]; }
+    /// Of tangential signs: along the first and the second of the two other axes.
+    static float sign_u(std::size_t s) { return s & 1 ? -1.0f : 1.0f; }
+    static float sign_v(std::size_t s) { return s & 2 ? -1.0f : 1.0f; }
 
     /// Takes phi + 3 Omega . J away.
     void take_moments(FaceLight& light) const {
-        float phi = 0, Jn = 0, Ju = 0, Jv = 0;
-        each([&](std::size_t s, std::size_t d) {
-            const float w = weight.v[d], both = w * (light.out[s].v[d] + light.in[s].v[d]);
-            phi += both;
-            Jn += w * normal.v[d] * (light.out[s].v[d] - light.in[s].v[d]);
-            Ju += along_u(s, d) * both;
-            Jv += along_v(s, d) * both;
-        });
-        each([&](std::size_t s, std::size_t d) {
-            const float both = phi + 3 * (Ju * along_u(s, d) + Jv * along_v(s, d)), across = 3 * Jn * normal.v[d];
-            light.out[s].v[d] -= both + across;
-            light.in[s].v[d] -= both - across;
-        });
+        Eight phis{}, normals{}, us{}, vs{};
+        for (std::size_t s = 0; s < 4; ++s) {
+            const Eight both = weight * (light.out[s] + light.in[s]);
+            phis += both;
+            normals += weight * normal * (light.out[s] - light.in[s]);
+            us += sign_u(s) * u * both;
+            vs += sign_v(s) * v * both;
+        }
+        const float phi = sum(phis), Ju = 3 * sum(us), Jv = 3 * sum(vs);
+        const Eight across = 3 * sum(normals) * normal;
+        for (std::size_t s = 0; s < 4; ++s) {
+            const Eight both = phi + (sign_u(s) * Ju * u + sign_v(s) * Jv * v);
+            light.out[s] -= both + across;
+            light.in[s] -= both - across;
+        }
     }
     /// What light has at the middle of a cell beyond phi and J, given what it has on the face; `fade` on the way
     /// between.
-    [[nodiscard]] FaceLight rest(const Octet* out, const Octet* in, const Octet& fade) const {
-        FaceLight light;
-        std::copy_n(out, 4, light.out.begin());
-        std::copy_n(in, 4, light.in.begin());
+    void find_rest(const Octet* out, const Octet* in, const Eight& fade, FaceLight& light) const {
+        for (std::size_t s = 0; s < 4; ++s) {
+            load(light.out[s], out[s]);
+            load(light.in[s], in[s]);
+        }
         take_moments(light);
-        each([&](std::size_t s, std::size_t d) {
-            light.out[s].v[d] *= fade.v[d];
-            light.in[s].v[d] *= fade.v[d];
-        });
+        for (std::size_t s = 0; s < 4; ++s) {
+            light.out[s] *= fade;
+            light.in[s] *= fade;
+        }
         take_moments(light);
-        return light;
+    }
+    /// The mean of a b over all directions, one of them reversed.
+    [[nodiscard]] float product(const FaceLight& a, const FaceLight& b) const {
+        Eight products{};
+        for (std::size_t s = 0; s < 4; ++s) products += weight * (a.out[s] * b.in[s ^ 3] + a.in[s] * b.out[s ^ 3]);
+        return sum(products);
     }
 };
 
@@ -64,12 +81,12 @@ void derivatives_by_moments(const DerivativeScene& scene, std::span<const Viewin
                             std::span<const Moments> adjoint, std::span<float> by_sigma_t,
                             std::span<float> by_sigma_s) {
     const ViewingGrid& grid = scene.grid;
-    const float V = scene.scaled_volume;
+    const float V = scene.volume;
     parallel_ranges(0, adjoint.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
         for (std::size_t cell = begin; cell < end; ++cell) {
             by_sigma_t[cell] = by_sigma_s[cell] = 0;
             if (grid.medium[cell] == 0) continue;
-            const Moments a = forward[cell / 64].moments(cell % 64, phi_code.step, 0);
+            const Moments a = forward[cell / 64].moments(cell % 64);
             const Moments& b = adjoint[cell];
             const float phi2 = a.phi * b.phi, J2 = a.x * b.x + a.y * b.y + a.z * b.z;
             by_sigma_t[cell] = -V * (phi2 - 3 * J2);
@@ -81,32 +98,29 @@ void derivatives_by_moments(const DerivativeScene& scene, std::span<const Viewin
 void add_derivatives_at_faces(const DerivativeScene& scene, const LightOnFaces& forward, const LightOnFaces& adjoint,
                               std::span<float> by_sigma_t) {
     const ViewingGrid& grid = scene.grid;
-    const DirectionSet& set = grid.directions;
+    const std::array<FaceDirections, 3> by_axis{{{grid.directions, 0}, {grid.directions, 1}, {grid.directions, 2}}};
     const auto edge = grid.edge_mm();
-    const float V = scene.scaled_volume;
+    const float V = scene.volume;
     parallel_for(0, grid.transport_blocks.size(), 32, [&](std::size_t t) {
         const GridBlock& block = grid.transport_block(t);
-        std::array<float, 64> sum{}, faces{};
+        std::array<float, 64> sums{}, faces{};
         for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f) {
             const OuterFace& face = grid.faces[f];
             if (face.kind == FaceKind::core || face.kind == FaceKind::mirror) continue;
             const std::size_t axis = static_cast<std::size_t>(face.facing) / 2;
-            const FaceDirections directions{set.weight, set.cosine[axis], set.cosine[axis == 0 ? 1 : 0],
-                                            set.cosine[axis == 2 ? 1 : 2]};
+            const FaceDirections& directions = by_axis[axis];
             const float depth = 0.5f * static_cast<float>(edge[axis]) * scene.media[grid.medium[face.cell]].sigma_t;
-            Octet fade;
-            for (std::size_t d = 0; d < 8; ++d) fade.v[d] = std::exp(-depth / directions.normal.v[d]);
-            const std::size_t at = 4 * std::size_t{scene.grid.place_of_face[f]};
-            const FaceLight a = directions.rest(&forward.out[at], &forward.in[at], fade),
-                            b = directions.rest(&adjoint.out[at], &adjoint.in[at], fade);
-            FaceDirections::each([&](std::size_t s, std::size_t d) {
-                sum[face.cell % 64] +=
-                    set.weight.v[d] * (a.out[s].v[d] * b.in[s ^ 3].v[d] + a.in[s].v[d] * b.out[s ^ 3].v[d]);
-            });
+            Eight fade;
+            for (std::size_t d = 0; d < 8; ++d) fade[d] = std::exp(-depth / directions.normal[d]);
+            const std::size_t at = 4 * std::size_t{grid.place_of_face[f]};
+            FaceLight a, b;
+            directions.find_rest(&forward.out[at], &forward.in[at], fade, a);
+            directions.find_rest(&adjoint.out[at], &adjoint.in[at], fade, b);
+            sums[face.cell % 64] += directions.product(a, b);
             faces[face.cell % 64] += 1;
         }
         for (std::size_t place = 0; place < 64; ++place)
-            if (faces[place] > 0) by_sigma_t[64 * t + place] -= V * sum[place] / faces[place];
+            if (faces[place] > 0) by_sigma_t[64 * t + place] -= V * sums[place] / faces[place];
     });
 }
 

@@ -14,14 +14,14 @@
 
 namespace voxtone::optics {
 
-/// A grid, the media of its mixtures and a cell's volume times the scale of the adjoint.
+/// A grid, the media of its mixtures and a cell's volume.
 struct DerivativeScene {
     const ViewingGrid& grid;
     std::span<const TransportMedium> media;
-    float scaled_volume;
+    float volume;
 };
 
-/// From phi and J of each cell: `forward` of light 1, `adjoint` / its scale. Sets both.
+/// From phi and J of each cell: `forward` of light 1. Sets both.
 void derivatives_by_moments(const DerivativeScene& scene, std::span<const ViewingField::BlockCode> forward,
                             std::span<const Moments> adjoint, std::span<float> by_sigma_t, std::span<float> by_sigma_s);
 

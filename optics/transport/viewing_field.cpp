@@ -6,7 +6,7 @@
 
 namespace voxtone::optics {
 
-ViewingField::BlockCode block_code(const Moments* moments, std::uint64_t solid, const PhiCode& code) {
+ViewingField::BlockCode block_code(const Moments* moments, std::uint64_t solid) {
     constexpr float steps = 127;
     ViewingField::BlockCode block;
     const auto is_solid = [&](std::size_t cell) { return (solid >> cell & 1) != 0; };
@@ -23,13 +23,13 @@ ViewingField::BlockCode block_code(const Moments* moments, std::uint64_t solid, 
     for (std::size_t cell = 0; cell < 64; ++cell) {
         if (!is_solid(cell)) continue;
         const Moments& m = moments[cell];
-        block.phi[cell] = code(m.phi);
+        block.phi[cell] = phi_code(m.phi);
         block.J[0][cell] = rounded(m.x), block.J[1][cell] = rounded(m.y), block.J[2][cell] = rounded(m.z);
     }
     return block;
 }
 
-ViewingField::FaceCode face_code(const Octet* out, const PhiCode& code) {
+ViewingField::FaceCode face_code(const Octet* out) {
     // Vector types of the compiler: left to itself it takes these floats one by one.
     using Four __attribute__((vector_size(16))) = float;
     using Four32 __attribute__((vector_size(16))) = std::int32_t;
@@ -37,7 +37,7 @@ ViewingField::FaceCode face_code(const Octet* out, const PhiCode& code) {
     std::array<Four, fours> v;
     std::memcpy(v.data(), out, sizeof v);
     for (Four& f : v) {
-        f = f < code.least ? Four{} + code.least : f;
+        f = f < 0.0f ? Four{} : f;
         f = f > 2.0f ? Four{} + 2.0f : f;
     }
     Four lows = v[0], highs = v[0];
@@ -48,7 +48,7 @@ ViewingField::FaceCode face_code(const Octet* out, const PhiCode& code) {
     const float low = std::min({lows[0], lows[1], lows[2], lows[3]}),
                 high = std::max({highs[0], highs[1], highs[2], highs[3]}),
                 per_unit = high > low ? 255 / (high - low) : 0;
-    ViewingField::FaceCode face{code(low), code(high), {}};
+    ViewingField::FaceCode face{phi_code(low), phi_code(high), {}};
     for (std::size_t k = 0; k < fours; ++k) {
         const Four32 share = __builtin_convertvector((v[k] - low) * per_unit + 0.5f, Four32);
         for (std::size_t i = 0; i < 4; ++i) face.share[4 * k + i] = static_cast<std::uint8_t>(share[i]);

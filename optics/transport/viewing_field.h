@@ -5,8 +5,7 @@
 // from the least of them to the most: a few thousandths at an edge between black and white, of which the first sweep
 // leaves a third.
 //
-// Of light 1 everywhere phi has steps of 2 / 65535 from 0 to 2; what lies outside is clipped. Of an adjoint, which has
-// both signs, it has twice these steps, from -2 to 2, and all is in units of the field's scale.
+// phi has steps of 2 / 65535 from 0 to 2; what lies outside is clipped.
 #pragma once
 
 #include <algorithm>
@@ -20,17 +19,18 @@
 
 namespace voxtone::optics {
 
-/// One channel's light between two predictions; of an adjoint, which has both signs, in coarser steps of its `scale`.
+inline constexpr float phi_step = 2.0f / 65535;
+
+/// One channel's light between two predictions.
 struct ViewingField {
     /// Of the cells of a transport block.
     struct BlockCode {
         std::array<std::uint16_t, 64> phi{};
         std::array<std::array<std::int8_t, 64>, 3> J{};  ///< by axis, in J_step
         float J_step = 0;
-        [[nodiscard]] Moments moments(std::size_t cell, float phi_step, float phi_zero, float unit = 1) const {
-            const float step = unit * J_step;
-            return {unit * phi_step * (static_cast<float>(phi[cell]) - phi_zero), step * static_cast<float>(J[0][cell]),
-                    step * static_cast<float>(J[1][cell]), step * static_cast<float>(J[2][cell])};
+        [[nodiscard]] Moments moments(std::size_t cell) const {
+            return {phi_step * static_cast<float>(phi[cell]), J_step * static_cast<float>(J[0][cell]),
+                    J_step * static_cast<float>(J[1][cell]), J_step * static_cast<float>(J[2][cell])};
         }
     };
     /// Radiance that leaves through a face, as BlockCode::phi; [tangential signs * 8 + direction] of 255 from low to
@@ -42,7 +42,6 @@ struct ViewingField {
     std::vector<BlockCode> blocks;  ///< of each transport block
     std::vector<float> core;
     std::vector<FaceCode> out;  ///< of each open face
-    float scale = 0;            ///< of an adjoint: radiance that stands for 1; 0: of light 1 everywhere
     bool stored = false;        ///< the lists are elsewhere (TileGrids::put_away)
     [[nodiscard]] bool empty() const { return blocks.empty() && !stored; }
     [[nodiscard]] std::size_t memory_bytes() const {
@@ -50,19 +49,17 @@ struct ViewingField {
     }
 };
 
-/// How codes stand for phi: step * (code - zero), from `least` to 2.
+/// How codes stand for phi.
 struct PhiCode {
-    float step, zero, least;
     [[nodiscard]] std::uint16_t operator()(float phi) const {
-        return static_cast<std::uint16_t>(std::clamp(phi * (1 / step) + (zero + 0.5f), 0.0f, 65535.0f));
+        return static_cast<std::uint16_t>(std::clamp(phi * (1 / phi_step) + 0.5f, 0.0f, 65535.0f));
     }
     /// Whether a code holds this, or all of it but what nobody sees: corrections by diffusion leave dark places with
     /// light a little below none.
-    [[nodiscard]] bool fits(float phi) const { return phi > least - unseen && phi < 2 + unseen; }
+    [[nodiscard]] bool fits(float phi) const { return phi > -unseen && phi < 2 + unseen; }
     static constexpr float unseen = 1.0f / 256;
 };
-inline constexpr PhiCode phi_code{2.0f / 65535, 0, 0},
-    signed_code{4.0f / 65535, 32768, -2};  ///< of light 1, of an adjoint
+inline constexpr PhiCode phi_code;
 /// Codes of phi that stand for its radiances, not rounded.
 [[nodiscard]] inline float code_of(const ViewingField::FaceCode& face, std::size_t k) {
     const float low = face.low;
@@ -70,8 +67,8 @@ inline constexpr PhiCode phi_code{2.0f / 65535, 0, 0},
 }
 
 /// Of the 64 cells of a block of which these are solid; air is kept as nothing.
-[[nodiscard]] ViewingField::BlockCode block_code(const Moments* moments, std::uint64_t solid, const PhiCode& code);
+[[nodiscard]] ViewingField::BlockCode block_code(const Moments* moments, std::uint64_t solid);
 /// Of the 32 radiances that leave through a face, each clipped to what codes of phi hold.
-[[nodiscard]] ViewingField::FaceCode face_code(const Octet* out, const PhiCode& code);
+[[nodiscard]] ViewingField::FaceCode face_code(const Octet* out);
 
 }  // namespace voxtone::optics

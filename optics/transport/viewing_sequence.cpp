@@ -95,11 +95,10 @@ void ViewingSequence::remake_live(const Progress* progress) {
     const std::unique_ptr<Tile::Shape> was = std::move(tile.shape);
     make_live(live_, progress);
     for (std::size_t c = 0; c < channels(); ++c) {
-        ViewingField& field = grids_.bring(tile, &Tile::light, c);
+        ViewingField& field = grids_.bring(tile, c);
         field = carried_over(field, was->grid, live_grid());
-        grids_.put_away(tile, &Tile::light, c);
+        grids_.put_away(tile, c);
     }
-    tile.adjoint.assign(channels(), {});
     const bool filled = grids_.fill(tile, *volume_, progress);
     VOXTONE_ENSURE(filled);
 }
@@ -115,44 +114,45 @@ void ViewingSequence::refine_live(const Progress* progress) {
     summary_.grid_s += watch.total();
 }
 
+ViewingTransport::Media ViewingSequence::media_of_live(std::size_t channel) const {
+    return media_of_grid(live_grid(), halftone_, *scene_.resins, channel);
+}
+
 template <class Done>
-void ViewingSequence::solve(KeptLight& light, bool receives, Effort effort, std::span<const float> adjoint_seed,
-                            const Progress* progress, Done&& done) {
-    std::vector<float> at_ghosts, seed;
+void ViewingSequence::solve(bool receives, Effort effort, const Progress* progress, Done&& done) {
+    std::vector<float> at_ghosts;
     for (std::size_t c = 0; c < channels(); ++c) {
         if (progress) progress->check_cancelled();
-        const ViewingTransport::Media media = media_of_grid(live_grid(), halftone_, *scene_.resins, c);
-        if (!adjoint_seed.empty()) seed = light_of(adjoint_seed, c);
+        const ViewingTransport::Media media = media_of_live(c);
         at_ghosts.clear();
         if (receives)
-            for (const std::uint32_t place : live().shape->received) at_ghosts.push_back(light.ghosts[c][place]);
-        ViewingField& field = grids_.bring(live(), light.fields, c);
-        transport_->solve(media, field, effort.sweeps, summary_, progress, seed, at_ghosts);
+            for (const std::uint32_t place : live().shape->received) at_ghosts.push_back(ghosts_[c][place]);
+        ViewingField& field = grids_.bring(live(), c);
+        transport_->solve(media, field, effort.sweeps, summary_, progress, at_ghosts);
         for (const auto& [block, place] : live().shape->sent)
-            light.ghosts[c][place] = transport_->mean_phi(live_grid().blocks[block]);
+            ghosts_[c][place] = transport_->mean_phi(live_grid().blocks[block]);
         done(c);
         if (!keeps_light_) field = {};
-        grids_.put_away(live(), light.fields, c);
+        grids_.put_away(live(), c);
     }
 }
 
-void ViewingSequence::begin(KeptLight& light, std::span<const float> adjoint_seed, int rounds,
-                            const Progress* progress) {
-    const bool known = !light.ghosts.empty();  // of a twin
-    if (!known) light.ghosts.assign(channels(), std::vector<float>(grids_.ghosts()));
+void ViewingSequence::begin(int rounds, const Progress* progress) {
+    const bool known = !ghosts_.empty();  // of a twin
+    if (!known) ghosts_.assign(channels(), std::vector<float>(grids_.ghosts()));
     const std::size_t tiles = grids_.tiles().size();
     if (tiles == 1) return;
     for (int round = known ? 1 : 0; round < rounds; ++round)
         for (std::size_t t = 0; t < tiles; ++t) {
             prepare(t, progress);
-            (live().*light.fields).assign(channels(), {});
-            solve(light, round > 0, {}, adjoint_seed, progress, [](std::size_t) {});
+            live().light.assign(channels(), {});
+            solve(round > 0, {}, progress, [](std::size_t) {});
         }
 }
 
 Appearance ViewingSequence::only(const ResinVolume& volume, const Progress* progress) {
     keeps_light_ = false;
-    light_.ghosts.clear();
+    ghosts_.clear();
     summary_.open_solves = 0;  // of another prediction's light
     // A tile's light is not kept from the last round: it is found once more, with what its neighbours told, and swept.
     const int least = options_.sweeps, most = options_.first_change > 0 ? 2 * least : least;
@@ -188,7 +188,7 @@ Appearance ViewingSequence::predict(const ResinVolume& volume, Effort effort, co
         grids_.make_all(progress);
         summary_.grid_s += making.total();
     }
-    if (tiles[0].light[0].empty()) begin(light_, {}, effort.rounds, progress);
+    if (tiles[0].light[0].empty()) begin(effort.rounds, progress);
     Appearance appearance;
     appearance.channels = channels();
     appearance.value.assign(surface_.cells.size() * channels(), 0.0f);
@@ -197,7 +197,7 @@ Appearance ViewingSequence::predict(const ResinVolume& volume, Effort effort, co
     for (std::size_t t = 0; t < tiles.size(); ++t) {
         prepare(t, progress);
         refine_live(progress);
-        solve(light_, true, effort, {}, progress, [&](std::size_t c) {
+        solve(true, effort, progress, [&](std::size_t c) {
             summary_.last_change[c] = std::max(summary_.last_change[c], transport_->last_change());
             summary_.mean_change = std::max(summary_.mean_change, transport_->relative_change());
             read_appearance(c, appearance);
@@ -252,7 +252,7 @@ std::vector<float> ViewingSequence::light_of(std::span<const float> adjoint_seed
 }
 
 std::size_t ViewingSequence::gradient_bytes() const {
-    // Fields of both lights, the derivatives, and copies of the light on the faces.
+    // Fields, the derivatives, and copies of the light on the faces.
     std::size_t fields = 0, largest_field = 0, most = 0;
     for (const Tile& tile : grids_.tiles()) {
         fields += tile.field_bytes();
@@ -260,7 +260,7 @@ std::size_t ViewingSequence::gradient_bytes() const {
         most = std::max(most,
                         tile.bytes + tile.cells_of_grid * (4 * channels() + 8) + tile.open_faces * 8 * sizeof(Octet));
     }
-    return grids_.stores() ? most + 2 * largest_field : most + 2 * channels() * fields;
+    return grids_.stores() ? most + largest_field : most + channels() * fields;
 }
 
 bool ViewingSequence::gradient(std::span<const float> adjoint_seed, const GradientVisitor& visit,
@@ -270,11 +270,6 @@ bool ViewingSequence::gradient(std::span<const float> adjoint_seed, const Gradie
     VOXTONE_EXPECT(volume_ != nullptr && keeps_light_);
     const std::size_t needed = gradient_bytes();
     require_memory("the gradient of a print needs ", needed, options_.memory_bytes, "or take larger cells");
-    const bool first = adjoint_.ghosts.empty();
-    if (first) begin(adjoint_, adjoint_seed, first_rounds, progress);
-    // An adjoint is wanted less exactly than what is seen.
-    const Effort whole{{options_.sweeps, options_.sweeps, 0}, 0},
-        more{{1, options_.next_sweeps, 10 * options_.next_change}, 0};
     // Backwards: the tile that was solved last is still at hand.
     for (std::size_t t = grids_.tiles().size(); t-- > 0;) {
         prepare(t, progress);
@@ -285,13 +280,13 @@ bool ViewingSequence::gradient(std::span<const float> adjoint_seed, const Gradie
         const SeenMedium seen{halftone_, *scene_.resins, grid.pitch_mm};
         ViewingGradient gradient(grid, seen, channels());
         std::vector<float> by_sigma_t(grid.cells()), by_sigma_s(grid.cells());
-        solve(adjoint_, true, first || tile.adjoint[0].empty() ? whole : more, adjoint_seed, progress,
-              [&](std::size_t c) {
-                  const ViewingField& forward = grids_.bring(tile, &Tile::light, c);
-                  transport_->derivatives(forward, by_sigma_t, by_sigma_s, progress);
-                  grids_.put_away(tile, &Tile::light, c);
-                  gradient.add(c, *media_of, seen, by_sigma_t, by_sigma_s);
-              });
+        for (std::size_t c = 0; c < channels(); ++c) {
+            const ViewingTransport::Media media = media_of_live(c);
+            transport_->solve_adjoint(media, light_of(adjoint_seed, c), options_.adjoint_sweeps, summary_, progress);
+            transport_->derivatives(grids_.bring(tile, c), by_sigma_t, by_sigma_s, progress);
+            grids_.put_away(tile, c);
+            gradient.add(c, *media_of, seen, by_sigma_t, by_sigma_s);
+        }
         visit(gradient, tile.voxels);
         count_memory(gradient.memory_bytes() + 4 * (grid.faces.size() + by_sigma_t.size() + by_sigma_s.size()));
     }
@@ -299,13 +294,11 @@ bool ViewingSequence::gradient(std::span<const float> adjoint_seed, const Gradie
     return true;
 }
 
-void ViewingSequence::write_state(const StateSink& sink) const {
-    optics::write_state(grids_, {&light_.ghosts, &adjoint_.ghosts}, sink);
-}
+void ViewingSequence::write_state(const StateSink& sink) const { optics::write_state(grids_, ghosts_, sink); }
 
 bool ViewingSequence::read_state(std::span<const std::byte> state) {
     transport_.reset();
-    const bool read = optics::read_state(grids_, {&light_.ghosts, &adjoint_.ghosts}, channels(), state);
+    const bool read = optics::read_state(grids_, ghosts_, channels(), state);
     grids_.count(summary_);
     return read;
 }

@@ -20,8 +20,9 @@
 // cells. Iteration error: the mean CIEDE2000 of one open loop is 4.57 to 4.94 by where three sweeps start, 4.85 after
 // eight (docs/decisions/007): of a difference of a few tenths between two prints it says nothing.
 //
-// Memory: grid and equations of one tile, 16 bytes a viewing cell for its light of a channel, as much again for the
-// adjoint, and the grids that are kept (tile_grids.h). Where that is not allowed tiles wait elsewhere
+// Memory: grid and equations of one tile, 16 bytes a viewing cell for its light of a channel, and the grids that are
+// kept (tile_grids.h). An adjoint is of one print alone and kept by nobody: the one before is as far from the next as
+// no light. Where that is not allowed tiles wait elsewhere
 // (TileGrids::open_store).
 #pragma once
 
@@ -57,8 +58,8 @@ public:
     /// A prediction that stands alone, on cells that are cut where `options` say so: the light of a tile is dropped
     /// when the next one's turn comes. Another may follow on the same grids; no other kind may.
     [[nodiscard]] Appearance only(const ResinVolume& volume, const Progress* progress = nullptr);
-    /// Of viewing_gradient.h, box by box of the tiles. The adjoint light of each channel is kept for the next one:
-    /// `sweeps` the first time, then `next_sweeps`. Contract: there was a prediction.
+    /// Of viewing_gradient.h, box by box of the tiles, each as if its cuts were mirrors. Contract: there was a
+    /// prediction.
     [[nodiscard]] bool gradient(std::span<const float> adjoint_seed, const GradientVisitor& visit,
                                 const Progress* progress = nullptr) override;
     void write_state(const StateSink& sink) const override;
@@ -72,11 +73,6 @@ private:
         ViewingTransport::Sweeps sweeps{};
         int rounds = 0;  ///< how often diffusion goes over the tiles before the first one
     };
-    /// The light of prints, or of adjoints: in each tile, and at the ghosts between.
-    struct KeptLight {
-        Fields Tile::*fields;
-        GhostLight ghosts{};
-    };
     [[nodiscard]] std::size_t channels() const { return scene_.resins->channels.size(); }
     [[nodiscard]] Tile& live() { return grids_.tiles()[live_]; }
     [[nodiscard]] const Tile& live() const { return grids_.tiles()[live_]; }
@@ -89,17 +85,17 @@ private:
     void remake_live(const Progress* progress);
     void refine_live(const Progress* progress);
     [[nodiscard]] Appearance predict(const ResinVolume& volume, Effort effort, const Progress* progress);
+    [[nodiscard]] ViewingTransport::Media media_of_live(std::size_t channel) const;
     /// Solves all channels of the live tile, given the light at its ghosts where it `receives` that, and sends its own;
-    /// `done` is called after each channel. `adjoint_seed`: d F / d value of an adjoint.
+    /// `done` is called after each channel.
     template <class Done>
-    void solve(KeptLight& light, bool receives, Effort effort, std::span<const float> adjoint_seed,
-               const Progress* progress, Done&& done);
+    void solve(bool receives, Effort effort, const Progress* progress, Done&& done);
     /// For the first time: diffusion alone, until light has come around.
-    void begin(KeptLight& light, std::span<const float> adjoint_seed, int rounds, const Progress* progress);
+    void begin(int rounds, const Progress* progress);
     /// Light that stands for d F / d value.
     [[nodiscard]] std::vector<float> light_of(std::span<const float> adjoint_seed, std::size_t channel) const;
     void read_appearance(std::size_t channel, Appearance& to) const;
-    /// Bytes of the gradient's solve, with the light and adjoint light of all tiles.
+    /// Bytes of the gradient's solve, with the light of all tiles.
     [[nodiscard]] std::size_t gradient_bytes() const;
     void count_memory(std::size_t besides);
 
@@ -108,7 +104,7 @@ private:
     const TransportOptions options_;
     const EffectiveMedium halftone_;
     TileGrids grids_;
-    KeptLight light_{&Tile::light}, adjoint_{&Tile::adjoint};
+    GhostLight ghosts_;  ///< between tiles
     bool keeps_light_ = true;
     std::size_t live_ = 0;
     std::unique_ptr<ViewingTransport> transport_;  ///< of the live tile

@@ -130,8 +130,7 @@ float ViewingTransport::furnace_flux(std::size_t face) const {
 float ViewingTransport::phi(std::size_t cell) const { return moments_[cell].phi; }
 
 float ViewingTransport::mean_phi(const GridBlock& block) const {
-    const float unit = scale_ > 0 ? scale_ : 1.0f;
-    if (block.kind == BlockKind::core) return unit * core_phi_[block.core_node];
+    if (block.kind == BlockKind::core) return core_phi_[block.core_node];
     double sum = 0;
     int solid = 0;
     for (std::size_t cell = block.first_cell; cell < block.first_cell + 64u; ++cell)
@@ -139,7 +138,7 @@ float ViewingTransport::mean_phi(const GridBlock& block) const {
             sum += static_cast<double>(phi(cell));
             ++solid;
         }
-    return solid == 0 ? 0 : unit * static_cast<float>(sum / solid);
+    return solid == 0 ? 0 : static_cast<float>(sum / solid);
 }
 
 void ViewingTransport::prepare() {
@@ -233,13 +232,12 @@ float ViewingTransport::core_absorption(std::size_t core) const {
     return 64 * volume_ * core_sigma_a_[grid_.blocks[grid_.core_block[core]].medium];
 }
 
-void ViewingTransport::start() {
+/// Light by diffusion alone, from a guess of phi: the steps that it took.
+int ViewingTransport::start(float guess, double tolerance, int most_steps) {
     std::fill(moments_.begin(), moments_.end(), Moments{});
     std::fill(parts_.begin(), parts_.end(), Moments{});
     std::fill(out_.begin(), out_.end(), Octet{});
     std::fill(core_phi_.begin(), core_phi_.end(), 0.0f);
-    make_equations(D_, core_D_);
-    const float guess = scale_ > 0 ? 0.0f : 1.0f;  // 1 is exact where nothing is absorbed
     std::fill(x_.begin(), x_.end(), guess);
     std::fill(core_x_.begin(), core_x_.end(), guess);
     for (std::size_t i = 0; i < ghost_phi_.size(); ++i) core_x_[grid_.ghosts[i]] = ghost_phi_[i];
@@ -251,47 +249,41 @@ void ViewingTransport::start() {
             right_[face.cell] += exchange_[f].gain * sums_[grid_.law[f]].through * light(f);
     }
     check();
-    // The residual of that guess.
-    diffusion_.apply({x_, core_x_}, {z_, core_z_});
     const auto each_cell = [&](auto&& body) {
         parallel_ranges(0, x_.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
             for (std::size_t cell = begin; cell < end; ++cell) body(cell);
         });
     };
-    each_cell([&](std::size_t cell) { right_[cell] -= z_[cell]; });
-    for (std::size_t i = 0; i < core_x_.size(); ++i) core_right_[i] -= core_z_[i];
+    if (guess != 0) {
+        diffusion_.apply({x_, core_x_}, {z_, core_z_});
+        each_cell([&](std::size_t cell) { right_[cell] -= z_[cell]; });
+        for (std::size_t i = 0; i < core_x_.size(); ++i) core_right_[i] -= core_z_[i];
+    }
     hold_ghosts();
-    constexpr int most_steps = 60;
-    open_solves_ += solve_diffusion(options_.start_tolerance, most_steps) == most_steps;
+    const int steps = solve_diffusion(tolerance, most_steps);
     each_cell([&](std::size_t cell) { x_[cell] = grid_.medium[cell] == 0 ? 0 : x_[cell]; });
     check();
     enter(true);
     check();
     reflect();
+    return steps;
 }
 
 void ViewingTransport::load(const ViewingField& field) {
-    const bool both_signs = field.scale > 0;
-    const auto [phi_step, zero, least] = both_signs ? signed_code : phi_code;
-    const float rescale = both_signs ? field.scale / scale_ : 1.0f, step = phi_step * rescale;
     parallel_ranges(0, field.blocks.size(), 1 << 8, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = 64 * begin; i < 64 * end; ++i)
-            moments_[i] = field.blocks[i / 64].moments(i % 64, phi_step, zero, rescale);
+        for (std::size_t i = 64 * begin; i < 64 * end; ++i) moments_[i] = field.blocks[i / 64].moments(i % 64);
     });
-    for (std::size_t i = 0; i < core_phi_.size(); ++i) core_phi_[i] = rescale * field.core[i];
+    std::copy(field.core.begin(), field.core.end(), core_phi_.begin());
     for (std::size_t i = 0; i < ghost_phi_.size(); ++i) core_phi_[grid_.ghosts[i]] = ghost_phi_[i];
     parallel_ranges(0, grid_.open_faces.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
-            for (std::size_t k = 0; k < 32; ++k)
-                out_[4 * i + k / 8].v[k % 8] = step * (code_of(field.out[i], k) - zero);
+            for (std::size_t k = 0; k < 32; ++k) out_[4 * i + k / 8].v[k % 8] = phi_step * code_of(field.out[i], k);
     });
     reflect();
 }
 
 void ViewingTransport::store(ViewingField& field, TransportSummary& summary) const {
-    const PhiCode code = scale_ > 0 ? signed_code : phi_code;
     std::atomic<std::size_t> kept{0}, clipped{0};
-    field.scale = scale_;
     field.blocks.resize(grid_.transport_blocks.size());
     parallel_ranges(0, field.blocks.size(), 1 << 8, [&](std::size_t begin, std::size_t end) {
         std::size_t solid = 0, out_of_range = 0;
@@ -301,9 +293,9 @@ void ViewingTransport::store(ViewingField& field, TransportSummary& summary) con
                 if (grid_.medium[cell] == 0) continue;
                 holds |= std::uint64_t{1} << cell % 64;
                 ++solid;
-                out_of_range += !code.fits(moments_[cell].phi);
+                out_of_range += !phi_code.fits(moments_[cell].phi);
             }
-            field.blocks[t] = block_code(&moments_[64 * t], holds, code);
+            field.blocks[t] = block_code(&moments_[64 * t], holds);
         }
         kept += solid;
         clipped += out_of_range;
@@ -311,7 +303,7 @@ void ViewingTransport::store(ViewingField& field, TransportSummary& summary) con
     field.core = core_phi_;
     field.out.resize(grid_.open_faces.size());
     parallel_ranges(0, grid_.open_faces.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) field.out[i] = face_code(&out_[4 * i], code);
+        for (std::size_t i = begin; i < end; ++i) field.out[i] = face_code(&out_[4 * i]);
     });
     summary.kept_values += kept;
     summary.clipped_values += clipped;
@@ -664,28 +656,19 @@ void ViewingTransport::hold_ghosts() {
     for (const std::uint32_t ghost : grid_.ghosts) core_right_[ghost] = 0;
 }
 
-void ViewingTransport::solve(const Media& media, ViewingField& field, Sweeps sweeps, TransportSummary& summary,
-                             const Progress* progress, std::span<const float> light, std::span<const float> ghost_phi) {
+void ViewingTransport::begin(const Media& media, const Progress* progress) {
     VOXTONE_EXPECT(media.cells.size() == grid_.mixtures.size());
     media_ = &media;
     progress_ = progress;
     for (auto* const parts : {&parts_, &parts_up_, &parts_down_}) parts->resize(grid_.fine.medium.size());
     check();
-    take_light(light, ghost_phi);
-    VOXTONE_EXPECT(field.blocks.empty() || ((field.scale > 0) == (scale_ > 0) && !grid_.fine.any()));
-    VOXTONE_EXPECT(field.blocks.empty() ||
-                   (field.blocks.size() == grid_.transport_blocks.size() &&
-                    field.core.size() == grid_.core_block.size() && field.out.size() == grid_.open_faces.size()));
-    Stopwatch watch;
     prepare();
     std::fill(flux_.begin(), flux_.end(), 0.0f);
     std::fill(flux_change_.begin(), flux_change_.end(), 0.0f);
-    if (field.blocks.empty())
-        start();
-    else
-        load(field);
-    if (sweeps.most > 0) make_equations(widened_, core_widened_);
-    summary.diffusion_s += watch.lap();
+}
+
+void ViewingTransport::iterate(Sweeps sweeps, TransportSummary& summary) {
+    Stopwatch watch;
     for (int k = 0; k < sweeps.most; ++k) {
         check();
         const bool in_parts = grid_.fine.any() && (k > 0 || sweeps.least == 1);
@@ -702,10 +685,36 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, Sweeps swe
         summary.diffusion_s += watch.lap();
         if (!more) break;
     }
+}
+
+void ViewingTransport::end(TransportSummary& summary) {
     summary.diffusion_steps += steps_;
-    summary.open_solves += open_solves_;
-    steps_ = open_solves_ = 0;
+    steps_ = 0;
     progress_ = nullptr;
+}
+
+void ViewingTransport::solve(const Media& media, ViewingField& field, Sweeps sweeps, TransportSummary& summary,
+                             const Progress* progress, std::span<const float> ghost_phi) {
+    VOXTONE_EXPECT(field.blocks.empty() ||
+                   (!grid_.fine.any() && field.blocks.size() == grid_.transport_blocks.size() &&
+                    field.core.size() == grid_.core_block.size() && field.out.size() == grid_.open_faces.size()));
+    VOXTONE_EXPECT(ghost_phi.empty() || ghost_phi.size() == grid_.ghosts.size());
+    Stopwatch watch;
+    light_.clear();
+    ghost_phi_.assign(ghost_phi.begin(), ghost_phi.end());
+    begin(media, progress);
+    if (field.blocks.empty()) {
+        constexpr int most_steps = 60;
+        make_equations(D_, core_D_);
+        // 1 is exact where nothing is absorbed.
+        summary.open_solves += start(1, options_.start_tolerance, most_steps) == most_steps;
+    } else {
+        load(field);
+    }
+    if (sweeps.most > 0) make_equations(widened_, core_widened_);
+    summary.diffusion_s += watch.lap();
+    iterate(sweeps, summary);
+    end(summary);
     TransportSummary first_guess;  // diffusion alone: what is clipped of it does not matter to the sweeps to come
     store(field, sweeps.most > 0 ? summary : first_guess);
     last_change_ = 0;
@@ -714,10 +723,27 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, Sweeps swe
             last_change_ = std::max(last_change_, static_cast<double>(std::abs(flux_change_[f]) / furnace_flux(f)));
 }
 
+void ViewingTransport::solve_adjoint(const Media& media, std::span<const float> light, int sweeps,
+                                     TransportSummary& summary, const Progress* progress) {
+    VOXTONE_EXPECT(light.size() == grid_.faces.size() && !grid_.fine.any());
+    Stopwatch watch;
+    light_.clear();
+    for (const std::uint32_t f : grid_.open_faces)
+        light_.push_back(grid_.faces[f].kind == FaceKind::light ? light[f] : 0);
+    ghost_phi_.clear();
+    begin(media, progress);
+    // One step leaves less than a sweep mends.
+    make_equations(widened_, core_widened_);
+    start(0, 0, 1);
+    summary.diffusion_s += watch.lap();
+    iterate({sweeps, sweeps, 0}, summary);
+    end(summary);
+}
+
 void ViewingTransport::derivatives(const ViewingField& forward, std::span<float> by_sigma_t,
                                    std::span<float> by_sigma_s, const Progress* progress) {
-    VOXTONE_EXPECT(scale_ > 0 && forward.scale == 0 && forward.blocks.size() == grid_.transport_blocks.size());
-    const DerivativeScene scene{grid_, media_->cells, volume_ * scale_};
+    VOXTONE_EXPECT(!light_.empty() && forward.blocks.size() == grid_.transport_blocks.size());
+    const DerivativeScene scene{grid_, media_->cells, volume_};
     const auto check_cancelled = [progress] {
         if (progress) progress->check_cancelled();
     };
@@ -725,7 +751,7 @@ void ViewingTransport::derivatives(const ViewingField& forward, std::span<float>
     check_cancelled();
     reflect();
     const std::vector<Octet> in = in_, out = out_;
-    take_light({}, {});
+    light_.clear();
     check_cancelled();
     load(forward);
     check_cancelled();
@@ -740,22 +766,6 @@ double ViewingTransport::relative_change() const {
             all += static_cast<double>(std::abs(flux_[f]));
         }
     return all > 0 ? change / all : 0;
-}
-
-void ViewingTransport::take_light(std::span<const float> light, std::span<const float> ghost_phi) {
-    VOXTONE_EXPECT(ghost_phi.empty() || ghost_phi.size() == grid_.ghosts.size());
-    light_.clear();
-    ghost_phi_.assign(ghost_phi.begin(), ghost_phi.end());
-    scale_ = 0;
-    if (light.empty()) return;
-    VOXTONE_EXPECT(light.size() == grid_.faces.size());
-    for (const std::uint32_t f : grid_.open_faces)
-        if (grid_.faces[f].kind == FaceKind::light) scale_ = std::max(scale_, std::abs(light[f]));
-    for (const float phi : ghost_phi) scale_ = std::max(scale_, std::abs(phi));
-    if (!(scale_ > 0)) scale_ = 1;  // no light at all
-    for (float& phi : ghost_phi_) phi /= scale_;
-    for (const std::uint32_t f : grid_.open_faces)
-        light_.push_back(grid_.faces[f].kind == FaceKind::light ? light[f] / scale_ : 0);
 }
 
 std::size_t ViewingTransport::memory_bytes() const {

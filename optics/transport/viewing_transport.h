@@ -53,12 +53,7 @@ public:
     /// What it will take about, with fields of so many channels, besides fine cells.
     [[nodiscard]] static std::size_t bytes_for(const ViewingGrid& grid, std::size_t channels);
 
-    /// Media of the grid's mixtures and of core blocks, by material; index 0 is air. Starts from `field`, or with a
-    /// diffusion solve where it is empty; leaves the new field there. `light`: radiance that comes in through each
-    /// outer face to the light, of any sign and size; nothing given: 1. `ghost_phi`: phi of the grid's ghosts; nothing
-    /// given: they take that of their neighbours, as if the cut were a mirror. Unless `least` is 1 the first sweep
-    /// crosses whole cells, of which there are fewer than parts (docs/decisions/022). Throws Cancelled: `progress` is
-    /// asked many times a second.
+    /// Of the grid's mixtures and of core blocks, by material; index 0 is air.
     struct Media {
         std::vector<TransportMedium> cells, core;
         std::vector<TransportMedium> parts;  ///< of the fine cells, as ViewingGrid::Fine numbers them
@@ -67,20 +62,26 @@ public:
         int least = 0, most = 0;
         double enough = 0;  ///< no more after one that changed less of what leaves, once `least` are made
     };
+    /// Light 1 comes in through each outer face to the light. Starts from `field`, or with a diffusion solve where it
+    /// is empty; leaves the new field there. `ghost_phi`: phi of the grid's ghosts; nothing given: they take that of
+    /// their neighbours, as if the cut were a mirror. Unless `least` is 1 the first sweep crosses whole cells, of which
+    /// there are fewer than parts (docs/decisions/022). Throws Cancelled: `progress` is asked many times a second.
     void solve(const Media& media, ViewingField& field, Sweeps sweeps, TransportSummary& summary,
-               const Progress* progress, std::span<const float> light = {}, std::span<const float> ghost_phi = {});
-    /// After `solve` with a function's d F / d flux as light: d F / d sigma_t and d F / d sigma_s of each cell's
-    /// TransportMedium, from `forward`, the field of light 1 in the same media (viewing_gradient.h). Holds that light
-    /// afterwards.
+               const Progress* progress, std::span<const float> ghost_phi = {});
+    /// `light`: radiance that comes in through each outer face to the light, of any sign: a function's d F / d flux.
+    /// Starts with a step of a diffusion solve; a cut is a mirror. Contract: whole cells.
+    void solve_adjoint(const Media& media, std::span<const float> light, int sweeps, TransportSummary& summary,
+                       const Progress* progress);
+    /// After `solve_adjoint`: d F / d sigma_t and d F / d sigma_s of each cell's TransportMedium, from `forward`, the
+    /// field of light 1 in the same media (viewing_gradient.h). Holds that light afterwards.
     void derivatives(const ViewingField& forward, std::span<float> by_sigma_t, std::span<float> by_sigma_s,
                      const Progress* progress = nullptr);
-    /// What leaves through each outer face (of light given: / its scale), in units in which a furnace gives
-    /// `furnace_flux`.
+    /// What leaves through each outer face, in units in which a furnace gives `furnace_flux`.
     [[nodiscard]] std::span<const float> flux() const { return flux_; }
     [[nodiscard]] float furnace_flux(std::size_t face) const;
     /// phi of a cell, after `solve`.
     [[nodiscard]] float phi(std::size_t cell) const;
-    /// Mean phi of a block's solid cells, or of its node, after `solve`; of light given too, in its own units.
+    /// Mean phi of a block's solid cells, or of its node, after `solve`.
     [[nodiscard]] float mean_phi(const GridBlock& block) const;
     /// Largest change of a face's appearance by the last correction.
     [[nodiscard]] double last_change() const { return last_change_; }
@@ -99,7 +100,7 @@ private:
     [[nodiscard]] Exchange exchange_at(std::size_t face) const;
     /// Radiance that comes in from outside.
     [[nodiscard]] float light(std::size_t face) const {
-        if (scale_ > 0) return light_[grid_.place_of_face[face]];
+        if (!light_.empty()) return light_[grid_.place_of_face[face]];
         return grid_.faces[face].kind == FaceKind::light ? 1.0f : 0.0f;
     }
     [[nodiscard]] float core_absorption(std::size_t core) const;
@@ -111,9 +112,11 @@ private:
     void make_equations(const std::vector<float>& D, const std::vector<float>& core_D);
     void prepare();
     void fit_core(float widest);
-    void take_light(std::span<const float> light, std::span<const float> ghost_phi);
+    void begin(const Media& media, const Progress* progress);
     void hold_ghosts();
-    void start();
+    int start(float guess, double tolerance, int most_steps);
+    void iterate(Sweeps sweeps, TransportSummary& summary);
+    void end(TransportSummary& summary);
     void load(const ViewingField& field);
     void store(ViewingField& field, TransportSummary& summary) const;
     void enter(bool start);
@@ -152,14 +155,13 @@ private:
     SweepScratch scratch_;
     std::span<float> x_, right_, p_, z_;  ///< per cell, of the diffusion solve: in scratch_
     std::vector<float> core_phi_, core_x_, core_right_, core_p_, core_z_;
-    int steps_ = 0, open_solves_ = 0;            ///< of the diffusion solves; those left without their tolerance
+    int steps_ = 0;                              ///< of the diffusion solves
     std::vector<Octet> in_, out_;                ///< [open face * 4 + tangential signs]
     std::vector<std::array<float, 2>> core_in_;  ///< per core face (transport_sweep.h)
     std::vector<float> core_out_;
     std::vector<float> flux_, flux_change_;  ///< per face
-    std::vector<float> light_;               ///< per open face, / scale_; empty: 1
-    float scale_ = 0;                        ///< 0: light is 1
-    std::vector<float> ghost_phi_;           ///< / scale_; empty: not known
+    std::vector<float> light_;               ///< per open face; empty: 1
+    std::vector<float> ghost_phi_;           ///< empty: not known
     double last_change_ = 0;
 };
 

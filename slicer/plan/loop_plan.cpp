@@ -82,10 +82,10 @@ std::uint64_t bytes_for_predictions(std::uint64_t allowed_bytes, std::size_t sur
 
 LoopCost expected_cost(const LoopPlan& plan, double area_mm2, double cell_mm, std::uint64_t allowed_bytes) {
     // Of `slice` with bodies of 15 to 60 mm and a photograph 20 mm wide (docs/estimate.md).
-    constexpr double first_s = 1e-4, feedback_s = 2.3e-5, descent_s = 8.5e-5;  // a surface cell
+    constexpr double first_s = 1e-4, feedback_s = 2.3e-5, descent_s = 4.5e-5;  // a surface cell
     constexpr double feedback_bytes = 2900, descent_bytes = 4500;              // a surface cell, where not limited
     constexpr double when_short = 1.1;                                         // to the disk and back
-    constexpr double on_disk = 1100, adjoint_on_disk = 700;                    // a surface cell, of four channels
+    constexpr double on_disk = 1100;                                           // a surface cell, of four channels
     constexpr int usual_by_feedback = 4, usual_by_descent = halftone::most_iterations;
     const double cells = area_mm2 / (cell_mm * cell_mm);
     LoopCost cost;
@@ -97,7 +97,7 @@ LoopCost expected_cost(const LoopPlan& plan, double area_mm2, double cell_mm, st
     cost.most_bytes = std::max(double(allowed_bytes), least_bytes(cells));
     if (bytes <= double(allowed_bytes)) return cost;
     cost.cpu_seconds *= when_short;
-    cost.disk_bytes = cells * (plan.descent ? on_disk + adjoint_on_disk : on_disk);
+    cost.disk_bytes = cells * on_disk;
     return cost;
 }
 

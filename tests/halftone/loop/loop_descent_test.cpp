@@ -41,6 +41,7 @@ public:
             [[nodiscard]] bool gradient(std::span<const float> adjoint_seed, const GradientVisitor&,
                                         const Progress*) override {
                 model_.adjoint_seed.assign(adjoint_seed.begin(), adjoint_seed.end());
+                ++model_.gradients;
                 return true;
             }
 
@@ -76,6 +77,7 @@ public:
         return out;
     }
     mutable std::vector<float> adjoint_seed;
+    mutable int gradients = 0;
 
 private:
     BlurringModel blur_;
@@ -145,6 +147,14 @@ TEST_CASE("Where feedback helps, the loop starts downhill from it", "[loop]") {
     CHECK(run.methods().back() == 'd');
     CHECK(steps[1].seen.mean < 0.97 * steps[0].seen.mean);
     CHECK(run.result.state.start_control != run.target);
+}
+
+TEST_CASE("A gradient is asked for where a step follows, and not of the last print", "[loop]") {
+    for (const int iterations : {8, -1}) {
+        const Run run(0.9f, iterations);
+        const std::string methods = run.methods();
+        CHECK(run.model.gradients == std::ranges::count(methods, 'd'));
+    }
 }
 
 TEST_CASE("The last iteration prints the running mean of the descent, those before it their own", "[loop][slow]") {

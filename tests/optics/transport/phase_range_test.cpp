@@ -94,7 +94,7 @@ TEST_CASE("The gradient by scattering agrees with differences for any phase func
     const Surface surface = find_surface(scene, {2, 1, 3}, SurfacePart::top);
     TransportOptions options;
     options.refinement = Refinement::none;
-    options.sweeps = options.next_sweeps = 12;
+    options.sweeps = options.next_sweeps = options.adjoint_sweeps = 12;
     options.next_change = options.first_change = 0;
     ViewingSequence sequence(scene, surface, options);
     const std::vector<float> weight(surface.cells.size(), 1.0f);

@@ -24,7 +24,7 @@ constexpr std::array<double, 3> j750{0.0423333, 0.0846667, 0.027};
 TransportOptions on_viewing_cells(int sweeps) {
     TransportOptions options;
     options.refinement = Refinement::none;
-    options.sweeps = options.next_sweeps = sweeps;
+    options.sweeps = options.next_sweeps = options.adjoint_sweeps = sweeps;
     options.next_change = options.first_change = 0;
     return options;
 }
