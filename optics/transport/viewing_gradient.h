@@ -23,8 +23,8 @@
 // What it leaves out: how the weights of a cell's layers and the g'' of its medium (transport_medium.h) depend on its
 // resins; bubbles smaller than a cell, that are seen as the cell's phi; resins of core blocks. It is of cells of the
 // eye alone: sequences refine nothing. It is the derivative of the converged light: a loop sweeps its adjoint twice and
-// has a cosine of 0.9995 (slab) and 0.994 (sphere) with differences of converged predictions, scale 0.96 and 0.98; after
-// eight sweeps 0.9998 and 0.996, 0.97 and 0.97 (viewing_gradient_test, "at a loop's effort").
+// has a cosine of 0.9995 (slab) and 0.994 (sphere) with differences of converged predictions, scale 0.96 and 0.98;
+// after eight sweeps 0.9998 and 0.996, 0.97 and 0.97 (viewing_gradient_test, "at a loop's effort").
 //
 // Memory: 4 bytes a cell and channel (upper halves of floats: 8 bits, 0.4 %, are plenty), and a table by mixture,
 // layer, resin.
