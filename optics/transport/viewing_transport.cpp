@@ -742,7 +742,7 @@ void ViewingTransport::solve_adjoint(const Media& media, std::span<const float> 
 
 void ViewingTransport::derivatives(const ViewingField& forward, std::span<float> by_sigma_t,
                                    std::span<float> by_sigma_s, const Progress* progress) {
-    VOXTONE_EXPECT(!light_.empty() && forward.blocks.size() == grid_.transport_blocks.size());
+    VOXTONE_EXPECT(light_.size() == grid_.open_faces.size() && forward.blocks.size() == grid_.transport_blocks.size());
     const DerivativeScene scene{grid_, media_->cells, volume_};
     const auto check_cancelled = [progress] {
         if (progress) progress->check_cancelled();

@@ -2,7 +2,7 @@
 //
 // The state of an appearance loop on disk, so that an interrupted job can go on to the same bits: OUT/loop.checkpoint,
 // written after an iteration under a temporary name and renamed, removed when the job is done. With the light that
-// the predictor keeps it has some 200 bytes for each surface cell and 50 for each cell that light is followed through:
+// the predictor keeps it has some 200 bytes for each surface cell and 25 for each cell that light is followed through:
 // 216 MB for a body of 30 mm. It is written while the next print is made, without a copy; a state that takes more than
 // a second is written less often (CheckpointKeeper in job_loop.cpp).
 //

@@ -82,7 +82,7 @@ std::uint64_t bytes_for_predictions(std::uint64_t allowed_bytes, std::size_t sur
 
 LoopCost expected_cost(const LoopPlan& plan, double area_mm2, double cell_mm, std::uint64_t allowed_bytes) {
     // Of `slice` with bodies of 15 to 60 mm and a photograph 20 mm wide (docs/estimate.md).
-    constexpr double first_s = 1e-4, feedback_s = 2.3e-5, descent_s = 4.5e-5;  // a surface cell
+    constexpr double first_s = 1e-4, feedback_s = 2.3e-5, descent_s = 5.3e-5;  // a surface cell
     constexpr double feedback_bytes = 2900, descent_bytes = 4500;              // a surface cell, where not limited
     constexpr double when_short = 1.1;                                         // to the disk and back
     constexpr double on_disk = 1100;                                           // a surface cell, of four channels
