@@ -19,6 +19,9 @@
 #include <hwy/highway.h>
 // clang-format on
 
+// Functions that return vectors wider than a target's are called in this file alone.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 HWY_BEFORE_NAMESPACE();
 namespace voxtone::optics::HWY_NAMESPACE {
 
@@ -49,6 +52,19 @@ struct Octant {
     unsigned in_bit[3], out_bit[3];
     int signs[3];
 };
+
+/// a b + c, rounded once: said outright, so that all instruction sets give the same bits. Processors of before 2013
+/// have no instruction for it and ask libm, lane by lane.
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
+HWY_INLINE V8 fused(const V8& a, const V8& b, const V8& c) { return _mm256_fmadd_ps(a, b, c); }
+#else
+HWY_NOINLINE V8 fused(const V8& a, const V8& b, const V8& c) {
+    V8 sum;
+    for (int d = 0; d < 8; ++d) sum[d] = __builtin_fmaf(a[d], b[d], c[d]);
+    return sum;
+}
+#endif
+HWY_INLINE V8 all(float x) { return V8{x, x, x, x, x, x, x, x}; }
 
 HWY_INLINE void load(V8& v, const void* from) { std::memcpy(&v, from, sizeof v); }
 HWY_INLINE void store(const V8& v, void* to) { std::memcpy(to, &v, sizeof v); }
@@ -148,28 +164,30 @@ struct BlockFaces {
 
 /// fit q of a cell.
 HWY_INLINE void find_source(const Octant& o, const SweepMedium& medium, const Moments& light, V8& fitted) {
-    const V8 q = medium.sigma_s * (light.phi + medium.linear * (light.x * o.sx + (light.y * o.sy + light.z * o.sz)));
-    fitted = as_vector(medium.fit) * q;
+    const V8 flow = fused(all(light.x), o.sx, fused(all(light.y), o.sy, light.z * o.sz));
+    fitted = as_vector(medium.fit) * (medium.sigma_s * fused(all(medium.linear), flow, all(light.phi)));
 }
 
 /// `seen`: what the cell sees; px, py, pz come in and go out. Written so that the way along x, where each cell waits
-/// for the one before, is one multiplication and one addition long: px_out = gain (fit q + ay py + az pz) + pass px =
-/// (1 + theta) psi - theta px.
+/// for the one before, is one multiplication and one addition long: px_out = gain (fit q + ay py + az pz) + (gain ax -
+/// theta) px = (1 + theta) psi - theta px.
 HWY_INLINE void cross_cell(const Ways& ways, const SweepMedium& medium, const V8& fitted, V8& seen, V8& px, V8& py,
                            V8& pz) {
-    const V8 out = as_vector(medium.gain) * (fitted + (ways.ay * py + ways.az * pz)) + as_vector(medium.pass) * px;
-    const V8 both = out + ways.theta * px;
+    const V8& gain = as_vector(medium.gain);
+    const V8 beside = gain * fused(ways.ay, py, fused(ways.az, pz, fitted));
+    const V8 out = fused(fused(gain, ways.ax, -ways.theta), px, beside);
+    const V8 both = fused(ways.theta, px, out);
     px = out;
-    py = both - ways.theta * py;
-    pz = both - ways.theta * pz;
-    seen = as_vector(medium.fit) * both + as_vector(medium.rest) * fitted;
+    py = fused(-ways.theta, py, both);
+    pz = fused(-ways.theta, pz, both);
+    seen = fused(as_vector(medium.fit), both, as_vector(medium.rest) * fitted);
 }
 
 HWY_INLINE void add_moments(const Ways& ways, const V8& seen, Moments& sum) {
     V8 moment = __builtin_shuffle(seen, I8{0, 0, 0, 0, 1, 1, 1, 1}) * ways.weights[0];
     V8 other = __builtin_shuffle(seen, I8{2, 2, 2, 2, 3, 3, 3, 3}) * ways.weights[1];
-    moment += __builtin_shuffle(seen, I8{4, 4, 4, 4, 5, 5, 5, 5}) * ways.weights[2];
-    other += __builtin_shuffle(seen, I8{6, 6, 6, 6, 7, 7, 7, 7}) * ways.weights[3];
+    moment = fused(__builtin_shuffle(seen, I8{4, 4, 4, 4, 5, 5, 5, 5}), ways.weights[2], moment);
+    other = fused(__builtin_shuffle(seen, I8{6, 6, 6, 6, 7, 7, 7, 7}), ways.weights[3], other);
     moment += other;
     V4 low, high;
     std::memcpy(&low, &moment, sizeof low);
@@ -232,7 +250,9 @@ private:
     }
 };
 
-/// A whole block of solid cells: its outer faces are faces of the block.
+/// A whole block of solid cells: its outer faces are faces of the block. Light runs against x and y where `back_x` and
+/// `back_y` say so: known to the compiler, for to find places was half of the instructions.
+template <bool back_x, bool back_y>
 void sweep_solid_block(const SweepJob& job, const Octant& o, const SweepMedium* media, const GridBlock& block,
                        const BlockFaces& faces) {
     const Ways ways = o.ways[1];
@@ -253,15 +273,24 @@ void sweep_solid_block(const SweepJob& job, const Octant& o, const SweepMedium* 
     for (int c = 0; c < 64; ++c) find_source(o, media[medium[c]], light[c], fitted[c]);
     for (int kz = 0; kz < 4; ++kz) {
         const int z = o.back[2] ? 3 - kz : kz;
+        V8 *const on_x = faces.x + z * 4, *const on_z = faces.z;
+        const V8* const source = fitted + z * 16;
+        const std::uint16_t* const medium_at = medium + z * 16;
+        V8* const seen_at = seen + z * 16;
+        V8 py[4];
+        for (int x = 0; x < 4; ++x) py[x] = faces.y[z * 4 + x];
+#pragma GCC unroll 4
         for (int ky = 0; ky < 4; ++ky) {
-            const int y = o.back[1] ? 3 - ky : ky, row = (z * 4 + y) * 4;
-            V8 px = faces.x[z * 4 + y];
+            const int y = back_y ? 3 - ky : ky;
+            V8 px = on_x[y];
+#pragma GCC unroll 4
             for (int kx = 0; kx < 4; ++kx) {
-                const int x = o.back[0] ? 3 - kx : kx, c = row + x;
-                cross_cell(ways, media[medium[c]], fitted[c], seen[c], px, faces.y[z * 4 + x], faces.z[y * 4 + x]);
+                const int x = back_x ? 3 - kx : kx, c = y * 4 + x;
+                cross_cell(ways, media[medium_at[c]], source[c], seen_at[c], px, py[x], on_z[c]);
             }
-            faces.x[z * 4 + y] = px;
+            on_x[y] = px;
         }
+        for (int x = 0; x < 4; ++x) faces.y[z * 4 + x] = py[x];
     }
     for (int c = 0; c < 64; ++c) add_moments(ways, seen[c], sum[c]);
     for (int a = 0; a < 3; ++a)
@@ -485,6 +514,8 @@ void sweep(const SweepJob& job, int half) {
             to_coarse(face, fine[a], fine[b], ratio[a], ratio[b]);
         is_fine = wanted;
     };
+    constexpr std::array solid_block{&sweep_solid_block<false, false>, &sweep_solid_block<true, false>,
+                                     &sweep_solid_block<false, true>, &sweep_solid_block<true, true>};
     const auto cross_blocks = [&](std::size_t row, std::size_t k) {
         const Octant& o = octants[k];
         CellFaces on{};
@@ -496,7 +527,12 @@ void sweep(const SweepJob& job, int half) {
             const std::size_t t = o.back[0] ? end - 1 - (i - begin) : i;
             const GridBlock& block = grid.transport_block(t);
             const std::size_t next = i + 1 == end ? t : o.back[0] ? t - 1 : t + 1;
-            if (next != t) prefetch_light(job, o, grid.transport_block(next));
+            if (next != t) {
+                const GridBlock& later = grid.transport_block(next);
+                prefetch_light(job, o, later);
+                prefetch(&job.cells.light[later.first_cell], 64 * sizeof(Moments));
+                prefetch(&job.cells.sum[later.first_cell], 64 * sizeof(Moments));
+            }
             const bool in_parts = any_fine && grid.fine.first[t] != not_fine;
             const auto bx = static_cast<std::size_t>(block.at[0]);
             const std::size_t bz = static_cast<std::size_t>(block.at[1]) * across + bx;
@@ -510,7 +546,7 @@ void sweep(const SweepJob& job, int half) {
                 sweep_parts(job, o, job.parts.media.data(), t, grid.fine.first[next] != not_fine ? next : t, block,
                             faces, parts[k], {as_vectors(fitted.data()), as_vectors(seen.data())});
             else if (block.solid == ~std::uint64_t{0})
-                sweep_solid_block(job, o, job.cells.media.data(), block, faces);
+                solid_block[k](job, o, job.cells.media.data(), block, faces);
             else
                 sweep_surface_block(job, o, job.cells.media.data(), block, faces, on);
         }
@@ -559,7 +595,6 @@ SweepMedium sweep_medium(const Octet& a, const std::array<Octet, 3>& per_way, do
         }
         const double gain = (1 + theta) / (static_cast<double>(a.v[d]) + fit * sigma);
         made.gain.v[d] = static_cast<float>(gain);
-        made.pass.v[d] = static_cast<float>(gain * static_cast<double>(per_way[0].v[d]) - theta);
         made.fit.v[d] = static_cast<float>(fit);
         made.rest.v[d] = static_cast<float>((1 + theta) * lack / (sigma * fit));
     }

@@ -33,7 +33,8 @@
 // theta = 0.85 up to 1.005.
 //
 // Work: cells x 8 directions, about 30 vector instructions a cell; data touched: 16 bytes of moments in and out per
-// cell and 3 bytes of geometry. The order of arithmetic is fixed: the same bits on every run.
+// cell and 3 bytes of geometry. The order of arithmetic is fixed, and what is fused is so everywhere: the same bits on
+// every run and instruction set.
 #pragma once
 
 #include <array>
@@ -66,10 +67,10 @@ struct alignas(16) Moments {
 
 /// What a medium does to light on its way through a cell, the same in all octants: gain and rest in mm. With
 /// d = 1 + theta and sigma = fit sigma_t:
-///   gain = d / (sigma + sum d |Omega| / h),  pass = gain d |Omega_x| / h_x - theta
+///   gain = d / (sigma + sum d |Omega| / h);
 /// d psi averaged over the cell is fit (d psi) + rest q fit.
-struct SweepMedium {
-    Octet gain, pass, fit, rest;
+struct alignas(64) SweepMedium {
+    Octet gain, fit, rest;
     float sigma_s = 0, linear = 0;
 };
 

@@ -3,6 +3,7 @@
 // The sweep beside a twin that is written as the equations stand: one direction after the other, in double precision.
 #include "optics/transport/transport_sweep.h"
 
+#include <hwy/targets.h>
 #include <catch2/catch.hpp>
 
 #include <array>
@@ -342,6 +343,23 @@ TEST_CASE("Rows that are crossed at once make the bits of rows crossed one after
                 CHECK(same_bits(many.core_out, one.core_out));
             }
     }
+}
+
+TEST_CASE("Every instruction set sweeps to the same bits", "[transport-sweep]") {
+    const Case c(Refinement::contrast);
+    hwy::SetSupportedTargetsForTest(0);
+    const Result usual = swept(c);
+    int sets = 0;
+    for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1, ++sets) {
+        hwy::SetSupportedTargetsForTest(targets & -targets);
+        const Result other = swept(c);
+        CHECK(same_bits(other.sum, usual.sum));
+        CHECK(same_bits(other.sum_of_parts, usual.sum_of_parts));
+        CHECK(same_bits(other.out, usual.out));
+        CHECK(same_bits(other.core_out, usual.core_out));
+    }
+    hwy::SetSupportedTargetsForTest(0);
+    REQUIRE(sets > 1);
 }
 
 TEST_CASE("A sweep offers as many tasks at once as its planes have rows", "[transport-sweep]") {
