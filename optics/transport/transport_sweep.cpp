@@ -34,7 +34,7 @@ struct Ways {
     int nx, ny, nz;    ///< cells of a block
     V8 ax, ay, az, a;  ///< (1 + theta) |Omega| / h, and their sum
     V8 theta;
-    V8 weights[4];  ///< {w, w Omega} / (1 + theta) of directions 2 k and 2 k + 1
+    V8 weights[4];  ///< {w, w Omega} / (1 + theta) of directions k and k + 4
 };
 
 /// Cells and faces of the two kinds of blocks.
@@ -51,6 +51,9 @@ struct Octant {
     bool back[3];
     unsigned in_bit[3], out_bit[3];
     int signs[3];
+
+    /// Of the four that go one way along z: sums begin with what it sees.
+    [[nodiscard]] bool is_first() const { return !(back[0] || back[1]); }
 };
 
 /// a b + c, rounded once: said outright, so that all instruction sets give the same bits. Processors of before 2013
@@ -124,8 +127,8 @@ Octant make_octant(const ViewingGrid& grid, int octant, const std::array<CellKin
     o.sz = 3 * cosine[2];
     for (Ways& ways : o.ways)
         for (int d = 0; d < 8; ++d) {
-            V8& pair = ways.weights[d / 2];
-            const int at = 4 * (d % 2);
+            V8& pair = ways.weights[d % 4];
+            const int at = d / 4 * 4;
             const float weight = w[d] / (1 + ways.theta[0]);
             pair[at] = weight;
             pair[at + 1] = weight * cosine[0][d];
@@ -183,16 +186,22 @@ HWY_INLINE void cross_cell(const Ways& ways, const SweepMedium& medium, const V8
     seen = fused(as_vector(medium.fit), both, as_vector(medium.rest) * fitted);
 }
 
+/// Directions k and k + 4 together: so no value leaves its half of a register, which few processors do as fast.
+template <bool first>
 HWY_INLINE void add_moments(const Ways& ways, const V8& seen, Moments& sum) {
-    V8 moment = __builtin_shuffle(seen, I8{0, 0, 0, 0, 1, 1, 1, 1}) * ways.weights[0];
-    V8 other = __builtin_shuffle(seen, I8{2, 2, 2, 2, 3, 3, 3, 3}) * ways.weights[1];
-    moment = fused(__builtin_shuffle(seen, I8{4, 4, 4, 4, 5, 5, 5, 5}), ways.weights[2], moment);
-    other = fused(__builtin_shuffle(seen, I8{6, 6, 6, 6, 7, 7, 7, 7}), ways.weights[3], other);
+    V8 moment = __builtin_shuffle(seen, I8{0, 0, 0, 0, 4, 4, 4, 4}) * ways.weights[0];
+    V8 other = __builtin_shuffle(seen, I8{1, 1, 1, 1, 5, 5, 5, 5}) * ways.weights[1];
+    moment = fused(__builtin_shuffle(seen, I8{2, 2, 2, 2, 6, 6, 6, 6}), ways.weights[2], moment);
+    other = fused(__builtin_shuffle(seen, I8{3, 3, 3, 3, 7, 7, 7, 7}), ways.weights[3], other);
     moment += other;
     V4 low, high;
     std::memcpy(&low, &moment, sizeof low);
     std::memcpy(&high, reinterpret_cast<const char*>(&moment) + sizeof low, sizeof high);
-    add_to(sum, low + high);
+    low += high;
+    if (first)
+        std::memcpy(static_cast<void*>(&sum), &low, sizeof low);
+    else
+        add_to(sum, low);
 }
 
 /// Of cells that are crossed together.
@@ -292,7 +301,7 @@ void sweep_solid_block(const SweepJob& job, const Octant& o, const SweepMedium* 
         }
         for (int x = 0; x < 4; ++x) faces.y[z * 4 + x] = py[x];
     }
-    for (int c = 0; c < 64; ++c) add_moments(ways, seen[c], sum[c]);
+    for (int c = 0; c < 64; ++c) add_moments<!(back_x || back_y)>(ways, seen[c], sum[c]);
     for (int a = 0; a < 3; ++a)
         each_face(a, o.out_bit[a], [&](std::size_t place, const V8& p) { outside.give(a, place, p); });
 }
@@ -366,7 +375,8 @@ void sweep_surface_block(const SweepJob& job, const Octant& o, const SweepMedium
         y[out[1]] = py;
         z[out[2]] = pz;
     }
-    for (unsigned k = 0; k < cells; ++k) add_moments(ways, seen[k], sum[cell_at[k]]);
+    if (o.is_first()) std::fill_n(sum, 64, Moments{});
+    for (unsigned k = 0; k < cells; ++k) add_moments<false>(ways, seen[k], sum[cell_at[k]]);
     for (int a = 0; a < 3; ++a)
         each_face(a, o.out_bit[a], [&](std::size_t place, const V8& p) { outside.give(a, place, p); });
     for (unsigned j = 0; j < 16; ++j) {
@@ -453,7 +463,7 @@ void sweep_parts(const SweepJob& job, const Octant& o, const SweepMedium* media,
         for (std::size_t k = 0; k < count; ++k)
             cross_cell(ways, media[medium[parts[k].part]], work.fitted[k], work.seen[k], at[0][parts[k].face[0]],
                        at[1][parts[k].face[1]], at[2][parts[k].face[2]]);
-        for (std::size_t k = 0; k < count; ++k) add_moments(ways, work.seen[k], sum[parts[k].part]);
+        for (std::size_t k = 0; k < count; ++k) add_moments<false>(ways, work.seen[k], sum[parts[k].part]);
         if (any_left >> cell & 1)
             for (int a = 0; a < 3; ++a)
                 if (left[a] >> cell & 1) {
@@ -542,6 +552,10 @@ void sweep(const SweepJob& job, int half) {
             fit(faces.x, x_fine, in_parts, 1, 2);
             fit(faces.y, front.y_fine[by], in_parts, 0, 2);
             fit(faces.z, front.z_fine[bz], in_parts, 0, 1);
+            if (in_parts && o.is_first()) {
+                std::fill_n(&job.cells.sum[block.first_cell], 64, Moments{});
+                std::fill_n(&job.parts.sum[grid.fine.first[t]], 64 * parts[k].size(), Moments{});
+            }
             if (in_parts)
                 sweep_parts(job, o, job.parts.media.data(), t, grid.fine.first[next] != not_fine ? next : t, block,
                             faces, parts[k], {as_vectors(fitted.data()), as_vectors(seen.data())});

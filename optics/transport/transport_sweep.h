@@ -83,7 +83,7 @@ struct alignas(64) SweepMedium {
 struct SweepCells {
     std::span<const SweepMedium> media;  ///< by what the grid says that they hold, of this channel and `theta`
     std::span<const Moments> light;      ///< phi and J of what is scattered
-    std::span<Moments> sum;              ///< their share is added
+    std::span<Moments> sum;              ///< becomes phi and J of the half's light
     float theta = 1;                     ///< weight of the differences
 };
 

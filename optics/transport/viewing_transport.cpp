@@ -582,8 +582,6 @@ void ViewingTransport::sweep(bool in_parts) {
                          .light = parts_,
                          .sum = half == 0 ? parts_up_ : parts_down_,
                          .theta = static_cast<float>(fine_theta)};
-        std::fill(job.cells.sum.begin(), job.cells.sum.end(), Moments{});
-        std::fill(job.parts.sum.begin(), job.parts.sum.end(), Moments{});
         sweep_half(job, half == 1);
     });
 }

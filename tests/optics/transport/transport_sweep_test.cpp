@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <vector>
 
 #include "base/parallel.h"
@@ -92,11 +93,15 @@ Result swept(const Case& c, std::size_t fronts = 1) {
                                                                 c.media_of_parts);
     for (const bool down : {false, true}) {
         const SweepRows rows = sweep_rows(c.grid, down, fronts);
+        // A sweep owes nothing to what its sums were.
+        constexpr float garbage = std::numeric_limits<float>::quiet_NaN();
+        std::vector<Moments> sum(result.sum.size(), {garbage, garbage, garbage, garbage}),
+            sum_of_parts(result.sum_of_parts.size(), sum[0]);
         const SweepJob job{.grid = c.grid,
-                           .cells = {.media = media, .light = c.light, .sum = result.sum, .theta = float(theta)},
+                           .cells = {.media = media, .light = c.light, .sum = sum, .theta = float(theta)},
                            .parts = {.media = media_of_parts,
                                      .light = c.light_of_parts,
-                                     .sum = result.sum_of_parts,
+                                     .sum = sum_of_parts,
                                      .theta = float(theta_of_parts)},
                            .in = c.in,
                            .out = result.out,
@@ -104,6 +109,8 @@ Result swept(const Case& c, std::size_t fronts = 1) {
                            .core_out = result.core_out,
                            .rows = rows};
         sweep_half(job, down);
+        for (std::size_t i = 0; i < sum.size(); ++i) result.sum[i] += sum[i];
+        for (std::size_t i = 0; i < sum_of_parts.size(); ++i) result.sum_of_parts[i] += sum_of_parts[i];
     }
     return result;
 }
