@@ -11,10 +11,10 @@
 // the nearest face of the staircase that looks the same way.
 //
 // Transport blocks (4 x 4 x 4 cells, all of them stored): those within `colour_mm` of the surface that is asked for,
-// those at the surface elsewhere, those of several materials, a margin of them as deep as what it holds is clear, and
-// those on a sheet. Deeper, each block is one node of diffusion. Cells and nodes of diffusion are the same. Where deep
-// colour is in nodes, too (TransportOptions), blocks of several materials have cells only as far down as colour is
-// expected, and deeper ones are nodes of the medium of the halftone of their shares.
+// those at the surface elsewhere, those of several materials, and a margin of them as deep as what it holds is clear.
+// Deeper, and on a sheet that lies deeper, each block is one node of diffusion. Cells and nodes of diffusion are the
+// same. Where deep colour is in nodes, too (TransportOptions), blocks of several materials have cells only as far down
+// as colour is expected, and deeper ones are nodes of the medium of the halftone of their shares.
 #pragma once
 
 #include <algorithm>
@@ -24,6 +24,7 @@
 #include <utility>
 #include <vector>
 
+#include "optics/scene/backing.h"
 #include "optics/scene/surface.h"
 #include "optics/transport/lattice.h"
 #include "optics/transport/transport_directions.h"
@@ -137,6 +138,10 @@ struct ViewingGrid {
                 return true;
         return false;
     }
+    /// A block of the lowest ones, that may reach below the sheet.
+    [[nodiscard]] bool is_on_sheet(const Place& block) const {
+        return backing != Backing::none && block[2] == 0 && corner_of(block)[2] <= 0;
+    }
     /// Of a cell.
     [[nodiscard]] std::array<double, 3> edge_mm() const {
         std::array<double, 3> edge{};
@@ -224,6 +229,7 @@ struct ViewingGrid {
     std::vector<FacingFace> by_facing;  ///< the outer faces of each block, ascending in facing
 
     bool mirrored = false;
+    Backing backing = Backing::none;
     std::array<int, 3> size{};             ///< of the volume
     std::vector<std::uint8_t> towards;     ///< of each transport block: the facing of the surface near it
     std::vector<Donor> donors;             ///< ascending in `to`

@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "optics/media/mirrored_box.h"
 #include "optics/transport/lattice.h"
+#include "optics/transport/transport_medium.h"
 #include "optics/transport/viewing_faces.h"
 #include "optics/transport/viewing_palette.h"
 
@@ -214,24 +215,28 @@ struct ViewingGridBuilder {
 
     /// Which blocks get transport cells, and the list of all.
     void find_blocks(double colour_mm, std::span<const std::uint8_t> also, const Surface* requested) {
-        want_below(find_surface_blocks(also, requested), colour_mm);
+        want_below(find_surface_blocks(colour_mm, also, requested), colour_mm);
         check();
         if (grid.mixes_core) seed_mixed_where_wanted();
         want_margins();
+        want_slivers();
         check();
         list_blocks();
         find_neighbours();
     }
 
-    /// Wants those at the surface, on a sheet and in `also`; seeds margins at those of several materials and those that
-    /// are lit. The lit ones of what is `asked` for.
-    [[nodiscard]] std::vector<Place> find_surface_blocks(std::span<const std::uint8_t> also, const Surface* requested) {
+    /// Wants those at the surface, on a sheet that light reaches and in `also`; seeds margins at those of several
+    /// materials and those that are lit. The lit ones of what is `asked` for.
+    [[nodiscard]] std::vector<Place> find_surface_blocks(double colour_mm, std::span<const std::uint8_t> also,
+                                                         const Surface* requested) {
         const std::size_t n = product(grid.lattice);
         const std::vector<std::uint8_t> at_surface =
             requested ? blocks_at(*requested) : std::vector<std::uint8_t>(n, 1);
         wanted.assign(n, 0);
         seed.assign(n, 0);
         std::vector<Place> surface;
+        const std::vector<std::uint8_t> deep =
+            scene.backing == Backing::none ? std::vector<std::uint8_t>(n, 0) : find_deep(colour_mm);
         std::size_t i = 0;
         for_each(grid.lattice, [&](const Place& at) {
             const std::size_t here = i++;
@@ -243,10 +248,55 @@ struct ViewingGridBuilder {
             }
             const auto [lit, sheet] = beyond(at);
             if (lit && at_surface[here]) surface.push_back(at);
-            if (lit || sheet || (!also.empty() && also[here])) wanted[here] = 1;
-            seed[here] = lit || seeds_margin || (sheet && grid.mixes_core);
+            const bool seen_sheet = sheet && !deep[here];
+            if (lit || seen_sheet || (!also.empty() && also[here])) wanted[here] = 1;
+            seed[here] = lit || seeds_margin || (seen_sheet && grid.mixes_core);
         });
         return surface;
+    }
+
+    /// Which blocks are so deep in one resin that a node of diffusion on a sheet serves as well as cells do
+    /// (transport_medium.h). In grids that keep their shape colour is still to come.
+    [[nodiscard]] std::vector<std::uint8_t> find_deep(double colour_mm) const {
+        double edge = std::numeric_limits<double>::max();
+        for (std::size_t a = 0; a < 3; ++a) edge = std::min(edge, block_voxels[a] * grid.pitch_mm[a]);
+        std::vector<int> rings_of;
+        for (const Resin& resin : scene.resins->resins)
+            rings_of.push_back(1 + static_cast<int>(std::ceil((sheet_depth_mm(*scene.resins, resin, grid.directions) +
+                                                               (grid.mixes_core ? colour_mm : 0)) /
+                                                              edge)));
+        std::vector<std::uint8_t> deep(state.size(), 0);
+        std::vector<int> ring(state.size(), -1);
+        std::vector<Place> front, next_front;
+        std::size_t i = 0;
+        for_each(grid.lattice, [&](const Place& at) {
+            const std::size_t here = i++;
+            if (state[here] == empty) return;
+            bool other = material[here] < 0 || beyond(at).lit;
+            for (std::size_t f = 0; f < 6; ++f)
+                if (const Place next = beside(at, f); in_lattice(next)) {
+                    const std::size_t there = at3(next, grid.lattice);
+                    other |= state[there] != empty && material[there] != material[here];
+                }
+            if (!other) return;
+            ring[here] = 0;
+            front.push_back(at);
+        });
+        for (int r = 1; !front.empty(); ++r) {
+            next_front.clear();
+            for (const Place& at : front)
+                for_each({3, 3, 3}, [&](const Place& k) {
+                    const Place next{at[0] + k[0] - 1, at[1] + k[1] - 1, at[2] + k[2] - 1};
+                    if (!in_lattice(next)) return;
+                    const std::size_t there = at3(next, grid.lattice);
+                    if (ring[there] >= 0 || state[there] == empty) return;
+                    ring[there] = r;
+                    deep[there] = r >= rings_of[static_cast<std::size_t>(material[there]) - 1];
+                    next_front.push_back(next);
+                });
+            front.swap(next_front);
+        }
+        return deep;
     }
 
     void seed_mixed_where_wanted() {
@@ -278,7 +328,8 @@ struct ViewingGridBuilder {
         for (std::size_t f = 0; f < 6 && !found.lit; ++f) {
             const Place next = beside(at, f);
             const bool inside = in_lattice(next);
-            if (inside && covers(next, f)) continue;
+            // Beside a block that is full but for what reaches below the sheet there is no light.
+            if (inside && (covers(next, f) || (f != 4 && closed[at3(next, grid.lattice)]))) continue;
             Place cell{4 * at[0], 4 * at[1], 4 * at[2]};
             if (f % 2 == 1) cell[f / 2] += 3;
             // A sliver on a sheet may leave no solid cell of its own.
@@ -345,6 +396,14 @@ struct ViewingGridBuilder {
                 });
             front.swap(next_front);
         }
+    }
+
+    /// On a sheet a block may have no solid cell of its own: what it holds are cells of the one above, or its node's.
+    void want_slivers() {
+        if (!grid.is_on_sheet({0, 0, 0}) || grid.lattice[2] < 2) return;
+        const auto plane = static_cast<std::size_t>(grid.lattice[0]) * static_cast<std::size_t>(grid.lattice[1]);
+        for (std::size_t here = 0; here < plane; ++here)
+            if (state[here] != empty && wanted[here + plane]) wanted[here] = 1;
     }
 
     void list_blocks() {
@@ -496,6 +555,7 @@ ViewingGrid make_viewing_grid(const Scene& scene, const std::array<int, 3>& view
     ViewingGrid made;
     made.window = window;
     made.mirrored = scene.sides == Sides::mirrored;
+    made.backing = scene.backing;
     made.size = scene.volume->size();
     made.resins = scene.resins->resins.size();
     made.mixes_core = colour.deeper_in_nodes;

@@ -292,7 +292,8 @@ std::vector<std::int16_t> core_materials(const ViewingGrid& grid, const ResinVol
             const GridBlock& block = grid.blocks[grid.core_block[i]];
             if (grid.is_ghost(block.at)) continue;
             const auto [resin, any_air] = grid.content_of(block, volume, box);
-            materials[i] = resin > 0 && any_air ? std::int16_t{-1} : resin;
+            // Below a sheet there is nothing but air.
+            materials[i] = resin > 0 && any_air && !grid.is_on_sheet(block.at) ? std::int16_t{-1} : resin;
         }
     };
     parallel_ranges(0, materials.size(), 1 << 8, look, progress);

@@ -12,6 +12,7 @@
 #include "base/stopwatch.h"
 #include "optics/numerics/prefetch.h"
 #include "optics/transport/lattice.h"
+#include "optics/transport/transport_medium.h"
 #include "optics/transport/viewing_derivatives.h"
 
 namespace voxtone::optics {
@@ -81,6 +82,7 @@ ViewingTransport::ViewingTransport(const ViewingGrid& grid, const TransportOptio
             flux_weight_[a].v[d] = grid_.directions.weight.v[d] * grid_.directions.cosine[a].v[d];
     }
     volume_ = edge_[0] * edge_[1] * edge_[2];
+    sheet_way_ = static_cast<float>(way_into_sheet(grid_.directions));
     const std::size_t cells = grid.cells(), faces = grid_.faces.size();
     moments_.resize(cells);
     x_ = scratch_.vector(0);
@@ -156,6 +158,8 @@ void ViewingTransport::prepare() {
     fill(media_->cells, D_, widened_, widest);
     fill(media_->core, core_D_, core_widened_, widest);
     fit_core(widest);
+    core_loss_.resize(core_x_.size());
+    for (std::size_t i = 0; i < core_loss_.size(); ++i) core_loss_[i] = loss_of_core(i);
     std::array<double, 3> edge_mm = grid_.edge_mm();
     cell_ways_ = sweep_media(grid_.directions, edge_mm, static_cast<float>(viewing_theta), media_->cells);
     if (grid_.fine.any())
@@ -208,7 +212,7 @@ void ViewingTransport::make_equations(const std::vector<float>& D, const std::ve
         for (std::size_t f = block.first_face; f < block.first_face + block.faces; ++f)
             if (grid_.faces[f].kind != FaceKind::core) x_[grid_.faces[f].cell] += exchange_[f].loss;
     });
-    for (std::size_t i = 0; i < core_x_.size(); ++i) core_x_[i] = core_absorption(i);
+    for (std::size_t i = 0; i < core_x_.size(); ++i) core_x_[i] = core_loss_[i];
     if (!ghost_phi_.empty()) {
         // A loss so large that nothing moves them; their equations have no right side.
         const float widest = *std::max_element(core_D.begin(), core_D.end());
@@ -228,8 +232,17 @@ int ViewingTransport::solve_diffusion(double tolerance, int most_steps) {
     return steps;
 }
 
-float ViewingTransport::core_absorption(std::size_t core) const {
-    return 64 * volume_ * core_sigma_a_[grid_.blocks[grid_.core_block[core]].medium];
+/// What a node loses for its phi: what it absorbs, and what a black sheet takes (transport_medium.h).
+float ViewingTransport::loss_of_core(std::size_t core) const {
+    constexpr float least_way = 0.5f;  // of a thin block, whose middle lies below the sheet
+    const GridBlock& block = grid_.blocks[grid_.core_block[core]];
+    const float absorbed = 64 * volume_ * core_sigma_a_[block.medium];
+    if (!grid_.is_on_sheet(block.at)) return absorbed;
+    const float height = 4 * edge_[2],
+                depth = height + static_cast<float>(grid_.corner_of(block.at)[2] * grid_.pitch_mm[2]);
+    if (grid_.backing != Backing::black) return absorbed * depth / height;
+    const float way = sheet_way_ + (depth - height / 2) / core_D_[block.medium];
+    return absorbed * depth / height + 16 * edge_[0] * edge_[1] / std::max(way, least_way);
 }
 
 /// Light by diffusion alone, from a guess of phi: the steps that it took.
@@ -612,7 +625,7 @@ void ViewingTransport::take_sweep(bool in_parts) {
 
 /// What the core got and gave, and what it absorbs.
 void ViewingTransport::find_core_sources() {
-    for (std::size_t i = 0; i < core_right_.size(); ++i) core_right_[i] = -core_absorption(i) * core_phi_[i];
+    for (std::size_t i = 0; i < core_right_.size(); ++i) core_right_[i] = -core_loss_[i] * core_phi_[i];
     std::array<float, 3> by_phi{}, by_J{};
     for (std::size_t a = 0; a < 3; ++a)
         for (std::size_t d = 0; d < 8; ++d) {
@@ -770,7 +783,8 @@ std::size_t ViewingTransport::memory_bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
     return of(moments_) + of(parts_) + of(parts_up_) + of(parts_down_) + scratch_.memory_bytes() + of(core_phi_) +
            of(core_x_) + of(core_right_) + of(in_) + of(out_) + of(core_in_) + of(core_out_) + of(light_) + of(flux_) +
-           of(flux_change_) + of(exchange_) + of(cell_ways_) + of(part_ways_) + diffusion_.memory_bytes();
+           of(flux_change_) + of(exchange_) + of(core_loss_) + of(cell_ways_) + of(part_ways_) +
+           diffusion_.memory_bytes();
 }
 
 }  // namespace voxtone::optics

@@ -103,7 +103,7 @@ private:
         if (!light_.empty()) return light_[grid_.place_of_face[face]];
         return grid_.faces[face].kind == FaceKind::light ? 1.0f : 0.0f;
     }
-    [[nodiscard]] float core_absorption(std::size_t core) const;
+    [[nodiscard]] float loss_of_core(std::size_t core) const;
     /// The steps it took.
     int solve_diffusion(double tolerance, int most_steps);
     void check() const {
@@ -148,6 +148,8 @@ private:
     std::vector<FaceSums> sums_;                                             ///< per law
     std::vector<Exchange> exchange_;                                         ///< per face that is not the core's
     std::vector<float> D_, core_D_, core_sigma_a_, widened_, core_widened_;  ///< per medium
+    float sheet_way_ = 0;                                                    ///< phi / J into a black sheet
+    std::vector<float> core_loss_;                                           ///< per core node
     std::array<SweepRows, 2> rows_;                                          ///< of light that runs up, and down
     std::vector<SweepMedium> cell_ways_, part_ways_;                         ///< per medium, of the solve that runs
     std::vector<Moments> moments_;                        ///< per cell: phi and J; the mean of its parts

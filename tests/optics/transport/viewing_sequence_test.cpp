@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "optics/transport/transport.h"
+#include "optics/transport/transport_medium.h"
 #include "optics/transport/viewing_sequence.h"
 #include "tests/optics/transport/slab_scene.h"
 #include "tests/same_for_threads.h"
@@ -406,6 +407,37 @@ TEST_CASE("Deep colour in nodes: margins suffice wherever a flat surface cuts th
                 CHECK(std::abs(error) < 0.0015);
             }
         }
+}
+
+TEST_CASE("A sheet deep under resin is seen through nodes as through cells", "[slow]") {
+    const ResinSet set = vero_opaque();
+    const DirectionSet directions = make_directions(set.g, set.eta);
+    for (const Backing backing : {Backing::black, Backing::white})
+        for (const int resin : {2, 3, 5})         // magenta, yellow and white, the clearer ones
+            for (const int empty : {0, 5, 11}) {  // of the layers of a block
+                const double deep = sheet_depth_mm(set, set.resins[std::size_t(resin) - 1], directions);
+                REQUIRE(deep < 10);
+                const int n = static_cast<int>((deep + 1.2) / j750[2]);
+                const ResinVolume volume =
+                    make_resin_volume({8, 4, n + empty}, j750, [&](int, int, int z) { return z < n ? resin : 0; });
+                const Scene scene{&volume, &set, backing, Sides::mirrored};
+                const Surface surface = find_surface(scene, viewing_cell, SurfacePart::top);
+                const auto predict = [&](double cells_mm, TransportSummary& summary) {
+                    TransportOptions options = on_viewing_cells(10);
+                    options.colour_mm = cells_mm;
+                    options.deep_colour_in_nodes = true;
+                    return TransportPredictor(options).predict(scene, surface, summary).value;
+                };
+                TransportSummary few, all;
+                const std::vector<float> seen = predict(0.15, few), by_cells = predict(n * j750[2], all);
+                CHECK(few.cells < 0.6 * all.cells);
+                const SlabLayer layer{static_cast<Material>(resin), n};
+                for (std::size_t i = 0; i < seen.size(); ++i) {
+                    INFO("resin " << resin << ", layers " << n << ", of air " << empty << ", channel " << i % 3);
+                    CHECK(std::abs(seen[i] - by_cells[i]) < 0.001f);
+                    CHECK(double(seen[i]) == Approx(exact_appearance(set, {&layer, 1}, backing, i % 3)).margin(0.002));
+                }
+            }
 }
 
 TEST_CASE("Cells of the eye: a sphere of one colour looks as it does to cells of half their size") {
