@@ -88,7 +88,7 @@ private:
 /// / T (Haskell et al. 1994, J. Opt. Soc. Am. A 11:2727). So near a surface light is no longer phi + 3 Omega . J:
 /// without mirroring the exact figure is 1.066 of that (Milne's problem), and slabs of white, yellow and magenta of
 /// index 1.5 agree with adding-doubling at 0.95 of it, and are up to 0.0013, 0.004 and 0.0015 too light without;
-/// between by T.
+/// between by T, and on for higher indices, which nothing has checked.
 [[nodiscard]] double way_into_sheet(const DirectionSet& set);
 
 /// How thick a slab of this resin has to be for a way into the sheet that is a tenth too long to change no channel's

@@ -24,7 +24,7 @@ namespace {
 
 // The file: magic, digest of the job as it was opened, digest of the job with its target, state, what the sequence
 // keeps, digest of all before. Native byte order: it is read where it was written.
-constexpr std::string_view magic = "voxtone-loop 17\n", any_magic = "voxtone-loop ";  // of any version
+constexpr std::string_view magic = "voxtone-loop 18\n", any_magic = "voxtone-loop ";  // of any version
 constexpr std::size_t digest_size = sizeof(std::uint64_t);
 constexpr std::size_t head_size = magic.size() + 2 * digest_size;
 

@@ -184,7 +184,7 @@ TEST_CASE("Whose state it is can be told before the model is read", "[loop]") {
     CHECK_THROWS_AS(LoopCheckpoint(folder.path(), another_job, a_job, target).read(quiet), InputError);
     write("voxtone-loop 8\nwhatever that version had there");
     CHECK_THROWS_WITH(LoopCheckpoint::expect_same_job(folder.path(), opened_job), Catch::Contains("another version"));
-    write("voxtone-loop 17\n1234567");
+    write("voxtone-loop 18\n1234567");
     CHECK_THROWS_AS(LoopCheckpoint::expect_same_job(folder.path(), opened_job), FileError);
     write("");
     CHECK_THROWS_AS(LoopCheckpoint::expect_same_job(folder.path(), opened_job), FileError);
