@@ -4,8 +4,10 @@
 // (io/programs/helper_program.h).
 #include <cstdlib>
 
+#include "tests/places.h"
+
 namespace {
 
-[[maybe_unused]] const bool is_set = setenv("VOXTONE_HELPERS", VOXTONE_HELPERS, 0) == 0;
+[[maybe_unused]] const bool is_set = setenv("VOXTONE_HELPERS", voxtone::test::helpers_dir().c_str(), 0) == 0;
 
 }  // namespace

@@ -2,13 +2,14 @@
 #include "benchmarks/sets.h"
 
 #include "io/files/json_object.h"
+#include "tests/places.h"
 
 namespace voxtone::benchmarks {
 namespace {
 
 std::vector<SetEntry> entries(const char* kind) {
     constexpr double least_mm = 1, most_mm = 1000;
-    const auto all = io::JsonObject::read(std::filesystem::path(VOXTONE_SOURCE_DIR) / "benchmarks/sets.json");
+    const auto all = io::JsonObject::read(std::filesystem::path(test::source_dir()) / "benchmarks/sets.json");
     all.allow_only({"rules", "pictures", "bodies", "pages"});
     std::vector<SetEntry> found;
     for (const io::JsonObject& entry : all.objects(kind)) {
@@ -30,7 +31,7 @@ std::vector<SetEntry> pictures() { return entries("pictures"); }
 std::vector<SetEntry> bodies() { return entries("bodies"); }
 
 bool is_held_out_page(const std::string& name) {
-    const auto all = io::JsonObject::read(std::filesystem::path(VOXTONE_SOURCE_DIR) / "benchmarks/sets.json");
+    const auto all = io::JsonObject::read(std::filesystem::path(test::source_dir()) / "benchmarks/sets.json");
     for (const io::JsonObject& page : all.objects("pages"))
         if (page.text("name") == name) return page.text("set") == "held-out";
     all.fail("pages", "must name the page " + name);

@@ -1,6 +1,13 @@
+# The compiler cache, asked with paths from the root of the tree on, so that it answers for every clone; the second setting
+# leaves the folder of the build out, the last lets it look through precompiled headers.
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+  set(CMAKE_CXX_COMPILER_LAUNCHER env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1 CCACHE_ABSSTDERR=1
+      CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE_PROGRAM})
+endif()
+# Not -Werror: what is compiled stays the command of a release, for which the cache may have an answer.
+if(VOXTONE_WERROR)
+  list(PREPEND CMAKE_CXX_COMPILER_LAUNCHER ${PROJECT_SOURCE_DIR}/cmake/warnings_are_errors)
 endif()
 include(cmake/libraries.cmake)
 

@@ -9,14 +9,13 @@ add_library(voxtone_flags INTERFACE)
 # An include is spelled as the tree is: "optics/layered/phase.h".
 target_include_directories(voxtone_flags INTERFACE ${PROJECT_SOURCE_DIR})
 # -ffp-contract=off: the same bits with and without fused multiply-add, so that a result does not depend on the machine.
-# -ffile-prefix-map: no path of the machine that built it in a program.
+# -ffile-prefix-map: no path of the machine that built it in a program; the compiler cache names files from the build on.
+file(RELATIVE_PATH root_from_build ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR}/)
 target_compile_options(voxtone_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off
-                                               "-ffile-prefix-map=${PROJECT_SOURCE_DIR}/=")
+                                               "-ffile-prefix-map=${PROJECT_SOURCE_DIR}/="
+                                               "-ffile-prefix-map=${root_from_build}=")
 # Libraries that a program does not use are not loaded: OpenImageIO's 262 alone cost 0.14 s at every start.
 target_link_options(voxtone_flags INTERFACE -Wl,--as-needed)
-if(VOXTONE_WERROR)
-  target_compile_options(voxtone_flags INTERFACE -Werror)
-endif()
 if(VOXTONE_SANITIZE)
   # The check of virtual tables asks the kernel what memory is readable; in a guarded reader the sandbox refuses, and
   # every object looks broken. Those of null, alignment and sizes of objects double the time of compilation; what they
@@ -55,13 +54,13 @@ function(voxtone_want target)
   endforeach()
 endfunction()
 
-# voxtone_add_room(<floor> <room> [LIGHT] [ALONE <name>...] [WITHOUT <name>...])
+# voxtone_add_room(<floor> <room> [LIGHT | PARSES] [ALONE <name>...] [WITHOUT <name>...])
 # The sources in the folder <room> of the caller go into the floor's library. With VOXTONE_UNITY a room is one unit of
-# compilation, which halves the time for the whole. LIGHT: nothing in the room runs long, so it is optimised less, which takes
-# two thirds of the time to compile. ALONE: files that are a unit of their own (Highway compiles such a file once for each
+# compilation, which halves the time for the whole. LIGHT: nothing in the room runs long, so it is optimised less (-O1), which
+# takes two thirds of the time to compile. PARSES: it reads, decides and calls what computes (-O2). ALONE: files that are a unit of their own (Highway compiles such a file once for each
 # width of vectors by including it again; templates over types of the file's own warn elsewhere). WITHOUT: another target's.
 function(voxtone_add_room floor room)
-  cmake_parse_arguments(ARG "LIGHT" "" "ALONE;WITHOUT" ${ARGN})
+  cmake_parse_arguments(ARG "LIGHT;PARSES" "" "ALONE;WITHOUT" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} ${room}/*.cpp)
   list(TRANSFORM ARG_ALONE REPLACE "(.+)" "${room}/\\1.cpp")
   list(TRANSFORM ARG_WITHOUT REPLACE "(.+)" "${room}/\\1.cpp")
@@ -73,6 +72,8 @@ function(voxtone_add_room floor room)
   set_source_files_properties(${ARG_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   if(ARG_LIGHT)
     target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  elseif(ARG_PARSES)
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O2>)
   endif()
   target_sources(voxtone_${floor} PRIVATE $<TARGET_OBJECTS:${target}>)
 endfunction()
@@ -125,6 +126,15 @@ function(voxtone_add_module name)
   voxtone_install_helper(${name} LIBRARY)
 endfunction()
 
+# voxtone_places: where the tree and its build lie (tests/places.h), for tests and benchmarks. No other source is compiled
+# with a path of this machine: in a second folder the compiler cache answers for all but this one.
+function(voxtone_add_places)
+  add_library(voxtone_places STATIC ${PROJECT_SOURCE_DIR}/tests/places.cpp)
+  target_link_libraries(voxtone_places PRIVATE voxtone_flags)
+  target_compile_definitions(voxtone_places PRIVATE VOXTONE_SOURCE_DIR="${PROJECT_SOURCE_DIR}" VOXTONE_BUILD_DIR="${PROJECT_BINARY_DIR}"
+                                                    VOXTONE_HELPERS="${VOXTONE_BUILT_HELPERS}")
+endfunction()
+
 # voxtone_add_test(<name> [SLOW] [TOGETHER] LABELS <label>... LIBRARIES <target>... SOURCES <file>...)
 # Catch2 tests, one ctest per TEST_CASE; TOGETHER: one for all of them, where they share what takes long to make, or are linked
 # with OpenImageIO, whose libraries take 0.3 s of a processor at each start. Labels: unit (below half a second each), slow, statistical, corpus, app. SLOW: cases
@@ -144,8 +154,6 @@ function(voxtone_add_test name)
   target_link_libraries(${name} PRIVATE voxtone_flags voxtone_catch_main ${ARG_LIBRARIES})
   target_precompile_headers(${name} REUSE_FROM voxtone_test_headers)
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
-  target_compile_definitions(${name} PRIVATE VOXTONE_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data"
-                                             VOXTONE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   if(ARG_LIBRARIES MATCHES "voxtone::(io|calibration|slicer)")
     voxtone_want(${name} voxtone-read voxtone-read-pictures voxtone-read-stack voxtone-vdb voxtone-layer-surfaces)
   endif()

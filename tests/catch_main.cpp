@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "tests/outcomes.h"
+#include "tests/places.h"
 
 namespace {
 
@@ -24,7 +25,7 @@ void skip(const std::string& reason) {
 
 /// The tests of a tree run the helper programs of that tree, whatever else is installed.
 int main(int argc, char** argv) {
-    setenv("VOXTONE_HELPERS", VOXTONE_HELPERS, 0);
+    setenv("VOXTONE_HELPERS", voxtone::test::helpers_dir().c_str(), 0);
     const int failed = Catch::Session().run(argc, argv);
     return failed == 0 && skipped ? 77 : failed;
 }

@@ -14,12 +14,14 @@
 
 #include <catch2/catch.hpp>
 
+#include "tests/places.h"
+
 namespace {
 
 namespace fs = std::filesystem;
 using Names = std::set<std::string>;
 
-const fs::path root = VOXTONE_SOURCE_DIR;
+const fs::path root = voxtone::test::source_dir();
 
 std::vector<std::string> lines_of(const fs::path& file) {
     std::ifstream in(file);
@@ -282,7 +284,7 @@ TEST_CASE("a source has its header beside it, and includes it first") {
 
 TEST_CASE("everything is compiled without fused multiply-adds: the same bits on every machine") {
     std::size_t units = 0;
-    for (const std::string& line : lines_of(fs::path(VOXTONE_BUILD_DIR) / "compile_commands.json")) {
+    for (const std::string& line : lines_of(fs::path(voxtone::test::build_dir()) / "compile_commands.json")) {
         if (line.find("\"command\":") == std::string::npos || line.find("catch_main") != std::string::npos) continue;
         ++units;
         INFO(line);

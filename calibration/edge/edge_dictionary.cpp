@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "calibration/edge/edge_dictionary.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 

@@ -23,6 +23,7 @@
 
 #include "run_program.h"
 #include "tests/outcomes.h"
+#include "tests/places.h"
 
 using namespace voxtone::test;
 namespace fs = std::filesystem;
@@ -42,8 +43,8 @@ struct Workshop {
         folder.write("quick.json", R"({"format": "voxtone-job", "version": 1, "report": false})");
     }
     [[nodiscard]] std::vector<std::string> words(const std::string& out, const std::string& retries) const {
-        return {VOXTONE_PROGRAM, "batch",  folder / "plan.jsonl", "--preset", folder / "quick.json", "-o",
-                folder / out,    "--json", "--retries",           retries};
+        return {program(),    "batch",  folder / "plan.jsonl", "--preset", folder / "quick.json", "-o",
+                folder / out, "--json", "--retries",           retries};
     }
     /// What the jobs have made, but for figures of time and memory.
     [[nodiscard]] Tree stacks(const std::string& out) const {

@@ -14,6 +14,7 @@
 #include "run_program.h"
 #include "tests/io/files/schema.h"
 #include "tests/outcomes.h"
+#include "tests/places.h"
 
 using namespace voxtone;
 using namespace voxtone::test;
@@ -237,7 +238,7 @@ TEST_CASE("Two batches over one folder share the work") {
     for (int i = 0; i < 6; ++i)
         plan += fmt::format("{{\"model\": \"box{}.obj\", \"name\": \"job{}\"}}\n", i % 3 + 1, i);
     shop.plan(plan);
-    const std::string command = fmt::format("{} batch {} --preset {} -o {} --json --jobs 1", VOXTONE_PROGRAM,
+    const std::string command = fmt::format("{} batch {} --preset {} -o {} --json --jobs 1", program(),
                                             shop.at("plan.jsonl"), shop.at("quick.json"), shop.at("out"));
     REQUIRE(run_shell(fmt::format("{0} >{1} 2>&1 & {0} >{2} 2>&1 || exit 1; wait $!", command, shop.at("one"),
                                   shop.at("two"))) == 0);
@@ -261,9 +262,9 @@ TEST_CASE("What was held by another is tried again, within bounds") {
     fs::create_directories(shop.folder / "out/box1");
     shop.folder.write("out/batch.json", R"({"format": "voxtone-batch", "version": 1})");
     const std::string held = shop.at("out/box1/.voxtone-lock");
-    shop.folder.write("go.sh",
-                      fmt::format("{} batch {} --preset {} -o {} --retries 0 >{} 2>&1", VOXTONE_PROGRAM,
-                                  shop.at("plan.jsonl"), shop.at("quick.json"), shop.at("out"), shop.at("said")));
+    shop.folder.write(
+        "go.sh", fmt::format("{} batch {} --preset {} -o {} --retries 0 >{} 2>&1", program(), shop.at("plan.jsonl"),
+                             shop.at("quick.json"), shop.at("out"), shop.at("said")));
     CHECK(run_shell(fmt::format("flock {} sh {}", held, shop.at("go.sh"))) == 75);
     CHECK_THAT(read_file(shop.folder / "said"), Contains("being written by another"));
     CHECK(shop.state("box1")["state"] == "failed");
@@ -319,7 +320,7 @@ said no-model 1
 kill -TERM $!
 wait $!
 )",
-                                              VOXTONE_PROGRAM, shop.at("in"), shop.at("quick.json"), shop.at("out"),
+                                              program(), shop.at("in"), shop.at("quick.json"), shop.at("out"),
                                               shop.at("said"), shop.at("box1.obj"), shop.at("box3.obj")));
     const int code = run_shell("sh " + shop.at("watch.sh"));
     const std::string said = read_file(shop.folder / "said");

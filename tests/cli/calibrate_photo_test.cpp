@@ -13,6 +13,7 @@
 #include "io/layers/stack_reader.h"
 #include "io/profiles/resin_file.h"
 #include "run_program.h"
+#include "tests/places.h"
 
 using namespace voxtone;
 using namespace voxtone::test;
@@ -174,7 +175,7 @@ TEST_CASE("What is no photograph of a target is refused with the right code") {
 
 TEST_CASE("The road from a target to its resins recovers resins that the fit does not know") {
     const Folder folder("road");
-    const std::string truth = VOXTONE_SOURCE_DIR "/examples/07-resins.json";
+    const std::string truth = source_dir() + "/examples/07-resins.json";
     require_done(run_program("calibrate target --resins C,M,Y,K,W --layout B --quiet -o " + folder / "out"));
     require_done(run_program("calibrate simulate " + folder / "out/target.json" + " --resins " + truth +
                              " --quiet -o " + folder / "photo.tif"));

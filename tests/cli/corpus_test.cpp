@@ -10,6 +10,7 @@
 
 #include "run_program.h"
 #include "tests/outcomes.h"
+#include "tests/places.h"
 
 using namespace voxtone::test;
 namespace fs = std::filesystem;
@@ -30,7 +31,7 @@ bool is_input(const fs::path& path) {
 }  // namespace
 
 TEST_CASE("Every model of the corpus gives a stack or a clear error") {
-    const fs::path corpus = fs::path(VOXTONE_SOURCE_DIR) / "../shared/models";
+    const fs::path corpus = fs::path(source_dir()) / "../shared/models";
     if (!fs::exists(corpus)) return skip("the model corpus is not beside the tree");
     // Made to be refused: none of its corners is a number. Flat models have fewer than the 30 layers that the printer
     // asks for.

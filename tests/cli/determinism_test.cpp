@@ -5,12 +5,13 @@
 #include <nlohmann/json.hpp>
 
 #include "run_program.h"
+#include "tests/places.h"
 
 using namespace voxtone::test;
 
 namespace {
 
-const std::string spot = std::string(VOXTONE_SOURCE_DIR) + "/examples/models/spot/spot.obj";
+const std::string spot = source_dir() + "/examples/models/spot/spot.obj";
 
 auto layers_of(const Folder& folder, const std::string& out) { return read_tree(folder / (out + "/layers")); }
 

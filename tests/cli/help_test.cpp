@@ -14,6 +14,7 @@
 #include "run_program.h"
 #include "tests/io/files/schema.h"
 #include "tests/outcomes.h"
+#include "tests/places.h"
 
 using namespace voxtone::test;
 using Catch::Matchers::Contains;
@@ -97,7 +98,7 @@ TEST_CASE("Every help says in words what its options are, and ends with a comman
             command == "laminate print" || command.starts_with("target"))
             continue;  // these would do their work
         const int code =
-            run_shell("cd '" + empty.path().string() + "' && " + VOXTONE_PROGRAM + " " + line + " >/dev/null 2>&1");
+            run_shell("cd '" + empty.path().string() + "' && " + program() + " " + line + " >/dev/null 2>&1");
         CHECK(code != 2);
         CHECK(code > 0);  // the files are not there
     }
@@ -146,7 +147,7 @@ TEST_CASE("The licences that are printed name every library that is linked") {
         skip("readelf is not here");
         return;
     }
-    const auto table = nlohmann::json::parse(read_file(VOXTONE_SOURCE_DIR "/data/licences.json"));
+    const auto table = nlohmann::json::parse(read_file(source_dir() + "/data/licences.json"));
     const std::string text = run_program("--licences").out;
     std::vector<std::string> sonames;
     for (const auto& library : table.at("libraries")) {
@@ -156,7 +157,8 @@ TEST_CASE("The licences that are printed name every library that is linked") {
             sonames.push_back(soname);
     }
     const Folder folder("linked");
-    REQUIRE(run_shell("for file in '" VOXTONE_BUILD_DIR "'/bin/voxtone*; do readelf -d \"$file\"; done | "
+    REQUIRE(run_shell("for file in '" + build_dir() +
+                      "'/bin/voxtone*; do readelf -d \"$file\"; done | "
                       "sed -n 's/.*NEEDED.*\\[\\(.*\\.so\\).*\\]/\\1/p' | sort -u >'" +
                       (folder / "list") + "'") == 0);
     std::istringstream linked(read_file(folder / "list"));
@@ -249,11 +251,10 @@ TEST_CASE("bash completes with it") {
         skip("bash is not here");
         return;
     }
-    const std::string script = VOXTONE_SOURCE_DIR "/data/completion/voxtone.bash";
+    const std::string script = source_dir() + "/data/completion/voxtone.bash";
     CHECK(run_shell("bash -n '" + script + "'") == 0);
     const Folder folder("bash");
-    folder.write("try.sh", "source '" + script +
-                               "'\nCOMP_WORDS=('" VOXTONE_PROGRAM
+    folder.write("try.sh", "source '" + script + "'\nCOMP_WORDS=('" + program() +
                                "' slice --pri)\nCOMP_CWORD=2\n_voxtone\n"
                                "echo \"${COMPREPLY[*]}\"\ncomplete -p voxtone\n");
     REQUIRE(run_shell("bash '" + (folder / "try.sh") + "' >'" + (folder / "out") + "'") == 0);
@@ -281,10 +282,9 @@ TEST_CASE("zsh completes verbs, options, values and files with it") {
         {"voxtone slice my", "voxtone slice my\\ model.obj "},
         {"voxtone slice a.glb --texture=sp", "voxtone slice a.glb --texture=spot.obj "},
         {"voxtone slice --nothing-like-it", "voxtone slice --nothing-like-it"}};
-    std::string command = "cd '" + folder.path().string() +
-                          "' && timeout 60 zsh '" VOXTONE_SOURCE_DIR "/tests/cli/complete.zsh' '" VOXTONE_SOURCE_DIR
-                          "/data/completion' '" +
-                          std::filesystem::path(VOXTONE_PROGRAM).parent_path().string() + "'";
+    std::string command = "cd '" + folder.path().string() + "' && timeout 60 zsh '" + source_dir() +
+                          "/tests/cli/complete.zsh' '" + source_dir() + "/data/completion' '" +
+                          std::filesystem::path(program()).parent_path().string() + "'";
     std::string wanted;
     for (const auto& [typed, completed] : lines) {
         command += std::string(" '") + typed + "'";

@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "run_program.h"
+#include "tests/places.h"
 
 using namespace voxtone::test;
 using Catch::Matchers::Contains;
@@ -22,7 +23,7 @@ int run_in(const std::filesystem::path& folder, const std::string& command) {
 TEST_CASE("The installed program runs from elsewhere, with its helpers, manual and completion") {
     const Folder folder("install"), elsewhere("elsewhere");
     const std::filesystem::path prefix = folder.path() / "usr";
-    REQUIRE(run_in(folder.path(), VOXTONE_CMAKE " --install '" VOXTONE_BUILD_DIR "' --component program --prefix '" +
+    REQUIRE(run_in(folder.path(), "cmake --install '" + build_dir() + "' --component program --prefix '" +
                                       prefix.string() + "'") == 0);
     for (const char* file :
          {"bin/voxtone", "libexec/voxtone/voxtone-read", "libexec/voxtone/voxtone-calibrate",
@@ -37,8 +38,8 @@ TEST_CASE("The installed program runs from elsewhere, with its helpers, manual a
         if (!entry.is_regular_file()) continue;
         INFO(entry.path().string());
         const std::string bytes = read_file(entry.path());
-        CHECK(bytes.find(VOXTONE_BUILD_DIR) == std::string::npos);
-        CHECK(bytes.find(VOXTONE_SOURCE_DIR) == std::string::npos);
+        CHECK(bytes.find(build_dir()) == std::string::npos);
+        CHECK(bytes.find(source_dir()) == std::string::npos);
     }
     elsewhere.write("marker.obj", marker_obj());
     const std::string voxtone =

@@ -8,6 +8,7 @@
 
 #include "exr_numbers.h"
 #include "run_program.h"
+#include "tests/places.h"
 
 using namespace voxtone::test;
 
@@ -41,7 +42,7 @@ TEST_CASE("The loop's print is nearer to its target by Monte Carlo, which it nev
         const std::string out = folder / fmt::format("out-{}", iterations.substr(0, 1)), traced = out + "-traced.exr";
         REQUIRE(run_program(fmt::format("slice --quiet --iterations {} {}/examples/models/spot/"
                                         "spot_texture.png --width 4mm --thickness 2mm -o {}",
-                                        iterations, VOXTONE_SOURCE_DIR, out))
+                                        iterations, source_dir(), out))
                     .exit_code == 0);
         REQUIRE(run_program(fmt::format("predict --quiet --predict monte-carlo --spp 256 {} -o {}", out, traced))
                     .exit_code == 0);

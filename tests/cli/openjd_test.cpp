@@ -15,6 +15,7 @@
 
 #include "run_program.h"
 #include "tests/io/files/schema.h"
+#include "tests/places.h"
 
 using namespace voxtone::test;
 using Catch::Matchers::Contains;
@@ -65,7 +66,7 @@ private:
         return std::stoi(range.substr(range.find('-') + 1));
     }
     Outcome run_action(const json& action) {
-        REQUIRE(replaced(action["command"], values_) == VOXTONE_PROGRAM);
+        REQUIRE(replaced(action["command"], values_) == program());
         std::string line;
         for (const json& word : action["args"]) line += quoted(replaced(word, values_)) + " ";
         return run_program(line);

@@ -15,13 +15,14 @@
 #include "io/profiles/resin_file.h"
 #include "run_program.h"
 #include "tests/optics/colour/split_channels.h"
+#include "tests/places.h"
 
 using namespace voxtone;
 using namespace voxtone::test;
 
 namespace {
 
-const std::string picture = std::string(VOXTONE_SOURCE_DIR) + "/examples/models/spot/spot_texture.png";
+const std::string picture = source_dir() + "/examples/models/spot/spot_texture.png";
 
 std::string own_set(const Folder& folder, const optics::testing::Parts& parts, const std::string& name) {
     folder.write(name, io::resin_set_text(optics::testing::split_set(optics::vero_opaque(), parts)));

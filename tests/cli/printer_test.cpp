@@ -10,6 +10,7 @@
 
 #include "io/layers/manifest.h"
 #include "run_program.h"
+#include "tests/places.h"
 
 using namespace voxtone::test;
 using Catch::Contains;
@@ -106,7 +107,7 @@ TEST_CASE("A GCVF for the printer is the same for one thread and many, and of sh
 
 TEST_CASE("Shards whose resins are gone are merged without the printer's folder, which a later merge makes") {
     const Folder folder("shards-lost-resins");
-    folder.write("mine.json", read_file(std::string(VOXTONE_SOURCE_DIR) + "/data/resins/j750-opaque.json"));
+    folder.write("mine.json", read_file(source_dir() + "/data/resins/j750-opaque.json"));
     const std::string resins = folder / "mine.json", job = quick + box(folder) + " --resins " + resins;
     for (const char* out : {"usual", "lost"})
         for (const char* shard : {"1/2", "2/2"})

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "run_program.h"
+#include "tests/places.h"
 
 using namespace voxtone::test;
 using Catch::Matchers::Contains;
@@ -105,7 +106,7 @@ TEST_CASE("A limit of this process is named, and not the file that was read unde
         const std::string line = fmt::format(
             "(ulimit {} && exec env --default-signal=XFSZ {} slice {} --iterations 0 --predict none --no-report -o {}) "
             "2>&1 | cat >{}",
-            limit.ulimit, VOXTONE_PROGRAM, folder / limit.model, folder / "out", folder / "said");
+            limit.ulimit, program(), folder / limit.model, folder / "out", folder / "said");
         (void)run_shell(line);
         // How many descriptors are open already is the caller's: the program may not get as far as to its reader.
         const std::string said = read_file(folder / "said");
@@ -192,7 +193,7 @@ TEST_CASE("Who reads a job's events may leave: the stack is whole, and the exit 
     folder.write("box.obj", ramp_box_obj(2, 2, 1));
     const std::string command =
         fmt::format("(\"{}\" slice '{}' --iterations 0 --no-report --json -o '{}'; echo $? > '{}') 2>'{}' | head -n 1",
-                    VOXTONE_PROGRAM, folder / "box.obj", folder / "out", folder / "code", folder / "err");
+                    program(), folder / "box.obj", folder / "out", folder / "code", folder / "err");
     CHECK(std::system(command.c_str()) == 0);
     CHECK(read_file(folder / "code") == "75\n");
     CHECK_THAT(read_file(folder / "err"), Contains("Broken pipe"));

@@ -16,6 +16,7 @@
 #include "run_program.h"
 #include "tests/io/report/chromium.h"
 #include "tests/outcomes.h"
+#include "tests/places.h"
 
 using namespace voxtone;
 using namespace voxtone::test;
@@ -161,7 +162,7 @@ TEST_CASE("The page of a calibration shows target and photograph, and the probe 
     done(
         fmt::format("calibrate simulate {} --resins {}/examples/07-resins.json --quiet --width 1200 --height 800 "
                     "--tilt-x 8 --turn 20 -o {}",
-                    target, VOXTONE_SOURCE_DIR, folder / "photo.png"));
+                    target, source_dir(), folder / "photo.png"));
     done(fmt::format("calibrate photo {} --target {} --picture {} --quiet -o {}", folder / "photo.png", target,
                      folder / "straight.png", folder / "patches.csv"));
     const std::string out =

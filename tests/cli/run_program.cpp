@@ -17,6 +17,7 @@
 #include <png.h>
 
 #include "base/warning.h"
+#include "tests/places.h"
 
 namespace voxtone::test {
 
@@ -48,7 +49,7 @@ template <class Meanwhile>
 Outcome run(const std::string& arguments, Meanwhile&& meanwhile) {
     const Folder folder("outcome");
     const std::string command =
-        fmt::format("exec {} {} >'{}' 2>'{}'", VOXTONE_PROGRAM, arguments, folder / "out", folder / "err");
+        fmt::format("exec {} {} >'{}' 2>'{}'", program(), arguments, folder / "out", folder / "err");
     const pid_t child = fork();
     if (child < 0) throw std::runtime_error("fork failed");
     if (child == 0) {

@@ -17,6 +17,7 @@
 
 #include "run_program.h"
 #include "tests/io/files/schema.h"
+#include "tests/places.h"
 
 using namespace voxtone::test;
 
@@ -25,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 using Catch::Matchers::Contains;
 
-const std::string spot = std::string(VOXTONE_SOURCE_DIR) + "/examples/models/spot/spot.obj";
+const std::string spot = source_dir() + "/examples/models/spot/spot.obj";
 const std::string reported_job = fmt::format("slice --quiet --iterations 0 --predict none --size 8mm {}", spot);
 const std::string plain_job = reported_job + " --no-report";
 
@@ -99,7 +100,7 @@ TEST_CASE("A job in shards, merged, is the job, bit for bit") {
 
 TEST_CASE("Pictures, resin bitmaps, error diffusion and a range of layers go in shards too") {
     const Folder folder("shards-kinds");
-    const std::string picture = std::string(VOXTONE_SOURCE_DIR) + "/examples/models/spot/spot_texture.png";
+    const std::string picture = source_dir() + "/examples/models/spot/spot_texture.png";
     const std::string kinds[] = {
         fmt::format("slice --quiet --iterations 0 --predict none --width 8mm --thickness 1.5mm {}", picture),
         fmt::format("slice --quiet --iterations 0 --predict none --printer stratasys-j55 --formats png1 --size 5mm {}",
@@ -124,7 +125,7 @@ TEST_CASE("Where there are more shards than slabs of layers, some are empty and 
     const std::string job = fmt::format(
         "slice --quiet --iterations 0 --predict none --width 6mm --thickness 1mm "
         "{}/examples/models/spot/spot_texture.png",
-        VOXTONE_SOURCE_DIR);
+        source_dir());
     REQUIRE(run_program(fmt::format("{} -o {}", job, folder / "whole")).exit_code == 0);
     constexpr int shards = 12;  // a millimetre has fewer slabs
     make_shards(job, folder, "parts", shards);
@@ -253,7 +254,7 @@ TEST_CASE("Shards and merges that are killed at any moment cost nothing but time
     for (int round = 0; round < rounds; ++round) {
         const std::string& step = steps[std::size_t(round) % std::size(steps)];
         const int code = run_shell(fmt::format("timeout -s KILL {:.3f} {} {} >/dev/null 2>'{}'", moment(random),
-                                               VOXTONE_PROGRAM, step, folder / "err"));
+                                               program(), step, folder / "err"));
         INFO(step << ": " << code << ", " << read_file(folder / "err"));
         killed += code == 128 + SIGKILL || code == -1;
         // What is not killed is done, or says what is missing still.

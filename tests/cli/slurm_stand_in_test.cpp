@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "run_program.h"
+#include "tests/places.h"
 
 using namespace voxtone::test;
 using Catch::Matchers::Contains;
@@ -316,8 +317,7 @@ TEST_CASE("Tasks of a job that is planned otherwise now replace what the batch h
     const auto do_all = [&] {
         REQUIRE(shop.batch("--shards 3").exit_code == 0);
         fs::remove(shop.folder.path() / "queue");
-        const std::string task =
-            fmt::format("{} task {} --quiet --job box1 --stage ", VOXTONE_PROGRAM, shop.folder / "out");
+        const std::string task = fmt::format("{} task {} --quiet --job box1 --stage ", program(), shop.folder / "out");
         REQUIRE(
             run_shell(fmt::format("for i in 3 1 2 2; do {0} layers --shard $i/3 >/dev/null & pids=\"$pids $!\"; done; "
                                   "for p in $pids; do wait $p || exit 1; done; {0} merge >/dev/null",

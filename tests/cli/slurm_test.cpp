@@ -14,6 +14,7 @@
 #include "run_program.h"
 #include "tests/io/files/schema.h"
 #include "tests/outcomes.h"
+#include "tests/places.h"
 
 using namespace voxtone::test;
 namespace io = voxtone::io;
@@ -64,7 +65,7 @@ struct Workshop {
     Folder folder;
 };
 
-const std::string spot = std::string(VOXTONE_SOURCE_DIR) + "/examples/models/spot/spot.obj";
+const std::string spot = source_dir() + "/examples/models/spot/spot.obj";
 
 std::string line(const std::string& name, const std::string& more = "", const std::string& model = "a box.obj") {
     return nlohmann::json({{"model", model}, {"name", name}}).dump().insert(1, more) + "\n";

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "run_program.h"
+#include "tests/places.h"
 
 using namespace voxtone::test;
 
@@ -219,7 +220,7 @@ TEST_CASE("verify finds what was spoiled, by name, with exit code 6") {
 
 TEST_CASE("A picture becomes a slab with its colours on top, upright") {
     const Folder folder("picture");
-    const std::string picture = std::string(VOXTONE_SOURCE_DIR) + "/examples/models/spot/spot_texture.png";
+    const std::string picture = source_dir() + "/examples/models/spot/spot_texture.png";
     REQUIRE(run_program(fmt::format("slice --quiet --iterations 0 {} --width 6mm --thickness 2mm -o {}", picture,
                                     folder / "out"))
                 .exit_code == 0);

@@ -10,6 +10,7 @@
 
 #include "run_program.h"
 #include "tests/outcomes.h"
+#include "tests/places.h"
 
 using namespace voxtone::test;
 using Catch::Matchers::Contains;
@@ -43,14 +44,14 @@ constexpr const char* slow_libraries[] = {"assimp",   "OpenImageIO", "opencv",  
 }  // namespace
 
 TEST_CASE("voxtone links no library that most of its verbs do without") {
-    const std::string direct = printed_by("readelf -d " VOXTONE_PROGRAM);
+    const std::string direct = printed_by("readelf -d " + program());
     if (direct.empty()) {
         skip("readelf is not here");
     } else {
         REQUIRE_THAT(direct, Contains("NEEDED"));
         for (const char* library : slow_libraries) CHECK_THAT(direct, !Contains(library));
     }
-    const std::string all = printed_by("ldd " VOXTONE_PROGRAM);
+    const std::string all = printed_by("ldd " + program());
     if (all.empty()) {
         skip("ldd is not here");
     } else {

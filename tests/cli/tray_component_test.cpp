@@ -13,6 +13,7 @@
 
 #include "run_program.h"
 #include "tests/io/files/schema.h"
+#include "tests/places.h"
 
 using namespace voxtone::test;
 using nlohmann::json;
@@ -167,7 +168,7 @@ TEST_CASE("A tray of a model, a box, and stacks that were sliced before, voxel f
 
 TEST_CASE("A stack lies as it was sliced, whatever the printer wants of its bitmaps") {
     const Shelf shelf("mirrored");
-    json profile = json_in(VOXTONE_SOURCE_DIR "/data/printers/stratasys-j750-hm.json");
+    json profile = json_in(source_dir() + "/data/printers/stratasys-j750-hm.json");
     const bool is_swapped = GENERATE(false, true);
     CAPTURE(is_swapped);
     profile["flip_x"] = true;

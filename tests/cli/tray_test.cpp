@@ -15,6 +15,7 @@
 
 #include "run_program.h"
 #include "tests/io/files/schema.h"
+#include "tests/places.h"
 
 using namespace voxtone::test;
 using nlohmann::json;
@@ -442,7 +443,7 @@ TEST_CASE("A tray that is killed at random moments goes on to the same bits") {
     int killed = 0;
     for (int attempt = 0; attempt < 6; ++attempt) {
         const int code = run_shell(fmt::format("timeout -s KILL {:.2f} {} {}{} >{} 2>&1", moment(random) * seconds,
-                                               VOXTONE_PROGRAM, words, bench.folder / "out", bench.folder / "said"));
+                                               program(), words, bench.folder / "out", bench.folder / "said"));
         CAPTURE(read_file(bench.folder.path() / "said"));
         killed += code != 0;
         if (code == 0) break;

@@ -10,6 +10,7 @@
 
 #include "run_program.h"
 #include "tests/outcomes.h"
+#include "tests/places.h"
 
 using namespace voxtone::test;
 using Catch::Matchers::Contains;
@@ -195,7 +196,7 @@ TEST_CASE("Sizes beyond every printer and below every voxel are refused in a sen
         refused(fmt::format("{} {}", mesh, size), 3, "less than one voxel");
     refused(mesh + " --scale 1e300 --unit m", 3, "the model is");
     const std::string picture =
-        "slice --quiet " VOXTONE_SOURCE_DIR "/examples/models/spot/spot_texture.png -o " + (folder / "out");
+        "slice --quiet " + source_dir() + "/examples/models/spot/spot_texture.png -o " + (folder / "out");
     refused(picture + " --width 1e7mm", 3, "Give another --width");
     refused(picture + " --width 0.01mm", 3, "less than one voxel");
     CHECK_FALSE(std::filesystem::exists(folder / "out"));
@@ -259,7 +260,7 @@ TEST_CASE("With --json every failure is an event that carries the exit code") {
 TEST_CASE("A stdout that takes nothing is noticed") {
     const Folder folder("full");
     const auto run_into_full = [&](const std::string& arguments) {
-        return run_shell(std::string(VOXTONE_PROGRAM) + " " + arguments + " >/dev/full 2>'" + (folder / "err") + "'");
+        return run_shell(program() + " " + arguments + " >/dev/full 2>'" + (folder / "err") + "'");
     };
     if (!std::filesystem::exists("/dev/full")) {
         skip("/dev/full is not here");
@@ -282,7 +283,7 @@ TEST_CASE("A print does not depend on who reads what is said of it") {
     // The reader is gone before the first word.
     run_shell(fmt::format(
         "{{ sleep 0.2; '{}' slice --json --quality draft --no-report '{}' -o '{}' 2>'{}'; echo $? >'{}'; }} | true",
-        VOXTONE_PROGRAM, model, out, folder / "err", folder / "code"));
+        program(), model, out, folder / "err", folder / "code"));
     CHECK(read_file(folder / "code") == "75\n");
     CHECK_THAT(read_file(folder / "err"), Contains("stdout could not be written"));
     CHECK(run_program("verify --quiet '" + out + "'").exit_code == 0);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/fuzz/readers.h"
+#include "tests/places.h"
 
 #include <filesystem>
 #include <fstream>
@@ -20,7 +21,7 @@ std::vector<std::uint8_t> contents(const fs::path& file) {
 
 TEST_CASE("every seed and every input that ever failed is read or refused", "[fuzz]") {
     for (const Reader& reader : all_readers()) {
-        const fs::path folder = fs::path(VOXTONE_TEST_DATA) / "fuzz" / reader.name;
+        const fs::path folder = fs::path(test_data()) / "fuzz" / reader.name;
         if (!fs::exists(folder)) continue;
         for (const auto& file : fs::directory_iterator(folder)) {
             INFO(file.path().string());
@@ -32,7 +33,7 @@ TEST_CASE("every seed and every input that ever failed is read or refused", "[fu
 TEST_CASE("the seeds that are called good are read, so that the fuzzer starts behind the first check", "[fuzz]") {
     int good = 0;
     for (const Reader& reader : all_readers()) {
-        const fs::path folder = fs::path(VOXTONE_TEST_DATA) / "fuzz" / reader.name;
+        const fs::path folder = fs::path(test_data()) / "fuzz" / reader.name;
         if (!fs::exists(folder)) continue;
         for (const auto& file : fs::directory_iterator(folder)) {
             if (!file.path().filename().string().starts_with("good")) continue;

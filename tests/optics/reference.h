@@ -11,6 +11,8 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
+#include "tests/places.h"
+
 namespace voxtone::optics::testing {
 
 /// A table, read once; it lives as long as the program, so that a loop over a part of it is safe.
@@ -18,7 +20,7 @@ inline const nlohmann::json& reference(const std::string& name) {
     static std::map<std::string, nlohmann::json> tables;
     const auto [table, is_new] = tables.try_emplace(name);
     if (is_new) {
-        const std::string path = std::string(VOXTONE_TEST_DATA) + "/reference/" + name;
+        const std::string path = test::test_data() + "/reference/" + name;
         std::ifstream file(path);
         if (!file) throw std::runtime_error("cannot open " + path);
         table->second = nlohmann::json::parse(file);

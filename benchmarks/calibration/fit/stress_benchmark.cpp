@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "stress_cases.h"
+#include "tests/places.h"
 
 namespace {
 
@@ -43,7 +44,7 @@ void print(const Case& c) {
 
 int main(int count, char** words) {
     Plan plan;
-    std::string svg, baseline = VOXTONE_BASELINE;
+    std::string svg, baseline = voxtone::test::test_data() + "/reference/calibration_baseline.json";
     for (int i = 1; i + 1 < count; i += 2) {
         const std::string name = words[i], value = words[i + 1];
         if (name == "--seeds")

@@ -21,6 +21,7 @@
 #include "optics/monte_carlo/monte_carlo.h"
 #include "optics/profiles/layered_profile_model.h"
 #include "tests/optics/transport/slab_scene.h"
+#include "tests/places.h"
 
 using namespace voxtone::optics;
 using namespace voxtone::optics::testing;
@@ -120,7 +121,7 @@ void against_suite() {
         "| root mean square without noise, "
         "own layers | with sideways light |\n|---|---|---|---|---|---|---|\n");
     std::vector<fs::path> files;
-    for (const auto& entry : fs::directory_iterator(fs::path(VOXTONE_SOURCE_DIR) / "tests/data/appearance"))
+    for (const auto& entry : fs::directory_iterator(fs::path(voxtone::test::source_dir()) / "tests/data/appearance"))
         if (entry.path().extension() == ".ref") files.push_back(entry.path());
     std::sort(files.begin(), files.end());
     for (const fs::path& file : files) {

@@ -10,6 +10,7 @@
 //   predictor_accuracy dial [FOLDER]      sweeps and skin cells: error and price
 //   predictor_accuracy make [FOLDER]      Monte Carlo references of the suite, case by case
 //   predictor_accuracy picture CASE FILE  target, Monte Carlo, prediction, difference side by side (PNG)
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <ctime>
@@ -31,6 +32,7 @@
 #include "photo_cases.h"
 #include "pictures.h"
 #include "speed.h"
+#include "tests/places.h"
 
 namespace {
 
@@ -39,8 +41,8 @@ using namespace voxtone::accuracy;
 namespace fs = std::filesystem;
 
 struct Arguments {
-    fs::path folder = fs::path(VOXTONE_SOURCE_DIR) / "tests/data/appearance",
-             models = fs::path(VOXTONE_SOURCE_DIR) / "../shared/models", file, cells;
+    fs::path folder = fs::path(test::source_dir()) / "tests/data/appearance",
+             models = fs::path(test::source_dir()) / "../shared/models", file, cells;
     std::string only;
     std::uint64_t seed = 1, threads = 1;
     double effort = 0.5, largest = 1e7;

@@ -41,6 +41,7 @@
 #include "strips.h"
 #include "tables.h"
 #include "targets.h"
+#include "tests/places.h"
 #include "tile_seams.h"
 #include "variants.h"
 
@@ -51,7 +52,7 @@ using namespace voxtone::loop_benchmark;
 namespace fs = std::filesystem;
 
 struct Arguments {
-    fs::path models = fs::path(VOXTONE_SOURCE_DIR) / "../shared/models", work = "build/loop-benchmark";
+    fs::path models = fs::path(test::source_dir()) / "../shared/models", work = "build/loop-benchmark";
     std::string only, crop, resins = "vero-opaque";
     std::vector<std::string> set;
     std::uint32_t paths = 256, body_paths = 64;

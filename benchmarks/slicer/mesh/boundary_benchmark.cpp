@@ -30,6 +30,7 @@
 #include "slicer/options/model_choice.h"
 #include "slicer/predict/parts_in_sight.h"
 #include "slicer/solid/solid.h"
+#include "tests/places.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;
@@ -352,6 +353,6 @@ int main(int argc, char** argv) {
     std::printf("\n%-20s %-12s %7s   %-17s   %-17s   %-17s   %s\n", "light outside", "sky seen", "cells",
                 "white, followed", "colour, lost", "colour, followed", "dE00");
     measure_outside("cup, 4 x 4 x 4 mm", cup(2, 4, 0.8, 96), paths);
-    measure_outside("spot, 12 mm", obj_body(VOXTONE_SOURCE_DIR "/examples/models/spot/spot.obj", 12), paths);
+    measure_outside("spot, 12 mm", obj_body(test::source_dir() + "/examples/models/spot/spot.obj", 12), paths);
     return 0;
 }

@@ -23,6 +23,7 @@
 #include "slicer/solid/thin_features.h"
 #include "slicer/surface/surface_shell.h"
 #include "slicer/surface/visible_surface.h"
+#include "tests/places.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;
@@ -42,7 +43,7 @@ double cpu_seconds() {
 }  // namespace
 
 int main(int argc, char** argv) {
-    const std::string path = argc > 1 ? argv[1] : VOXTONE_SOURCE_DIR "/examples/models/spot/spot.obj";
+    const std::string path = argc > 1 ? argv[1] : test::source_dir() + "/examples/models/spot/spot.obj";
     const double size_mm = argc > 2 ? std::atof(argv[2]) : 60, depth_mm = argc > 3 ? std::atof(argv[3]) : 1;
     io::TexturedMesh mesh = io::read_model(path).mesh;
     Vector3d low = mesh.positions.at(0), high = low;

@@ -4,6 +4,7 @@
 // row is that of the benchmark: its median error at most 1.15 times the least-squares baseline's, or 0.8 times the
 // Cramer-Rao bound. A median over few seeds scatters by a third, so that rows are judged together.
 #include "benchmarks/calibration/fit/stress_cases.h"
+#include "tests/places.h"
 
 #include <catch2/catch.hpp>
 
@@ -11,7 +12,7 @@ using namespace voxtone::calibration;
 
 namespace {
 
-const char* const baseline = VOXTONE_TEST_DATA "/reference/calibration_baseline.json";
+const std::string baseline = voxtone::test::test_data() + "/reference/calibration_baseline.json";
 
 stress::Plan plan(double noise, int seeds) {
     stress::Plan p;

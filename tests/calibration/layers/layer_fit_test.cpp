@@ -10,6 +10,7 @@
 #include "calibration/layers/layer_model.h"
 #include "optics/colour/observed_colour.h"
 #include "tests/calibration/chart/chart_samples.h"
+#include "tests/places.h"
 
 namespace voxtone::calibration {
 namespace {
@@ -54,7 +55,7 @@ LayerChart upside_down(LayerChart chart) {
 }
 
 LayerChart measured_laminates() {
-    return *read_layer_chart(std::filesystem::path(VOXTONE_SOURCE_DIR) / "tests/data/layers/cmyb-5-layers.json",
+    return *read_layer_chart(std::filesystem::path(test::source_dir()) / "tests/data/layers/cmyb-5-layers.json",
                              optics::Illuminant::d50);
 }
 

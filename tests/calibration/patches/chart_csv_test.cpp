@@ -9,6 +9,7 @@
 #include "optics/colour/colour.h"
 #include "tests/calibration/patches/chart_samples.h"
 #include "tests/outcomes.h"
+#include "tests/places.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;
@@ -268,7 +269,7 @@ TEST_CASE("No cut or damaged chart does more than throw an InputError") {
 }
 
 TEST_CASE("The mixtures of a real printer are read as a chart") {
-    const auto file = std::filesystem::path(VOXTONE_SOURCE_DIR) / "../shared/prints/j750-mixtures.csv";
+    const auto file = std::filesystem::path(source_dir()) / "../shared/prints/j750-mixtures.csv";
     if (!std::filesystem::exists(file)) return skip("the measured prints are not beside the tree");
     const PatchTable table = read_patches(file);
     CHECK(table.is_chart);

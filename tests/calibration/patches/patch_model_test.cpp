@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "target_samples.h"
+#include "tests/places.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;
@@ -26,7 +27,7 @@ const std::vector<std::string> roles{"C", "M", "Y", "K", "W"};
 }  // namespace
 
 TEST_CASE("The patches of target B reflect as in the reference") {
-    std::ifstream file(std::string(VOXTONE_TEST_DATA) + "/reference/directional.json");
+    std::ifstream file(test::test_data() + "/reference/directional.json");
     const auto values = nlohmann::json::parse(file).at("values");
     const PatchTable table = target('B', {"C", "M", "Y"});
     const PatchModel model(table.patches, roles, {});

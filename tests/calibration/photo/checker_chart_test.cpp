@@ -7,13 +7,14 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "tests/places.h"
 
 using namespace voxtone::calibration;
 
 TEST_CASE("the colour checker in the program is the reference's") {
     // tests/data/reference/colorchecker24.json: linear sRGB computed elsewhere from the same CIELAB values.
     const nlohmann::json reference =
-        nlohmann::json::parse(std::ifstream(VOXTONE_TEST_DATA "/reference/colorchecker24.json"));
+        nlohmann::json::parse(std::ifstream(voxtone::test::test_data() + "/reference/colorchecker24.json"));
     const CheckerChart chart = find_checker("colorchecker24");
     REQUIRE(chart.linear_srgb.size() == 24);
     CHECK(chart.columns == 6);

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/cli/run_program.h"
+#include "tests/places.h"
 
 namespace voxtone::test {
 
@@ -64,7 +65,7 @@ void take(const Json& json, const Json& bodies, BugLine& line) {
 
 }  // namespace
 
-std::filesystem::path bug_folder() { return std::filesystem::path(VOXTONE_TEST_DATA) / "bugs"; }
+std::filesystem::path bug_folder() { return std::filesystem::path(test_data()) / "bugs"; }
 
 std::vector<BugLine> bug_table() {
     const Json table = Json::parse(read_file(bug_folder() / "expected.json"));

@@ -15,6 +15,7 @@
 #include "glb_sides.h"
 #include "stack_voxels.h"
 #include "tests/cli/run_program.h"
+#include "tests/places.h"
 
 using namespace voxtone::test;
 
@@ -173,7 +174,7 @@ Printed print(const std::string& name, const std::string& bytes) {
     const Outcome outcome = run_program(
         fmt::format("slice '{}' --size 20mm --iterations 0 --predict none --screen error-diffusion --printer '{}' -o "
                     "'{}'",
-                    folder / name, VOXTONE_TEST_DATA "/bugs/printer.json", folder / "out"));
+                    folder / name, test_data() + "/bugs/printer.json", folder / "out"));
     INFO(name << "\n" << outcome.out << outcome.err);
     REQUIRE(outcome.exit_code == 0);
     CHECK_THAT(outcome.err, !Catch::Contains("hole"));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "halftone/local_profiles/profile_clusters.h"
 
+#include <algorithm>
 #include <map>
 #include <numeric>
 #include <set>

@@ -13,6 +13,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "tests/io/files/taken_program.h"
 #include "tests/io/files/temporary_folder.h"
 
 using namespace voxtone;
@@ -26,7 +27,7 @@ std::span<const std::byte> bytes_of(const std::string& text) { return std::as_by
 /// What misbehaving_program.cpp leaves when it was asked for this.
 std::vector<std::byte> ask(const std::string& wish, IsolationLimits limits = {}, const Progress* progress = nullptr) {
     if (built_with_address_sanitizer()) limits.memory_bytes = 0;
-    return run_isolated("test.obj", MISBEHAVING_PROGRAM, bytes_of(wish), limits, progress);
+    return run_isolated("test.obj", test::misbehaving_program(), bytes_of(wish), limits, progress);
 }
 
 /// Of those that have ended.
@@ -46,7 +47,7 @@ std::string text_of(const std::vector<std::byte>& bytes) {
 TEST_CASE("amid its work a program asks who started it") {
     const IsolationLimits limits{.memory_bytes = built_with_address_sanitizer() ? 0 : std::uint64_t{256} << 20};
     const auto start = [&] {
-        return std::make_unique<IsolatedProgram>("test.obj", MISBEHAVING_PROGRAM, bytes_of("ask a"), limits);
+        return std::make_unique<IsolatedProgram>("test.obj", test::misbehaving_program(), bytes_of("ask a"), limits);
     };
     SECTION("as often as it likes, and each time it is answered") {
         const auto program = start();
@@ -131,7 +132,7 @@ TEST_CASE("work in another program", "[slow]") {
         CHECK(std::chrono::steady_clock::now() - start > std::chrono::milliseconds(500));
     }
     SECTION("one after the other") {
-        IsolatedProgram program("test.obj", MISBEHAVING_PROGRAM, bytes_of("first"), {.memory_bytes = 0});
+        IsolatedProgram program("test.obj", test::misbehaving_program(), bytes_of("first"), {.memory_bytes = 0});
         CHECK(text_of(program.result()) == "first");
         program.post_request(bytes_of("a longer second"));
         CHECK(text_of(program.result()) == "a longer second");
@@ -162,17 +163,18 @@ TEST_CASE("another program is given no open file") {
 }
 
 TEST_CASE("it works while its result is not yet asked for, and ends with whom it works for", "[slow]") {
-    IsolatedProgram first("a.obj", MISBEHAVING_PROGRAM, bytes_of("make 5"), {.memory_bytes = 0});
-    IsolatedProgram second("b.obj", MISBEHAVING_PROGRAM, bytes_of("make 6"), {.memory_bytes = 0});
+    IsolatedProgram first("a.obj", test::misbehaving_program(), bytes_of("make 5"), {.memory_bytes = 0});
+    IsolatedProgram second("b.obj", test::misbehaving_program(), bytes_of("make 6"), {.memory_bytes = 0});
     CHECK(second.result().size() == 6);
     CHECK(first.result().size() == 5);
 
-    IsolatedProgram late("c.obj", MISBEHAVING_PROGRAM, bytes_of("make 7"), {.memory_bytes = 0, .timeout_s = 0.3});
+    IsolatedProgram late("c.obj", test::misbehaving_program(), bytes_of("make 7"),
+                         {.memory_bytes = 0, .timeout_s = 0.3});
     std::this_thread::sleep_for(std::chrono::milliseconds(600));
     CHECK(late.result().size() == 7);  // it was in time
 
     const auto start = std::chrono::steady_clock::now();
-    { const IsolatedProgram endless("d.obj", MISBEHAVING_PROGRAM, bytes_of("pause"), {.memory_bytes = 0}); }
+    { const IsolatedProgram endless("d.obj", test::misbehaving_program(), bytes_of("pause"), {.memory_bytes = 0}); }
     CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(5));
 }
 

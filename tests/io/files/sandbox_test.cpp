@@ -27,7 +27,7 @@ namespace {
 class Taken {
 public:
     explicit Taken(const fs::path& readable, const fs::path& listable = {})
-        : program_("a.obj", MISBEHAVING_PROGRAM, {},
+        : program_("a.obj", test::misbehaving_program(), {},
                    {.memory_bytes = built_with_address_sanitizer() ? 0 : std::uint64_t{256} << 20,
                     .readable = {readable.string()},
                     .listable = {listable.string()}}) {
@@ -168,7 +168,7 @@ TEST_CASE("who reads through programs that lack a wall is warned once a run", "[
     const std::string wish = "ask a";
     std::vector<std::string> warnings;
     for (int file = 0; file < 2; ++file) {
-        IsolatedProgram program("a.obj", MISBEHAVING_PROGRAM, std::as_bytes(std::span(wish)),
+        IsolatedProgram program("a.obj", test::misbehaving_program(), std::as_bytes(std::span(wish)),
                                 {.memory_bytes = built_with_address_sanitizer() ? 0 : std::uint64_t{256} << 20});
         // One that it asks in its turn, as voxtone-read asks voxtone-read-pictures.
         program.answer_by([](std::span<const std::byte> question, const Progress*, std::uint8_t& missing) {

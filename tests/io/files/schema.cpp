@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/io/files/schema.h"
+#include "tests/places.h"
 
 #include <fstream>
 
@@ -14,7 +15,7 @@ namespace voxtone::io {
 
 std::vector<std::string> schema_faults(const std::string& name, std::string_view json) {
     using valijson::adapters::NlohmannJsonAdapter;
-    std::ifstream file(VOXTONE_SOURCE_DIR "/data/schema/" + name + ".schema.json");
+    std::ifstream file(test::source_dir() + "/data/schema/" + name + ".schema.json");
     const nlohmann::json rules = nlohmann::json::parse(file), text = nlohmann::json::parse(json);
     valijson::Schema schema;
     valijson::SchemaParser(valijson::SchemaParser::kDraft7).populateSchema(NlohmannJsonAdapter(rules), schema);

@@ -14,6 +14,7 @@
 #include "io/report/report_json.h"
 #include "tests/io/files/temporary_folder.h"
 #include "tests/io/layers/stack_samples.h"
+#include "tests/places.h"
 
 using namespace voxtone;
 using namespace voxtone::io;
@@ -67,7 +68,7 @@ TEST_CASE("A manifest is what its schema says", "[schema]") {
 }
 
 TEST_CASE("Resin sets are what their schema says", "[schema]") {
-    for (const auto& entry : std::filesystem::directory_iterator(VOXTONE_SOURCE_DIR "/data/resins"))
+    for (const auto& entry : std::filesystem::directory_iterator(test::source_dir() + "/data/resins"))
         if (entry.path().extension() == ".json") CHECK(schema_faults("resins", text_of(entry.path())) == Faults{});
     auto set = optics::vero_opaque();
     const std::string text = resin_set_text(set);
@@ -139,9 +140,9 @@ TEST_CASE("A report is what its schema says", "[schema]") {
 }
 
 TEST_CASE("Printer profiles are what their schema says", "[schema]") {
-    for (const auto& entry : std::filesystem::directory_iterator(VOXTONE_SOURCE_DIR "/data/printers"))
+    for (const auto& entry : std::filesystem::directory_iterator(test::source_dir() + "/data/printers"))
         if (entry.path().extension() == ".json") CHECK(schema_faults("printer", text_of(entry.path())) == Faults{});
-    const std::string text = text_of(VOXTONE_SOURCE_DIR "/data/printers/stratasys-j750-hm.json");
+    const std::string text = text_of(test::source_dir() + "/data/printers/stratasys-j750-hm.json");
     CHECK(refused("printer", text, "\"layer_um\": 27", "\"layer_um\": 0.027"));
     CHECK(refused("printer", text, "\"layer_um\": 27", "\"pitch_um\": [42, 84, 27]"));
     CHECK(refused("printer", text, "\"min_layers\"", "\"min_layer\""));

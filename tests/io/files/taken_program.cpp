@@ -25,6 +25,8 @@
 #include <functional>
 #include <map>
 
+#include "tests/places.h"
+
 namespace voxtone::test {
 
 namespace {
@@ -150,6 +152,8 @@ const std::map<std::string, Attempt>& all_attempts() {
 }
 
 }  // namespace
+
+std::string misbehaving_program() { return build_dir() + "/tests/io/misbehaving_program"; }
 
 std::string attempt(const std::string& wish) {
     const std::size_t path = wish.find(" /");

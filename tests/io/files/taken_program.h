@@ -20,6 +20,9 @@ inline constexpr std::array attempts = {"connect", "listen",   "local socket", "
                                         "io ring", "events",   "module",       "new filter", "new call"};
 /// "read PATH" and "list PATH" are allowed on what the parent names.
 
+/// The program that is asked for them, of this build.
+std::string misbehaving_program();
+
 /// "done", "refused (why)", or nothing where the wish is none of these.
 std::string attempt(const std::string& wish);
 

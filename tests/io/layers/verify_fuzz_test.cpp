@@ -5,6 +5,7 @@
 
 #include <catch2/catch.hpp>
 #include <fstream>
+#include <utility>
 
 #include "base/error.h"
 #include "base/parallel.h"

@@ -20,6 +20,7 @@
 #include "io/pictures/texture.h"
 #include "optics/colour/colour.h"
 #include "tests/outcomes.h"
+#include "tests/places.h"
 
 #ifdef __SANITIZE_ADDRESS__
 // lib3mf, the witness, does not close all entries of a package that it opens.
@@ -33,7 +34,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const fs::path models = fs::path(VOXTONE_SOURCE_DIR) / ".." / "shared" / "models";
+const fs::path models = fs::path(test::source_dir()) / ".." / "shared" / "models";
 
 bool here() {
     if (fs::exists(models / "INDEX.md")) return true;

@@ -10,6 +10,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/io/files/temporary_folder.h"
+#include "tests/places.h"
 
 using namespace voxtone::io;
 namespace fs = std::filesystem;
@@ -26,7 +27,7 @@ TEST_CASE("a build is told from another one by what decides its bits") {
     const auto digest = [&](const std::string& toolchain = "g++ 12") {
         const std::string command =
             fmt::format("cmake '-DROOT={}' '-DOUTPUT={}' '-DTOOLCHAIN={}' -P '{}'", root.string(), made.string(),
-                        toolchain, VOXTONE_SOURCE_DIR "/cmake/write_build_digest.cmake");
+                        toolchain, voxtone::test::source_dir() + "/cmake/write_build_digest.cmake");
         REQUIRE(std::system(command.c_str()) == 0);
         return text_of(made);
     };

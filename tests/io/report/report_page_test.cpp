@@ -17,6 +17,7 @@
 #include "tests/io/report/chromium.h"
 #include "tests/io/report/page_sample.h"
 #include "tests/outcomes.h"
+#include "tests/places.h"
 
 using namespace voxtone;
 using namespace voxtone::test;
@@ -29,7 +30,7 @@ namespace {
 #define NEEDS_CHROMIUM \
     if (find_chromium().empty()) return skip("there is no Chromium on this machine (Debian: chromium)")
 
-const fs::path shots = fs::path(VOXTONE_BUILD_DIR) / "report-pages";
+const fs::path shots = fs::path(build_dir()) / "report-pages";
 
 fs::path write_page(const std::string& name, const io::Report& report) {
     fs::create_directories(shots);

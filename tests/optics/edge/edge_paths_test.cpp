@@ -3,6 +3,7 @@
 // The light of the step edge: against adding-doubling far from the edge, and by what must be kept.
 #include "optics/edge/edge_paths.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>

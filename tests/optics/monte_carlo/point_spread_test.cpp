@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/optics/monte_carlo/point_spread.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <catch2/catch.hpp>

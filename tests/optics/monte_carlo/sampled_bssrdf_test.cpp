@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "optics/monte_carlo/sampled_bssrdf.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 

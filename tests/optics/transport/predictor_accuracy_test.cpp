@@ -16,6 +16,7 @@
 #include "benchmarks/optics/transport/homogeneous.h"
 #include "tests/io/files/temporary_folder.h"
 #include "tests/outcomes.h"
+#include "tests/places.h"
 
 using namespace voxtone;
 using namespace voxtone::accuracy;
@@ -25,7 +26,7 @@ namespace {
 
 std::vector<fs::path> references() {
     std::vector<fs::path> files;
-    for (const auto& entry : fs::directory_iterator(fs::path(VOXTONE_TEST_DATA) / "appearance"))
+    for (const auto& entry : fs::directory_iterator(fs::path(test::test_data()) / "appearance"))
         if (entry.path().extension() == ".ref") files.push_back(entry.path());
     std::sort(files.begin(), files.end());
     return files;
@@ -76,7 +77,7 @@ TEST_CASE("A reference comes back from its file as it was written, within its co
     REQUIRE(back.of.volume.size() == r.of.volume.size());
     for (int x = 0; x < 40; ++x) REQUIRE(back.of.volume.at(x, 7, 55) == r.of.volume.at(x, 7, 55));
     CHECK(back.of.resins.resins[2].sigma_t_per_mm == r.of.resins.resins[2].sigma_t_per_mm);
-    CHECK_THROWS(read_reference(fs::path(VOXTONE_TEST_DATA) / "reference/srgb.json"));
+    CHECK_THROWS(read_reference(fs::path(test::test_data()) / "reference/srgb.json"));
 }
 
 TEST_CASE("Percentiles by weight") {

@@ -6,6 +6,7 @@
 #include <hwy/targets.h>
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>

@@ -2,6 +2,7 @@
 #include "slicer/look/preview.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>

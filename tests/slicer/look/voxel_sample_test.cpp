@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/look/voxel_sample.h"
 
+#include <utility>
+
 #include <catch2/catch.hpp>
 
 #include "base/parallel.h"

@@ -14,6 +14,7 @@
 #include "slicer/options/mark_words.h"
 #include "slicer/surface/surface_colour.h"
 #include "tests/io/files/temporary_folder.h"
+#include "tests/places.h"
 #include "tests/slicer/marks/seen_marks.h"
 #include "tests/slicer/mesh/shapes.h"
 
@@ -222,8 +223,7 @@ TEST_CASE("What cannot be laid is refused in a sentence") {
     CHECK_THROWS_WITH(lay(body, {"AAAA; place=front; at=4,0"}), Contains("beside the face"));
     CHECK_THROWS_WITH(lay(body, {"A\xE2\x98\x83\xF0\x93\x80\x80"}), Contains("has no '\xF0\x93\x80\x80'"));
     CHECK_THROWS_WITH(lay(body, {"A; font=No Such Letters"}), Contains("no font 'No Such Letters'"));
-    CHECK_THROWS_WITH(lay(body, {"A; font=" + std::string(VOXTONE_SOURCE_DIR) + "/README.md/x.ttf"}),
-                      Contains("x.ttf"));
+    CHECK_THROWS_WITH(lay(body, {"A; font=" + test::source_dir() + "/README.md/x.ttf"}), Contains("x.ttf"));
     CHECK_THROWS_WITH(lay(body, {"datamatrix=" + std::string(4000, 'x')}), Contains("does not go into a Data Matrix"));
     CHECK_THROWS_WITH(lay(body, {"A; place=uv:0,0,1,1"}), Contains("hits nothing"));
     CHECK(body.mesh.decals.empty());

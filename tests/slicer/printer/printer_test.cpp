@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "tests/io/files/temporary_folder.h"
+#include "tests/places.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;
@@ -46,7 +47,7 @@ TEST_CASE("The J750's pitch is the exact fraction of an inch") {
 
 TEST_CASE("Every profile in the tree is in the program, and the other way round") {
     std::set<std::string> in_tree, in_program;
-    for (const auto& entry : std::filesystem::directory_iterator(VOXTONE_SOURCE_DIR "/data/printers"))
+    for (const auto& entry : std::filesystem::directory_iterator(test::source_dir() + "/data/printers"))
         if (entry.path().extension() == ".json") in_tree.insert(entry.path().stem().string());
     for (const PrinterProfile& printer : list_printers()) in_program.insert(printer.id);
     CHECK(in_tree == in_program);

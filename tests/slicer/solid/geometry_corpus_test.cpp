@@ -14,6 +14,7 @@
 #include "slicer/solid/thin_features.h"
 #include "slicer/surface/visible_surface.h"
 #include "tests/outcomes.h"
+#include "tests/places.h"
 #include "voxel_parts.h"
 
 using namespace voxtone;
@@ -23,8 +24,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const fs::path examples = fs::path(VOXTONE_SOURCE_DIR) / "examples/models";
-const fs::path corpus = fs::path(VOXTONE_SOURCE_DIR) / "../shared/models";
+const fs::path examples = fs::path(test::source_dir()) / "examples/models";
+const fs::path corpus = fs::path(test::source_dir()) / "../shared/models";
 
 io::TexturedMesh read_at(const fs::path& path, double size_mm) {
     io::TexturedMesh mesh = io::read_model(path).mesh;
