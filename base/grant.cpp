@@ -32,13 +32,13 @@ std::size_t granted_cores(std::size_t seen) {
 }
 
 std::uint64_t granted_memory_bytes() {
-    constexpr std::uint64_t mib = std::uint64_t{1} << 20, unlimited = std::numeric_limits<std::uint64_t>::max();
-    constexpr std::uint64_t most_mib = unlimited / mib, most_cores = std::uint64_t{1} << 16;
+    constexpr std::uint64_t mib = std::uint64_t{1} << 20, no_end = std::numeric_limits<std::uint64_t>::max();
+    constexpr std::uint64_t most_mib = no_end / mib, most_cores = std::uint64_t{1} << 16;
     const auto per_core = number_in("SLURM_MEM_PER_CPU");
     auto given = number_in("SLURM_MEM_PER_NODE");
     if (!given && per_core && *per_core <= most_mib / most_cores)
         given = *per_core * std::min(number_in("SLURM_CPUS_ON_NODE").value_or(1), most_cores);
-    return given && *given <= most_mib ? *given * mib : unlimited;
+    return given && *given <= most_mib ? *given * mib : no_end;
 }
 
 }  // namespace voxtone

@@ -14,7 +14,7 @@ namespace voxtone {
 
 namespace {
 
-constexpr std::uint64_t unlimited = std::numeric_limits<std::uint64_t>::max();
+constexpr std::uint64_t no_limit = std::numeric_limits<std::uint64_t>::max();
 
 }  // namespace
 
@@ -27,7 +27,7 @@ std::uint64_t resident_memory_bytes() {
 std::uint64_t machine_memory_bytes() {
     rlimit space{};
     const bool limited = getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY;
-    return std::min(resident_memory_bytes(), limited ? static_cast<std::uint64_t>(space.rlim_cur) : unlimited);
+    return std::min(resident_memory_bytes(), limited ? static_cast<std::uint64_t>(space.rlim_cur) : no_limit);
 }
 
 }  // namespace voxtone

@@ -13,14 +13,14 @@ namespace voxtone {
 namespace {
 
 /// A message ends where its line ends.
-std::string on_one_line(std::string_view text) {
+std::string printable_line(std::string_view text) {
     std::string line(text);
     std::replace_if(
         line.begin(), line.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
     return printable(line);
 }
 
-std::string status(std::string_view text) { return fmt::format("openjd_status: {}\n", on_one_line(text)); }
+std::string status(std::string_view text) { return fmt::format("openjd_status: {}\n", printable_line(text)); }
 
 }  // namespace
 
@@ -84,14 +84,14 @@ void OpenJobProgress::on_stage_end() {
 
 void OpenJobProgress::on_warning(const std::string& message) {
     const std::lock_guard lock(mutex_);
-    sink_(fmt::format("warning: {}\n", on_one_line(message)));
+    sink_(fmt::format("warning: {}\n", printable_line(message)));
 }
 
 void OpenJobProgress::on_note(const std::string& message) {
     const std::lock_guard lock(mutex_);
-    sink_(fmt::format("note: {}\n", on_one_line(message)));
+    sink_(fmt::format("note: {}\n", printable_line(message)));
 }
 
-std::string openjd_failure(std::string_view message) { return fmt::format("openjd_fail: {}", on_one_line(message)); }
+std::string openjd_failure(std::string_view message) { return fmt::format("openjd_fail: {}", printable_line(message)); }
 
 }  // namespace voxtone

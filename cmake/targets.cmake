@@ -26,7 +26,7 @@ if(VOXTONE_SANITIZE)
 endif()
 
 # voxtone_add_floor(<floor> PUBLIC <library>... PRIVATE <library>...)  ->  target voxtone_<floor>, alias voxtone::<floor>
-# A static library, or with VOXTONE_SHARED a shared one, whose ABI holds for 0.2.x; its rooms are added by voxtone_add_room and link what the floor links.
+# A static library, or with VOXTONE_SHARED a shared one, whose ABI holds for 0.2.x; its rooms are added by voxtone_add_rooms and link what the floor links.
 # An installed tree has its headers below include/voxtone, and both are looked in: users write <voxtone/optics/...>.
 function(voxtone_add_floor floor)
   cmake_parse_arguments(ARG "" "" "PUBLIC;PRIVATE" ${ARGN})
@@ -54,18 +54,26 @@ function(voxtone_want target)
   endforeach()
 endfunction()
 
-# voxtone_add_room(<floor> <room> [LIGHT | PARSES] [ALONE <name>...] [WITHOUT <name>...])
-# The sources in the folder <room> of the caller go into the floor's library. With VOXTONE_UNITY a room is one unit of
-# compilation, which halves the time for the whole. LIGHT: nothing in the room runs long, so it is optimised less (-O1), which
-# takes two thirds of the time to compile. PARSES: it reads, decides and calls what computes (-O2). ALONE: files that are a unit of their own (Highway compiles such a file once for each
-# width of vectors by including it again; templates over types of the file's own warn elsewhere). WITHOUT: another target's.
-function(voxtone_add_room floor room)
+# voxtone_add_rooms(<floor> <room>... [LIGHT | PARSES] [ALONE <room>/<name>...] [WITHOUT <room>/<name>...])
+# The sources in these folders of the caller go into the floor's library. With VOXTONE_UNITY they are one unit of compilation,
+# for what they share is parsed and instantiated once: rooms that lie side by side, as many as compile in half a minute; a
+# name of an unnamed namespace is theirs together. LIGHT: nothing in them runs long, so it is optimised less (-O1), which takes
+# two thirds of the time to compile. PARSES: they read, decide and call what computes (-O2). ALONE: files that are a unit of
+# their own (Highway compiles such a file once for each width of vectors by including it again; templates over types of the
+# file's own warn elsewhere). WITHOUT: another target's.
+function(voxtone_add_rooms floor)
   cmake_parse_arguments(ARG "LIGHT;PARSES" "" "ALONE;WITHOUT" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} ${room}/*.cpp)
-  list(TRANSFORM ARG_ALONE REPLACE "(.+)" "${room}/\\1.cpp")
-  list(TRANSFORM ARG_WITHOUT REPLACE "(.+)" "${room}/\\1.cpp")
+  set(rooms ${ARG_UNPARSED_ARGUMENTS})
+  list(GET rooms 0 first)
+  set(sources "")
+  foreach(room IN LISTS rooms)
+    file(GLOB of_room CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} ${room}/*.cpp)
+    list(APPEND sources ${of_room})
+  endforeach()
+  list(TRANSFORM ARG_ALONE APPEND ".cpp")
+  list(TRANSFORM ARG_WITHOUT APPEND ".cpp")
   list(REMOVE_ITEM sources ${ARG_WITHOUT})
-  string(REPLACE "/" "_" target voxtone_${floor}_${room})
+  set(target voxtone_${floor}_${first})
   add_library(${target} OBJECT ${sources})
   target_link_libraries(${target} PRIVATE voxtone_flags $<TARGET_PROPERTY:voxtone_${floor},LINK_LIBRARIES>)
   set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON UNITY_BUILD ${VOXTONE_UNITY} UNITY_BUILD_BATCH_SIZE 0)

@@ -293,6 +293,26 @@ TEST_CASE("everything is compiled without fused multiply-adds: the same bits on 
     CHECK(units > 50);
 }
 
+TEST_CASE("no path of this machine is compiled in but into two sources: a compiler cache answers for other clones") {
+    const std::string here = voxtone::test::source_dir();
+    std::size_t units = 0;
+    for (const std::string& line : lines_of(fs::path(voxtone::test::build_dir()) / "compile_commands.json")) {
+        if (line.find("\"command\":") == std::string::npos || line.find("/tests/places.cpp") != std::string::npos ||
+            line.find("/screen_data.cpp") != std::string::npos)
+            continue;
+        ++units;
+        INFO(line);
+        for (std::size_t at = line.find(" -D"); at != std::string::npos; at = line.find(" -D", at + 1))
+            CHECK(line.substr(at, line.find(' ', at + 1) - at).find(here) == std::string::npos);
+    }
+    CHECK(units > 50);
+    for (const std::string& line : lines_of(fs::path(voxtone::test::build_dir()) / "build.ninja"))
+        if (line.find("/ccache ") != std::string::npos) {
+            INFO(line);
+            CHECK(line.find("CCACHE_BASEDIR=" + here + " ") != std::string::npos);
+        }
+}
+
 /// Types that a file defines outside of unnamed namespaces, with those they lie in. The formatter keeps namespaces at
 /// the margin and names their ends.
 Names types_of(const fs::path& file) {

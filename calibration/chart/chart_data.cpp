@@ -19,7 +19,7 @@ namespace {
 
 bool is_thin(const Patch& patch) { return patch.thickness_mm > 0; }
 
-std::vector<std::string> roles_of(const PatchTable& table) {
+std::vector<std::string> thick_roles_of(const PatchTable& table) {
     std::set<std::string> roles;
     for (const Patch& patch : table.patches)
         for (const ResinShare& share : patch.top)
@@ -89,7 +89,7 @@ Eigen::Matrix3d lab_of_roots() {
 
 ChartData chart_data(const PatchTable& table, const PatchTable& squares, const ResinPrior& edges) {
     ChartData data;
-    data.roles = roles_of(table);
+    data.roles = thick_roles_of(table);
     const TableObserver observer = table_observer(table.channels, optics::Illuminant::d50);
     data.illuminant = observer.illuminant, data.white = observer.white;
     std::map<std::string, std::size_t> rows;

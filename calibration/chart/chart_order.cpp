@@ -19,10 +19,10 @@ namespace voxtone::calibration {
 
 namespace {
 
-// Mean CIEDE2000. Real charts in their own order are fitted to 2 by three channels, shuffled ones to 15 and more.
+// Mean CIEDE2000. Real charts in their own order are fitted to 2 by three order_channels, shuffled ones to 15 and more.
 constexpr double surely_right = 6;
 constexpr double surely_better = 0.5;  // of the own order's error
-constexpr Eigen::Index channels = 3;
+constexpr Eigen::Index order_channels = 3;
 
 using Place = std::array<int, 2>;
 
@@ -52,9 +52,9 @@ constexpr std::array<Order, 4> orders{{{"turned by 180 degrees",
 double error_of(const PatchTable& table, const ChartFitOptions& options) {
     const ChartData data = chart_data(table);
     if (data.mixtures() <= data.resins()) return 0;
-    const ObserverModel model(data.resins(), white_resin(data), channels,
+    const ObserverModel model(data.resins(), white_resin(data), order_channels,
                               {.g = options.g, .eta = options.eta, .geometry = options.geometry});
-    const ObserverFit fit = fit_observer(data, model, observer_start(data, channels));
+    const ObserverFit fit = fit_observer(data, model, observer_start(data, order_channels));
     return optics::summarize(root_differences(fit.roots, data.roots)).mean;
 }
 

@@ -18,7 +18,7 @@ namespace voxtone::calibration {
 
 namespace {
 
-constexpr std::uint64_t most_bytes = std::uint64_t{64} << 20;
+constexpr std::uint64_t most_chart_bytes = std::uint64_t{64} << 20;
 constexpr std::size_t most_laminates = 100000, most_layers = 1000;
 constexpr double least_mm = 0.001, most_mm = 1000;
 
@@ -172,7 +172,7 @@ LayerChart parse_layer_chart(std::string_view text, std::string source, std::opt
 
 std::optional<LayerChart> read_layer_chart(const std::filesystem::path& file,
                                            std::optional<optics::Illuminant> illuminant) {
-    const auto bytes = io::read_whole_file(file, most_bytes);
+    const auto bytes = io::read_whole_file(file, most_chart_bytes);
     std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
     if (!is_layer_chart(text)) return std::nullopt;

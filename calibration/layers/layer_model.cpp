@@ -13,7 +13,7 @@ namespace voxtone::calibration {
 namespace {
 
 // Of a logarithm: forward differences are wrong by 2e-4 of the slope; laws of layers carry noise of some 1e-9.
-constexpr double step = 3e-4;
+constexpr double log_step = 3e-4;
 constexpr double usual_scattering_per_mm = 10;
 
 // How much of a resin a laminate shows: its share of the layers above the base, the uppermost counting once more.
@@ -100,11 +100,11 @@ void LayerModel::prepare(const Eigen::VectorXd& unknowns, bool with_derivatives)
         const auto r = static_cast<Eigen::Index>(resin);
         const bool scattering = task % 2 == 1;
         optics::Medium moved = medium(r, static_cast<Eigen::Index>(c));
-        (scattering ? moved.sigma_s : moved.sigma_a) *= std::exp(step);
+        (scattering ? moved.sigma_s : moved.sigma_a) *= std::exp(log_step);
         const std::vector<double> there = laminates_.rho(laws[c], resin, moved);
         (scattering ? by_s_ : by_a_)[c].col(r) =
             (Eigen::Map<const Eigen::VectorXd>(there.data(), laminates) - rho_.col(static_cast<Eigen::Index>(c))) /
-            step;
+            log_step;
     });
 }
 

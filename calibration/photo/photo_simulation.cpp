@@ -17,7 +17,7 @@ namespace voxtone::calibration {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double gap_mm = 8, chart_rim_mm = 4, margin = 0.06;
 constexpr double sheet = 0.03, chart_black = 0.04, patch_share = 0.84;
 constexpr double white_level = 0.8;

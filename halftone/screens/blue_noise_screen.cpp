@@ -7,17 +7,8 @@
 
 #include "base/contracts.h"
 #include "halftone/screens/built_in_screens.h"
+#include "halftone/screens/screen_data.h"
 #include "halftone/screens/void_and_cluster.h"
-
-// The file that tools/make_screen wrote: the tiles one after the other, 2 bytes a voxel, in the machine's byte order.
-__asm__(
-    ".pushsection .rodata\n"
-    ".balign 64\n"
-    "voxtone_built_in_screens:\n"
-    ".incbin \"" VOXTONE_SCREENS_FILE
-    "\"\n"
-    ".popsection\n");
-extern "C" const std::uint16_t voxtone_built_in_screens[] __attribute__((visibility("hidden")));
 
 namespace voxtone::halftone {
 namespace {
@@ -34,7 +25,7 @@ bool same_ratios(const std::array<double, 3>& a, const std::array<double, 3>& b)
 
 const std::uint16_t* find_built_in(const std::array<double, 3>& pitch_mm) {
     for (std::size_t n = 0; n < built_in_screens.size(); ++n)
-        if (same_ratios(pitch_mm, built_in_screens[n].pitch_mm)) return voxtone_built_in_screens + n * tile_voxels;
+        if (same_ratios(pitch_mm, built_in_screens[n].pitch_mm)) return screen_data() + n * tile_voxels;
     return nullptr;
 }
 

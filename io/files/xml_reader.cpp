@@ -9,35 +9,18 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "io/files/utf8.h"
 
 namespace voxtone::io {
 
 namespace {
 
-constexpr std::size_t deepest = 256, longest_reference = 12;
+constexpr std::size_t deepest_element = 256, longest_reference = 12;
 // Each element looks through them; the programs that write 3MF declare up to a dozen.
 constexpr std::size_t most_declarations = 256;
 
 bool blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 bool ends_name(char c) { return blank(c) || c == '/' || c == '>' || c == '=' || c == '<' || c == '"' || c == '\''; }
-
-void append_utf8(std::string& out, std::uint32_t c) {
-    if (c < 0x80) {
-        out += static_cast<char>(c);
-    } else if (c < 0x800) {
-        out += static_cast<char>(0xc0 | (c >> 6));
-        out += static_cast<char>(0x80 | (c & 0x3f));
-    } else if (c < 0x10000) {
-        out += static_cast<char>(0xe0 | (c >> 12));
-        out += static_cast<char>(0x80 | ((c >> 6) & 0x3f));
-        out += static_cast<char>(0x80 | (c & 0x3f));
-    } else {
-        out += static_cast<char>(0xf0 | (c >> 18));
-        out += static_cast<char>(0x80 | ((c >> 12) & 0x3f));
-        out += static_cast<char>(0x80 | ((c >> 6) & 0x3f));
-        out += static_cast<char>(0x80 | (c & 0x3f));
-    }
-}
 
 /// The character that "amp" or "#x41" means; 0: none. Halves of UTF-16 pairs are no characters.
 std::uint32_t referenced(std::string_view entity) {
@@ -162,7 +145,7 @@ void XmlReader::read_start() {
     }
     open_.push_back(name_);
     depth_ = open_.size();
-    if (depth_ > deepest) fail("its elements are nested too deep");
+    if (depth_ > deepest_element) fail("its elements are nested too deep");
 }
 
 /// Of the element that is being read, which is not open yet.

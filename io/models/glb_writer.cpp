@@ -111,11 +111,11 @@ std::string document(const ColouredMesh& mesh, std::string_view name, const std:
 std::vector<std::uint8_t> glb_bytes(const ColouredMesh& mesh, std::string_view name,
                                     const std::optional<LitMaterial>& lit) {
     VOXTONE_EXPECT(!mesh.triangles.empty() && mesh.positions_mm.size() == mesh.rgb.size());
-    std::string json = document(mesh, name, lit);
-    json.resize((json.size() + 3) / 4 * 4, ' ');
+    std::string text = document(mesh, name, lit);
+    text.resize((text.size() + 3) / 4 * 4, ' ');
     const std::size_t binary = mesh.positions_mm.size() * (position_bytes + colour_bytes + (lit ? position_bytes : 0)) +
                                mesh.triangles.size() * triangle_bytes;
-    const std::size_t size = 12 + 8 + json.size() + 8 + binary;
+    const std::size_t size = 12 + 8 + text.size() + 8 + binary;
     if (size > std::numeric_limits<std::uint32_t>::max())
         throw InputError("the preview model would be larger than the 4 GiB that GLB can hold; ask for fewer vertices");
 
@@ -125,9 +125,9 @@ std::vector<std::uint8_t> glb_bytes(const ColouredMesh& mesh, std::string_view n
     append_u32(0x46546C67);  // "glTF"
     append_u32(2);
     append_u32(size);
-    append_u32(json.size());
+    append_u32(text.size());
     append_u32(0x4E4F534A);  // "JSON"
-    bytes.insert(bytes.end(), json.begin(), json.end());
+    bytes.insert(bytes.end(), text.begin(), text.end());
     append_u32(binary);
     append_u32(0x004E4942);  // "BIN"
     for (const Eigen::Vector3f& position : mesh.positions_mm) {

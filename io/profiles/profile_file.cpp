@@ -14,7 +14,7 @@ namespace voxtone::io {
 namespace {
 
 constexpr double shortest_mm = 1e-6, longest_mm = 1e6;
-constexpr double any = std::numeric_limits<double>::max();
+constexpr double any_value = std::numeric_limits<double>::max();
 constexpr std::size_t fewest_samples = 4;
 
 using Lists = std::vector<std::vector<double>>;
@@ -22,7 +22,7 @@ using Lists = std::vector<std::vector<double>>;
 std::vector<optics::RadialSamples> samples_from(const JsonObject& json, std::size_t channels) {
     json.allow_only({"spacing_mm", "light", "error", "total"});
     const double spacing = json.number("spacing_mm", shortest_mm, longest_mm);
-    const Lists light = json.number_lists("light", channels, -any, any);
+    const Lists light = json.number_lists("light", channels, -any_value, any_value);
     for (const auto& channel : light) {
         if (channel.size() < fewest_samples)
             json.fail("light",
@@ -33,7 +33,7 @@ std::vector<optics::RadialSamples> samples_from(const JsonObject& json, std::siz
                                            light[0].size(), channel.size()));
     }
     Lists error;
-    if (json.has("error")) error = json.number_lists("error", channels, 0, any);
+    if (json.has("error")) error = json.number_lists("error", channels, 0, any_value);
     for (const auto& channel : error)
         if (channel.size() != light[0].size())
             json.fail("error",

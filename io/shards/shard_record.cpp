@@ -155,7 +155,7 @@ std::string seal_of(const ShardRecord& record) {
     return sha256({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
-ShardRecord record_in(const JsonObject& json, const std::string& source) {
+ShardRecord record_in(const JsonObject& json, const std::string& file) {
     json.allow_only({"format",      "version",        "shard",          "of",           "first_task",
                      "first_layer", "layers",         "program",        "host",         "job",
                      "stack",       "resin_bitmaps",  "digests",        "bytes",        "voxels",
@@ -172,7 +172,7 @@ ShardRecord record_in(const JsonObject& json, const std::string& source) {
     r.program = json.text("program");
     r.host = json.text("host");
     r.job = json.text("job");
-    r.stack = stack_in(json.object("stack"), source);
+    r.stack = stack_in(json.object("stack"), file);
     const auto bitmaps = value_of<ResinBitmaps>(json.text("resin_bitmaps"));
     if (!bitmaps) json.fail("resin_bitmaps", "is no kind of bitmaps that is known here");
     r.resin_bitmaps = *bitmaps;

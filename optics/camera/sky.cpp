@@ -11,7 +11,7 @@
 namespace voxtone::optics {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 Point from_angles(double azimuth_deg, double height_deg) {
     const double a = azimuth_deg * pi / 180, h = height_deg * pi / 180;

@@ -12,7 +12,7 @@ namespace voxtone::optics {
 
 namespace {
 
-constexpr Eigen::Index table_samples = 193;
+constexpr Eigen::Index axis_samples = 193;
 // Nearer to 1 the modes of a half-space lose digits; it is black within 1e-9 of the last sample there.
 constexpr double darkest = 1 - 1e-9;
 
@@ -40,9 +40,9 @@ double root_of_loss(const Medium& medium) {
 
 HalfSpaceReflectance::HalfSpaceReflectance(double g, double eta, MeasuringGeometry geometry) {
     const OrdinatePlan plan = directional_plan(g, eta);
-    Eigen::MatrixXd samples(table_samples, 5);  // the same along the axis that is not used
-    parallel_for(0, static_cast<std::size_t>(table_samples), 4, [&](std::size_t k) {
-        const double root = darkest * static_cast<double>(k) / static_cast<double>(table_samples - 1);
+    Eigen::MatrixXd samples(axis_samples, 5);  // the same along the axis that is not used
+    parallel_for(0, static_cast<std::size_t>(axis_samples), 4, [&](std::size_t k) {
+        const double root = darkest * static_cast<double>(k) / static_cast<double>(axis_samples - 1);
         samples.row(static_cast<Eigen::Index>(k))
             .setConstant(reading(plan, Medium{root * root, 1 - root * root}, geometry));
     });

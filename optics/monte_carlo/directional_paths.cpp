@@ -11,7 +11,7 @@
 namespace voxtone::optics {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 // The transmittance of the way to the light is exact up to this optical depth and by chance beyond: who asks from the
 // depth seldom has to go all the way.
 constexpr double exact_depth = 1;

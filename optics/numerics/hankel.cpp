@@ -14,7 +14,7 @@
 namespace voxtone::optics {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 // The s-th zero of J0 or J1, s >= 1: McMahon's expansion (Abramowitz and Stegun 9.5.12) made exact by Newton's method.
 double bessel_zero(int order, std::size_t s) {

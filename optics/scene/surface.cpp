@@ -278,9 +278,9 @@ Surface surface_near(const Scene& scene, const std::array<int, 3>& cell, const V
     const auto& size = scene.volume->size();
     std::array<int, 3> first{}, n{};
     for (std::size_t a = 0; a < 3; ++a) {
-        const int edge = tiles.edge()[a], last = std::min(box.end[a], size[a]);
-        first[a] = std::max(box.begin[a], 0) / edge;
-        n[a] = std::max(0, (last + edge - 1) / edge - first[a]);
+        const int tile = tiles.edge()[a], last = std::min(box.end[a], size[a]);
+        first[a] = std::max(box.begin[a], 0) / tile;
+        n[a] = std::max(0, (last + tile - 1) / tile - first[a]);
     }
     const auto across = static_cast<std::size_t>(n[1]);
     std::vector<Surface> rows(across * static_cast<std::size_t>(n[2]));

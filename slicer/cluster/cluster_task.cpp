@@ -156,7 +156,7 @@ private:
     /// Passes a request to stop on, and gives the work time to save itself.
     ProcessEnd wait_for(JobProcess& process, const fs::path& log, std::uintmax_t begin) {
         LogRelay relay(log, begin, options_.relay);
-        constexpr std::chrono::milliseconds look_every(50);
+        constexpr std::chrono::milliseconds ask_every(50);
         constexpr std::chrono::seconds patience(40);
         std::optional<steady_clock::time_point> requested;
         for (;;) {
@@ -168,7 +168,7 @@ private:
                 process.send(SIGTERM);
             }
             if (requested && steady_clock::now() - *requested > patience) process.send(SIGKILL);
-            std::this_thread::sleep_for(look_every);
+            std::this_thread::sleep_for(ask_every);
         }
     }
 

@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view model_key = "model", map_key = "profiles", program_key = "program";
+constexpr std::string_view model_input = "model", map_key = "profiles", program_key = "program";
 
 std::string text_sha256(std::string_view text) {
     return io::sha256({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
@@ -53,7 +53,7 @@ JobInput input_beside(const std::string& key, const std::string& file, const std
 std::vector<JobInput> named_inputs(const OpenedJob& job, const DigestOfFile& digest) {
     const ResolvedJob& options = job.options;
     std::vector<JobInput> inputs{
-        file_input(std::string(model_key), options.model, digest),
+        file_input(std::string(model_input), options.model, digest),
         file_or_known("printer", options.printer, known_printer_text(options.printer), digest),
         file_or_known("resins", options.resins, io::known_resin_set_text(options.resins), digest),
         {std::string(program_key), {}, text_sha256(io::build_digest())}};
@@ -124,7 +124,7 @@ JobIdentity identify(const OpenedJob& job, std::span<const io::SideFile> beside_
     std::string opened_loop = identity_of(job.options.raw, inputs).loop;
     const fs::path folder = fs::path(job.options.model).parent_path();
     for (const io::SideFile& file : beside_model)
-        inputs.push_back({fmt::format("{}:{}", model_key, file.name), (folder / file.name).string(), file.sha256});
+        inputs.push_back({fmt::format("{}:{}", model_input, file.name), (folder / file.name).string(), file.sha256});
     JobIdentity identity = identity_of(job.options.raw, std::move(inputs));
     identity.opened_loop = std::move(opened_loop);
     return identity;
@@ -143,12 +143,12 @@ bool is_same_job(const fs::path& folder, const OpenedJob& job, const DigestOfFil
     if (!recorded) return false;
     // The same model names the same files: what is beside it is looked up by the names that were noted then.
     std::vector<JobInput> inputs = named_inputs(job, digest);
-    const std::string beside = fmt::format("{}:", model_key);
+    const std::string beside = fmt::format("{}:", model_input);
     for (const JobInput& then : recorded->recorded_inputs) {
         if (!then.key.starts_with(beside)) continue;
         if (then.sha256.empty()) return false;
         inputs.push_back(
-            input_beside(std::string(model_key), job.options.model, then.key.substr(beside.size()), digest));
+            input_beside(std::string(model_input), job.options.model, then.key.substr(beside.size()), digest));
     }
     return identity_of(*recorded, recorded->recorded_inputs).job == identity_of(job.options.raw, std::move(inputs)).job;
 }

@@ -22,10 +22,10 @@ constexpr ComponentKind kinds[] = {ComponentKind::box, ComponentKind::cylinder, 
                                    ComponentKind::gcvf};
 constexpr const char *model_key = "model", *job_key = "job", *resin_key = "resin", *mixture_key = "mixture",
                      *diameter_key = "diameter", *height_key = "height";
-constexpr double least_size_mm = 1e-3, most_size_mm = 10'000, most_share = 1e9;
+constexpr double least_component_mm = 1e-3, most_component_mm = 10'000, most_share = 1e9;
 
 double checked_mm(const io::JsonObject& part, std::string_view key, double mm) {
-    if (!(mm >= least_size_mm && mm <= most_size_mm)) part.fail(key, "is in mm: each from 0.001 to 10000");
+    if (!(mm >= least_component_mm && mm <= most_component_mm)) part.fail(key, "is in mm: each from 0.001 to 10000");
     return mm;
 }
 
@@ -44,8 +44,8 @@ std::vector<double> sizes_in(const io::JsonObject& part, std::string_view key, s
 }
 
 std::array<double, 3> box_of(const io::JsonObject& part, std::string_view key) {
-    const std::vector<double> mm =
-        part.is_text(key) ? sizes_in(part, key, part.text(key)) : part.numbers(key, 0, -most_size_mm, most_size_mm);
+    const std::vector<double> mm = part.is_text(key) ? sizes_in(part, key, part.text(key))
+                                                     : part.numbers(key, 0, -most_component_mm, most_component_mm);
     if (mm.size() != 3) part.fail(key, "is three sizes in mm, along x, y and z: [10, 5, 2]");
     for (const double size : mm) (void)checked_mm(part, key, size);
     return {mm[0], mm[1], mm[2]};
@@ -61,8 +61,8 @@ std::array<double, 3> cylinder_of(const io::JsonObject& part, std::string_view k
         if (!part.is_object(key)) part.fail(key, "is {\"diameter\": 8, \"height\": 2}, in mm; it stands upright");
         const io::JsonObject sizes = part.object(key);
         sizes.allow_only({diameter_key, height_key});
-        diameter = sizes.number(diameter_key, least_size_mm, most_size_mm),
-        height = sizes.number(height_key, least_size_mm, most_size_mm);
+        diameter = sizes.number(diameter_key, least_component_mm, most_component_mm),
+        height = sizes.number(height_key, least_component_mm, most_component_mm);
     }
     return {diameter, diameter, height};
 }
