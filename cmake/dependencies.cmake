@@ -58,6 +58,7 @@ voxtone_part(pictures "pictures other than PNG and JPEG are not read")
 # FindOpenVDB sets BUILD_SHARED_LIBS in its caller's scope; the block keeps that in.
 block(PROPAGATE OpenVDB_FOUND)
   list(APPEND CMAKE_MODULE_PATH "/usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/cmake/OpenVDB")
+  set(CMAKE_POLICY_DEFAULT_CMP0167 NEW)  # CMake 3.30: Boost is found by its own file
   find_package(OpenVDB 10.0 QUIET COMPONENTS openvdb)
 endblock()
 if(NOT OpenVDB_FOUND)

@@ -53,7 +53,7 @@ macro(voxtone_libraries_of_io_openimageio)
 endmacro()
 macro(voxtone_libraries_of_calibration)
   voxtone_find(Ceres 2.1 CONFIG)
-  voxtone_find(OpenCV 4.6 COMPONENTS core imgproc calib3d aruco mcc)
+  voxtone_find(OpenCV 4.6 COMPONENTS core imgproc calib3d objdetect aruco mcc)  # markers: aruco, from 4.7 objdetect
 endmacro()
 macro(voxtone_libraries_of_slicer_cgal)
   voxtone_find(Eigen3 3.4 CONFIG)

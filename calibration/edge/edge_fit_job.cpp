@@ -36,7 +36,7 @@ EdgeGrid own_grid(const std::vector<EdgeProfile>& profiles, const EdgeFitJob& jo
     for (const double t : slabs)
         if (grid.thickness_mm.empty() || t > grid.thickness_mm.back() * (1 + own_same_thickness / 2))
             grid.thickness_mm.push_back(t);
-    grid.g = {job.fit.g};
+    grid.g.assign(1, job.fit.g);
     if (job.fit.anisotropy != EdgeAnisotropy::given) grid.g = {0, 0.2, 0.35, 0.5, 0.65, 0.8};
     for (double s = own_least_sigma; s < own_most_sigma * own_ratio; s *= own_ratio) grid.sigma_t.push_back(s);
     grid.paths = job.paths;

@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <opencv2/aruco.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "base/error.h"
@@ -35,23 +34,14 @@ Corners corners_of(const Area& area) {
 
 /// Markers in an 8-bit grey picture by number; corners in pixels.
 std::map<int, Corners> find_markers(const cv::Mat& grey, bool inverted) {
-    const auto parameters = cv::aruco::DetectorParameters::create();
-    parameters->adaptiveThreshWinSizeMax = 63;
-    parameters->detectInvertedMarker = inverted;
     std::map<int, Corners> found;
     for (const double longest : finder_px) {
         const double scale = std::min(1.0, longest / std::max(grey.cols, grey.rows));
         cv::Mat small = grey;
         if (scale < 1) cv::resize(grey, small, {}, scale, scale, cv::INTER_AREA);
-        std::vector<std::vector<cv::Point2f>> corners;
-        std::vector<int> ids;
-        cv::aruco::detectMarkers(small, cv::aruco::getPredefinedDictionary(cv::aruco::DICT_5X5_1000), corners, ids,
-                                 parameters);
-        for (std::size_t m = 0; m < ids.size(); ++m) {
-            Corners at;
-            // OpenCV has the middle of the first pixel at 0.
-            for (std::size_t c = 0; c < 4; ++c) at[c] = Vector2d(corners[m][c].x + 0.5, corners[m][c].y + 0.5) / scale;
-            found.try_emplace(ids[m], at);
+        for (MarkerView& marker : markers_in({small.data, small.total()}, small.cols, small.rows, inverted)) {
+            for (Vector2d& corner : marker.corners) corner /= scale;
+            found.try_emplace(marker.id, marker.corners);
         }
     }
     return found;

@@ -5,8 +5,13 @@
 // 2016 (OpenCV's DICT_5X5_1000). No marker of the dictionary is another one turned, so each tells which way up it is.
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <span>
 #include <string_view>
 #include <vector>
+
+#include <Eigen/Core>
 
 namespace voxtone::calibration {
 
@@ -17,5 +22,15 @@ inline constexpr int marker_cells = 7;
 
 /// Cells of marker `id` in [0, marker_count), row by row from the top left: true is dark.
 [[nodiscard]] std::vector<bool> marker_pattern(int id);
+
+/// A marker in a picture.
+struct MarkerView {
+    int id = 0;
+    std::array<Eigen::Vector2d, 4> corners;  ///< px: upper left, upper right, lower right, lower left of the marker
+};
+
+/// Markers of the dictionary in an 8-bit grey picture, row by row without gaps; `inverted`: light ones on dark, too.
+[[nodiscard]] std::vector<MarkerView> markers_in(std::span<const std::uint8_t> grey, int width, int height,
+                                                 bool inverted);
 
 }  // namespace voxtone::calibration

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/contracts.h"
+#include "base/portable_math.h"
 #include "halftone/separation/lattice_lookup.h"
 
 namespace voxtone::halftone {
@@ -65,7 +66,7 @@ double MinimalDepthSeparation::least_distance(std::size_t node) const {
 bool MinimalDepthSeparation::well_in_gamut(const Eigen::Vector3f& rgb) const {
     std::size_t at = 0;
     for (int c = 2; c >= 0; --c) {
-        const float place = std::cbrt(std::clamp(rgb[c], 0.0f, 1.0f)) * static_cast<float>(nodes - 1);
+        const float place = portable::cbrt(std::clamp(rgb[c], 0.0f, 1.0f)) * static_cast<float>(nodes - 1);
         at = at * nodes + std::min(static_cast<std::size_t>(place), nodes - 2);
     }
     for (std::size_t corner = 0; corner < 8; ++corner)
@@ -77,7 +78,7 @@ bool MinimalDepthSeparation::well_in_gamut(const Eigen::Vector3f& rgb) const {
 const float* MinimalDepthSeparation::weights(const Eigen::Vector3f& rgb) const {
     std::size_t node = 0;
     for (int c = 2; c >= 0; --c)
-        node = node * nodes + static_cast<std::size_t>(std::lround(std::cbrt(std::clamp(rgb[c], 0.0f, 1.0f)) *
+        node = node * nodes + static_cast<std::size_t>(std::lround(portable::cbrt(std::clamp(rgb[c], 0.0f, 1.0f)) *
                                                                    static_cast<float>(nodes - 1)));
     float* const weight = weight_.data() + node * skins_.size();
     weighed_.require(node, node, [&] {

@@ -10,6 +10,7 @@
 
 #include "base/contracts.h"
 #include "base/parallel.h"
+#include "base/portable_math.h"
 #include "optics/colour/colour.h"
 
 namespace voxtone::halftone {
@@ -17,7 +18,8 @@ namespace voxtone::halftone {
 namespace {
 
 Eigen::Vector3f root(const Eigen::Vector3f& rgb) {
-    return {std::cbrt(std::max(rgb.x(), 0.0f)), std::cbrt(std::max(rgb.y(), 0.0f)), std::cbrt(std::max(rgb.z(), 0.0f))};
+    return {portable::cbrt(std::max(rgb.x(), 0.0f)), portable::cbrt(std::max(rgb.y(), 0.0f)),
+            portable::cbrt(std::max(rgb.z(), 0.0f))};
 }
 
 Eigen::Vector3f cube(const Eigen::Vector3f& v) { return v.array().cube().matrix(); }

@@ -74,7 +74,7 @@ public:
         for (Eigen::Index r = 0; r < n; ++r) by_g.col(r) = slope[r] * (by_f.col(r) - along);
         // The penalty as residuals sqrt(penalty_s) f_s.
         const Unknowns pf = penalty_.cwiseProduct(p.f);
-        const double pff = pf.dot(p.f);
+        const double pff = penalty_.cwiseProduct(p.f).dot(p.f);
         matrix = by_g.transpose() * by_g;
         gradient = by_g.transpose() * p.residual;
         for (Eigen::Index r = 0; r < n; ++r) {

@@ -30,7 +30,7 @@ bool add(zip_t* zip, const ZipEntry& entry) {
     zip_source_t* const source = entry.file.empty() ? zip_source_buffer(zip, entry.bytes.data(), entry.bytes.size(), 0)
                                                     : zip_source_file(zip, entry.file.c_str(), 0, -1);
     if (!source) return false;
-    const zip_int64_t index = zip_file_add(zip, entry.name.c_str(), source, ZIP_FL_ENC_UTF_8);
+    const zip_int64_t index = zip_file_add(zip, entry.name.c_str(), source, ZIP_FL_ENC_GUESS);
     if (index < 0) {
         zip_source_free(source);
         return false;

@@ -13,6 +13,7 @@
 
 #include "base/contracts.h"
 #include "base/error.h"
+#include "base/portable_math.h"
 #include "base/printable.h"
 
 namespace voxtone::io {
@@ -46,7 +47,7 @@ std::vector<Eigen::Vector3f> normals_of(const ColouredMesh& mesh) {
             const Eigen::Vector3f a = mesh.positions_mm[t[(c + 1) % 3]] - p, b = mesh.positions_mm[t[(c + 2) % 3]] - p;
             const Eigen::Vector3f cross = a.cross(b);
             const float sine = cross.norm();
-            if (sine > 0) normals[t[c]] += cross * (std::atan2(sine, a.dot(b)) / sine);
+            if (sine > 0) normals[t[c]] += cross * (portable::atan2(sine, a.dot(b)) / sine);
         }
     for (Eigen::Vector3f& n : normals) {
         const float length = n.norm();

@@ -48,7 +48,8 @@ Admittance Admittance::white_sheet(const OrdinatePlan& plan) {
     const AngularGrid& grid = plan.grid();
     const int n = plan.size();
     const OrdinateVector v = grid.t.matrix().cwiseProduct(plan.sqrt_c_);
-    OrdinateMatrix one_plus_R = v * v.transpose() / (grid.t * grid.c).sum();
+    OrdinateMatrix one_plus_R = v * v.transpose();
+    one_plus_R /= (grid.t * grid.c).sum();
     one_plus_R.diagonal().array() += 1 + grid.r;
     OrdinateMatrix Y = 2 * one_plus_R.llt().solve(OrdinateMatrix::Identity(n, n));
     Y.diagonal().array() -= 1;

@@ -48,7 +48,8 @@ struct Composition {
         } else if (!parts.empty()) {
             int all = 0;
             for (const Part& p : parts) all += p.count;
-            parts = {{parts[0].material, 0, all}};
+            parts.erase(parts.begin() + 1, parts.end());
+            parts[0] = {parts[0].material, 0, all};
         }
     }
     void forget_layers() {

@@ -9,6 +9,7 @@
 
 #include "base/contracts.h"
 #include "base/parallel.h"
+#include "base/portable_math.h"
 #include "base/stopwatch.h"
 #include "optics/numerics/prefetch.h"
 #include "optics/transport/lattice.h"
@@ -183,10 +184,10 @@ void ViewingTransport::fit_core(float widest) {
         if (!(core_D_[m] > 0 && core_sigma_a_[m] > 0)) continue;
         const float x = std::min(2 * widest * std::sqrt(core_sigma_a_[m] / core_D_[m]), dark);
         if (x < exact) continue;
-        const float wider = core_D_[m] * (x / std::tanh(x) - 1);
+        const float wider = core_D_[m] * (x / portable::tanh(x) - 1);
         core_D_[m] += wider;
         core_widened_[m] += wider;
-        core_sigma_a_[m] *= std::sinh(2 * x) / (2 * x);
+        core_sigma_a_[m] *= portable::sinh(2 * x) / (2 * x);
     }
 }
 

@@ -16,7 +16,7 @@
 namespace voxtone::optics::testing {
 
 /// A table, read once; it lives as long as the program, so that a loop over a part of it is safe.
-inline const nlohmann::json& reference(const std::string& name) {
+inline const nlohmann::json& reference(const char* name) {
     static std::map<std::string, nlohmann::json> tables;
     const auto [table, is_new] = tables.try_emplace(name);
     if (is_new) {
