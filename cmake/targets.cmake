@@ -161,7 +161,7 @@ function(voxtone_add_test name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE voxtone_flags voxtone_catch_main ${ARG_LIBRARIES})
   target_precompile_headers(${name} REUSE_FROM voxtone_test_headers)
-  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+  target_compile_options(${name} PRIVATE -pthread $<$<CONFIG:Release>:-O1>)  # -pthread: some of Debian 13's libraries bring it
   if(ARG_LIBRARIES MATCHES "voxtone::(io|calibration|slicer)")
     voxtone_want(${name} voxtone-read voxtone-read-pictures voxtone-read-stack voxtone-vdb voxtone-layer-surfaces)
   endif()
