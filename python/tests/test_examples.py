@@ -33,7 +33,7 @@ def test_a_size_sweep(tmp_path):
 
 def test_a_chart_of_a_spectrophotometer(tmp_path):
     chart = tmp_path / "chart"
-    voxtone.calibrate.chart(printer="stratasys-j750-hm", resins="C,M,Y,K,W", patches=40, out=chart).result()
+    voxtone.calibrate.chart(printer="stratasys-j750-hm", resins="C,M,Y,K,W", patches=40, square="3mm", out=chart).result()
     voxtone.calibrate.simulate(chart / "target.json", resins=examples / "12-inks.json", out=tmp_path / "measured.csv").result()
     # As an instrument writes it: names of its own, semicolons, decimal commas.
     lines = [line for line in (tmp_path / "measured.csv").read_text().splitlines() if not line.startswith("#")]

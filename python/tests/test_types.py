@@ -24,9 +24,15 @@ voxtone.verify(stack).warnings[0].upper()
 """
 
 
-def checked(folder, *names, cache=None):
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory):
+    """What the checker found of Python and numpy, by far the most, is found once for all tests."""
+    return tmp_path_factory.mktemp("cache")
+
+
+def checked(folder, cache, *names):
     checker = shutil.which("mypy") or pytest.skip("mypy is not installed (tools/install-packages tests)")
-    return subprocess.run([checker, "--config-file", str(package / "pyproject.toml"), "--cache-dir", str(cache or folder / "cache"),
+    return subprocess.run([checker, "--config-file", str(package / "pyproject.toml"), "--cache-dir", str(cache),
                            *names], cwd=folder, capture_output=True, text=True, check=False)
 
 
@@ -38,23 +44,23 @@ def installed(tmp_path_factory):
     return folder
 
 
-def test_the_package(tmp_path):
-    done = checked(package, "voxtone", cache=tmp_path)
+def test_the_package(cache):
+    done = checked(package, cache, "voxtone")
     assert done.returncode == 0, done.stdout
 
 
-def test_a_script_with_the_types_of_verbs(installed):
+def test_a_script_with_the_types_of_verbs(installed, cache):
     (installed / "good.py").write_text(script)
-    done = checked(installed, "good.py")
+    done = checked(installed, cache, "good.py")
     assert done.returncode == 0, done.stdout
 
 
-def test_mistakes_are_seen_before_they_run(installed):
+def test_mistakes_are_seen_before_they_run(installed, cache):
     changes = {'size="60mm"': "sise=[1]", "report=False": 'report="no"', "quality=": "thickness=[1], quality=",
                "event[": "event.stage["}
     for at, (right, wrong) in enumerate(changes.items()):
         assert right in script
         (installed / f"bad{at}.py").write_text(script.replace(right, wrong))
-    done = checked(installed, *(f"bad{at}.py" for at in range(len(changes))))
+    done = checked(installed, cache, *(f"bad{at}.py" for at in range(len(changes))))
     for at in range(len(changes)):
         assert f"bad{at}.py:" in done.stdout, (at, done.stdout)

@@ -58,7 +58,7 @@ TEST_CASE("The page of a print shows the numbers of its EXR files, and each of i
                                     folder / "picture.png", folder / "out"))
                 .exit_code == 0);
     const ExrNumbers target = read_exr(folder / "out/target.exr"), print = read_exr(folder / "out/predicted.exr");
-    Chromium browser;
+    Chromium& browser = shared_chromium();
     browser.open(folder / "out/report.html");
     (void)browser.evaluate("document.getElementById('viewer-canvas').scrollIntoView({block: 'center'})");
     browser.draw();
@@ -96,7 +96,7 @@ TEST_CASE("What the operator reads is not cut off, in a window and on paper") {
         run_program(fmt::format("slice {} --width 6mm --thickness 2.5mm --iterations 0 --predict none --quiet -o {}",
                                 folder / "picture.png", folder / "out"))
             .exit_code == 0);
-    Chromium browser;
+    Chromium& browser = shared_chromium();
     for (const std::string page : {"printer/HOW-TO-PRINT.html", "resin-assignment.html"})
         for (const int width : {1400, 900, 720}) {
             browser.open(folder / "out/" + page, width, 1000, 2);
@@ -132,7 +132,7 @@ TEST_CASE("predict writes a page too, with the voxels that it read") {
         CHECK(data(page) == data(read_file(folder / "page2.html")));
     }
     if (find_chromium().empty()) return skip("there is no Chromium on this machine (Debian: chromium)");
-    Chromium browser;
+    Chromium& browser = shared_chromium();
     browser.open(folder / "page1.html");
     CHECK(browser.evaluate("document.documentElement.className") == "has-viewer has-cut");
     CHECK(browser.complaints() == std::vector<std::string>{});
@@ -172,7 +172,7 @@ TEST_CASE("The page of a calibration shows target and photograph, and the probe 
         nlohmann::json::parse(out.substr(out.rfind("{\"event\":\"result\""))).at("result").at("patches").at("list");
     const nlohmann::json described = nlohmann::json::parse(read_file(target));
     if (find_chromium().empty()) return skip("there is no Chromium on this machine (Debian: chromium)");
-    Chromium browser;
+    Chromium& browser = shared_chromium();
     browser.open(folder / "check.html");
     CHECK(browser.evaluate("document.documentElement.className") == "has-viewer");
     CHECK_THAT(text_of(browser, "viewer-looks"), Contains("1 photograph") && Contains("2 measured") &&

@@ -77,8 +77,15 @@ Chromium::Chromium(std::vector<std::string> flags) {
     close(from[1]);
     to_ = to[1];
     from_ = from[0];
-    const json target = call("Target.createTarget", {{"url", "about:blank"}});
-    session_ = call("Target.attachToTarget", {{"targetId", target["targetId"]}, {"flatten", true}})["sessionId"];
+}
+
+void Chromium::new_tab() {
+    session_.clear();  // what follows is said to the browser
+    if (!target_.empty()) call("Target.closeTarget", {{"targetId", target_}});
+    target_ = call("Target.createTarget", {{"url", "about:blank"}})["targetId"];
+    session_ = call("Target.attachToTarget", {{"targetId", target_}, {"flatten", true}})["sessionId"];
+    complaints_.clear();
+    requests_.clear();
     for (const char* domain : {"Page", "Runtime", "Log", "Network"}) call(std::string(domain) + ".enable");
 }
 
@@ -108,6 +115,7 @@ std::string Chromium::next_message() {
 }
 
 void Chromium::hear(const json& event) {
+    if (event.value("sessionId", "") != session_) return;  // of a page before
     const std::string method = event.value("method", "");
     const json& about = event["params"];
     if (method == "Runtime.consoleAPICalled" || method == "Runtime.exceptionThrown" || method == "Log.entryAdded")
@@ -160,6 +168,7 @@ void Chromium::draw() {
 }
 
 double Chromium::open(const fs::path& page, int width, int height, double seconds) {
+    new_tab();
     call("Emulation.setDeviceMetricsOverride",
          {{"width", width}, {"height", height}, {"deviceScaleFactor", 1}, {"mobile", false}});
     page_url_ = "file://" + page.string();
@@ -274,6 +283,11 @@ std::size_t Chromium::printed_pages() {
     for (std::size_t at = pdf.find("/Type /Page"); at != pdf.npos; at = pdf.find("/Type /Page", at + 1))
         if (pdf[at + 11] != 's') ++pages;
     return pages;
+}
+
+Chromium& shared_chromium() {
+    static Chromium browser;
+    return browser;
 }
 
 }  // namespace voxtone::test

@@ -26,8 +26,9 @@ public:
     Chromium(const Chromium&) = delete;
     Chromium& operator=(const Chromium&) = delete;
 
-    /// Opens the file and waits until the page's script says that all is unpacked, or `seconds` have passed. How long
-    /// its first picture took, in seconds of the browser's own clock, from the start of the navigation; NaN: none came.
+    /// Opens the file in a tab of its own, which nothing is left in of the page before, and waits until the page's script
+    /// says that all is unpacked, or `seconds` have passed. How long its first picture took, in seconds of the browser's
+    /// own clock, from the start of the navigation; NaN: none came.
     double open(const std::filesystem::path& page, int width = 1400, int height = 900, double seconds = 60);
     [[nodiscard]] nlohmann::json evaluate(const std::string& expression);
     /// Until the expression is true.
@@ -55,13 +56,14 @@ public:
     [[nodiscard]] std::array<std::uint8_t, 3> pixel(double x, double y);
     [[nodiscard]] std::size_t printed_pages();
 
-    /// Messages of the console, exceptions, entries of the log.
+    /// Of the page that is open: messages of the console, exceptions, entries of the log.
     [[nodiscard]] const std::vector<std::string>& complaints() const { return complaints_; }
     /// Whatever was asked for but the page itself and data in it.
     [[nodiscard]] const std::vector<std::string>& requests() const { return requests_; }
 
 private:
     nlohmann::json call(const std::string& method, nlohmann::json parameters = nlohmann::json::object());
+    void new_tab();
     void hear(const nlohmann::json& event);
     [[nodiscard]] std::string next_message();
     void pointer(const char* type, double x, double y, const char* button, int buttons);
@@ -69,8 +71,11 @@ private:
     std::filesystem::path profile_;
     pid_t child_ = -1;
     int to_ = -1, from_ = -1, calls_ = 0;
-    std::string received_, session_, page_url_;
+    std::string received_, target_, session_, page_url_;
     std::vector<std::string> complaints_, requests_;
 };
+
+/// One browser for all tests of a program: to start one takes longer than most pages are looked at.
+[[nodiscard]] Chromium& shared_chromium();
 
 }  // namespace voxtone::test

@@ -94,7 +94,7 @@ const char* const worst_contrast = R"JS((() => {
 
 TEST_CASE("The page of a body turns, compares, flips and says nothing to the console") {
     NEEDS_CHROMIUM;
-    Chromium browser;
+    Chromium& browser = shared_chromium();
     browser.open(write_page("body", sample::body()));
     REQUIRE(browser.evaluate("document.documentElement.classList.contains('has-viewer')").get<bool>());
     const auto [left, top, width, height] = bring(browser, "#viewer-canvas");
@@ -151,7 +151,7 @@ TEST_CASE("The page of a body turns, compares, flips and says nothing to the con
 
 TEST_CASE("The probe of a body tells what is there") {
     NEEDS_CHROMIUM;
-    Chromium browser;
+    Chromium& browser = shared_chromium();
     browser.open(write_page("probe", sample::body()));
     const auto [left, top, width, height] = bring(browser, "#viewer-canvas");
     press(browser, "viewer", "top");
@@ -189,7 +189,7 @@ TEST_CASE("The probe of a body tells what is there") {
 
 TEST_CASE("The probe of a picture has the numbers of its pixels") {
     NEEDS_CHROMIUM;
-    Chromium browser;
+    Chromium& browser = shared_chromium();
     browser.open(write_page("picture", sample::picture()));
     const auto [left, top, width, height] = bring(browser, "#viewer-canvas");
     keep_shot(browser, "picture");
@@ -236,7 +236,7 @@ TEST_CASE("The probe of a picture has the numbers of its pixels") {
 
 TEST_CASE("The cut shows single voxels, layer by layer, by keys and wheel") {
     NEEDS_CHROMIUM;
-    Chromium browser;
+    Chromium& browser = shared_chromium();
     browser.open(write_page("cut", sample::body()));
     const auto [left, top, width, height] = bring(browser, "#cut-canvas");
     const auto shown = [&](const std::string& what) {
@@ -281,7 +281,7 @@ TEST_CASE("The cut shows single voxels, layer by layer, by keys and wheel") {
 
 TEST_CASE("The page can be used by keys alone and read by weak eyes") {
     NEEDS_CHROMIUM;
-    Chromium browser;
+    Chromium& browser = shared_chromium();
     browser.open(write_page("keys", sample::body()));
     std::set<std::string> reached;
     for (int i = 0; i < 60; ++i) {
@@ -323,7 +323,7 @@ TEST_CASE("The page can be used by keys alone and read by weak eyes") {
 
 TEST_CASE("Fingers turn, spread and shift the view, and not the page") {
     NEEDS_CHROMIUM;
-    Chromium browser;
+    Chromium& browser = shared_chromium();
     browser.open(write_page("fingers", sample::body()));
     const auto [left, top, width, height] = bring(browser, "#viewer-canvas");
     const double x = left + width / 4, y = top + height / 2;
@@ -356,7 +356,7 @@ TEST_CASE("Without WebGL the page shows today's pictures, and the cut all the sa
 
 TEST_CASE("The page prints on two sheets, without its tools") {
     NEEDS_CHROMIUM;
-    Chromium browser;
+    Chromium& browser = shared_chromium();
     io::Report report = sample::body();
     for (int i = 0; i < 8; ++i) report.viewer.worst.push_back(report.viewer.worst[std::size_t(i)]);
     browser.open(write_page("printed", report));
@@ -397,7 +397,7 @@ TEST_CASE("Pages of one and of eight megabytes open soon") {
         CAPTURE(name, fs::file_size(page));
         CHECK(double(fs::file_size(page)) > least);
         CHECK(double(fs::file_size(page)) < most);
-        Chromium browser;
+        Chromium& browser = shared_chromium();
         const double seconds = browser.open(page);
         CAPTURE(seconds);
         CHECK(seconds > 0);
