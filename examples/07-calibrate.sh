@@ -12,10 +12,11 @@ mkdir -p "$out"
 "$voxtone" calibrate target --printer stratasys-j750-hm --resins C,M,Y,K,W --layout B --gcvf --overwrite -o "$out/target"
 "$voxtone" verify "$out/target"
 
-# 2. The photographs, here drawn: the second from another side and in other light.
-"$voxtone" calibrate simulate "$out/target/target.json" --resins "$here/07-resins.json" --overwrite \
+# 2. The photographs, here drawn, and small: the second from another side and in other light.
+camera="--width 1500 --height 1000"
+"$voxtone" calibrate simulate "$out/target/target.json" --resins "$here/07-resins.json" $camera --overwrite \
     --truth "$out/truth.csv" -o "$out/photo-1.tif"
-"$voxtone" calibrate simulate "$out/target/target.json" --resins "$here/07-resins.json" --overwrite \
+"$voxtone" calibrate simulate "$out/target/target.json" --resins "$here/07-resins.json" $camera --overwrite \
     --tilt-x 8 --turn 20 --lamp 1500 --lamp-azimuth 200 --vignetting 0.25 --exposure 0.8 --dust 150 --scratches 12 --seed 2 -o "$out/photo-2.tif"
 
 # 3. What the squares reflect; look at patches-overlay.png to see what was sampled. straight.png is the target alone.

@@ -2,30 +2,31 @@
 # Resins from edge profiles, rehearsed without a bench: what has to be printed, the photographs that a bench would take of
 # slabs of known resins (and it is not quite the bench that setup.json says: a factor of 0.913 on all values, slabs 2 % too
 # thick, gel between 10 and 50 um, uneven light, the sheet turned by 2 degrees, a blurred and noisy camera), the profiles in
-# these photographs, the resins that are found in them, and a slice with these.
+# these photographs, the resins that are found in them, and a slice with these. RESINS=C,K,W does with fewer, in less time.
 set -eu
 voxtone=${VOXTONE:-build/release/bin/voxtone}
 out=${OUT:-out}/11-edge-profiles
+resins=${RESINS:-C,M,Y,K,W}
 here=$(dirname "$0")
 mkdir -p "$out"
 
 # 1. What is measured: slabs of every resin, and the sheet with the edges.
-"$voxtone" calibrate edge samples --resins C,M,Y,K,W --allowance 0.05mm --overwrite -o "$out/slabs"
+"$voxtone" calibrate edge samples --resins "$resins" --allowance 0.05mm --overwrite -o "$out/slabs"
 
 # 2. The photographs, here rendered (small, and with few light paths: noisier than a camera): a colour checker, white paper,
-#    the bare sheet, and two of each of the ten slabs, with their list.
+#    the bare sheet, and two of each slab, with their list.
 cat > "$out/bench.json" <<END
 {"format": "voxtone-edge-setup", "version": 1, "camera": {"pitch_mm": 0.08, "blur_mm": 0.08, "level_error": 0.01}}
 END
-"$voxtone" calibrate edge simulate --resins vero-opaque --setup "$out/bench.json" --bias 0.913 --thickness-off 0.02 \
-    --gel 0.01,0.05 --paths 32768 --field 96,72 --photos "$out/photographs" --overwrite
+"$voxtone" calibrate edge simulate --resins vero-opaque --roles "$resins" --setup "$out/bench.json" --bias 0.913 \
+    --thickness-off 0.02 --gel 0.01,0.05 --paths 32768 --field 96,72 --photos "$out/photographs" --overwrite
 
 # 3. The profiles, and what the photographs say of sheet and camera; look at the pictures in profiles-overlays.
 "$voxtone" calibrate edge photo "$out/photographs/photographs.csv" --write-setup "$out/setup.json" \
     --overwrite -o "$out/profiles.csv"
 
 # 4. A chart of all equal mixtures, printed and photographed, for what edges do not tell (cyan in red, yellow in blue).
-"$voxtone" calibrate edge chart --printer stratasys-j750-hm --resins C,M,Y,K,W --resin-set vero-opaque --overwrite -o "$out/chart"
+"$voxtone" calibrate edge chart --printer stratasys-j750-hm --resins "$resins" --resin-set vero-opaque --overwrite -o "$out/chart"
 "$voxtone" calibrate simulate "$out/chart/target.json" --resins vero-opaque --overwrite -o "$out/chart.tif"
 "$voxtone" calibrate photo "$out/chart.tif" --target "$out/chart/target.json" --overwrite -o "$out/patches.csv"
 

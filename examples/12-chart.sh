@@ -12,9 +12,10 @@ mkdir -p "$out"
 "$voxtone" calibrate chart --printer stratasys-j750-hm --resins C,M,Y,K,W --patches 60 --overwrite -o "$out/chart"
 "$voxtone" verify "$out/chart"
 
-# 2. Measured, here drawn: chart/chart.csv with L, a, b filled in, and a second chart of other mixtures to check with.
+# 2. Measured, here drawn: chart/chart.csv with L, a, b filled in, and a second chart of other mixtures to check with, which
+#    is not printed.
 "$voxtone" calibrate simulate "$out/chart/target.json" --resins "$here/12-inks.json" --overwrite -o "$out/measured.csv"
-"$voxtone" calibrate chart --printer stratasys-j750-hm --resins C,M,Y,K,W --patches 90 --quiet --overwrite -o "$out/others"
+"$voxtone" calibrate chart --printer stratasys-j750-hm --resins C,M,Y,K,W --patches 90 --square 2mm --quiet --overwrite -o "$out/others"
 "$voxtone" calibrate simulate "$out/others/target.json" --resins "$here/12-inks.json" --lab-noise 0 --overwrite -o "$out/others.csv"
 
 # 3. The resins and their channels, with a page to look at, judged on the other chart.
