@@ -36,7 +36,7 @@ using Tree = std::vector<std::pair<std::string, std::string>>;
 /// Three jobs over small boxes, one with a loop and its checkpoints.
 struct Workshop {
     explicit Workshop(const std::string& name) : folder(name) {
-        for (int i = 1; i <= 3; ++i) folder.write(fmt::format("box{}.obj", i), ramp_box_obj(2 + 0.5 * i, 2, 1));
+        for (int i = 1; i <= 3; ++i) folder.write(fmt::format("box{}.obj", i), soft_box_obj(2 + 0.5 * i, 2, 1));
         folder.write("plan.jsonl",
                      "{\"model\": \"box1.obj\", \"iterations\": 3}\n{\"model\": \"box2.obj\", \"iterations\": 0}\n"
                      "{\"model\": \"box3.obj\", \"iterations\": 0, \"formats\": [\"png\", \"tiff\", \"gcvf\"]}\n");

@@ -26,7 +26,7 @@ namespace {
 /// A folder with small models; jobs over them take a second each.
 struct Workshop {
     explicit Workshop(const std::string& name) : folder(name) {
-        for (int i = 1; i <= 3; ++i) folder.write(fmt::format("box{}.obj", i), ramp_box_obj(2 + 0.5 * i, 2, 1));
+        for (int i = 1; i <= 3; ++i) folder.write(fmt::format("box{}.obj", i), soft_box_obj(2 + 0.5 * i, 2, 1));
         folder.write("quick.json",
                      R"({"format": "voxtone-job", "version": 1, "iterations": 0, "report": false, "formats": "png"})");
     }
@@ -89,7 +89,7 @@ TEST_CASE("A batch makes what slice makes, goes past what fails, and does nothin
     CHECK_THAT(again.out, Contains("(2 before, and unchanged)"));
     CHECK(shop.state_text("box1") == stack_before);
 
-    shop.folder.write("broken.obj", ramp_box_obj(3, 3, 1));
+    shop.folder.write("broken.obj", soft_box_obj(3, 3, 1));
     const Outcome mended = shop.batch();
     CHECK(mended.exit_code == 0);
     CHECK_THAT(mended.out, Contains("3 of 3 jobs done (2 before, and unchanged)"));
@@ -109,7 +109,7 @@ TEST_CASE("A changed input, a changed option and a changed result are made anew,
     REQUIRE(shop.batch().exit_code == 0);
     const auto digest = [&](const char* name) { return shop.state(name)["figures"]["content_sha256"]; };
     const auto first = digest("box1"), second = digest("box2"), third = digest("box3");
-    shop.folder.write("box1.obj", ramp_box_obj(4, 2, 1));
+    shop.folder.write("box1.obj", soft_box_obj(4, 2, 1));
     shop.plan("{\"model\": \"box1.obj\"}\n{\"model\": \"box2.obj\", \"flip-x\": true}\n{\"model\": \"box3.obj\"}\n");
     fs::remove_all(shop.folder / "out/box3");
     const Outcome changed = shop.batch("--json");
@@ -197,7 +197,7 @@ TEST_CASE("A folder that is no batch's, or of another version, is left alone") {
 
 TEST_CASE("Printed commands make the same stack") {
     const Workshop shop("batch-commands");
-    shop.folder.write("it's a box.obj", ramp_box_obj(2, 2, 1));
+    shop.folder.write("it's a box.obj", soft_box_obj(2, 2, 1));
     shop.folder.write("models.csv", "model\n\"it's a box.obj\"\n");
     const Outcome commands = shop.batch("--print-commands", "models.csv");
     REQUIRE(commands.exit_code == 0);
@@ -305,7 +305,7 @@ TEST_CASE("With --fail-fast the first failure ends the batch") {
 TEST_CASE("A watched folder's models are sliced when they are complete, and again when they are written anew") {
     const Workshop shop("batch-watch");
     fs::create_directory(shop.folder / "in");
-    shop.folder.write("in/first.obj", ramp_box_obj(2, 2, 1));
+    shop.folder.write("in/first.obj", soft_box_obj(2, 2, 1));
     shop.folder.write("in/bad.obj", "v 0 0 0\n");
     shop.folder.write("watch.sh", fmt::format(R"(set -u
 {0} batch --watch {1} --preset {2} -o {3} --json >{4} 2>&1 &

@@ -78,7 +78,7 @@ private:
 
 struct Workshop {
     explicit Workshop(const std::string& name) : folder(name) {
-        folder.write("box.obj", ramp_box_obj(3, 2, 1));
+        folder.write("box.obj", soft_box_obj(3, 2, 1));
         folder.write("marker.obj", marker_obj());
         folder.write("quick.json", R"({"format": "voxtone-job", "version": 1, "formats": "png", "predict": "none"})");
         folder.write("plan.jsonl",

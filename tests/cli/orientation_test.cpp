@@ -161,7 +161,7 @@ void read_back(const fs::path& flipped, const fs::path& plain, bool is_predicted
 }  // namespace
 
 TEST_CASE("Every verb that prints turns its bitmaps as the printer's profile says") {
-    for (const Flips flips : {Flips{true, false, false}, Flips{false, true, false}, Flips{true, false, true}}) {
+    for (const Flips flips : {Flips{false, true, false}, Flips{true, false, true}}) {
         const Folder folder("flips");
         folder.write("flipping.json", profile(flips));
         // What the body looks like to a printer that does not flip and whose voxels lie as the other's do.
@@ -199,7 +199,7 @@ TEST_CASE("Every verb that prints turns its bitmaps as the printer's profile say
 
 TEST_CASE("What is predicted of flipped bitmaps is not mirrored, and verify takes them") {
     const Folder folder("unflipped");
-    folder.write("flipping.json", profile({true, false, true}, 50, 100));
+    folder.write("flipping.json", profile({true, false, true}));
     folder.write("picture.ppm", quartered_picture());
     const std::string printer = " --printer " + folder / "flipping.json";
     must_run("slice --quiet --formats png,gcvf --iterations 0 --load K,W --width 6mm --thickness 3mm " +

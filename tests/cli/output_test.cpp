@@ -21,7 +21,7 @@ namespace {
 constexpr const char* quick = "slice --quiet --no-report --iterations 0 ";
 
 std::string box(const Folder& folder) {
-    folder.write("box.obj", ramp_box_obj(3, 2, 1));
+    folder.write("box.obj", soft_box_obj(3, 2, 1));
     return folder / "box.obj";
 }
 
@@ -82,10 +82,13 @@ TEST_CASE("A folder that another job holds is said to be, and why: 75, try again
 
 TEST_CASE("What verify would refuse is refused before the work") {
     const Folder folder("thin");
-    folder.write("slab.obj", ramp_box_obj(5, 3, 0.5));
+    folder.write("slab.obj", soft_box_obj(5, 3, 0.5));
     const Outcome outcome = run_program(quick + (folder / "slab.obj") + " -o " + (folder / "out"));
     CHECK(outcome.exit_code == 3);
     CHECK_THAT(outcome.err, Contains("19 layers") && Contains("no fewer than 30"));
     CHECK_FALSE(fs::exists(folder / "out"));
-    CHECK(run_program(quick + (folder / "slab.obj") + " --printer generic -o " + (folder / "out")).exit_code == 0);
+    folder.write("lenient.json", lenient_printer());
+    CHECK(run_program(quick + (folder / "slab.obj") + " --printer " + (folder / "lenient.json") + " -o " +
+                      (folder / "out"))
+              .exit_code == 0);
 }

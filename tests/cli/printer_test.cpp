@@ -22,7 +22,7 @@ constexpr const char* quick = "slice --quiet --no-report --iterations 0 ";
 
 /// High enough for the printer, coloured all over, and lying on its coloured underside.
 std::string box(const Folder& folder) {
-    folder.write("box.obj", ramp_box_obj(3, 2, 1));
+    folder.write("box.obj", soft_box_obj(3, 2, 1));
     return folder / "box.obj";
 }
 
@@ -153,8 +153,8 @@ TEST_CASE("A shard whose part of the Zbuffer was lost or spoilt is asked for aga
 
 TEST_CASE("A tray's page names its parts, and the marker is a print like any other") {
     const Folder folder("printer-tray");
-    folder.write("low.obj", ramp_box_obj(3, 2, 1));
-    folder.write("high.obj", ramp_box_obj(2, 2, 2));
+    folder.write("low.obj", soft_box_obj(3, 2, 1));
+    folder.write("high.obj", soft_box_obj(2, 2, 2));
     REQUIRE(run_program("tray --quiet --no-report --iterations 0 " + (folder / "low.obj") + " " +
                         (folder / "high.obj") + " --gap 3mm -o " + (folder / "tray") + " --for-printer " +
                         (folder / "tray.zip"))

@@ -152,17 +152,27 @@ std::string box_obj(std::array<double, 3> low, std::array<double, 3> high, int f
     return text;
 }
 
+std::string two_colour_box_obj(std::array<double, 3> size, const char* left, const char* right) {
+    std::string text;
+    for (int corner = 0; corner < 8; ++corner)
+        text += fmt::format("v {} {} {} {}\n", corner & 1 ? size[0] : 0, corner & 2 ? size[1] : 0,
+                            corner & 4 ? size[2] : 0, corner & 1 ? right : left);
+    const std::string box = box_obj({0, 0, 0}, {1, 1, 1}, 1);
+    return text + box.substr(box.find("f "));
+}
+
 }  // namespace
 
 std::string marker_obj() { return box_obj({0, 0, 0}, {6, 3, 2}, 1) + box_obj({0, 0, 1}, {2, 1, 5}, 9); }
 
-std::string ramp_box_obj(double x, double y, double z) {
-    std::string text;
-    for (int corner = 0; corner < 8; ++corner)
-        text += fmt::format("v {} {} {} {}\n", corner & 1 ? x : 0, corner & 2 ? y : 0, corner & 4 ? z : 0,
-                            corner & 1 ? "0 0.5 0" : "0.6 0 0");
-    const std::string box = box_obj({0, 0, 0}, {1, 1, 1}, 1);
-    return text + box.substr(box.find("f "));
+std::string ramp_box_obj(double x, double y, double z) { return two_colour_box_obj({x, y, z}, "0.6 0 0", "0 0.5 0"); }
+
+std::string soft_box_obj(double x, double y, double z) {
+    return two_colour_box_obj({x, y, z}, "0.7 0.45 0.45", "0.45 0.6 0.45");
+}
+
+std::string lenient_printer() {
+    return R"({"format": "voxtone-printer", "version": 1, "name": "any", "pitch_um": [42.333333, 84.666667, 27]})";
 }
 
 }  // namespace voxtone::test

@@ -62,4 +62,10 @@ struct Bitmap {
 /// OBJ of a box [0, x] x [0, y] x [0, z] whose vertex colours run from red at x = 0 to green at x.
 [[nodiscard]] std::string ramp_box_obj(double x, double y, double z);
 
+/// The same from rose to sage: colours that the usual resins reach, which are separated in half the time.
+[[nodiscard]] std::string soft_box_obj(double x, double y, double z);
+
+/// JSON of a printer that refuses nothing, of a pitch whose screen is built in: another pitch's takes each job seconds.
+[[nodiscard]] std::string lenient_printer();
+
 }  // namespace voxtone::test

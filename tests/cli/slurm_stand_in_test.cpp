@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 /// Two models, and a folder of programs that PATH leads to and nothing else but the shell's own.
 struct Workshop {
     Workshop() : folder("stand-in") {
-        for (int i = 1; i <= 2; ++i) folder.write(fmt::format("box{}.obj", i), ramp_box_obj(3 + i, 2, 2));
+        for (int i = 1; i <= 2; ++i) folder.write(fmt::format("box{}.obj", i), soft_box_obj(3 + i, 2, 2));
         folder.write("plan.jsonl", "{\"model\": \"box1.obj\"}\n{\"model\": \"box2.obj\"}\n");
         folder.write("quick.json", R"({"format": "voxtone-job", "version": 1, "iterations": 0, "predict": "none"})");
         fs::create_directory(folder.path() / "bin");
@@ -201,7 +201,7 @@ TEST_CASE("A refused task that waits for all is submitted by the next call, and 
     CHECK_THAT(shop.batch("").out, Contains("2 jobs, 2 queued") && Contains("when all has ended"));
     CHECK(shop.calls().size() == 4);
     // What is submitted later is waited for by another one, with what is there still.
-    shop.folder.write("box3.obj", ramp_box_obj(2, 2, 2));
+    shop.folder.write("box3.obj", soft_box_obj(2, 2, 2));
     shop.folder.write("plan.jsonl",
                       "{\"model\": \"box1.obj\"}\n{\"model\": \"box2.obj\"}\n{\"model\": \"box3.obj\"}\n");
     CHECK_THAT(shop.batch("").out, Contains("3 jobs, 1 submitted, 2 queued"));

@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 struct Workshop {
     Workshop() : folder("batch on a cluster") {
         folder.write("quick.json", R"({"format": "voxtone-job", "version": 1, "iterations": 0, "predict": "none"})");
-        folder.write("a box.obj", ramp_box_obj(4, 3, 2));
+        folder.write("a box.obj", soft_box_obj(4, 3, 2));
     }
     void plan(const std::string& lines) const { folder.write("plan.jsonl", lines); }
     [[nodiscard]] std::string at(const std::string& name) const {
@@ -131,7 +131,7 @@ TEST_CASE("Five jobs in two shards each, with a node that dies, are what a local
 TEST_CASE("A job that fails in Slurm stands as failed, stops no other, and goes on when it is submitted again") {
     if (lacks_slurm()) return;
     const Workshop shop;
-    shop.folder.write("mended.obj", ramp_box_obj(3, 3, 2));
+    shop.folder.write("mended.obj", soft_box_obj(3, 3, 2));
     const std::string bad = nlohmann::json({{"model", "mended.obj"}}).dump() + "\n";
     shop.plan(bad + line("whole") + line("sharded", "\"size\": 5, "));
     OneNodeSlurm slurm;
@@ -153,7 +153,7 @@ TEST_CASE("A job that fails in Slurm stands as failed, stops no other, and goes 
     const Outcome status = run_program("status " + shop.at("cluster"));
     CHECK_THAT(status.out, Contains("3 jobs, 2 done, 1 failed"));
 
-    shop.folder.write("mended.obj", ramp_box_obj(3, 3, 2));
+    shop.folder.write("mended.obj", soft_box_obj(3, 3, 2));
     const Outcome second = shop.batch("cluster", options);
     CHECK_THAT(second.out, Contains("1 submitted, 2 unchanged"));
     REQUIRE(OneNodeSlurm::queue_empties());
@@ -184,7 +184,7 @@ TEST_CASE("A loop that Slurm asks to stop saves itself, is put back into the que
 TEST_CASE("The shards of a tray on a cluster merge to the bits of one go") {
     if (lacks_slurm()) return;
     const Workshop shop;
-    shop.folder.write("b.obj", ramp_box_obj(3, 2, 3));
+    shop.folder.write("b.obj", soft_box_obj(3, 2, 3));
     shop.folder.write("tray.json", R"({"format": "voxtone-tray", "version": 1, "parts": [
         {"model": "a box.obj", "copies": 3}, {"model": "b.obj", "size": 2}]})");
     shop.plan(line("tray", "\"size\": 3, ", "tray.json"));

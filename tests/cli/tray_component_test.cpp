@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Parts of a tray that are no models: their voxels, what is said of them, and what is refused.
+// Parts of a tray that are no models, as a user meets them. What their voxels are, and what is refused of them, is
+// tested without the program (tests/slicer/tray).
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -90,7 +91,7 @@ std::map<std::string, std::string> layers_of(const std::string& out) {
 struct Shelf {
     explicit Shelf(const std::string& name) : folder("components_" + name) {
         folder.write("marker.obj", marker_obj());
-        folder.write("ramp.obj", ramp_box_obj(5, 3, 3));
+        folder.write("ramp.obj", soft_box_obj(2.5, 1.5, 1.5));
     }
     void slice(const std::string& more = "", const std::string& name = "old") const {
         const Outcome made = run_program("slice " + (folder / "ramp.obj") + fast + more + " -o " + (folder / name));
@@ -104,7 +105,7 @@ struct Shelf {
     Folder folder;
 };
 
-const Rgba air{0, 0, 0, 255}, white{220, 222, 216, 255}, cyan{0, 150, 200, 255};
+const Rgba white{220, 222, 216, 255}, cyan{0, 150, 200, 255};
 
 }  // namespace
 
@@ -112,9 +113,9 @@ TEST_CASE("A tray of a model, a box, and stacks that were sliced before, voxel f
     const Shelf shelf("voxels");
     shelf.slice("--formats png,gcvf");
     const std::string parts = R"({"model": "marker.obj"},
-        {"box": [4, 3, 2], "mixture": {"W": 1, "VeroCyan": 3}, "copies": 2, "name": "patch"},
-        {"cylinder": {"diameter": 3, "height": 1}, "resin": "VeroCyan", "at": [20, 20, 1]},
-        {"stack": "old"}, {"gcvf": "old/stack.gcvf", "name": "boxed", "at": [30, 5, 0.5]})";
+        {"box": [2, 1.5, 1], "mixture": {"W": 1, "VeroCyan": 3}, "copies": 2, "name": "patch"},
+        {"cylinder": {"diameter": 3, "height": 1}, "resin": "VeroCyan", "at": [10, 10, 0.5]},
+        {"stack": "old"}, {"gcvf": "old/stack.gcvf", "name": "boxed", "at": [14, 3, 0.5]})";
     const Outcome made = shelf.tray(parts);
     CAPTURE(made.err);
     REQUIRE(made.exit_code == 0);
@@ -132,10 +133,10 @@ TEST_CASE("A tray of a model, a box, and stacks that were sliced before, voxel f
     CHECK(unlike(print, boxed, old) == 0);
 
     const Box patch = box_of(out, "patch");
-    CHECK(patch.size == std::array<int, 3>{94, 35, 74});  // 3.979 x 2.963 x 1.998 mm
+    CHECK(patch.size == std::array<int, 3>{47, 18, 37});  // 1.990 x 1.524 x 0.999 mm
     const auto colours = colours_in(print, patch);
     CHECK(colours.size() == 2);
-    const double voxels = 94 * 35 * 74;
+    const double voxels = 47 * 18 * 37;
     CHECK(double(colours.at(cyan)) / voxels == Approx(0.75).margin(0.01));
     CHECK(double(colours.at(white)) / voxels == Approx(0.25).margin(0.01));
     const auto round = colours_in(print, box_of(out, "cylinder"));
@@ -147,7 +148,7 @@ TEST_CASE("A tray of a model, a box, and stacks that were sliced before, voxel f
     REQUIRE(manifest["members"].size() == 5);
     CHECK(manifest["members"][1]["verdict"] == "none: component");
     CHECK(manifest["members"][1]["boxes_mm"].size() == 2);
-    CHECK(manifest["members"][1]["ml"].get<double>() == Approx(2 * voxels * voxel_mm3 * 1e-3));
+    CHECK(manifest["members"][1]["ml"].get<double>() == Approx(2 * voxels * voxel_mm3 * 1e-3).epsilon(1e-4));
     CHECK(manifest["members"][3]["ml"] == manifest["members"][4]["ml"]);
 
     // The same again does nothing, shards are the same bits.
@@ -166,74 +167,21 @@ TEST_CASE("A tray of a model, a box, and stacks that were sliced before, voxel f
     CHECK(shelf.tray(parts).exit_code == 3);
 }
 
-TEST_CASE("A stack lies as it was sliced, whatever the printer wants of its bitmaps") {
+TEST_CASE("A stack alone in its tray is that stack again, whatever the printer wants of its bitmaps") {
     const Shelf shelf("mirrored");
     json profile = json_in(source_dir() + "/data/printers/stratasys-j750-hm.json");
-    const bool is_swapped = GENERATE(false, true);
-    CAPTURE(is_swapped);
-    profile["flip_x"] = true;
-    profile[is_swapped ? "swap_xy" : "flip_y"] = true;
+    profile["flip_x"] = profile["swap_xy"] = true;
     shelf.folder.write("mirrored.json", profile.dump());
-    const std::string printer = "--printer " + (shelf.folder / "mirrored.json") + " --formats png,gcvf";
-    shelf.slice(printer);
+    const std::string printer = "--printer " + (shelf.folder / "mirrored.json");
+    shelf.slice(printer + " --formats png,gcvf");
     CHECK(json_in(shelf.folder / "old/manifest.json")["orientation"]["flip_x"] == true);
-    // Alone in its tray it is that stack again, by its manifest or by its container.
     for (const char* part : {R"({"stack": "old"})", R"({"gcvf": "old/stack.gcvf"})"}) {
         CAPTURE(part);
-        const Outcome made = shelf.tray(part, printer + " --overwrite");
+        const Outcome made = shelf.tray(part, printer + " --formats png --overwrite");
         CAPTURE(made.err);
         REQUIRE(made.exit_code == 0);
         CHECK(layers_of(shelf.folder / "out") == layers_of(shelf.folder / "old"));
     }
-    // For a printer that wants nothing of them its voxels are those of a stack that was sliced for that one, unless
-    // they are longer along the other axis.
-    shelf.slice("", "plain");
-    const Outcome plain = shelf.tray(R"({"stack": "old"})", "--overwrite");
-    CHECK(plain.exit_code == (is_swapped ? 3 : 0));
-    if (is_swapped) {
-        CHECK_THAT(plain.err, Contains("84.67 x 42.33 x 27"));
-        return;
-    }
-    CHECK(layers_of(shelf.folder / "out") == layers_of(shelf.folder / "plain"));
-}
-
-TEST_CASE("The air around the body of a container is left away") {
-    const Shelf shelf("air");
-    shelf.slice();
-    // What is cut makes the print larger than what is in it.
-    const Outcome large = shelf.tray(R"({"stack": "old", "at": [4, 3, 1.08]},
-        {"box": [1, 1, 1], "cuts": true, "at": [0, 0, 0]}, {"box": [1, 1, 1], "cuts": true, "at": [12, 9, 8], "name": "b"})",
-                                     "--formats png,gcvf");
-    CAPTURE(large.err);
-    REQUIRE(large.exit_code == 0);
-    fs::rename(shelf.folder / "out", shelf.folder / "large");
-    REQUIRE(shelf.tray(R"({"gcvf": "large/stack.gcvf", "at": [1, 1]}, {"box": [1, 1, 2], "resin": "W"})").exit_code ==
-            0);
-    const std::string out = shelf.folder / "out";
-    const Bitmaps print(out), old(shelf.folder / "old");
-    CHECK(Bitmaps(shelf.folder / "large").size() != old.size());
-    REQUIRE(box_of(out, "stack").size == old.size());
-    CHECK(unlike(print, box_of(out, "stack"), old) == 0);
-}
-
-TEST_CASE("A component cuts, has priority, and is told of where it is overlapped") {
-    const Shelf shelf("cuts");
-    shelf.slice();
-    const Outcome made = shelf.tray(R"({"stack": "old", "at": [0, 0]},
-        {"box": [2, 3.2, 1], "cuts": true, "at": [1, 0, 1], "priority": 1, "name": "slot"},
-        {"box": [1, 1, 1], "resin": "W", "at": [4, 0], "priority": -1, "name": "below"})");
-    CAPTURE(made.err);
-    REQUIRE(made.exit_code == 0);
-    const std::string out = shelf.folder / "out";
-    const Bitmaps print(out);
-    CHECK(colours_in(print, box_of(out, "slot")).size() == 1);
-    CHECK(colours_in(print, box_of(out, "slot")).contains(air));
-    const json tray = json_in(out + "/tray.json");
-    const json manifest = json_in(out + "/manifest.json");
-    CHECK(manifest["members"][1]["ml"] == 0);
-    CHECK(tray["parts"][0]["overlapped_mm3"].get<double>() == Approx(2 * 3 * 1).epsilon(0.03));
-    CHECK(tray["parts"][2]["overlapped_mm3"].get<double>() == Approx(1).epsilon(0.05));
-    CHECK_THAT(made.err, Contains("below: ") && Contains("where another part is printed"));
 }
 
 TEST_CASE("A tray may be of components alone, and is estimated") {
@@ -256,47 +204,14 @@ TEST_CASE("A tray may be of components alone, and is estimated") {
         CHECK(resin["ml"].get<double>() == Approx(ml[resin["role"]]).margin(1e-4));
 }
 
-TEST_CASE("Stacks that cannot be taken as they are, are refused in a sentence") {
+TEST_CASE("A stack that cannot be taken as it is, is refused in a sentence") {
     const Shelf shelf("refused");
-    shelf.slice("--formats png,gcvf");
-    const auto fault = [&](const std::string& part, const std::string& options = "") {
-        const Outcome said = shelf.tray(R"({"box": [1, 1, 2], "resin": "W"}, )" + part, "--fail-fast " + options);
-        CHECK(said.exit_code > 1);
-        CHECK_FALSE(fs::exists(shelf.folder / "out/manifest.json"));
-        return said.err;
-    };
-    CHECK_THAT(fault(R"({"stack": "gone"})"), Contains("parts[1]") && Contains("gone is not there"));
-    CHECK_THAT(fault(R"({"gcvf": "gone.gcvf"})"), Contains("gone.gcvf is not there"));
-    CHECK_THAT(fault(R"({"stack": "old/layers"})"), Contains("manifest.json") && Contains("which colour"));
-    CHECK_THAT(fault(R"({"stack": "old/stack.gcvf"})"), Contains("is a GCVF") && Contains("\"gcvf\""));
-    CHECK_THAT(fault(R"({"gcvf": "old"})"), Contains("is a stack") && Contains("\"stack\""));
-    CHECK_THAT(fault(R"({"stack": "out"})"), Contains("cannot be a part of it"));
-    CHECK_THAT(fault(R"({"stack": "old"})", "--load C,M,W"),
-               Contains("is of VeroYL-V, which is not loaded") && Contains("load"));
-    CHECK_THAT(fault(R"({"box": [1, 1, 1], "resin": "VeroClear"})"), Contains("VeroClear, which is not loaded"));
-    CHECK_THAT(fault(R"({"box": [0.01, 1, 1], "resin": "W"})"), Contains("along x") && Contains("half a voxel"));
-    CHECK_THAT(fault(R"({"stack": "old"})", "--arrange none"), Contains("no place of its own"));
-
-    shelf.slice("--printer stratasys-j750-hq", "fine");
-    CHECK_THAT(fault(R"({"stack": "fine"})"), Contains("42.33 x 84.67 x 14 um") && Contains("42.33 x 84.67 x 27"));
-    // Another layer than was written, one that is cut off, one that is gone.
-    const fs::path layer = shelf.folder / "old/layers/slice_00050.png";
-    fs::copy_file(shelf.folder / "old/layers/slice_00110.png", layer, fs::copy_options::overwrite_existing);
-    CHECK_THAT(fault(R"({"stack": "old"})"), Contains("other voxels than its manifest.json says"));
-    fs::resize_file(layer, 40);
-    CHECK_THAT(fault(R"({"stack": "old"})"), Contains("slice_00050.png"));
-    fs::remove(layer);
-    CHECK_THAT(fault(R"({"stack": "old"})"), Contains("not there") && Contains("slice_00050.png"));
-    fs::resize_file(shelf.folder / "old/stack.gcvf", 3000);
-    CHECK_THAT(fault(R"({"gcvf": "old/stack.gcvf"})"), Contains("stack.gcvf"));
-    std::string manifest = read_file(shelf.folder / "old/manifest.json");
-    manifest.replace(manifest.find("VeroBlack"), 9, "VeroBleck");
-    shelf.folder.write("old/manifest.json", manifest);
-    shelf.slice("", "whole");
-    manifest = read_file(shelf.folder / "whole/manifest.json");
-    manifest.replace(manifest.find("VeroBlack"), 9, "VeroBleck");
-    shelf.folder.write("whole/manifest.json", manifest);
-    CHECK_THAT(fault(R"({"stack": "whole"})"), Contains("was changed after it was written"));
+    shelf.slice();
+    fs::remove(shelf.folder / "old/layers/slice_00050.png");
+    const Outcome said = shelf.tray(R"({"box": [1, 1, 2], "resin": "W"}, {"stack": "old"})", "--fail-fast");
+    CHECK(said.exit_code == 3);
+    CHECK_THAT(said.err, Contains("parts[1]") && Contains("not there") && Contains("slice_00050.png"));
+    CHECK_FALSE(fs::exists(shelf.folder / "out/manifest.json"));
 }
 
 TEST_CASE("A batch looks for the components of its trays before it starts") {
@@ -304,7 +219,7 @@ TEST_CASE("A batch looks for the components of its trays before it starts") {
     shelf.slice();
     shelf.folder.write("tray.json", R"({"format": "voxtone-tray", "version": 1, "parts": [
         {"box": [2, 2, 2], "resin": "W"}, {"stack": "old"}]})");
-    shelf.folder.write("quick.json", R"({"format": "voxtone-job", "version": 1, "iterations": 0, "predict": "none"})");
+    shelf.folder.write("quick.json", R"({"format": "voxtone-job", "version": 1, "iterations": 0, "report": false})");
     const std::string words = "batch " + (shelf.folder / "tray.json") + " --preset " + (shelf.folder / "quick.json") +
                               " -o " + (shelf.folder / "jobs");
     const Outcome made = run_program(words);
@@ -346,26 +261,9 @@ TEST_CASE("The report of a tray shows its components") {
     CHECK(double(most) < 1.05 * 4 * 3 * px_per_mm * px_per_mm);
 }
 
-TEST_CASE("A component beside a coloured part is warned of, two plain ones are not") {
-    const Shelf shelf("near");
-    shelf.slice();
-    const Outcome near =
-        shelf.tray(R"({"model": "marker.obj", "at": [0, 0]}, {"box": [2, 2, 2], "resin": "W", "at": [7, 0]})");
-    CHECK(near.exit_code == 0);
-    CHECK_THAT(near.err, Contains("marker and box lie within 2 mm") && Contains("box is a component"));
-    const Outcome plain = shelf.tray(
-        R"({"box": [2, 2, 2], "resin": "K", "at": [0, 0], "name": "a"}, {"box": [2, 2, 2], "resin": "W", "at": [2.5, 0]})",
-        "--overwrite");
-    CHECK(plain.exit_code == 0);
-    CHECK_THAT(plain.err, !Contains("within 2 mm"));
-    const Outcome stack =
-        shelf.tray(R"({"stack": "old", "at": [0, 0]}, {"box": [2, 2, 2], "resin": "W", "at": [6, 0]})", "--overwrite");
-    CHECK_THAT(stack.err, Contains("old and box lie within 2 mm"));
-}
-
 TEST_CASE("A job that was done is a part with the loop that it kept") {
     const Shelf shelf("jobs");
-    const std::string looped = " --size 3mm --iterations 1 --predict none --no-report ";
+    const std::string looped = " --size 2mm --iterations 1 --predict none --no-report ";
     const std::string slice = "slice " + (shelf.folder / "ramp.obj") + looped + " -o " + (shelf.folder / "done");
     REQUIRE(run_program(slice + " --until loop").exit_code == 0);
     REQUIRE(run_program(slice).exit_code == 0);

@@ -2,7 +2,6 @@
 #include "slicer/tray/component.h"
 
 #include <cmath>
-#include <fstream>
 
 #include <catch2/catch.hpp>
 
@@ -10,24 +9,14 @@
 #include "slicer/look/composed_surface.h"
 #include "slicer/tray/component_surface.h"
 #include "slicer/tray/tray_parts.h"
-#include "tests/io/files/temporary_folder.h"
+#include "tests/slicer/tray/common_job.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;
+using namespace voxtone::test;
 using Catch::Matchers::Contains;
 
 namespace {
-
-/// A tray's own job: of no part.
-OpenedJob common_of(const std::string& resins = {}) {
-    static const io::TemporaryFolder folder;
-    std::ofstream(folder.path() / "tray.json") << "{}";
-    SliceOptions options;
-    options.model = (folder.path() / "tray.json").string();
-    options.out = "unused";
-    options.resins = resins;
-    return open_job(options);
-}
 
 TrayPart part_of(ComponentKind kind, const std::array<double, 3>& mm, std::vector<ResinShare> mixture) {
     TrayPart part;
@@ -144,6 +133,6 @@ TEST_CASE("What a component cannot be of, or is too small to be") {
     CHECK(fault(ComponentKind::box, {1, 1, 1}, "W") == "none");
     CHECK_THAT(fault(ComponentKind::box, {1, 1, 1}, "VeroClear"),
                Contains("VeroClear, which is not loaded") && Contains("(W)") && Contains("load"));
-    CHECK_THAT(fault(ComponentKind::box, {1, 1, 0.01}, "W"), Contains("along z"));
+    CHECK_THAT(fault(ComponentKind::box, {1, 1, 0.01}, "W"), Contains("along z") && Contains("half a voxel"));
     CHECK_THAT(fault(ComponentKind::box, {5000, 1, 1}, "W"), Contains("65535"));
 }
