@@ -31,11 +31,11 @@ struct Flips {
 // The ratios of a built-in screen: others take seconds to make in every job.
 constexpr double column_um = 100, row_um = 200, layer_um = 63.78;
 
-std::string profile(const Flips& flips, double column = column_um, double row = row_um) {
+std::string profile(const Flips& flips, double column = column_um, double row = row_um, double layer = layer_um) {
     return fmt::format(
         R"({{"format": "voxtone-printer", "version": 1, "name": "of the test", "pitch_um": [{}, {}, {}],
              "flip_x": {}, "flip_y": {}, "swap_xy": {}}})",
-        column, row, layer_um, flips.x, flips.y, flips.swap);
+        column, row, layer, flips.x, flips.y, flips.swap);
 }
 
 /// Where a pixel of a flipped bitmap of this size comes from in the bitmap that was not flipped.
@@ -199,7 +199,7 @@ TEST_CASE("Every verb that prints turns its bitmaps as the printer's profile say
 
 TEST_CASE("What is predicted of flipped bitmaps is not mirrored, and verify takes them") {
     const Folder folder("unflipped");
-    folder.write("flipping.json", profile({true, false, true}));
+    folder.write("flipping.json", profile({true, false, true}, 42.333333, 84.666667, 27));
     folder.write("picture.ppm", quartered_picture());
     const std::string printer = " --printer " + folder / "flipping.json";
     must_run("slice --quiet --formats png,gcvf --iterations 0 --load K,W --width 6mm --thickness 3mm " +
