@@ -25,7 +25,7 @@ struct Workshop {
     Workshop() : folder("stand-in") {
         for (int i = 1; i <= 2; ++i) folder.write(fmt::format("box{}.obj", i), soft_box_obj(3 + i, 2, 2));
         folder.write("plan.jsonl", "{\"model\": \"box1.obj\"}\n{\"model\": \"box2.obj\"}\n");
-        folder.write("quick.json", R"({"format": "voxtone-job", "version": 1, "iterations": 0, "predict": "none"})");
+        folder.write("quick.json", R"({"format": "voxtone-job", "version": 1, "iterations": 0, "report": false})");
         fs::create_directory(folder.path() / "bin");
         old_path = std::getenv("PATH");
         setenv("PATH", ((folder / "bin") + ":/usr/bin:/bin").c_str(), 1);
@@ -327,7 +327,7 @@ TEST_CASE("Tasks of a job that is planned otherwise now replace what the batch h
     do_all();
     const auto first = read_tree(shop.folder.path() / "out/box1/layers");
     shop.folder.write("quick.json",
-                      R"({"format": "voxtone-job", "version": 1, "iterations": 0, "predict": "none", "flip-x": true})");
+                      R"({"format": "voxtone-job", "version": 1, "iterations": 0, "report": false, "flip-x": true})");
     do_all();
     const auto second = read_tree(shop.folder.path() / "out/box1/layers");
     CHECK(second != first);
@@ -340,7 +340,7 @@ TEST_CASE("Tasks of a job that is planned otherwise now replace what the batch h
     fs::remove_all(shop.folder.path() / "out/box1");
     fs::remove(shop.folder.path() / "out/batch/box1.json");
     fs::copy(shop.folder.path() / "alone", shop.folder.path() / "out/box1", fs::copy_options::recursive);
-    shop.folder.write("quick.json", R"({"format": "voxtone-job", "version": 1, "iterations": 0, "predict": "none"})");
+    shop.folder.write("quick.json", R"({"format": "voxtone-job", "version": 1, "iterations": 0, "report": false})");
     REQUIRE(shop.batch("--shards 3").exit_code == 0);
     CHECK(run_program(fmt::format("task {} --quiet --job box1 --stage layers --shard 1/3", shop.folder / "out"))
               .exit_code == 3);

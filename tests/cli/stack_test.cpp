@@ -75,10 +75,10 @@ TEST_CASE("An asymmetric marker proves every axis and mirror") {
 
 TEST_CASE("A mirrored print is that of the model that was mirrored by hand, with its texture") {
     const Folder folder("mirrored");
-    // A box of which each side shows another part of a picture of many colours.
+    // A box of which each side shows another part of a picture of many colours that the resins reach.
     std::vector<std::uint8_t> rgb;
     for (unsigned n = 0; n < 3 * 32 * 32; ++n)
-        rgb.push_back(std::uint8_t((n / 3 / 4 * 2654435761u) >> (8 * (n % 3) + 4)));
+        rgb.push_back(std::uint8_t(120 + ((n / 3 / 4 * 2654435761u) >> (8 * (n % 3) + 4)) % 80));
     png_image image{};
     image.version = PNG_IMAGE_VERSION;
     image.width = image.height = 32;
