@@ -7,7 +7,6 @@
 #include <limits>
 #include <thread>
 
-#include "base/machine_memory.h"
 #include "base/parallel.h"
 
 namespace voxtone::slicer {
@@ -26,7 +25,7 @@ bool has_ended(const QueuedJob& job) { return job.stage() == Stage::done || job.
 BatchQueue::BatchQueue(BatchContext& context)
     : context_(context),
       cores_(context.options.cores > 0 ? context.options.cores : static_cast<int>(thread_count())),
-      memory_bytes_(context.options.memory_bytes > 0 ? context.options.memory_bytes : resident_memory_bytes()) {}
+      memory_bytes_(memory_to_share(context.options)) {}
 
 void BatchQueue::add(PlannedJob job) {
     jobs_.push_back(std::make_unique<QueuedJob>(context_, std::move(job), jobs_.size() + 1));

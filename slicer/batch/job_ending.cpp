@@ -10,7 +10,8 @@
 
 namespace voxtone::slicer {
 
-JobEnding ending_of(const ProcessEnd& end, const std::string& said, bool was_asked, std::uint64_t oom_kills) {
+JobEnding ending_of(const ProcessEnd& end, const std::string& said, bool was_asked, std::uint64_t oom_kills,
+                    std::uint64_t given_bytes) {
     using Kind = JobEnding::Kind;
     constexpr auto number = [](ExitCode code) { return static_cast<int>(code); };
     const auto why = [&](const char* otherwise) { return said.empty() ? std::string(otherwise) : said; };
@@ -20,7 +21,8 @@ JobEnding ending_of(const ProcessEnd& end, const std::string& said, bool was_ask
     if (code == number(ExitCode::stopped) || (was_killed && was_asked))
         return {Kind::again, number(ExitCode::stopped), why("stopped on request")};
     // A job whose reader was killed ends with 75, as if another time might do.
-    const bool starved = oom_kills > 0 && (end.signal == SIGKILL || code == number(ExitCode::try_again));
+    const bool held_much = end.peak_bytes == 0 || end.peak_bytes >= given_bytes / 2;
+    const bool starved = oom_kills > 0 && held_much && (end.signal == SIGKILL || code == number(ExitCode::try_again));
     if (starved)
         return {Kind::starved, number(ExitCode::unfinished),
                 "the kernel killed it for memory: it took more than it was given"};

@@ -24,8 +24,10 @@ struct JobEnding {
 };
 
 /// `said`: the last message of the process; empty: none. `was_asked`: it was told to stop by who asks here.
-/// `oom_kills`: how often the kernel killed for memory in our control group while it ran (base/control_group.h).
+/// `oom_kills`: how often the kernel killed for memory in our control group while it ran (base/control_group.h), which
+/// may have been another's doing: a job that held less than half of the `given_bytes` that were set aside for it was
+/// not what took too much. 0: it is alone in its group.
 [[nodiscard]] JobEnding ending_of(const ProcessEnd& end, const std::string& said, bool was_asked,
-                                  std::uint64_t oom_kills = 0);
+                                  std::uint64_t oom_kills = 0, std::uint64_t given_bytes = 0);
 
 }  // namespace voxtone::slicer

@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -87,8 +88,10 @@ JobProcess::~JobProcess() {
 std::optional<ProcessEnd> JobProcess::ended() {
     if (end_) return end_;
     int status = 0;
-    if (waitpid(pid_, &status, WNOHANG) != pid_) return std::nullopt;
+    rusage usage{};
+    if (wait4(pid_, &status, WNOHANG, &usage) != pid_) return std::nullopt;
     end_ = WIFSIGNALED(status) ? ProcessEnd{-1, WTERMSIG(status)} : ProcessEnd{WEXITSTATUS(status), 0};
+    end_->peak_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
     return end_;
 }
 

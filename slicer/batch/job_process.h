@@ -18,6 +18,8 @@ namespace voxtone::slicer {
 struct ProcessEnd {
     int exit_code = 0;  ///< -1 where a signal ended it
     int signal = 0;
+    /// Most memory that it held, or one of those that it had started and waited for; 0: not known.
+    std::uint64_t peak_bytes = 0;
 };
 
 struct ProcessStart {

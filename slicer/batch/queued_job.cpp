@@ -7,6 +7,7 @@
 
 #include "base/control_group.h"
 #include "base/error.h"
+#include "base/machine_memory.h"
 #include "base/warning.h"
 #include "io/disk/disk_space.h"
 #include "io/programs/build_identity.h"
@@ -18,6 +19,10 @@
 namespace voxtone::slicer {
 
 namespace fs = std::filesystem;
+
+std::uint64_t memory_to_share(const BatchOptions& options) {
+    return options.memory_bytes > 0 ? options.memory_bytes : resident_memory_bytes();
+}
 
 QueuedJob::QueuedJob(BatchContext& context, PlannedJob job, std::size_t number)
     : context_(context), job_(std::move(job)) {
@@ -197,7 +202,8 @@ Attempts QueuedJob::attempts() const { return {tries_, context_.options.retries,
 
 void QueuedJob::take_end_of_job(const ProcessEnd& end) {
     const std::string said = last_words(context_.folder.log_file(job_.name), log_begin_);
-    const JobEnding ending = ending_of(end, said, stopping_, cgroup_oom_kills() - oom_kills_before_);
+    const JobEnding ending = ending_of(end, said, stopping_, cgroup_oom_kills() - oom_kills_before_,
+                                       std::min(weight_.memory_bytes, memory_to_share(context_.options)));
     try {
         take_step(next_step(ending, attempts()));
     } catch (const TryAgain& error) {

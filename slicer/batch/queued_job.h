@@ -34,6 +34,9 @@ struct BatchOptions {
     std::string after;  ///< command for the shell, once a result is whole; empty: none
 };
 
+/// As the options say, or the machine's.
+[[nodiscard]] std::uint64_t memory_to_share(const BatchOptions& options);
+
 /// What the jobs of a batch share.
 struct BatchContext {
     const BatchOptions& options;

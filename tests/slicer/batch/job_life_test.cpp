@@ -55,6 +55,22 @@ TEST_CASE("What the kernel killed for memory is not a stranger's signal") {
     CHECK(ending_of({85, 0}, "", false, 1).kind == End::again);
 }
 
+TEST_CASE("What the kernel killed of others while a job held little is not the job's doing") {
+    constexpr std::uint64_t given = 1'000'000'000;
+    const auto killed = [&](std::uint64_t peak, std::uint64_t kills) {
+        return ending_of({-1, SIGKILL, peak}, "", false, kills, given);
+    };
+    CHECK(killed(given / 2, 1).kind == End::starved);
+    CHECK(killed(given / 2 - 1, 1).kind == End::again);
+    CHECK(killed(given / 2 - 1, 1).exit_code == 75);
+    CHECK_THAT(killed(given / 2 - 1, 1).message, Contains("signal 9"));
+    CHECK(killed(2 * given, 0).kind == End::again);
+    CHECK(killed(0, 1).kind == End::starved);                               // what it held is not known
+    CHECK(ending_of({-1, SIGKILL, 1}, "", false, 1).kind == End::starved);  // alone in its group
+    CHECK(ending_of({75, 0, given}, "", false, 1, given).kind == End::starved);
+    CHECK(ending_of({75, 0, 1}, "", false, 1, given).kind == End::again);
+}
+
 TEST_CASE("A job is tried so many times again as is allowed, and no more") {
     const JobEnding again{End::again, 75, "disk full"};
     CHECK(next_step(again, {1, 2, false, true}).kind == Step::again);
