@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/job_outlook.h"
 
+#include <limits>
+
 #include <catch2/catch.hpp>
+
+#include "base/progress.h"
 
 using namespace voxtone;
 
@@ -62,4 +66,67 @@ TEST_CASE("The time left is written coarsely") {
     CHECK(left_text(41) == "about 40 s left");
     CHECK(left_text(100) == "about 2 min left");
     CHECK(left_text(7200) == "about 2.0 h left");
+}
+
+TEST_CASE("What is expected reaches a progress that shows it, and any other is left alone") {
+    struct Shows final : Progress, ShowsOutlook {
+        void expect(std::vector<ExpectedStage> stages) override { expected = std::move(stages); }
+        void expect_steps(std::uint64_t steps) override { of_stage = steps; }
+        std::vector<ExpectedStage> expected;
+        std::uint64_t of_stage = 0;
+    };
+    Shows shows;
+    expect_stages(shows, {{"loop", 4}, {"layers", 2}});
+    REQUIRE(shows.expected.size() == 2);
+    CHECK(shows.expected[1].name == "layers");
+    CHECK(shows.expected[0].seconds == 4);
+    expect_steps(shows, 17);
+    CHECK(shows.of_stage == 17);
+    Progress silent;
+    expect_stages(silent, {{"loop", 4}});
+    expect_steps(silent, 3);
+}
+
+TEST_CASE("Steps are measured over the later half of what is done") {
+    JobOutlook outlook;
+    outlook.expect({{"loop", 0}, {"layers", 1e-9}});
+    outlook.begin("loop", 0);
+    // Four seconds for each hundredth to a fifth, one for each from then on.
+    double now_s = 0;
+    for (int step = 1; step <= 40; ++step) {
+        now_s += step <= 20 ? 4 : 1;
+        (void)outlook.seconds_left(step / 100.0, now_s);
+    }
+    // Of the marks the last one that is not beyond a half of 0.4: all since then took a second each.
+    CHECK(*outlook.seconds_left(0.4, now_s) == Approx(60).epsilon(0.16));  // or the one before it
+}
+
+TEST_CASE("A stage without an expectation counts by its steps alone, and what is expected of others is kept") {
+    JobOutlook outlook;
+    outlook.expect({{"layers", 30}});
+    outlook.begin("repair", 0);
+    CHECK(*outlook.seconds_left(0.01, 1) == Approx(30));  // less than one in fifty says nothing
+    CHECK(*outlook.seconds_left(0.02, 2) == Approx(98 + 30));
+    CHECK(*outlook.seconds_left(0.02, 50) == Approx(98 - 48 + 30));  // and no step since
+    outlook.end(60);
+    outlook.begin("layers", 60);
+    CHECK(*outlook.seconds_left(0, 60) == Approx(30));  // nothing was expected of `repair`: the pace is as it was
+    CHECK(*outlook.seconds_left(0, 129) == Approx(6.9));
+    CHECK(outlook.seconds_left(0, 130));  // 70 s: twice 30 s and 10 s more
+    CHECK_FALSE(outlook.seconds_left(0, 130.1));
+    CHECK(outlook.seconds_left(0.5, 131));  // a step says more than the clock
+}
+
+TEST_CASE("The time left is rounded to what a person says") {
+    CHECK(left_text(0.4) == "about 1 s left");
+    CHECK(left_text(19.9) == "about 20 s left");
+    CHECK(left_text(22.4) == "about 20 s left");
+    CHECK(left_text(22.6) == "about 25 s left");
+    CHECK(left_text(89.9) == "about 90 s left");
+    CHECK(left_text(90.1) == "about 2 min left");
+    CHECK(left_text(5399) == "about 90 min left");
+    CHECK(left_text(5400) == "about 1.5 h left");
+    CHECK(left_text(3e8) == "about 83333.3 h left");
+    CHECK(left_text(1e9) == "long");
+    CHECK(left_text(std::numeric_limits<double>::quiet_NaN()) == "long");
 }

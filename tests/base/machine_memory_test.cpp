@@ -77,6 +77,16 @@ TEST_CASE("the memory of control groups", "[memory]") {
         groups.write("mount/memory/jobs/memory.limit_in_bytes", "4000000000");
         CHECK(groups.memory() == 4000000000);
     }
+    SECTION("groups are named from their first letter to their last, beside lines that name none") {
+        groups.write("self", "no group\n3:cpu:\n4:memory:/jobs/7/x");
+        groups.write("mount/memory/jobs/7/x/memory.limit_in_bytes", "5000000000");
+        CHECK(groups.memory() == 5000000000);
+        groups.write("self", "4:memory:a");
+        groups.write("mount/memory/a/memory.limit_in_bytes", "6000000000");
+        CHECK(groups.memory() == 6000000000);
+        groups.write("self", "4:memories:/a");
+        CHECK(groups.memory() == std::numeric_limits<std::uint64_t>::max());
+    }
 }
 
 TEST_CASE("the processors of control groups", "[memory]") {
@@ -122,6 +132,31 @@ TEST_CASE("what Slurm says that its job was given is a limit of memory", "[memor
     CHECK(with("0", nullptr, "2") == none);
     CHECK(with("much", nullptr, nullptr) == none);
     CHECK(with("18446744073709551615", nullptr, nullptr) == none);
+    CHECK(with("17592186044415", nullptr, nullptr) == 17592186044415 * mib);  // the most that fits
+    CHECK(with("17592186044416", nullptr, nullptr) == none);
+    CHECK(with(nullptr, "268435455", "65536") == 268435455 * 65536 * mib);  // that many of the most cores
+    CHECK(with(nullptr, "268435455", "99999999") == 268435455 * 65536 * mib);
+    CHECK(with(nullptr, "268435456", "1") == none);
+    CHECK(with("7", "32", "3") == 7 * mib);  // of the node before those of its cores
+    CHECK(with("64 ", nullptr, nullptr) == none);
+    CHECK(with("-1", nullptr, nullptr) == none);
+}
+
+TEST_CASE("cores are those that Slurm gives a task, else a node's, and no more than are seen", "[memory]") {
+    const auto with = [](const char* per_task, const char* on_node, std::size_t seen) {
+        per_task ? setenv("SLURM_CPUS_PER_TASK", per_task, 1) : unsetenv("SLURM_CPUS_PER_TASK");
+        on_node ? setenv("SLURM_CPUS_ON_NODE", on_node, 1) : unsetenv("SLURM_CPUS_ON_NODE");
+        const std::size_t cores = granted_cores(seen);
+        for (const char* name : {"SLURM_CPUS_PER_TASK", "SLURM_CPUS_ON_NODE"}) unsetenv(name);
+        return cores;
+    };
+    CHECK(with(nullptr, nullptr, 8) == 8);
+    CHECK(with("3", nullptr, 8) == 3);
+    CHECK(with("3", "6", 8) == 3);
+    CHECK(with(nullptr, "6", 8) == 6);
+    CHECK(with("12", nullptr, 8) == 8);
+    CHECK(with("0", "5", 8) == 5);
+    CHECK(with(nullptr, nullptr, 0) == 1);
 }
 
 TEST_CASE("a shell's limit of address space is a limit of memory", "[memory]") {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/openjd_progress.h"
 
+#include <atomic>
+#include <mutex>
 #include <string>
 
 #include <catch2/catch.hpp>
@@ -43,4 +45,50 @@ TEST_CASE("Open Job Description's messages are one a line, and percent never fal
           "openjd_status: between two stages\n"
           "openjd_progress: 100\n");
     CHECK(openjd_failure("one\ntwo") == "openjd_fail: one two");
+}
+
+TEST_CASE("Open Job Description's messages come by themselves where nothing else is said", "[slow]") {
+    std::mutex mutex;
+    std::string text;
+    std::atomic<double> now_s{0};
+    OpenJobProgress progress(
+        [&](std::string_view piece) {
+            const std::lock_guard lock(mutex);
+            text += piece;
+        },
+        [&] { return now_s.load(); }, true);
+    progress.begin_stage("layers", 0);
+    now_s = 11;
+    for (;;) {
+        const std::lock_guard lock(mutex);
+        if (text == "openjd_status: layers\nopenjd_status: layers\n") break;
+    }
+    SUCCEED("the ticker wrote; without it this would not end");
+}
+
+TEST_CASE("Open Job Description's percent count time gone, and steps no more than there are") {
+    std::string text;
+    double now_s = 0;
+    OpenJobProgress progress([&](std::string_view piece) { text += piece; }, [&] { return now_s; });
+    progress.tick();  // before the first stage
+    CHECK(text.empty());
+    progress.expect({{"layers", 30}});
+    progress.begin_stage("layers", 10, "layers");
+    progress.expect_steps(8);
+    progress.advance(20);
+    now_s = 10;
+    progress.tick();
+    CHECK(text ==
+          "openjd_status: layers, 0 of 10 layers\nopenjd_progress: 0.0\nopenjd_status: layers, 8 of 8 layers\n"
+          "openjd_progress: 99.9\n");
+    text.clear();
+    now_s = 19.9;
+    progress.tick();
+    CHECK(text.empty());
+    now_s = 20;
+    progress.tick();
+    CHECK_FALSE(text.empty());
+    text.clear();
+    progress.warn("a\rb");
+    CHECK(text == "warning: a b\n");
 }

@@ -42,7 +42,10 @@ int columns_of(std::string_view text) {
 TEST_CASE("Durations are written as a person says them") {
     CHECK(duration_text(0) == "0.0 s");
     CHECK(duration_text(9.94) == "9.9 s");
+    CHECK(duration_text(9.95) == "10 s");
     CHECK(duration_text(9.96) == "10 s");
+    CHECK(duration_text(3599.4) == "59 min 59 s");
+    CHECK(duration_text(3599.5) == "1 h 00 min");
     CHECK(duration_text(59.6) == "1 min 00 s");
     CHECK(duration_text(185) == "3 min 05 s");
     CHECK(duration_text(7620) == "2 h 07 min");
@@ -172,6 +175,38 @@ TEST_CASE("A log is silent about what takes no time, and gives a sign of life in
     CHECK_THAT(desk.pieces.back(), EndsWith("predict: 50 s\n"));
 }
 
+TEST_CASE("A bar is not drawn again at once, nor between stages, and its name alone where no more fits") {
+    Desk desk;
+    ProgressBar bar(desk.sink, desk.clock, desk.look);
+    bar.begin_stage("layers", 10);
+    desk.now_s += 0.09;
+    bar.advance();
+    CHECK(desk.pieces.size() == 1);
+    desk.now_s += 0.02;
+    bar.advance();
+    CHECK(desk.pieces.size() == 2);
+    bar.end_stage();
+    bar.tick();
+    CHECK(desk.pieces.size() == 3);
+    desk.columns = 7;  // one is left free
+    bar.begin_stage("layers", 10);
+    CHECK(desk.pieces.back() == "layers");
+    desk.columns = 6;
+    desk.now_s += 1;
+    bar.tick();
+    CHECK(desk.pieces.back() == "\r\x1b[K");
+}
+
+TEST_CASE("A log that ticks gives its signs of life by itself", "[slow]") {
+    std::atomic<int> told{0};
+    std::atomic<double> now_s{0};
+    ProgressLines lines([&](std::string_view) { ++told; }, [&] { return now_s.load(); }, true);
+    lines.begin_stage("predict", 0);
+    now_s = 30;
+    while (told < 1) std::this_thread::yield();
+    SUCCEED("the ticker told; without it this would not end");
+}
+
 TEST_CASE("A log gets every tenth and the end") {
     Desk desk;
     ProgressLines lines(desk.sink, desk.clock);
@@ -225,4 +260,117 @@ TEST_CASE("Every step of every thread is counted") {
         0, 20000, 1, [&](std::size_t) { bar.advance(); }, &bar);
     bar.end_stage();
     CHECK_THAT(desk.pieces.back(), Contains("layers: 20000 layers in "));
+}
+
+TEST_CASE("Rates have three digits, and thousands and millions their letters") {
+    for (const auto& [steps, rate] : {std::pair{20, "(2/s)"}, std::pair{9990, "(999/s)"}, std::pair{10000, "(1k/s)"},
+                                      std::pair{123400, "(12.3k/s)"}, std::pair{9990000, "(999k/s)"},
+                                      std::pair{10000000, "(1M/s)"}, std::pair{25600000, "(2.56M/s)"}}) {
+        Desk desk;
+        ProgressLines lines(desk.sink, desk.clock);
+        lines.begin_stage("voxels", 0);
+        lines.advance(std::uint64_t(steps));
+        desk.now_s += 10;
+        lines.end_stage();
+        CHECK_THAT(desk.all(), Contains(rate));
+    }
+}
+
+TEST_CASE("A bar of block characters is filled by eighths") {
+    const auto drawn = [](std::uint64_t done) {
+        Desk desk;
+        desk.look.unicode = true;
+        ProgressBar bar(desk.sink, desk.clock, desk.look);
+        bar.begin_stage("x", 240, "y");  // of 30 columns: a step is an eighth of one
+        desk.now_s += 0.5;
+        bar.advance(done);
+        const std::string text = desk.pieces.back();
+        return text.substr(text.find("▕"), text.rfind("▏") + std::string("▏").size() - text.find("▕"));
+    };
+    const auto bar = [](int whole, const std::string& part) {
+        std::string text = "▕";
+        for (int i = 0; i < whole; ++i) text += "█";
+        return text + part + std::string(std::size_t(30 - whole - (part.empty() ? 0 : 1)), ' ') + "▏";
+    };
+    CHECK(drawn(8) == bar(1, ""));
+    CHECK(drawn(9) == bar(1, "▏"));
+    CHECK(drawn(12) == bar(1, "▌"));
+    CHECK(drawn(15) == bar(1, "▉"));
+    CHECK(drawn(239) == bar(29, "▉"));
+    CHECK(drawn(240) == bar(30, ""));
+}
+
+TEST_CASE("A bar shows the most that was done, and no time left before a second has passed") {
+    Desk desk;
+    ProgressBar bar(desk.sink, desk.clock, desk.look);
+    bar.begin_stage("layers", 100, "layers");
+    desk.now_s += 0.99;
+    bar.advance(10);
+    CHECK_THAT(desk.pieces.back(), Contains("10/100") && EndsWith("  1.0 s") && !Contains("/s") && !Contains("left"));
+    desk.now_s += 1;
+    bar.advance(10);
+    CHECK_THAT(desk.pieces.back(), Contains(" 20 %") && Contains("10.1/s") && EndsWith("8.0 s left"));
+    // Steps beyond the end: full, and nothing is left.
+    desk.now_s += 1;
+    bar.advance(100);
+    CHECK_THAT(desk.pieces.back(),
+               Contains("[==============================]") && Contains("100 %") && EndsWith("0.0 s left"));
+    bar.expect_steps(50);
+    desk.now_s += 1;
+    bar.tick();
+    CHECK_THAT(desk.pieces.back(), Contains("120/100"));  // not fewer than are done, and never more
+}
+
+TEST_CASE("A bar of fewer steps than were announced ends where they end") {
+    Desk desk;
+    ProgressBar bar(desk.sink, desk.clock, desk.look);
+    bar.begin_stage("loop", 100);
+    bar.expect_steps(20);
+    desk.now_s += 2;
+    bar.advance(10);
+    CHECK_THAT(desk.pieces.back(), Contains("10/20 steps") && Contains(" 50 %"));
+    bar.expect_steps(5);
+    desk.now_s += 2;
+    bar.tick();
+    CHECK_THAT(desk.pieces.back(), Contains("10/10 steps"));
+    ProgressLines lines(desk.sink, desk.clock);
+    lines.begin_stage("loop", 100);
+    lines.expect_steps(20);
+    desk.now_s += 25;
+    lines.tick();
+    CHECK_THAT(desk.pieces.back(), StartsWith("loop: 0/20 steps after 25 s"));
+}
+
+TEST_CASE("Lines keep their pauses to the second") {
+    const auto pieces_of = [](auto work) {
+        Desk desk;
+        ProgressLines lines(desk.sink, desk.clock);
+        work(desk, lines);
+        return desk.pieces.size();
+    };
+    for (const auto& [seconds, lines_of_end] : {std::pair{0.99, 0u}, std::pair{1.0, 1u}})
+        CHECK(pieces_of([&, seconds = seconds](Desk& desk, ProgressLines& lines) {
+                  lines.begin_stage("a", 0);
+                  desk.now_s += seconds;
+                  lines.end_stage();
+              }) == lines_of_end);
+    for (const auto& [seconds, tenths] : {std::pair{1.99, 0u}, std::pair{2.0, 1u}})
+        CHECK(pieces_of([&, seconds = seconds](Desk& desk, ProgressLines& lines) {
+                  lines.begin_stage("a", 10);
+                  desk.now_s += seconds;
+                  lines.advance(1);
+              }) == tenths);
+    for (const auto& [seconds, signs] : {std::pair{19.49, 0u}, std::pair{19.5, 1u}})
+        CHECK(pieces_of([&, seconds = seconds](Desk& desk, ProgressLines& lines) {
+                  lines.begin_stage("a", 0);
+                  desk.now_s += seconds;
+                  lines.tick();
+              }) == signs);
+    CHECK(pieces_of([&](Desk& desk, ProgressLines& lines) {
+              lines.begin_stage("a", 10);
+              desk.now_s += 1;
+              lines.end_stage();
+              desk.now_s += 100;
+              lines.tick();  // between stages
+          }) == 1);
 }

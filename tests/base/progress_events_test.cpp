@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/progress_events.h"
 
+#include <atomic>
 #include <string>
+#include <thread>
 
 #include <catch2/catch.hpp>
 
@@ -61,4 +63,44 @@ TEST_CASE("Events are one JSON object a line") {
                   "\n"
                   R"({"event":"error","exit_code":3,"name":"invalid-input","message":"no triangles [invalid-input]"})"
                   "\n");
+}
+
+TEST_CASE(
+    "Events tell what is left of the job at the pace of the stages before, no more often than ten times a second") {
+    std::string text;
+    double now_s = 0;
+    ProgressEvents events([&](std::string_view piece) { text += piece; }, [&] { return now_s; });
+    const auto last = [&] {
+        const std::size_t end = text.rfind('\n'), begin = text.rfind('\n', end - 1);
+        return text.substr(begin == std::string::npos ? 0 : begin + 1,
+                           end - (begin == std::string::npos ? 0 : begin + 1));
+    };
+    events.expect({{"loop", 30}, {"predict", 10}});
+    events.begin_stage("loop", 10);
+    now_s = 0.05;
+    events.advance(1);
+    CHECK_THAT(last(), Catch::Matchers::Contains("begin"));
+    now_s = 70;
+    events.end_stage();  // 80 s for 40 with what steadies it: twice as long
+    events.begin_stage("predict", 8);
+    events.expect_steps(4);
+    now_s = 70.2;
+    events.advance(0);
+    CHECK_THAT(last(),
+               Catch::Matchers::Contains("\"steps\":4") && Catch::Matchers::Contains("\"job_seconds_left\":20"));
+    const std::size_t before = text.size();
+    now_s = 70.29;
+    events.advance(1);
+    CHECK(text.size() == before);
+    now_s = 70.31;
+    events.advance(9);
+    CHECK_THAT(last(), Catch::Matchers::Contains("\"done\":10"));
+}
+
+TEST_CASE("Events come by themselves where nothing is reported", "[slow]") {
+    std::atomic<int> told{0};
+    ProgressEvents events([&](std::string_view) { ++told; }, steady_seconds(), true);
+    events.begin_stage("predict", 0);
+    while (told < 3) std::this_thread::yield();
+    SUCCEED("the ticker told; without it this would not end");
 }

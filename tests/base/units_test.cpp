@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/units.h"
 
+#include <string>
+#include <utility>
+
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
@@ -26,4 +29,32 @@ TEST_CASE("A length that cannot be read names the option and the known units") {
             CHECK_THAT(error.what(), Catch::Matchers::Contains("--size"));
         }
     }
+}
+
+TEST_CASE("Every unit that is known has its length, however it is written") {
+    for (const auto& [unit, mm] :
+         {std::pair{"um", 0.001}, std::pair{"mm", 1.0}, std::pair{"cm", 10.0}, std::pair{"m", 1000.0},
+          std::pair{"in", 25.4}, std::pair{"ft", 304.8}, std::pair{"micron", 0.001}, std::pair{"millimeter", 1.0},
+          std::pair{"centimeter", 10.0}, std::pair{"inch", 25.4}}) {
+        CAPTURE(unit);
+        CHECK(mm_per_unit(unit) == Approx(mm));
+        CHECK(parse_length_mm("2 " + std::string(unit), "--x") == Approx(2 * mm));
+    }
+    CHECK_THROWS_AS(mm_per_unit("MM"), UsageError);
+    CHECK_THROWS_AS(mm_per_unit(""), UsageError);
+}
+
+TEST_CASE("A comma between digits may part decimals, another does not") {
+    CHECK(with_decimal_point("1,5") == "1.5");
+    CHECK(with_decimal_point("12,75 mm") == "12.75 mm");
+    for (const char* other : {"", "15", ",5", "5,", "a,5", "5,a", "5, 1", " ,5", "5 ,1"})
+        CHECK(with_decimal_point(other).empty());
+    CHECK(with_decimal_point("0,9") == "0.9");  // the first and last digits
+    CHECK(with_decimal_point("9,0") == "9.0");
+    CHECK(with_decimal_point("/,0").empty());  // and the letters beside them
+    CHECK(with_decimal_point(":,0").empty());
+    CHECK_THROWS_WITH(parse_length_mm("1,5mm", "--size"),
+                      Catch::Matchers::Contains("1.5mm") && Catch::Matchers::Contains("--size"));
+    CHECK_THROWS_WITH(parse_length_mm("6 parsec", "--size"), Catch::Matchers::Contains("unknown unit 'parsec'"));
+    CHECK(parse_length_mm("  60  ", "--size") == 60);
 }

@@ -70,6 +70,18 @@ TEST_CASE("CGATS is read with every line end, tabs, decimal commas and rows over
     }
 }
 
+TEST_CASE("Lines of CGATS are counted alike with every line end") {
+    for (const char* end : {"\n", "\r\n", "\r"}) {
+        const std::string text = replaced(inks, "\n", end);
+        CAPTURE(end);
+        CHECK(parsed(text).patches[0].where == "chart: line 12");
+        CHECK(parsed(text).patches[1].where == "chart: line 13");
+        CHECK_THAT(chart_fault(replaced(text, " 71.25 ", " x ")), Contains("line 12"));
+        CHECK(parsed(replaced(inks, "CGATS.17\n", std::string("CGATS.17") + end + end + end)).patches[0].where ==
+              "chart: line 14");
+    }
+}
+
 TEST_CASE("CGATS names resins by role or by number, and inks beside white are shares") {
     const auto roles = parsed(of_fields("SAMPLE_ID W C LAB_L LAB_A LAB_B", "1 0.9 0.1 70 -20 -15"));
     CHECK(roles.patches[0].top == PatchMixture{{"C", 0.1}, {"W", 0.9}});

@@ -132,6 +132,22 @@ TEST_CASE("Feedback moves a control colour by the residual, and relaxes the targ
     CHECK(relaxed[1].z() < relaxed[1].y() + 0.1f);
 }
 
+TEST_CASE("Feedback goes no further in a step than is allowed, up and down", "[loop]") {
+    const auto whole_cube = [](const Eigen::Vector3f& rgb) { return rgb; };
+    for (const float most : {0.05f, 0.25f}) {
+        // Residuals of +0.6, -0.6 and +0.02 of a cube root, and the other way round.
+        const auto grey = [](float r, float g, float b) { return Eigen::Vector3f(r * r * r, g * g * g, b * b * b); };
+        const std::vector<Eigen::Vector3f> target{grey(0.8f, 0.2f, 0.5f), grey(0.2f, 0.8f, 0.5f)};
+        const std::vector<Eigen::Vector3f> predicted{grey(0.2f, 0.8f, 0.48f), grey(0.8f, 0.2f, 0.52f)};
+        std::vector<Eigen::Vector3f> control(2, grey(0.5f, 0.5f, 0.5f)), relaxed(2);
+        const FeedbackOptions options{.gain = 0.5f, .most_step = most};
+        CHECK(feed_back(target, predicted, whole_cube, options, control, relaxed) == 0);
+        const auto roots = [&](std::size_t i) -> Eigen::Vector3f { return control[i].array().pow(1.0f / 3).matrix(); };
+        CHECK((roots(0) - Eigen::Vector3f(0.5f + most, 0.5f - most, 0.51f)).norm() < 1e-5f);
+        CHECK((roots(1) - Eigen::Vector3f(0.5f - most, 0.5f + most, 0.49f)).norm() < 1e-5f);
+    }
+}
+
 TEST_CASE("Feedback asks the other channels to follow one whose limit stops them all", "[loop]") {
     const auto darker = [](const Eigen::Vector3f& rgb) -> Eigen::Vector3f { return rgb.cwiseMin(0.8f); };
     const std::vector<Eigen::Vector3f> target{{0.9f, 0.9f, 0.9f}}, predicted{{0.5f, 0.7f, 0.8f}};

@@ -106,6 +106,42 @@ TEST_CASE("a stack for layers of another pitch than the printer's is a fault", "
     CHECK(verify_stack(out).notes.empty());
 }
 
+TEST_CASE("layers of another resolution along either side are a fault, a dot per metre is rounding", "[verify]") {
+    TemporaryFolder folder;
+    const auto out = folder.path() / "stack";
+    (void)write_sample_stack(out, 40, {ResinBitmaps::none, false, false});
+    const auto pitch_um = [](double dots_per_metre) { return 1e6 / dots_per_metre; };
+    const double x = std::round(600 / 0.0254), y = std::round(300 / 0.0254);
+    VerifyRules rules;
+    struct Sides {
+        double columns, rows;
+        bool passes;
+    };
+    for (const auto& [columns, rows, passes] : std::vector<Sides>{{x, y, true},
+                                                                  {x + 1, y, true},
+                                                                  {x - 1, y, true},
+                                                                  {x, y + 1, true},
+                                                                  {x, y - 1, true},
+                                                                  {x + 2, y, false},
+                                                                  {x - 2, y, false},
+                                                                  {x, y + 2, false},
+                                                                  {x, y - 2, false},
+                                                                  {2 * x, y, false},
+                                                                  {x, 2 * y, false}}) {
+        CAPTURE(columns, rows, passes);
+        rules.pitch_um = {{pitch_um(columns), pitch_um(rows), 27}};
+        const StackReport report = verify_stack(out / "layers", rules);  // bitmaps alone, which say only this
+        CHECK(report.passed() == passes);
+        CHECK(has(report, "resolution", "it should be") == !passes);
+        CHECK_FALSE(has(report, "resolution", "swapped"));
+    }
+    // A square of the two resolutions is no exchange of them.
+    rules.pitch_um = {{pitch_um(y), pitch_um(y), 27}};
+    CHECK_FALSE(has(verify_stack(out / "layers", rules), "resolution", "swapped"));
+    rules.pitch_um = {{pitch_um(x), pitch_um(x), 27}};
+    CHECK_FALSE(has(verify_stack(out / "layers", rules), "resolution", "swapped"));
+}
+
 TEST_CASE("the report is the same for any number of threads", "[verify]") {
     TemporaryFolder folder;
     const auto out = folder.path() / "stack";

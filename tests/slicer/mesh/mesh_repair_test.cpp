@@ -242,6 +242,21 @@ TEST_CASE("A body in shreds is wrapped", "[wrap][slow]") {
     CHECK(repair(textured(cube), RepairMode::wrap, 0.1).report.wrapped_faces == 12);
 }
 
+TEST_CASE("Faces that a wrap stands for are told by their numbers in the model", "[wrap]") {
+    // A sheet without area among the faces of a cube is left out: what comes after it keeps its number all the same.
+    io::TexturedMesh m = textured(cube);
+    const auto sheet = m.triangles.begin() + 5;
+    m.triangles.insert(sheet, Triangle{0, 0, 1});
+    m.material_of_triangle.assign(m.triangles.size(), 0);
+    RepairedMesh r = repair(m, RepairMode::wrap, 0.1);
+    CHECK(r.report.wrapped_faces == 12);
+    std::sort(r.wrapped_triangles.begin(), r.wrapped_triangles.end());
+    CHECK(r.wrapped_triangles == std::vector<std::uint32_t>{0, 1, 2, 3, 4, 6, 7, 8, 9, 10, 11, 12});
+    CHECK(std::all_of(r.solid->source_triangle.begin(), r.solid->source_triangle.end(), [](auto t) { return t < 0; }));
+    CHECK(r.report.wrap_alpha_mm > 0);
+    CHECK(r.report.wrap_offset_mm == 0.1);
+}
+
 TEST_CASE("Nothing to print is said") {
     io::TexturedMesh m;
     CHECK_THROWS_AS(repair(m), InputError);

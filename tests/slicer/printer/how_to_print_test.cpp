@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/printer/how_to_print.h"
+
+#include <catch2/catch.hpp>
+
+#include "io/layers/orient.h"
+#include "tests/io/layers/stack_samples.h"
+
+using namespace voxtone;
+using namespace voxtone::slicer;
+using Catch::Contains;
+
+namespace {
+
+/// A stack whose bitmaps have so many columns and rows, described whole.
+io::StackDescription stack_of(std::uint32_t columns, std::uint32_t rows, io::Orientation orientation = {}) {
+    io::StackDescription stack = io::sample_description(40, columns, rows);
+    stack.orientation = orientation;
+    stack.size_mm = io::stack_size_mm(stack);
+    stack.content_sha256 = std::string(64, '0');
+    return stack;
+}
+
+std::string page(const HowToPrint& what, const io::StackDescription& stack = stack_of(70, 40)) {
+    return how_to_print_page(stack, find_printer("stratasys-j750-hm"), what);
+}
+
+HowToPrint print_with(io::StackOutputs outputs) { return {"A cow", outputs, {}, {}, {}}; }
+
+std::string text_of_part(const PartFinish& part) {
+    HowToPrint what = print_with({});
+    what.parts = {part};
+    return page(what);
+}
+
+}  // namespace
+
+TEST_CASE("A column of the model is found in bitmaps that were turned as the printer wants them") {
+    // 5 x 3 columns of the model, each with a material of its own: turned by the writer's own function.
+    constexpr std::uint32_t width = 5, height = 3;
+    std::vector<io::Material> pixels;
+    for (std::uint32_t n = 0; n < width * height; ++n) pixels.push_back(io::Material(n + 1));
+    const io::LayerRuns layer = io::layer_from_pixels(pixels, width, height);  // rows from the top: j counts down
+    for (int bits = 0; bits < 8; ++bits) {
+        const io::Orientation orientation{bool(bits & 1), bool(bits & 2), bool(bits & 4)};
+        CAPTURE(bits);
+        const std::vector<io::Material> turned = io::layer_pixels(io::oriented(layer, orientation));
+        const io::StackDescription stack =
+            orientation.swap_xy ? stack_of(height, width, orientation) : stack_of(width, height, orientation);
+        for (std::uint32_t j = 0; j < height; ++j)
+            for (std::uint32_t i = 0; i < width; ++i)
+                CHECK(turned[pixel_of_column(stack, i, j)] == pixels[(height - 1 - j) * width + i]);
+    }
+}
+
+TEST_CASE("The print from above shows the highest of each pixel's columns, its back at the top") {
+    const io::StackDescription stack = stack_of(600, 4);  // 25.4 mm wide, 0.34 mm deep
+    io::TopmostLayers topmost(600, 4);
+    // Layer 4 has one voxel at the front left, layer 9 one at the back, beside the middle.
+    const auto one_voxel = [](std::uint32_t x, std::uint32_t y) {
+        std::vector<io::Material> pixels(600 * 4, io::background);
+        pixels[y * 600 + x] = 1;
+        return io::layer_from_pixels(pixels, 600, 4);
+    };
+    topmost.add(4, one_voxel(0, 3));
+    topmost.add(9, one_voxel(300, 0));
+    std::vector<std::array<std::uint32_t, 3>> asked;
+    const PictureFromAbove picture = picture_from_above(
+        stack, topmost,
+        [&](std::uint32_t i, std::uint32_t j, std::uint16_t top) {
+            asked.push_back({i, j, top});
+            return io::Rgb{200, 100, 50};
+        },
+        "so");
+    CHECK(picture.caption == "so");
+    CHECK(picture.picture.width_px == 480);
+    CHECK(picture.picture.height_px == 4);  // no more than there are rows, though 6 are wanted
+    REQUIRE(asked.size() == 2);
+    CHECK(asked[0] == std::array<std::uint32_t, 3>{300, 3, topmost.indices()[300]});
+    CHECK(asked[1] == std::array<std::uint32_t, 3>{0, 0, topmost.indices()[3 * 600]});
+    const auto red = [&](std::size_t x, std::size_t y) { return picture.picture.codes[3 * (y * 480 + x)]; };
+    CHECK(red(240, 0) == 200);
+    CHECK(red(0, 3) == 200);
+    CHECK(std::count(picture.picture.codes.begin(), picture.picture.codes.end(), 100) == 2);
+}
+
+TEST_CASE("Heights from above are the lighter the higher") {
+    const io::StackDescription stack = stack_of(70, 40);
+    io::TopmostLayers topmost(70, 40);
+    for (std::uint32_t k = 0; k < 40; ++k) {
+        std::vector<io::Material> pixels(70 * 40, io::background);
+        for (std::uint32_t x = k; x < 70; ++x)
+            for (std::uint32_t y = 0; y < 40; ++y) pixels[y * 70 + x] = 1;
+        topmost.add(k, io::layer_from_pixels(pixels, 70, 40));
+    }
+    const PictureFromAbove picture = heights_from_above(stack, topmost);
+    const std::size_t width = picture.picture.width_px;
+    const auto grey = [&](std::size_t x) { return int(picture.picture.codes[3 * (width * 5 + x)]); };
+    CHECK(grey(0) == 90 + 160 * int(topmost.indices()[0]) / 40);
+    CHECK(grey(width - 1) == 90 + 160 * int(topmost.indices()[69]) / 40);
+    for (std::size_t x = 1; x < width; ++x) CHECK(grey(x) >= grey(x - 1));
+    CHECK_THAT(picture.caption, Contains("1.08 mm at most"));  // 40 layers of 27 um
+}
+
+TEST_CASE("The page names the files that were written, and how they are loaded") {
+    const std::string layers = page(print_with({}));
+    CHECK_THAT(layers, Contains("<title>How to print A cow"));
+    CHECK_THAT(layers, Contains("40 pictures from slice_00000.png (the lowest) to slice_00039.png"));
+    CHECK_THAT(layers, Contains("Load the folder layers with these values") && Contains("slice_NUMBER.png"));
+    CHECK_THAT(layers, Contains("0 to 39") && Contains("70 x 40 px") && Contains("600 x 300 dpi"));
+    CHECK_THAT(layers, Contains("27 um = 0.027 mm"));
+    CHECK_THAT(layers, Contains("give each colour its resin by hand"));
+    CHECK_THAT(layers, !Contains("stack.gcvf") && !Contains("one bitmap per resin and layer"));
+
+    const std::string gcvf = page(print_with({.gcvf = true}));
+    CHECK_THAT(gcvf, Contains("<b>stack.gcvf</b>, the whole print in one file.") && Contains("Load stack.gcvf."));
+    CHECK_THAT(gcvf,
+               Contains("names the resin of each colour") && !Contains("by hand") && !Contains("Names of the slices"));
+    CHECK_THAT(gcvf, Contains("Number of slices"));
+
+    const std::string both = page(print_with({.gcvf = true, .png = true}));
+    CHECK_THAT(both,
+               Contains("in one file, and <b>layers</b>") && Contains("or the folder layers where it is not taken"));
+
+    const std::string resins = page(print_with({.resin_bitmaps = io::ResinBitmaps::png1}));
+    CHECK_THAT(resins, Contains("Load the folder resins") && Contains("Give each folder of bitmaps its resin"));
+    CHECK_THAT(resins, !Contains("Names of the slices"));
+
+    const std::string all = page(print_with({.resin_bitmaps = io::ResinBitmaps::png1, .gcvf = true, .png = true}));
+    CHECK_THAT(all, Contains("in one file, <b>layers</b>") && Contains("nothing else, and <b>resins</b>"));
+
+    io::StackDescription later = stack_of(70, 40);
+    later.first_layer = 100;
+    later.content_sha256 = std::string(64, '0');
+    CHECK_THAT(page(print_with({}), later), Contains("100 to 139"));
+}
+
+TEST_CASE("The page names resins by their colours, and mirrors as they were written") {
+    const std::string plain = page(print_with({}));
+    CHECK_THAT(plain, Contains("background:#ec008c\"></span>236, 0, 140</td><td><b>VeroMagenta</b></td><td>M</td>"));
+    CHECK_THAT(plain, Contains("no mirror and no exchange"));
+    const auto mirrors = [](io::Orientation o) { return page(print_with({}), stack_of(70, 40, o)); };
+    CHECK_THAT(mirrors({true, false, false}), Contains("written with columns mirrored (flip_x), as"));
+    CHECK_THAT(mirrors({false, true, false}), Contains("written with rows mirrored (flip_y), as"));
+    CHECK_THAT(mirrors({false, false, true}), Contains("written with rows and columns exchanged, as"));
+    CHECK_THAT(mirrors({true, true, true}),
+               Contains("rows and columns exchanged, columns mirrored (flip_x), rows mirrored (flip_y), as"));
+}
+
+TEST_CASE("The page says how glossy or matt a part should be, by what of its colour support touches") {
+    PartFinish part;
+    part.name = "cow & calf";
+    part.copies = 3;
+    part.surface_mm2 = 2000, part.matt_mm2 = 500;
+    CHECK_THAT(text_of_part(part), Contains("cow &amp; calf (3 times)") && Contains("5.00 of 20.00 cm<sup>2</sup>"));
+    CHECK_THAT(text_of_part(part), Contains("<td>none</td><td>either: nothing of it is coloured"));
+    part.copies = 1;
+    CHECK_THAT(text_of_part(part), !Contains("times)"));
+    part.coloured_mm2 = 1000;
+    part.coloured_matt_mm2 = 0.49;
+    CHECK_THAT(text_of_part(part), Contains("<td>none</td>") && Contains("support touches no coloured face"));
+    part.coloured_matt_mm2 = 99, part.coloured_down_mm2 = 99, part.coloured_matt_height_mm = {1.25, 30};
+    CHECK_THAT(text_of_part(part), Contains("0.99 cm<sup>2</sup>, facing down; 1.2 to 30.0 mm above the tray") &&
+                                       Contains("little of its colour is touched"));
+    part.coloured_matt_mm2 = 100, part.coloured_down_mm2 = 0;
+    CHECK_THAT(text_of_part(part), Contains(", upright below what hangs over; ") && Contains("matt, to look alike"));
+    part.coloured_down_mm2 = 40;
+    CHECK_THAT(text_of_part(part), Contains("1.00 cm<sup>2</sup>: 0.40 cm<sup>2</sup> facing down, the rest upright"));
+    part.coloured_down_mm2 = 5.1;
+    CHECK_THAT(text_of_part(part), Contains(": 0.05 cm<sup>2</sup> facing down"));
+    part.coloured_down_mm2 = 95.1;
+    CHECK_THAT(text_of_part(part), Contains("cm<sup>2</sup>, facing down;"));
+    CHECK_THAT(page(print_with({})), !Contains("Advice"));
+}
+
+TEST_CASE("The page lists what is on the tray, and remarks where there are any") {
+    HowToPrint what = print_with({});
+    CHECK_THAT(page(what),
+               Contains("target marker") && !Contains("Once it is printed") && !Contains("on the tray</h2>"));
+    what.remarks = {"Read it < so."};
+    CHECK_THAT(page(what), !Contains("target marker") && Contains("<li>Read it &lt; so.</li>"));
+    io::StackDescription stack = stack_of(70, 40);
+    stack.members.resize(2);
+    stack.members[0].name = "cow", stack.members[0].ml = 1.5, stack.members[0].verdict = "as asked";
+    stack.members[0].boxes_mm = {{1, 2, 0, 4, 8, 9.5}, {0, 0, 0, 1, 1, 1}};
+    stack.members[1].name = "calf";
+    const std::string text = page(print_with({}), stack);
+    CHECK_THAT(text,
+               Contains("<td>cow</td><td class=\"n\">2</td><td>3.0 x 6.0 x 9.5 mm</td><td class=\"n\">1.50 ml</td>"
+                        "<td>as asked</td>"));
+    CHECK_THAT(text, Contains("<td>calf</td><td class=\"n\">0</td><td>-</td>") && Contains("not predicted by itself"));
+}
