@@ -93,7 +93,8 @@ function(voxtone_add_generated target name)
   if(NOT TARGET ${name})
     add_custom_target(${name} BYPRODUCTS ${file} VERBATIM
                       COMMAND ${CMAKE_COMMAND} -DROOT=${PROJECT_SOURCE_DIR} -DOUTPUT=${file} ${ARGN}
-                              -P ${PROJECT_SOURCE_DIR}/cmake/write_${name}.cmake)
+                              -P ${PROJECT_SOURCE_DIR}/cmake/write_${name}.cmake
+                      COMMENT "Looking what this build is made of: ${name}")
   endif()
   set_source_files_properties(${file} TARGET_DIRECTORY ${target} PROPERTIES GENERATED ON SKIP_UNITY_BUILD_INCLUSION ON)
   target_sources(${target} PRIVATE ${file})

@@ -134,8 +134,8 @@ TEST_CASE("what Slurm says that its job was given is a limit of memory", "[memor
     CHECK(with("18446744073709551615", nullptr, nullptr) == none);
     CHECK(with("17592186044415", nullptr, nullptr) == 17592186044415 * mib);  // the most that fits
     CHECK(with("17592186044416", nullptr, nullptr) == none);
-    CHECK(with(nullptr, "268435455", "65536") == 268435455 * 65536 * mib);  // that many of the most cores
-    CHECK(with(nullptr, "268435455", "99999999") == 268435455 * 65536 * mib);
+    CHECK(with(nullptr, "268435455", "65536") == mib * 268435455 * 65536);  // that many of the most cores
+    CHECK(with(nullptr, "268435455", "99999999") == mib * 268435455 * 65536);
     CHECK(with(nullptr, "268435456", "1") == none);
     CHECK(with("7", "32", "3") == 7 * mib);  // of the node before those of its cores
     CHECK(with("64 ", nullptr, nullptr) == none);
