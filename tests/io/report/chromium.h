@@ -26,9 +26,9 @@ public:
     Chromium(const Chromium&) = delete;
     Chromium& operator=(const Chromium&) = delete;
 
-    /// Opens the file in a tab of its own, which nothing is left in of the page before, and waits until the page's script
-    /// says that all is unpacked, or `seconds` have passed. How long its first picture took, in seconds of the browser's
-    /// own clock, from the start of the navigation; NaN: none came.
+    /// Opens the file in a tab of its own, which nothing is left in of the page before, and waits until the page's
+    /// script says that all is unpacked, or `seconds` have passed. How long its first picture took, in seconds of the
+    /// browser's own clock, from the start of the navigation; NaN: none came.
     double open(const std::filesystem::path& page, int width = 1400, int height = 900, double seconds = 60);
     [[nodiscard]] nlohmann::json evaluate(const std::string& expression);
     /// Until the expression is true.

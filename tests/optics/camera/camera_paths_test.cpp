@@ -186,8 +186,8 @@ Mean mean_of(const std::vector<PathEnd>& paths, double albedo) {
 
 const std::array<double, 3> profile_sigma{8, 20, 3}, profile_albedo{0.98, 0.9, 0.6};
 
-/// Largest |z| between a strip across the ball and the brute-force tracer, of the ball's albedo and of one that is wrong
-/// by this factor. The same paths tell both.
+/// Largest |z| between a strip across the ball and the brute-force tracer, of the ball's albedo and of one that is
+/// wrong by this factor. The same paths tell both.
 std::pair<double, double> largest_z(const CameraPicture& picture, const Camera& camera, const Sky& sky, double wrong,
                                     const std::array<double, 3>& sigma = profile_sigma,
                                     const std::array<double, 3>& albedo = profile_albedo) {
