@@ -13,14 +13,14 @@ namespace voxtone::slicer {
 
 namespace {
 
-constexpr View from_above[] = {View::top};
+constexpr View top_alone[] = {View::top};
 constexpr double finest_px_mm = 0.085;  // a cell of the prediction
 
 }  // namespace
 
 ReportViews::ReportViews(const ColouredSurface& framed, bool is_picture, double finest_mm, io::Report& report,
                          const Progress& progress)
-    : views_(is_picture ? std::span<const View>(from_above) : all_views()), report_(report), progress_(progress) {
+    : views_(is_picture ? std::span<const View>(top_alone) : all_views()), report_(report), progress_(progress) {
     options_.samples = 3;
     if (is_picture) options_.margin_px = 0;
     options_.px_per_mm = std::min(fitting_scale(framed, views_, is_picture ? 1000 : 640, options_), 1 / finest_px_mm);

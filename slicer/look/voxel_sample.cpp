@@ -15,7 +15,7 @@ namespace voxtone::slicer {
 namespace {
 
 static_assert(io::max_materials <= 16, "two voxels a byte");
-constexpr int quick = 4;  // of deflate: dithered voxels become hardly smaller at higher levels
+constexpr int deflate_level = 4;  // of deflate: dithered voxels become hardly smaller at higher levels
 
 using Sizes = std::array<std::uint32_t, 3>;
 
@@ -49,7 +49,7 @@ public:
     void set(std::uint32_t column, std::uint32_t row, io::Material material) {
         bytes_[std::size_t{row} * row_bytes_ + column / 2] |= std::byte(material << (column % 2 ? 4 : 0));
     }
-    [[nodiscard]] std::vector<std::byte> deflated() const { return io::deflated(bytes_, quick); }
+    [[nodiscard]] std::vector<std::byte> deflated() const { return io::deflated(bytes_, deflate_level); }
 
 private:
     std::uint32_t columns_, row_bytes_;
