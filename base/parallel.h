@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The one door to TBB, which itself is included by parallel.cpp alone (and parallel_sort.h): what a loop does is handed
-// over as a pointer that is called once a chunk. Exceptions thrown by a body stop the loop and reach the caller;
-// cancellation is checked before every chunk. No result may depend on the order or the number of threads: bodies write
-// to places that they own.
+// The one door to TBB, which itself is included by parallel.cpp alone (and optics/numerics/parallel_sort.h): what a
+// loop does is handed over as a pointer that is called once a chunk. Exceptions thrown by a body stop the loop and
+// reach the caller; cancellation is checked before every chunk. No result may depend on the order or the number of
+// threads: bodies write to places that they own.
 //
 // The thread sanitizer does not see into TBB, and takes the work that it hands from thread to thread for races. Under
 // it threads of the standard library do the work, and no two bodies are ordered but those of which one waits for the

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "base/contracts.h"
-#include "base/portable_math.h"
 #include "halftone/separation/lattice_lookup.h"
+#include "optics/numerics/portable_math.h"
 
 namespace voxtone::halftone {
 

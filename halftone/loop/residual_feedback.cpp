@@ -10,8 +10,8 @@
 
 #include "base/contracts.h"
 #include "base/parallel.h"
-#include "base/portable_math.h"
 #include "optics/colour/colour.h"
+#include "optics/numerics/portable_math.h"
 
 namespace voxtone::halftone {
 

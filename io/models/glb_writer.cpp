@@ -13,8 +13,8 @@
 
 #include "base/contracts.h"
 #include "base/error.h"
-#include "base/portable_math.h"
 #include "base/printable.h"
+#include "optics/numerics/portable_math.h"
 
 namespace voxtone::io {
 

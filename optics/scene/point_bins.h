@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "base/parallel.h"
-#include "base/parallel_sort.h"
+#include "optics/numerics/parallel_sort.h"
 
 namespace voxtone::optics {
 

@@ -6,7 +6,7 @@
 
 #include "base/contracts.h"
 #include "base/parallel.h"
-#include "base/parallel_sort.h"
+#include "optics/numerics/parallel_sort.h"
 #include "optics/transport/lattice.h"
 
 namespace voxtone::optics {

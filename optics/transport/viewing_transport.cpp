@@ -9,8 +9,8 @@
 
 #include "base/contracts.h"
 #include "base/parallel.h"
-#include "base/portable_math.h"
 #include "base/stopwatch.h"
+#include "optics/numerics/portable_math.h"
 #include "optics/numerics/prefetch.h"
 #include "optics/transport/lattice.h"
 #include "optics/transport/transport_medium.h"

@@ -9,9 +9,10 @@
 #include <oneapi/tbb/parallel_sort.h>
 #endif
 
-namespace voxtone {
+namespace voxtone::optics {
 
-/// Sorts with `<`, which must order all values: then the result is the same for any number of threads (parallel.h).
+/// Sorts with `<`, which must order all values: then the result is the same for any number of threads
+/// (base/parallel.h).
 template <class Value>
 void parallel_sort(std::span<Value> values) {
 #ifdef __SANITIZE_THREAD__
@@ -21,4 +22,4 @@ void parallel_sort(std::span<Value> values) {
 #endif
 }
 
-}  // namespace voxtone
+}  // namespace voxtone::optics
