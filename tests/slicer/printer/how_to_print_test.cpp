@@ -89,7 +89,7 @@ TEST_CASE("Heights from above are the lighter the higher") {
     io::TopmostLayers topmost(70, 40);
     for (std::uint32_t k = 0; k < 40; ++k) {
         std::vector<io::Material> pixels(70 * 40, io::background);
-        for (std::uint32_t x = k; x < 70; ++x)
+        for (std::uint32_t x = k > 0 ? k - 1 : 0; x < 70; ++x)  // two layers at the least: the lowest alone is not seen
             for (std::uint32_t y = 0; y < 40; ++y) pixels[y * 70 + x] = 1;
         topmost.add(k, io::layer_from_pixels(pixels, 70, 40));
     }
@@ -114,8 +114,8 @@ TEST_CASE("The page names the files that were written, and how they are loaded")
 
     const std::string gcvf = page(print_with({.gcvf = true}));
     CHECK_THAT(gcvf, Contains("<b>stack.gcvf</b>, the whole print in one file.") && Contains("Load stack.gcvf."));
-    CHECK_THAT(gcvf,
-               Contains("names the resin of each colour") && !Contains("by hand") && !Contains("Names of the slices"));
+    CHECK_THAT(gcvf, Contains("names the resin of each colour") && !Contains("give each colour its resin by hand") &&
+                         !Contains("Names of the slices"));
     CHECK_THAT(gcvf, Contains("Number of slices"));
 
     const std::string both = page(print_with({.gcvf = true, .png = true}));
@@ -176,9 +176,9 @@ TEST_CASE("The page says how glossy or matt a part should be, by what of its col
 TEST_CASE("The page lists what is on the tray, and remarks where there are any") {
     HowToPrint what = print_with({});
     CHECK_THAT(page(what),
-               Contains("target marker") && !Contains("Once it is printed") && !Contains("on the tray</h2>"));
+               Contains("Print the marker first") && !Contains("Once it is printed") && !Contains("on the tray</h2>"));
     what.remarks = {"Read it < so."};
-    CHECK_THAT(page(what), !Contains("target marker") && Contains("<li>Read it &lt; so.</li>"));
+    CHECK_THAT(page(what), !Contains("Print the marker first") && Contains("<li>Read it &lt; so.</li>"));
     io::StackDescription stack = stack_of(70, 40);
     stack.members.resize(2);
     stack.members[0].name = "cow", stack.members[0].ml = 1.5, stack.members[0].verdict = "as asked";
