@@ -1,14 +1,10 @@
 # The compiler cache, asked with paths from the root of the tree on, so that it answers for every clone; the second setting
-# leaves the folder of the build out, the last lets it look through precompiled headers. These hold addresses: only where the
-# compiler is laid out in memory as the last time are they the same bytes, by which the cache knows what was compiled with them.
+# leaves the folder of the build out, the last lets it look through precompiled headers. GCC writes these with other bytes each
+# time: what was compiled with one is found where the header itself came from the cache, as a second clone's does.
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1 CCACHE_ABSSTDERR=1
       CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE_PROGRAM})
-  execute_process(COMMAND setarch -R true RESULT_VARIABLE no_fixed_layout OUTPUT_QUIET ERROR_QUIET)
-  if(no_fixed_layout EQUAL 0)
-    list(PREPEND CMAKE_CXX_COMPILER_LAUNCHER setarch -R)
-  endif()
 endif()
 # Not -Werror: what is compiled stays the command of a release, for which the cache may have an answer.
 if(VOXTONE_WERROR)
