@@ -115,11 +115,11 @@ TEST_CASE("Pictures, resin bitmaps, error diffusion and a range of layers go in 
     const std::string kinds[] = {
         fmt::format("slice --quiet --iterations 0 --predict none --width 4mm --thickness 1.5mm {}", picture),
         fmt::format("slice --quiet --iterations 0 --no-report --printer stratasys-j55 --formats png1 --screen "
-                    "error-diffusion --size 3mm {}",
+                    "error-diffusion --size 2mm {}",
                     spot),
         fmt::format(
-            "slice --quiet --iterations 0 --no-report --formats tiff --flip-x --swap-xy --layers 37-9999 --size "
-            "4mm {}",
+            "slice --quiet --iterations 0 --no-report --formats tiff --flip-x --swap-xy --layers 17-9999 --size "
+            "3mm {}",
             spot)};
     for (std::size_t k = 0; k < std::size(kinds); ++k) {
         INFO(kinds[k]);

@@ -95,7 +95,7 @@ Look signs_of(const Look& look, io::Material plate) {
 
 }  // namespace
 
-TEST_CASE("The marker is whole for every printer, and each resin lies raised in its square") {
+TEST_CASE("The marker is whole for every printer, and each resin lies raised in its square", "[slow]") {
     TemporaryFolder folder;
     Progress progress;
     for (const PrinterProfile& printer : list_printers()) {
