@@ -517,7 +517,7 @@ TEST_CASE("a picture has the same bits for any number of threads") {
     const Ball ball(one_resin(profile_sigma, profile_albedo));
     const Sky sky = studio_sky();
     const EvenFinish finish(0.2);
-    CameraScene scene = ball.before(view_of_ball(40, 36), sky, &finish);
+    CameraScene scene = ball.before(view_of_ball(24, 20), sky, &finish);
     scene.ground = Ground{{0, 0, 1}, 0.35, {0.5, 0.5, 0.5}};
     const auto with_threads = [&](std::size_t n) {
         const ThreadLimit threads(n);
