@@ -300,7 +300,7 @@ TEST_CASE("A printer with few slots is loaded with the resins that the model nee
 
 TEST_CASE("A quick look in coarse cells looks at an eighth of them, and sees the same colours") {
     const Folder folder("quick");
-    folder.write("ramp.obj", ramp_box_obj(8, 6, 4));
+    folder.write("ramp.obj", ramp_box_obj(5, 4, 3));
     REQUIRE(run_program("slice --quiet --iterations 0 --no-report " + folder / "ramp.obj" + " -o " + folder / "out")
                 .exit_code == 0);
     const auto predict = [&](const std::string& cell) {
