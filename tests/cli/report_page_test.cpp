@@ -44,6 +44,21 @@ void write_picture(const Folder& folder) {
     folder.write("picture.png", {png.begin(), png.end()});
 }
 
+/// The picture as a print, made once for all tests that read it.
+struct Print {
+    Folder folder{"page"};
+    Print() {
+        write_picture(folder);
+        REQUIRE(run_program(fmt::format("slice {} --width 6mm --thickness 2.5mm --iterations 1 --quiet -o {}",
+                                        folder / "picture.png", folder / "out"))
+                    .exit_code == 0);
+    }
+};
+const Folder& print_folder() {
+    static const Print print;
+    return print.folder;
+}
+
 std::string text_of(Chromium& browser, const std::string& id) {
     return browser.evaluate("document.getElementById('" + id + "').innerText").get<std::string>();
 }
@@ -52,11 +67,7 @@ std::string text_of(Chromium& browser, const std::string& id) {
 
 TEST_CASE("The page of a print shows the numbers of its EXR files, and each of its worst places") {
     if (find_chromium().empty()) return skip("there is no Chromium on this machine (Debian: chromium)");
-    const Folder folder("page");
-    write_picture(folder);
-    REQUIRE(run_program(fmt::format("slice {} --width 6mm --thickness 2.5mm --iterations 1 --quiet -o {}",
-                                    folder / "picture.png", folder / "out"))
-                .exit_code == 0);
+    const Folder& folder = print_folder();
     const ExrNumbers target = read_exr(folder / "out/target.exr"), print = read_exr(folder / "out/predicted.exr");
     Chromium& browser = shared_chromium();
     browser.open(folder / "out/report.html");
@@ -90,12 +101,7 @@ TEST_CASE("The page of a print shows the numbers of its EXR files, and each of i
 
 TEST_CASE("What the operator reads is not cut off, in a window and on paper") {
     if (find_chromium().empty()) return skip("there is no Chromium on this machine (Debian: chromium)");
-    const Folder folder("operator");
-    write_picture(folder);
-    REQUIRE(
-        run_program(fmt::format("slice {} --width 6mm --thickness 2.5mm --iterations 0 --predict none --quiet -o {}",
-                                folder / "picture.png", folder / "out"))
-            .exit_code == 0);
+    const Folder& folder = print_folder();
     Chromium& browser = shared_chromium();
     for (const std::string page : {"printer/HOW-TO-PRINT.html", "resin-assignment.html"})
         for (const int width : {1400, 900, 720}) {
@@ -113,11 +119,7 @@ TEST_CASE("What the operator reads is not cut off, in a window and on paper") {
 }
 
 TEST_CASE("predict writes a page too, with the voxels that it read") {
-    const Folder folder("predicted-page");
-    write_picture(folder);
-    REQUIRE(run_program(fmt::format("slice {} --width 4mm --thickness 2mm --iterations 0 --predict none --quiet -o {}",
-                                    folder / "picture.png", folder / "out"))
-                .exit_code == 0);
+    const Folder& folder = print_folder();
     const std::string command = fmt::format("predict {} --quiet --cell 0.17mm -o {}", folder / "out", folder / "page");
     REQUIRE(run_program(command + "1.html --threads 1").exit_code == 0);
     REQUIRE(run_program(command + "2.html --threads 2").exit_code == 0);
