@@ -253,6 +253,7 @@ void PhotoOptions::validate() const {
     };
     range("width", width_px, 64, 20000);
     range("height", height_px, 64, 20000);
+    range("rays", rays, 1, 16);
     range("tilt x", tilt_x_deg, -50, 50);
     range("tilt y", tilt_y_deg, -50, 50);
     range("turn", turn_deg, -360, 360);
@@ -287,18 +288,16 @@ SimulatedPhoto simulate_photo(const Target& target, const TargetColours& colours
     photo.width_px = o.width_px;
     photo.height_px = o.height_px;
     photo.pixels.resize(std::size_t{o.width_px} * o.height_px);
-    constexpr int samples = 3;  // along each side of a pixel
     parallel_for(0, o.height_px, 4, [&](std::size_t y) {
         for (std::uint32_t x = 0; x < o.width_px; ++x) {
             Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-            for (int s = 0; s < samples * samples; ++s) {
-                const Eigen::Vector3d at(x + (s % samples + 0.5) / samples, double(y) + (s / samples + 0.5) / samples,
-                                         1);
+            for (int s = 0; s < o.rays * o.rays; ++s) {
+                const Eigen::Vector3d at(x + (s % o.rays + 0.5) / o.rays, double(y) + (s / o.rays + 0.5) / o.rays, 1);
                 const Eigen::Vector3d there = back * at;
                 const Eigen::Vector2d p(there.x() / there.z(), there.y() / there.z());
                 sum += lamp.at(p) * table.at(p);
             }
-            photo.pixels[photo.index(x, std::uint32_t(y))] = (sum / (samples * samples)).cast<float>();
+            photo.pixels[photo.index(x, std::uint32_t(y))] = (sum / (o.rays * o.rays)).cast<float>();
         }
     });
     blur(photo.pixels, o.width_px, o.height_px, o.blur_px);

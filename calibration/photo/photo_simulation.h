@@ -25,6 +25,7 @@ namespace voxtone::calibration {
 
 struct PhotoOptions {
     std::uint32_t width_px = 2400, height_px = 1600;  ///< 64 to 20000 each
+    int rays = 3;                                     ///< along each side of a pixel, 1 to 16
     double tilt_x_deg = 0, tilt_y_deg = 0;            ///< of the camera about the picture's axes, +-50
     double turn_deg = 0;                              ///< of the picture
     double distance = 3;                              ///< of the camera, in widths of the scene, >= 1
