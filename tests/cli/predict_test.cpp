@@ -50,6 +50,13 @@ std::string marked_stack(const Folder& folder, const std::string& more = "") {
     return folder / "out";
 }
 
+/// The same, made once for all tests that read it and leave it as it is.
+const std::string& usual_stack() {
+    static const Folder folder("marked");
+    static const std::string stack = marked_stack(folder);
+    return stack;
+}
+
 double linear(std::uint8_t code) {
     const double c = code / 255.0;
     return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
@@ -81,7 +88,7 @@ nlohmann::json result_of(const std::string& out) {
 
 TEST_CASE("predict draws a slab upright, one pixel per cell, the same for any number of threads") {
     const Folder folder("predict");
-    const std::string predict = "predict --predict monte-carlo --spp 32 " + marked_stack(folder);
+    const std::string predict = "predict --predict monte-carlo --spp 32 " + usual_stack();
     const Outcome outcome =
         run_program(predict + " --json --threads 1 -o " + (folder / "a.png") + " -o " + (folder / "a.exr"));
     REQUIRE(outcome.exit_code == 0);
@@ -108,7 +115,7 @@ TEST_CASE("predict draws a slab upright, one pixel per cell, the same for any nu
 
 TEST_CASE("The two models agree on the colour of a slab") {
     const Folder folder("agree");
-    const std::string stack = marked_stack(folder);
+    const std::string& stack = usual_stack();
     const auto mean = [&](const std::string& model) {
         const Outcome outcome = run_program(
             fmt::format("predict --overwrite --json {} --predict {} -o {}", stack, model, folder / "p.png"));
@@ -181,9 +188,9 @@ TEST_CASE("In absolute terms a wide white slab over black is as white as plane-p
 
 TEST_CASE("Ctrl-C stops a prediction with 5 and leaves no file") {
     const Folder folder("stop");
-    const Outcome outcome = run_and_signal(fmt::format("predict --json --predict monte-carlo --spp 20000 {} -o {}",
-                                                       marked_stack(folder), folder / "p.png"),
-                                           "\"stage\":\"predict", SIGINT);
+    const Outcome outcome = run_and_signal(
+        fmt::format("predict --json --predict monte-carlo --spp 20000 {} -o {}", usual_stack(), folder / "p.png"),
+        "\"stage\":\"predict", SIGINT);
     CHECK(outcome.exit_code == 5);
     CHECK_THAT(outcome.err, Contains("cancelled"));
     for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
@@ -297,7 +304,7 @@ TEST_CASE("Light paths leave a tilted body at its mesh, so that it has the colou
 
 TEST_CASE("predict says what is wrong before any work is done") {
     const Folder folder("wrong");
-    const std::string stack = marked_stack(folder);
+    const std::string& stack = usual_stack();
     const auto fails = [&](const std::string& arguments, int code, const std::string& says) {
         INFO(arguments);
         const Outcome outcome = run_program("predict " + arguments);
@@ -358,7 +365,7 @@ TEST_CASE("Predicting has one time for all of it: every stage is expected before
         }
     } stages;
     voxtone::slicer::PredictOptions options;
-    options.stack = marked_stack(folder);
+    options.stack = usual_stack();
     options.files = {folder / "p.png"};
     (void)voxtone::slicer::run_predict_job(options, stages);
     CHECK(stages.begun == std::vector<std::string>{"read layers", "find the surface", "predict", "write"});
@@ -367,7 +374,7 @@ TEST_CASE("Predicting has one time for all of it: every stage is expected before
 
 TEST_CASE("What a prediction remarks of itself is said on the console and in the JSON result") {
     const Folder folder("remarks");
-    const std::string stack = marked_stack(folder);
+    const std::string& stack = usual_stack();
     // Dark resins, in which light is anything but diffuse: the second sweep, the last after `--sweeps 1`, changes 13 %.
     std::string resins;
     for (const char* role : {"C", "M", "Y", "K", "W"})
@@ -392,7 +399,7 @@ TEST_CASE("What a prediction remarks of itself is said on the console and in the
 
 TEST_CASE("What memory cannot hold, and what does not fit the stack, is refused before its layers are read") {
     const Folder folder("refused-early");
-    const std::string stack = marked_stack(folder);
+    const std::string& stack = usual_stack();
     const auto predicted = [&](const std::string& arguments) {
         return run_program("predict --json --overwrite " + stack + arguments);
     };

@@ -25,6 +25,13 @@ std::string marker_stack(const Folder& folder) {
     return folder / "out";
 }
 
+/// The same, made once for all tests that read it and leave it as it is.
+const std::string& usual_stack() {
+    static const Folder folder("proof-marker");
+    static const std::string stack = marker_stack(folder);
+    return stack;
+}
+
 nlohmann::json result_of(const std::string& out) {
     const std::size_t begin = out.rfind('\n', out.size() - 2);
     return nlohmann::json::parse(out.substr(begin == std::string::npos ? 0 : begin + 1)).at("result");
@@ -42,7 +49,7 @@ double mean_green(const Bitmap& picture, int left, int top, int right, int botto
 
 TEST_CASE("a proof shows the print upright on its ground, the same for any number of threads") {
     const Folder folder("proof");
-    const std::string proof = "proof " + marker_stack(folder) + " --size 96x64 --spp 8 --view front --light overcast";
+    const std::string proof = "proof " + usual_stack() + " --size 96x64 --spp 8 --view front --light overcast";
     const Outcome outcome =
         run_program(proof + " --json --threads 1 -o " + (folder / "a.png") + " -o " + (folder / "a.exr"));
     REQUIRE(outcome.exit_code == 0);
@@ -69,7 +76,7 @@ TEST_CASE("a proof shows the print upright on its ground, the same for any numbe
 
 TEST_CASE("a proof shows prints as a set's residual says, and leaves all else as it was") {
     const Folder folder("proof-residual");
-    const std::string stack = marker_stack(folder);
+    const std::string& stack = usual_stack();
     const auto shot = [&](double step) {
         voxtone::optics::ResinSet set = voxtone::optics::vero_opaque();
         // The same step of all three roots for every mixture.
@@ -127,9 +134,9 @@ TEST_CASE("a proof's files, lights and views are checked before it works") {
 
 TEST_CASE("a proof that is stopped leaves what it has, and says so in the file") {
     const Folder folder("proof-stopped");
-    const Outcome outcome = run_and_signal(fmt::format("proof --json {} --size 64x48 --spp 2 --error 0.0005 -o {}",
-                                                       marker_stack(folder), folder / "p.png"),
-                                           "are wanted", SIGINT);
+    const Outcome outcome = run_and_signal(
+        fmt::format("proof --json {} --size 64x48 --spp 2 --error 0.0005 -o {}", usual_stack(), folder / "p.png"),
+        "are wanted", SIGINT);
     INFO(outcome.out << outcome.err);
     CHECK(outcome.exit_code == 5);
     CHECK(result_of(outcome.out)["complete"] == false);
