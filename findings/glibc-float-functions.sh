@@ -4,7 +4,7 @@
 # sinhf differs in 26 % of them, cbrtf and tanhf in 8 %, each in the last place; expf, logf, sinf, cosf and sqrt in none, and
 # of functions of double none was seen to differ. Who promises the same bits after an upgrade calls those of double and rounds.
 #   findings/glibc-float-functions.sh     as root, with mmdebstrap and gcc; a minute, 40 MB. 0: it is so; 1: it is not; 77: skipped
-# Seen with libc6 2.36-9+deb12u14 and 2.41-12+deb13u5, on amd64.
+# With libc6 2.36-9+deb12u14 and 2.41-12+deb13u5, on amd64.
 set -eu
 work=$(mktemp -d)
 trap 'rm -rf --one-file-system "$work"' EXIT
@@ -33,8 +33,9 @@ int main(void) {
 }
 END
 gcc -O1 -fno-builtin "$work/count.c" -o "$work/count" -lm || { echo "skipped: no gcc"; exit 77; }
-for system in bookworm trixie; do
-    mmdebstrap --quiet --variant=extract --include=libc6 $system "$work/$system" http://deb.debian.org/debian ||
+for version in bookworm=2.36-9+deb12u14 trixie=2.41-12+deb13u5; do
+    system=${version%%=*}
+    mmdebstrap --quiet --variant=extract --include="libc6=${version#*=}" $system "$work/$system" http://deb.debian.org/debian ||
         { echo "skipped: no Debian ($system) to be had from here"; exit 77; }
     mkdir "$work/bits-$system"
     libraries=$(dirname "$(find "$work/$system" -name libm.so.6 | head -n 1)")

@@ -19,7 +19,7 @@ namespace voxtone::calibration {
 
 namespace {
 
-// Mean CIEDE2000. Real charts in their own order are fitted to 2 by three order_channels, shuffled ones to 15 and more.
+// Mean CIEDE2000. Real charts in their own order are fitted to 2 by three channels, shuffled ones to 15 and more.
 constexpr double surely_right = 6;
 constexpr double surely_better = 0.5;  // of the own order's error
 constexpr Eigen::Index order_channels = 3;
