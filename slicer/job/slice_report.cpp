@@ -60,6 +60,21 @@ io::ReportSection mesh_section(const RepairReport& r) {
     return section;
 }
 
+io::ReportSection cavity_section(const std::vector<Cavity>& voids) {
+    io::ReportSection section;
+    section.title = "Voids";
+    section.paragraphs.push_back(
+        "Space within the body that cannot be reached from outside but through openings narrower than a quarter of a "
+        "millimetre. What is kept is filled with support material.");
+    io::ReportTable table{"Voids", {"volume, mm^3", "centre from the model's corner, mm", "wall, mm", ""}, {}};
+    for (const Cavity& v : voids)
+        table.rows.push_back({fmt::format("{:.3g}", v.volume_mm3),
+                              fmt::format("{:.1f}, {:.1f}, {:.1f}", v.centre_mm[0], v.centre_mm[1], v.centre_mm[2]),
+                              fmt::format("{:.2g}", v.wall_mm), v.filled ? "filled with resin" : "kept"});
+    section.tables.push_back(std::move(table));
+    return section;
+}
+
 void append_stages(std::vector<io::ReportStage>& to, const std::vector<io::ReportStage>& from) {
     to.insert(to.end(), from.begin(), from.end());
 }
@@ -120,6 +135,7 @@ io::Report make_report(const OpenedJob& job, const JobBody& body, const io::Stac
     report.output_bytes = f.layer_bytes;
     print.add_to(report);
     report.sections.push_back(mesh_section(body.repair));
+    if (!body.repair.voids.empty()) report.sections.push_back(cavity_section(body.repair.voids));
     report.sections.push_back(throughput(stack, f));
     return report;
 }

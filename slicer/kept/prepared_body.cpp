@@ -21,6 +21,10 @@
 
 namespace voxtone::slicer {
 
+template <class Stream, class Void>
+requires std::is_same_v<std::remove_const_t<Void>, Cavity>
+void describe(Stream& stream, Void& v) { stream(v.volume_mm3, v.wall_mm, v.centre_mm, v.filled, v.crossed); }
+
 namespace {
 
 using io::PackedReader;
@@ -72,7 +76,8 @@ void rest_in(Stream& stream, Body& body) {
     diagnosis_in(stream, r.before);
     diagnosis_in(stream, r.after);
     stream(r.welded_vertices, r.dropped_faces, r.turned_faces, r.turned_shells, r.cavities, r.filled_holes,
-           r.filled_area_mm2, r.wrapped_faces, r.wrap_alpha_mm, r.wrap_offset_mm, r.messages, body.wrapped_triangles);
+           r.filled_area_mm2, r.wrapped_faces, r.wrap_alpha_mm, r.wrap_offset_mm, r.voids, r.messages,
+           body.wrapped_triangles);
 }
 
 /// Materials share textures, and these their pyramids: each pyramid is written once.

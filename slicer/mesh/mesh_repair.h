@@ -22,6 +22,7 @@
 
 #include "base/progress.h"
 #include "io/models/mesh.h"
+#include "slicer/mesh/cavity.h"
 #include "slicer/mesh/mesh_diagnosis.h"
 #include "slicer/mesh/spatial_index.h"
 
@@ -51,6 +52,7 @@ struct RepairReport {
     double filled_area_mm2 = 0;
     std::size_t wrapped_faces = 0;  ///< of the input, replaced by a wrap
     double wrap_alpha_mm = 0, wrap_offset_mm = 0;
+    std::vector<Cavity> voids;  ///< that solid/cavities.h found in what came of it
     /// Whole sentences for the user; empty when the mesh was fine as it was.
     std::vector<std::string> messages;
 };

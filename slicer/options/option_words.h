@@ -153,6 +153,12 @@ struct NamesOf<slicer::RepairMode> {
     static constexpr auto table = std::to_array<Named<E>>({{E::off, "off"}, {E::automatic, "auto"}, {E::wrap, "wrap"}});
 };
 template <>
+struct NamesOf<slicer::CavityMode> {
+    using E = slicer::CavityMode;
+    static constexpr auto table =
+        std::to_array<Named<E>>({{E::automatic, "auto"}, {E::keep, "keep"}, {E::fill, "fill"}});
+};
+template <>
 struct NamesOf<halftone::Intent> {
     using E = halftone::Intent;
     static constexpr auto table =

@@ -117,6 +117,7 @@ struct ResolvedJob {
     PictureOptions picture;
     std::vector<MarkOptions> marks;  ///< one over the other
     RepairMode repair = RepairMode::automatic;
+    CavityMode cavities = CavityMode::automatic;
     bool keep_thin = true;
 
     std::optional<LayeredOptions> layered;  ///< nothing: the surface shows colours

@@ -53,6 +53,7 @@ struct SliceOptions {
 
     double depth_mm = 1;
     std::string repair = "auto";
+    std::string cavities = "auto";
     bool keep_thin = true;
     std::string screen = "blue-noise";
     std::string mixing = "voxels";  ///< what a mixture looks like: of voxels of the printer's size, or ideal (Eq. 7)

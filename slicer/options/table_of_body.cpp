@@ -177,6 +177,12 @@ std::vector<OptionSpec> mesh_entries() {
                 .metavar = "HOW",
                 .group = group,
                 .help = "broken meshes: off (refuse), auto (close holes; wrap what stays open) or wrap (always)"}),
+        choice(&O::cavities, at(&Job::cavities),
+               {.key = "cavities",
+                .metavar = "HOW",
+                .group = group,
+                .help = "voids that cannot be reached from outside: auto (fill those behind walls thinner than the "
+                        "coloured shell), keep or fill (all, also those with openings below 3.5 mm)"}),
         plain(&O::keep_thin, at(&Job::keep_thin),
               {.key = "keep-thin",
                .group = group,

@@ -14,6 +14,7 @@
 #include "slicer/mesh/box.h"
 #include "slicer/printer/picture_slab.h"
 #include "slicer/printer/up_axis.h"
+#include "slicer/solid/cavities.h"
 #include "slicer/surface/white_surface.h"
 
 namespace voxtone::slicer {
@@ -73,6 +74,17 @@ void look_for_colour(const ResolvedJob& job, JobBody& body) {
     body.warnings.push_back(named_warning("no-colour", what));
 }
 
+void look_for_cavities(const ResolvedJob& job, const PrinterProfile& printer, RepairedMesh& repaired, JobBody& body,
+                       Progress& progress) {
+    CavityOptions options;
+    options.mode = job.cavities;
+    options.shell_mm = job.layered ? job.layered->thickness_mm : job.colour.depth_mm;
+    options.pitch_mm = printer.sliced_pitch_mm().maxCoeff();
+    repaired.report.voids = treat_cavities(repaired, options, &progress);
+    for (const std::string& said : cavity_sentences(repaired.report.voids, options, repaired.report.after.volume_mm3))
+        body.warnings.push_back(named_warning("cavity", said));
+}
+
 /// Where letters are raised the body is larger than its mesh.
 void mark_body(const ResolvedJob& job, const PrinterProfile& printer, const SolidIndex& solid, JobBody& body) {
     if (job.marks.empty()) return;
@@ -130,6 +142,7 @@ JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Prog
     repairing.pitch_mm = printer.sliced_pitch_mm().minCoeff();
     RepairedMesh repaired = repair_mesh(body.model.mesh, repairing, &progress);
     for (const std::string& done : repaired.report.messages) body.warnings.push_back(named_warning("repaired", done));
+    if (!body.is_picture) look_for_cavities(job, printer, repaired, body, progress);
     progress.end_stage();
 
     const Eigen::AlignedBox3d box = bounding_box(repaired.solid->positions_mm, repaired.solid->triangles);

@@ -89,6 +89,7 @@ void add_to(RepairReport& sum, const RepairReport& one) {
     sum.wrapped_faces += one.wrapped_faces;
     sum.wrap_alpha_mm = std::max(sum.wrap_alpha_mm, one.wrap_alpha_mm);
     sum.wrap_offset_mm = std::max(sum.wrap_offset_mm, one.wrap_offset_mm);
+    append(sum.voids, one.voids);
 }
 
 /// Where each body lies in the whole, for what of their walls touches.

@@ -101,6 +101,7 @@ TEST_CASE("Every word comes out as its value") {
     check_words<ScreenKind>(&SliceOptions::screen, [](const ResolvedJob& job) { return job.colour.screen; });
     check_words<optics::Backing>(&SliceOptions::backing, [](const ResolvedJob& job) { return job.picture.backing; });
     check_words<RepairMode>(&SliceOptions::repair, [](const ResolvedJob& job) { return job.repair; });
+    check_words<CavityMode>(&SliceOptions::cavities, [](const ResolvedJob& job) { return job.cavities; });
     check_words<halftone::Intent>(&SliceOptions::intent, [](const ResolvedJob& job) { return job.loop.intent; });
     check_words<LoopMethod>(&SliceOptions::loop_method, [](const ResolvedJob& job) { return job.loop.method; });
     check_words<PredictionModel>(&SliceOptions::loop_model, [](const ResolvedJob& job) { return job.loop.model; });
@@ -134,6 +135,7 @@ TEST_CASE("A bad value is refused, its key named") {
         {"formats", [](SliceOptions& o) { o.formats = {"bmp"}; }},
         {"backing", [](SliceOptions& o) { o.backing = "red"; }},
         {"repair", [](SliceOptions& o) { o.repair = "on"; }},
+        {"cavities", [](SliceOptions& o) { o.cavities = "on"; }},
         {"screen", [](SliceOptions& o) { o.screen = "lines"; }},
         {"mixing", [](SliceOptions& o) { o.mixing = "paint"; }},
         {"intent", [](SliceOptions& o) { o.intent = "good"; }},

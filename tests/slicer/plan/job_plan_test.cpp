@@ -58,6 +58,34 @@ std::set<Phase> phases_of(const JobPlan& plan) {
 
 }  // namespace
 
+TEST_CASE("A skin over nothing is planned solid, with a warning, unless its void is to be kept") {
+    const Cube cube("1 0 0");
+    const auto lined = [&](double wall) {
+        std::ofstream out(cube.file(), std::ios::app);
+        for (int corner = 0; corner < 8; ++corner)
+            out << "v " << (corner & 1 ? 10 - wall : wall) << ' ' << (corner >> 1 & 1 ? 10 - wall : wall) << ' '
+                << (corner >> 2 & 1 ? 10 - wall : wall) << " 0 0 1\n";
+        out << "f 10 12 11 9\nf 15 16 14 13\nf 13 14 10 9\nf 12 16 15 11\nf 11 15 13 9\nf 14 16 12 10\n";
+    };
+    const Planned solid(cube.options());
+    CHECK(solid.body.repair.voids.empty());
+    lined(0.2);
+    SliceOptions options = cube.options();
+    const Planned filled(options);
+    REQUIRE(filled.body.repair.voids.size() == 1);
+    REQUIRE_FALSE(filled.body.warnings.empty());
+    CHECK_THAT(filled.body.warnings.back(), Catch::Contains("was filled with resin") && Catch::Contains("[cavity]"));
+    CHECK(filled.body.solid->triangles == solid.body.solid->triangles);
+    CHECK(filled.body.surface->triangles.size() == solid.body.surface->triangles.size());
+    options.cavities = "keep";
+    const Planned kept(options);
+    CHECK_THAT(kept.body.warnings.back(), Catch::Contains("was kept") && Catch::Contains("[cavity]"));
+    CHECK(kept.body.solid->triangles.size() == 2 * solid.body.solid->triangles.size());
+    // The coloured shell decides.
+    options.cavities = "auto", options.depth_mm = 0.1;
+    CHECK_FALSE(Planned(options).body.repair.voids[0].filled);
+}
+
 TEST_CASE("What is printed does not depend on the memory that there is") {
     const Cube cube("1 0 0");
     SliceOptions options = cube.options();
