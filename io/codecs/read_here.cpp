@@ -5,10 +5,12 @@
 #include "io/codecs/decode_device_profile.h"
 #include "io/codecs/given_texture.h"
 #include "io/codecs/parse_3mf.h"
+#include "io/codecs/parse_fbx.h"
 #include "io/codecs/parse_gltf.h"
 #include "io/codecs/parse_obj.h"
 #include "io/codecs/parse_ply.h"
 #include "io/codecs/parse_stl.h"
+#include "io/codecs/parse_vrml.h"
 #include "io/decoders/decode_image.h"
 #include "io/files/file_reader.h"
 #include "io/files/read_bytes.h"
@@ -24,9 +26,11 @@ ModelParts parse_model(const std::filesystem::path& path, const ReadOptions& opt
     const std::string extension = extension_of(path);
     ParseContext context(path, options, help);
     ModelParts parts = extension == "3mf"                          ? parse_3mf(context)
+                       : extension == "fbx"                        ? parse_fbx(context)
                        : extension == "gltf" || extension == "glb" ? parse_gltf(context)
                        : extension == "obj"                        ? parse_obj(context)
                        : extension == "ply"                        ? parse_ply(context)
+                       : is_vrml_name(path)                        ? parse_vrml(context)
                                                                    : parse_stl(context);
     if (!options.texture.empty()) lay_given_texture(parts, context, options.texture);
     parts.side_files = context.side_files();

@@ -2,7 +2,9 @@
 #include "io/files/deflate.h"
 
 #include <algorithm>
+#include <memory>
 
+#include <fmt/core.h>
 #include <zlib.h>
 
 #include "base/contracts.h"
@@ -43,6 +45,34 @@ std::vector<std::byte> inflated_up_to(std::span<const std::byte> bytes, std::siz
         }
         if (result != Z_BUF_ERROR) throw InputError("is damaged");
         if (size == most) throw InputError("is cut short, or larger than it may be");
+    }
+}
+
+std::vector<std::byte> gunzipped(std::span<const std::byte> bytes, std::size_t most) {
+    constexpr int with_header = 15 + 16;  // the largest window, and gzip's header (zlib.h)
+    constexpr std::size_t chunk = std::size_t{1} << 20;
+    z_stream stream{};
+    VOXTONE_ENSURE(inflateInit2(&stream, with_header) == Z_OK);
+    const std::unique_ptr<z_stream, int (*)(z_stream*)> owner(&stream, &inflateEnd);
+    std::vector<std::byte> out;
+    for (;;) {
+        const std::size_t before = out.size(), given = std::min(bytes.size(), chunk);
+        out.resize(before + chunk);
+        stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(bytes.data()));
+        stream.avail_in = static_cast<uInt>(given);
+        stream.next_out = reinterpret_cast<Bytef*>(out.data() + before);
+        stream.avail_out = static_cast<uInt>(chunk);
+        const int result = inflate(&stream, Z_NO_FLUSH);
+        if (result == Z_BUF_ERROR) throw InputError("is cut short");  // there is room: it lacks bytes
+        if (result != Z_OK && result != Z_STREAM_END) throw InputError("is damaged");
+        bytes = bytes.subspan(given - stream.avail_in);
+        out.resize(out.size() - stream.avail_out);
+        if (out.size() > most) throw InputError(fmt::format("comes to more than {} bytes", most));
+        if (result == Z_STREAM_END) {
+            const bool more = bytes.size() > 1 && bytes[0] == std::byte{0x1f} && bytes[1] == std::byte{0x8b};
+            if (!more) return out;
+            inflateReset(&stream);
+        }
     }
 }
 

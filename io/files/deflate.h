@@ -16,5 +16,7 @@ namespace voxtone::io {
 [[nodiscard]] std::vector<std::byte> inflated(std::span<const std::byte> bytes, std::size_t size);
 /// The same where nothing says how large it is. Throws InputError where it is damaged or has more than `most` bytes.
 [[nodiscard]] std::vector<std::byte> inflated_up_to(std::span<const std::byte> bytes, std::size_t most);
+/// What gzip packed, all of its members. Throws InputError as the one above.
+[[nodiscard]] std::vector<std::byte> gunzipped(std::span<const std::byte> bytes, std::size_t most);
 
 }  // namespace voxtone::io

@@ -63,8 +63,7 @@ constexpr Kind step{"a STEP file", "step stp p21 stpz", from_cad}, iges{"an IGES
     ifc{"an IFC file of a building", "ifc ifczip", "open it in Blender (Bonsai) or FreeCAD and export it as GLB"},
     ole{"a SolidWorks or Inventor file", "sldprt sldasm slddrw ipt iam idw", from_its_program},
     rhino{"a Rhino file", "3dm", from_its_program}, dwg{"an AutoCAD drawing", "dwg", from_its_program},
-    vrml{"a VRML scene", "wrl vrml wrz", from_meshlab}, x3d{"an X3D scene", "x3d x3dv x3db x3dz", from_meshlab},
-    fbx{"an FBX scene", "fbx", from_blender}, blend{"a Blender file", "blend blend1", from_blender},
+    x3d{"an X3D scene", "x3d x3dv x3db x3dz", from_meshlab}, blend{"a Blender file", "blend blend1", from_blender},
     dae{"a Collada scene", "dae zae", from_blender}, usd{"a USD scene", "usd usda usdc usdz", from_blender},
     max3ds{"a 3D Studio model", "3ds", from_meshlab}, alembic{"an Alembic scene", "abc", from_blender},
     off{"an OFF model", "off coff noff", from_meshlab}, amf{"an AMF model", "amf", from_slicer},
@@ -118,13 +117,13 @@ constexpr Kind by_name[] = {
 };
 
 constexpr const Kind* by_mark[] = {
-    &kinds::step, &kinds::iges, &kinds::ifc,   &kinds::ole,   &kinds::rhino, &kinds::dwg,    &kinds::vrml,
-    &kinds::x3d,  &kinds::fbx,  &kinds::blend, &kinds::dae,   &kinds::usd,   &kinds::max3ds, &kinds::alembic,
-    &kinds::off,  &kinds::amf,  &kinds::dcm,   &kinds::nifti, &kinds::nrrd,  &kinds::meta,   &kinds::vtk,
-    &kinds::vdb,  &kinds::las,  &kinds::e57,   &kinds::pcd,   &kinds::zip,   &kinds::rar,    &kinds::seven,
-    &kinds::gzip, &kinds::xz,   &kinds::bzip,  &kinds::zstd,  &kinds::tar,   &kinds::svg,    &kinds::pdf,
-    &kinds::eps,  &kinds::heic, &kinds::avif,  &kinds::jxl,   &kinds::jp2,   &kinds::xcf,    &kinds::dds,
-    &kinds::ktx,  &kinds::film, &kinds::html,  &kinds::lfs,   &kinds::xml,   &kinds::zeros,  &kinds::job};
+    &kinds::step,  &kinds::iges,  &kinds::ifc,  &kinds::ole,    &kinds::rhino,   &kinds::dwg,  &kinds::x3d,
+    &kinds::blend, &kinds::dae,   &kinds::usd,  &kinds::max3ds, &kinds::alembic, &kinds::off,  &kinds::amf,
+    &kinds::dcm,   &kinds::nifti, &kinds::nrrd, &kinds::meta,   &kinds::vtk,     &kinds::vdb,  &kinds::las,
+    &kinds::e57,   &kinds::pcd,   &kinds::zip,  &kinds::rar,    &kinds::seven,   &kinds::gzip, &kinds::xz,
+    &kinds::bzip,  &kinds::zstd,  &kinds::tar,  &kinds::svg,    &kinds::pdf,     &kinds::eps,  &kinds::heic,
+    &kinds::avif,  &kinds::jxl,   &kinds::jp2,  &kinds::xcf,    &kinds::dds,     &kinds::ktx,  &kinds::film,
+    &kinds::html,  &kinds::lfs,   &kinds::xml,  &kinds::zeros,  &kinds::job};
 
 /// Bytes at a place that no other kind has there.
 struct Mark {
@@ -137,10 +136,7 @@ constexpr Mark marks[] = {
     {&kinds::ole, "\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"sv},
     {&kinds::rhino, "3D Geometry File Format"sv},
     {&kinds::dwg, "AC10"sv},
-    {&kinds::vrml, "#VRML"sv},
     {&kinds::x3d, "#X3D"sv},
-    {&kinds::fbx, "Kaydara FBX"sv},
-    {&kinds::fbx, "; FBX"sv},
     {&kinds::blend, "BLENDER"sv},
     {&kinds::usd, "PXR-USDC"sv},
     {&kinds::usd, "#usda"sv},
@@ -351,11 +347,13 @@ struct ModelKind {
 const ModelKind* model_by_content(std::string_view text, std::uintmax_t size) {
     static constexpr ModelKind glb{"glb", "a GLB model", "gltf"}, gltf{"gltf", "a glTF model", "glb"},
         ply{"ply", "a PLY model", ""}, threemf{"3mf", "a 3MF model", ""}, stl{"stl", "an STL model", ""},
-        obj{"obj", "an OBJ model", ""};
+        obj{"obj", "an OBJ model", ""}, fbx{"fbx", "an FBX model", ""}, vrml{"wrl", "a VRML model", "vrml"};
     if (text.starts_with("glTF")) return &glb;
     if (text.starts_with("ply\n") || text.starts_with("ply\r")) return &ply;
     if (text.starts_with("PK\x03\x04")) return kind_of_zip(text) ? nullptr : &threemf;
     const std::string_view plain = without_mark(text);
+    if (text.starts_with("Kaydara FBX") || plain.starts_with("; FBX")) return &fbx;
+    if (plain.starts_with("#VRML")) return &vrml;
     if (plain.starts_with('{') && text.find("\"asset\"") != text.npos) return &gltf;
     if (lower_case(plain.substr(0, 5)) == "solid" && lower_case(text).find("facet") != text.npos) return &stl;
     if (is_binary_stl(text, size)) return &stl;
@@ -384,8 +382,9 @@ std::string foreign_kind(const std::string& name, std::span<const std::byte> beg
     const Kind* const named = kind_by_name(name);
     const std::string extension = extension_of(name);
     if (named && named->inside == Inside::picture) return refusal(name, *named, wanted, false);
-    if (extension == "stl" && is_binary_stl(text, size)) return {};  // whatever its header says
-    if (extension == "3mf" && text.starts_with("PK")) return {};     // its parser knows what is in it
+    if (extension == "stl" && is_binary_stl(text, size)) return {};     // whatever its header says
+    if (extension == "3mf" && text.starts_with("PK")) return {};        // its parser knows what is in it
+    if (is_vrml_name(name) && text.starts_with("\x1f\x8b")) return {};  // packed by gzip, as it may be
     if (const Readable* const picture = picture_by_content(text)) {
         if (wanted == Wanted::picture || !is_model_name(name)) return {};
         return fmt::format(
@@ -403,6 +402,7 @@ std::string foreign_kind(const std::string& name, std::span<const std::byte> beg
     if (const ModelKind* const model = model_by_content(text, size)) {
         if (wanted == Wanted::picture) return fmt::format("{} is {} and no picture", name, model->what);
         if (extension == model->ending || (!extension.empty() && extension == model->other)) return {};
+        if (model->ending == "wrl" && is_vrml_name(name)) return {};
         return fmt::format("{} is {} by its first bytes, and models are known by their names: rename it {}.{}", name,
                            model->what, stem_of(name), model->ending);
     }

@@ -24,7 +24,12 @@ std::string extension_of(const std::filesystem::path& path) {
 bool is_model_name(const std::filesystem::path& path) {
     const std::string extension = extension_of(path);
     return extension == "obj" || extension == "ply" || extension == "stl" || extension == "gltf" ||
-           extension == "glb" || extension == "3mf";
+           extension == "glb" || extension == "3mf" || extension == "fbx" || is_vrml_name(path);
+}
+
+bool is_vrml_name(const std::filesystem::path& path) {
+    const std::string extension = extension_of(path);
+    return extension == "wrl" || extension == "vrml" || extension == "wrz";
 }
 
 bool is_picture_name(const std::filesystem::path& path) {
@@ -39,7 +44,7 @@ namespace {
 /// Formats that hold all that there is in one file; some name pictures beside it all the same.
 bool is_one_file(const std::filesystem::path& path) {
     const std::string extension = extension_of(path);
-    return extension == "stl" || extension == "ply" || extension == "3mf" || extension == "glb";
+    return extension == "stl" || extension == "ply" || extension == "3mf" || extension == "glb" || extension == "fbx";
 }
 
 std::vector<std::byte> read_parts(const std::filesystem::path& path, const ReadOptions& options,
@@ -64,8 +69,8 @@ ModelFile read_model(const std::filesystem::path& path, const ReadOptions& optio
     validate(options);
     const std::string name = path.filename().string();
     if (!is_model_name(path))
-        throw InputError(
-            fmt::format("{} is no model of a known kind; OBJ, PLY, STL, glTF, GLB and 3MF can be read", name));
+        throw InputError(fmt::format(
+            "{} is no model of a known kind; OBJ, PLY, STL, glTF, GLB, 3MF, FBX and VRML can be read", name));
     std::vector<std::string> warnings;
     ModelParts parts = unpack_model(read_parts(path, options, warnings));
     parts.warnings.insert(parts.warnings.begin(), warnings.begin(), warnings.end());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Models from files: OBJ + MTL, PLY, STL, glTF 2.0 / GLB and 3MF.
+// Models from files: OBJ + MTL, PLY, STL, glTF 2.0 / GLB, 3MF, FBX and VRML 2.
 //
 // Colour, as io/models/mesh.h combines it (linear sRGB):
 // - OBJ: texture over vertex colours over Kd (io/codecs/parse_obj.h): Kd does NOT multiply the map, as the MTL note
@@ -23,8 +23,9 @@
 //   colours of their filaments. Packages are read however they were packed (io/models/threemf_package.h). A required
 //   extension that is not known refuses the file. Layers of textures and colours over each other (multiproperties) are
 //   made into one picture, triangle by triangle.
-// In all but glTF the axes stay as they are. Where no triangle of the model uses a texture's texel, the nearest used
-// one is put (io/models/texel_coverage.h).
+// - FBX: io/codecs/parse_fbx.h. VRML: io/codecs/parse_vrml.h.
+// In all but glTF, FBX and VRML the axes stay as they are. Where no triangle of the model uses a texture's texel, the
+// nearest used one is put (io/models/texel_coverage.h).
 //
 // Alpha is composed over white, with a warning where it is used. What is transparent as a whole is not: a material, a
 // texture or corners of alpha 0 (Tr 1 in a library of MeshLab means opaque) would vanish, so they are taken to be
@@ -59,10 +60,11 @@ namespace voxtone::io {
 
 /// "obj" of "A.OBJ"; empty where there is none.
 [[nodiscard]] std::string extension_of(const std::filesystem::path& path);
-/// Whether the name ends as that of a model (.obj .ply .stl .gltf .glb .3mf, any case).
+/// Whether the name ends as that of a model (.obj .ply .stl .gltf .glb .3mf .fbx .wrl .vrml .wrz, any case).
 [[nodiscard]] bool is_model_name(const std::filesystem::path& path);
+[[nodiscard]] bool is_vrml_name(const std::filesystem::path& path);
 /// As such names end, for messages.
-inline constexpr std::string_view model_name_endings = ".obj, .ply, .stl, .gltf, .glb, .3mf";
+inline constexpr std::string_view model_name_endings = ".obj, .ply, .stl, .gltf, .glb, .3mf, .fbx, .wrl";
 /// By its extension; files without it may hold a picture all the same.
 [[nodiscard]] bool is_picture_name(const std::filesystem::path& path);
 

@@ -28,8 +28,8 @@ std::vector<OptionSpec> files_entries() {
          .metavar = "FILE",
          .group = group,
          .help =
-             "textured mesh (OBJ, PLY, STL, glTF, GLB, 3MF) or picture; several, or a tray's plan (JSON, CSV), come in "
-             "one print",
+             "textured mesh (OBJ, PLY, STL, glTF, GLB, 3MF, FBX, VRML) or picture; several, or a tray's plan (JSON, "
+             "CSV), come in one print",
          .member = &O::model,
          .names = Names::input,
          .decides_scope = true,

@@ -49,7 +49,7 @@ std::vector<OptionSpec> reading_entries() {
         {.key = "read-size",
          .metavar = "GIB",
          .group = group,
-         .help = "largest file that is read; also what all parts of a 3MF may unpack to",
+         .help = "largest file that is read; also what all parts of a 3MF or FBX may unpack to",
          .member = &O::read_size_gib,
          .decides = Decides::work,
          .rule =

@@ -213,9 +213,9 @@ TEST_CASE("An option that would be ignored is refused") {
         refused(mesh + option, 2, "would be ignored: ");
     refused("slice photo.png -o out --size 10mm", 2, "give --width");
     // What a file is counts before what an option would do to it.
-    for (const char* verb : {"slice model.fbx -o out", "estimate model.fbx"})
+    for (const char* verb : {"slice model.dae -o out", "estimate model.dae"})
         for (const char* options : {"", " --size 10mm", " --width 10mm", " --unit cm"})
-            refused(verb + std::string(options), 3, "model.fbx is an FBX scene");
+            refused(verb + std::string(options), 3, "model.dae is a Collada scene");
     refused("slice model.unheard -o out --size 10mm", 3, "model.unheard has no name of a model (.obj, .ply");
     refused("slice photo.png -o out --unit cm", 2, "--unit cm would be ignored");
     refused(mesh + "--size 10mm --scale 2", 2, "--scale 2 would be ignored");

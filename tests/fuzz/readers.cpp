@@ -118,6 +118,8 @@ constexpr Reader readers[] = {
     {"gltf", [](Bytes f) { read_model_named("a.gltf", f); }},
     {"glb", [](Bytes f) { read_model_named("a.glb", f); }},
     {"3mf", [](Bytes f) { read_model_named("a.3mf", f); }},
+    {"fbx", [](Bytes f) { read_model_named("a.fbx", f); }},
+    {"vrml", [](Bytes f) { read_model_named("a.wrl", f); }},
     {"picture",
      [](Bytes f) {
          (void)io::decode_image(std::as_bytes(f), "a",

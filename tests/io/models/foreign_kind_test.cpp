@@ -54,10 +54,8 @@ const std::vector<Sample>& samples() {
         {"part.step", "ISO-10303-21;\nHEADER;\n", "a STEP file"},
         {"part.ifc", "ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('IFC4'));\n", "an IFC file"},
         {"part.igs", std::string(72, ' ').append("S      1\n"), "an IGES file"},
-        {"part.wrl", "#VRML V2.0 utf8\n", "a VRML scene"},
         {"part.x3d", "<?xml version=\"1.0\"?>\n<!DOCTYPE X3D PUBLIC \"a\" \"b\">\n<!-- x > y -->\n<X3D>",
          "an X3D scene"},
-        {"part.fbx", "Kaydara FBX Binary  ", "an FBX scene"},
         {"part.blend", "BLENDER-v300", "a Blender file"},
         {"part.dae", "\xef\xbb\xbf<?xml version=\"1.0\"?><COLLADA xmlns=\"x\">", "a Collada scene"},
         {"part.usdc", "PXR-USDC", "a USD scene"},
@@ -106,7 +104,7 @@ TEST_CASE("Neighbours are known by their bytes, whatever their names are") {
 
 TEST_CASE("Neighbours are known by their names where their bytes do not tell, in any case of letters") {
     for (const char* name :
-         {"a.WRL",  "a.vrml",  "a.stp",    "a.STEP",     "a.iges",    "a.igs",  "a.fbx", "a.Blend",  "a.dae",  "a.usd",
+         {"a.X3D",  "a.x3dv",  "a.stp",    "a.STEP",     "a.iges",    "a.igs",  "a.abc", "a.Blend",  "a.dae",  "a.usd",
           "a.usdz", "a.zip",   "a.rar",    "a.7z",       "a.dcm",     "a.nrrd", "a.nii", "a.nii.gz", "a.vtk",  "a.vti",
           "a.amf",  "a.off",   "a.3ds",    "a.x3d",      "a.svg",     "a.pdf",  "a.ai",  "a.heic",   "a.HEIF", "a.avif",
           "a.jxl",  "a.jp2",   "a.sldprt", "a.ipt",      "a.catpart", "a.x_t",  "a.3dm", "a.skp",    "a.f3d",  "a.dwg",
@@ -153,6 +151,8 @@ TEST_CASE("A model under the name of another kind is told how to be named") {
           Misnamed{"a.stl", obj, "a.obj"}, Misnamed{"a.obj", stl, "a.stl"}, Misnamed{"a.obj", binary_stl, "a.stl"},
           Misnamed{"a.obj", "ply\nformat ascii 1.0\n", "a.ply"}, Misnamed{"a.vrm", "glTF\2\0\0\0", "a.glb"},
           Misnamed{"a.obj", "{\"asset\": {}}", "a.gltf"}, Misnamed{"a.stl", "glTF", "a.glb"},
+          Misnamed{"a.fbm", "Kaydara FBX Binary  ", "a.fbx"}, Misnamed{"a.obj", "; FBX 7.3.0 project file\n", "a.fbx"},
+          Misnamed{"a.x3d", "#VRML V2.0 utf8\n", "a.wrl"}, Misnamed{"a.wrl", "ply\nformat", "a.ply"},
           Misnamed{"a.zip", zip_of("3D/3dmodel.model"), "a.3mf"}}) {
         INFO(file.name << " better " << file.better);
         CHECK_THAT(kind_of(file.name, file.bytes), Contains(std::string("rename it ") + file.better));
@@ -173,6 +173,9 @@ TEST_CASE("What can be read is let through") {
     for (const char* name : {"a.png", "a", "a.heic", "a.tga"}) CHECK(kind_of(name, test::four_colours()).empty());
     for (const char* name : {"a.png", "a.obj", "a", "a.unheard", "a.3mf", "a.psd"}) CHECK(kind_of(name, "?").empty());
     CHECK(kind_of("a.3mf", "PK\x03\x04 a preview that is long").empty());
+    for (const char* name : {"a.wrl", "a.WRZ", "a.vrml"})
+        for (const char* bytes : {"#VRML V2.0 utf8\n", "#VRML V1.0 ascii\n", "\x1f\x8b\x08"})
+            CHECK(kind_of(name, bytes).empty());
     CHECK(kind_of("a.png", "\x89PNG\r\n\x1a\n", Wanted::picture).empty());
     // The header of a binary STL may hold anything.
     std::string stl = "OFF" + std::string(81 + 50, '\0');
@@ -185,6 +188,6 @@ TEST_CASE("A file is looked at where there is one, and is never waited for") {
     const auto step = folder.write({{"a.obj", "ISO-10303-21;"}});
     CHECK_THAT(foreign_kind(step), Contains("a STEP file"));
     CHECK(foreign_kind(folder.path() / "absent.obj").empty());
-    CHECK_THAT(foreign_kind(folder.path() / "absent.wrl"), Contains("a VRML scene"));
+    CHECK_THAT(foreign_kind(folder.path() / "absent.dae"), Contains("a Collada scene"));
     CHECK(foreign_kind(folder.path()).empty());
 }

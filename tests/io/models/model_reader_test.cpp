@@ -237,7 +237,7 @@ TEST_CASE("OBJ models") {
         CHECK_THAT(error("v 0 0 0\nv 1 0 0\nv 0 inf 0\nf 1 2 3\n"), Contains("infinite or not numbers"));
         CHECK_THROWS_AS(read_model(folder.path() / "nothing.obj"), FileError);
         CHECK_THROWS_WITH(read_model(folder.path()), Contains("no model"));
-        CHECK_THROWS_WITH(read_model(folder.write({{"a.wrl", "#VRML"}})), Contains("OBJ, PLY, STL"));
+        CHECK_THROWS_WITH(read_model(folder.write({{"a.dae", "<COLLADA>"}})), Contains("OBJ, PLY, STL"));
         ReadOptions options;
         options.timeout_s = 0;
         CHECK_THROWS_AS(read_model("x.obj", options), UsageError);

@@ -11,6 +11,8 @@
 #include <png.h>
 #include <zip.h>
 
+#include "tests/io/codecs/fbx_bytes.h"
+
 namespace voxtone::test {
 
 namespace fs = std::filesystem;
@@ -180,6 +182,47 @@ std::vector<Files> every_sample() {
                       R"(</object><object id="5"><components><component objectid="4" )"
                       R"(transform="-1 0 0 0 1 0 0 0 1 5 0 0"/></components></object>)",
                   R"(<item objectid="4"/><item objectid="5"/>)", {{"3D/t.png", four_colours()}})}});
+    samples.push_back(
+        {{"a.wrl",
+          "#VRML V2.0 utf8\nTransform { translation 0 0 1 scale 1 -1 1 children [ DEF s Shape { appearance Appearance "
+          "{\n"
+          "material Material { diffuseColor 1 0 0 } texture ImageTexture { url \"t.png\" } } geometry IndexedFaceSet "
+          "{\n"
+          "coord Coordinate { point [0 0 0, 1 0 0, 0 1 0] } coordIndex [0 1 2 -1] texCoord TextureCoordinate {\n"
+          "point [0 0, 1 0, 0 1] } } }, Shape { geometry Cone { side FALSE } appearance Appearance { texture\n"
+          "PixelTexture { image 1 2 3 0xFF0000 255 } } } USE s ] }\nPROTO P [ field SFNode n NULL ] { Group { } }\n"},
+         {"t.png", picture}});
+    const std::vector<FbxRecord> z_up{fbx_property("UpAxis", {2}), fbx_property("FrontAxis", {1}),
+                                      fbx_property("FrontAxisSign", {-1})};
+    const auto layer = [](const std::string& type, const std::string& values, std::size_t count) {
+        return FbxRecord{type,
+                         {fbx_number(std::int64_t{0})},
+                         {{"MappingInformationType", {fbx_text("ByPolygonVertex")}},
+                          {"ReferenceInformationType", {fbx_text("Direct")}},
+                          {values, {fbx_reals(std::vector<double>(count, 0.25))}}}};
+    };
+    for (const std::uint32_t version : {7400u, 7700u})
+        samples.push_back(
+            {{"a.fbx",
+              fbx_scene(
+                  z_up,
+                  {fbx_object("Geometry", 1, "g", "Mesh", {},
+                              {{"Vertices", {fbx_reals({0, 0, 0, 1, 0, 0, 0, 1, 0}, true)}},
+                               {"PolygonVertexIndex", {fbx_indices(std::vector<std::int32_t>{0, 1, ~2})}},
+                               layer("LayerElementUV", "UV", 6),
+                               layer("LayerElementColor", "Colors", 12)}),
+                   fbx_object("Model", 2, "m", "Mesh", {fbx_property("Lcl Rotation", {0, 90, 30})}),
+                   fbx_object("Material", 3, "p", "", {fbx_property("DiffuseColor", {1, 0.5, 0})}),
+                   fbx_object("Texture", 4, "t", "", {fbx_property("Scaling", {2, 2, 1})}),
+                   fbx_object("Video", 5, "v", "Clip", {}, {{"Content", {fbx_text(picture)}}})},
+                  {fbx_link(1, 2), fbx_link(2, 0), fbx_link(3, 2), fbx_link(4, 3, "DiffuseColor"), fbx_link(5, 4)},
+                  version)}});
+    samples.push_back(
+        {{"b.fbx",
+          "; FBX 7.4.0 project file\nFBXHeaderExtension: {\n FBXVersion: 7400\n}\nObjects: {\n Geometry: 1, "
+          "\"Geometry::g\", \"Mesh\" {\n  Vertices: *9 {\n   a: 0,0,0,1,0,0,0,1,0\n  }\n  PolygonVertexIndex: *3 {\n"
+          "   a: 0,1,-3\n  }\n }\n Model: 2, \"Model::m\", \"Mesh\" {\n  Culling: \"off &quot;\"\n }\n}\n"
+          "Connections: {\n C: \"OO\",2,0\n C: \"OO\",1,2\n}\n"}});
     return samples;
 }
 

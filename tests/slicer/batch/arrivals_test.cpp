@@ -61,10 +61,10 @@ TEST_CASE("A file that is no model is told once, unless a model arrives with it"
     CHECK(strays_at(0).empty());
     CHECK(strays_at(4).empty());  // they came with a.obj
     append("photo.png");
-    append("scene.fbx");
+    append("scene.dae");
     append(".hidden.png");
     CHECK(strays_at(5).empty());
-    CHECK(strays_at(9) == "photo.png scene.fbx ");
+    CHECK(strays_at(9) == "photo.png scene.dae ");
     CHECK(strays_at(20).empty());
     append("photo.png");  // another one
     CHECK(strays_at(21).empty());

@@ -208,7 +208,7 @@ TEST_CASE("Faults of a table are told with their lines, those of its form too") 
 TEST_CASE("What is neither a model nor a picture is told by what it is") {
     const Workshop shop;
     shop.write("part.step", "ISO-10303-21;");
-    CHECK_THAT(shop.fault("plan.jsonl", "{\"model\": \"part.step\", \"size\": \"9mm\"}\n{\"model\": \"gone.wrl\"}\n"),
+    CHECK_THAT(shop.fault("plan.jsonl", "{\"model\": \"part.step\", \"size\": \"9mm\"}\n{\"model\": \"gone.dae\"}\n"),
                Contains("line 1: part.step is a STEP file") && Contains("line 2"));
     fs::create_directory(shop.folder.path() / "cad");
     fs::rename(shop.at("part.step"), shop.at("cad/part.step"));
