@@ -31,9 +31,10 @@ struct BatchArguments {
 
 void add_plan_options(CLI::App& command, BatchArguments& arguments) {
     command
-        .add_option("plan", arguments.plan.plan,
-                    "job list (.jsonl: one job a line, with the keys of job files), table (.csv with a header of such "
-                    "keys), folder of models, or models and patterns of them; a key \"name\" names a job")
+        .add_option(
+            "plan", arguments.plan.plan,
+            "job list (.jsonl: one job a line, with the keys of job files), table (.csv, .tsv with a header of such "
+            "keys), folder of models, or models and patterns of them; a key \"name\" names a job")
         ->type_name("PLAN");
     add_out_option(command, arguments.out, "FOLDER",
                    "folder of the batch: job NAME goes to FOLDER/NAME; nothing is written outside it");

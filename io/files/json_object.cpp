@@ -16,6 +16,7 @@
 #include "base/printable.h"
 #include "io/files/json_keys.h"
 #include "io/files/json_lines.h"
+#include "io/files/utf8.h"
 
 namespace voxtone::io {
 
@@ -130,7 +131,7 @@ JsonObject JsonObject::read(const std::filesystem::path& file) {
     if (std::error_code none; stream.bad() && std::filesystem::is_directory(file, none))
         throw FileError(fmt::format("{}: is a folder; name the file in it", file.string()));
     if (stream.bad()) throw FileError(fmt::format("{}: reading failed", file.string()));
-    return parse(text, file.string());
+    return parse(text_as_utf8(text), file.string());
 }
 
 std::string JsonObject::place_of(std::string_view key) const { return node_->place_of(key); }

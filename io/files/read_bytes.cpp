@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "io/disk/open_file.h"
+#include "io/files/utf8.h"
 
 namespace voxtone::io {
 
@@ -36,6 +37,11 @@ std::vector<std::byte> read_bytes(const std::filesystem::path& path, std::uint64
     if (std::fread(bytes.data(), 1, bytes.size(), file.get()) != bytes.size())
         throw FileError(fmt::format("{} cannot be read to its end", path.string()));
     return bytes;
+}
+
+std::string read_text(const std::filesystem::path& path, std::uint64_t max_bytes) {
+    const std::vector<std::byte> bytes = read_bytes(path, max_bytes);
+    return text_as_utf8({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace voxtone::io

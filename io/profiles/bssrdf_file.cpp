@@ -13,10 +13,10 @@
 
 #include "base/contracts.h"
 #include "base/error.h"
-#include "io/files/json_channels.h"
 #include "io/files/json_object.h"
 #include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
+#include "io/profiles/json_channels.h"
 
 namespace voxtone::io {
 namespace {

@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "base/contracts.h"
-#include "io/files/json_channels.h"
 #include "io/files/json_object.h"
 #include "io/files/json_writer.h"
+#include "io/profiles/json_channels.h"
 
 namespace voxtone::io {
 namespace {

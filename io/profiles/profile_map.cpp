@@ -10,12 +10,12 @@
 #include "base/contracts.h"
 #include "base/error.h"
 #include "base/printable.h"
-#include "io/files/json_channels.h"
 #include "io/files/json_object.h"
 #include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
 #include "io/pictures/picture_writer.h"
 #include "io/pictures/png_pixels.h"
+#include "io/profiles/json_channels.h"
 
 namespace voxtone::io {
 namespace {

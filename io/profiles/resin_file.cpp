@@ -8,10 +8,10 @@
 #include "base/embedded_file.h"
 #include "base/error.h"
 #include "base/printable.h"
-#include "io/files/json_channels.h"
 #include "io/files/json_keys.h"
 #include "io/files/json_object.h"
 #include "io/files/json_writer.h"
+#include "io/profiles/json_channels.h"
 #include "io/profiles/resin_correction.h"
 
 namespace voxtone::embedded {

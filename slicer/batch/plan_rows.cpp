@@ -11,11 +11,11 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
+#include "io/files/csv_table.h"
 #include "io/files/json_writer.h"
 #include "io/files/read_bytes.h"
 #include "io/models/foreign_kind.h"
 #include "io/models/model_reader.h"
-#include "slicer/plans/csv_table.h"
 #include "slicer/plans/tray_plan.h"
 
 namespace voxtone::slicer {
@@ -26,14 +26,13 @@ namespace fs = std::filesystem;
 
 std::string text_of_plan(const fs::path& file) {
     constexpr std::uint64_t most_bytes = std::uint64_t{64} << 20;
-    const std::vector<std::byte> bytes = io::read_bytes(file, most_bytes);
-    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+    return io::read_text(file, most_bytes);
 }
 
 void read_table(const std::string& text, const fs::path& folder, PlanRows& plan) {
-    const CsvTable table = parse_csv(text);
+    const io::CsvTable table = io::parse_csv(text);
     for (const std::string& fault : table.faults) plan.faults.push_back(plan.source + ": " + fault);
-    for (const CsvRow& row : table.rows) {
+    for (const io::CsvRow& row : table.rows) {
         io::JsonWriter json;
         json.begin_object();
         for (std::size_t i = 0; i < row.cells.size(); ++i)
@@ -43,8 +42,6 @@ void read_table(const std::string& text, const fs::path& folder, PlanRows& plan)
 }
 
 void read_list(std::string_view text, const fs::path& folder, PlanRows& plan) {
-    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
-    if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
     for (std::size_t line = 1; !text.empty(); ++line) {
         const std::size_t end = std::min(text.find('\n'), text.size());
         const std::string_view row = text.substr(0, end);
@@ -79,7 +76,7 @@ void add_models(const std::string& word, PlanRows& plan) {
 
 /// Whether the word names a file that lists jobs, and no model.
 bool is_list(const std::string& word) {
-    constexpr std::array<std::string_view, 5> lists{"jsonl", "ndjson", "csv", "json", "txt"};
+    constexpr std::array<std::string_view, 7> lists{"jsonl", "ndjson", "json", "txt", "csv", "tsv", "tab"};
     return std::find(lists.begin(), lists.end(), io::extension_of(word)) != lists.end();
 }
 
@@ -124,7 +121,7 @@ PlanRows read_one(const std::string& word) {
                             word, word, foreign_in(word)));
     } else if (is_tray_plan(word)) {
         plan.rows.push_back(row_of(word));
-    } else if (fs::exists(word) && ends_as(word, "csv")) {
+    } else if (fs::exists(word) && io::is_table_file(word, "model")) {
         read_table(text_of_plan(word), folder, plan);
     } else if (const std::string line = job_line(word); !line.empty()) {
         read_list(line, folder, plan);

@@ -2,7 +2,7 @@
 //
 // The jobs of a plan as its user wrote them, from any kind of plan:
 //   a job list, one JSON object a line:   {"model": "spot.obj", "size": "40mm", "name": "small"}
-//   a table (.csv) whose header names options: model,size,name
+//   a table (.csv, .tsv, .txt of a spreadsheet) whose header names options: model,size,name
 //   a folder, or files and patterns of files ("parts/*.glb"): one job a model.
 // Blank lines and lines that begin with '#' are skipped.
 #pragma once

@@ -11,6 +11,7 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
+#include "io/disk/named_path.h"
 #include "io/files/json_writer.h"
 #include "io/profiles/resin_file.h"
 #include "slicer/options/mark_words.h"
@@ -118,7 +119,7 @@ void replace_paths(SliceOptions& options, const fs::path& folder, Wanted&& wante
 
 /// Seen from the folder, without "." and the like.
 std::string path_from(const fs::path& folder, const std::string& text) {
-    const fs::path path = (folder / text).lexically_normal();
+    const fs::path path = io::named_path(folder, text).lexically_normal();
     return (path.has_filename() ? path : path.parent_path()).string();
 }
 
@@ -212,11 +213,11 @@ std::string spelled_mark(const io::JsonObject& object) {
 
 /// An option's value as `OptionSpec::set` takes it. Marks are texts or objects, one or a list of them.
 std::string value_in(const io::JsonObject& from, const OptionSpec& spec, const std::string& key) {
-    if (spec.kind() != OptionSpec::Kind::texts || from.is_text(key)) return from.any_text(key);
+    if (spec.kind() != OptionSpec::Kind::texts) return from.any_text(key);
     if (from.is_object(key)) return spelled_mark(from.object(key));
     std::vector<std::string> marks;
     try {
-        marks = from.texts(key);
+        marks = from.is_text(key) ? std::vector{from.any_text(key)} : from.texts(key);
     } catch (const InputError&) {
         for (const io::JsonObject& mark : from.objects(key)) marks.push_back(spelled_mark(mark));
     }

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/units.h"
+#include "io/files/csv_table.h"
 #include "io/models/model_reader.h"
 
 namespace voxtone::slicer {
@@ -38,8 +39,7 @@ std::optional<int> count_or_auto(std::string_view key, const std::string& text, 
 }  // namespace
 
 bool is_tray(const SliceOptions& options) {
-    const std::string extension = io::extension_of(options.model);
-    return extension == "json" || extension == "csv";
+    return io::extension_of(options.model) == "json" || io::is_table_file(options.model, "model");
 }
 
 void refuse_choice(std::string_view key, std::string_view text, const std::vector<std::string>& choices) {

@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
+#include "io/disk/named_path.h"
 #include "io/files/json_object.h"
 #include "slicer/options/job_file.h"
 #include "slicer/options/option_table.h"
@@ -20,7 +21,7 @@ PartJob named_job(const io::JsonObject& part, const std::filesystem::path& folde
     namespace fs = std::filesystem;
     const std::string name = part.text(part_job_key);
     if (name.empty()) part.fail(part_job_key, "names nothing");
-    const fs::path path = fs::absolute(folder / name).lexically_normal();
+    const fs::path path = fs::absolute(io::named_path(folder, name)).lexically_normal();
     std::error_code none;
     if (!fs::is_directory(path, none)) return {path.string(), {}, {}, {}};
     const fs::path file = path / job_file_name;

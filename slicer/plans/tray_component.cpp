@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
+#include "io/disk/named_path.h"
 #include "io/files/json_object.h"
 #include "slicer/options/label_template.h"
 #include "slicer/options/option_table.h"
@@ -165,7 +166,7 @@ std::optional<TrayComponent> component_of(const io::JsonObject& part, const fs::
         if (component->is_shape()) continue;
         const std::string file = part.text(key);
         if (file.empty()) part.fail(key, "names nothing");
-        component->path = fs::absolute(folder / file).lexically_normal().string();
+        component->path = fs::absolute(io::named_path(folder, file)).lexically_normal().string();
         if (component->path.ends_with('/')) component->path.pop_back();
     }
     const bool shape = component && component->is_shape();

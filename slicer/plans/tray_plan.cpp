@@ -12,6 +12,7 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
+#include "io/files/csv_table.h"
 #include "io/files/json_object.h"
 #include "io/files/json_writer.h"
 #include "io/files/read_bytes.h"
@@ -21,7 +22,6 @@
 #include "slicer/options/label_template.h"
 #include "slicer/options/option_table.h"
 #include "slicer/options/option_values.h"
-#include "slicer/plans/csv_table.h"
 #include "slicer/plans/job_names.h"
 #include "slicer/plans/labelled_copies.h"
 
@@ -204,16 +204,17 @@ struct PlanText {
 
 std::string text_of(const fs::path& file) {
     constexpr std::uint64_t most_bytes = std::uint64_t{64} << 20;
-    const std::vector<std::byte> bytes = io::read_bytes(file, most_bytes);
-    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+    return io::read_text(file, most_bytes);
 }
+
+bool is_table(const fs::path& file) { return io::is_table_file(file, "model"); }
 
 /// A cell is what an object has under the header's word; an empty one is not there.
 PlanText text_of_table(const std::string& file) {
-    const CsvTable table = parse_csv(text_of(file));
+    const io::CsvTable table = io::parse_csv(text_of(file));
     if (!table.faults.empty()) throw InputError(fmt::format("{}: {}", file, table.faults.front()));
     PlanText plan;
-    for (const CsvRow& row : table.rows) {
+    for (const io::CsvRow& row : table.rows) {
         io::JsonWriter json;
         json.begin_object();
         for (std::size_t i = 0; i < row.cells.size(); ++i)
@@ -274,8 +275,8 @@ TrayPlan plan_of_text(const PlanText& text, const std::string& file, const fs::p
 }  // namespace
 
 TrayPlan read_tray_plan(const std::string& file, const SliceOptions& common) {
-    return plan_of_text(io::extension_of(file) == "csv" ? text_of_table(file) : text_of_object(file), file,
-                        fs::path(file).parent_path(), common);
+    return plan_of_text(is_table(file) ? text_of_table(file) : text_of_object(file), file, fs::path(file).parent_path(),
+                        common);
 }
 
 TrayPlan tray_plan_of_models(std::span<const std::string> models, const SliceOptions& common) {
@@ -301,15 +302,14 @@ std::string tray_plan_of(std::span<const std::string> models, const fs::path& fo
 }
 
 bool is_tray_plan(const fs::path& file) {
-    const std::string extension = io::extension_of(file);
-    if (std::error_code none; (extension != "json" && extension != "csv") || !fs::is_regular_file(file, none))
-        return false;
+    const bool json = io::extension_of(file) == "json";
+    if (std::error_code none; !fs::is_regular_file(file, none) || (!json && !is_table(file))) return false;
     try {
-        if (extension == "json") {
+        if (json) {
             const io::JsonObject object = io::JsonObject::read(file);
             return object.has("format") && object.any_text("format") == format_name;
         }
-        const std::vector<std::string> header = parse_csv(text_of(file)).header;
+        const std::vector<std::string> header = io::parse_csv(text_of(file)).header;
         return std::ranges::any_of(header, [](const std::string& word) {
             const std::vector<std::string> components = component_keys();
             if (word == part_job_key) return true;

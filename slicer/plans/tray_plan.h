@@ -5,8 +5,9 @@
 //    "parts": [{"model": "spot.obj", "size": "40mm", "copies": 3},
 //              {"model": "card.png", "width": "30mm", "at": [0, 0], "priority": 1},
 //              {"box": [10, 5, 2], "resin": "VeroClear"}]}                            (components: tray_component.h)
-// or a table (.csv) whose header names options and the words of a part: model,size,copies,priority.
-// Options of a job (docs/job-files) stand beside the parts, for all of them, or in a part, for that one.
+// or a table (.csv, .tsv, .txt of a spreadsheet) whose header names options and the words of a part:
+// model,size,copies,priority. Options of a job (docs/job-files) stand beside the parts, for all of them, or in a part,
+// for that one.
 #pragma once
 
 #include <filesystem>

@@ -78,6 +78,51 @@ TEST_CASE("A table has one job a row, and empty cells say nothing") {
     CHECK(jobs[1].options.model == shop.at("c d.glb"));
 }
 
+TEST_CASE("Plans of Windows are read: UTF-16, semicolons, tabs, backslashes, empty columns, .tsv and .txt") {
+    const Workshop shop;
+    fs::create_directories(shop.folder.path() / "models");
+    shop.write("models/sub.obj", "");
+    const auto utf16 = [](const std::string& text) {
+        std::string bytes = "\xFF\xFE";
+        for (const char c : text) bytes += {c, '\0'};
+        return bytes;
+    };
+    const std::string tabs = "model\tsize\tlabel\r\nmodels\\sub.obj\t6mm\t\"A\r\nB\"\r\n.\\a.obj\t7mm\t\r\n";
+    const std::string semicolons =
+        "\xEF\xBB\xBFmodel;size;label;\r\nmodels\\sub.obj;6mm;\"A\r\nB\";\r\n.\\a.obj;7mm;;\r\n;;;\r\n";
+    for (const auto& [name, text] : std::vector<std::pair<std::string, std::string>>{
+             {"p.csv", semicolons},
+             {"p.csv", "sep=;\r\n" + semicolons.substr(3)},
+             {"p.csv", utf16(semicolons.substr(3))},
+             {"p.tsv", tabs},
+             {"p.TSV", tabs},
+             {"p.tab", tabs},
+             {"p.txt", utf16(tabs)},
+             {"p.txt", tabs},
+             {"p.jsonl", utf16("{\"model\": \"models\\\\sub.obj\", \"size\": \"6mm\", \"label\": \"A\\\\nB\"}\r\n"
+                               "{\"model\": \".\\\\a.obj\", \"size\": \"7mm\"}\r\n")}}) {
+        CAPTURE(name, text);
+        const auto jobs = shop.plan(name, text);
+        REQUIRE(jobs.size() == 2);
+        CHECK(jobs[0].name == "sub");
+        CHECK(jobs[0].options.model == shop.at("models/sub.obj"));
+        CHECK(jobs[0].options.size_mm == 6);
+        CHECK(jobs[1].options.model == shop.at("a.obj"));
+        CHECK(jobs[1].options.labels.empty());
+    }
+    CHECK(shop.plan("p.csv", semicolons)[0].options.labels == Words{"text=A\\nB"});  // one of two lines
+    // A name that has a backslash in it, as Linux allows, stays what it is.
+    shop.write("od\\d.obj", "");
+    CHECK(shop.plan("p.csv", "model\nod\\d.obj\n")[0].options.model == shop.at("od\\d.obj"));
+    CHECK_THAT(shop.fault("p.csv", "model\nmodels\\none.obj\n"), Contains("models\\none.obj"));
+    // A preset that PowerShell has written.
+    shop.write("preset.json", utf16(R"({"format": "voxtone-job", "version": 1, "size": "30mm"})"));
+    shop.write("one.jsonl", "{\"model\": \"a.obj\"}\n");
+    PlanOptions options = shop.options("one.jsonl");
+    options.preset = shop.at("preset.json");
+    CHECK(read_plan(options).at(0).options.size_mm == 30);
+}
+
 TEST_CASE("Columns whose header is in braces are values for labels") {
     const Workshop shop;
     const auto jobs = shop.plan("plan.csv", "model,label,{serial}\na.obj,{job}: {serial},A-17\nb.obj,plain,\n");

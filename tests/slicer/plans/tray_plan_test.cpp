@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/plans/tray_plan.h"
 
+#include <algorithm>
+#include <filesystem>
 #include <fstream>
 
 #include <fmt/core.h>
@@ -173,6 +175,37 @@ TEST_CASE("A tray's plan is known by what it says") {
     CHECK(is_tray_plan(desk.write("model,copies\n", "a.csv")));
     CHECK_FALSE(is_tray_plan(desk.write("model,size\n", "a.csv")));  // of a batch
     CHECK_FALSE(is_tray_plan(desk.folder.path() / "none.json"));
+}
+
+TEST_CASE("Plans of trays are read as Windows writes them") {
+    const Desk desk;
+    std::filesystem::create_directories(desk.folder.path() / "models");
+    desk.write("", "models/a.obj");
+    const std::string text = "model\tcopies\tlabel\t{serial}\t\r\nmodels\\a.obj\t2\t{serial}\t007\t\r\n\t\t\t\t\r\n";
+    std::string utf16 = "\xFF\xFE", semicolons = "\xEF\xBB\xBF" + text;
+    for (const char c : text) utf16 += {c, '\0'};
+    std::ranges::replace(semicolons, '\t', ';');
+    for (const auto& [name, bytes] : std::vector<std::pair<std::string, std::string>>{{"t.csv", text},
+                                                                                      {"t.tsv", text},
+                                                                                      {"t.txt", text},
+                                                                                      {"t.txt", utf16},
+                                                                                      {"t.csv", utf16},
+                                                                                      {"t.csv", semicolons}}) {
+        CAPTURE(name, bytes);
+        const std::string file = desk.write(bytes, name);
+        CHECK(is_tray_plan(file));
+        const TrayPlan plan = read_tray_plan(file, {});
+        REQUIRE(plan.parts.size() == 1);
+        CHECK(plan.parts[0].copies == 2);
+        CHECK(plan.parts[0].options.model == (desk.folder.path() / "models/a.obj").string());
+        CHECK(plan.parts[0].options.labels == std::vector<std::string>{"text=007"});
+    }
+    std::string json = "\xFF\xFE";
+    for (const char c : R"({"format": "voxtone-tray", "version": 1, "parts": [{"model": "models\\a.obj"}]})")
+        if (c != '\0') json += {c, '\0'};
+    const std::string file = desk.write(json);
+    CHECK(is_tray_plan(file));
+    CHECK(read_tray_plan(file, {}).parts.at(0).options.model == (desk.folder.path() / "models/a.obj").string());
 }
 
 TEST_CASE("Labels of parts get their values, and copies whose labels differ are parts of their own") {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "io/files/json_channels.h"
+#include "io/profiles/json_channels.h"
 
 #include <algorithm>
 #include <functional>
