@@ -28,6 +28,7 @@ void lay_given_texture(ModelParts& parts, ParseContext& context, const std::file
     const auto index = static_cast<std::int32_t>(parts.images.size());
     for (std::string& warning : image.warnings) parts.warnings.push_back(std::move(warning));
     image.warnings.clear();
+    if (!image.lost_colour.empty()) parts.lose_colour(image.lost_colour);
     parts.images.push_back(std::move(image));
     parts.image_names.push_back(name);
     for (std::size_t m = 0; m < takes_it.size(); ++m) {

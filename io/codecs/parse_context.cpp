@@ -46,6 +46,7 @@ void ParseContext::expect_faces(const ModelParts& parts, const std::vector<std::
 std::int32_t ParseContext::add(ModelParts& parts, const std::string& key, DecodedImage image) {
     for (std::string& warning : image.warnings) parts.warnings.push_back(std::move(warning));
     image.warnings.clear();
+    if (!image.lost_colour.empty()) parts.lose_colour(image.lost_colour);
     const auto index = static_cast<std::int32_t>(parts.images.size());
     parts.images.push_back(std::move(image));
     parts.image_names.push_back(key);

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/warning.h"
 #include "io/decoders/icc_to_srgb.h"
+#include "io/decoders/sample_range.h"
 
 namespace voxtone::io {
 
@@ -41,7 +42,9 @@ public:
         image_.dpi_y = in_.dpi_y;
         const double aspect = in_.dpi_x > 0 && in_.dpi_y > 0 ? in_.dpi_x / in_.dpi_y : in_.pixel_aspect;
         if (std::isfinite(aspect) && aspect > 0) image_.pixel_aspect = aspect;
+        mend_sample_range({in_.bytes, in_.words, in_.floats, in_.colours.curve, in_.warnings}, name_);
         image_.warnings = std::move(in_.warnings);
+        image_.lost_colour = std::move(in_.lost_colour);
         if (!use_profile_) {
             in_.icc_profile.clear();
             in_.colours = {};
@@ -135,7 +138,9 @@ private:
         std::vector<float>& pixels = in_.floats;
         take_alpha<float>(pixels, 1.0f);
         std::size_t not_numbers = 0, clamped = 0;
+        float most = 0;
         for (float& value : pixels) {
+            most = std::max(most, value);
             not_numbers += std::isnan(value);
             clamped += value > 1 || value < 0;
             if (std::isnan(value)) value = 0;
@@ -153,12 +158,17 @@ private:
         else if (clamped)
             warn(named_warning("colour-range", fmt::format("The picture {} has {} samples outside the range 0 to 1; a "
                                                            "print cannot be brighter than white, they "
-                                                           "were clamped.",
-                                                           name_, clamped)));
+                                                           "were clamped.{}",
+                                                           name_, clamped, more_if_codes(most))));
         std::vector<std::uint16_t>& linear = image_.texels.linear16;
         linear.resize(pixels.size());
         for (std::size_t i = 0; i < pixels.size(); ++i)
             linear[i] = to_word(pixels[i] > 0 ? std::min(pixels[i], 1.0f) : 0.0f);
+    }
+
+    static const char* more_if_codes(float most) {
+        constexpr float bright = 16;
+        return most > bright ? " If they are codes of 0 to 255, divide them by 255." : "";
     }
 
     /// Of all pixels: `get` a sample, 0 to 1; `set` a value of linear sRGB, clamped.

@@ -27,6 +27,7 @@ struct PictureSamples {
     double pixel_aspect = 1;                  ///< height by width, where there is no dpi
     int orientation = 1;                      ///< EXIF, 1 to 8; others count as 1
     std::vector<std::string> warnings{};
+    std::string lost_colour{};  ///< DecodedImage::lost_colour
 
     [[nodiscard]] std::size_t pixels() const { return std::size_t{width_px} * height_px; }
 };

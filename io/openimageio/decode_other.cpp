@@ -2,10 +2,14 @@
 #include "io/openimageio/decode_other.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <new>
+#include <optional>
 #include <string_view>
 
 #include <OpenImageIO/filesystem.h>
@@ -17,12 +21,15 @@
 #include "io/decoders/cmyk_to_srgb.h"
 #include "io/decoders/picture_samples.h"
 #include "io/openimageio/bmp_masks.h"
+#include "io/openimageio/colour_layer.h"
 #include "io/openimageio/declared_size.h"
 #include "io/openimageio/display_window.h"
 #include "io/openimageio/image_rows.h"
 #include "io/openimageio/lab_to_srgb.h"
 #include "io/openimageio/memory_file.h"
 #include "io/openimageio/no_threads.h"
+#include "io/openimageio/psd_facts.h"
+#include "io/openimageio/tiff_white.h"
 #include "io/openimageio/webp_facts.h"
 
 namespace voxtone::io {
@@ -94,8 +101,11 @@ private:
 struct Choice {
     int picture = 0;
     bool raw = false;
-    std::string warning{};  ///< that there are others; empty: there are none
+    std::string warning{};               ///< that there are others; empty: there are none
+    std::optional<ColourLayer> layer{};  ///< of a picture of layers
 };
+
+constexpr int most_pages = 1000;
 
 /// FILETYPE_REDUCEDIMAGE of TIFF 6.0.
 bool is_smaller_copy(const OIIO::ImageSpec& spec) {
@@ -105,7 +115,6 @@ bool is_smaller_copy(const OIIO::ImageSpec& spec) {
 
 /// Pages count where they are not marked as smaller copies of another one.
 Choice choose_page(OpenPicture& file, const std::string& name) {
-    constexpr int most_pages = 1000;
     Choice choice{.picture = -1};
     int pages = 0;
     for (int i = 0; i < most_pages && file.has(i); ++i) {
@@ -129,20 +138,65 @@ Choice choose_page(OpenPicture& file, const std::string& name) {
     return choice;
 }
 
+/// A few names in a sentence.
+std::string listed(const std::vector<std::string>& names, const char* nameless) {
+    constexpr std::size_t most = 4;
+    std::string text;
+    for (std::size_t i = 0; i < std::min(names.size(), most); ++i)
+        text += (i ? ", " : "") + (names[i].empty() ? nameless : names[i]);
+    return names.size() > most ? fmt::format("{} and {} more", text, names.size() - most) : text;
+}
+
+/// Of all parts; parts are layers, too.
+Choice choose_layer(OpenPicture& file, const std::string& name) {
+    constexpr const char* nameless = "one without a name";
+    const bool several = file.has(1);
+    Choice choice{.picture = -1};
+    std::vector<std::string> layers, channels;
+    for (int i = 0; i < most_pages && file.has(i); ++i) {
+        const OIIO::ImageSpec& spec = file.input().spec();
+        const std::string part = several ? std::string(spec.get_string_attribute("oiio:subimagename")) : "";
+        channels.insert(channels.end(), spec.channelnames.begin(), spec.channelnames.end());
+        for (const std::string& layer : layer_names(spec.channelnames)) layers.push_back(layer.empty() ? part : layer);
+        const std::optional<ColourLayer> found = find_colour_layer(spec.channelnames, part);
+        if (!found || (choice.layer && choice.layer->rank <= found->rank)) continue;
+        choice.picture = i;
+        choice.layer = found;
+    }
+    if (!choice.layer)
+        throw InputError(
+            fmt::format("the picture {} has no layer of red, green and blue, only channels that are no colours ({}); "
+                        "save its colours as PNG or EXR",
+                        name, listed(channels, "")));
+    const std::array<int, 4>& taken = choice.layer->channels;
+    const std::size_t count = (taken[0] == taken[1] ? 1 : 3) + (taken[3] >= 0 ? 1 : 0);
+    if (layers.size() > 1)
+        choice.warning = fmt::format(
+            "The picture {} has {} layers ({}); the colours of {} were taken. Save the one that is meant by itself.",
+            name, layers.size(), listed(layers, nameless),
+            choice.layer->name.empty() ? "the one without a name" : choice.layer->name);
+    else if (channels.size() > count)
+        choice.warning = fmt::format("The picture {} has {} channels ({}); its colours were taken.", name,
+                                     channels.size(), listed(channels, ""));
+    return choice;
+}
+
 Choice choose_picture(std::span<const std::byte> bytes, const std::string& format, const std::string& name) {
     OpenPicture file(bytes, format, name, format == "tiff");
     if (format == "tiff") return choose_page(file, name);
+    if (format == "openexr") return choose_layer(file, name);
+    if (format == "psd") return {.raw = psd_facts(bytes).is_cmyk};
     if (file.input().spec().get_int_attribute("oiio:Movie", 0) != 0 && file.has(1))
         return {.warning = fmt::format("The picture {} is an animation; its first frame was taken.", name)};
-    if (format == "openexr" && file.has(1))
-        return {.warning = fmt::format("The picture {} has several parts; the first was taken.", name)};
     return {};
 }
 
 class ImageReader {
 public:
-    ImageReader(OIIO::ImageInput& input, const std::string& name, const DecodeOptions& options)
-        : input_(input), spec_(input.spec()), name_(name), options_(options) {}
+    /// `white`: of Lab colours, where the file says it, CIE x and y.
+    ImageReader(OIIO::ImageInput& input, const std::string& name, const DecodeOptions& options, const Choice& choice,
+                std::optional<std::array<double, 2>> white)
+        : input_(input), spec_(input.spec()), name_(name), options_(options), choice_(choice), white_(white) {}
 
     PictureSamples read() {
         if (spec_.nchannels <= 0 || spec_.depth > 1 || spec_.width <= 0 || spec_.height <= 0)
@@ -155,7 +209,9 @@ public:
         check_picture_size(std::uint64_t(spec_.width), std::uint64_t(spec_.height), name_, options_);
         samples_.width_px = static_cast<std::uint32_t>(spec_.width);
         samples_.height_px = static_cast<std::uint32_t>(spec_.height);
-        if (!is_converted_here(spec_))
+        if (is_psd() && choice_.raw)
+            read_psd_inks();
+        else if (!is_converted_here(spec_))
             read_rgb();
         else if (photometric_of(spec_) == separated)
             read_inks();
@@ -170,34 +226,91 @@ public:
 private:
     void warn(std::string text) { samples_.warnings.push_back(std::move(text)); }
 
+    /// `count` channels from `first`, in a buffer of as many as are wanted of each pixel.
     template <class Value>
-    void read_channels(std::vector<Value>& pixels, int channels, OIIO::TypeDesc type) {
-        pixels.resize(std::size_t(std::max(channels, 4)) * samples_.pixels());
-        if (!read_rows(input_, channels, type, pixels.data()))
+    void read_channels(std::vector<Value>& pixels, int wanted, int count, OIIO::TypeDesc type, int first = 0) {
+        pixels.resize(std::size_t(wanted) * samples_.pixels());
+        if (!read_rows(input_, count, type, pixels.data(), first))
             throw InputError(fmt::format("the picture {} cannot be decoded{}", name_, why_not(input_.geterror())));
     }
 
-    /// Grey, RGB, with alpha.
-    template <class Value>
-    void read_rgba(std::vector<Value>& pixels, OIIO::TypeDesc type, Value opaque) {
-        const int channels = std::min(spec_.nchannels, 4);
-        read_channels(pixels, channels, type);
-        spread_to_rgba(pixels, samples_.pixels(), channels, spec_.alpha_channel == 1, opaque);
-        if (channels == 4 && !fourth_is_alpha())
-            for (std::size_t i = 3; i < pixels.size(); i += 4) pixels[i] = opaque;
+    /// Which channels are red, green, blue (thrice the same one: grey) and alpha, of all but many-layered pictures.
+    [[nodiscard]] std::array<int, 4> usual_channels() const {
+        const bool grey = spec_.nchannels < 3;
+        int alpha = spec_.alpha_channel;
+        // OpenImageIO 2.4 numbers a GIF's channels from 1 where it says which is alpha.
+        if (alpha >= 0 && spec_.nchannels >= 4 && spec_.channel_name(3) == "A") alpha = 3;
+        if (alpha < (grey ? 1 : 3) || alpha >= spec_.nchannels) alpha = -1;
+        return {0, grey ? 0 : 1, grey ? 0 : 2, alpha};
     }
 
-    /// OpenImageIO 2.4 numbers a GIF's channels from 1 where it says which is alpha.
-    [[nodiscard]] bool fourth_is_alpha() const {
-        return spec_.alpha_channel == 3 || (spec_.alpha_channel >= 0 && spec_.channel_name(3) == "A");
+    template <class Value>
+    void read_rgba(std::vector<Value>& pixels, OIIO::TypeDesc type, Value opaque, const std::array<int, 4>& from) {
+        const bool grey = from[0] == from[1];
+        const int colours = grey ? 1 : 3, count = colours + (from[3] >= 0 ? 1 : 0);
+        bool in_a_row = grey || (from[1] == from[0] + 1 && from[2] == from[0] + 2);
+        if (from[3] >= 0) in_a_row = in_a_row && from[3] == from[0] + colours;
+        if (in_a_row) {
+            read_channels(pixels, 4, count, type, from[0]);
+            return spread_to_rgba(pixels, samples_.pixels(), count, true, opaque);
+        }
+        pixels.assign(4 * samples_.pixels(), opaque);
+        std::vector<Value> plane;
+        for (std::size_t c = 0; c < 4; ++c) {
+            if (from[c] < 0) continue;
+            read_channels(plane, 1, 1, type, from[c]);
+            for (std::size_t i = 0; i < plane.size(); ++i) pixels[4 * i + c] = plane[i];
+        }
+    }
+
+    /// What is in a file of one picture beside its colours, and what becomes of it.
+    template <class Value>
+    void say_left_aside(const std::vector<Value>& pixels, OIIO::TypeDesc type, const std::array<int, 4>& from) {
+        const int colours = from[0] == from[1] ? 1 : 3, taken = colours + (from[3] >= 0 ? 1 : 0);
+        if (spec_.nchannels == taken || choice_.layer) return;
+        if (spec_.nchannels > taken + 1 || from[3] >= 0)
+            return warn(
+                named_warning("several-pictures",
+                              fmt::format("The picture {} has {} channels; {}{} were taken, the others left aside.",
+                                          name_, spec_.nchannels, colours == 1 ? "grey" : "red, green, blue",
+                                          from[3] >= 0 ? " and alpha" : "")));
+        if (!is_tiff()) return;
+        warn(named_warning(
+            "several-pictures",
+            fmt::format("The picture {} has a channel beside its colours and does not say what it means; it was left "
+                        "aside{}.",
+                        name_,
+                        is_like_alpha(pixels, type, colours)
+                            ? ". It is 0 where the picture is black, as transparency is: if it is that, save the "
+                              "picture as PNG"
+                            : "")));
+    }
+
+    /// Whether a channel is 0 here and there, and nothing but black lies there.
+    template <class Value>
+    [[nodiscard]] bool is_like_alpha(const std::vector<Value>& pixels, OIIO::TypeDesc type, int channel) {
+        std::vector<Value> plane;
+        read_channels(plane, 1, 1, type, channel);
+        bool some = false, others = false;
+        for (std::size_t i = 0; i < plane.size(); ++i) {
+            if (plane[i] != 0) {
+                others = true;
+                continue;
+            }
+            if (pixels[4 * i] != 0 || pixels[4 * i + 1] != 0 || pixels[4 * i + 2] != 0) return false;
+            some = true;
+        }
+        return some && others;
+    }
+
+    template <class Value>
+    void read_colours(std::vector<Value>& pixels, OIIO::TypeDesc type, Value opaque) {
+        const std::array<int, 4> from = choice_.layer ? choice_.layer->channels : usual_channels();
+        read_rgba(pixels, type, opaque, from);
+        say_left_aside(pixels, type, from);
     }
 
     void read_rgb() {
-        if (spec_.nchannels > 4)
-            warn(named_warning(
-                "several-pictures",
-                fmt::format("The picture {} has {} channels; the first four were taken as red, green, blue and alpha.",
-                            name_, spec_.nchannels)));
         if (OIIO::Strutil::icontains(spec_.get_string_attribute("oiio:ColorSpace"), "cmyk"))
             warn(named_warning(
                 "picture-colours",
@@ -209,11 +322,11 @@ private:
         const bool is_float = spec_.format.is_floating_point();
         take_colours(is_float);
         if (is_float)
-            read_rgba<float>(samples_.floats, OIIO::TypeDesc::FLOAT, 1.0f);
+            read_colours<float>(samples_.floats, OIIO::TypeDesc::FLOAT, 1.0f);
         else if (spec_.format.size() > 1)
-            read_rgba<std::uint16_t>(samples_.words, OIIO::TypeDesc::UINT16, 65535);
+            read_colours<std::uint16_t>(samples_.words, OIIO::TypeDesc::UINT16, 65535);
         else
-            read_rgba<std::uint8_t>(samples_.bytes, OIIO::TypeDesc::UINT8, 255);
+            read_colours<std::uint8_t>(samples_.bytes, OIIO::TypeDesc::UINT8, 255);
         if (!is_openexr()) samples_.icc_profile = profile();
     }
 
@@ -224,7 +337,10 @@ private:
         return {bytes, bytes + found->datasize()};
     }
 
-    [[nodiscard]] bool is_openexr() const { return std::string_view(input_.format_name()) == "openexr"; }
+    [[nodiscard]] bool is(std::string_view format) const { return input_.format_name() == format; }
+    [[nodiscard]] bool is_openexr() const { return is("openexr"); }
+    [[nodiscard]] bool is_tiff() const { return is("tiff"); }
+    [[nodiscard]] bool is_psd() const { return is("psd"); }
 
     void lay_into_display() {
         const PixelWindow data{spec_.x, spec_.y, spec_.width, spec_.height};
@@ -232,7 +348,7 @@ private:
         if (data == display) return;
         check_picture_size(std::uint64_t(std::max<std::int64_t>(display.width, 0)),
                            std::uint64_t(std::max<std::int64_t>(display.height, 0)), name_, options_);
-        const bool clear = spec_.alpha_channel >= 0;
+        const bool clear = choice_.layer && choice_.layer->channels[3] >= 0;
         if (!samples_.floats.empty()) samples_.floats = in_window(samples_.floats, data, display, clear ? 0.0f : 1.0f);
         if (!samples_.words.empty())
             samples_.words = in_window<std::uint16_t>(samples_.words, data, display, clear ? 0 : 65535);
@@ -282,17 +398,59 @@ private:
 
     template <class Value>
     void convert_inks(std::vector<Value>& pixels, OIIO::TypeDesc type) {
-        read_channels(pixels, 4, type);
+        read_channels(pixels, 4, 4, type);
         cmyk_to_srgb<Value>(pixels, profile(), name_, samples_.warnings);
     }
 
+    void read_psd_inks() {
+        if (spec_.nchannels < 4)
+            throw InputError(fmt::format("the picture {} is CMYK and lacks one of its inks; it is damaged", name_));
+        if (spec_.format.size() > 1)
+            convert_stored_paper<std::uint16_t>(samples_.words, OIIO::TypeDesc::UINT16);
+        else
+            convert_stored_paper<std::uint8_t>(samples_.bytes, OIIO::TypeDesc::UINT8);
+    }
+
+    /// Photoshop stores what is left of the paper: 0 is full ink.
+    template <class Value>
+    void convert_stored_paper(std::vector<Value>& pixels, OIIO::TypeDesc type) {
+        read_channels(pixels, 4, 4, type);
+        for (Value& value : pixels) value = static_cast<Value>(std::numeric_limits<Value>::max() - value);
+        cmyk_to_srgb<Value>(pixels, profile(), name_, samples_.warnings);
+    }
+
+    /// L* has no sign in a TIFF, whatever the file says of its samples, and a* and b* have one or lie around the middle
+    /// of their range: the bits are taken as they are, where OpenImageIO would make 0 of all that it calls negative.
     void read_lab() {
-        if (spec_.nchannels < 3 || spec_.format.is_floating_point())
+        if (spec_.nchannels < 3 || spec_.format.is_floating_point() || spec_.format.size() > 2)
             throw InputError(fmt::format("the picture {} is in Lab colours of an unusual form; save it as RGB", name_));
-        const LabCoding coding{.offset = photometric_of(spec_) == icc_lab, .bits = spec_.format.size() > 1 ? 16 : 8};
-        read_channels(samples_.words, 3, OIIO::TypeDesc::UINT16);
+        LabCoding coding{.offset = photometric_of(spec_) == icc_lab, .bits = spec_.format.size() > 1 ? 16 : 8};
+        coding.white = lab_white(coding);
+        if (coding.bits == 16) {
+            read_channels(samples_.words, 4, 3, spec_.format);
+        } else {
+            std::vector<std::uint8_t> bytes;
+            read_channels(bytes, 3, 3, spec_.format);
+            samples_.words.resize(4 * samples_.pixels());
+            std::transform(bytes.begin(), bytes.end(), samples_.words.begin(),
+                           [](std::uint8_t v) { return static_cast<std::uint16_t>(v * 257); });
+        }
         spread_to_rgba<std::uint16_t>(samples_.words, samples_.pixels(), 3, false, 65535);
         lab_to_srgb(samples_.words, coding);
+    }
+
+    /// As the file says; D50 where it says none (Adobe's notes to TIFF). Who calls L* signed is libvips, whose Lab is
+    /// that of D65.
+    [[nodiscard]] Eigen::Vector3d lab_white(const LabCoding& coding) {
+        if (coding.offset) return optics::d50_white();  // ICC's Lab has no other
+        if (white_) return {(*white_)[0] / (*white_)[1], 1, (1 - (*white_)[0] - (*white_)[1]) / (*white_)[1]};
+        if (!spec_.format.is_signed()) return optics::d50_white();
+        warn(named_warning(
+            "picture-colours",
+            fmt::format("The picture {} is in Lab colours, stored as libvips does, and does not say their white; that "
+                        "of libvips was taken, D65. Save it as RGB to be sure.",
+                        name_)));
+        return optics::d65_white();
     }
 
     /// Floating point or, in BMP, whole.
@@ -320,6 +478,8 @@ private:
     const OIIO::ImageSpec spec_;
     const std::string& name_;
     const DecodeOptions& options_;
+    const Choice& choice_;
+    const std::optional<std::array<double, 2>> white_;
     PictureSamples samples_;
 };
 
@@ -328,6 +488,57 @@ void take_webp_facts(PictureSamples& samples, const WebpFacts& facts) {
     samples.orientation = facts.exif.orientation;
     samples.dpi_x = facts.exif.dpi_x;
     samples.dpi_y = facts.exif.dpi_y;
+}
+
+/// All pixels of a Photoshop file's picture or layer, with 255 for opaque where it has no alpha.
+std::vector<std::uint8_t> pixels_of_layer(OpenPicture& file, int layer, const std::string& name,
+                                          const DecodeOptions& options) {
+    if (!file.has(layer)) return {};
+    const OIIO::ImageSpec spec = file.input().spec();
+    if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0) return {};
+    check_picture_size(std::uint64_t(spec.width), std::uint64_t(spec.height), name, options);
+    const std::size_t count = std::size_t(spec.width) * std::size_t(spec.height);
+    const int channels = std::min(spec.nchannels, 4);
+    std::vector<std::uint8_t> pixels(4 * count);
+    if (!read_rows(file.input(), channels, OIIO::TypeDesc(OIIO::TypeDesc::UINT8), pixels.data())) return {};
+    spread_to_rgba<std::uint8_t>(pixels, count, channels, true, 255);
+    return pixels;
+}
+
+/// Whether a layer that is shown has other colours than a picture of one colour.
+bool shows_more(OpenPicture& file, const PsdFacts& facts, const std::string& name, const DecodeOptions& options) {
+    const std::vector<std::uint8_t> merged = pixels_of_layer(file, 0, name, options);
+    for (int layer = 1; layer < most_pages && file.has(layer) && !merged.empty(); ++layer) {
+        const auto index = static_cast<std::size_t>(layer - 1);
+        if (index < facts.hidden.size() && facts.hidden[index]) continue;
+        constexpr int seen = 128, other = 8;  // codes
+        const std::vector<std::uint8_t> pixels = pixels_of_layer(file, layer, name, options);
+        for (std::size_t i = 0; i < pixels.size(); i += 4)
+            for (std::size_t c = 0; c < 3 && pixels[i + 3] >= seen; ++c)
+                if (std::abs(int{pixels[i + c]} - int{merged[c]}) > other) return true;
+    }
+    return false;
+}
+
+template <class Value>
+bool is_of_one_colour(const std::vector<Value>& rgba) {
+    for (std::size_t i = 4; i < rgba.size(); ++i)
+        if (rgba[i] != rgba[i - 4]) return false;
+    return true;
+}
+
+/// A Photoshop file may lack the picture of all layers together: its place is black or white then.
+void look_for_layers(PictureSamples& samples, std::span<const std::byte> bytes, const std::string& name,
+                     const DecodeOptions& options) {
+    const PsdFacts facts = psd_facts(bytes);
+    if (!is_of_one_colour(samples.bytes) || !is_of_one_colour(samples.words) || !is_of_one_colour(samples.floats))
+        return;
+    OpenPicture file(bytes, "psd", name, false);
+    if (!facts.says_unmerged && !shows_more(file, facts, name, options)) return;
+    samples.lost_colour = fmt::format(
+        "The picture {} was saved as layers without a picture of all of them together, and that alone is read: what it "
+        "shows is LOST. Save it once more with maximal compatibility, or as PNG.",
+        name);
 }
 
 }  // namespace
@@ -340,9 +551,11 @@ DecodedImage decode_other(std::span<const std::byte> bytes, const std::string& f
         const Choice choice = choose_picture(bytes, format, name);
         OpenPicture file(bytes, format, name, choice.raw);  // anew: not every reader finds its way back
         file.go_to(choice.picture);
-        PictureSamples samples = ImageReader(file.input(), name, options).read();
+        const auto white = format == "tiff" ? tiff_white(bytes, choice.picture) : std::nullopt;
+        PictureSamples samples = ImageReader(file.input(), name, options, choice, white).read();
         if (format == "bmp") apply_bmp_masks(samples.bytes, bytes, name);
         if (format == "webp") take_webp_facts(samples, webp_facts(bytes));
+        if (format == "psd") look_for_layers(samples, bytes, name, options);
         if (!choice.warning.empty()) samples.warnings.push_back(named_warning("several-pictures", choice.warning));
         return to_texels(std::move(samples), name, options);
     } catch (const Error&) {

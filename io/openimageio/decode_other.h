@@ -2,9 +2,10 @@
 //
 // Pictures of all kinds but PNG and JPEG, by OpenImageIO: TIFF, BMP, TGA, GIF, WebP, OpenEXR, Radiance HDR, PNM, PSD.
 //
-// TIFF of Lab colours (CIELAB, ICCLab; D50, adapted to D65) and of inks (CMYK, with further channels left aside) is
-// taken as it is stored and converted here. Of files with several pictures the first is taken that is not marked as a
-// smaller copy, and it is said how many there are.
+// TIFF of Lab colours (CIELAB, ICCLab; D50 unless the file says another white, adapted to D65) and of inks (CMYK, with
+// further channels left aside), and Photoshop's CMYK, are taken as they are stored and converted here. Of files with
+// several pictures the first is taken that is not marked as a smaller copy, and it is said how many there are; of an
+// OpenEXR's layers one (colour_layer.h). A Photoshop file of layers without a picture of all of them is lost colour.
 #pragma once
 
 #include <cstddef>

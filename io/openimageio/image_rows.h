@@ -17,16 +17,17 @@ template <class Spec>
     return spec.format.is_floating_point() && spec.format.size() > 4;
 }
 
-/// The first `channels` as `type`, rows from the top. False: the file is damaged; `input`, an ImageInput, knows why.
+/// So many `channels` from `first` as `type`, rows from the top. False: the file is damaged; `input`, an ImageInput,
+/// knows why.
 template <class Input, class Type>
-[[nodiscard]] bool read_rows(Input& input, int channels, Type type, void* pixels) {
+[[nodiscard]] bool read_rows(Input& input, int channels, Type type, void* pixels, int first = 0) {
     const auto& spec = input.spec();
     if (std::string_view(input.format_name()) != "tiff" || spec.tile_width > 0)
-        return input.read_image(input.current_subimage(), 0, 0, channels, type, pixels);
+        return input.read_image(input.current_subimage(), 0, first, first + channels, type, pixels);
     const std::size_t row_bytes = std::size_t(spec.width) * std::size_t(channels) * type.size();
     for (int row = 0; row < spec.height; ++row) {
         const int y = spec.y + row;
-        if (!input.read_scanlines(input.current_subimage(), 0, y, y + 1, spec.z, 0, channels, type,
+        if (!input.read_scanlines(input.current_subimage(), 0, y, y + 1, spec.z, first, first + channels, type,
                                   static_cast<std::byte*>(pixels) + std::size_t(row) * row_bytes))
             return false;
     }

@@ -36,8 +36,8 @@ void lab_to_srgb(std::span<std::uint16_t> pixels, const LabCoding& coding) {
         std::uint16_t* const p = pixels.data() + i;
         const std::array<std::uint16_t, 3> in{p[0], p[1], p[2]};
         if (!some || in != last_in) {  // pictures have runs
-            const Eigen::Vector3d xyz = optics::adapt_white(
-                optics::xyz_from_lab(lab_of(p, coding), optics::d50_white()), optics::d50_white(), optics::d65_white());
+            const Eigen::Vector3d xyz = optics::adapt_white(optics::xyz_from_lab(lab_of(p, coding), coding.white),
+                                                            coding.white, optics::d65_white());
             const Eigen::Vector3d rgb = optics::linear_srgb_from_xyz(xyz);
             for (int c = 0; c < 3; ++c)
                 last_out[std::size_t(c)] =

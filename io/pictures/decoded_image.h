@@ -16,6 +16,7 @@ struct DecodedImage {
     double pixel_aspect = 1;      ///< height of a pixel by its width
     bool has_alpha = false;       ///< some pixel is not opaque
     std::vector<std::string> warnings;
+    std::string lost_colour;  ///< what the file shows and is not read of it, in a sentence; empty: nothing
 };
 
 }  // namespace voxtone::io

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "io/files/packed_values.h"
 
 namespace voxtone::io {
 
@@ -22,7 +21,12 @@ void check_decoded(const DecodedImage& image) {
 std::vector<std::byte> pack(const DecodedImage& image) { return packed(image); }
 
 DecodedImage unpack_image(std::span<const std::byte> bytes) {
-    auto image = unpacked<DecodedImage>(bytes);
+    PackedReader reader(bytes);
+    return unpack_image(reader);
+}
+
+DecodedImage unpack_image(PackedReader& reader) {
+    auto image = unpacked<DecodedImage>(reader);
     check_decoded(image);
     return image;
 }

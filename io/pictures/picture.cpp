@@ -24,14 +24,16 @@ bool is_invisible(const TexelImage& texels) {
 }  // namespace
 
 Picture read_picture(const std::filesystem::path& path, const ReadOptions& options) {
-    return finish_picture(read_picture_with_alpha(path, options), path.filename().string());
+    return finish_picture(read_picture_with_alpha(path, options), path.filename().string(),
+                          options.texture_filter == TextureFilter::nearest);
 }
 
 DecodedImage read_picture_with_alpha(const std::filesystem::path& path, const ReadOptions& options) {
     validate(options);
     std::vector<std::string> warnings;
-    DecodedImage image =
-        unpack_image(read_guarded(*start_reader(ReadKind::picture, path, options), options.progress, warnings));
+    DecodedImage image;
+    read_guarded(*start_reader(ReadKind::picture, path, options), options.progress, warnings,
+                 [&](PackedReader& answer) { image = unpack_image(answer); });
     image.warnings.insert(image.warnings.begin(), warnings.begin(), warnings.end());
     return image;
 }
@@ -44,7 +46,7 @@ void show_if_invisible(DecodedImage& image, const std::string& name) {
     image.has_alpha = false;
 }
 
-Picture finish_picture(DecodedImage image, const std::string& name) {
+Picture finish_picture(DecodedImage image, const std::string& name, bool nearest) {
     show_if_invisible(image, name);
     Picture picture;
     picture.width_px = image.texels.width_px;
@@ -53,12 +55,14 @@ Picture finish_picture(DecodedImage image, const std::string& name) {
     picture.dpi_y = image.dpi_y;
     picture.pixel_aspect = image.pixel_aspect;
     picture.warnings = std::move(image.warnings);
+    picture.lost_colour = std::move(image.lost_colour);
+    if (!picture.lost_colour.empty()) picture.warnings.push_back(named_warning("lost-colour", picture.lost_colour));
     if (image.has_alpha) {
         picture.warnings.push_back(
             named_warning("transparent", fmt::format("{} has transparent pixels; they were laid over white.", name)));
         compose_over(image.texels, Eigen::Vector3f::Ones());
     }
-    picture.texture = std::make_shared<const Texture>(std::move(image.texels), Wrap::clamp, Wrap::clamp);
+    picture.texture = std::make_shared<const Texture>(std::move(image.texels), Wrap::clamp, Wrap::clamp, nearest);
     return picture;
 }
 

@@ -20,6 +20,7 @@ struct Picture {
     double dpi_x = 0, dpi_y = 0;  ///< 0 where the file has none
     double pixel_aspect = 1;      ///< height of a pixel by its width
     std::vector<std::string> warnings;
+    std::string lost_colour;  ///< that of the warnings which tells of lost colours; empty: none is lost
 };
 
 /// Under the same walls as `read_model`. Throws FileError, InputError.
@@ -32,7 +33,7 @@ struct Picture {
 /// formats is no alpha. `name` is for the warning.
 void show_if_invisible(DecodedImage& image, const std::string& name);
 
-/// A decoded picture, composed over white. `name` is for the warning of that.
-[[nodiscard]] Picture finish_picture(DecodedImage image, const std::string& name);
+/// A decoded picture, composed over white. `name` is for the warning of that. `nearest`: Texture.
+[[nodiscard]] Picture finish_picture(DecodedImage image, const std::string& name, bool nearest = false);
 
 }  // namespace voxtone::io

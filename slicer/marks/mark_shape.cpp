@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
+#include "base/warning.h"
 #include "io/lettering/code_symbol.h"
 #include "io/lettering/font_file.h"
 #include "io/lettering/set_text.h"
@@ -61,6 +62,8 @@ MarkShape shape_of_picture(const MarkOptions& mark, const io::ReadOptions& readi
     io::show_if_invisible(image, std::filesystem::path(mark.file).filename().string());
     MarkShape shape;
     for (const std::string& warning : image.warnings) shape.warnings.push_back(mark.said + ": " + warning);
+    if (!image.lost_colour.empty())
+        shape.warnings.push_back(mark.said + ": " + named_warning("lost-colour", image.lost_colour));
     shape.pixels = std::make_shared<const io::AlphaPicture>(image.texels);
     shape.width_mm = mark.size_mm > 0 ? mark.size_mm : 1;
     shape.height_mm = shape.width_mm * image.texels.height_px / image.texels.width_px * image.pixel_aspect;

@@ -21,6 +21,7 @@ PictureSlab make_picture_slab(const io::Picture& picture, double width_mm, doubl
     slab.model.mm_per_file_unit = 1;
     slab.model.has_colour = true;
     slab.model.warnings = picture.warnings;
+    slab.model.lost_colour = picture.lost_colour;
     io::TexturedMesh& mesh = slab.model.mesh;
     for (const double z : {0.0, thickness_mm})
         for (const double y : {0.0, height_mm})

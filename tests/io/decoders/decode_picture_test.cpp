@@ -278,7 +278,8 @@ TEST_CASE("PNG says by numbers what its samples mean") {
         CHECK_THAT(image.warnings[0], Contains("77") && Contains("99"));
     }
     SECTION("an animation is said") {
-        const DecodedImage image = decoded(png_of_colour({1, 2, 3}, {{"acTL", bytes({0, 0, 0, 7, 0, 0, 0, 0})}}));
+        const DecodedImage image =
+            decoded(png_of_colour({30000, 20000, 10000}, {{"acTL", bytes({0, 0, 0, 7, 0, 0, 0, 0})}}));
         REQUIRE(image.warnings.size() == 1);
         CHECK_THAT(image.warnings[0], Contains("7 frames"));
     }
@@ -361,6 +362,61 @@ TEST_CASE("primaries may be those of XYZ, which have no brightness, and are refu
         REQUIRE(image.warnings.size() == 1);
         CHECK_THAT(image.warnings[0], Contains("primaries") && Contains("[picture-colours]"));
     }
+}
+
+TEST_CASE("codes in floating point, and 8 bits in 16, are taken as what they are, and said") {
+    const auto texels = [](PictureSamples samples) {
+        samples.width_px = samples.height_px = 1;
+        return to_texels(std::move(samples), "a.exr", {});
+    };
+    for (const float alpha : {1.0f, 255.0f}) {
+        const DecodedImage image = texels({.floats = {200, 40, 0, alpha}});
+        CHECK((codes_of(image) - Vector3d(200, 40, 0)).norm() < 0.1);
+        CHECK_FALSE(image.has_alpha);
+        REQUIRE(image.warnings.size() == 1);
+        CHECK_THAT(image.warnings[0], Contains("whole numbers up to 200") && Contains("[colour-range]"));
+    }
+    PictureSamples exr{.floats = {128, 128, 128, 1}};
+    exr.colours.curve = PictureCurve::linear;
+    CHECK((codes_of(texels(exr)) - Vector3d::Constant(128)).norm() < 0.1);
+    CHECK(texels({.floats = {128, 0, 0, 127.5f / 255}}).texels.alpha(0) == Approx(0.5).margin(0.003));
+    CHECK((codes_of(texels({.floats = {51400, 10280, 257, 1}})) - Vector3d(200, 40, 1)).norm() < 0.1);
+    for (const std::uint16_t alpha : {255, 65535}) {
+        const DecodedImage image = texels({.words = {200, 40, 0, alpha}});
+        CHECK((codes_of(image) - Vector3d(200, 40, 0)).norm() < 0.1);
+        CHECK_FALSE(image.has_alpha);
+        REQUIRE(image.warnings.size() == 1);
+        CHECK_THAT(image.warnings[0], Contains("8 bits") && Contains("[colour-range]"));
+    }
+    // As it is, and said that it is black.
+    for (const std::uint16_t most : {1, 15, 256, 4095}) {
+        const DecodedImage image = texels({.words = {most, 0, 0, 65535}});
+        CHECK(image.texels.rgb(0).x() < 0.006f);
+        REQUIRE(image.warnings.size() == 1);
+        CHECK_THAT(image.warnings[0], Contains(fmt::format("above {} of", most)) && Contains("[colour-range]"));
+    }
+    CHECK_THAT(texels({.bytes = {1, 0, 1, 255}}).warnings.at(0), Contains("above 1 of 255"));
+    // Refused: white all over.
+    CHECK_THROWS_WITH(texels({.floats = {127.5f, 40.25f, 1, 1}}), Contains("1 to 127.5") && Contains("white all over"));
+    CHECK_THROWS_WITH(texels({.floats = {400, 300, 260, 1}}), Contains("white all over"));
+}
+
+TEST_CASE("what is dark, bright or black in earnest stays what it is") {
+    const auto quiet = [](PictureSamples samples) {
+        samples.width_px = samples.height_px = 1;
+        return to_texels(std::move(samples), "a.exr", {}).warnings.empty();
+    };
+    CHECK(quiet({.words = {4096, 0, 0, 65535}}));
+    CHECK(quiet({.words = {0, 0, 0, 65535}}));
+    CHECK(quiet({.bytes = {0, 0, 0, 255}}));
+    CHECK(quiet({.bytes = {2, 0, 0, 255}}));
+    const PictureColours linear{.curve = PictureCurve::linear};
+    CHECK(quiet({.floats = {1, 0, 1, 1}, .colours = linear}));
+    CHECK(quiet({.words = {200, 100, 50, 65535}, .colours = linear}));  // dark, and not coded
+    const DecodedImage image =
+        to_texels({.width_px = 1, .height_px = 1, .floats = {40, 0.5f, 0, 1}, .colours = linear}, "a.exr", {});
+    CHECK((image.texels.rgb(0) - Eigen::Vector3f(1, 0.5f, 0)).norm() < 1e-4f);
+    CHECK_THAT(image.warnings.at(0), Contains("outside the range 0 to 1"));
 }
 
 TEST_CASE("a picture that is transparent as a whole is opaque") {

@@ -162,7 +162,9 @@ Bytes tiff_of(const std::vector<TiffPage>& pages, std::uint32_t width, std::uint
             TIFFSetField(file, TIFFTAG_ICCPROFILE, std::uint32_t(page.profile.size()), page.profile.data());
         if (page.smaller_copy) TIFFSetField(file, TIFFTAG_SUBFILETYPE, FILETYPE_REDUCEDIMAGE);
         const int colours = page.photometric == PHOTOMETRIC_SEPARATED ? 4 : 3;
-        const std::vector<std::uint16_t> extra(std::size_t(std::max(samples - colours, 0)), EXTRASAMPLE_UNSPECIFIED);
+        const std::vector<std::uint16_t> extra(std::size_t(std::max(samples - colours, 0)), page.extra);
+        if (page.is_signed) TIFFSetField(file, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_INT);
+        if (!page.white.empty()) TIFFSetField(file, TIFFTAG_WHITEPOINT, page.white.data());
         if (!extra.empty()) TIFFSetField(file, TIFFTAG_EXTRASAMPLES, int(extra.size()), extra.data());
         if (page.tile) {
             TIFFSetField(file, TIFFTAG_TILEWIDTH, page.tile);
@@ -171,7 +173,7 @@ Bytes tiff_of(const std::vector<TiffPage>& pages, std::uint32_t width, std::uint
         const std::size_t row_pixels = page.tile ? std::size_t(page.tile) * std::size_t(page.tile) : w;
         std::vector<std::uint8_t> bytes;
         for (std::size_t x = 0; x < row_pixels; ++x)
-            for (const std::uint16_t sample : page.pixel)
+            for (const std::uint16_t sample : x % 2 == 1 && !page.second.empty() ? page.second : page.pixel)
                 for (const std::uint8_t byte : sample_bytes(sample, page.bits)) bytes.push_back(byte);
         if (page.tile)
             for (std::uint32_t t = 0; t < TIFFNumberOfTiles(file); ++t)

@@ -51,6 +51,10 @@ struct TiffPage {
     std::vector<std::uint16_t> pixel;        ///< as stored; its length is the number of samples
     std::vector<std::uint8_t> profile = {};  ///< ICC
     float pixel_aspect = 0;                  ///< height by width, by resolutions without a unit; 0: not said
+    bool is_signed = false;                  ///< SampleFormat says that all samples have a sign
+    std::uint16_t extra = 0;                 ///< ExtraSamples of all channels beyond the colours
+    std::vector<float> white = {};           ///< tag 318, x and y; empty: not said
+    std::vector<std::uint16_t> second = {};  ///< every other pixel of a row of strips; empty: as the others
 };
 
 [[nodiscard]] Bytes tiff_of(const std::vector<TiffPage>& pages, std::uint32_t width = 20, std::uint32_t height = 10);

@@ -14,9 +14,13 @@
 #include "io/decoders/decode_image.h"
 #include "io/files/read_bytes.h"
 #include "io/files/whole_file.h"
+#include "io/openimageio/colour_layer.h"
 #include "io/openimageio/decode_photograph.h"
 #include "io/openimageio/display_window.h"
+#include "io/openimageio/psd_facts.h"
+#include "io/openimageio/tiff_white.h"
 #include "io/openimageio/webp_facts.h"
+#include "io/pictures/picture.h"
 #include "io/pictures/webp.h"
 #include "optics/colour/colour.h"
 #include "tests/io/decoders/picture_bytes.h"
@@ -84,6 +88,77 @@ std::string webp_with(const std::string& profile, const std::string& exif) {
                                   std::string(plain.begin() + 12, plain.end()) + riff_chunk("EXIF", exif));
 }
 
+/// Of 16 or 32 bits, the greatest first.
+std::string big(std::size_t value, int bytes = 4) {
+    std::string text;
+    for (int i = bytes; i-- > 0;) text += static_cast<char>(value >> (8 * i) & 255);
+    return text;
+}
+
+struct PsdLayer {
+    std::vector<int> codes;
+    bool hidden = false;
+};
+
+/// 2 x 2 pixels of one colour, 8 bits; `merged`: whether image resource 1057 says that there is a merged picture.
+std::string psd_of(const std::vector<int>& codes, const std::vector<PsdLayer>& layers, bool merged = true,
+                   std::size_t mode = 3) {
+    std::string psd = "8BPS" + big(1, 2) + std::string(6, '\0') + big(codes.size(), 2) + big(2) + big(2) + big(8, 2) +
+                      big(mode, 2) + big(0);
+    const std::string version = big(1) + std::string(1, merged ? '\1' : '\0') + std::string(13, '\0');
+    const std::string resources = "8BIM" + big(1057, 2) + big(0, 2) + big(version.size()) + version;
+    psd += big(resources.size()) + resources;
+    std::string info = big(layers.size(), 2), pixels;
+    for (const PsdLayer& layer : layers) {
+        info += big(0) + big(0) + big(2) + big(2) + big(layer.codes.size(), 2);
+        for (std::size_t c = 0; c < layer.codes.size(); ++c) {
+            info += big(c, 2) + big(6);
+            pixels += big(0, 2) + std::string(4, static_cast<char>(layer.codes[c]));
+        }
+        info += "8BIMnorm\xff" + std::string(1, '\0') + std::string(1, layer.hidden ? '\x0a' : '\x08') +
+                std::string(1, '\0') + big(12) + big(0) + big(0) + big(0);
+    }
+    info += pixels;
+    psd += layers.empty() ? big(0) : big(info.size() + 8) + big(info.size()) + info + big(0);
+    psd += big(0, 2);
+    for (const int code : codes) psd += std::string(4, static_cast<char>(code));
+    return psd;
+}
+
+DecodedImage decoded_psd(const std::string& psd) {
+    return decode_image(std::as_bytes(std::span(psd)), "a.psd", {.others = decode_other});
+}
+
+/// An OpenEXR of 2 x 1 pixels; each channel has its value.
+struct ExrPart {
+    std::string name;
+    std::vector<std::pair<std::string, float>> channels;
+};
+
+DecodedImage decoded_exr(const std::vector<ExrPart>& parts) {
+    const TemporaryFolder folder;
+    const std::string file = (folder.path() / "a.exr").string();
+    std::vector<OIIO::ImageSpec> specs;
+    for (const ExrPart& part : parts) {
+        OIIO::ImageSpec& spec = specs.emplace_back(2, 1, int(part.channels.size()), OIIO::TypeDesc::FLOAT);
+        spec.channelnames.clear();
+        for (const auto& [name, value] : part.channels) spec.channelnames.push_back(name);
+        spec.alpha_channel = -1;
+        if (!part.name.empty()) spec.attribute("oiio:subimagename", part.name);
+    }
+    const auto out = OIIO::ImageOutput::create(file);
+    REQUIRE((out && out->open(file, int(specs.size()), specs.data())));
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        std::vector<float> pixels;
+        for (int x = 0; x < 2; ++x)
+            for (const auto& [name, value] : parts[i].channels) pixels.push_back(value);
+        if (i > 0) REQUIRE(out->open(file, specs[i], OIIO::ImageOutput::AppendSubimage));
+        REQUIRE(out->write_image(OIIO::TypeDesc::FLOAT, pixels.data()));
+    }
+    REQUIRE(out->close());
+    return decode_image(read_bytes(file, 1 << 24), "a.exr", {.others = decode_other});
+}
+
 }  // namespace
 
 TEST_CASE("TIFF of Lab colours, under D50, has neutral greys and the colours that Lab says") {
@@ -106,6 +181,128 @@ TEST_CASE("TIFF of Lab colours, under D50, has neutral greys and the colours tha
                 CHECK(grey.maxCoeff() - grey.minCoeff() < 0.5);
                 CHECK(grey[0] == Approx(185).margin(1));
             }
+}
+
+TEST_CASE("Lab of a TIFF has the white that the file says, and an L* without a sign whatever it says of that") {
+    const Vector3d blue(40, 90, 200);
+    const Vector3d xyz =
+        optics::xyz_from_linear_srgb(blue.unaryExpr([](double v) { return optics::srgb_decode(v / 255); }));
+    const Vector3d lab = optics::lab_from_xyz(xyz, optics::d65_white());
+    for (const int bits : {8, 16})
+        for (const int tile : {0, 16})
+            for (const bool is_signed : {false, true}) {
+                INFO(fmt::format("{} bits, tile {}, {}", bits, tile, is_signed ? "signed" : "unsigned"));
+                TiffPage page{PHOTOMETRIC_CIELAB, bits, tile, false, stored(lab, PHOTOMETRIC_CIELAB, bits)};
+                page.is_signed = is_signed;
+                page.white = {0.3127f, 0.329f};
+                const DecodedImage image = decoded(tiff_of({page}));
+                CHECK(near(codes_of(image), blue, bits == 8 ? 3 : 0.5));
+                CHECK(image.warnings.empty());
+                page.white.clear();
+                const DecodedImage unsaid = decoded(tiff_of({page}));  // D50, or libvips' D65
+                CHECK(near(codes_of(unsaid), blue, bits == 8 ? 3 : 0.5) == is_signed);
+                CHECK(unsaid.warnings.size() == (is_signed ? 1 : 0));
+                if (is_signed) CHECK_THAT(unsaid.warnings[0], Contains("libvips") && Contains("[picture-colours]"));
+                page.pixel = stored({100, 0, 0}, PHOTOMETRIC_CIELAB, bits);
+                CHECK(near(codes_of(decoded(tiff_of({page}))), {255, 255, 255}, 0.5));
+            }
+    // Of its own page; of a file that is cut short or says nonsense none.
+    TiffPage first{PHOTOMETRIC_CIELAB, 8, 0, false, stored(lab, PHOTOMETRIC_CIELAB, 8)}, second = first;
+    first.smaller_copy = true;
+    second.white = {0.3127f, 0.329f};
+    const Bytes file = tiff_of({first, second});
+    CHECK(near(codes_of(decoded(file)), blue, 3));
+    CHECK_FALSE(tiff_white(file, 0));
+    CHECK_FALSE(tiff_white(file, 2));
+    const auto white = tiff_white(file, 1);
+    REQUIRE(white);
+    CHECK((*white)[0] == Approx(0.3127).epsilon(1e-4));
+    for (std::size_t length = 0; length < file.size(); ++length) {
+        const auto cut = tiff_white(std::span(file).first(length), 1);
+        if (cut) CHECK(*cut == *white);
+    }
+    second.white = {0.9f, 0.0f};
+    CHECK_FALSE(tiff_white(tiff_of({second}), 0));
+}
+
+TEST_CASE("a channel of a TIFF whose meaning is not said is left aside, said, and known for transparency") {
+    for (const int bits : {8, 16}) {
+        const auto scaled = [&](std::vector<std::uint16_t> pixel) {
+            for (std::uint16_t& v : pixel) v = static_cast<std::uint16_t>(bits == 16 ? v * 257 : v);
+            return pixel;
+        };
+        TiffPage page{.bits = bits, .pixel = scaled({200, 40, 40, 128})};
+        const DecodedImage plain = decoded(tiff_of({page}));
+        CHECK(near(codes_of(plain), {200, 40, 40}, 0.5));
+        CHECK_FALSE(plain.has_alpha);
+        REQUIRE(plain.warnings.size() == 1);
+        CHECK_THAT(plain.warnings[0], Contains("does not say what it means") && Contains("[several-pictures]") &&
+                                          !Contains("transparency"));
+        page.second = scaled({0, 0, 0, 0});
+        CHECK_THAT(decoded(tiff_of({page})).warnings.at(0), Contains("transparency") && Contains("PNG"));
+        page.second = scaled({1, 0, 0, 0});
+        CHECK_THAT(decoded(tiff_of({page})).warnings.at(0), !Contains("transparency"));
+        page.extra = EXTRASAMPLE_UNASSALPHA;
+        CHECK(decoded(tiff_of({page})).has_alpha);
+        CHECK(decoded(tiff_of({page})).warnings.empty());
+        page = {.bits = bits, .pixel = scaled({200, 40, 40, 128, 1})};
+        CHECK(near(codes_of(decoded(tiff_of({page}))), {200, 40, 40}, 0.5));
+        CHECK_THAT(decoded(tiff_of({page})).warnings.at(0), Contains("5 channels; red, green, blue were taken"));
+    }
+    // Grey, and such a channel.
+    TiffPage grey{.photometric = PHOTOMETRIC_MINISBLACK, .pixel = {90, 7}};
+    const DecodedImage image = decoded(tiff_of({grey}));
+    CHECK(near(codes_of(image), {90, 90, 90}, 0.5));
+    CHECK_FALSE(image.has_alpha);
+    CHECK_THAT(image.warnings.at(0), Contains("[several-pictures]"));
+}
+
+TEST_CASE("of an OpenEXR's layers red, green, blue and alpha of one are taken") {
+    using Names = std::vector<std::string>;
+    const auto taken = [](const Names& names, const std::string& part = {}) {
+        const auto layer = find_colour_layer(names, part);
+        return layer ? fmt::format("{}:{},{},{},{}", layer->name, layer->channels[0], layer->channels[1],
+                                   layer->channels[2], layer->channels[3])
+                     : std::string("none");
+    };
+    CHECK(taken({"R", "G", "B"}) == ":0,1,2,-1");
+    CHECK(taken({"A", "B", "G", "R"}) == ":3,2,1,0");
+    CHECK(taken({"AO.R", "AO.G", "AO.B", "Combined.R", "Combined.G", "Combined.B", "Combined.A"}) ==
+          "Combined:3,4,5,6");
+    CHECK(taken({"V.AO.R", "V.AO.G", "V.AO.B", "V.Combined.A", "V.Combined.B", "V.Combined.G", "V.Combined.R"}) ==
+          "V.Combined:6,5,4,3");
+    CHECK(taken({"AO.R", "AO.G", "AO.B", "R", "G", "B"}) == ":3,4,5,-1");
+    CHECK(taken({"depth.Z", "N.X", "N.Y", "N.Z", "C.red", "C.green", "C.blue"}) == "C:4,5,6,-1");
+    CHECK(taken({"a.R", "a.G", "b.R", "b.G", "b.B"}) == "b:2,3,4,-1");
+    CHECK(taken({"Y", "A"}) == ":0,0,0,1");
+    CHECK(taken({"Z"}) == ":0,0,0,-1");
+    CHECK(taken({"R", "G", "B"}, "Combined") == "Combined:0,1,2,-1");
+    for (const Names& none : {Names{"X", "Y", "Z"}, Names{"N.X", "N.Y", "N.Z", "Z"}, Names{"R", "G"}, Names{}})
+        CHECK(taken(none) == "none");
+
+    const DecodedImage image = decoded_exr({{"",
+                                             {{"AO.R", 0.1f},
+                                              {"AO.G", 0.1f},
+                                              {"AO.B", 0.1f},
+                                              {"Combined.R", 0.5f},
+                                              {"Combined.G", 0.25f},
+                                              {"Combined.B", 0.125f},
+                                              {"Combined.A", 1}}}});
+    CHECK((image.texels.rgb(0) - Eigen::Vector3f(0.5f, 0.25f, 0.125f)).norm() < 1e-3f);
+    CHECK_FALSE(image.has_alpha);
+    REQUIRE(image.warnings.size() == 1);
+    CHECK_THAT(image.warnings[0],
+               Contains("AO") && Contains("colours of Combined were taken") && Contains("[several-pictures]"));
+    const DecodedImage deep = decoded_exr({{"", {{"B", 0.125f}, {"G", 0.25f}, {"R", 0.5f}, {"Z", 3}}}});
+    CHECK((deep.texels.rgb(1) - Eigen::Vector3f(0.5f, 0.25f, 0.125f)).norm() < 1e-3f);
+    CHECK_THAT(deep.warnings.at(0), Contains("4 channels"));
+    const DecodedImage parts = decoded_exr({{"depth", {{"Z", 3}}},
+                                            {"AO", {{"R", 0.1f}, {"G", 0.1f}, {"B", 0.1f}}},
+                                            {"Combined", {{"R", 0.5f}, {"G", 0.25f}, {"B", 0.125f}}}});
+    CHECK((parts.texels.rgb(0) - Eigen::Vector3f(0.5f, 0.25f, 0.125f)).norm() < 1e-3f);
+    CHECK_THAT(parts.warnings.at(0), Contains("3 layers (depth, AO, Combined)"));
+    CHECK_THROWS_WITH(decoded_exr({{"", {{"N.X", 1}, {"N.Y", 1}, {"N.Z", 1}}}}),
+                      Contains("N.X") && Contains("no layer"));
 }
 
 TEST_CASE("TIFF of inks is taken as inks, whatever channels follow them") {
@@ -180,6 +377,33 @@ TEST_CASE("PSD is read as the picture of all its layers") {
     const DecodedImage image = decode_image(std::as_bytes(std::span(psd)), "a.psd", {.others = decode_other});
     CHECK(near(codes_of(image), {200, 40, 40}, 0.5));
     CHECK(image.warnings.empty());
+}
+
+TEST_CASE("PSD of layers without a picture of all of them is lost colour, and one of inks is taken as inks") {
+    const PsdLayer red{{200, 40, 40}}, blue{{40, 60, 200}, true};
+    const DecodedImage lost = decoded_psd(psd_of({0, 0, 0}, {red, blue}));
+    CHECK_THAT(lost.lost_colour, Contains("a.psd") && Contains("LOST"));
+    CHECK(decoded_psd(psd_of({255, 255, 255}, {red})).lost_colour == lost.lost_colour);
+    CHECK(decoded_psd(psd_of({255, 255, 255}, {}, false)).lost_colour == lost.lost_colour);
+    // What is hidden is not missed, nor is a picture of one colour one that is lost.
+    CHECK(decoded_psd(psd_of({200, 40, 40}, {red, blue})).lost_colour.empty());
+    CHECK(decoded_psd(psd_of({255, 255, 255}, {blue})).lost_colour.empty());
+    CHECK(decoded_psd(psd_of({200, 40, 40}, {red})).warnings.empty());
+    const Picture picture = finish_picture(lost, "a.psd");
+    CHECK(picture.lost_colour == lost.lost_colour);
+    CHECK_THAT(picture.warnings.at(0), Contains("[lost-colour]"));
+
+    const DecodedImage inks = decoded_psd(psd_of({200, 40, 40, 255}, {}, true, 4));  // what is left of the paper
+    CHECK(near(codes_of(inks), {200, 40, 40}, 1));
+    REQUIRE(inks.warnings.size() == 1);
+    CHECK_THAT(inks.warnings[0], Contains("CMYK") && Contains("no profile") && Contains("[picture-colours]"));
+
+    const std::string whole = psd_of({0, 0, 0}, {red, blue}, false);
+    const PsdFacts facts = psd_facts(std::as_bytes(std::span(whole)));
+    CHECK(facts.says_unmerged);
+    CHECK(facts.hidden == std::vector{false, true});
+    for (std::size_t length = 0; length < whole.size(); ++length)
+        CHECK(psd_facts(std::as_bytes(std::span(whole)).first(length)).hidden.size() <= 2);
 }
 
 TEST_CASE("what a GIF leaves transparent is transparent") {

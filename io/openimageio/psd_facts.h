@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What a Photoshop file says of itself that OpenImageIO does not tell.
+// Source: Adobe Photoshop File Formats Specification, 2019: file header; image resource 1057; layer records.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace voxtone::io {
+
+struct PsdFacts {
+    bool is_cmyk = false;
+    bool says_unmerged = false;  ///< that its picture of all layers together is none (saved without compatibility)
+    std::vector<bool> hidden{};  ///< of its layers, as they stand in the file; those of 16 bits are not listed
+};
+
+/// Of a file that is cut short what could be read.
+[[nodiscard]] PsdFacts psd_facts(std::span<const std::byte> file);
+
+}  // namespace voxtone::io
