@@ -66,11 +66,13 @@ void ask_for_folder() {
 }  // namespace
 
 ModelFile read_model_here(const std::filesystem::path& path, const ReadOptions& options, const OtherDecoder& others) {
-    return finish_model(parse_model(path, options, {.others = others}), path.filename().string(), options.fill_gutters);
+    return finish_model(parse_model(path, options, {.others = others}), path.filename().string(),
+                        {options.fill_gutters, options.texture_filter});
 }
 
 Picture read_picture_here(const std::filesystem::path& path, const ReadOptions& options, const OtherDecoder& others) {
-    return finish_picture(decode_picture(path, options, others), path.filename().string());
+    return finish_picture(decode_picture(path, options, others), path.filename().string(),
+                          options.texture_filter == TextureFilter::nearest);
 }
 
 std::vector<std::byte> answer(std::span<const std::byte> bytes) {

@@ -131,12 +131,28 @@ std::unique_ptr<IsolatedProgram> start_reader(const std::string& what, const Rea
     return program;
 }
 
+namespace {
+
+void warn_of_walls(const IsolatedProgram& reader, std::vector<std::string>& warnings) {
+    if (std::string note = told_walls().note(reader.missing_walls()); !note.empty())
+        warnings.push_back(named_warning("less-guarded", std::move(note)));
+}
+
+}  // namespace
+
 std::vector<std::byte> read_guarded(IsolatedProgram& reader, const Progress* progress,
                                     std::vector<std::string>& warnings) {
     std::vector<std::byte> bytes = reader.result(progress);
-    if (std::string note = told_walls().note(reader.missing_walls()); !note.empty())
-        warnings.push_back(named_warning("less-guarded", std::move(note)));
+    warn_of_walls(reader, warnings);
     return bytes;
+}
+
+void read_guarded(IsolatedProgram& reader, const Progress* progress, std::vector<std::string>& warnings,
+                  const std::function<void(PackedReader&)>& unpack) {
+    IsolatedProgram::Pieces pieces = reader.result_in_pieces(progress);
+    warn_of_walls(reader, warnings);
+    PackedReader answer(pieces.size, std::move(pieces.fetch));
+    unpack(answer);
 }
 
 }  // namespace voxtone::io

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -56,6 +57,11 @@ struct NeedsFolder {};
 [[nodiscard]] std::unique_ptr<IsolatedProgram> start_reader(const std::string& what, const ReadRequest& request,
                                                             IsolationLimits limits);
 
+class PackedReader;
+
+/// What it answers, unpacked piece by piece as it is read; where the system lacks a wall around it, a warning says so.
+void read_guarded(IsolatedProgram& reader, const Progress* progress, std::vector<std::string>& warnings,
+                  const std::function<void(PackedReader& answer)>& unpack);
 /// What it answers; where the system lacks a wall around it, a warning says so.
 [[nodiscard]] std::vector<std::byte> read_guarded(IsolatedProgram& reader, const Progress* progress,
                                                   std::vector<std::string>& warnings);

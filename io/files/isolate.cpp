@@ -129,14 +129,17 @@ std::string human(std::uint64_t bytes) {
 }
 
 /// `size` bytes from `at` on.
-std::vector<std::byte> fetch(int fd, std::size_t at, std::size_t size, const std::string& what) {
-    std::vector<std::byte> bytes(size);
+void fetch_to(void* to, int fd, std::size_t at, std::size_t size, const std::string& what) {
     for (std::size_t done = 0; done < size;) {
-        const ssize_t got = pread(fd, bytes.data() + done, size - done, static_cast<off_t>(at + done));
+        const ssize_t got = pread(fd, static_cast<std::byte*>(to) + done, size - done, static_cast<off_t>(at + done));
         if (got < 0 && errno == EINTR) continue;
         if (got <= 0) throw InputError(fmt::format("what the reader of {} left was taken away again", what));
         done += static_cast<std::size_t>(got);
     }
+}
+std::vector<std::byte> fetch(int fd, std::size_t at, std::size_t size, const std::string& what) {
+    std::vector<std::byte> bytes(size);
+    fetch_to(bytes.data(), fd, at, size, what);
     return bytes;
 }
 
@@ -337,7 +340,11 @@ void IsolatedProgram::tell_end() {
                     what_, how, another_copy));
 }
 
-std::vector<std::byte> IsolatedProgram::take_answer(bool& is_question) {
+std::vector<std::byte> IsolatedProgram::whole_answer(std::uint64_t size) const {
+    return fetch(result_.get(), isolation::head_bytes, size, what_);
+}
+
+std::pair<IsolatedProgram::Left, std::uint64_t> IsolatedProgram::look_at_answer() {
     struct stat about {};
     fstat(result_.get(), &about);
     const auto size = static_cast<std::uint64_t>(about.st_size);
@@ -347,16 +354,19 @@ std::vector<std::byte> IsolatedProgram::take_answer(bool& is_question) {
     const std::vector<std::byte> head = fetch(result_.get(), 0, isolation::head_bytes, what_);
     missing_walls_ |= std::to_integer<std::uint8_t>(head[2]);
     const auto outcome = static_cast<Outcome>(head[0]);
-    is_question = outcome == Outcome::question;
+    const std::uint64_t bytes = size - isolation::head_bytes;
     constexpr std::uint64_t longest_message = 1 << 16;
-    if (outcome != Outcome::result && !is_question && size > longest_message)
+    if (outcome != Outcome::result && outcome != Outcome::question && size > longest_message)
         throw InputError(fmt::format("what the reader of {} left is no answer; {}", what_, another_copy));
-    std::vector<std::byte> bytes = fetch(result_.get(), isolation::head_bytes, size - isolation::head_bytes, what_);
-    const auto text = [&] { return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()); };
+    const auto text = [&] {
+        const std::vector<std::byte> said = whole_answer(bytes);
+        return std::string(reinterpret_cast<const char*>(said.data()), said.size());
+    };
     switch (outcome) {
         case Outcome::result:
+            return {Left::result, bytes};
         case Outcome::question:
-            return bytes;
+            return {Left::question, bytes};
         case Outcome::error:
             throw_again(static_cast<ExitCode>(head[1]), text());
         case Outcome::no_memory:
@@ -369,12 +379,21 @@ std::vector<std::byte> IsolatedProgram::take_answer(bool& is_question) {
 }
 
 std::vector<std::byte> IsolatedProgram::result(const Progress* progress) {
+    return whole_answer(result_in_pieces(progress).size);
+}
+
+IsolatedProgram::Pieces IsolatedProgram::result_in_pieces(const Progress* progress) {
     for (;;) {
         if (!wait_for_answer(progress)) tell_end();
-        bool is_question = false;
-        std::vector<std::byte> left = take_answer(is_question);
-        if (!is_question) return left;
-        reply_to(left, progress);
+        const auto [left, bytes] = look_at_answer();
+        if (left == Left::question) {
+            reply_to(whole_answer(bytes), progress);
+            continue;
+        }
+        return {bytes, [this, at = isolation::head_bytes](void* to, std::size_t size) mutable {
+                    fetch_to(to, result_.get(), at, size, what_);
+                    at += size;
+                }};
     }
 }
 

@@ -64,6 +64,13 @@ public:
     /// Waits for the answer to the request; to be asked once for each. Throws Error, InputError, FileError,
     /// ResourceError, TryAgain, Cancelled; after all but what its work threw the program is of no more use.
     [[nodiscard]] std::vector<std::byte> result(const Progress* progress = nullptr);
+    /// The same, read piece by piece where it lies, each byte once: a picture may be most of the memory there is. Good
+    /// until the next request, as long as this object lives.
+    struct Pieces {
+        std::uint64_t size = 0;
+        std::function<void(void* to, std::size_t size)> fetch;
+    };
+    [[nodiscard]] Pieces result_in_pieces(const Progress* progress = nullptr);
     /// Who answers its questions; without one they are refused.
     void answer_by(Answerer answerer) { answerer_ = std::move(answerer); }
     /// The next request, when the last one was answered.
@@ -91,8 +98,10 @@ private:
     [[nodiscard]] double processor_s() const;
     /// Whether it has answered; false: it has ended.
     [[nodiscard]] bool wait_for_answer(const Progress* progress) const;
-    /// What was left, and whether it is a question.
-    std::vector<std::byte> take_answer(bool& is_question);
+    enum class Left : std::uint8_t { result, question };
+    /// Whether a result or a question was left, and how many bytes it has behind the head. Throws what is an error.
+    [[nodiscard]] std::pair<Left, std::uint64_t> look_at_answer();
+    [[nodiscard]] std::vector<std::byte> whole_answer(std::uint64_t size) const;
     void reply_to(std::span<const std::byte> question, const Progress* progress);
     [[noreturn]] void tell_end();
     void refuse_file_limit() const;

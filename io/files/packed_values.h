@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -109,9 +110,14 @@ private:
 
 class PackedReader {
 public:
-    explicit PackedReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+    /// The next bytes, so many; called for each of them once.
+    using Fetch = std::function<void(void* to, std::size_t size)>;
+
+    explicit PackedReader(std::span<const std::byte> bytes) : bytes_(bytes), left_(bytes.size()) {}
+    /// Of bytes that are not all in memory.
+    PackedReader(std::uint64_t size, Fetch fetch) : left_(size), fetch_(std::move(fetch)) {}
     void expect_end() const {
-        if (!bytes_.empty()) throw InputError("what the reader left has bytes behind its end");
+        if (left_ > 0) throw InputError("what the reader left has bytes behind its end");
     }
     template <class... Values>
     void operator()(Values&... values) {
@@ -125,7 +131,12 @@ private:
     static constexpr std::size_t least_bytes = 8;  ///< of a packed string or described struct: a count, a number
 
     void raw(void* data, std::size_t size) {
-        if (size > bytes_.size()) throw InputError("what the reader left is cut short");
+        if (size > left_) throw InputError("what the reader left is cut short");
+        left_ -= size;
+        if (fetch_) {
+            if (size) fetch_(data, size);
+            return;
+        }
         if (size) std::memcpy(data, bytes_.data(), size);
         bytes_ = bytes_.subspan(size);
     }
@@ -133,7 +144,7 @@ private:
     std::size_t count(std::size_t size) {
         std::uint64_t n = 0;
         get(n);
-        if (n > bytes_.size() / size) throw InputError("what the reader left is cut short");
+        if (n > left_ / size) throw InputError("what the reader left is cut short");
         return static_cast<std::size_t>(n);
     }
     template <class Value>
@@ -172,6 +183,8 @@ private:
     { describe(*this, value); }
 
     std::span<const std::byte> bytes_;
+    std::uint64_t left_;
+    Fetch fetch_;
 };
 
 template <class Value>
@@ -186,12 +199,16 @@ template <class Value>
 
 /// Throws InputError when the bytes are not those of such a value, as far as that can be told.
 template <class Value>
-[[nodiscard]] Value unpacked(std::span<const std::byte> bytes) {
-    PackedReader reader(bytes);
+[[nodiscard]] Value unpacked(PackedReader& reader) {
     Value value;
     reader(value);
     reader.expect_end();
     return value;
+}
+template <class Value>
+[[nodiscard]] Value unpacked(std::span<const std::byte> bytes) {
+    PackedReader reader(bytes);
+    return unpacked<Value>(reader);
 }
 
 }  // namespace voxtone::io

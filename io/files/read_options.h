@@ -3,10 +3,12 @@
 // What reading a model or a picture may cost: files are taken for hostile.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>
 
+#include "base/named_values.h"
 #include "base/progress.h"
 #include "io/files/isolate.h"
 
@@ -17,6 +19,13 @@ namespace voxtone::io {
 /// and 4.2 at 16.
 [[nodiscard]] std::uint64_t default_read_memory();
 
+/// How a texture's colours are found between the middles of its texels.
+enum class TextureFilter : std::uint8_t {
+    as_file,  ///< as the model's file says; linear where it does not
+    nearest,  ///< the nearest texel's: sharp edges, of pixel art
+    linear,   ///< blended
+};
+
 struct ReadOptions {
     std::uint64_t memory_bytes = default_read_memory();  ///< what parsing may take; 0: no limit (sanitizers need that)
     double timeout_s = 120;                              ///< of the processor; > 0
@@ -24,7 +33,8 @@ struct ReadOptions {
     std::uint64_t max_pixels = std::uint64_t{1} << 28;          ///< of one picture
     std::uint64_t max_unpacked_bytes = std::uint64_t{2} << 30;  ///< of all of a 3MF's parts
     bool fill_gutters = true;
-    std::filesystem::path texture;       ///< of a model: laid on what has coordinates and no picture; empty: none
+    std::filesystem::path texture;  ///< of a model: laid on what has coordinates and no picture; empty: none
+    TextureFilter texture_filter = TextureFilter::as_file;
     std::string more = {};               ///< for messages: how the user allows more, if there is a way
     const Progress* progress = nullptr;  ///< asked for cancellation
 };
@@ -36,3 +46,10 @@ void validate(const ReadOptions& options);
 [[nodiscard]] IsolationLimits isolation_limits(const ReadOptions& options);
 
 }  // namespace voxtone::io
+
+template <>
+struct voxtone::NamesOf<voxtone::io::TextureFilter> {
+    using Filter = io::TextureFilter;
+    static constexpr auto table = std::to_array<Named<Filter>>(
+        {{Filter::as_file, "file"}, {Filter::nearest, "nearest"}, {Filter::linear, "linear"}});
+};

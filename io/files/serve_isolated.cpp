@@ -56,11 +56,19 @@ bool write_answer(Outcome outcome, int code, const void* data, std::size_t size)
            write_all(result_fd, head, head_bytes) && write_all(result_fd, data, size);
 }
 
-/// Leaves an answer and says so.
-void leave(Outcome outcome, int code = 0, const void* data = nullptr, std::size_t size = 0) {
-    if (!write_answer(outcome, code, data, size)) write_answer(Outcome::no_memory, 0, nullptr, 0);  // the file ran out
+void say_answered() {
     const char byte = 1;
     write_all(line_fd, &byte, 1);
+}
+
+void write_or_tell(Outcome outcome, int code, const void* data, std::size_t size) {
+    if (!write_answer(outcome, code, data, size)) write_answer(Outcome::no_memory, 0, nullptr, 0);  // the file ran out
+}
+
+/// Leaves an answer and says so.
+void leave(Outcome outcome, int code = 0, const void* data = nullptr, std::size_t size = 0) {
+    write_or_tell(outcome, code, data, size);
+    say_answered();
 }
 
 void leave(Outcome outcome, int code, const char* text) { leave(outcome, code, text, std::strlen(text)); }
@@ -78,8 +86,10 @@ std::optional<std::vector<std::byte>> next_request() {
 
 void answer_one(const Work& work, std::span<const std::byte> request) {
     try {
-        const std::vector<std::byte> bytes = work(request);
-        leave(Outcome::result, 0, bytes.data(), bytes.size());
+        std::vector<std::byte> bytes = work(request);
+        write_or_tell(Outcome::result, 0, bytes.data(), bytes.size());
+        bytes = {};  // who reads the answer now has memory for it
+        say_answered();
     } catch (const Error& error) {
         leave(Outcome::error, static_cast<int>(error.exit_code()), error.what());
     } catch (const std::bad_alloc&) {

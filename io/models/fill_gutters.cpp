@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/models/fill_gutters.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -13,28 +14,71 @@ namespace {
 
 constexpr std::int32_t none = -1;
 
-/// For each texel the row of the nearest used texel in its column (the upper one of two), or none.
-std::vector<std::int32_t> nearest_in_column(const TexelCoverage& coverage) {
-    const std::size_t w = coverage.width_px(), h = coverage.height_px();
-    std::vector<std::int32_t> nearest(w * h);
-    parallel_ranges(0, w, 256, [&](std::size_t first, std::size_t last) {
-        std::vector<std::int32_t> seen(last - first, none);
-        for (std::size_t y = 0; y < h; ++y)
-            for (std::size_t x = first; x < last; ++x) {
-                if (coverage.used(y * w + x)) seen[x - first] = static_cast<std::int32_t>(y);
-                nearest[y * w + x] = seen[x - first];
+/// Of each column the nearest used rows above and below bands of rows: a table of all texels would be as large as the
+/// picture.
+class ColumnBands {
+public:
+    static constexpr std::size_t rows = 32;
+
+    explicit ColumnBands(const TexelCoverage& coverage)
+        : coverage_(coverage),
+          width_(coverage.width_px()),
+          height_(coverage.height_px()),
+          count_((height_ + rows - 1) / rows),
+          above_(width_ * count_),
+          below_(width_ * count_) {
+        parallel_ranges(0, width_, 256, [&](std::size_t first, std::size_t last) {
+            for (std::size_t band = 0; band < count_; ++band)
+                for (std::size_t x = first; x < last; ++x)
+                    above_[band * width_ + x] = band == 0 ? none : last_used(band - 1, x, above_);
+            for (std::size_t band = count_; band-- > 0;)
+                for (std::size_t x = first; x < last; ++x)
+                    below_[band * width_ + x] = band + 1 == count_ ? none : first_used(band + 1, x, below_);
+        });
+    }
+
+    [[nodiscard]] std::size_t count() const { return count_; }
+    [[nodiscard]] std::size_t end_of(std::size_t band) const { return std::min(height_, (band + 1) * rows); }
+
+    /// For each texel of a band the row of the nearest used texel in its column (the upper one of two), or none.
+    [[nodiscard]] std::vector<std::int32_t> nearest(std::size_t band) const {
+        const std::size_t begin = band * rows, end = end_of(band);
+        std::vector<std::int32_t> nearest((end - begin) * width_);
+        for (std::size_t x = 0; x < width_; ++x) {
+            std::int32_t seen = above_[band * width_ + x];
+            for (std::size_t y = begin; y < end; ++y) {
+                if (coverage_.used(y * width_ + x)) seen = static_cast<std::int32_t>(y);
+                nearest[(y - begin) * width_ + x] = seen;
             }
-        seen.assign(last - first, none);
-        for (std::size_t y = h; y-- > 0;)
-            for (std::size_t x = first; x < last; ++x) {
-                if (coverage.used(y * w + x)) seen[x - first] = static_cast<std::int32_t>(y);
-                const std::int32_t below = seen[x - first], row = static_cast<std::int32_t>(y);
-                std::int32_t& best = nearest[y * w + x];
-                if (below != none && (best == none || below - row < row - best)) best = below;
+            seen = below_[band * width_ + x];
+            for (std::size_t y = end; y-- > begin;) {
+                if (coverage_.used(y * width_ + x)) seen = static_cast<std::int32_t>(y);
+                const auto row = static_cast<std::int32_t>(y);
+                std::int32_t& best = nearest[(y - begin) * width_ + x];
+                if (seen != none && (best == none || seen - row < row - best)) best = seen;
             }
-    });
-    return nearest;
-}
+        }
+        return nearest;
+    }
+
+private:
+    [[nodiscard]] std::int32_t last_used(std::size_t band, std::size_t x,
+                                         const std::vector<std::int32_t>& beyond) const {
+        for (std::size_t y = end_of(band); y-- > band * rows;)
+            if (coverage_.used(y * width_ + x)) return static_cast<std::int32_t>(y);
+        return beyond[band * width_ + x];
+    }
+    [[nodiscard]] std::int32_t first_used(std::size_t band, std::size_t x,
+                                          const std::vector<std::int32_t>& beyond) const {
+        for (std::size_t y = band * rows; y < end_of(band); ++y)
+            if (coverage_.used(y * width_ + x)) return static_cast<std::int32_t>(y);
+        return beyond[band * width_ + x];
+    }
+
+    const TexelCoverage& coverage_;
+    std::size_t width_, height_, count_;
+    std::vector<std::int32_t> above_, below_;
+};
 
 struct Parabola {
     std::int64_t column, height;  // height: squared distance within the column
@@ -75,19 +119,21 @@ void fill_gutters(TexelImage& image, const TexelCoverage& coverage) {
     VOXTONE_EXPECT(image.width_px == coverage.width_px() && image.height_px == coverage.height_px());
     const std::size_t count = coverage.count_used();
     if (count == 0 || count == image.pixels()) return;
-    const std::vector<std::int32_t> nearest = nearest_in_column(coverage);
+    const ColumnBands bands(coverage);
     const std::size_t w = image.width_px;
-    parallel_ranges(0, image.height_px, 32, [&](std::size_t first, std::size_t last) {
+    parallel_for(0, bands.count(), 1, [&](std::size_t band) {
+        const std::size_t begin = band * ColumnBands::rows;
+        const std::vector<std::int32_t> nearest = bands.nearest(band);
         std::vector<Parabola> envelope;
-        for (std::size_t y = first; y < last; ++y) {
-            lower_envelope(nearest.data() + y * w, static_cast<std::int64_t>(y), static_cast<std::int64_t>(w),
-                           envelope);
+        for (std::size_t y = begin; y < bands.end_of(band); ++y) {
+            const std::int32_t* const of_row = nearest.data() + (y - begin) * w;
+            lower_envelope(of_row, static_cast<std::int64_t>(y), static_cast<std::int64_t>(w), envelope);
             std::size_t piece = 0;
             for (std::size_t x = 0; x < w; ++x) {
                 while (piece + 1 < envelope.size() && envelope[piece + 1].from <= static_cast<std::int64_t>(x)) ++piece;
                 if (coverage.used(y * w + x)) continue;
                 const auto column = static_cast<std::size_t>(envelope[piece].column);
-                const std::size_t source = static_cast<std::size_t>(nearest[y * w + column]) * w + column;
+                const std::size_t source = static_cast<std::size_t>(of_row[column]) * w + column;
                 if (image.is_8_bit())
                     copy_texel(image.srgb8, y * w + x, source);
                 else

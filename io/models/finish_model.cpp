@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -79,8 +80,8 @@ struct Variant {
 
 class Finisher {
 public:
-    Finisher(ModelParts parts, const std::string& name, bool fill_gutters)
-        : parts_(std::move(parts)), name_(name), fill_gutters_(fill_gutters) {}
+    Finisher(ModelParts parts, const std::string& name, const FinishOptions& options)
+        : parts_(std::move(parts)), name_(name), options_(options) {}
 
     ModelFile finish() {
         check(parts_, name_);
@@ -230,6 +231,8 @@ private:
                  transparent ? std::array{m.rgb.x(), m.rgb.y(), m.rgb.z(), m.alpha} : std::array{1.f, 1.f, 1.f, 1.f},
                  transparent ? std::array{m.under.x(), m.under.y(), m.under.z()} : std::array{1.f, 1.f, 1.f}});
         }
+        for (std::size_t i = 0; i < variants.size(); ++i)
+            if (variants[i].image >= 0 && used_material_[i]) wanted_.insert(variants[i]);
         for (std::size_t i = 0; i < variants.size(); ++i) {
             const PartMaterial& part = parts_.materials[i];
             const Variant& variant = variants[i];
@@ -245,16 +248,24 @@ private:
             if (part.image >= 0 && used_material_[i]) {
                 auto& pyramid = pyramids[variant];
                 if (!pyramid) pyramid = prepare(variant);
-                material.texture = std::make_shared<const Texture>(pyramid, part.wrap_u, part.wrap_v, part.nearest);
+                const bool nearest = options_.filter == TextureFilter::as_file
+                                         ? part.nearest
+                                         : options_.filter == TextureFilter::nearest;
+                material.texture = std::make_shared<const Texture>(pyramid, part.wrap_u, part.wrap_v, nearest);
             }
             mesh_.materials.push_back(std::move(material));
         }
     }
 
+    /// The last of an image's variants takes its texels, which may be most of the memory there is.
     std::shared_ptr<const MipPyramid> prepare(const Variant& variant) {
         const auto index = static_cast<std::size_t>(variant.image);
-        TexelImage texels = parts_.images[index].texels;
-        if (fill_gutters_) fill_gutters(texels, coverage_[index]);
+        wanted_.erase(variant);
+        const bool last = std::ranges::none_of(wanted_, [&](const Variant& v) { return v.image == variant.image; });
+        TexelImage& image = parts_.images[index].texels;
+        TexelImage texels = last ? std::move(image) : image;
+        if (options_.fill_gutters) fill_gutters(texels, coverage_[index]);
+        if (last) coverage_[index] = TexelCoverage(0, 0);
         if (variant.transparent)
             compose_over(texels, {variant.under[0], variant.under[1], variant.under[2]},
                          {variant.tint[0], variant.tint[1], variant.tint[2]}, variant.tint[3]);
@@ -320,7 +331,8 @@ private:
 
     ModelParts parts_;
     const std::string& name_;
-    bool fill_gutters_;
+    const FinishOptions options_;
+    std::set<Variant> wanted_;  ///< that are still to be prepared
     TexturedMesh mesh_;
     std::vector<TexelCoverage> coverage_;
     std::vector<bool> used_material_;
@@ -330,8 +342,8 @@ private:
 
 }  // namespace
 
-ModelFile finish_model(ModelParts parts, const std::string& name, bool fill_gutters) {
-    return Finisher(std::move(parts), name, fill_gutters).finish();
+ModelFile finish_model(ModelParts parts, const std::string& name, const FinishOptions& options) {
+    return Finisher(std::move(parts), name, options).finish();
 }
 
 }  // namespace voxtone::io

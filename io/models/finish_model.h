@@ -5,13 +5,18 @@
 
 #include <string>
 
+#include "io/files/read_options.h"
 #include "io/models/mesh.h"
 #include "io/models/model_parts.h"
 
 namespace voxtone::io {
 
-/// Checks indices and values, welds positions, prepares textures; `fill_gutters`: texels that no triangle uses take the
-/// colour of the nearest used one. `name` is for messages. Throws InputError.
-[[nodiscard]] ModelFile finish_model(ModelParts parts, const std::string& name, bool fill_gutters);
+struct FinishOptions {
+    bool fill_gutters = true;  ///< texels that no triangle uses take the colour of the nearest used one
+    TextureFilter filter = TextureFilter::as_file;
+};
+
+/// Checks indices and values, welds positions, prepares textures. `name` is for messages. Throws InputError.
+[[nodiscard]] ModelFile finish_model(ModelParts parts, const std::string& name, const FinishOptions& options);
 
 }  // namespace voxtone::io

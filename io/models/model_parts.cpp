@@ -51,7 +51,12 @@ void check(const ModelParts& parts) {
 std::vector<std::byte> pack(const ModelParts& parts) { return packed(parts); }
 
 ModelParts unpack_model(std::span<const std::byte> bytes) {
-    auto parts = unpacked<ModelParts>(bytes);
+    PackedReader reader(bytes);
+    return unpack_model(reader);
+}
+
+ModelParts unpack_model(PackedReader& reader) {
+    auto parts = unpacked<ModelParts>(reader);
     check(parts);
     return parts;
 }

@@ -77,9 +77,12 @@ private:
     }
 };
 
+class PackedReader;
+
 /// To bytes and back, on one machine. What comes back is not believed: unpacking throws InputError when the bytes are
 /// cut short, or are no model or picture whose parts fit together.
 [[nodiscard]] std::vector<std::byte> pack(const ModelParts& parts);
 [[nodiscard]] ModelParts unpack_model(std::span<const std::byte> bytes);
+[[nodiscard]] ModelParts unpack_model(PackedReader& reader);
 
 }  // namespace voxtone::io

@@ -47,15 +47,22 @@ bool is_one_file(const std::filesystem::path& path) {
     return extension == "stl" || extension == "ply" || extension == "3mf" || extension == "glb" || extension == "fbx";
 }
 
-std::vector<std::byte> read_parts(const std::filesystem::path& path, const ReadOptions& options,
-                                  std::vector<std::string>& warnings) {
+ModelParts read_parts(const std::filesystem::path& path, const ReadOptions& options,
+                      std::vector<std::string>& warnings) {
+    ModelParts parts;
+    const auto read = [&](bool sees_folder) {
+        read_guarded(*start_reader(ReadKind::model, path, options, sees_folder), options.progress, warnings,
+                     [&](PackedReader& answer) { parts = unpack_model(answer); });
+    };
     if (is_one_file(path)) {
         try {
-            return read_guarded(*start_reader(ReadKind::model, path, options, false), options.progress, warnings);
+            read(false);
+            return parts;
         } catch (const NeedsFolder&) {  // it names one: once more, with its folder
         }
     }
-    return read_guarded(*start_reader(ReadKind::model, path, options), options.progress, warnings);
+    read(true);
+    return parts;
 }
 
 }  // namespace
@@ -72,10 +79,10 @@ ModelFile read_model(const std::filesystem::path& path, const ReadOptions& optio
         throw InputError(fmt::format(
             "{} is no model of a known kind; OBJ, PLY, STL, glTF, GLB, 3MF, FBX and VRML can be read", name));
     std::vector<std::string> warnings;
-    ModelParts parts = unpack_model(read_parts(path, options, warnings));
+    ModelParts parts = read_parts(path, options, warnings);
     parts.warnings.insert(parts.warnings.begin(), warnings.begin(), warnings.end());
     side_files.insert(side_files.end(), parts.side_files.begin(), parts.side_files.end());
-    return finish_model(std::move(parts), name, options.fill_gutters);
+    return finish_model(std::move(parts), name, {options.fill_gutters, options.texture_filter});
 }
 
 }  // namespace voxtone::io

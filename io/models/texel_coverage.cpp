@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 namespace voxtone::io {
@@ -70,11 +69,11 @@ TexelCoverage::TexelCoverage(std::uint32_t width_px, std::uint32_t height_px)
     : width_(width_px), height_(height_px), used_(std::size_t{width_px} * height_px) {}
 
 std::size_t TexelCoverage::count_used() const {
-    return used_.size() - static_cast<std::size_t>(std::count(used_.begin(), used_.end(), std::uint8_t{0}));
+    return static_cast<std::size_t>(std::count(used_.begin(), used_.end(), true));
 }
 
 void TexelCoverage::mark_everything() {
-    std::fill(used_.begin(), used_.end(), std::uint8_t{1});
+    std::fill(used_.begin(), used_.end(), true);
     full_ = true;
 }
 
@@ -82,10 +81,10 @@ void TexelCoverage::mark_everything() {
 bool TexelCoverage::mark_row(std::int64_t y, std::int64_t first, std::int64_t last, Wrap wrap_u, Wrap wrap_v) {
     const std::int64_t row = wrapped(y, height_, wrap_v), w = width_;
     if (first > last || row < 0) return false;
-    std::uint8_t* texels = used_.data() + row * w;
+    const auto texels = used_.begin() + row * w;
     const auto fill = [&](std::int64_t a, std::int64_t b) {
         if (a > b) return;
-        std::memset(texels + a, 1, static_cast<std::size_t>(b - a + 1));
+        std::fill(texels + a, texels + b + 1, true);
         marked_ += static_cast<std::size_t>(b - a + 1);
     };
     if (!tiles(wrap_u)) {

@@ -27,7 +27,7 @@ public:
 
     [[nodiscard]] std::uint32_t width_px() const { return width_; }
     [[nodiscard]] std::uint32_t height_px() const { return height_; }
-    [[nodiscard]] bool used(std::size_t texel) const { return used_[texel] != 0; }
+    [[nodiscard]] bool used(std::size_t texel) const { return used_[texel]; }
     [[nodiscard]] std::size_t count_used() const;
 
 private:
@@ -35,7 +35,7 @@ private:
     void mark_everything();
 
     std::uint32_t width_, height_;
-    std::vector<std::uint8_t> used_;
+    std::vector<bool> used_;  ///< a bit a texel
     bool full_ = false;
     std::size_t marked_ = 0, marked_total_ = 0;
 };

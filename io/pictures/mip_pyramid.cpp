@@ -5,7 +5,9 @@
 // Levels by exact area averages. A level of even size averages pairs. Of an odd size 2k + 1 it has k texels, each of
 // which covers 2 + 1/k texels of the level above: three taps with weights (k - i, k, i + 1) / (2k + 1).
 #include <algorithm>
+#include <array>
 #include <utility>
+#include <vector>
 
 #include "base/contracts.h"
 #include "base/parallel.h"
@@ -28,21 +30,17 @@ Taps taps(std::uint32_t i, std::uint32_t size) {
 
 void decode_row(const std::uint8_t* texels, std::size_t width, float* out) {
     const auto& table = srgb8_to_linear();
-    for (std::size_t x = 0; x < width; ++x)
-        for (int c = 0; c < 3; ++c) out[3 * x + c] = table[texels[4 * x + c]];
+    for (std::size_t i = 0; i < 3 * width; ++i) out[i] = table[texels[i]];
 }
 void decode_row(const std::uint16_t* texels, std::size_t width, float* out) {
-    for (std::size_t x = 0; x < width; ++x)
-        for (int c = 0; c < 3; ++c) out[3 * x + c] = static_cast<float>(texels[4 * x + c]) / 65535.0f;
+    for (std::size_t i = 0; i < 3 * width; ++i) out[i] = static_cast<float>(texels[i]) / 65535.0f;
 }
 void encode_row(const float* values, std::size_t width, std::uint8_t* out) {
-    for (std::size_t x = 0; x < width; ++x)
-        for (int c = 0; c < 3; ++c) out[4 * x + c] = linear_to_srgb8(values[3 * x + c]);
+    for (std::size_t i = 0; i < 3 * width; ++i) out[i] = linear_to_srgb8(values[i]);
 }
 void encode_row(const float* values, std::size_t width, std::uint16_t* out) {
-    for (std::size_t x = 0; x < width; ++x)
-        for (int c = 0; c < 3; ++c)
-            out[4 * x + c] = static_cast<std::uint16_t>(std::clamp(values[3 * x + c], 0.0f, 1.0f) * 65535.0f + 0.5f);
+    for (std::size_t i = 0; i < 3 * width; ++i)
+        out[i] = static_cast<std::uint16_t>(std::clamp(values[i], 0.0f, 1.0f) * 65535.0f + 0.5f);
 }
 
 /// One row of width `from` to its averages of width `to`.
@@ -58,6 +56,92 @@ void narrow_row(const float* in, std::uint32_t from, std::uint32_t to, float* ou
     }
 }
 
+/// Rows of a level, of which so many are given from `first`, to row `y` of the next one.
+void average_rows(const std::vector<const float*>& rows, const Taps& taps, const MipPyramid::Level& from,
+                  const MipPyramid::Level& to, std::vector<float>& mean, float* out) {
+    mean.assign(3 * std::size_t{from.width}, 0.0f);
+    for (std::uint32_t j = 0; j < taps.count; ++j) {
+        const float weight = taps.weight[j];
+        const float* const values = rows[j];
+        for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += weight * values[i];
+    }
+    narrow_row(mean.data(), from.width, to.width, out);
+}
+
+/// The levels below one whose rows come from the top. Each is made of unrounded values of the one above, so that
+/// rounding does not add up, and keeps the last rows of it alone.
+template <class Value>
+class LowerLevels {
+public:
+    LowerLevels(const std::vector<MipPyramid::Level>& levels, std::size_t first, Value* texels)
+        : levels_(levels), texels_(texels), states_(levels.size()) {
+        for (std::size_t l = first; l < levels.size(); ++l)
+            for (auto& row : states_[l].last) row.resize(3 * std::size_t{levels[l].width});
+    }
+
+    /// Row `y` of level `l`; it is stored, and what is complete with it is made.
+    void push(std::size_t l, std::uint32_t y, const float* row) {
+        const MipPyramid::Level& from = levels_[l];
+        encode_row(row, from.width, texels_ + 3 * (from.first + std::size_t{y} * from.width));
+        if (l + 1 == levels_.size()) return;
+        State& state = states_[l];
+        std::copy_n(row, 3 * std::size_t{from.width}, state.last[y % kept].begin());
+        const MipPyramid::Level& to = levels_[l + 1];
+        for (; state.next < to.height; ++state.next) {
+            const Taps rows = taps(state.next, from.height);
+            if (rows.first + rows.count > y + 1) return;
+            std::vector<const float*> given;
+            for (std::uint32_t j = 0; j < rows.count; ++j) given.push_back(state.last[(rows.first + j) % kept].data());
+            std::vector<float> made(3 * std::size_t{to.width});
+            average_rows(given, rows, from, to, state.mean, made.data());
+            push(l + 1, state.next, made.data());
+        }
+    }
+
+private:
+    static constexpr std::size_t kept = 3;  ///< as many as an average has taps
+    struct State {
+        std::array<std::vector<float>, kept> last;
+        std::vector<float> mean;
+        std::uint32_t next = 0;  ///< row of the level below
+    };
+    const std::vector<MipPyramid::Level>& levels_;
+    Value* texels_;
+    std::vector<State> states_;
+};
+
+/// Four values a texel become three, in place; the levels below are appended.
+template <class Value>
+void make_levels(std::vector<Value>& texels, const std::vector<MipPyramid::Level>& levels) {
+    const std::size_t pixels = texels.size() / 4;
+    for (std::size_t i = 1; i < pixels; ++i)
+        for (std::size_t c = 0; c < 3; ++c) texels[3 * i + c] = texels[4 * i + c];
+    const MipPyramid::Level top = levels.front(), last = levels.back();
+    texels.resize(3 * (last.first + 1));
+    if (levels.size() == 1) return;
+    const MipPyramid::Level next = levels[1];
+    constexpr std::size_t rows_at_once = 64;
+    std::vector<float> band(3 * std::size_t{next.width} * rows_at_once);
+    LowerLevels<Value> lower(levels, 1, texels.data());
+    for (std::size_t begin = 0; begin < next.height; begin += rows_at_once) {
+        const std::size_t end = std::min<std::size_t>(begin + rows_at_once, next.height);
+        parallel_ranges(begin, end, 8, [&](std::size_t first, std::size_t past) {
+            std::vector<std::vector<float>> decoded(3, std::vector<float>(3 * std::size_t{top.width}));
+            std::vector<const float*> given{decoded[0].data(), decoded[1].data(), decoded[2].data()};
+            std::vector<float> mean;
+            for (std::size_t y = first; y < past; ++y) {
+                const Taps rows = taps(static_cast<std::uint32_t>(y), top.height);
+                for (std::uint32_t j = 0; j < rows.count; ++j)
+                    decode_row(texels.data() + 3 * std::size_t{rows.first + j} * top.width, top.width,
+                               decoded[j].data());
+                average_rows(given, rows, top, next, mean, band.data() + 3 * (y - begin) * next.width);
+            }
+        });
+        for (std::size_t y = begin; y < end; ++y)
+            lower.push(1, static_cast<std::uint32_t>(y), band.data() + 3 * (y - begin) * next.width);
+    }
+}
+
 }  // namespace
 
 MipPyramid::MipPyramid(TexelImage image) {
@@ -69,59 +153,11 @@ MipPyramid::MipPyramid(TexelImage image) {
         total += std::size_t{w} * h;
         if (w == 1 && h == 1) break;
     }
-    const bool coded = image.is_8_bit();
-    srgb8_ = std::move(image.srgb8);
-    linear16_ = std::move(image.linear16);
-    if (coded)
-        srgb8_.resize(4 * total);
+    texels_ = {std::move(image.srgb8), std::move(image.linear16)};
+    if (is_8_bit())
+        make_levels(texels_.srgb8, levels_);
     else
-        linear16_.resize(4 * total);
-
-    // Each level comes from the unrounded values of the one above, so that rounding does not add up.
-    std::vector<float> above, here;
-    for (std::size_t l = 1; l < levels_.size(); ++l) {
-        const Level from = levels_[l - 1], to = levels_[l];
-        const std::size_t width = from.width;
-        here.resize(3 * std::size_t{to.width} * to.height);
-        parallel_ranges(0, to.height, 16, [&](std::size_t first, std::size_t last) {
-            std::vector<float> row(3 * width), mean(3 * width);
-            for (std::size_t y = first; y < last; ++y) {
-                const Taps rows = taps(static_cast<std::uint32_t>(y), from.height);
-                std::fill(mean.begin(), mean.end(), 0.0f);
-                for (std::uint32_t j = 0; j < rows.count; ++j) {
-                    const std::size_t texel = (rows.first + j) * width;
-                    const float* values = row.data();
-                    if (l > 1)
-                        values = above.data() + 3 * texel;
-                    else if (coded)
-                        decode_row(srgb8_.data() + 4 * texel, width, row.data());
-                    else
-                        decode_row(linear16_.data() + 4 * texel, width, row.data());
-                    const float weight = rows.weight[j];
-                    for (std::size_t i = 0; i < 3 * width; ++i) mean[i] += weight * values[i];
-                }
-                float* out = here.data() + 3 * y * to.width;
-                narrow_row(mean.data(), from.width, to.width, out);
-                const std::size_t target = 4 * (to.first + y * to.width);
-                if (coded)
-                    encode_row(out, to.width, srgb8_.data() + target);
-                else
-                    encode_row(out, to.width, linear16_.data() + target);
-            }
-        });
-        std::swap(above, here);
-    }
-    if (coded) keep_linear();
-}
-
-void MipPyramid::keep_linear() {
-    const auto& table = srgb8_to_linear();
-    linear16_.resize(srgb8_.size());
-    parallel_ranges(0, srgb8_.size(), 1 << 16, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i)
-            linear16_[i] = static_cast<std::uint16_t>(table[srgb8_[i]] * 65535.0f + 0.5f);
-    });
-    srgb8_ = {};
+        make_levels(texels_.linear16, levels_);
 }
 
 }  // namespace voxtone::io

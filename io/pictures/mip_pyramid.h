@@ -4,9 +4,9 @@
 // that every level has the mean of level 0 (within its rounding: half an 8-bit sRGB code for 8-bit pictures, 2^-17 for
 // deeper ones).
 //
-// Texels are kept as 16-bit linear light, of 8-bit pictures too: decoding sRGB codes by table took more than half of
-// the time of a sample. The rounding is 2^-17, a fortieth of the step between the two darkest 8-bit codes. Memory: 8
-// bytes a texel, times 4/3 for the levels.
+// Texels of 8-bit pictures stay in their codes and are decoded when they are sampled, to 16-bit linear light: the
+// rounding is 2^-17, a fortieth of the step between the two darkest codes. Deeper ones are kept so. Memory: 3 or 6
+// bytes a texel, times 4/3 for the levels, and no more than the picture's own 4 or 8 while they are made.
 #pragma once
 
 #include <cstddef>
@@ -25,24 +25,27 @@ public:
         std::uint32_t width, height;
         std::size_t first;  // texel
     };
+    /// Three values a texel, R, G, B, of all levels; one of the two is empty.
+    struct Texels {
+        std::vector<std::uint8_t> srgb8;
+        std::vector<std::uint16_t> linear16;  ///< 65535 is 1
+
+        bool operator==(const Texels&) const = default;
+        [[nodiscard]] std::size_t count() const { return (srgb8.size() + linear16.size()) / 3; }
+    };
     /// Alpha is not looked at: compose before.
     explicit MipPyramid(TexelImage image);
 
     /// As `levels` and `texels` of another one gave them.
-    MipPyramid(std::vector<Level> levels, std::vector<std::uint16_t> texels)
-        : levels_(std::move(levels)), linear16_(std::move(texels)) {}
+    MipPyramid(std::vector<Level> levels, Texels texels) : levels_(std::move(levels)), texels_(std::move(texels)) {}
 
-    [[nodiscard]] const std::vector<std::uint16_t>& texels() const { return linear16_; }
+    [[nodiscard]] const Texels& texels() const { return texels_; }
     [[nodiscard]] const std::vector<Level>& levels() const { return levels_; }
-    /// Four values a texel, R, G, B and one that is not used; 65535 is 1.
-    [[nodiscard]] const std::uint16_t* linear16(const Level& level) const { return linear16_.data() + 4 * level.first; }
+    [[nodiscard]] bool is_8_bit() const { return !texels_.srgb8.empty(); }
 
 private:
-    void keep_linear();
-
     std::vector<Level> levels_;
-    std::vector<std::uint8_t> srgb8_;  // of 8-bit pictures, only while the levels are made
-    std::vector<std::uint16_t> linear16_;
+    Texels texels_;
 };
 
 }  // namespace voxtone::io

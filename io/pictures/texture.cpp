@@ -2,12 +2,14 @@
 #include "io/pictures/texture.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstring>
+#include <vector>
 
 #include <Eigen/Geometry>
 
 #include "base/contracts.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::io {
 
@@ -57,21 +59,35 @@ Axis taps(Wrap wrap, float x, std::uint32_t size) {
             position - static_cast<float>(i)};
 }
 
-// Four channels at once; the compiler makes what the machine has of them. Same bits as one channel at a time.
-using Codes = std::uint16_t __attribute__((vector_size(8)));
+// All channels at once; the compiler makes what the machine has of them. Same bits as one channel at a time.
 using Values = float __attribute__((vector_size(16)));
 
+/// sRGB codes as 16-bit linear light.
+const std::array<float, 256> srgb8_to_linear16 = [] {
+    std::array<float, 256> table{};
+    for (std::size_t i = 0; i < table.size(); ++i) {
+        const auto linear = static_cast<float>(optics::srgb_decode(static_cast<double>(i) / 255.0));
+        table[i] = static_cast<float>(static_cast<std::uint16_t>(linear * 65535.0f + 0.5f));
+    }
+    return table;
+}();
+
 Values load(const std::uint16_t* texel) {
-    Codes codes;
-    std::memcpy(&codes, texel, sizeof codes);
-    return __builtin_convertvector(codes, Values);
+    const Values values = {static_cast<float>(texel[0]), static_cast<float>(texel[1]), static_cast<float>(texel[2]), 0};
+    return values;
+}
+Values load(const std::uint8_t* texel) {
+    const Values values = {srgb8_to_linear16[texel[0]], srgb8_to_linear16[texel[1]], srgb8_to_linear16[texel[2]], 0};
+    return values;
 }
 
-Eigen::Vector3f bilinear(const std::uint16_t* texels, const MipPyramid::Level& level, const Axis& x, const Axis& y) {
-    const std::uint16_t* row0 = texels + 4 * std::size_t{y.i0} * level.width;
-    const std::uint16_t* row1 = texels + 4 * std::size_t{y.i1} * level.width;
-    const Values a = load(row0 + 4 * x.i0), b = load(row0 + 4 * x.i1), c = load(row1 + 4 * x.i0),
-                 d = load(row1 + 4 * x.i1);
+template <class Value>
+Eigen::Vector3f bilinear(const std::vector<Value>& texels, const MipPyramid::Level& level, const Axis& x,
+                         const Axis& y) {
+    const Value* const row0 = texels.data() + 3 * (level.first + std::size_t{y.i0} * level.width);
+    const Value* const row1 = texels.data() + 3 * (level.first + std::size_t{y.i1} * level.width);
+    const Values a = load(row0 + 3 * std::size_t{x.i0}), b = load(row0 + 3 * std::size_t{x.i1}),
+                 c = load(row1 + 3 * std::size_t{x.i0}), d = load(row1 + 3 * std::size_t{x.i1});
     const Values top = a + x.weight1 * (b - a), bottom = c + x.weight1 * (d - c);
     const Values rgb = (top + y.weight1 * (bottom - top)) * (1.0f / 65535.0f);
     return {rgb[0], rgb[1], rgb[2]};
@@ -85,7 +101,8 @@ Eigen::Vector3f sample_level(const MipPyramid& pyramid, std::size_t l, Wrap wrap
         x = {x.weight1 < 0.5f ? x.i0 : x.i1, 0, 0};
         y = {y.weight1 < 0.5f ? y.i0 : y.i1, 0, 0};
     }
-    return bilinear(pyramid.linear16(level), level, x, y);
+    if (pyramid.is_8_bit()) return bilinear(pyramid.texels().srgb8, level, x, y);
+    return bilinear(pyramid.texels().linear16, level, x, y);
 }
 
 }  // namespace

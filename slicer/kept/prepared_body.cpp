@@ -89,7 +89,8 @@ void put_materials(PackedWriter& to, const std::vector<io::SurfaceMaterial>& mat
             number.emplace(material.texture->pyramid().get(), std::uint32_t(pyramids.size())).second)
             pyramids.push_back(material.texture->pyramid().get());
     to(std::uint64_t{pyramids.size()});
-    for (const io::MipPyramid* pyramid : pyramids) to(pyramid->levels(), pyramid->texels());
+    for (const io::MipPyramid* pyramid : pyramids)
+        to(pyramid->levels(), pyramid->texels().srgb8, pyramid->texels().linear16);
     to(std::uint64_t{materials.size()});
     for (const io::SurfaceMaterial& material : materials) {
         to(material.name, material.rgb, material.texture != nullptr);
@@ -102,9 +103,11 @@ void put_materials(PackedWriter& to, const std::vector<io::SurfaceMaterial>& mat
 /// All its levels lie within its texels.
 std::shared_ptr<const io::MipPyramid> pyramid_from(PackedReader& from) {
     std::vector<io::MipPyramid::Level> levels;
-    std::vector<std::uint16_t> texels;
-    from(levels, texels);
-    const std::size_t all = texels.size() / 4;
+    io::MipPyramid::Texels texels;
+    from(levels, texels.srgb8, texels.linear16);
+    const std::size_t all = texels.count();
+    if (texels.srgb8.empty() == texels.linear16.empty())
+        throw InputError("what the first shard left has a texture of no kind");
     const bool fit = std::ranges::all_of(levels, [&](const io::MipPyramid::Level& level) {
         const std::uint64_t own = std::uint64_t{level.width} * level.height;
         return own >= 1 && own <= all && level.first <= all - own;

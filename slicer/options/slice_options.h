@@ -27,7 +27,8 @@ struct SliceOptions {
     bool flip_x = false, flip_y = false, swap_xy = false;
     double width_mm = 0;  ///< pictures: 0 asks for it
     double thickness_mm = 4;
-    std::string texture;  ///< file; empty: the mesh's own
+    std::string texture;                  ///< file; empty: the mesh's own
+    std::string texture_filter = "file";  ///< as the file says, nearest, linear
     std::string backing = "black";
     std::vector<std::string> labels, decals;  ///< each as it is spelled (mark_words.h)
 

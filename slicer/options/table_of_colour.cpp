@@ -49,6 +49,13 @@ std::vector<OptionSpec> resins_entries() {
                .idle = {[](const O&, bool is_picture) {
                    return unless(!is_picture, "it is for meshes; a picture is its own texture");
                }}}),
+        choice(&O::texture_filter, at(&Job::reading, &io::ReadOptions::texture_filter),
+               {.key = "texture-filter",
+                .metavar = "HOW",
+                .group = group,
+                .help = "between texels: as the model's file says (linear where it does not), nearest (the sharp edges "
+                        "of pixel art) or linear",
+                .only_for = Show::colour}),
         plain(&O::resins, at(&Job::resins),
               {.key = "resins",
                .metavar = "SET|FILE",

@@ -179,6 +179,7 @@ TEST_CASE("glTF models") {
         CHECK(file.has_colour);
         CHECK(file.warnings.empty());  // OPAQUE: alpha is not looked at
         const SurfaceMaterial& material = file.mesh.materials[file.mesh.material_of_triangle[0]];
+        CHECK(material.texture->nearest());
         CHECK(near(material.rgb, {0.5f, 0.5f, 1}));
         REQUIRE(material.texture);
         CHECK(material.texture->wrap_u() == Wrap::clamp);

@@ -54,7 +54,7 @@ TEST_CASE("a parsed model comes over the wall whole") {
     CHECK(parts.materials[0].wrap_u == Wrap::decal);
     CHECK(parts.images[0].texels.srgb8 == two_pixels().texels.srgb8);
     CHECK(parts.images[0].warnings == two_pixels().warnings);
-    CHECK(finish_model(parts, "a.obj", true).mesh.triangles.size() == 1);
+    CHECK(finish_model(parts, "a.obj", {}).mesh.triangles.size() == 1);
     CHECK(pack(unpack_image(pack(two_pixels()))) == pack(two_pixels()));
 }
 
@@ -92,7 +92,7 @@ TEST_CASE("wrong bytes in a parsed model give a model or an error") {
         for (std::size_t k = 0; k < 1 + i % 3; ++k)
             wrong[random.bits() % wrong.size()] = static_cast<std::byte>(random.bits() & 255);
         try {
-            (void)finish_model(unpack_model(wrong), "a.obj", true);
+            (void)finish_model(unpack_model(wrong), "a.obj", {});
             ++models;
         } catch (const InputError&) {
             ++refused;

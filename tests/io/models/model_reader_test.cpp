@@ -182,6 +182,26 @@ TEST_CASE("OBJ models") {
         nothing.texture = folder.path() / "nothing.png";
         CHECK_THROWS_AS(read_model_here(folder.write({{"a.obj", square + "f 1/1 2/2 3/3\n"}}), nothing), FileError);
     }
+    SECTION("texels are blended unless the user or the file wants the nearest one") {
+        const std::filesystem::path obj =
+            folder.write({{"a.obj", "mtllib a.mtl\n" + square + "usemtl m\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n"},
+                          {"a.mtl", "newmtl m\nmap_Kd t.png\n"},
+                          {"t.png", four_colours()}});
+        const auto between = [&](const std::filesystem::path& file, TextureFilter filter) {
+            ReadOptions options;
+            options.texture_filter = filter;
+            const ModelFile model = read_model_here(file, options);
+            return model.mesh.materials.back().texture->sample(0.49f, 0.75f);  // red on the left, green on the right
+        };
+        CHECK(near(between(obj, TextureFilter::nearest), {1, 0, 0}));
+        CHECK(near(between(obj, TextureFilter::linear), {0.52f, 0.48f, 0}, 0.01f));
+        CHECK(near(between(obj, TextureFilter::as_file), between(obj, TextureFilter::linear)));
+        ReadOptions options;
+        options.texture_filter = TextureFilter::nearest;
+        const Picture sharp = read_picture_here(folder.path() / "t.png", options);
+        CHECK(near(sharp.texture->sample(0.49f, 0.75f), {1, 0, 0}));
+        CHECK_FALSE(read_picture_here(folder.path() / "t.png").texture->nearest());
+    }
     SECTION("textures outside the folder are not read") {
         Folder inner;
         const std::filesystem::path outside = folder.write({{"secret.png", four_colours()}});

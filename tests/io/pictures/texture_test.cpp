@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/pictures/texture.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <catch2/catch.hpp>
 
@@ -38,7 +40,106 @@ TexelImage noise(std::uint32_t width, std::uint32_t height) {
 
 float linear(int code) { return static_cast<float>(voxtone::optics::srgb_decode(code / 255.0)); }
 
+/// By the definition, all in memory: weights of an average along one side.
+std::vector<float> weights_of(std::uint32_t i, std::uint32_t size) {
+    if (size == 1) return {1};
+    if (size % 2 == 0) return {0.5f, 0.5f};
+    const auto k = static_cast<float>(size / 2), all = static_cast<float>(size), at = static_cast<float>(i);
+    return {(k - at) / all, k / all, (at + 1) / all};
+}
+
+/// Linear light of a level, three values a texel, from that of the one above.
+std::vector<float> level_below(const std::vector<float>& above, std::uint32_t width, std::uint32_t height) {
+    std::vector<float> below;
+    for (std::uint32_t y = 0; y < std::max(height / 2, 1u); ++y) {
+        std::vector<float> mean(3 * std::size_t{width}, 0.0f);
+        const std::vector<float> rows = weights_of(y, height);
+        for (std::size_t j = 0; j < rows.size(); ++j)
+            for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += rows[j] * above[(2 * y + j) * mean.size() + i];
+        for (std::uint32_t x = 0; x < std::max(width / 2, 1u); ++x) {
+            const std::vector<float> columns = weights_of(x, width);
+            for (std::size_t c = 0; c < 3; ++c) {
+                float sum = 0;
+                for (std::size_t i = 0; i < columns.size(); ++i) sum += columns[i] * mean[3 * (2 * x + i) + c];
+                below.push_back(sum);
+            }
+        }
+    }
+    return below;
+}
+
 }  // namespace
+
+TEST_CASE("levels hold to the bit what the averages of unrounded ones are, in three values a texel") {
+    for (const auto& [width, height] : {std::pair{1u, 1u}, {1u, 7u}, {9u, 1u}, {64u, 32u}, {67u, 301u}, {2u, 130u}})
+        for (const bool deep : {false, true}) {
+            INFO(width << " x " << height << (deep ? ", 16 bits" : ", 8 bits"));
+            TexelImage image = noise(width, height);
+            if (deep) {
+                for (const std::uint8_t code : image.srgb8)
+                    image.linear16.push_back(static_cast<std::uint16_t>(code * 251 + 13));
+                image.srgb8.clear();
+            }
+            std::vector<float> linear;
+            for (std::size_t i = 0; i < image.pixels(); ++i)
+                for (std::size_t c = 0; c < 3; ++c)
+                    linear.push_back(deep ? static_cast<float>(image.linear16[4 * i + c]) / 65535.0f
+                                          : srgb8_to_linear()[image.srgb8[4 * i + c]]);
+            const MipPyramid pyramid(image);
+            std::size_t wrong = 0, at = 0;
+            for (const MipPyramid::Level& level : pyramid.levels()) {
+                CHECK(level.first == at / 3);
+                for (const float value : linear) {
+                    if (deep)
+                        wrong += pyramid.texels().linear16[at++] !=
+                                 static_cast<std::uint16_t>(std::clamp(value, 0.0f, 1.0f) * 65535.0f + 0.5f);
+                    else
+                        wrong += pyramid.texels().srgb8[at++] != linear_to_srgb8(value);
+                }
+                linear = level_below(linear, level.width, level.height);
+            }
+            CHECK(wrong == 0);
+            CHECK(pyramid.texels().count() == at / 3);
+            CHECK(pyramid.is_8_bit() != deep);
+        }
+}
+
+TEST_CASE("gutters of tall pictures take the nearest used texel") {
+    for (const auto& [w, h] : {std::pair{5, 100}, {40, 65}, {1, 64}}) {
+        const auto width = static_cast<std::uint32_t>(w), height = static_cast<std::uint32_t>(h);
+        TexelImage image = noise(width, height);
+        const TexelImage before = image;
+        TexelCoverage coverage(width, height);
+        for (const float v : {0.02f, 0.4f, 0.97f}) {
+            const Vector2f point(0.6f - 0.5f * v, v);
+            coverage.add({point, point, point}, Wrap::clamp, Wrap::clamp);
+        }
+        REQUIRE(coverage.count_used() == 3);
+        fill_gutters(image, coverage);
+        std::size_t wrong = 0;
+        for (int y = 0; y < h; ++y)
+            for (int x = 0; x < w; ++x) {
+                int best = 1 << 20;
+                std::vector<std::size_t> nearest;
+                for (int j = 0; j < h; ++j)
+                    for (int i = 0; i < w; ++i) {
+                        const auto texel = std::size_t(j * w + i);
+                        const int d = (i - x) * (i - x) + (j - y) * (j - y);
+                        if (!coverage.used(texel) || d > best) continue;
+                        if (d < best) nearest.clear();
+                        best = d;
+                        nearest.push_back(texel);
+                    }
+                bool found = false;
+                for (const std::size_t texel : nearest)
+                    found |=
+                        std::equal(image.srgb8.begin() + 4 * (y * w + x), image.srgb8.begin() + 4 * (y * w + x) + 4,
+                                   before.srgb8.begin() + std::ptrdiff_t(4 * texel));
+                wrong += !found;
+            }
+        CHECK(wrong == 0);
+    }
+}
 
 TEST_CASE("texture samples") {
     SECTION("texel centres give the texels, bottom left is (0, 0)") {
