@@ -9,6 +9,7 @@
 #include "base/contracts.h"
 #include "base/error.h"
 #include "io/files/whole_file.h"
+#include "io/layers/gcvf_config.h"
 #include "io/layers/layer_digest.h"
 #include "io/layers/orient.h"
 #include "io/layers/resin_sheet.h"
@@ -85,7 +86,9 @@ std::vector<fs::path> printer_files(const StackDescription& stack, const StackOu
     return files;
 }
 
-StackDescription with_contents(StackDescription stack, const WrittenLayers& layers) {
+StackDescription with_contents(StackDescription stack, const WrittenLayers& layers, ResinBitmaps resins) {
+    if (resins == ResinBitmaps::png1) stack.resin_pixels = ResinPixels::white;
+    if (resins == ResinBitmaps::tiff1) stack.resin_pixels = ResinPixels::black;
     for (std::size_t r = 0; r < stack.resins.size(); ++r) {
         stack.resins[r].voxels = layers.voxels[r + 1];
         stack.resins[r].ml = millilitres(layers.voxels[r + 1], stack.pitch_um);
@@ -179,6 +182,10 @@ std::uint64_t LayerFiles::bytes_written() const {
 }
 
 StackOutputs outputs_for(std::span<const LayerFormat> formats) {
+    if (std::ranges::count(formats, LayerFormat::tiff) > 0 && std::ranges::count(formats, LayerFormat::png1) > 0)
+        throw InputError(
+            "the formats tiff and png1 do not go together: they lie in the same folders, and one is the "
+            "other's negative; name one of them");
     StackOutputs outputs;
     for (const LayerFormat format : formats) switch (format) {
             case LayerFormat::png:
@@ -220,10 +227,10 @@ void LayerStackWriter::add_file(std::string_view name, std::string_view text) co
 const StackDescription& LayerStackWriter::finish(const PreviewMesh& preview, Progress* progress,
                                                  const PageOfStack& how_to_print) {
     VOXTONE_EXPECT(!outputs_.printer_folder || how_to_print);
-    stack_ = with_contents(std::move(stack_), files_.written());
+    stack_ = with_contents(std::move(stack_), files_.written(), outputs_.resin_bitmaps);
     if (outputs_.gcvf)
         write_gcvf(out_ / gcvf_name, stack_, out_, *files_.topmost(), gcvf_preview(stack_, preview), progress);
-    if (outputs_.vdb) write_volume_vdb(out_ / vdb_name, stack_, out_, progress);
+    if (outputs_.vdb) write_volume_vdb(out_ / vdb_name, out_ / vdb_numbers_name, stack_, out_, progress);
     write_stack_texts(out_, stack_);
     if (outputs_.printer_folder)
         make_printer_folder(out_, printer_files(stack_, outputs_), out_ / printer_folder_name,

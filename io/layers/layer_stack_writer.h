@@ -33,11 +33,11 @@ struct StackOutputs {
     /// resins/indexed/).
     ResinBitmaps resin_bitmaps = ResinBitmaps::none;
     bool gcvf = false;            ///< OUT/stack.gcvf
-    bool vdb = false;             ///< OUT/volume.vdb
+    bool vdb = false;             ///< OUT/volume.vdb, OUT/volume-int32.vdb
     bool png = false;             ///< for the printer's folder: the bitmaps, beside another format that a printer takes
     bool printer_folder = false;  ///< OUT/printer (printer_folder.h)
 };
-/// What these formats ask for; of two kinds of resin bitmaps the last one.
+/// What these formats ask for. Throws InputError where they are tiff and png1: each is the other's negative.
 [[nodiscard]] StackOutputs outputs_for(std::span<const LayerFormat> formats);
 
 /// What a stack says of layers, once they are written.
@@ -58,8 +58,9 @@ struct WrittenLayers {
 
 /// The stack as sliced, turned into the stack as written. Throws InputError where it cannot be written.
 [[nodiscard]] StackDescription as_written(StackDescription stack);
-/// With what its layers hold: voxel counts, millilitres, digest. `stack` is as written.
-[[nodiscard]] StackDescription with_contents(StackDescription stack, const WrittenLayers& layers);
+/// With what its layers hold: voxel counts, millilitres, digest, and what its bitmaps of resins mean. `stack` is as
+/// written.
+[[nodiscard]] StackDescription with_contents(StackDescription stack, const WrittenLayers& layers, ResinBitmaps resins);
 /// The manifest and the sheets of resins of a stack whose layers are written. Throws FileError.
 void write_stack_texts(const std::filesystem::path& folder, const StackDescription& stack);
 

@@ -62,8 +62,8 @@ StackMember member_in(const JsonObject& json) {
 
 StackDescription from_json(const JsonObject& json, std::string_view source) {
     json.allow_only({"format", "version", "printer", "pitch_um", "size_px", "layers", "first_layer", "size_mm",
-                     "origin_mm", "pattern", "background_rgb", "resins", "orientation", "members", "content_sha256",
-                     seal_key});
+                     "origin_mm", "pattern", "background_rgb", "resins", "orientation", "resin_pixels", "members",
+                     "content_sha256", seal_key});
     if (json.text("format") != "voxtone-layers")
         json.fail("format", "is not \"voxtone-layers\": this is no manifest of a layer stack");
     if (json.integer("version", 0, 1000000) != 1)
@@ -90,6 +90,11 @@ StackDescription from_json(const JsonObject& json, std::string_view source) {
         orientation.allow_only({"flip_x", "flip_y", "swap_xy"});
         stack.orientation = {orientation.boolean("flip_x"), orientation.boolean("flip_y"),
                              orientation.boolean("swap_xy")};
+    }
+    if (json.has("resin_pixels")) {
+        const auto pixels = value_of<ResinPixels>(json.text("resin_pixels"));
+        if (!pixels) json.fail("resin_pixels", "is neither \"white\" nor \"black\"");
+        stack.resin_pixels = *pixels;
     }
     if (json.has("members"))
         for (const auto& entry : json.objects("members")) stack.members.push_back(member_in(entry));
@@ -206,6 +211,7 @@ void add_keys(JsonWriter& json, const StackDescription& stack) {
     json.end_list();
     json.line().key("orientation").begin_object().add("flip_x", stack.orientation.flip_x);
     json.add("flip_y", stack.orientation.flip_y).add("swap_xy", stack.orientation.swap_xy).end_object();
+    if (stack.resin_pixels != ResinPixels::unsaid) json.line().add("resin_pixels", name_of(stack.resin_pixels));
     add_members(json, stack);
     json.line().add("content_sha256", stack.content_sha256);
 }

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/named_values.h"
 #include "io/layers/layer_runs.h"
 #include "io/layers/rgb.h"
 
@@ -22,6 +23,13 @@ namespace voxtone::io {
 struct Orientation {
     bool flip_x = false, flip_y = false, swap_xy = false;
     friend bool operator==(const Orientation&, const Orientation&) = default;
+};
+
+/// What a pixel with resin is in a bitmap of a single resin, as readers of its format show it.
+enum class ResinPixels : std::uint8_t {
+    unsaid,  ///< there are no such bitmaps
+    white,   ///< PNG of one bit: 1
+    black,   ///< TIFF of one bit: 0, as 0 is white in the file
 };
 
 struct StackResin {
@@ -55,6 +63,7 @@ struct StackDescription {
     Rgb background_rgb{};
     std::vector<StackResin> resins;  ///< material m of a layer is resins[m - 1]
     Orientation orientation;
+    ResinPixels resin_pixels = ResinPixels::unsaid;
     std::vector<StackMember> members;  ///< empty: one body, or nobody says
     std::string content_sha256;        ///< see layer_digest.h; 64 hexadecimal digits
 
@@ -100,3 +109,9 @@ enum class ManifestSeal {
 [[nodiscard]] ManifestSeal seal_of_manifest_text(std::string_view text, std::string source);
 
 }  // namespace voxtone::io
+
+template <>
+struct voxtone::NamesOf<voxtone::io::ResinPixels> {
+    using Pixels = io::ResinPixels;
+    static constexpr auto table = std::to_array<Named<Pixels>>({{Pixels::white, "white"}, {Pixels::black, "black"}});
+};

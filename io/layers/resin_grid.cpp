@@ -3,10 +3,14 @@
 
 #include <algorithm>
 #include <cstring>
+#include <fstream>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include <fmt/core.h>
-#include <openvdb/io/File.h>
+#include <openvdb/io/Archive.h>
+#include <openvdb/io/GridDescriptor.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Prune.h>
 
@@ -64,32 +68,33 @@ void add_block(Tree& tree, Slab& slab, std::uint32_t i, std::uint32_t j, std::ui
         }
 }
 
-}  // namespace
+openvdb::math::Transform::Ptr transform_of(const StackDescription& stack, const std::array<double, 3>& pitch_um) {
+    openvdb::Mat4d matrix = openvdb::Mat4d::identity();
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto a = static_cast<std::size_t>(axis);
+        const double pitch_mm = pitch_um[a] * 1e-3;
+        matrix(axis, axis) = pitch_mm;
+        matrix(3, axis) = stack.origin_mm[a] + 0.5 * pitch_mm;
+    }
+    return openvdb::math::Transform::createLinearTransform(matrix);
+}
 
-void write_resin_grid(const std::filesystem::path& file, const StackDescription& stack,
-                      const std::filesystem::path& folder, Progress* progress) {
-    openvdb::initialize();
+/// The layers of a stack as numbers of materials, in the model's frame.
+openvdb::Int32Grid::Ptr read_numbers(const StackDescription& stack, const std::filesystem::path& folder,
+                                     Progress* progress) {
     auto grid = openvdb::Int32Grid::create(0);
     grid->setName("resin");
     grid->setGridClass(openvdb::GRID_UNKNOWN);
     for (std::size_t r = 0; r < stack.resins.size(); ++r)
         grid->insertMeta(fmt::format("resin_{}", r + 1),
                          openvdb::StringMetadata(fmt::format("{} {}", stack.resins[r].role, stack.resins[r].name)));
-
     auto size = stack.size_px;
     auto pitch = stack.pitch_um;
     if (stack.orientation.swap_xy) {
         std::swap(size[0], size[1]);
         std::swap(pitch[0], pitch[1]);
     }
-    openvdb::Mat4d matrix = openvdb::Mat4d::identity();
-    for (int axis = 0; axis < 3; ++axis) {
-        const auto a = static_cast<std::size_t>(axis);
-        const double pitch_mm = pitch[a] * 1e-3;
-        matrix(axis, axis) = pitch_mm;
-        matrix(3, axis) = stack.origin_mm[a] + 0.5 * pitch_mm;
-    }
-    grid->setTransform(openvdb::math::Transform::createLinearTransform(matrix));
+    grid->setTransform(transform_of(stack, pitch));
 
     const auto palette = stack.palette();
     Slab slab(size[0], size[1]);
@@ -123,19 +128,94 @@ void write_resin_grid(const std::filesystem::path& file, const StackDescription&
     }
     openvdb::tools::prune(grid->tree());
     if (progress) progress->end_stage();
+    return grid;
+}
+
+/// 1 where a material is, of numbers of materials.
+openvdb::FloatTree::Ptr where_is(const Tree& numbers, std::int32_t material) {
+    auto places = std::make_shared<openvdb::FloatTree>(0.0f);
+    auto tile = numbers.cbeginValueOn();
+    tile.setMaxDepth(Tree::ValueOnCIter::LEAF_DEPTH - 1);
+    for (; tile; ++tile)
+        if (*tile == material) places->addTile(tile.getLevel(), tile.getCoord(), 1.0f, true);
+    for (auto node = numbers.cbeginLeaf(); node; ++node) {
+        openvdb::FloatTree::LeafNodeType* place = nullptr;
+        for (auto voxel = node->cbeginValueOn(); voxel; ++voxel) {
+            if (*voxel != material) continue;
+            if (!place) place = places->touchLeaf(node->origin());
+            place->setValueOn(voxel.getCoord(), 1.0f);
+        }
+    }
+    return places;
+}
+
+/// Grid `index` of the file for other programs: the body, then each resin.
+openvdb::FloatGrid::Ptr float_grid(const openvdb::Int32Grid& numbers, const StackDescription& stack,
+                                   std::size_t index) {
+    auto grid = openvdb::FloatGrid::create(
+        index == 0 ? std::make_shared<openvdb::FloatTree>(numbers.tree(), 0.0f, 1.0f, openvdb::TopologyCopy())
+                   : where_is(numbers.tree(), static_cast<std::int32_t>(index)));
+    constexpr const char* body = "density";  // as programs that draw smoke look for it
+    grid->setName(body);
+    if (index > 0) {
+        const StackResin& resin = stack.resins[index - 1];
+        grid->setName(resin.role == body ? "resin " + resin.role : resin.role);
+        grid->insertMeta("resin", openvdb::StringMetadata(resin.name));
+    }
+    grid->setTransform(numbers.transform().copy());
+    grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+    grid->setSaveFloatAsHalf(true);
+    openvdb::tools::prune(grid->tree());
+    return grid;
+}
+
+/// A file of several grids, each of which is made when its turn comes: there is memory for one.
+class GridsInTurn : public openvdb::io::Archive {
+public:
+    template <class Make>
+    void write_each(std::ostream& out, std::size_t count, const Make& make) const {
+        writeHeader(out, true);
+        openvdb::MetaMap().writeMeta(out);
+        const auto number = static_cast<std::int32_t>(count);
+        out.write(reinterpret_cast<const char*>(&number), sizeof number);
+        for (std::size_t i = 0; i < count; ++i) {
+            const openvdb::GridBase::ConstPtr grid = make(i);
+            openvdb::io::GridDescriptor descriptor(grid->getName(), grid->type(), grid->saveFloatAsHalf());
+            writeGrid(descriptor, grid, out, true);
+        }
+    }
+};
+
+template <class Make>
+void write_grids(const std::filesystem::path& file, std::size_t count, const Make& make) {
     try {
-        openvdb::io::File out(part_path(file).string());
-        out.write({grid});
+        std::ofstream out(part_path(file), std::ios::binary | std::ios::trunc);
+        GridsInTurn().write_each(out, count, make);
         out.close();
+        if (!out) throw FileError(fmt::format("{}: could not be written; is the disk full?", file.string()));
     } catch (const openvdb::Exception& error) {
         throw FileError(fmt::format("{}: could not be written ({})", file.string(), error.what()));
     }
     finish_part(file);
 }
 
+}  // namespace
+
+void write_resin_grids(const std::filesystem::path& file, const std::filesystem::path& numbers_file,
+                       const StackDescription& stack, const std::filesystem::path& folder, Progress* progress) {
+    openvdb::initialize();
+    const openvdb::Int32Grid::Ptr numbers = read_numbers(stack, folder, progress);
+    write_grids(numbers_file, 1, [&](std::size_t) { return numbers; });
+    write_grids(file, 1 + stack.resins.size(), [&](std::size_t i) {
+        if (progress) progress->check_cancelled();
+        return float_grid(*numbers, stack, i);
+    });
+}
+
 }  // namespace voxtone::io
 
-void voxtone_write_resin_grid(const std::filesystem::path& file, const voxtone::io::StackDescription& stack,
-                              const std::filesystem::path& folder, voxtone::Progress* progress) {
-    voxtone::io::write_resin_grid(file, stack, folder, progress);
+void voxtone_write_resin_grids(const std::filesystem::path& file, const std::filesystem::path& numbers,
+                               const voxtone::io::StackDescription& stack, const std::filesystem::path& folder,
+                               voxtone::Progress* progress) {
+    voxtone::io::write_resin_grids(file, numbers, stack, folder, progress);
 }

@@ -10,11 +10,12 @@
 
 namespace voxtone::io {
 
-void write_resin_grid(const std::filesystem::path& file, const StackDescription& stack,
-                      const std::filesystem::path& folder, Progress* progress);
+void write_resin_grids(const std::filesystem::path& file, const std::filesystem::path& numbers,
+                       const StackDescription& stack, const std::filesystem::path& folder, Progress* progress);
 
 }  // namespace voxtone::io
 
 /// The module's door.
-extern "C" void voxtone_write_resin_grid(const std::filesystem::path& file, const voxtone::io::StackDescription& stack,
-                                         const std::filesystem::path& folder, voxtone::Progress* progress);
+extern "C" void voxtone_write_resin_grids(const std::filesystem::path& file, const std::filesystem::path& numbers,
+                                          const voxtone::io::StackDescription& stack,
+                                          const std::filesystem::path& folder, voxtone::Progress* progress);

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <map>
 #include <set>
+#include <sstream>
 #include <system_error>
 
 #include <fmt/core.h>
@@ -79,6 +80,39 @@ bool leads_out(const fs::path& link, const fs::path& folder) {
     return std::mismatch(base.begin(), base.end(), target.begin(), target.end()).first != base.end();
 }
 
+/// PrusaSlicer's settings, which it puts into its archives for resin printers (SL1) beside the layers. Their bitmaps
+/// lie as the panel wants them: landscape has the model's x along its columns and -y along its rows; in portrait
+/// columns run along y and rows along x; display_mirror_x turns columns round, display_mirror_y rows. Its columns are
+/// mirrored once more by the exchange, so that the mirror that is usual there, of x, leaves them along +y.
+std::optional<Orientation> orientation_of_slicer(const fs::path& folder) {
+    constexpr std::uint64_t most_bytes = std::uint64_t{1} << 20;
+    std::map<std::string, std::string, std::less<>> said;
+    for (const char* const name : {"config.ini", "prusaslicer.ini"}) {
+        std::error_code none;
+        if (!fs::is_regular_file(fs::symlink_status(folder / name, none))) continue;
+        try {
+            const auto bytes = read_whole_file(folder / name, most_bytes);
+            std::istringstream text(std::string(bytes.begin(), bytes.end()));
+            for (std::string line; std::getline(text, line);) {
+                const std::size_t equals = line.find('=');
+                if (equals == std::string::npos) continue;
+                const auto trimmed = [](std::string_view part) {
+                    const std::size_t begin = std::min(part.find_first_not_of(" \t\r"), part.size());
+                    return std::string(part.substr(begin, part.find_last_not_of(" \t\r") + 1 - begin));
+                };
+                said[trimmed(std::string_view(line).substr(0, equals))] =
+                    trimmed(std::string_view(line).substr(equals + 1));
+            }
+        } catch (const Error&) {  // it is of another program, and says nothing
+        }
+    }
+    const auto turned = said.find("display_orientation");
+    if (turned == said.end()) return std::nullopt;
+    const bool portrait = turned->second == "portrait";
+    const bool mirror_x = said["display_mirror_x"] == "1", mirror_y = said["display_mirror_y"] == "1";
+    return Orientation{mirror_x, portrait != mirror_y, portrait};
+}
+
 /// What lies in the place of a layer, before it is opened: a pipe would be waited for. Of links those within the stack
 /// are followed; what is outside is no business of this program (stack_reader.h).
 void expect_layer_file(const fs::path& root, const std::string& name) {
@@ -143,6 +177,7 @@ void StackFiles::list_folder(const fs::path& folder) {
     listing_.names = std::move(series.names);
     listing_.strangers = std::move(series.strangers);
     std::sort(listing_.strangers.begin(), listing_.strangers.end());
+    listing_.orientation = orientation_of_slicer(folder);
 }
 
 void StackFiles::read_beside_manifest() {

@@ -45,6 +45,7 @@ struct StackListing {
     StackOrigin origin;                            ///< of a stack of ours
     std::optional<std::string> sheet;              ///< of a stack of ours: the text of its sheet of resins
     std::optional<GcvfConfig> gcvf;                ///< of a container
+    std::optional<Orientation> orientation{};      ///< of a folder: how its slicer says that the bitmaps lie
     bool has_zbuffer = false;                      ///< a container's Zbuffer.png is there
     std::array<std::uint64_t, 2> preview_bytes{};  ///< of a container's Mesh.stl and MeshBbx.ktn; 0: not there, empty
     std::vector<std::string> names;                ///< of layers, bottom first

@@ -27,8 +27,8 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Of a stack, in OUT; the manifest first: without it OUT is no stack.
-constexpr std::array stack_names{manifest_name, layers_name,     resin_folder_name, gcvf_name,
-                                 vdb_name,      sheet_text_name, sheet_page_name,   printer_folder_name};
+constexpr std::array stack_names{manifest_name,    layers_name,     resin_folder_name, gcvf_name,          vdb_name,
+                                 vdb_numbers_name, sheet_text_name, sheet_page_name,   printer_folder_name};
 /// Of these the folders in which nothing else may lie.
 constexpr std::array pure_folders{layers_name, resin_folder_name, printer_folder_name};
 /// Of jobs, in OUT.

@@ -24,7 +24,7 @@ namespace voxtone::io {
 
 inline constexpr std::string_view manifest_name = "manifest.json";
 inline constexpr std::string_view job_file_name = "job.json";
-inline constexpr std::string_view vdb_name = "volume.vdb";
+inline constexpr std::string_view vdb_name = "volume.vdb", vdb_numbers_name = "volume-int32.vdb";
 inline constexpr std::string_view sheet_text_name = "resin-assignment.txt";
 inline constexpr std::string_view sheet_page_name = "resin-assignment.html";
 

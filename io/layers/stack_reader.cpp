@@ -83,6 +83,7 @@ ManifestSeal StackReader::seal() const { return state_->listing.seal; }
 const StackOrigin& StackReader::origin() const { return state_->listing.origin; }
 const std::optional<std::string>& StackReader::sheet() const { return state_->listing.sheet; }
 const std::optional<GcvfConfig>& StackReader::gcvf() const { return state_->listing.gcvf; }
+const std::optional<Orientation>& StackReader::orientation() const { return state_->listing.orientation; }
 std::uint32_t StackReader::layers() const { return static_cast<std::uint32_t>(state_->listing.names.size()); }
 const std::string& StackReader::layer_name(std::uint32_t index) const { return state_->listing.names.at(index); }
 const std::vector<std::string>& StackReader::strangers() const { return state_->listing.strangers; }

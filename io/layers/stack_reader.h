@@ -40,6 +40,8 @@ public:
     [[nodiscard]] const std::optional<std::string>& sheet() const;
     /// Of a GCVF.
     [[nodiscard]] const std::optional<GcvfConfig>& gcvf() const;
+    /// Of a folder: how its bitmaps lie, where the slicer that made them left its settings beside them (PrusaSlicer).
+    [[nodiscard]] const std::optional<Orientation>& orientation() const;
     /// Of a container: nothing where it has no Zbuffer.png. Throws as `look` does.
     [[nodiscard]] std::optional<ZbufferInspection> zbuffer() const;
     [[nodiscard]] bool has_zbuffer() const;

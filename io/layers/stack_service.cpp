@@ -14,7 +14,7 @@ namespace voxtone::io {
 
 namespace {
 
-const std::string stack_protocol = "voxtone-read-stack 5, voxtone " + build_identity();
+const std::string stack_protocol = "voxtone-read-stack 6, voxtone " + build_identity();
 
 template <class Value, class Plain>
 concept is_a = std::is_same_v<std::remove_const_t<Value>, Plain>;
@@ -89,8 +89,8 @@ void describe(Stream& stream, Member& m) {
 template <class Stream, is_a<StackDescription> Description>
 void describe(Stream& stream, Description& d) {
     stream(d.printer, d.pitch_um, d.size_px, d.layers, d.first_layer, d.size_mm, d.origin_mm, d.pattern,
-           d.background_rgb, d.resins, d.orientation.flip_x, d.orientation.flip_y, d.orientation.swap_xy, d.members,
-           d.content_sha256);
+           d.background_rgb, d.resins, d.orientation.flip_x, d.orientation.flip_y, d.orientation.swap_xy,
+           d.resin_pixels, d.members, d.content_sha256);
 }
 template <class Stream, is_a<StackOrigin> Origin>
 void describe(Stream& stream, Origin& o) {
@@ -108,7 +108,7 @@ void describe(Stream& stream, Config& c) {
 template <class Stream, is_a<PackedHeader> Header>
 void describe(Stream& stream, Header& h) {
     stream(h.there, h.png.width_px, h.png.height_px, h.png.bit_depth, h.png.colour_type, h.png.interlaced,
-           h.png.x_per_metre, h.png.y_per_metre);
+           h.png.x_per_metre, h.png.y_per_metre, h.png.colour_chunks);
 }
 template <class Stream, is_a<ZbufferInspection> Inspection>
 void describe(Stream& stream, Inspection& l) {
@@ -133,6 +133,10 @@ std::vector<std::byte> pack_listing(const StackListing& listing) {
         if (listing.sheet) writer(*listing.sheet);
     }
     if (listing.gcvf) writer(*listing.gcvf, listing.has_zbuffer, listing.preview_bytes);
+    if (listing.kind == StackKind::folder) {
+        const Orientation o = listing.orientation.value_or(Orientation{});
+        writer(listing.orientation.has_value(), o.flip_x, o.flip_y, o.swap_xy);
+    }
     return std::move(writer.bytes);
 }
 
@@ -205,6 +209,12 @@ StackListing unpack_listing(std::span<const std::byte> bytes) {
         reader(listing.gcvf.emplace(), listing.has_zbuffer, listing.preview_bytes);
         expect_stack(layers == listing.gcvf->slices, "layers that are not those of the container");
         check_config(*listing.gcvf);
+    }
+    if (listing.kind == StackKind::folder) {
+        bool is_said = false;
+        Orientation o;
+        reader(is_said, o.flip_x, o.flip_y, o.swap_xy);
+        if (is_said) listing.orientation = o;
     }
     reader.expect_end();
     return listing;

@@ -384,6 +384,23 @@ void check_empty(const StackSummary& stack, StackReport& report, FaultList& faul
         report.notes.push_back(fmt::format("{} of {} layers are empty (background only)", report.empty_layers, layers));
 }
 
+/// What layers say of their colours, which are numbers of resins and no colours.
+void note_colour_chunks(const StackSummary& stack, StackReport& report) {
+    std::uint64_t layers = 0;
+    std::uint32_t first = 0;
+    for (std::uint32_t k = stack.reader.layers(); k-- > 0;)
+        if (const auto& header = stack.layers[k].header; header && !header->colour_chunks.empty()) {
+            ++layers;
+            first = k;
+        }
+    if (layers > 0)
+        report.notes.push_back(fmt::format(
+            "{} of {} layers say what their colours mean ({} in {}); whether the printer's software converts them, "
+            "which "
+            "would make other colours of them, is not known: save them without a profile",
+            layers, stack.reader.layers(), stack.layers[first].header->colour_chunks, stack.reader.layer_name(first)));
+}
+
 /// Whether every announced layer was read, and all of its colours are resins: only then can counts and digests agree.
 bool all_layers_known(const StackSummary& stack) {
     return stack.reader.missing_count() == 0 && std::all_of(stack.layers.begin(), stack.layers.end(),
@@ -537,6 +554,7 @@ StackReport verify_opened(const fs::path& path, const StackReader& reader, const
     count_colours(stack, report);
     check_colours(stack, rules.most_colours, report, faults);
     check_empty(stack, report, faults);
+    note_colour_chunks(stack, report);
     check_contents(stack, report, faults);
     check_zbuffer(stack, report, faults);
     faults.close();

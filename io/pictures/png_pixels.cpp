@@ -2,10 +2,12 @@
 #include "io/pictures/png_pixels.h"
 
 #include <algorithm>
+#include <array>
 #include <csetjmp>
 #include <cstring>
 #include <exception>
 #include <memory>
+#include <string_view>
 
 #include <fmt/core.h>
 #include <png.h>
@@ -113,12 +115,30 @@ private:
                                  source.fault[0] ? source.fault : "out of memory"));
 }
 
+/// Before the pixels: behind the mark of 8 bytes chunks of a length, a name, so many bytes and a check sum.
+std::string colour_chunks_in(std::span<const std::uint8_t> file) {
+    constexpr std::array<std::string_view, 5> known{"iCCP", "cICP", "gAMA", "cHRM", "sRGB"};
+    constexpr std::size_t around = 12;
+    std::string names;
+    for (std::size_t at = 8; at + around <= file.size();) {
+        std::size_t length = 0;
+        for (std::size_t i = at; i < at + 4; ++i) length = length << 8 | file[i];
+        const std::string_view name(reinterpret_cast<const char*>(file.data()) + at + 4, 4);
+        if (name == "IDAT" || length > file.size() - at - around) break;
+        if (std::ranges::find(known, name) != known.end() && names.find(name) == std::string::npos)
+            names += (names.empty() ? "" : ", ") + std::string(name);
+        at += around + length;
+    }
+    return names;
+}
+
 PngHeader checked_header(PngDecoder& decoder, Source& source, const std::string& name) {
     PngHeader header;
     if (!decoder.read_header(source, header)) fail(name, source);
     if (std::uint64_t{header.width_px} * header.height_px > most_png_pixels)
         throw InputError(
             fmt::format("{}: claims {} x {} px, more than any layer has", name, header.width_px, header.height_px));
+    header.colour_chunks = colour_chunks_in(source.file);
     return header;
 }
 

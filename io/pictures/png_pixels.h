@@ -18,6 +18,8 @@ struct PngHeader {
     int colour_type = 0;  ///< 0 grey, 2 RGB, 3 indexed, 4 grey + alpha, 6 RGBA
     bool interlaced = false;
     std::uint32_t x_per_metre = 0, y_per_metre = 0;  ///< 0 where the file does not say
+    /// Names of chunks that say what its colours mean, in their order ("iCCP"): they are not applied.
+    std::string colour_chunks{};
 };
 
 /// Colour type and depth in words: "8-bit RGBA (colour type 6)".

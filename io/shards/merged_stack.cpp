@@ -136,7 +136,7 @@ StackDescription laid_together(const std::vector<ShardRecord>& records) {
         all.digests.insert(all.digests.end(), part.digests.begin(), part.digests.end());
         for (std::size_t m = 0; m < all.voxels.size(); ++m) all.voxels[m] += part.voxels[m];
     }
-    return with_contents(records.front().stack, all);
+    return with_contents(records.front().stack, all, records.front().resin_bitmaps);
 }
 
 std::string text_in(const fs::path& file) {

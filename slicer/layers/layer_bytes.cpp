@@ -12,7 +12,8 @@ std::uint64_t layer_bytes(const VoxelGrid& grid, const LayerBytesQuery& query) {
     const double shell_voxels = std::min(box_voxels, query.coloured_area_mm2 * query.shell_mm / grid.pitch_mm.prod());
     const bool per_resin = query.outputs.resin_bitmaps != io::ResinBitmaps::none;
     // One bitmap of a bit for each resin takes together about what one of all colours does.
-    const int copies = 1 + int(per_resin) + int(query.outputs.gcvf) + int(query.outputs.vdb);
+    // A volume's numbers do, too, and its grids of floating point take some 2.5 times that.
+    const int copies = 1 + int(per_resin) + int(query.outputs.gcvf) + 4 * int(query.outputs.vdb);
     const double part = double(query.layers) / double(grid.size[2]);
     const std::uint64_t files = std::uint64_t(query.layers) * (per_resin ? 1 + query.resins : 1);
     return static_cast<std::uint64_t>(bytes_per_shell_voxel * shell_voxels * part * copies) + files * block_bytes;

@@ -52,7 +52,12 @@ void settle_labels(ResolvedJob& job) {
     const TemplateValues values{{"job", (out.has_filename() ? out : out.parent_path()).filename().string()},
                                 {"part", std::filesystem::path(job.raw.model).stem().string()},
                                 {"copy", "1"}};
-    for (const std::string& decal : job.raw.decals) job.marks.push_back(parse_mark(MarkFamily::decal, decal));
+    for (const std::string& decal : job.raw.decals) {
+        const MarkOptions& mark = job.marks.emplace_back(parse_mark(MarkFamily::decal, decal));
+        if (mark.kind != MarkKind::picture) continue;
+        if (const std::string why = io::foreign_kind(mark.file, io::Wanted::picture); !why.empty())
+            throw InputError(fmt::format("{}: {}", mark.said, why));
+    }
     for (std::string& label : job.raw.labels) {
         label = with_values(label, values);
         MarkOptions& mark = job.marks.emplace_back(parse_mark(MarkFamily::label, label));

@@ -51,11 +51,22 @@ std::vector<OptionSpec> files_entries() {
         {.key = "formats",
          .metavar = "LIST",
          .group = group,
-         .help = "what to write: png (RGBA stack for Voxel Print), gcvf, tiff or png1 (one per resin and layer), vdb; "
-                 "empty: the printer's default",
+         .help =
+             "what to write: png (RGBA stack for Voxel Print), gcvf, tiff or png1 (one per resin and layer; black is "
+             "resin in the TIFF, white in the PNG), vdb; "
+             "empty: the printer's default",
          .choices = names_of<io::LayerFormat>(),
          .member = &O::formats,
          .decides = Decides::bits_after_loop,
+         .rule =
+             [](const O& o) {
+                 const auto named = [&](io::LayerFormat format) {
+                     return std::ranges::find(o.formats, name_of(format)) != o.formats.end();
+                 };
+                 return unless(!named(io::LayerFormat::tiff) || !named(io::LayerFormat::png1),
+                               "tiff and png1 do not go together: they lie in the same folders, and one is the other's "
+                               "negative; name one of them");
+             },
          .resolve = [](const O& o, Job& job) { job.formats = formats_of(o); }},
         {.key = "for-printer",
          .metavar = "FOLDER|FILE.zip",

@@ -315,6 +315,17 @@ std::array<double, 3> foreign_pitch_mm(const io::StackReader& stack, const Stack
         options.stack));
 }
 
+std::string orientation_text(const io::Orientation& o) {
+    std::string text;
+    const auto add = [&](bool holds, const char* what) {
+        if (holds) text += (text.empty() ? "" : ", ") + std::string(what);
+    };
+    add(o.swap_xy, "rows and columns exchanged");
+    add(o.flip_x, "columns mirrored");
+    add(o.flip_y, "rows mirrored");
+    return text;
+}
+
 /// How the bitmaps lie, and what is printed with their pixels.
 struct BitmapFrame {
     std::array<double, 3> pitch_mm{};  ///< along the model's x, y, z
@@ -322,8 +333,8 @@ struct BitmapFrame {
     optics::ResinSet resins;
 };
 
-/// The printer that was named mirrors what it prints, so its bitmaps are mirrored.
-BitmapFrame foreign_frame(const io::StackReader& stack, const StackVolumeOptions& options) {
+/// The printer that was named mirrors what it prints, so its bitmaps are mirrored; without one what their slicer says.
+BitmapFrame foreign_frame(const io::StackReader& stack, const StackVolumeOptions& options, Progress& progress) {
     std::optional<PrinterProfile> printer;
     if (!options.printer.empty()) printer = find_printer(options.printer);
     BitmapFrame frame{foreign_pitch_mm(stack, options, printer), {}, {}};
@@ -331,7 +342,16 @@ BitmapFrame foreign_frame(const io::StackReader& stack, const StackVolumeOptions
         frame.resins = io::find_resin_set(options.resins.empty() ? printer->default_resins : options.resins);
     else
         frame.resins = optics::vero_opaque();
-    if (printer) frame.orientation = printer->orientation;
+    if (printer)
+        frame.orientation = printer->orientation;
+    else if (stack.orientation() && *stack.orientation() != io::Orientation{}) {
+        frame.orientation = *stack.orientation();
+        progress.note(
+            fmt::format("{}: the slicer's settings beside the layers say how they lie ({}): the body is taken as it "
+                        "was sliced, and "
+                        "not as the panel shows it; copy the layers alone elsewhere to have them as they lie",
+                        options.stack, orientation_text(frame.orientation)));
+    }
     if (frame.orientation.swap_xy) std::swap(frame.pitch_mm[0], frame.pitch_mm[1]);
     return frame;
 }
@@ -385,7 +405,7 @@ void expect_told_black(const ForeignBody& body, const StackVolumeOptions& option
 
 StackVolume read_foreign(const io::StackReader& stack, const StackVolumeOptions& options, Progress& progress) {
     expect_all_layers(stack, options.stack);
-    const BitmapFrame frame = foreign_frame(stack, options);
+    const BitmapFrame frame = foreign_frame(stack, options, progress);
     const std::array<double, 3>& pitch_mm = frame.pitch_mm;
     const optics::ResinSet& set = frame.resins;
     Assignment assignment = assign(foreign_colours(stack, options, set), set, options.stack);

@@ -72,6 +72,14 @@ std::string warnings(const PrinterProfile& printer, bool is_marker) {
     return "<section class=\"warnings\">\n<h2>Before you begin</h2>\n<ul>\n" + items + "</ul>\n</section>\n";
 }
 
+/// Which pixels are printed: the formats' are each other's negatives.
+std::string resin_pixels_text(io::ResinBitmaps bitmaps) {
+    if (bitmaps == io::ResinBitmaps::tiff1)
+        return " (TIFF of one bit, min-is-white: <b>black is resin, white is none</b>)";
+    if (bitmaps == io::ResinBitmaps::png1) return " (PNG of one bit: <b>white is resin, black is none</b>)";
+    return {};
+}
+
 std::string files_step(const io::StackDescription& stack, const io::StackOutputs& o) {
     std::string text = "<b>Copy this folder</b> to the computer of the printer, as it is. Beside this page it holds ";
     std::vector<std::string> parts;
@@ -80,7 +88,8 @@ std::string files_step(const io::StackDescription& stack, const io::StackOutputs
         parts.push_back(fmt::format("<b>layers</b>, with {} pictures from {} (the lowest) to {} and nothing else",
                                     stack.layers, slice_name(stack, 0), slice_name(stack, stack.layers - 1)));
     if (o.resin_bitmaps != io::ResinBitmaps::none)
-        parts.push_back("<b>resins</b>, with one bitmap per resin and layer in a folder for each resin");
+        parts.push_back("<b>resins</b>, with one bitmap per resin and layer in a folder for each resin" +
+                        resin_pixels_text(o.resin_bitmaps));
     for (std::size_t p = 0; p < parts.size(); ++p)
         text += (p == 0 ? "" : p + 1 == parts.size() ? ", and " : ", ") + parts[p];
     return text + ". A file that is added, left out or changed makes another print, or none.";

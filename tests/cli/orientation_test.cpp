@@ -110,7 +110,7 @@ void compare_containers(const fs::path& flipped) {
 
 openvdb::Int32Grid::Ptr volume_of(const fs::path& out) {
     openvdb::initialize();
-    openvdb::io::File file((out / "volume.vdb").string());
+    openvdb::io::File file((out / "volume-int32.vdb").string());
     file.open();
     return openvdb::gridPtrCast<openvdb::Int32Grid>(file.readGrid("resin"));
 }

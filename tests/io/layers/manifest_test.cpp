@@ -71,6 +71,19 @@ TEST_CASE("a manifest names the bodies of a print of many, and is sealed with th
     CHECK_THAT(fault("12.5,", ""), Contains("boxes_mm"));
 }
 
+TEST_CASE("a manifest says what resin is in bitmaps of single resins", "[manifest]") {
+    CHECK(manifest_text(sample()).find("resin_pixels") == std::string::npos);
+    for (const ResinPixels pixels : {ResinPixels::white, ResinPixels::black}) {
+        auto stack = sample();
+        stack.resin_pixels = pixels;
+        const auto text = manifest_text(stack);
+        CHECK(parse_manifest(text, "m") == stack);
+        CHECK(schema_faults("manifest", text).empty());
+        CHECK_THROWS_WITH(parse_manifest(replaced(text, name_of(pixels).data(), "grey"), "FILE"),
+                          Contains("resin_pixels") && Contains("black"));
+    }
+}
+
 TEST_CASE("a cube of 10 mm is a millilitre", "[manifest]") {
     CHECK(millilitres(1000, {1000, 1000, 1000}) == Approx(1.0));
     CHECK(millilitres(std::uint64_t{236} * 118 * 370, {42.333333, 84.666667, 27}) == Approx(0.997).margin(0.001));

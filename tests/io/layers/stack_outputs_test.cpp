@@ -15,6 +15,7 @@
 #include "io/files/zip_reader.h"
 #include "io/layers/gcvf_writer.h"
 #include "io/layers/resin_bitmap.h"
+#include "io/layers/stack_folder.h"
 #include "io/layers/stack_reader.h"
 #include "io/layers/volume_vdb.h"
 #include "io/profiles/resin_file.h"
@@ -23,6 +24,7 @@
 
 using namespace voxtone;
 using namespace voxtone::io;
+using Catch::Contains;
 namespace fs = std::filesystem;
 
 namespace {
@@ -76,7 +78,7 @@ TEST_CASE("one marker proves every axis and mirror, in PNG, GCVF and VDB", "[mar
             }
         }
         // The volume is in the model's frame, whatever was done to the bitmaps.
-        openvdb::io::File file((out / "volume.vdb").string());
+        openvdb::io::File file((out / "volume-int32.vdb").string());
         file.open();
         const auto grid = openvdb::gridPtrCast<openvdb::Int32Grid>(file.readGrid("resin"));
         CHECK(grid->activeVoxelCount() == 1);
@@ -198,6 +200,25 @@ TEST_CASE("bitmaps per resin hold that resin's pixels", "[resin-bitmaps]") {
     CHECK(layer_pixels(*scan.runs) == pixels);
 }
 
+TEST_CASE("TIFF and PNG of one bit are each other's negative: the manifest says which, and both are refused",
+          "[resin-bitmaps]") {
+    TemporaryFolder folder;
+    const auto said = [&](ResinBitmaps bitmaps) {
+        const auto out = folder.path() / std::to_string(int(bitmaps));
+        const StackDescription stack = write_sample_stack(out, 2, {bitmaps, false, false});
+        CHECK(read_manifest(out / manifest_name) == stack);
+        CHECK(StackReader(out).description() == stack);
+        return stack.resin_pixels;
+    };
+    CHECK(said(ResinBitmaps::png1) == ResinPixels::white);
+    CHECK(said(ResinBitmaps::tiff1) == ResinPixels::black);
+    CHECK(said(ResinBitmaps::png8) == ResinPixels::unsaid);
+    CHECK(said(ResinBitmaps::none) == ResinPixels::unsaid);
+    CHECK_THROWS_WITH(outputs_for(std::array{LayerFormat::tiff, LayerFormat::png1}), Contains("negative"));
+    CHECK_THROWS_AS(outputs_for(std::array{LayerFormat::png1, LayerFormat::png, LayerFormat::tiff}), InputError);
+    CHECK(outputs_for(std::array{LayerFormat::png, LayerFormat::tiff}).resin_bitmaps == ResinBitmaps::tiff1);
+}
+
 TEST_CASE("bitmaps per resin lie in folders of their own", "[resin-bitmaps]") {
     TemporaryFolder folder;
     (void)write_sample_stack(folder.path() / "s", 3, {ResinBitmaps::tiff1, false, false});
@@ -221,7 +242,7 @@ TEST_CASE("a volume counts what the stack counts, and a uniform core is tiles", 
         writer.write(k, layer_from_pixels(pixels, 128, 96));
     }
     const auto done = writer.finish();
-    openvdb::io::File file((folder.path() / "s" / "volume.vdb").string());
+    openvdb::io::File file((folder.path() / "s" / "volume-int32.vdb").string());
     file.open();
     const auto grid = openvdb::gridPtrCast<openvdb::Int32Grid>(file.readGrid("resin"));
     std::uint64_t all = 0;
@@ -233,6 +254,26 @@ TEST_CASE("a volume counts what the stack counts, and a uniform core is tiles", 
     for (auto value = grid->cbeginValueOn(); value; ++value)
         counts[static_cast<std::size_t>(*value)] += value.getVoxelCount();
     for (std::size_t r = 0; r < 5; ++r) CHECK(counts[r + 1] == done.resins[r].voxels);
+
+    // What other programs read: floating point alone, the body and each resin.
+    openvdb::io::File floats((folder.path() / "s" / "volume.vdb").string());
+    floats.open();
+    CHECK(floats.readAllGridMetadata()->size() == 6);
+    const std::vector<std::string> names{"density", "C", "M", "Y", "K", "W"};
+    for (std::size_t g = 0; g < names.size(); ++g) {
+        INFO(names[g]);
+        const auto one = openvdb::gridPtrCast<openvdb::FloatGrid>(floats.readGrid(names[g]));
+        REQUIRE(one);
+        CHECK(one->transform() == grid->transform());
+        CHECK(one->activeVoxelCount() == (g == 0 ? all : done.resins[g - 1].voxels));
+        std::size_t wrong = 0;
+        for (auto value = grid->cbeginValueOn(); value; ++value)
+            wrong += one->tree().getValue(value.getCoord()) !=
+                     (g == 0 || *value == static_cast<std::int32_t>(g) ? 1.0f : 0.0f);
+        CHECK(wrong == 0);
+        CHECK(one->tree().getValue(openvdb::Coord(-1, 0, 0)) == 0);
+        if (g > 0) CHECK(one->metaValue<std::string>("resin") == done.resins[g - 1].name);
+    }
 }
 
 TEST_CASE("resin sets", "[resin-file]") {

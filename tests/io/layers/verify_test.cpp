@@ -5,6 +5,7 @@
 
 #include <png.h>
 #include <zip.h>
+#include <zlib.h>
 
 #include <catch2/catch.hpp>
 #include <fstream>
@@ -80,6 +81,33 @@ TEST_CASE("a stack of ours passes, and reads back as it was written", "[verify]"
     CHECK(bare.passed());
     CHECK(bare.kind == StackReader::Kind::folder);
     CHECK(StackReader(out / "layers").palette().size() == 6);
+}
+
+TEST_CASE("layers that say what their colours mean are noted, and pass", "[verify]") {
+    TemporaryFolder folder;
+    const auto out = folder.path() / "stack";
+    (void)write_sample_stack(out, 40);
+    const auto with_chunk = [&](int layer, const std::string& name, const std::string& data) {
+        const auto bytes = read_whole_file(slice(out, layer), 1 << 20);
+        std::string text(bytes.begin(), bytes.end()), chunk = name + data;
+        const auto number = [](std::uint32_t value) {
+            std::string four;
+            for (int shift = 24; shift >= 0; shift -= 8) four += static_cast<char>(value >> shift & 255);
+            return four;
+        };
+        const auto sum = crc32(0, reinterpret_cast<const Bytef*>(chunk.data()), static_cast<uInt>(chunk.size()));
+        constexpr std::size_t behind_header = 33;
+        text.insert(behind_header, number(std::uint32_t(data.size())) + chunk + number(std::uint32_t(sum)));
+        write_whole_file(slice(out, layer), text);
+    };
+    CHECK(verify_stack(out).notes.empty());
+    with_chunk(7, "gAMA", std::string("\0\0\xb1\x8f", 4));
+    with_chunk(3, "iCCP", std::string("a\0\0 what a profile holds", 24));
+    const StackReport report = verify_stack(out);
+    INFO(report_text(report));
+    CHECK(report.passed());
+    REQUIRE(report.notes.size() == 1);
+    CHECK_THAT(report.notes[0], Contains("2 of 40 layers") && Contains("iCCP in") && Contains("slice_00003.png"));
 }
 
 TEST_CASE("a stack for layers of another pitch than the printer's is a fault", "[verify]") {

@@ -22,7 +22,7 @@ TEST_CASE("Layers take disk by the voxels of their shell, by how often they are 
     query.outputs = {io::ResinBitmaps::png1, false, false};  // a file for each resin too, which hold it once more
     CHECK(double(layer_bytes(grid, query)) == Approx(2 * once + 200 * 6 * block).margin(1));
     query.outputs = {io::ResinBitmaps::png1, true, true};
-    CHECK(double(layer_bytes(grid, query)) == Approx(4 * once + 200 * 6 * block).margin(1));
+    CHECK(double(layer_bytes(grid, query)) == Approx(7 * once + 200 * 6 * block).margin(1));
     query.outputs = {io::ResinBitmaps::none, true, false};
     CHECK(double(layer_bytes(grid, query)) == Approx(2 * once + 200 * block).margin(1));
     query.layers = 50;  // a quarter of them

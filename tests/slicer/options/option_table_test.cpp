@@ -178,6 +178,27 @@ TEST_CASE("Labels and decals are said one by one, and names of files are seen fr
     CHECK_THAT(record, Contains("font=../letters.ttf") && Contains("font=DejaVu Sans") && Contains("file=../logo.png"));
 }
 
+TEST_CASE("Formats that are each other's negative, and a decal of lines, are refused at the door") {
+    for (const std::vector<std::string>& both : {std::vector<std::string>{"tiff", "png1"}, {"png1", "png", "tiff"}}) {
+        SliceOptions options = named();
+        options.formats = both;
+        CHECK_THROWS_WITH(resolve(options), Contains("--formats") && Contains("negative"));
+    }
+    SliceOptions options = named();
+    options.formats = {"tiff", "png", "gcvf"};
+    CHECK_NOTHROW(resolve(options));
+    CHECK_THROWS_WITH(resolve(with(named(), "decal", "logo.svg; size=9mm")),
+                      Contains("SVG") && Contains("PNG") && Contains("logo.svg"));
+}
+
+TEST_CASE("A texture's filter is a job's own, and the file's unless somebody says") {
+    CHECK(resolve(named()).reading.texture_filter == io::TextureFilter::as_file);
+    const SliceOptions sharp = with(named(), "texture-filter", "nearest");
+    CHECK(resolve(sharp).reading.texture_filter == io::TextureFilter::nearest);
+    CHECK(deciding_lines(sharp, Decides::bits) != deciding_lines(named(), Decides::bits));
+    CHECK_THROWS_WITH(resolve(with(named(), "texture-filter", "cubic")), Contains("linear"));
+}
+
 TEST_CASE("Names in a label stand for the job's when it is resolved, and so in its identity") {
     SliceOptions options = with(named("some/cow.obj"), "label", "{job}-{part}-{copy:03} {{x}}");
     options.out = "shelf/monday/";

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "io/files/whole_file.h"
+#include "io/layers/orient.h"
 #include "io/layers/stack_folder.h"
 #include "io/pictures/picture_writer.h"
 #include "slicer/predict/stack_volume.h"
@@ -89,8 +90,9 @@ std::vector<ColourAssignment> assigned(const std::vector<std::string>& texts) {
 }
 
 struct ListeningProgress final : Progress {
-    std::vector<std::string> warnings;
+    std::vector<std::string> warnings, notes;
     void on_warning(const std::string& message) override { warnings.push_back(message); }
+    void on_note(const std::string& message) override { notes.push_back(message); }
 };
 
 const std::vector<std::string> sample_colours{"#00aeef=C", "#ec008c=m", "#fff200=VeroYellow", "#282828=K", "#dcded8=W"};
@@ -145,6 +147,47 @@ TEST_CASE("A foreign folder is cropped to its body and has the assigned resins")
     const StackVolume holes = read_stack_volume(
         {.stack = folder.path().string(), .printer = "stratasys-j750-hq", .assign = assigned(without_cyan)}, progress);
     CHECK(wrong_voxels(holes) > 1000);
+}
+
+TEST_CASE("Bitmaps of a resin printer's archive lie as its slicer's settings beside them say") {
+    struct Panel {
+        const char *turned, *mirror_x, *mirror_y;
+        io::Orientation orientation;
+    };
+    int count = 0;
+    const io::TemporaryFolder root;
+    // By hand, of PrusaSlicer's panels: what is done to upright bitmaps, which is undone.
+    for (const auto& [turned, mirror_x, mirror_y, orientation] :
+         {Panel{"portrait", "1", "0", {true, true, true}}, Panel{"portrait", "0", "0", {false, true, true}},
+          Panel{"portrait", "1", "1", {true, false, true}}, Panel{"landscape", "1", "0", {true, false, false}},
+          Panel{"landscape", "0", "1", {false, true, false}}, Panel{"landscape", "0", "0", {}}}) {
+        const auto folder = root.path() / std::to_string(count++);
+        std::filesystem::create_directories(folder);
+        const io::PngLayerEncoder encoder(io::sample_description(nz).palette(), {42, 85});
+        for (int z = 0; z < nz; ++z)
+            io::write_whole_file(folder / ("model" + std::to_string(100 + z) + ".png"),
+                                 encoder.encode(io::oriented(marker_layer(z), orientation)));
+        io::write_whole_file(folder / "config.ini", std::string("action = print\nlayerHeight = 0.05\n"));
+        const StackVolumeOptions options{.stack = folder.string(),
+                                         .pitch_mm = parse_pitch_mm("0.05,0.08,0.03mm"),
+                                         .assign = assigned(sample_colours)};
+        ListeningProgress as_they_lie;
+        const StackVolume mirrored = read_stack_volume(options, as_they_lie);
+        CHECK(as_they_lie.notes.empty());
+        CHECK((orientation == io::Orientation{} || mirrored.volume.size() != std::array<int, 3>{nx, ny, nz} ||
+               wrong_voxels(mirrored) > 100));
+        io::write_whole_file(folder / "prusaslicer.ini",
+                             fmt::format("; made by PrusaSlicer\r\ndisplay_mirror_x = {}\r\ndisplay_mirror_y = {}\r\n"
+                                         "display_orientation = {}\r\n",
+                                         mirror_x, mirror_y, turned));
+        ListeningProgress heard;
+        const StackVolume stack = read_stack_volume(options, heard);
+        REQUIRE(stack.volume.size() == std::array<int, 3>{nx, ny, nz});
+        CHECK(wrong_voxels(stack) == 0);
+        CHECK(stack.volume.pitch_mm()[0] == (orientation.swap_xy ? 0.08 : 0.05));
+        REQUIRE(heard.notes.size() == (orientation == io::Orientation{} ? 0 : 1));
+        if (!heard.notes.empty()) CHECK_THAT(heard.notes[0], Contains("as it was sliced"));
+    }
 }
 
 TEST_CASE("A GCVF says by its materials' names which resins it has") {

@@ -125,6 +125,9 @@ TEST_CASE("The page names the files that were written, and how they are loaded")
     const std::string resins = page(print_with({.resin_bitmaps = io::ResinBitmaps::png1}));
     CHECK_THAT(resins, Contains("Load the folder resins") && Contains("Give each folder of bitmaps its resin"));
     CHECK_THAT(resins, !Contains("Names of the slices"));
+    CHECK_THAT(resins, Contains("white is resin, black is none"));
+    CHECK_THAT(page(print_with({.resin_bitmaps = io::ResinBitmaps::tiff1})), Contains("black is resin, white is none"));
+    CHECK_THAT(page(print_with({.resin_bitmaps = io::ResinBitmaps::png8})), !Contains("is resin,"));
 
     const std::string all = page(print_with({.resin_bitmaps = io::ResinBitmaps::png1, .gcvf = true, .png = true}));
     CHECK_THAT(all, Contains("in one file, <b>layers</b>") && Contains("nothing else, and <b>resins</b>"));
