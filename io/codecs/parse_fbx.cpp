@@ -38,6 +38,8 @@ constexpr std::array<std::string_view, 9> diffuse_names{"DiffuseColor",
                                                         "3dsMax|main|baseColor",
                                                         "3dsMax|main|base_color_map",
                                                         "3dsMax|main|baseColorMap"};
+constexpr std::array<std::string_view, 5> transparency_names{"TransparentColor", "TransparencyFactor", "Opacity",
+                                                             "3dsMax|Parameters|cutout_map", "3dsMax|main|opacity_map"};
 
 Eigen::Vector3f clamped(const Eigen::Vector3d& code) {
     if (!code.allFinite()) return Eigen::Vector3f::Zero();
@@ -297,6 +299,8 @@ private:
             linear_colours_ = linear_colours_ || (by_blender_ && !texture && rgb.maxCoeff() < 1);
         }
         if (texture) read_texture(*texture, made);
+        // Alpha of a picture counts where it hangs on transparency, too.
+        made.as_it_is.opaque = made.as_it_is.alpha >= 1 && !texture_of(id, transparency_names);
         if (made.as_it_is.image < 0) {
             made.as_it_is.rgb = made.rgb;
         } else if (made.rgb.maxCoeff() - made.rgb.minCoeff() > 0.01f) {
@@ -370,9 +374,9 @@ private:
         } else if (content) {
             material.image = context_.add_image_bytes(parts_, label, tree_.content(content), context_.decode_options());
         } else {
-            const auto there = std::ranges::find_if(names, [&](const auto& name) { return context_.finds(name); });
-            material.image =
-                context_.add_image_file(parts_, there == names.end() ? label : *there, context_.decode_options());
+            auto there = std::ranges::find_if(names, [&](const auto& name) { return context_.finds(name); });
+            if (there == names.end()) there = names.begin();
+            material.image = context_.add_image_file(parts_, *there, context_.decode_options());
         }
         material.wrap_u = number(texture, "WrapModeU", 0) == 1 ? Wrap::clamp : Wrap::repeat;
         material.wrap_v = number(texture, "WrapModeV", 0) == 1 ? Wrap::clamp : Wrap::repeat;
@@ -410,6 +414,7 @@ private:
         PartMaterial made = found.as_it_is;
         if (shown != Shown::as_it_is) {
             made.image = -1;
+            made.opaque = false;
             made.rgb = shown == Shown::plain ? found.rgb : Eigen::Vector3f::Ones();
         }
         parts_.materials.push_back(std::move(made));

@@ -298,6 +298,17 @@ TEST_CASE("FBX: textures within the file and beside it, by the coordinates that 
         const ModelFile file = read_fbx(bytes, {{"skin.png", four_colours()}});
         CHECK(file.mesh.corner_uv[0][0] == Vector2f(0.75f, 1.5f));
     }
+    SECTION("alpha of a picture counts where it hangs on transparency, too") {
+        const Files clear{{"skin.png", png(1, 1, {0, 0, 255, 64})}};
+        const Records hangs{fbx_link(picture, paint, "DiffuseColor")},
+            shines{hangs[0], fbx_link(picture, paint, "TransparencyFactor")};
+        const ModelFile opaque = read_fbx(scene({texture({}, "skin.png")}, hangs, {first}), clear);
+        CHECK(near(corner_colour(opaque.mesh, 0, 0), blue));
+        CHECK(warnings(opaque).empty());
+        const ModelFile glass = read_fbx(scene({texture({}, "skin.png")}, shines, {first}), clear);
+        CHECK(corner_colour(glass.mesh, 0, 0).x() > 0.7f);
+        CHECK_THAT(warnings(glass), Contains("[transparent]"));
+    }
     SECTION("no picture") {
         const ModelFile file = read_fbx(scene({texture({})}, {fbx_link(picture, paint, "DiffuseColor")}, {first}));
         CHECK_THAT(file.lost_colour, Contains("'skin'") && Contains("no picture"));
