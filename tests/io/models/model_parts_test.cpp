@@ -3,6 +3,8 @@
 // What comes over the wall from the reader: the same again, or an error, whatever the bytes.
 #include "io/models/model_parts.h"
 
+#include <cstring>
+
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
@@ -64,6 +66,27 @@ TEST_CASE("a parsed model that is cut short or too long is refused") {
         CHECK_THROWS_AS(unpack_model(std::span(bytes).first(size)), InputError);
     bytes.push_back(std::byte{0});
     CHECK_THROWS_AS(unpack_model(bytes), InputError);
+}
+
+TEST_CASE("a parsed model is unpacked piece by piece, each byte read once, and refused where the pieces end") {
+    const std::vector<std::byte> bytes = pack(textured_triangle());
+    for (std::size_t size = 0; size <= bytes.size(); ++size) {
+        std::size_t at = 0;
+        PackedReader reader(size, [&](void* to, std::size_t count) {
+            REQUIRE(count <= size - at);
+            std::memcpy(to, bytes.data() + at, count);
+            at += count;
+        });
+        if (size < bytes.size()) {
+            CHECK_THROWS_AS(unpack_model(reader), InputError);
+        } else {
+            CHECK(pack(unpack_model(reader)) == bytes);
+            CHECK(at == bytes.size());
+        }
+    }
+    DecodedImage image = two_pixels();
+    image.lost_colour = "layers are LOST";
+    CHECK(unpack_image(pack(image)).lost_colour == image.lost_colour);
 }
 
 TEST_CASE("parts that do not fit together are refused") {

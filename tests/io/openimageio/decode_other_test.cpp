@@ -11,6 +11,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "io/codecs/read_here.h"
 #include "io/decoders/decode_image.h"
 #include "io/files/read_bytes.h"
 #include "io/files/whole_file.h"
@@ -392,6 +393,12 @@ TEST_CASE("PSD of layers without a picture of all of them is lost colour, and on
     const Picture picture = finish_picture(lost, "a.psd");
     CHECK(picture.lost_colour == lost.lost_colour);
     CHECK_THAT(picture.warnings.at(0), Contains("[lost-colour]"));
+    const TemporaryFolder folder;
+    write_whole_file(folder.path() / "t.psd", psd_of({0, 0, 0}, {red}));
+    write_whole_file(folder.path() / "a.mtl", std::string("newmtl m\nmap_Kd t.psd\n"));
+    write_whole_file(folder.path() / "a.obj", std::string("mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\n"
+                                                          "vt 0 1\nusemtl m\nf 1/1 2/2 3/3\n"));
+    CHECK_THAT(read_model_here(folder.path() / "a.obj", {}, decode_other).lost_colour, Contains("t.psd"));
 
     const DecodedImage inks = decoded_psd(psd_of({200, 40, 40, 255}, {}, true, 4));  // what is left of the paper
     CHECK(near(codes_of(inks), {200, 40, 40}, 1));
