@@ -19,6 +19,7 @@
 #include "base/printable.h"
 #include "base/warning.h"
 #include "io/codecs/polygon_triangles.h"
+#include "io/models/colour_range.h"
 #include "io/pictures/srgb_code.h"
 #include "io/scenes/fbx_mesh.h"
 #include "io/scenes/fbx_transform.h"
@@ -430,12 +431,27 @@ private:
         for (FbxLayer& layer : known->second.colours)
             if (std::ranges::all_of(layer.values, [](double value) { return value == 1; })) layer.values.clear();
         std::erase_if(known->second.colours, [](const FbxLayer& layer) { return layer.values.empty(); });
+        if (!known->second.colours.empty()) make_linear(known->second.colours.front().values);
         for (const Link& link : children(id))
             if (const FbxNode* const child = object(link.child); child && child->name == "Deformer") {
                 ++deformed_;
                 break;
             }
         return known->second;
+    }
+
+    /// Colours of whatever range the file has them.
+    void make_linear(std::vector<double>& values) {
+        FileColours given;
+        given.has_alpha = true;
+        for (std::size_t i = 0; i + 3 < values.size(); i += 4)
+            given.value.emplace_back(values[i], values[i + 1], values[i + 2], values[i + 3]);
+        std::vector<std::string> said;
+        values.clear();
+        for (const Eigen::Vector4f& rgba : settled_colours(given, "vertex", context_.name(), said))
+            for (const float value : rgba) values.push_back(static_cast<double>(value));
+        for (std::string& warning : said)
+            if (std::ranges::find(parts_.warnings, warning) == parts_.warnings.end()) warn(std::move(warning));
     }
 
     static const FbxLayer* uv_of(const FbxMesh& mesh, const std::string& set) {
@@ -492,10 +508,10 @@ private:
         if (materials.empty()) return 0;
         if (!mesh.materials) return materials.front();
         const std::optional<std::size_t> place = mesh.materials->at(corner);
-        const double number = place ? mesh.materials->values[*place] : -1;
-        if (number >= 0 && number < static_cast<double>(materials.size()))
-            return materials[static_cast<std::size_t>(number)];
-        ++without_material_;
+        const double most = static_cast<double>(materials.size()),
+                     number = place ? mesh.materials->values[*place] : most;
+        if (number >= 0 && number < most) return materials[static_cast<std::size_t>(number)];
+        without_material_ += number >= most;  // below 0: none is meant
         return 0;
     }
 
@@ -519,9 +535,7 @@ private:
             const std::optional<std::size_t> place = layer.at(corners[c]);
             unpainted_ += !place;
             if (!place) continue;
-            const double* const value = layer.values.data() + *place;
-            rgba[c] << srgb_to_linear(clamped({value[0], value[1], value[2]})),
-                static_cast<float>(std::clamp(value[3], 0.0, 1.0));
+            rgba[c] = Eigen::Map<const Eigen::Vector4d>(layer.values.data() + *place).cast<float>();
         }
         parts_.set_rgba(t, rgba);
     }

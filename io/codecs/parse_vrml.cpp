@@ -19,6 +19,7 @@
 #include "base/warning.h"
 #include "io/codecs/polygon_triangles.h"
 #include "io/files/deflate.h"
+#include "io/models/colour_range.h"
 #include "io/models/model_text.h"
 #include "io/pictures/srgb_code.h"
 #include "io/scenes/vrml_shapes.h"
@@ -88,11 +89,6 @@ struct TextureLay {
         return (linear * (uv.cast<double>() + before) + after).cast<float>();
     }
 };
-
-Eigen::Vector3f linear_of(const Eigen::Vector3f& code) {
-    if (!code.allFinite()) return Eigen::Vector3f::Zero();
-    return srgb_to_linear(code.cwiseMax(0).cwiseMin(1));
-}
 
 class VrmlParser {
 public:
@@ -249,7 +245,9 @@ private:
         made.alpha = static_cast<float>(std::clamp(1 - material.number("transparency", 0), 0.0, 1.0));
         if (!code.allFinite()) return;
         parts_.has_colour = true;
-        made.rgb = linear_of(code.cast<float>());
+        const bool whole = code == Eigen::Vector3d(code.array().floor());
+        code /= colour_range(code.maxCoeff(), ColourNumbers::reals, whole);
+        made.rgb = srgb_to_linear(Eigen::Vector3f(code.cwiseMax(0).cwiseMin(1).cast<float>()));
     }
 
     void take_texture(const VrmlNode& texture, PartMaterial& made) {
@@ -340,7 +338,20 @@ private:
         if (textured && faces.unlaid) say_missing(faces.unlaid, "place in the texture", *geometry);
         const TextureLay lay(appearance ? scene_.node(*appearance, "textureTransform") : nullptr);
         const bool laid = geometry->field("texCoord") || (appearance && appearance->field("texture"));
-        add_faces(faces, transform, made, laid ? &lay : nullptr);
+        const std::vector<Eigen::Vector4f> colours = made.shows_colours ? linear_of(faces.colours) : no_colours_;
+        add_faces(faces, transform, made.index, laid ? &lay : nullptr, colours);
+    }
+
+    /// Of whatever range the file has them.
+    std::vector<Eigen::Vector4f> linear_of(const std::vector<Eigen::Vector3f>& colours) {
+        FileColours given;
+        for (const Eigen::Vector3f& colour : colours)
+            given.value.emplace_back(static_cast<double>(colour.x()), static_cast<double>(colour.y()),
+                                     static_cast<double>(colour.z()), 1.0);
+        std::vector<std::string> said;
+        std::vector<Eigen::Vector4f> made = settled_colours(given, "vertex", context_.name(), said);
+        for (std::string& warning : said) warn(std::move(warning));
+        return made;
     }
 
     void say_missing(std::size_t corners, const char* what, const VrmlNode& geometry) {
@@ -350,8 +361,9 @@ private:
             counted(corners, "corner"), geometry.line, context_.name(), what));
     }
 
-    void add_faces(const VrmlFaces& faces, const Eigen::Affine3d& transform, const MadeMaterial& made,
-                   const TextureLay* lay) {
+    /// `colours`: of the faces', linear; empty: they show none.
+    void add_faces(const VrmlFaces& faces, const Eigen::Affine3d& transform, std::uint32_t m, const TextureLay* lay,
+                   const std::vector<Eigen::Vector4f>& colours) {
         check_size(faces.points.size());
         const auto first = static_cast<std::uint32_t>(parts_.positions.size());
         for (const Eigen::Vector3d& point : faces.points) parts_.positions.push_back(transform * point);
@@ -366,15 +378,15 @@ private:
                 outline.push_back(parts_.positions[first + static_cast<std::size_t>(corner.point)]);
             for (std::array<std::uint32_t, 3> triangle : polygon_triangles(outline, context_.name())) {
                 if (mirrored) std::swap(triangle[1], triangle[2]);
-                add_triangle(faces, {polygon[triangle[0]], polygon[triangle[1]], polygon[triangle[2]]}, first, made,
-                             lay);
+                add_triangle(faces, {polygon[triangle[0]], polygon[triangle[1]], polygon[triangle[2]]}, first, m, lay,
+                             colours);
             }
             check_size(0);
         }
     }
 
     void add_triangle(const VrmlFaces& faces, const std::array<VrmlCorner, 3>& corners, std::uint32_t first,
-                      const MadeMaterial& made, const TextureLay* lay) {
+                      std::uint32_t m, const TextureLay* lay, const std::vector<Eigen::Vector4f>& colours) {
         std::array<std::uint32_t, 3> vertices{};
         std::array<Eigen::Vector2f, 3> uv;
         std::array<Eigen::Vector4f, 3> rgba;
@@ -384,12 +396,11 @@ private:
             uv[c].setZero();
             rgba[c].setOnes();
             if (lay && corner.uv >= 0) uv[c] = (*lay)(faces.uv[static_cast<std::size_t>(corner.uv)]);
-            if (corner.colour >= 0)
-                rgba[c].head<3>() = linear_of(faces.colours[static_cast<std::size_t>(corner.colour)]);
+            if (!colours.empty() && corner.colour >= 0) rgba[c] = colours[static_cast<std::size_t>(corner.colour)];
         }
-        const std::size_t t = parts_.add_triangle(vertices, made.index);
+        const std::size_t t = parts_.add_triangle(vertices, m);
         if (lay) parts_.set_uv(t, uv);
-        if (made.shows_colours) parts_.set_rgba(t, rgba);
+        if (!colours.empty()) parts_.set_rgba(t, rgba);
     }
 
     /// Names that are used again and again make much of a little file.
@@ -453,6 +464,7 @@ private:
     std::map<const VrmlNode*, std::int32_t> pixels_;
     std::set<std::int32_t> shades_;  ///< pictures of greys, which colours below shine through
     std::set<std::string> flat_, unknown_;
+    const std::vector<Eigen::Vector4f> no_colours_ = {};
     std::size_t visits_ = 0, thin_ = 0, hidden_ = 0;
     bool left_aside_ = false, by_count_ = false, has_animations_ = false;
 };

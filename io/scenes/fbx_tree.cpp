@@ -289,7 +289,7 @@ std::string_view FbxNode::text(std::size_t place) const {
 }
 
 void FbxTree::fail(const std::string& what) const {
-    throw InputError(fmt::format("{} is damaged or cut short: {}; export it again", file_, what));
+    throw InputError(fmt::format("{} is an FBX file that is damaged or cut short: {}; export it again", file_, what));
 }
 
 void FbxTree::check_version(std::int64_t version) const {

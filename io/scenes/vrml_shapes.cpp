@@ -52,7 +52,8 @@ public:
 
 private:
     [[noreturn]] void fail(const std::string& what) const {
-        throw InputError(fmt::format("{}, line {}: {}; the file is damaged, export it again", file_, node_.line, what));
+        throw InputError(
+            fmt::format("{}, line {}: {}; the VRML file is damaged, export it again", file_, node_.line, what));
     }
 
     // ---- faces of any shape

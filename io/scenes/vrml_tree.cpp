@@ -32,8 +32,8 @@ public:
 
 private:
     [[noreturn]] void fail(const std::string& what) const {
-        throw InputError(fmt::format("{}, line {}: {}; the file is damaged or cut short, export it again", file_, line_,
-                                     printable(what)));
+        throw InputError(fmt::format("{}, line {}: {}; the VRML file is damaged or cut short, export it again", file_,
+                                     line_, printable(what)));
     }
 
     // ---- words

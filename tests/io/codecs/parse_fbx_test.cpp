@@ -182,6 +182,10 @@ TEST_CASE("FBX: colours of materials, of what they cover, and their factor") {
     // A material that the model does not have.
     const ModelFile lost = read_fbx(fbx_scene(z_up, two, {links[0], links[1], links[2]}));
     CHECK_THAT(lost.lost_colour, Contains("1 face of a.fbx") && Contains("LOST"));
+    const ModelFile bare = painted({layer("LayerElementMaterial", "AllSame", "IndexToDirect",
+                                          {{"Materials", {fbx_indices(std::vector<std::int32_t>{-1})}}})});
+    CHECK(near(corner_colour(bare.mesh, 0, 0), {1, 1, 1}));
+    CHECK(bare.lost_colour.empty());
     // What glows only.
     const ModelFile glow = read_fbx(fbx_scene(
         z_up, {mesh(geometry), model(plate), material(paint, {0, 0, 0}, {fbx_property("EmissiveColor", {0, 0, 1})})},
@@ -225,6 +229,10 @@ TEST_CASE("FBX: colours of corners, vertices and polygons, straight and by an in
     const ModelFile white = painted(
         {layer("LayerElementColor", "AllSame", "Direct", {{"Colors", {fbx_reals(std::vector<double>{1, 1, 1, 1})}}})});
     CHECK(near(corner_colour(white.mesh, 0, 0), {linear(0.5), linear(0.25), 1}));
+    // Of 0 to 255, as some write them.
+    const ModelFile bytes = painted({layer("LayerElementColor", "AllSame", "Direct",
+                                           {{"Colors", {fbx_reals(std::vector<double>{255, 0, 128, 255})}}})});
+    CHECK(near(corner_colour(bytes.mesh, 0, 0), {1, 0, linear(128 / 255.0)}));
     const ModelFile few = painted({layer("LayerElementColor", "ByVertex", "Direct", {colours(3)})});
     CHECK_THAT(few.lost_colour, Contains("LOST"));
 }

@@ -105,6 +105,12 @@ TEST_CASE("VRML: colours of shapes, of vertices and of faces, straight and by an
     CHECK(near(corner_colour(by_count.mesh, 1, 2), blue));
     CHECK_THAT(warnings(by_count), Contains("those of the faces") && Contains("[which-colour]"));
     CHECK(by_count.lost_colour.empty());
+    // Of 0 to 255, as some write them.
+    const ModelFile bytes = read_vrml_of(shape("", square("color Color { color [255 0 0, 0 128 0, 0 0 255, 9 9 9] }")) +
+                                         shape("material Material { diffuseColor 0 128 0 }", square("")));
+    CHECK(near(corner_colour(bytes.mesh, 0, 1), {0, linear(128 / 255.0), 0}));
+    CHECK(near(corner_colour(bytes.mesh, 2, 1), {0, linear(128 / 255.0), 0}));
+    CHECK_THAT(warnings(bytes), Contains("0 to 255") && Contains("[colour-range]"));
     const ModelFile none = read_vrml_of("Shape { " + square("") + " }");
     CHECK_FALSE(none.has_colour);
     // What glows and has no colour; half transparent.
