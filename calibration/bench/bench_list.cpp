@@ -2,12 +2,16 @@
 #include "calibration/bench/bench_list.h"
 
 #include <algorithm>
-#include <charconv>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/error.h"
 #include "base/printable.h"
+#include "calibration/patches/table_cells.h"
+#include "io/disk/named_path.h"
+#include "io/files/csv_table.h"
+#include "io/files/utf8.h"
 #include "io/files/whole_file.h"
 
 namespace voxtone::calibration {
@@ -16,44 +20,22 @@ namespace {
 constexpr std::uint64_t most_list_bytes = 1u << 20;
 constexpr std::string_view list_header = "file,shows,resin,thickness_mm";
 
-std::string_view without_blanks(std::string_view text) {
-    const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '"'; };
-    while (!text.empty() && blank(text.front())) text.remove_prefix(1);
-    while (!text.empty() && blank(text.back())) text.remove_suffix(1);
-    return text;
-}
-
-std::vector<std::string_view> list_cells(std::string_view line) {
-    std::vector<std::string_view> cells;
-    for (std::size_t from = 0;;) {
-        const std::size_t to = line.find(',', from);
-        cells.push_back(without_blanks(line.substr(from, to - from)));
-        if (to == std::string_view::npos) return cells;
-        from = to + 1;
-    }
-}
-
 class ListReader {
 public:
     ListReader(std::string_view text, const std::string& source) : text_(text), source_(source) {}
 
     BenchList read() {
-        if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);
-        bool header = false;
-        while (!text_.empty()) {
-            const std::size_t end = std::min(text_.find('\n'), text_.size());
-            const std::string_view line = without_blanks(text_.substr(0, end));
-            text_.remove_prefix(std::min(end + 1, text_.size()));
-            ++line_;
-            if (line.empty() || line.starts_with('#')) continue;
-            if (header)
-                row(list_cells(line));
-            else if (line == list_header)
-                header = true;
-            else
-                fail(fmt::format("\"{}\", expected the header {}", printable(line.substr(0, 60)), list_header));
+        io::CsvReader csv(text_, io::CsvRules::lenient);
+        line_ = csv.header().line;
+        const std::vector<std::string>& names = csv.header().cells;
+        if (names.empty()) throw InputError(fmt::format("{}: no header line; expected {}.", source_, list_header));
+        if (const std::string header = fmt::format("{}", fmt::join(names, ",")); header != list_header)
+            fail(fmt::format("\"{}\", expected the header {}", printable(header.substr(0, 60)), list_header));
+        io::CsvRow cells;
+        for (std::string fault; csv.next(cells, fault);) {
+            line_ = cells.line;
+            row({cells.cells.begin(), cells.cells.end()});
         }
-        if (!header) throw InputError(fmt::format("{}: no header line; expected {}.", source_, list_header));
         if (list_.checker.empty()) missing("checker", "the photograph of a colour checker, which tells what white is");
         if (list_.sheet.empty()) missing("sheet", "the printed edge without a slab, which tells its white and black");
         if (list_.slabs.empty()) missing("slab", "at least one photograph of a slab");
@@ -99,9 +81,8 @@ private:
         if (resin.empty() || resin.size() > 32 || printable(resin) != resin)
             fail("the resin of a slab is a short word such as C or W");
         SlabPhotograph result{std::string(file), std::string(resin), 0};
-        const auto [end, fault] = std::from_chars(mm.data(), mm.data() + mm.size(), result.thickness_mm);
-        if (fault != std::errc() || end != mm.data() + mm.size() ||
-            !(result.thickness_mm >= 0.05 && result.thickness_mm <= 10))
+        result.thickness_mm = number_with_comma(mm).value_or(0);
+        if (!(result.thickness_mm >= 0.05 && result.thickness_mm <= 10))
             fail(fmt::format("thickness_mm is \"{}\"; expected the slab's thickness in mm, from 0.05 to 10",
                              printable(mm.substr(0, 40))));
         for (const SlabPhotograph& other : list_.slabs)
@@ -133,10 +114,12 @@ BenchList parse_bench_list(std::string_view text, const std::string& source) {
 
 BenchList read_bench_list(const std::filesystem::path& file) {
     const std::vector<std::uint8_t> bytes = io::read_whole_file(file, most_list_bytes);
-    BenchList list = parse_bench_list({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file.string());
+    BenchList list =
+        parse_bench_list(io::text_as_utf8({reinterpret_cast<const char*>(bytes.data()), bytes.size()}), file.string());
+    const auto seen = [&](const std::string& name) { return io::named_path(file.parent_path(), name).string(); };
     for (std::string* name : {&list.checker, &list.paper, &list.sheet})
-        if (!name->empty()) *name = (file.parent_path() / *name).string();
-    for (SlabPhotograph& slab : list.slabs) slab.file = (file.parent_path() / slab.file).string();
+        if (!name->empty()) *name = seen(*name);
+    for (SlabPhotograph& slab : list.slabs) slab.file = seen(slab.file);
     return list;
 }
 

@@ -177,10 +177,10 @@ ChartFit fit_chart(const PatchTable& table, const ChartFitOptions& target, const
     result.observer = choice;
 
     const ObserverModel model = chart_model(data, choice, options);
-    ObserverFit fit = fit_observer(data, model, chart_start(data, choice, options), progress);
+    ObserverFit fit = fit_observer(data, model, chart_start(data, choice, options), progress, steps_of_result);
     if (!model.options().lengths) fit.parts.scattering = chart_scattering(data, fit.parts, options);
     if (model.fits_spread() && !model.options().lengths) {
-        fit = fit_observer(data, model, fit.parts, progress);
+        fit = fit_observer(data, model, fit.parts, progress, steps_of_result);
         fit.parts.scattering = chart_scattering(data, fit.parts, options);
     }
     const Eigen::MatrixX3d left = data.roots - fit.roots;

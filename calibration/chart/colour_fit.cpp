@@ -15,7 +15,6 @@ namespace {
 
 constexpr double robust_from = 2;  // CIEDE2000
 constexpr double ridge = 0.5;
-constexpr int most_iterations = 100;
 
 // Derivative of CIELAB's root by XYZ / white.
 double root_slope(double t) {
@@ -114,16 +113,23 @@ private:
     Eigen::VectorXd start_;
 };
 
-class StopOnRequest : public ceres::IterationCallback {
+// Looks at every step: whether the user wants to stop, and whether there is still something to gain.
+class LookAtSteps : public ceres::IterationCallback {
 public:
-    explicit StopOnRequest(const Progress* progress) : progress_(progress) {}
-    ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
+    explicit LookAtSteps(const Progress* progress) : progress_(progress) {}
+    ceres::CallbackReturnType operator()(const ceres::IterationSummary& step) override {
+        constexpr std::size_t looked_at = 25;
+        constexpr double gain = 2e-3;
         if (progress_) progress_->check_cancelled();
-        return ceres::SOLVER_CONTINUE;
+        costs_.push_back(step.cost);
+        if (step.iteration < steps_of_trial || costs_.size() <= looked_at) return ceres::SOLVER_CONTINUE;
+        const double before = costs_[costs_.size() - 1 - looked_at];
+        return before - step.cost < gain * before ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
     }
 
 private:
     const Progress* progress_;
+    std::vector<double> costs_;
 };
 
 }  // namespace
@@ -142,8 +148,8 @@ std::vector<double> root_differences(const Eigen::MatrixX3d& predicted, const Ei
     return differences;
 }
 
-bool fit_colours(const ColourTargets& targets, ColourModel& model, Eigen::VectorXd& unknowns,
-                 const Progress* progress) {
+bool fit_colours(const ColourTargets& targets, ColourModel& model, Eigen::VectorXd& unknowns, const Progress* progress,
+                 int most_steps) {
     Preparation preparation(model, unknowns);
     ceres::Problem::Options ownership;
     ownership.evaluation_callback = &preparation;
@@ -155,15 +161,15 @@ bool fit_colours(const ColourTargets& targets, ColourModel& model, Eigen::Vector
     problem.AddResidualBlock(new NearStart(unknowns), nullptr, unknowns.data());
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-    options.max_num_iterations = most_iterations;
+    options.max_num_iterations = most_steps;
     options.function_tolerance = 1e-6;
     options.num_threads = 1;
     options.logging_type = ceres::SILENT;
-    StopOnRequest stop(progress);
-    options.callbacks.push_back(&stop);
+    LookAtSteps look(progress);
+    options.callbacks.push_back(&look);
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem, &summary);
-    return summary.termination_type == ceres::CONVERGENCE;
+    return summary.termination_type == ceres::CONVERGENCE || summary.termination_type == ceres::USER_SUCCESS;
 }
 
 }  // namespace voxtone::calibration

@@ -107,7 +107,7 @@ PatchTable sampled_table(const io::DeviceProfile& profile, const std::vector<std
     if (!absolute)
         table.notes.push_back(fmt::format(
             "{}: colours are relative to the printer's own white, which is lighter then than it is.", profile.name));
-    return finished_chart(std::move(reading), {});
+    return finished_chart(std::move(reading));
 }
 
 }  // namespace

@@ -16,30 +16,6 @@ namespace voxtone::calibration {
 
 namespace {
 
-double inks_of(const Patch& patch) {
-    double sum = 0;
-    for (const ResinShare& share : patch.top) sum += share.fraction;
-    return sum;
-}
-
-// Ink percentages that no volume can hold; as finished_chart tells percent from shares.
-void drop_overfull(ChartReading& reading) {
-    if (!reading.rest_is_white) return;
-    std::vector<Patch>& patches = reading.table.patches;
-    double largest = 0;
-    for (const Patch& patch : patches)
-        for (const ResinShare& share : patch.top) largest = std::max(largest, share.fraction);
-    const double whole = largest > 1 ? 100 : 1;
-    constexpr double rounding = 1e-6;
-    const std::size_t dropped =
-        std::erase_if(patches, [&](const Patch& patch) { return inks_of(patch) > whole * (1 + rounding); });
-    if (dropped > 0)
-        reading.table.notes.push_back(
-            fmt::format("{}: {} measured patches have ink percentages above 100 together, which no volume holds; they "
-                        "are left out.",
-                        reading.table.source, dropped));
-}
-
 void rename_roles(PatchTable& table, const std::map<std::string, std::string>& names) {
     for (Patch& patch : table.patches) {
         for (ResinShare& share : patch.top) {
@@ -75,9 +51,10 @@ std::optional<IccMeasurements> icc_measurements(const io::DeviceProfile& profile
             continue;
         }
         try {
-            ChartReading reading = cxf ? read_cxf(text.text, source) : read_cgats(text.text, source);
-            drop_overfull(reading);
-            IccMeasurements found{finished_chart(std::move(reading), {}), tag};
+            const std::vector<std::string> known(roles.begin(), roles.end());
+            ChartReading reading =
+                cxf ? read_cxf(text.text, source) : read_cgats(text.text, source, {.resins = {}, .known = known});
+            IccMeasurements found{finished_chart(std::move(reading), {.illuminant = {}, .printable_only = true}), tag};
             rename_roles(found.table, names_of(roles, rest));
             return found;
         } catch (const InputError& error) {

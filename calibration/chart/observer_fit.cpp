@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "calibration/chart/observer_fit.h"
 
-#include "calibration/chart/colour_fit.h"
 #include "calibration/chart/square_colours.h"
 
 namespace voxtone::calibration {
@@ -64,11 +63,11 @@ Eigen::MatrixX3d predicted_roots(const ObserverModel& model, const ObserverParts
 }
 
 ObserverFit fit_observer(const ChartData& data, const ObserverModel& model, const ObserverParts& start,
-                         const Progress* progress) {
+                         const Progress* progress, int most_steps) {
     Eigen::VectorXd unknowns = model.unknowns_of(start);
     ChartColours colours(data, model, start);
     ObserverFit fit;
-    fit.converged = fit_colours(targets_of(data), colours, unknowns, progress);
+    fit.converged = fit_colours(targets_of(data), colours, unknowns, progress, most_steps);
     fit.parts = model.parts(unknowns, start);
     fit.roots = predicted_roots(model, fit.parts, data.shares);
     fit.square_roots = SquareColours(data.squares, data.roles, model).roots(fit.parts);

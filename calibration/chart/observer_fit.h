@@ -6,6 +6,7 @@
 
 #include "base/progress.h"
 #include "calibration/chart/chart_data.h"
+#include "calibration/chart/colour_fit.h"
 #include "calibration/chart/observer_model.h"
 
 namespace voxtone::calibration {
@@ -19,7 +20,7 @@ struct ObserverFit {
 
 /// From `start` (observer_start.h), whose scattering and dot spread hold where they are not fitted. Exact derivatives.
 [[nodiscard]] ObserverFit fit_observer(const ChartData& data, const ObserverModel& model, const ObserverParts& start,
-                                       const Progress* progress = nullptr);
+                                       const Progress* progress = nullptr, int most_steps = steps_of_trial);
 
 /// Roots that a model predicts of mixtures.
 [[nodiscard]] Eigen::MatrixX3d predicted_roots(const ObserverModel& model, const ObserverParts& parts,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -82,7 +83,11 @@ JobResult run_edge_fit_job(const EdgeFitJob& job, Progress& progress) {
     const std::vector<EdgeProfile> profiles = read_edge_profiles(job.profiles);
     check_edge_profiles(profiles, job.profiles);
     std::optional<PatchTable> chart;
-    if (!job.chart.empty()) chart = read_measured_patches(job.chart, job.chart_measured, job.chart_model, progress);
+    if (!job.chart.empty()) {
+        MeasuredPatchOptions measured = job.chart_measured;
+        for (const EdgeProfile& profile : profiles) measured.reading.known.push_back(profile.resin);
+        chart = read_measured_patches(job.chart, measured, job.chart_model, progress);
+    }
     EdgeProfileTable table(job.dictionary.empty()
                                ? own_dictionary(profiles, job, setup, progress)
                                : std::make_shared<const EdgeDictionary>(read_dictionary(job.dictionary)),
@@ -92,6 +97,7 @@ JobResult run_edge_fit_job(const EdgeFitJob& job, Progress& progress) {
     options.name = job.name.empty() ? fs::path(job.out).stem().string() : job.name;
     EdgeFit fit = fit_edges(profiles, table, options, &progress);
     if (chart) complete_by_chart(fit, *chart, job.chart_model);
+    fit.set = io::rounded_set(std::move(fit.set));
     EdgeSimilarity similarity;
     if (!job.report.empty()) similarity = edge_similarity(fit, profiles, table, options, &progress);
     for (const std::string& warning : fit.warnings) progress.warn(warning);

@@ -2,7 +2,6 @@
 #include "calibration/edge/edge_profiles.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
 
@@ -10,6 +9,9 @@
 
 #include "base/error.h"
 #include "base/printable.h"
+#include "calibration/patches/table_cells.h"
+#include "io/files/csv_table.h"
+#include "io/files/utf8.h"
 #include "io/files/whole_file.h"
 
 namespace voxtone::calibration {
@@ -21,43 +23,23 @@ constexpr double far_mm = 1.0;  // samples on both sides must reach this far
 constexpr const char* edge_columns[] = {"resin", "thickness_mm", "x_mm",    "R",      "G",
                                         "B",     "error_R",      "error_G", "error_B"};
 
-std::string_view bare(std::string_view text) {
-    const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '"'; };
-    while (!text.empty() && blank(text.front())) text.remove_prefix(1);
-    while (!text.empty() && blank(text.back())) text.remove_suffix(1);
-    return text;
-}
-
-std::vector<std::string_view> cells_of(std::string_view line) {
-    std::vector<std::string_view> cells;
-    for (std::size_t from = 0;;) {
-        const std::size_t to = line.find(',', from);
-        cells.push_back(bare(line.substr(from, to - from)));
-        if (to == std::string_view::npos) return cells;
-        from = to + 1;
-    }
-}
-
 class EdgeReader {
 public:
     EdgeReader(std::string_view text, const std::string& source) : text_(text), source_(source) {}
 
     std::vector<EdgeProfile> read() {
-        if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);
-        while (!text_.empty()) {
-            const std::size_t end = std::min(text_.find('\n'), text_.size());
-            const std::string_view line = bare(text_.substr(0, end));
-            text_.remove_prefix(std::min(end + 1, text_.size()));
-            ++line_;
-            if (line.empty() || line.starts_with('#')) continue;
-            if (columns_ == 0)
-                header(line);
-            else
-                row(line);
-        }
-        if (columns_ == 0)
+        io::CsvReader csv(text_, io::CsvRules::lenient);
+        line_ = csv.header().line;
+        if (csv.header().cells.empty())
             throw InputError(fmt::format(
                 "{}: no header line; expected resin,thickness_mm,x_mm,R,G,B and one line a sample.", source_));
+        header(csv.header().cells);
+        io::CsvRow cells;
+        for (std::string fault; csv.next(cells, fault);) {
+            line_ = cells.line;
+            if (!fault.empty()) fail(fault);
+            row(cells.cells);
+        }
         if (profiles_.empty()) throw InputError(fmt::format("{}: a header and no samples.", source_));
         for (EdgeProfile& profile : profiles_) sort(profile);
         return std::move(profiles_);
@@ -68,10 +50,7 @@ private:
         throw InputError(fmt::format("{}: line {}: {}.", source_, line_, what));
     }
 
-    void header(std::string_view line) {
-        const auto names = cells_of(line);
-        if (names.size() == 1 && line.find(';') != std::string_view::npos)
-            fail("columns are separated by semicolons; save the table with commas, and points in numbers");
+    void header(const std::vector<std::string>& names) {
         for (std::size_t k = 0; k < names.size() && k < std::size(edge_columns); ++k)
             if (names[k] != edge_columns[k])
                 fail(
@@ -86,30 +65,27 @@ private:
         columns_ = names.size();
     }
 
-    [[nodiscard]] double number(std::string_view text, std::size_t column, bool may_be_unknown) const {
+    [[nodiscard]] double value_of(std::string_view text, std::size_t column, bool may_be_unknown) const {
         if (may_be_unknown && (text.empty() || text == "nan" || text == "NaN")) return std::nan("");
-        double value = 0;
-        const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
-        if (fault != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+        const auto value = number_with_comma(text);
+        if (!value)
             fail(fmt::format("column {} is \"{}\", no number", edge_columns[column], printable(text.substr(0, 40))));
-        return value;
+        return *value;
     }
 
-    void row(std::string_view line) {
-        const auto cells = cells_of(line);
-        if (cells.size() != columns_) fail(fmt::format("{} cells, but the header has {}", cells.size(), columns_));
+    void row(const std::vector<std::string>& cells) {
         if (cells[0].empty() || cells[0].size() > 32 || printable(cells[0]) != cells[0])
             fail("the resin is a short word such as C or W");
-        const double thickness = number(cells[1], 1, false);
+        const double thickness = value_of(cells[1], 1, false);
         if (!(thickness >= 0.05 && thickness <= 10))
             fail(fmt::format("thickness_mm is {}; expected the slab's thickness in mm, from 0.05 to 10", thickness));
         EdgeProfile& profile = of(cells[0], thickness);
         if (profile.x_mm.size() >= most_samples) fail(fmt::format("more than {} samples of a profile", most_samples));
-        profile.x_mm.push_back(number(cells[2], 2, false));
+        profile.x_mm.push_back(value_of(cells[2], 2, false));
         for (std::size_t c = 0; c < 3; ++c) {
-            profile.value[c].push_back(number(cells[3 + c], 3 + c, true));
+            profile.value[c].push_back(value_of(cells[3 + c], 3 + c, true));
             if (columns_ == 6) continue;
-            const double error = number(cells[6 + c], 6 + c, true);
+            const double error = value_of(cells[6 + c], 6 + c, true);
             if (!std::isnan(error) && !(error > 0))
                 fail(fmt::format("{} is {}; a standard error is above 0", edge_columns[6 + c], error));
             profile.error[c].push_back(error);
@@ -196,7 +172,8 @@ std::vector<EdgeProfile> parse_edge_profiles(std::string_view text, const std::s
 
 std::vector<EdgeProfile> read_edge_profiles(const std::filesystem::path& file) {
     const std::vector<std::uint8_t> bytes = io::read_whole_file(file, most_edge_bytes);
-    return parse_edge_profiles({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file.string());
+    return parse_edge_profiles(io::text_as_utf8({reinterpret_cast<const char*>(bytes.data()), bytes.size()}),
+                               file.string());
 }
 
 std::string edge_profiles_text(const std::vector<EdgeProfile>& profiles, std::string_view comment) {

@@ -18,7 +18,7 @@ namespace voxtone::calibration {
 JobResult run_check_job(const CheckJob& job, Progress& progress) {
     job.map.validate(job.page);
     if (!job.page.empty()) io::expect_outputs({job.page}, job.overwrite);
-    if (const auto layers = read_layer_chart(job.patches, job.measured.illuminant)) {
+    if (const auto layers = read_layer_chart(job.patches, job.measured.reading.illuminant)) {
         if (!job.page.empty())
             throw UsageError(
                 fmt::format("--out with {}, laminates: there is no page of them. Leave it out.", job.patches));
@@ -26,8 +26,10 @@ JobResult run_check_job(const CheckJob& job, Progress& progress) {
         const LayerCheck check = check_layers(io::find_resin_set(job.resins), *layers);
         return {layer_check_json(check), layer_check_text(check)};
     }
-    const PatchTable table = read_measured_patches(job.patches, job.measured, job.model, progress);
     const optics::ResinSet set = io::find_resin_set(job.resins);
+    MeasuredPatchOptions measured = job.measured;
+    for (const optics::Resin& resin : set.resins) measured.reading.known.push_back(resin.role);
+    const PatchTable table = read_measured_patches(job.patches, measured, job.model, progress);
     const PatchCheck check = check_resins(set, table, job.model);
     if (!job.page.empty())
         io::write_whole_file(job.page, check_report_html(table, check, set, read_patch_map(table, job.map, progress)));

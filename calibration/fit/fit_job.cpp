@@ -2,6 +2,7 @@
 #include "calibration/fit/fit_job.h"
 
 #include <filesystem>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -31,6 +32,16 @@ FitOptions options_of(const FitJob& job) {
     return options;
 }
 
+/// Roles that the user names, and those that the sets have that a fit is given.
+MeasuredPatchOptions measured_options(const FitJob& job, const FitOptions& fit) {
+    MeasuredPatchOptions measured = job.measured;
+    measured.reading.resins = fit.expected;
+    for (const optics::Resin& resin : io::find_resin_set(job.lengths_from).resins)
+        measured.reading.known.push_back(resin.role);
+    for (const ResinPrior::Resin& resin : fit.prior.resins) measured.reading.known.push_back(resin.role);
+    return measured;
+}
+
 void expect_chart_options(const FitJob& job) {
     const auto refuse = [&](bool given, std::string_view option, std::string_view why) {
         if (given) throw UsageError(fmt::format("{} with {}, a chart: {}. Leave it out.", option, job.patches, why));
@@ -53,11 +64,12 @@ JobResult run_layer_fit(const FitJob& job, const LayerChart& chart, Progress& pr
         throw UsageError(
             fmt::format("--report with {}, laminates: there is no page of them. Leave it out.", job.patches));
     for (const std::string& note : chart.notes) progress.warn(named_warning("assumed", note));
-    const auto others = job.check.empty() ? std::nullopt : read_layer_chart(job.check, job.measured.illuminant);
+    const auto others = job.check.empty() ? std::nullopt : read_layer_chart(job.check, job.measured.reading.illuminant);
     if (!job.check.empty() && !others)
         throw InputError(fmt::format("--check {}: holds no laminates, which {} does.", job.check, job.patches));
-    const LayerFit found = fit_layers(
+    LayerFit found = fit_layers(
         chart, {.name = fit.name, .channels = job.chart.channels, .g = fit.model.g, .eta = fit.model.eta}, &progress);
+    found.set = io::rounded_set(std::move(found.set));
     for (const std::string& warning : found.warnings) progress.warn(warning);
     std::string text = layer_fit_text(found);
     if (others) text += fmt::format("\n{}\n{}", job.check, layer_check_text(check_layers(found.set, *others)));
@@ -101,11 +113,13 @@ JobResult run_chart_fit(const FitJob& job, const FitOptions& fit, const PatchTab
     options.expected = fit.expected;
     options.edges = fit.prior;
     options.lengths_from = io::find_resin_set(job.lengths_from);
-    if (!job.squares.empty()) options.squares = read_measured_patches(job.squares, job.measured, fit.model, progress);
+    const MeasuredPatchOptions measured = measured_options(job, fit);
+    if (!job.squares.empty()) options.squares = read_measured_patches(job.squares, measured, fit.model, progress);
     const PatchTable others =
-        job.check.empty() ? PatchTable{} : read_measured_patches(job.check, job.measured, fit.model, progress);
+        job.check.empty() ? PatchTable{} : read_measured_patches(job.check, measured, fit.model, progress);
     expect_order(table, options);
-    const ChartFit found = fit_chart(table, options, &progress);
+    ChartFit found = fit_chart(table, options, &progress);
+    found.set = io::rounded_set(std::move(found.set));
     for (const std::string& warning : found.warnings) progress.warn(warning);
     io::write_whole_file(job.out, io::resin_set_text(found.set));
     io::write_whole_file(side_file(job.out), chart_fit_json(found) + "\n");
@@ -122,10 +136,11 @@ JobResult run_chart_fit(const FitJob& job, const FitOptions& fit, const PatchTab
 JobResult run_fit_job(const FitJob& job, Progress& progress) {
     job.validate();
     io::expect_outputs(job.outputs(), job.overwrite);
-    if (const auto layers = read_layer_chart(job.patches, job.measured.illuminant))
+    if (const auto layers = read_layer_chart(job.patches, job.measured.reading.illuminant))
         return run_layer_fit(job, *layers, progress);
     const FitOptions options = fit_options(job);
-    const PatchTable table = read_measured_patches(job.patches, job.measured, options.model, progress);
+    const MeasuredPatchOptions measured = measured_options(job, options);
+    const PatchTable table = read_measured_patches(job.patches, measured, options.model, progress);
     if (table.is_chart) return run_chart_fit(job, options, table, progress);
     if (!job.squares.empty())
         throw UsageError(
@@ -133,8 +148,9 @@ JobResult run_fit_job(const FitJob& job, Progress& progress) {
     const PatchMap map = job.report.empty() ? PatchMap{} : read_patch_map(table, job.map, progress);
     const bool checked = !job.check.empty();
     const PatchTable others =
-        checked ? read_measured_patches(job.check, job.measured, options.model, progress) : PatchTable{};
-    const ResinFit fit = fit_resins(table, options, &progress);
+        checked ? read_measured_patches(job.check, measured, options.model, progress) : PatchTable{};
+    ResinFit fit = fit_resins(table, options, &progress);
+    fit.set = io::rounded_set(std::move(fit.set));
     for (const std::string& warning : fit.warnings) progress.warn(warning);
     io::write_whole_file(job.out, io::resin_set_text(fit.set));
     io::write_whole_file(side_file(job.out), fit_json(fit, table) + "\n");

@@ -11,7 +11,9 @@
 #include "calibration/patches/measured_values.h"
 #include "calibration/patches/patch_mixture.h"
 #include "calibration/patches/table_cells.h"
+#include "io/files/csv_table.h"
 #include "io/files/json_object.h"
+#include "io/files/utf8.h"
 #include "io/files/whole_file.h"
 
 namespace voxtone::calibration {
@@ -75,42 +77,41 @@ void finish(LayerChart& chart, const std::vector<double>& lab, std::string_view 
     chart.notes = lights.notes;
 }
 
-LayerChart parse_csv(std::string_view text, LayerChart chart, std::optional<optics::Illuminant> illuminant) {
-    MeasuringConditions conditions;
+io::CsvReader laminate_reader(std::string_view text) {
+    return {text, io::CsvRules::lenient, [](const std::vector<std::string>& cells) {
+                return cells.size() >= 4 && in_capitals(cells[0]) == "LAYERS";
+            }};
+}
+
+LayerChart parse_table(std::string_view text, LayerChart chart, std::optional<optics::Illuminant> illuminant) {
+    io::CsvReader csv = laminate_reader(text);
     std::vector<double> lab;
-    bool header = true;
-    for (std::size_t from = 0, line = 1; from < text.size(); ++line) {
-        const std::size_t to = std::min(text.find('\n', from), text.size());
-        const std::string_view row = trimmed(text.substr(from, to - from));
-        from = to + 1;
-        const std::string where = fmt::format("{}: line {}", chart.source, line);
-        if (row.starts_with('#')) {
-            if (const auto colon = row.find(':'); colon != std::string_view::npos)
-                note_condition(conditions, row.substr(1, colon - 1), row.substr(colon + 1));
-            continue;
-        }
-        if (row.empty()) continue;
-        const auto cells = split_quoted(row, ',');
-        if (std::exchange(header, false)) {
-            if (cells.size() != 4 || in_capitals(cells[1]) != "L" || in_capitals(cells[2]) != "A" ||
-                in_capitals(cells[3]) != "B")
-                throw InputError(fmt::format("{}: a chart of laminates begins with layers,L,a,b.", where));
-            continue;
-        }
-        if (cells.size() != 4)
-            throw InputError(fmt::format(
-                "{}: {} cells, but the header has 4; put the layers between quotes: \"Y 0.08, W 0.8\",92.9,-7.4,18.0.",
-                where, cells.size()));
+    const std::vector<std::string>& names = csv.header().cells;
+    if (names.size() != 4 || in_capitals(names[1]) != "L" || in_capitals(names[2]) != "A" ||
+        in_capitals(names[3]) != "B")
+        throw InputError(fmt::format("{}: line {}: a chart of laminates begins with layers,L,a,b.", chart.source,
+                                     csv.header().line));
+    io::CsvRow row;
+    for (std::string fault; csv.next(row, fault);) {
+        const std::string where = fmt::format("{}: line {}", chart.source, row.line);
+        if (!fault.empty())
+            throw InputError(
+                fmt::format("{}: {}; put the layers between quotes: \"Y 0.08, W 0.8\",92.9,-7.4,18.0.", where, fault));
         std::vector<double> colour;
         for (std::size_t k = 1; k < 4; ++k) {
-            const auto value = number(cells[k]);
-            if (!value) throw InputError(fmt::format("{}: {} is no number.", where, shown(cells[k])));
+            const auto value = number_with_comma(row.cells[k]);
+            if (!value) throw InputError(fmt::format("{}: {} is no number.", where, shown(row.cells[k])));
             colour.push_back(*value);
         }
         LayerLaminate laminate;
-        for (const std::string_view layer : split(cells[0], ',')) laminate.push_back(parse_layer(chart, layer, where));
+        for (const std::string_view layer : split(row.cells[0], ','))
+            laminate.push_back(parse_layer(chart, layer, where));
         add_laminate(chart, lab, std::move(laminate), colour, where);
     }
+    MeasuringConditions conditions;
+    for (const std::string& comment : csv.comments())
+        if (const auto colon = comment.find(':'); colon != std::string::npos)
+            note_condition(conditions, comment.substr(0, colon), comment.substr(colon + 1));
     finish(chart, lab, conditions.illuminant, illuminant);
     return chart;
 }
@@ -159,22 +160,23 @@ LayerChart parse_json(std::string_view text, LayerChart chart, std::optional<opt
 }  // namespace
 
 bool is_layer_chart(std::string_view text) {
-    const std::string_view line = first_line(text);
-    return line.starts_with('{') || in_capitals(line.substr(0, 7)) == "LAYERS,";
+    if (first_line(text).starts_with('{')) return true;
+    const io::CsvReader csv = laminate_reader(text);
+    const std::vector<std::string>& names = csv.header().cells;
+    return names.size() > 1 && in_capitals(names[0]) == "LAYERS";
 }
 
 LayerChart parse_layer_chart(std::string_view text, std::string source, std::optional<optics::Illuminant> illuminant) {
     LayerChart chart;
     chart.source = std::move(source);
     return first_line(text).starts_with('{') ? parse_json(text, std::move(chart), illuminant)
-                                             : parse_csv(text, std::move(chart), illuminant);
+                                             : parse_table(text, std::move(chart), illuminant);
 }
 
 std::optional<LayerChart> read_layer_chart(const std::filesystem::path& file,
                                            std::optional<optics::Illuminant> illuminant) {
     const auto bytes = io::read_whole_file(file, most_chart_bytes);
-    std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+    const std::string text = io::text_as_utf8({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     if (!is_layer_chart(text)) return std::nullopt;
     return parse_layer_chart(text, file.string(), illuminant);
 }

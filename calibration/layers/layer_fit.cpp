@@ -45,11 +45,12 @@ struct Fitted {
     bool converged = false;
 };
 
-Fitted fit_parts(const LayerChart& chart, int channels, const LayerFitOptions& options, const Progress* progress) {
+Fitted fit_parts(const LayerChart& chart, int channels, const LayerFitOptions& options, const Progress* progress,
+                 int most_steps = steps_of_trial) {
     LayerModel model(chart, channels, options.g, options.eta);
     Eigen::VectorXd unknowns = model.unknowns_of(layer_start(chart, channels));
     Fitted fitted;
-    fitted.converged = fit_colours(targets_of(chart), model, unknowns, progress);
+    fitted.converged = fit_colours(targets_of(chart), model, unknowns, progress, most_steps);
     fitted.parts = model.parts(unknowns);
     return fitted;
 }
@@ -133,7 +134,7 @@ LayerFit fit_layers(const LayerChart& chart, const LayerFitOptions& options, con
     const int channels = options.channels > 0 ? options.channels : usual_layer_channels;
     expect_enough(chart, channels);
     LayerFit result;
-    const Fitted fitted = fit_parts(chart, channels, options, progress);
+    const Fitted fitted = fit_parts(chart, channels, options, progress, steps_of_result);
     if (!fitted.converged)
         result.warnings.emplace_back(
             named_warning("not-converged", "the least squares stopped before it came to rest"));

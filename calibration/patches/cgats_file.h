@@ -15,13 +15,16 @@
 //
 // Fields mean what chart_columns.h says. Values are separated by blanks or tabs, a value with blanks has quotes, #
 // begins a comment, lines end by LF, CR LF or CR; a row may go on over several lines. Numbers may have a decimal comma.
-// A file may hold several tables: the first with mixtures and measured values is taken. Illuminant and observer of L,
-// a, b are read from WEIGHTING_FUNCTION, ILLUMINATION_NAME, OBSERVER_ANGLE, ILLUMINANT, OBSERVER, MEASUREMENT_SOURCE.
+// A quote within a quoted value is doubled. A file may hold several tables: the first with mixtures and measured values
+// is taken, and a CAL table (device_curves.h) before or behind it tells what was printed of its inks. Illuminant and
+// observer of L, a, b are read from WEIGHTING_FUNCTION, ILLUMINATION_NAME, OBSERVER_ANGLE, ILLUMINANT, OBSERVER,
+// MEASUREMENT_SOURCE. Files that a spreadsheet has saved as CSV are read, too.
 #pragma once
 
 #include <string>
 #include <string_view>
 
+#include "calibration/patches/chart_columns.h"
 #include "calibration/patches/chart_reading.h"
 
 namespace voxtone::calibration {
@@ -30,7 +33,7 @@ namespace voxtone::calibration {
 [[nodiscard]] bool is_cgats(std::string_view text);
 
 /// Throws InputError that names file, line and field: a file that is cut short, counts that do not agree, no table that
-/// can be used.
-[[nodiscard]] ChartReading read_cgats(std::string_view text, const std::string& source);
+/// can be used, Argyll's CTI1 and CTI2, which hold colours that are expected, and curves that do not fit.
+[[nodiscard]] ChartReading read_cgats(std::string_view text, const std::string& source, const ColumnWords& words = {});
 
 }  // namespace voxtone::calibration

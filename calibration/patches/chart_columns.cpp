@@ -2,10 +2,10 @@
 #include "calibration/patches/chart_columns.h"
 
 #include <algorithm>
-#include <optional>
 #include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/contracts.h"
 #include "base/error.h"
@@ -22,133 +22,20 @@ using Kind = ChartColumns::Kind;
 constexpr double first_nm = 300, last_nm = 1100;
 constexpr std::size_t most_columns_of_chart = 5000, most_roles = 64;
 
-// What a name may mean, by itself.
-struct Meaning {
-    enum class Of {
-        role,
-        ink,
-        numbered_ink,
-        device_rgb,
-        quantity,
-        wavelength,
-        thickness,
-        backing,
-        base,
-        row,
-        column,
-        unused
-    } of;
-    std::string role = {};              // of a resin or an ink
-    Quantity quantity = Quantity::lab;  // of `quantity`
-    std::size_t channel = 0;            // of it, 0 to 2; of a numbered ink its number, from 0
-    double nm = 0;                      // of a wavelength
-    bool plain = false;                 // a letter alone, which may be a resin as well
-    bool error = false;                 // the standard error of it
-};
-
-std::optional<double> wavelength(std::string_view name) {
-    std::string text = in_capitals(name);
-    for (const std::string_view prefix : {"SPECTRAL_", "SPEC_"})
-        if (text.starts_with(prefix)) {
-            text.erase(0, prefix.size());
-            break;
-        }
-    if (text.starts_with("NM")) text.erase(0, 2);
-    if (text.starts_with("_")) text.erase(0, 1);
-    if (text.ends_with("NM")) text.erase(text.size() - 2);
-    return number_with_comma(trimmed(text));
-}
-
-std::optional<std::pair<Quantity, std::size_t>> measured_channel(std::string_view name, bool& plain) {
-    struct Entry {
-        const char* name;
-        Quantity quantity;
-        std::size_t channel;
-    };
-    static constexpr Entry plain_names[] = {
-        {"L", Quantity::lab, 0},  {"a", Quantity::lab, 1},  {"b", Quantity::lab, 2}, {"L*", Quantity::lab, 0},
-        {"a*", Quantity::lab, 1}, {"b*", Quantity::lab, 2}, {"X", Quantity::xyz, 0}, {"Y", Quantity::xyz, 1},
-        {"Z", Quantity::xyz, 2},  {"R", Quantity::rgb, 0},  {"G", Quantity::rgb, 1}, {"B", Quantity::rgb, 2}};
-    static constexpr Entry long_names[] = {{"LAB_L", Quantity::lab, 0}, {"LAB_A", Quantity::lab, 1},
-                                           {"LAB_B", Quantity::lab, 2}, {"XYZ_X", Quantity::xyz, 0},
-                                           {"XYZ_Y", Quantity::xyz, 1}, {"XYZ_Z", Quantity::xyz, 2}};
-    plain = true;
-    for (const Entry& entry : plain_names)
-        if (name == entry.name) return std::pair(entry.quantity, entry.channel);
-    plain = false;
-    const std::string capitals = in_capitals(name);
-    for (const Entry& entry : long_names)
-        if (capitals == entry.name) return std::pair(entry.quantity, entry.channel);
-    return std::nullopt;
-}
-
-// What programs and people write beside the measurement.
-bool is_bookkeeping(std::string_view capitals) {
-    static const std::set<std::string_view> names{
-        "",           "ID",       "NAME",        "NO",          "NR",           "NUMBER",   "INDEX",       "PATCH",
-        "PATCH_ID",   "COL",      "PAGE",        "STRIP",       "PLACE",        "ORDER",    "DATE",        "TIME",
-        "COMMENT",    "COMMENTS", "NOTE",        "NOTES",       "INFO",         "STRING",   "TAG",         "REPEAT",
-        "INSTRUMENT", "LCH_L",    "LCH_C",       "LCH_H",       "LAB_C",        "LAB_H",    "XYY_X",       "XYY_Y",
-        "GLOSS",      "MODE",     "CHI_SQD_PAR", "SPECTRAL_NM", "SPECTRAL_PCT", "XYY_CAPY", "SPECTRAL_DEC"};
-    return names.contains(capitals) || capitals.starts_with("SAMPLE") || capitals.starts_with("D_") ||
-           capitals.starts_with("DE_") || capitals.starts_with("STDEV_") || capitals.starts_with("MEAN_");
-}
-
-// "6CLR_2" or "SIXCLR_2" -> 2.
-std::optional<std::size_t> numbered_ink(std::string_view capitals) {
-    const std::size_t at = capitals.find("CLR_");
-    if (at == 0 || at == std::string_view::npos) return std::nullopt;
-    const auto value = number(capitals.substr(at + 4));
-    if (!value || *value < 1 || *value > 15) return std::nullopt;
-    return static_cast<std::size_t>(*value);
-}
-
-Meaning meaning_of_whole(std::string_view name) {
-    using Of = Meaning::Of;
-    const std::string capitals = in_capitals(name);
-    if (capitals == "THICKNESS_MM") return {.of = Of::thickness};
-    if (capitals == "BASE_MM") return {.of = Of::base};
-    if (capitals == "BACKING") return {.of = Of::backing};
-    if (capitals == "ROW") return {.of = Of::row};
-    if (capitals == "COLUMN") return {.of = Of::column};
-    if (is_bookkeeping(capitals)) return {.of = Of::unused};
-    if (capitals == "RGB_R" || capitals == "RGB_G" || capitals == "RGB_B") return {.of = Of::device_rgb};
-    if (capitals.size() == 6 && capitals.starts_with("CMYK_") &&
-        std::string_view("CMYK").find(capitals[5]) != std::string_view::npos)
-        return {.of = Of::ink, .role = capitals.substr(5)};
-    if (const auto ink = numbered_ink(capitals)) return {.of = Of::numbered_ink, .channel = *ink - 1};
-    if (const auto nm = wavelength(name)) return {.of = Of::wavelength, .nm = *nm};
-    bool plain = false;
-    if (const auto channel = measured_channel(name, plain))
-        return {.of = Of::quantity,
-                .role = std::string(name),
-                .quantity = channel->first,
-                .channel = channel->second,
-                .plain = plain};
-    return {.of = Of::role, .role = std::string(name)};
-}
-
-Meaning meaning_of(std::string_view name) {
-    using Of = Meaning::Of;
-    if (name.ends_with("_se")) {
-        Meaning meaning = meaning_of_whole(name.substr(0, name.size() - 3));
-        meaning.error = true;
-        if (meaning.of == Of::quantity || meaning.of == Of::wavelength) return meaning;
-    }
-    return meaning_of_whole(name);
-}
-
 // Reads the header of a chart: first what is measured, then what is left for resins.
 class HeaderReader {
 public:
-    HeaderReader(std::span<const std::string_view> names, const std::string& where) : names_(names), where_(where) {
+    HeaderReader(std::span<const std::string_view> names, const std::string& where, const ColumnWords& words)
+        : names_(names), where_(where), words_(words) {
         if (names.size() > most_columns_of_chart)
             fail(fmt::format("{} columns, more than {}", names.size(), most_columns_of_chart));
-        for (const std::string_view name : names) meanings_.push_back(meaning_of(name));
+        for (const std::string_view name : names) meanings_.push_back(column_meaning(name, words));
     }
 
     ChartColumns read() {
+        find_letters();
         find_luminance();
+        choose_ways();
         choose_quantity();
         number_inks();
         for (std::size_t k = 0; k < names_.size(); ++k) place(k);
@@ -158,11 +45,37 @@ public:
     }
 
 private:
-    using Of = Meaning::Of;
+    using Of = ColumnMeaning::Of;
+    using Meaning = ColumnMeaning;
 
     [[noreturn]] void fail(const std::string& what) const { throw InputError(fmt::format("{}: {}.", where_, what)); }
 
-    void be_role(Meaning& meaning) const { meaning = {.of = Of::role, .role = meaning.role}; }
+    bool is_resin(std::string_view name) const { return is_known_role(name) || words_.names(name); }
+    void be_role(Meaning& meaning) const {
+        meaning = {.of = is_resin(meaning.role) ? Of::role : Of::unknown, .role = meaning.role};
+    }
+
+    std::size_t place_of(std::string_view name) const {
+        return static_cast<std::size_t>(std::ranges::find(names_, name) - names_.begin());
+    }
+    bool has(std::string_view name) const { return place_of(name) < names_.size(); }
+
+    // Some write L, A, B, or all in small letters.
+    void find_letters() {
+        const auto be_lab = [&](std::string_view name, std::size_t channel) {
+            meanings_[place_of(name)] = {.of = Of::quantity,
+                                         .role = std::string(name),
+                                         .quantity = Quantity::lab,
+                                         .channel = channel,
+                                         .plain = true};
+        };
+        if (has("L") && has("A") && has("B") && !has("a") && !has("b") && !(has("R") && has("G")))
+            be_lab("A", 1), be_lab("B", 2);
+        if (has("l") && !has("L") && has("a") && has("b")) be_lab("l", 0);
+        for (const std::string_view small : {"c", "m", "y", "k", "w"})
+            if (const std::string role = in_capitals(small); has(small) && !has(role) && !is_resin(small))
+                meanings_[place_of(small)] = {.of = Of::role, .role = role};
+    }
 
     // A plain Y is luminance where it stands between X and Z, and yellow elsewhere.
     void find_luminance() {
@@ -189,12 +102,54 @@ private:
                 "XYZ_X, XYZ_Y, XYZ_Z");
     }
 
-    // How many of the three channels of a quantity there are.
-    std::size_t channels_of(Quantity quantity) const {
+    // How many of the three channels of a quantity there are, measured in one way or in any.
+    std::size_t channels_of(Quantity quantity, const MeasuredWay* way = nullptr) const {
         std::set<std::size_t> channels;
         for (const Meaning& m : meanings_)
-            if (m.of == Of::quantity && m.quantity == quantity && !m.error) channels.insert(m.channel);
+            if (m.of == Of::quantity && m.quantity == quantity && !m.error && (!way || m.way == *way))
+                channels.insert(m.channel);
         return channels.size();
+    }
+
+    static std::string name_of(const MeasuredWay& way) {
+        std::string name = way.mode;
+        for (const std::string& word : {way.illuminant, way.observer.empty() ? "" : way.observer + " degree"})
+            if (!word.empty()) name += (name.empty() ? "" : " ") + word;
+        return name.empty() ? "without a word" : name;
+    }
+
+    // Of one quantity that was measured in several ways, all but one are known, and not used.
+    template <class IsOne, class IsWhole>
+    void choose_way(const char* what, IsOne is_one, IsWhole is_whole) {
+        std::vector<MeasuredWay> ways;
+        for (const Meaning& m : meanings_)
+            if (is_one(m) && !m.error && std::ranges::find(ways, m.way) == ways.end()) ways.push_back(m.way);
+        if (ways.empty()) return;
+        const auto part = std::ranges::stable_partition(ways, is_whole).begin();
+        std::ranges::stable_partition(ways.begin(), part, [](const MeasuredWay& way) { return way.observer != "10"; });
+        const MeasuredWay taken = ways.front();
+        if (part - ways.begin() > 1)
+            columns_.notes.push_back(
+                fmt::format("{} are there in {} ways; those {} are taken", what, part - ways.begin(), name_of(taken)));
+        for (Meaning& m : meanings_) {
+            if (!is_one(m) || m.way == taken) continue;
+            const bool of_whole = std::find(ways.begin(), part, m.way) != part;
+            if (m.plain && !of_whole)
+                be_role(m);
+            else
+                m = {.of = Of::unused};
+        }
+    }
+
+    void choose_ways() {
+        for (const Quantity quantity : {Quantity::lab, Quantity::xyz})
+            choose_way(
+                quantity == Quantity::lab ? "L, a, b" : "X, Y, Z",
+                [&](const Meaning& m) { return m.of == Of::quantity && m.quantity == quantity; },
+                [&](const MeasuredWay& way) { return channels_of(quantity, &way) == 3; });
+        choose_way(
+            "spectra", [](const Meaning& m) { return m.of == Of::wavelength; },
+            [](const MeasuredWay&) { return true; });
     }
 
     void choose_quantity() {
@@ -218,6 +173,24 @@ private:
             columns_.quantity = Quantity::rgb;
         else
             fail_for_want_of_measurement();
+        for (const Meaning& m : meanings_) {
+            if (!is_chosen(m)) continue;
+            columns_.conditions.illuminant = m.way.illuminant;
+            columns_.conditions.observer = m.way.observer;
+            if (m.way.mode == "M3") columns_.conditions.filter = "Pol";
+        }
+    }
+
+    bool is_chosen(const Meaning& m) const {
+        return m.of == Of::wavelength ? columns_.quantity == Quantity::spectrum
+                                      : m.of == Of::quantity && m.quantity == columns_.quantity;
+    }
+
+    std::string not_known() const {
+        std::vector<std::string> names;
+        for (std::size_t k = 0; k < names_.size(); ++k)
+            if (meanings_[k].of == Of::unknown) names.emplace_back(names_[k]);
+        return names.empty() ? "" : fmt::format("; not known here: {}", shown_list(names));
     }
 
     [[noreturn]] void fail_for_want_of_measurement() const {
@@ -226,7 +199,8 @@ private:
         if (channels_of(Quantity::rgb) == 2) fail("of R, G and B one is missing; all three are needed");
         fail(
             "nothing is measured in these columns: a chart has L,a,b or X,Y,Z or R,G,B or wavelengths in nm beside the "
-            "shares of its resins, and a target begins top,backing,thickness_mm");
+            "shares of its resins, and a target begins top,backing,thickness_mm" +
+            not_known());
     }
 
     // Inks with numbers have no names, but three and four are what every such device has.
@@ -235,18 +209,21 @@ private:
         for (const Meaning& m : meanings_)
             if (m.of == Of::numbered_ink) ++inks;
         if (inks == 0) return;
-        if (inks != 3 && inks != 4)
+        std::vector<std::string> roles(words_.resins.begin(), words_.resins.end());
+        if (roles.size() == inks + 1) std::erase(roles, "W");  // what lies beside the inks
+        const bool named = roles.size() == inks;
+        if (!named && inks != 3 && inks != 4)
             fail(fmt::format(
-                "there are {} device fields with numbers and no names; rename them to the roles of their resins, such "
-                "as W, C, M, Y, K",
+                "there are {} device fields with numbers and no names; name their resins in their order with --resins, "
+                "or rename them to the roles of their resins, such as W, C, M, Y, K",
                 inks));
+        if (!named) roles.assign({"C", "M", "Y", "K"}), roles.resize(inks);
         for (Meaning& m : meanings_) {
             if (m.of != Of::numbered_ink) continue;
             if (m.channel >= inks) fail("device fields with numbers are not counted from 1");
-            m = {.of = Of::ink, .role = std::string(1, "CMYK"[m.channel])};
+            m = {.of = Of::ink, .role = roles[m.channel]};
         }
-        columns_.note =
-            fmt::format("device fields 1 to {} are taken as {}", inks, inks == 3 ? "C, M, Y" : "C, M, Y, K");
+        columns_.notes.push_back(fmt::format("device fields 1 to {} are taken as {}", inks, fmt::join(roles, ", ")));
     }
 
     std::size_t channel_index(const Meaning& m) const {
@@ -259,11 +236,11 @@ private:
 
     void place(std::size_t k) {
         Meaning m = meanings_[k];
-        const bool chosen = m.of == Of::wavelength ? columns_.quantity == Quantity::spectrum
-                                                   : m.of == Of::quantity && m.quantity == columns_.quantity;
+        const bool chosen = is_chosen(m);
         const bool whole = m.of == Of::quantity && (m.quantity != Quantity::rgb) && channels_of(m.quantity) == 3;
         // L alone, or R beside a spectrum: a resin of that name.
         if (m.of == Of::quantity && m.plain && !m.error && !chosen && !whole) be_role(m);
+        if (m.of == Of::unknown) leave_aside(k);
         ChartColumns::Column column{.name = std::string(names_[k])};
         if (chosen) {
             column.kind = m.error ? Kind::error : Kind::value;
@@ -280,16 +257,21 @@ private:
         columns_.columns.push_back(std::move(column));
     }
 
-    ChartColumns::Column share(const Meaning& m, std::size_t k) {
+    // A name that is nearly one of ours is a slip, any other somebody else's.
+    void leave_aside(std::size_t k) {
         static const std::vector<std::string> near{"thickness_mm", "base_mm", "backing"};
         const std::string_view name = names_[k];
         if (name == "top")
             fail("a table with a column top begins top,backing,thickness_mm; in a chart every resin has a column");
-        if (!is_role(m.role))
-            fail(fmt::format("column {}: {} is neither measured nor the role of a resin, a short word such as C or W",
-                             k + 1, shown(name)));
         if (name.size() > 4 && (name.ends_with("_mm") || !io::nearest_name(name, near).empty()))
             fail(fmt::format("column {}: {}", k + 1, io::unknown_key_message(printable(name), near)));
+        columns_.aside.emplace_back(name);
+    }
+
+    ChartColumns::Column share(const Meaning& m, std::size_t k) {
+        const std::string_view name = names_[k];
+        if (!is_role(m.role))
+            fail(fmt::format("column {}: {} is no role of a resin, a short word such as C or W", k + 1, shown(name)));
         if (std::ranges::find(columns_.roles, m.role) != columns_.roles.end())
             fail(fmt::format("the resin {} has two columns", shown(m.role)));
         if (columns_.roles.size() >= most_roles) fail(fmt::format("more than {} resins", most_roles));
@@ -298,20 +280,27 @@ private:
     }
 
     void check_roles() {
-        bool inks = false, white = false, device_rgb = false;
+        bool white = false, device_rgb = false;
         for (const Meaning& m : meanings_) {
-            inks = inks || m.of == Of::ink;
+            columns_.of_inks = columns_.of_inks || m.of == Of::ink;
             device_rgb = device_rgb || m.of == Of::device_rgb;
         }
         for (const std::string& role : columns_.roles)
             white = white || in_capitals(role) == "W" || in_capitals(role) == "WHITE";
-        columns_.rest_is_white = inks && !white;
-        if (!columns_.roles.empty()) return;
-        if (device_rgb)
+        columns_.rest_is_white = columns_.of_inks && !white;
+        if (columns_.roles.empty() && device_rgb)
             fail(
                 "its patches are given as RGB of a device, which says nothing of the resins that the printer mixed; "
                 "give the shares of all resins, in columns such as W,C,M,Y,K");
-        fail("no column has the share of a resin; give one for each, such as W,C,M,Y,K");
+        if (columns_.roles.empty())
+            fail(
+                "no column has the share of a resin; give one for each, such as W,C,M,Y,K, or name them with "
+                "`calibrate fit --resins`" +
+                not_known());
+        if (!columns_.aside.empty())
+            columns_.notes.push_back(fmt::format(
+                "left aside, as neither measured nor a resin that is known: {}; `calibrate fit --resins` names others",
+                shown_list(columns_.aside)));
     }
 
     void check_errors() {
@@ -325,18 +314,18 @@ private:
 
     std::span<const std::string_view> names_;
     std::string where_;
+    ColumnWords words_;
     std::vector<Meaning> meanings_;
     ChartColumns columns_;
     std::set<std::pair<Kind, std::size_t>> placed_;
 };
 
 double number_of(const ChartColumns::Column& column, std::string_view cell, const std::string& where) {
+    if (column.kind == Kind::share && cell.ends_with('%')) cell = trimmed(cell.substr(0, cell.size() - 1));
     if (const auto value = number_with_comma(cell)) return *value;
     if (column.kind == Kind::share)
-        throw InputError(
-            fmt::format("{}: column {} has {}, which is no number; the column was taken as the share of a resin, as "
-                        "every column is whose name means nothing else.",
-                        where, shown(column.name), shown(cell)));
+        throw InputError(fmt::format("{}: column {} has {}, which is no number, but the share of a resin is one.",
+                                     where, shown(column.name), shown(cell)));
     if (cell.empty())
         throw InputError(fmt::format("{}: column {} is empty; measure the patch, or leave its line out.", where,
                                      shown(column.name)));
@@ -345,8 +334,24 @@ double number_of(const ChartColumns::Column& column, std::string_view cell, cons
 
 }  // namespace
 
-ChartColumns chart_columns(std::span<const std::string_view> names, const std::string& where) {
-    return HeaderReader(names, where).read();
+ChartColumns chart_columns(std::span<const std::string_view> names, const std::string& where,
+                           const ColumnWords& words) {
+    return HeaderReader(names, where, words).read();
+}
+
+void put_columns_in(const ChartColumns& columns, ChartReading& reading) {
+    reading.quantity = columns.quantity;
+    reading.inks = columns.of_inks ? columns.roles.size() : 0;
+    reading.rest_is_white = columns.rest_is_white;
+    reading.aside = columns.aside;
+    if (columns.quantity == Quantity::spectrum) reading.table.channels.wavelengths_nm = columns.wavelengths_nm;
+    // A name tells of its own column, the file of all.
+    const MeasuringConditions& told = columns.conditions;
+    if (!told.illuminant.empty()) reading.conditions.illuminant = told.illuminant;
+    if (!told.observer.empty()) reading.conditions.observer = told.observer;
+    if (!told.filter.empty()) reading.conditions.filter = told.filter;
+    for (const std::string& note : columns.notes)
+        reading.table.notes.push_back(fmt::format("{}: {}.", reading.table.source, note));
 }
 
 bool is_unmeasured(const ChartColumns& columns, std::span<const std::string_view> cells) {

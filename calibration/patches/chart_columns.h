@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What the columns of a chart of mixtures mean, by their names: of tables that people write and of CGATS alike.
+// What the columns of a chart of mixtures mean together: of tables that people write and of CGATS alike. What a name
+// means by itself: column_meaning.h.
 //
-//   W, C, Cyan, ...                    share of the resin of that role: every name that means nothing else
-//   CMYK_C, CMYK_M, CMYK_Y, CMYK_K     ink percentages; with no white beside them, W is the rest
-//   3CLR_1..3, 4CLR_1..4               the same, as C, M, Y (K)
-//   L, a, b or LAB_L, LAB_A, LAB_B     CIELAB
-//   X, Y, Z or XYZ_X, XYZ_Y, XYZ_Z     a plain Y is luminance between X and Z, and else a resin
-//   R, G, B                            linear, where nothing else is measured, and else resins
-//   400, 400 nm, NM_400, SPECTRAL_NM400, SPECTRAL_400, SPEC_400      a wavelength
+//   shares       of resins that are known by their names, or that the user names; ink percentages of a device, with no
+//                white beside them: W is the rest
+//   Y            luminance between X and Z, and else a resin
+//   R, G, B      linear, where nothing else is measured, and else resins
+//   A, B         a and b beside an L, where nothing else can be; l, a, b and c, m, y, k, w in small letters
 //   thickness_mm, backing, base_mm     of the patch
-//   NAME_se                            standard error of a measured column
-//   row, column                        place on the printed chart, from 1
+//   NAME_se      standard error of a measured column
+//   row, column  place on the printed chart, from 1
 //   SAMPLE_ID, name, LCH_C, ...        known, and not used
+//   all else     left aside, and named
 //
-// Where several quantities are measured, spectra go before L, a, b, and these before X, Y, Z.
+// Where several quantities are measured, spectra go before L, a, b, and these before X, Y, Z; of several ways to
+// measure one (SCI and SCE, M0 and M1, D50 and D65) the first of the 2 degree observer that is complete.
 #pragma once
 
 #include <span>
@@ -23,6 +24,7 @@
 #include <vector>
 
 #include "calibration/patches/chart_reading.h"
+#include "calibration/patches/column_meaning.h"
 
 namespace voxtone::calibration {
 
@@ -38,15 +40,22 @@ struct ChartColumns {
     Quantity quantity = Quantity::lab;
     std::vector<double> wavelengths_nm;  ///< rising
     bool has_errors = false;
+    bool of_inks = false;  ///< some shares are of a device's inks
     bool rest_is_white = false;
-    std::string note;  ///< what was assumed; empty: nothing
+    MeasuringConditions conditions;  ///< as far as the names of what is taken tell them
+    std::vector<std::string> aside;  ///< names of columns that are neither measured nor a resin that is known
+    std::vector<std::string> notes;  ///< what was assumed, a sentence each, without its end
 
     [[nodiscard]] std::size_t channels() const { return quantity == Quantity::spectrum ? wavelengths_nm.size() : 3; }
 };
 
 /// `where` begins the messages of the InputError: nothing is measured, no resin, a column twice, a part of L, a, b, an
 /// error without its channel, device RGB, a Y that may be yellow.
-[[nodiscard]] ChartColumns chart_columns(std::span<const std::string_view> names, const std::string& where);
+[[nodiscard]] ChartColumns chart_columns(std::span<const std::string_view> names, const std::string& where,
+                                         const ColumnWords& words = {});
+
+/// What the columns say of a whole chart; its conditions are what the file says of them elsewhere.
+void put_columns_in(const ChartColumns& columns, ChartReading& reading);
 
 /// Whether nothing is measured in a row: every measured cell is empty. Contract: as many cells as columns.
 [[nodiscard]] bool is_unmeasured(const ChartColumns& columns, std::span<const std::string_view> cells);

@@ -12,39 +12,61 @@
 #include "base/error.h"
 #include "calibration/patches/chart_columns.h"
 #include "calibration/patches/table_cells.h"
+#include "io/files/csv_table.h"
 
 namespace voxtone::calibration {
 
 namespace {
 
-char separator_of(std::string_view header) {
-    if (header.find(';') != std::string_view::npos) return ';';
-    return header.find('\t') != std::string_view::npos ? '\t' : ',';
+// "# resins: W,C,Vio" among the first lines, also where a spreadsheet has filled them with separators.
+std::vector<std::string> told_resins(std::string_view text) {
+    constexpr std::string_view word = "RESINS:", filling = " \t,;\"";
+    std::vector<std::string> resins;
+    std::size_t from = 0;
+    for (int line = 0; line < 100 && from < text.size(); ++line) {
+        const std::size_t to = std::min(text.find_first_of("\r\n", from), text.size());
+        std::string_view comment = text.substr(from, to - from);
+        from = to + 1;
+        comment.remove_prefix(std::min(comment.find_first_not_of(filling), comment.size()));
+        if (!comment.starts_with('#')) continue;
+        comment = trimmed(comment.substr(1, comment.find_last_not_of(filling)));
+        if (!in_capitals(comment.substr(0, word.size())).starts_with(word)) continue;
+        for (const std::string_view role : split(comment.substr(word.size()), ','))
+            if (is_role(role)) resins.emplace_back(role);
+    }
+    return resins;
 }
 
 class ChartCsvReader {
 public:
-    ChartCsvReader(std::string_view text, const std::string& source) : text_(text) { reading_.table.source = source; }
+    ChartCsvReader(std::string_view text, const std::string& source, const ColumnWords& words)
+        : text_(text), words_(words), told_(told_resins(text)) {
+        reading_.table.source = source;
+        known_.assign(words.known.begin(), words.known.end());
+        known_.insert(known_.end(), told_.begin(), told_.end());
+        words_.known = known_;
+    }
 
     ChartReading read() {
-        for (std::size_t from = 0; from < text_.size();) {
-            // A file of old programs ends its lines with CR alone; a pair of CR and LF makes an empty line between.
-            const std::size_t to = std::min(text_.find_first_of("\r\n", from), text_.size());
-            const std::string_view line = text_.substr(from, to - from);
-            from = to + (text_.substr(to).starts_with("\r\n") ? 2 : 1);
-            ++line_;
-            if (trimmed(line).starts_with('#'))
-                comment(trimmed(line).substr(1));
-            else if (!columns_)
-                header(line);
-            else
-                row(line);
-        }
-        if (!columns_)
+        io::CsvReader csv(text_, io::CsvRules::lenient, [&](const auto& cells) { return is_header(cells); });
+        if (csv.header().cells.empty())
             throw InputError(fmt::format(
                 "{}: has no header line; a chart begins with a line such as W,C,M,Y,K,L,a,b, and a target with "
                 "top,backing,thickness_mm,R,G,B.",
                 reading_.table.source));
+        header(csv);
+        io::CsvRow row;
+        for (std::string fault; csv.next(row, fault);) {
+            line_ = row.line;
+            if (!fault.empty()) throw InputError(fmt::format("{}: {}.", where(), fault));
+            patch(row.cells);
+        }
+        for (const std::string& comment : csv.comments()) {
+            const std::size_t colon = comment.find(':');
+            if (colon != std::string::npos)
+                note_condition(reading_.conditions, comment.substr(0, colon), comment.substr(colon + 1));
+        }
+        put_columns_in(*columns_, reading_);
         if (unmeasured_ > 0 && reading_.table.patches.empty())
             throw InputError(fmt::format("{}: no patch is measured yet: its {} lines have no colour; fill them in.",
                                          reading_.table.source, unmeasured_));
@@ -57,43 +79,41 @@ public:
 private:
     std::string where() const { return fmt::format("{}: line {}", reading_.table.source, line_); }
 
-    void comment(std::string_view text) {
-        const std::size_t colon = text.find(':');
-        if (colon != std::string_view::npos)
-            note_condition(reading_.conditions, text.substr(0, colon), text.substr(colon + 1));
+    // Instruments write titles above the header.
+    bool is_header(const std::vector<std::string>& cells) const {
+        const std::vector<std::string_view> names(cells.begin(), cells.end());
+        try {
+            return !chart_columns(names, {}, words_).columns.empty();
+        } catch (const InputError&) {
+            return false;
+        }
     }
 
-    void header(std::string_view line) {
-        if (trimmed(line).empty()) return;
-        separator_ = separator_of(line);
-        columns_ = chart_columns(split_quoted(line, separator_), where());
-        reading_.quantity = columns_->quantity;
-        reading_.rest_is_white = columns_->rest_is_white;
-        if (columns_->quantity == Quantity::spectrum) reading_.table.channels.wavelengths_nm = columns_->wavelengths_nm;
-        if (!columns_->note.empty())
-            reading_.table.notes.push_back(fmt::format("{}: {}.", reading_.table.source, columns_->note));
+    void header(const io::CsvReader& csv) {
+        line_ = csv.header().line;
+        const std::vector<std::string_view> names(csv.header().cells.begin(), csv.header().cells.end());
+        columns_ = chart_columns(names, where(), words_);
+        if (csv.lines_above() > 0)
+            reading_.table.notes.push_back(fmt::format("{}: what stands above the header in line {} is left aside.",
+                                                       reading_.table.source, line_));
     }
 
-    void row(std::string_view line) {
-        // Spreadsheets leave lines of separators behind.
-        if (line.find_first_not_of(" ,;\t\r") == std::string_view::npos) return;
+    void patch(const std::vector<std::string>& cells) {
         if (reading_.table.patches.size() >= most_chart_patches)
             throw InputError(fmt::format("{}: more than {} patches.", where(), most_chart_patches));
-        const auto cells = split_quoted(line, separator_);
-        if (cells.size() != columns_->columns.size())
-            throw InputError(fmt::format("{}: {} cells, but the header has {}; every patch needs them all.", where(),
-                                         cells.size(), columns_->columns.size()));
-        if (is_unmeasured(*columns_, cells)) {
+        cells_.assign(cells.begin(), cells.end());
+        if (is_unmeasured(*columns_, cells_))
             ++unmeasured_;
-            return;
-        }
-        reading_.table.patches.push_back(chart_row(*columns_, cells, where()));
+        else
+            reading_.table.patches.push_back(chart_row(*columns_, cells_, where()));
     }
 
     std::string_view text_;
+    ColumnWords words_;
+    std::vector<std::string> told_, known_;
     ChartReading reading_;
     std::optional<ChartColumns> columns_;
-    char separator_ = ',';
+    std::vector<std::string_view> cells_;
     std::size_t line_ = 0, unmeasured_ = 0;
 };
 
@@ -109,8 +129,13 @@ std::vector<std::string> roles_of(const PatchTable& table) {
 
 }  // namespace
 
-ChartReading read_chart_csv(std::string_view text, const std::string& source) {
-    return ChartCsvReader(text, source).read();
+ChartReading read_chart_csv(std::string_view text, const std::string& source, const ColumnWords& words) {
+    return ChartCsvReader(text, source, words).read();
+}
+
+std::string resins_comment(const std::vector<std::string>& roles) {
+    return std::ranges::all_of(roles, is_known_role) ? std::string()
+                                                     : comment_lines(fmt::format("resins: {}", fmt::join(roles, ",")));
 }
 
 std::string chart_csv_text(const PatchTable& table, std::string_view comment) {
@@ -122,7 +147,7 @@ std::string chart_csv_text(const PatchTable& table, std::string_view comment) {
         !patches.empty() && std::ranges::all_of(patches, [](const Patch& p) { return !p.error.empty(); });
     const std::vector<std::string> roles = roles_of(table);
     std::string text = comment_lines(comment) + comment_lines(written_illuminant(table.channels));
-    text += fmt::format("{}", fmt::join(roles, ","));
+    text += resins_comment(roles) + fmt::format("{}", fmt::join(roles, ","));
     if (layered) text += ",thickness_mm,backing";
     if (based) text += ",base_mm";
     text += fmt::format(",{}\n", fmt::join(written_names(table.channels, errors), ","));

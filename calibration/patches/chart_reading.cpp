@@ -8,8 +8,10 @@
 #include <fmt/format.h>
 #include <Eigen/Core>
 
+#include "base/counted.h"
 #include "base/error.h"
 #include "calibration/patches/patch_mixture.h"
+#include "calibration/patches/table_cells.h"
 #include "optics/colour/channels.h"
 #include "optics/colour/colour.h"
 
@@ -47,35 +49,99 @@ double whole_of(const ChartReading& reading) {
     return *middle > 10 ? 100 : 1;
 }
 
-void check_sum(const Patch& patch, double sum, double whole, bool rest_is_white) {
-    const double off = sum / whole - 1;
-    if (rest_is_white ? off <= allowed_sum_error : std::abs(off) <= allowed_sum_error) return;
-    if (rest_is_white)
-        throw InputError(fmt::format(
-            "{}: the ink percentages sum to {:.6g} ({}), more than {:.6g}, so that no white is left: ink percentages "
-            "are not shares of the volume; give the shares of all resins, in columns such as W,C,M,Y,K.",
-            patch.where, sum, shares_as_written(patch.top), whole));
-    throw InputError(
-        fmt::format("{}: the shares sum to {:.6g} ({}), not to {:.6g} within 0.2 %; give every resin of the mixture a "
-                    "column (W for "
-                    "the white between inks), and only resins.",
-                    patch.where, sum, shares_as_written(patch.top), whole));
+bool fills_volume(const ChartReading& reading, const Patch& patch, double whole) {
+    constexpr double of_printing = 1e-9;  // of numbers as texts
+    const double off = sum_of(patch.top) / whole - 1;
+    if (reading.inks == 0) return std::abs(off) <= allowed_sum_error + of_printing;
+    // Half a step of 8 bits is 0.196 % of an ink, and four inks are what most devices have.
+    constexpr double of_ink = 0.002;
+    const auto there = std::ranges::count_if(patch.top, [](const ResinShare& share) { return share.fraction > 0; });
+    if (off > 0) return off <= of_ink * static_cast<double>(std::max<std::size_t>(4, reading.inks)) + of_printing;
+    return reading.rest_is_white || -off <= of_ink * static_cast<double>(there) + of_printing;
 }
 
-void normalise(Patch& patch, double whole, bool rest_is_white) {
-    for (const ResinShare& share : patch.top)
-        if (share.fraction < 0)
-            throw InputError(fmt::format("{}: the share of {} is {}, but no mixture has less than nothing of a resin.",
-                                         patch.where, share.role, share.fraction));
-    double sum = sum_of(patch.top);
-    check_sum(patch, sum, whole, rest_is_white);
-    if (rest_is_white && sum < whole) {
-        patch.top.push_back({"W", whole - sum});
-        sum = whole;
+std::string words_of_misfit(const ChartReading& reading, const Patch& patch, double whole) {
+    const double sum = sum_of(patch.top);
+    const std::string shares = shares_as_written(patch.top);
+    if (reading.rest_is_white)
+        return fmt::format(
+            "{}: the ink percentages sum to {:.6g} ({}{}), more than {:.6g}, so that no white is left: ink percentages "
+            "are not shares of the volume; give the shares of all resins, in columns such as W,C,M,Y,K",
+            patch.where, sum, shares, reading.behind_curves ? ", behind the curves of its CAL table" : "", whole);
+    if (reading.inks > 0)
+        return fmt::format(
+            "{}: the ink percentages, white among them, sum to {:.6g} ({}{}), not to {:.6g}: what they leave is bare "
+            "paper, of which no volume is made",
+            patch.where, sum, shares, reading.behind_curves ? ", behind the curves of its CAL table" : "", whole);
+    std::string words = fmt::format(
+        "{}: the shares sum to {:.6g} ({}), not to {:.6g} within 0.2 %; give every resin of the mixture a column (W "
+        "for "
+        "the white between inks), and only resins",
+        patch.where, sum, shares, whole);
+    if (!reading.aside.empty())
+        words += fmt::format(" (left aside were {}; `calibrate fit --resins` names others)", shown_list(reading.aside));
+    return words;
+}
+
+// Rows that no volume can hold are left out, or the first is refused.
+void expect_volumes(ChartReading& reading, double whole, bool printable_only) {
+    std::vector<Patch>& patches = reading.table.patches;
+    if (reading.inks > 0 && !reading.rest_is_white) {
+        const std::size_t bare = std::erase_if(patches, [](const Patch& patch) { return sum_of(patch.top) == 0; });
+        if (bare > 0)
+            reading.table.notes.push_back(fmt::format("{}: {} of bare paper, without any ink, left out.",
+                                                      reading.table.source,
+                                                      bare == 1 ? "1 row is" : fmt::format("{} rows are", bare)));
     }
-    std::erase_if(patch.top, [](const ResinShare& share) { return share.fraction == 0; });
-    for (ResinShare& share : patch.top) share.fraction /= sum;
-    std::ranges::sort(patch.top, {}, &ResinShare::role);
+    const auto fits = [&](const Patch& patch) { return fills_volume(reading, patch, whole); };
+    const auto misfit = std::ranges::find_if_not(patches, fits);
+    if (misfit == patches.end()) return;
+    const auto good = std::ranges::count_if(patches, fits);
+    if (!printable_only || good == 0)
+        throw InputError(fmt::format(
+            "{}; {}.", words_of_misfit(reading, *misfit, whole),
+            good == 0
+                ? "no row of the chart would do"
+                : fmt::format("{} of {} rows would do: --printable-only takes them alone", good, patches.size())));
+    const std::size_t dropped = std::erase_if(patches, [&](const Patch& patch) { return !fits(patch); });
+    reading.table.notes.push_back(
+        fmt::format("{}: left out are {} whose {} do not sum to what a volume holds; {} taken.", reading.table.source,
+                    counted(dropped, "row"), reading.inks > 0 ? "ink percentages" : "shares",
+                    good == 1 ? "1 row is" : fmt::format("{} rows are", good)));
+}
+
+void normalise(ChartReading& reading, double whole) {
+    constexpr double seen = 2e-5;
+    std::size_t rounded = 0;
+    double most = 0;
+    for (Patch& patch : reading.table.patches) {
+        double sum = sum_of(patch.top);
+        if (reading.inks > 0 && std::abs(sum / whole - 1) > seen && (sum > whole || !reading.rest_is_white)) {
+            ++rounded;
+            most = std::max(most, std::abs(sum / whole - 1));
+        }
+        if (reading.rest_is_white && sum < whole) {
+            patch.top.push_back({"W", whole - sum});
+            sum = whole;
+        }
+        std::erase_if(patch.top, [](const ResinShare& share) { return share.fraction == 0; });
+        for (ResinShare& share : patch.top) share.fraction /= sum;
+        std::ranges::sort(patch.top, {}, &ResinShare::role);
+    }
+    if (rounded > 0)
+        reading.table.notes.push_back(fmt::format(
+            "{}: the inks of {} of {} rows do not sum to 100 % by up to {:.2g} %, as 8 bits round them, and "
+            "are taken as if they did.",
+            reading.table.source, rounded, reading.table.patches.size(), 100 * most));
+}
+
+void expect_shares(const PatchTable& table) {
+    for (const Patch& patch : table.patches)
+        for (const ResinShare& share : patch.top)
+            if (share.fraction < 0)
+                throw InputError(
+                    fmt::format("{}: the share of {} is {}, but no mixture has less than nothing of a resin.",
+                                patch.where, share.role, share.fraction));
 }
 
 void check_layers(PatchTable& table) {
@@ -133,7 +199,7 @@ Eigen::Vector3d median_of(const std::vector<Eigen::Vector3d>& colours, const std
 
 }  // namespace
 
-PatchTable finished_chart(ChartReading reading, std::optional<optics::Illuminant> illuminant) {
+PatchTable finished_chart(ChartReading reading, const ChartRules& rules) {
     PatchTable& table = reading.table;
     table.is_chart = true;
     if (table.patches.empty())
@@ -143,10 +209,12 @@ PatchTable finished_chart(ChartReading reading, std::optional<optics::Illuminant
         table.notes.push_back(fmt::format(
             "{}: ink percentages of a device are taken as shares of the volume, with white (W) as the rest.",
             table.source));
-    for (Patch& patch : table.patches) normalise(patch, whole, reading.rest_is_white);
+    expect_shares(table);
+    expect_volumes(reading, whole, rules.printable_only);
+    normalise(reading, whole);
     check_layers(table);
     check_coverage(table);
-    make_rho(table, reading.quantity, reading.conditions, illuminant);
+    make_rho(table, reading.quantity, reading.conditions, rules.illuminant);
     check_repeats(table);
     return std::move(table);
 }

@@ -4,7 +4,8 @@
 //
 // Shares are fractions of the volume or percent, told apart by the sums of all rows together. They must sum to 1 within
 // 0.2 %, and sum to it exactly afterwards. Ink percentages of a device (CMYK) say what lies beside white, whose share
-// is the rest.
+// is the rest; each may be off by half a step of 8 bits, so that four sum to 100.8 at most. Where the device has a
+// white ink, rows without any ink are bare paper, and are left out.
 #pragma once
 
 #include <optional>
@@ -22,12 +23,21 @@ struct ChartReading {
     PatchTable table;  ///< `top`: every resin with its share as written, 0 too; `rho`, `error`: as written
     Quantity quantity = Quantity::lab;
     MeasuringConditions conditions;
-    bool rest_is_white = false;  ///< shares are ink percentages of a device, and W is the rest
+    std::size_t inks = 0;                 ///< shares that are ink percentages of a device; 0: none is
+    bool rest_is_white = false;           ///< all are, and W is the rest
+    bool behind_curves = false;           ///< the inks are those behind the printer's calibration curves
+    std::vector<std::string> aside = {};  ///< names of columns that were taken for nothing
 };
 
-/// Throws InputError that names the row: shares below 0, sums that are not 1, ink percentages above 100 together,
-/// thickness without backing, and all that make_rho, check_coverage and check_repeats refuse.
-[[nodiscard]] PatchTable finished_chart(ChartReading reading, std::optional<optics::Illuminant> illuminant);
+struct ChartRules {
+    std::optional<optics::Illuminant> illuminant = {};  ///< of Lab and XYZ; none: what the file says, else D50
+    /// Rows that no volume can hold are left out, said, where the chart is else refused.
+    bool printable_only = false;
+};
+
+/// Throws InputError that names the row: shares below 0, sums that are not 1, ink percentages above 100 together (and
+/// how many rows would do), thickness without backing, and all that make_rho, check_coverage and check_repeats refuse.
+[[nodiscard]] PatchTable finished_chart(ChartReading reading, const ChartRules& rules = {});
 
 /// Group of each patch, counted from 0 in the order of the table: patches of one mixture (shares to 0.0001), thickness,
 /// base and backing are repeats.

@@ -5,6 +5,7 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include <fmt/format.h>
@@ -194,6 +195,10 @@ public:
             white = white || std::ranges::any_of(pair.mixture->mixture, [](const auto& s) { return s.role == "W"; });
         }
         reading_.rest_is_white = !white;
+        std::set<std::string> inks;
+        for (const Pair& pair : pairs_)
+            for (const ResinShare& share : pair.mixture->mixture) inks.insert(share.role);
+        reading_.inks = inks.size();
         return std::move(reading_);
     }
 

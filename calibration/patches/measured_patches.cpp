@@ -4,13 +4,12 @@
 #include <algorithm>
 
 #include "base/warning.h"
-#include "calibration/patches/patch_file.h"
 
 namespace voxtone::calibration {
 
 PatchTable read_measured_patches(const std::string& file, const MeasuredPatchOptions& options,
                                  const PatchModelOptions& model, Progress& progress) {
-    PatchTable table = read_patches(file, options.illuminant);
+    PatchTable table = read_patches(file, options.reading);
     for (const std::string& note : table.notes) progress.warn(named_warning("assumed", note));
     apply_white_reference(table, options.white);
     if (options.base_mm)

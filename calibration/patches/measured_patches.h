@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/progress.h"
+#include "calibration/patches/patch_file.h"
 #include "calibration/patches/patch_model.h"
 #include "calibration/patches/patch_table.h"
 
@@ -15,7 +16,7 @@ namespace voxtone::calibration {
 struct MeasuredPatchOptions {
     double white = 1;               ///< reflectance of the white reference that the values were divided by, in (0, 1]
     std::optional<double> base_mm;  ///< thickness of the base under all squares; none: what the table says
-    std::optional<optics::Illuminant> illuminant = {};  ///< of Lab and XYZ; none: what the file says, else D50
+    PatchReading reading = {};      ///< how the file is read
 };
 
 /// Throws InputError, FileError. Warns of what was assumed, and where `model` takes the

@@ -69,6 +69,23 @@ Illuminant illuminant_of_colours(PatchTable& table, const MeasuringConditions& c
     return *named;
 }
 
+// What white is, and what lay before the instrument.
+void check_reading(PatchTable& table, const MeasuringConditions& conditions) {
+    constexpr std::string_view of_paper[] = {"PAPER", "SUBSTRATE", "MEDIA", "RELATIVE"};
+    if (const std::string base = in_capitals(conditions.white_base);
+        std::ranges::find(of_paper, base) != std::end(of_paper))
+        throw InputError(fmt::format(
+            "{}: its values are relative to the paper (white base {}), which hides how light the paper is; export them "
+            "again relative to a perfect diffuser (absolute).",
+            table.source, shown(conditions.white_base)));
+    const std::string filter = in_capitals(conditions.filter);
+    if (filter.starts_with("POL") || filter == "YES" || filter == "M3")
+        table.notes.push_back(fmt::format(
+            "{}: was read through a polarising filter ({}), which takes the surface's light away, so that dark colours "
+            "are darker than they look; measure without one where there is a choice.",
+            table.source, shown(conditions.filter)));
+}
+
 // Whether numbers go to 100 where shares go to 1.
 bool in_percent(const PatchTable& table) {
     return std::ranges::any_of(table.patches,
@@ -148,6 +165,8 @@ void note_word(MeasuringConditions& conditions, std::string_view name, std::stri
     const std::string key = in_capitals(trimmed(name));
     if (key == "ILLUMINANT" || key == "ILLUMINATION" || key == "ILLUMINATION_NAME")
         conditions.illuminant = trimmed(value);
+    if (key == "WHITEBASE" || key == "WHITE_BASE") conditions.white_base = trimmed(value);
+    if (key == "FILTER" || key == "PHYSICAL_FILTER" || key == "POLARIZATION") conditions.filter = trimmed(value);
     if (key == "OBSERVER" || key == "OBSERVER_ANGLE" || key == "OBSERVERANGLE") conditions.observer = trimmed(value);
 }
 
@@ -176,6 +195,7 @@ void note_condition(MeasuringConditions& conditions, std::string_view name, std:
 
 void make_rho(PatchTable& table, Quantity quantity, const MeasuringConditions& conditions,
               std::optional<Illuminant> illuminant) {
+    check_reading(table, conditions);
     if (quantity == Quantity::lab || quantity == Quantity::xyz)
         table.channels = optics::colorimetric_channels(illuminant_of_colours(table, conditions, illuminant));
     if ((quantity == Quantity::spectrum || quantity == Quantity::xyz) && in_percent(table)) {

@@ -25,8 +25,10 @@ enum class Quantity { rgb, spectrum, lab, xyz };
 
 /// How colours were computed from what was measured, in the file's words; empty: it does not say. Spectra need neither.
 struct MeasuringConditions {
-    std::string illuminant;  ///< "D50"
-    std::string observer;    ///< "2 degree"
+    std::string illuminant = {};  ///< "D50"
+    std::string observer = {};    ///< "2 degree"
+    std::string white_base = {};  ///< what is white: "Paper", "Abs"
+    std::string filter = {};      ///< before the instrument: "Pol", "UV", "No"
 };
 
 /// Keeps what a file says under a name: `ILLUMINANT D50`, `OBSERVER "2 degree"`, and what measuring programs call
@@ -39,8 +41,8 @@ inline constexpr double least_rho = -0.1, most_rho = 1.5;
 /// Takes a table whose `rho` and `error` are numbers as written, sets its channels (those of a spectrum are there
 /// already) and turns the numbers into rho. `illuminant` is the user's word and goes before the file's; where neither
 /// names one, Lab and XYZ are taken as D50, and a note says so. Throws InputError for an illuminant that is not known,
-/// Lab or XYZ of the 10 degree observer, an L* outside [-1, 110], a rho outside [least_rho, most_rho], and errors that
-/// are not above 0.
+/// Lab or XYZ of the 10 degree observer, values relative to the paper, an L* outside [-1, 110], a rho outside
+/// [least_rho, most_rho], and errors that are not above 0.
 void make_rho(PatchTable& table, Quantity quantity, const MeasuringConditions& conditions,
               std::optional<optics::Illuminant> illuminant);
 

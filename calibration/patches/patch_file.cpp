@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "calibration/patches/patch_file.h"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "base/error.h"
@@ -8,6 +10,7 @@
 #include "calibration/patches/chart_csv.h"
 #include "calibration/patches/cxf_file.h"
 #include "calibration/patches/target_csv.h"
+#include "io/files/utf8.h"
 #include "io/files/whole_file.h"
 
 namespace voxtone::calibration {
@@ -18,20 +21,19 @@ constexpr std::uint64_t most_bytes = std::uint64_t{64} << 20;
 
 }  // namespace
 
-PatchTable parse_patches(std::string_view text, std::string source, std::optional<optics::Illuminant> illuminant) {
-    if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-    if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
-        throw InputError(
-            fmt::format("{}: is text in UTF-16; save it as UTF-8, or as CSV or tab-separated text.", source));
-    if (is_xml(text)) return finished_chart(read_cxf(text, source), illuminant);
-    if (is_cgats(text)) return finished_chart(read_cgats(text, source), illuminant);
-    if (is_target_csv(text)) return read_target_csv(text, std::move(source), illuminant);
-    return finished_chart(read_chart_csv(text, source), illuminant);
+PatchTable parse_patches(std::string_view bytes, std::string source, const PatchReading& reading) {
+    const std::string text = io::text_as_utf8(bytes);
+    const ChartRules rules{reading.illuminant, reading.printable_only};
+    const ColumnWords words{reading.resins, reading.known, {}};
+    if (is_xml(text)) return finished_chart(read_cxf(text, source), rules);
+    if (is_cgats(text)) return finished_chart(read_cgats(text, source, words), rules);
+    if (is_target_csv(text)) return read_target_csv(text, std::move(source), reading.illuminant);
+    return finished_chart(read_chart_csv(text, source, words), rules);
 }
 
-PatchTable read_patches(const std::filesystem::path& file, std::optional<optics::Illuminant> illuminant) {
+PatchTable read_patches(const std::filesystem::path& file, const PatchReading& reading) {
     const auto bytes = io::read_whole_file(file, most_bytes);
-    return parse_patches({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file.string(), illuminant);
+    return parse_patches({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file.string(), reading);
 }
 
 void apply_white_reference(PatchTable& table, double reflectance) {

@@ -64,6 +64,15 @@ std::string shown(std::string_view text) {
     return fmt::format("\"{}{}\"", printable(text.substr(0, 40)), text.size() > 40 ? "..." : "");
 }
 
+std::string shown_list(const std::vector<std::string>& texts) {
+    constexpr std::size_t most_shown = 8;
+    std::string list;
+    for (std::size_t k = 0; k < std::min(texts.size(), most_shown); ++k)
+        list += fmt::format("{}{}", k == 0 ? "" : ", ", shown(texts[k]));
+    if (texts.size() > most_shown) list += fmt::format(" and {} more", texts.size() - most_shown);
+    return list;
+}
+
 std::string in_capitals(std::string_view text) {
     std::string capitals(text);
     std::ranges::transform(capitals, capitals.begin(),

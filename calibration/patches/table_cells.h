@@ -24,6 +24,8 @@ namespace voxtone::calibration {
 
 /// A cell as it is shown in a message: in quotes, no longer than 40 bytes, no control characters.
 [[nodiscard]] std::string shown(std::string_view text);
+/// Several of them: "\"dE\", \"gloss60\" and 34 more".
+[[nodiscard]] std::string shown_list(const std::vector<std::string>& texts);
 /// ASCII letters as capitals.
 [[nodiscard]] std::string in_capitals(std::string_view text);
 

@@ -13,6 +13,7 @@
 #include "calibration/patches/measured_values.h"
 #include "calibration/patches/patch_mixture.h"
 #include "calibration/patches/table_cells.h"
+#include "io/files/csv_table.h"
 #include "io/files/json_keys.h"
 
 namespace voxtone::calibration {
@@ -27,6 +28,13 @@ struct Column {
     std::size_t channel = 0;
 };
 
+// A title may stand above the header.
+io::CsvReader target_reader(std::string_view text) {
+    return {text, io::CsvRules::lenient, [](const std::vector<std::string>& cells) {
+                return cells.size() > 1 && cells[0] == "top" && cells[1] == "backing";
+            }};
+}
+
 class TargetReader {
 public:
     TargetReader(std::string_view text, std::string source, std::optional<optics::Illuminant> illuminant)
@@ -35,36 +43,30 @@ public:
     }
 
     PatchTable read() {
-        std::size_t from = 0;
-        while (from < text_.size()) {
-            std::size_t to = text_.find('\n', from);
-            if (to == std::string_view::npos) to = text_.size();
-            const std::string_view line = trimmed(text_.substr(from, to - from));
-            from = to + 1;
-            ++line_;
-            if (line.starts_with('#')) note(line.substr(1));
-            if (line.empty() || line.starts_with('#')) continue;
-            if (columns_.empty())
-                header(line);
-            else
-                row(line);
-        }
-        if (columns_.empty())
+        io::CsvReader csv = target_reader(text_);
+        if (csv.header().cells.empty())
             fail(
                 "has no header line; a target begins top,backing,thickness_mm,R,G,B, a chart with a line such as "
                 "W,C,M,Y,K,L,a,b");
+        line_ = csv.header().line;
+        header({csv.header().cells.begin(), csv.header().cells.end()});
+        io::CsvRow cells;
+        for (std::string fault; csv.next(cells, fault);) {
+            line_ = cells.line;
+            if (!fault.empty()) fail_here(fault);
+            row(cells.cells);
+        }
         if (table_.patches.empty()) fail("has a header and no patches; give one line per measured square");
-        if (colorimetric()) make_rho(table_, quantity_, conditions_, illuminant_);
+        MeasuringConditions conditions;
+        for (const std::string& comment : csv.comments())
+            if (const std::size_t colon = comment.find(':'); colon != std::string::npos)
+                note_condition(conditions, comment.substr(0, colon), comment.substr(colon + 1));
+        if (colorimetric()) make_rho(table_, quantity_, conditions, illuminant_);
         return std::move(table_);
     }
 
 private:
     bool colorimetric() const { return quantity_ == Quantity::lab || quantity_ == Quantity::xyz; }
-    void note(std::string_view comment) {
-        const std::size_t colon = comment.find(':');
-        if (colon != std::string_view::npos)
-            note_condition(conditions_, comment.substr(0, colon), comment.substr(colon + 1));
-    }
 
     [[noreturn]] void fail(const std::string& what) const {
         throw InputError(fmt::format("{}: {}.", table_.source, what));
@@ -83,11 +85,7 @@ private:
         return std::pair(quantities[at / 3], at % 3);
     }
 
-    void header(std::string_view line) {
-        const auto names = split(line, ',');
-        if (names.size() == 1 && line.find_first_of(";\t") != std::string_view::npos)
-            fail_here(
-                "columns are separated by semicolons or tabs; save the table with commas (and points in numbers)");
+    void header(const std::vector<std::string_view>& names) {
         if (names.size() > most_columns) fail_here(fmt::format("{} columns, more than {}", names.size(), most_columns));
         const std::vector<std::string> first{"top", "backing", "thickness_mm"};
         for (std::size_t k = 0; k < first.size(); ++k) {
@@ -155,12 +153,8 @@ private:
         has_errors_ = errors != 0;
     }
 
-    void row(std::string_view line) {
+    void row(const std::vector<std::string>& cells) {
         if (table_.patches.size() >= most_patches) fail_here(fmt::format("more than {} patches", most_patches));
-        const auto cells = split(line, ',');
-        if (cells.size() != columns_.size())
-            fail_here(fmt::format("{} cells, but the header has {}; every patch needs them all", cells.size(),
-                                  columns_.size()));
         Patch patch;
         patch.where = fmt::format("{}: line {}", table_.source, line_);
         try {
@@ -174,7 +168,7 @@ private:
         if (has_errors_) patch.error.resize(table_.channels.size());
         const std::string name = patch_name(patch);
         for (std::size_t k = 2; k < cells.size(); ++k) {
-            const auto value = number(cells[k]);
+            const auto value = number_with_comma(cells[k]);
             if (!value) fail_here(fmt::format("patch {}, column {}: {} is no number", name, k + 1, shown(cells[k])));
             const Column& column = columns_[k];
             switch (column.kind) {
@@ -249,7 +243,6 @@ private:
     std::optional<optics::Illuminant> illuminant_;
     PatchTable table_;
     Quantity quantity_ = Quantity::rgb;
-    MeasuringConditions conditions_;
     std::size_t line_ = 0;
     std::vector<Column> columns_;
     bool has_errors_ = false;
@@ -259,14 +252,8 @@ private:
 }  // namespace
 
 bool is_target_csv(std::string_view text) {
-    for (std::size_t from = 0; from < text.size();) {
-        const std::size_t to = std::min(text.find_first_of("\r\n", from), text.size());
-        const std::string_view line = trimmed(text.substr(from, to - from));
-        from = to + 1;
-        if (line.empty() || line.starts_with('#')) continue;
-        return trimmed(line.substr(0, line.find_first_of(",;\t"))) == "top";
-    }
-    return true;
+    const io::CsvReader csv = target_reader(text);
+    return csv.header().cells.empty() || csv.header().cells.front() == "top";
 }
 
 PatchTable read_target_csv(std::string_view text, std::string source, std::optional<optics::Illuminant> illuminant) {

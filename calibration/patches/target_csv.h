@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Patches of a calibration target as CSV with a header line; lines that begin with # are comments.
+// Patches of a calibration target as a table (io/files/csv_table.h) with a header line; lines that begin with # are
+// comments.
 //
 //   top,backing,thickness_mm,R,G,B                          or      top,backing,thickness_mm,400,425,...
 //

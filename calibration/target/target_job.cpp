@@ -13,6 +13,7 @@
 #include "base/random.h"
 #include "base/warning.h"
 #include "calibration/chart/chart_mixtures.h"
+#include "calibration/patches/chart_csv.h"
 #include "calibration/patches/patch_mixture.h"
 #include "calibration/target/ideal_patch.h"
 #include "calibration/target/target_file.h"
@@ -78,8 +79,8 @@ std::vector<PatchMixture> shuffled_chart(const TargetJob& job) {
 std::string chart_form(const Target& target) {
     std::string text = fmt::format(
         "# illuminant: D50\n# Fill in L, a, b (2 degree), row by row from the upper left, markers upright\n"
-        "patch,row,column,{},L,a,b\n",
-        fmt::join(target.roles, ","));
+        "{}patch,row,column,{},L,a,b\n",
+        resins_comment(target.roles), fmt::join(target.roles, ","));
     const auto places = square_places(target);
     for (std::size_t s = 0; s < target.squares.size(); ++s) {
         text += fmt::format("{},{},{}", s + 1, places[s][0], places[s][1]);

@@ -19,7 +19,7 @@ struct CalibrateCheckArguments {
 
 int run(CalibrateCheckArguments& a, const CalibrateJobs& jobs) {
     return run_on_console(a.run, [&](Progress& progress) {
-        set_patch_model(a.patches, a.job.model);
+        set_patch_model(a.patches, a.job.model, a.job.measured);
         return jobs.check(a.job, progress);
     });
 }

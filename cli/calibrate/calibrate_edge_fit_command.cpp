@@ -70,7 +70,7 @@ void read_anisotropy(const std::string& text, calibration::EdgeFitOptions& fit) 
 int run_fit(EdgeFitArguments& a, const CalibrateJobs& jobs) {
     return run_on_console(a.run, [&](Progress& progress) {
         read_anisotropy(a.g, a.job.fit);
-        set_patch_model(a.chart, a.job.chart_model);
+        set_patch_model(a.chart, a.job.chart_model, a.job.chart_measured);
         if (!a.mu.empty()) a.job.fit.mu_from = a.mu.front(), a.job.fit.mu_to = a.mu.back();
         return jobs.edge_fit(a.job, progress);
     });

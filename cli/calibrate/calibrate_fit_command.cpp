@@ -25,7 +25,7 @@ struct CalibrateFitArguments {
 
 int run(CalibrateFitArguments& a, const CalibrateJobs& jobs) {
     return run_on_console(a.run, [&](Progress& progress) {
-        set_patch_model(a.patches, a.job.fit.model);
+        set_patch_model(a.patches, a.job.fit.model, a.job.measured);
         set_chart_fit(a.chart, a.job.chart);
         calibration::FitOptions& fit = a.job.fit;
         fit.fit_dot_spread = !a.dot_spread;
@@ -39,7 +39,9 @@ int run(CalibrateFitArguments& a, const CalibrateJobs& jobs) {
 
 void add_fit_options(CLI::App& command, CalibrateFitArguments& a) {
     calibration::FitOptions& fit = a.job.fit;
-    command.add_option("--resins", fit.expected, "resins that must be among the patches: C,M,Y,K,W")
+    command
+        .add_option("--resins", fit.expected,
+                    "resins that must be among the patches, and columns of these names: C,M,Y,K,W")
         ->type_name("LIST")
         ->delimiter(',')
         ->allow_extra_args(false);

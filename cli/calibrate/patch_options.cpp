@@ -15,13 +15,16 @@ void add_patch_options(CLI::App& command, LengthOptions& lengths, PatchOptions& 
         .add_option_function<std::string>(
             "--illuminant",
             [&measured](const std::string& word) {
-                measured.illuminant = word == "D65" ? optics::Illuminant::d65
-                                      : word == "A" ? optics::Illuminant::a
-                                                    : optics::Illuminant::d50;
+                measured.reading.illuminant = word == "D65" ? optics::Illuminant::d65
+                                              : word == "A" ? optics::Illuminant::a
+                                                            : optics::Illuminant::d50;
             },
             "of a chart's L,a,b or X,Y,Z; empty: what the file says, else D50")
         ->type_name("D50|D65|A")
         ->check(CLI::IsMember({"D50", "D65", "A"}));
+    command.add_flag(
+        "--printable-only", measured.reading.printable_only,
+        "of a chart that goes beyond what a volume holds take the rows that do not: inks of 100 % together");
     lengths
         .add(command, "--base", measured.base_mm,
              "thickness of the base under the squares, for all patches; empty: the table's base_mm, else without end")
@@ -55,12 +58,15 @@ void add_patch_map_options(CLI::App& command, calibration::PatchMapFiles& files)
         ->group("Page");
 }
 
-void set_patch_model(const PatchOptions& options, calibration::PatchModelOptions& model) {
+void set_patch_model(const PatchOptions& options, calibration::PatchModelOptions& model,
+                     calibration::MeasuredPatchOptions& measured) {
     if (!options.printer.empty() && !options.pitch.empty())
         throw UsageError("--printer and --pitch both give the voxel's size; give one of them");
     if (!options.pitch.empty()) model.pitch_mm = slicer::parse_pitch_mm(options.pitch);
     if (!options.printer.empty()) {
-        const auto pitch = slicer::find_printer(options.printer).sliced_pitch_mm();
+        const auto printer = slicer::find_printer(options.printer);
+        measured.reading.known = printer.default_roles;
+        const auto pitch = printer.sliced_pitch_mm();
         model.pitch_mm = {pitch.x(), pitch.y(), pitch.z()};
     }
     model.under = options.under == "air" ? calibration::UnderBase::air : calibration::UnderBase::black;

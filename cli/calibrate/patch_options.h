@@ -16,14 +16,16 @@ struct PatchOptions {
     std::string printer, pitch, under = "black";
 };
 
-/// --white, --base, --under, --printer, --pitch.
+/// --white, --illuminant, --printable-only, --base, --under, --printer, --pitch.
 void add_patch_options(CLI::App& command, LengthOptions& lengths, PatchOptions& options,
                        calibration::MeasuredPatchOptions& measured);
 
 /// --target, --picture: where the patches of a page lie.
 void add_patch_map_options(CLI::App& command, calibration::PatchMapFiles& files);
 
-/// Sets what lies under the base and the voxels that mixtures are made of. Throws UsageError, InputError.
-void set_patch_model(const PatchOptions& options, calibration::PatchModelOptions& model);
+/// Sets what lies under the base, the voxels that mixtures are made of, and the resins that the printer has. Throws
+/// UsageError, InputError.
+void set_patch_model(const PatchOptions& options, calibration::PatchModelOptions& model,
+                     calibration::MeasuredPatchOptions& measured);
 
 }  // namespace voxtone::cli

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/profiles/resin_file.h"
 
+#include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <span>
+#include <utility>
 
 #include <fmt/core.h>
+#include <Eigen/Core>
 
 #include "base/embedded_file.h"
 #include "base/error.h"
@@ -111,6 +116,35 @@ std::string resin_set_text(const optics::ResinSet& set) {
     write_correction(json, set);
     json.end_object();
     return json.text() + "\n";
+}
+
+optics::ResinSet rounded_set(optics::ResinSet set) {
+    constexpr int digits = 6, most_decimals = 9;
+    const auto read_again = [](const std::string& text, double& value) {
+        std::from_chars(text.data(), text.data() + text.size(), value);
+    };
+    const auto round_all = [&](auto&& values) {
+        for (double& value : values) read_again(fmt::format("{:.{}g}", value, digits), value);
+    };
+    const auto round_albedo = [&](double& albedo) {
+        const double nearest = std::min(albedo, 1 - albedo);
+        if (!(nearest > 0)) return;
+        const int decimals = std::min(digits - 1 - static_cast<int>(std::floor(std::log10(nearest))), most_decimals);
+        read_again(fmt::format("{:.{}f}", albedo, decimals), albedo);
+    };
+    for (double* value : {&set.dot_spread, &set.measured.surface, &set.measured.gain}) round_all(std::span(value, 1));
+    for (optics::Resin& resin : set.resins) {
+        round_all(resin.sigma_t_per_mm);
+        for (double& albedo : resin.albedo) round_albedo(albedo);
+    }
+    for (auto& weights : set.channels.xyz) round_all(weights);
+    if (set.residual.empty()) return set;
+    std::vector<double> lengths = set.residual.lengths();
+    Eigen::MatrixX3d weights = set.residual.weights();
+    round_all(lengths);
+    round_all(std::span(weights.data(), static_cast<std::size_t>(weights.size())));
+    set.residual = {std::move(lengths), set.residual.centres(), std::move(weights)};
+    return set;
 }
 
 std::vector<std::string> known_resin_sets() {

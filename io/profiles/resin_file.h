@@ -20,6 +20,11 @@ namespace voxtone::io {
 /// Every number as short as it can be and still read back as the same.
 [[nodiscard]] std::string resin_set_text(const optics::ResinSet& set);
 
+/// The set with 6 digits of every number that was fitted, of an albedo of what it leaves to 1 (9 decimals at most), so
+/// that files have the same bytes: functions of libm differ in their last bits by processor, and fits by up to 1e-9.
+/// Nobody measures that many.
+[[nodiscard]] optics::ResinSet rounded_set(optics::ResinSet set);
+
 /// Names of the sets that come with the program.
 [[nodiscard]] std::vector<std::string> known_resin_sets();
 /// The JSON of a set that comes with the program; nothing for other names.

@@ -3,11 +3,15 @@
 // The list of photographs: what it says, and what it refuses.
 #include "calibration/bench/bench_list.h"
 
+#include <filesystem>
+#include <fstream>
 #include <string>
+#include <utility>
 
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "tests/io/files/temporary_folder.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;
@@ -39,6 +43,25 @@ TEST_CASE("a list of photographs says which shows what, those of one slab beside
     REQUIRE(back.slabs.size() == 3);
     CHECK(back.slabs[1].file == "c.tif");
     CHECK(back.paper == "paper.tif");
+}
+
+TEST_CASE("a list is read as spreadsheets of any country write it", "[edge]") {
+    const std::string text =
+        "sep=;\r\nfile;shows;resin;thickness_mm;\r\nchecker.tif;checker;;;\r\nsheet.tif;sheet\r\na.tif;slab;W;0,5;\r\n;"
+        ";;;\r\n";
+    const BenchList list = parse_bench_list(text, "list.csv");
+    REQUIRE(list.slabs.size() == 1);
+    CHECK(list.slabs[0].thickness_mm == 0.5);
+    const io::TemporaryFolder folder;
+    std::filesystem::create_directories(folder.path() / "photos");
+    std::string bytes = "\xFF\xFE";
+    for (const char c :
+         "file\tshows\tresin\tthickness_mm\nchecker.tif\tchecker\t\t\nsheet.tif\tsheet\t\t\nphotos\\a.tif\tslab\tW\t0."
+         "5\n")
+        if (c != '\0') bytes += {c, '\0'};
+    for (const auto& [name, content] : {std::pair("photos/a.tif", std::string()), std::pair("list.txt", bytes)})
+        std::ofstream(folder.path() / name, std::ios::binary) << content;
+    CHECK(read_bench_list(folder.path() / "list.txt").slabs.at(0).file == (folder.path() / "photos/a.tif").string());
 }
 
 TEST_CASE("a list that cannot be read is refused by line", "[edge]") {

@@ -84,6 +84,16 @@ TEST_CASE("a setup that cannot be is refused by key", "[edge]") {
     CHECK_THROWS_AS(parse_edge_setup("{}", "s"), InputError);
 }
 
+TEST_CASE("profiles are read as spreadsheets of any country write them", "[edge]") {
+    std::string text = csv(0.1, 0.5);
+    std::string other;
+    for (const char c : text) other += c == ',' ? ";" : c == '.' ? "," : c == '\n' ? "\r\n" : std::string(1, c);
+    const auto expected = parse_edge_profiles(text, "p.csv"), found = parse_edge_profiles(other, "p.csv");
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].x_mm == expected[0].x_mm);
+    CHECK(found[0].value == expected[0].value);
+}
+
 TEST_CASE("profiles are read, and written as they were read", "[edge]") {
     const auto profiles = parse_edge_profiles(
         csv(0.1, 0.5, "resin,thickness_mm,x_mm,R,G,B,error_R,error_G,error_B\n", ",0.001,0.002,0.003"), "p.csv");
@@ -100,11 +110,11 @@ TEST_CASE("profiles are read, and written as they were read", "[edge]") {
 
 TEST_CASE("profiles that no bench gives are refused with the line and what to do", "[edge]") {
     refuse("", "no header line");
-    refuse("resin;thickness_mm\n", "semicolons");
+    refuse("resin;thickness_mm\n", "2 columns");
     refuse("resin,thickness,x_mm,R,G,B\n", "column 2 is \"thickness\"");
     refuse("resin,thickness_mm,x_mm,R,G,B,error_R\n", "7 columns");
     refuse("resin,thickness_mm,x_mm,R,G,B\n", "no samples");
-    refuse("resin,thickness_mm,x_mm,R,G,B\nW,0.5,0,1,2\n", "line 2: 5 cells");
+    refuse("resin,thickness_mm,x_mm,R,G,B\nW,0.5,0,1,2\n", "line 2: has 5 cells");
     refuse("resin,thickness_mm,x_mm,R,G,B\nW,0.5,a,1,1,1\n", "x_mm is \"a\"");
     refuse("resin,thickness_mm,x_mm,R,G,B\nW,500,0,1,1,1\n", "thickness_mm is 500");
     refuse("resin,thickness_mm,x_mm,R,G,B\nW,0.5,0,1,1,1\nW,0.5,0,1,1,1\n", "must grow");

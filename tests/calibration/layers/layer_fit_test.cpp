@@ -142,6 +142,10 @@ TEST_CASE("Charts of laminates are read, and refused in one sentence") {
     CHECK(chart.laminates[0] == LayerLaminate{{0, 0.08}, {1, 0.1}, {1, 0.8}});
     CHECK(chart.lab(1, 2) == -30);
     CHECK_FALSE(is_layer_chart("W,C,L,a,b\n1,0,90,0,0\n"));
+    const LayerChart german = parse_layer_chart("Titel\n\nlayers;L;a;b;\r\nY 0.08, W 0.8;92,5;-7;18;\r\n;;;;\r\n", "t",
+                                                optics::Illuminant::d50);
+    CHECK(german.laminates.size() == 1);
+    CHECK(german.lab(0, 0) == 92.5);
 
     const auto refused = [](const std::string& text) {
         try {

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
@@ -14,7 +16,22 @@
 namespace voxtone::test {
 
 inline calibration::PatchTable parsed(const std::string& text, std::optional<optics::Illuminant> illuminant = {}) {
-    return calibration::parse_patches(text, "chart", illuminant);
+    return calibration::parse_patches(text, "chart", {.illuminant = illuminant});
+}
+
+/// Where the user names resins, or wants the rows alone that a volume can hold.
+inline calibration::PatchTable parsed_with(const std::string& text, std::vector<std::string> resins,
+                                           bool printable_only = false) {
+    return calibration::parse_patches(
+        text, "chart",
+        {.illuminant = optics::Illuminant::d50, .resins = std::move(resins), .printable_only = printable_only});
+}
+
+/// All notes of a table.
+inline std::string notes_of(const calibration::PatchTable& table) {
+    std::string notes;
+    for (const std::string& note : table.notes) notes += note + "\n";
+    return notes;
 }
 
 /// The message of the error that the text must cause.

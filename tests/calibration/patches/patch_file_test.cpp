@@ -51,6 +51,24 @@ TEST_CASE("Patches are read with comments, mixtures, wavelengths, errors and bas
     CHECK(spectral.patches[0].rho == std::vector<double>{0.3, 0.4});
 }
 
+TEST_CASE("Targets are read as spreadsheets of any country write them") {
+    const PatchTable expected = parsed(header + "C:10+W:90,K,0.675,0.1,0.2,0.3\n");
+    std::string utf16 = "\xFF\xFE";
+    for (const char c : "top\tbacking\tthickness_mm\tR\tG\tB\r\nC:10+W:90\tK\t0,675\t0,1\t0,2\t0,3\r\n")
+        if (c != '\0') utf16 += {c, '\0'};
+    for (const std::string& text :
+         {std::string("top;backing;thickness_mm;R;G;B\nC:10+W:90;K;0,675;0,1;0,2;0,3\n"),
+          std::string("sep=;\r\ntop;backing;thickness_mm;R;G;B;\r\nC:10+W:90;K;0,675;0,1;0,2;0,3;\r\n;;;;;;\r\n"),
+          std::string("Bench 7\n\ntop\tbacking\tthickness_mm\tR\tG\tB\rC:10+W:90\tK\t0.675\t0.1\t0.2\t0.3\r"), utf16}) {
+        CAPTURE(text);
+        const PatchTable table = parsed(text);
+        REQUIRE(table.patches.size() == 1);
+        CHECK(table.patches[0].top == expected.patches[0].top);
+        CHECK(table.patches[0].thickness_mm == 0.675);
+        CHECK(table.patches[0].rho == expected.patches[0].rho);
+    }
+}
+
 TEST_CASE("A table of patches written and read again is the same") {
     PatchTable table;
     table.channels.wavelengths_nm = {400, 405.25};
@@ -108,7 +126,7 @@ TEST_CASE("Mixtures are percentages of roles that sum to 100, in one order") {
 TEST_CASE("A faulty table names line, patch and what is wrong") {
     CHECK_THAT(fault(""), Contains("p.csv") && Contains("no header"));
     CHECK_THAT(fault(header), Contains("no patches"));
-    CHECK_THAT(fault("top;backing;thickness_mm;R;G;B\n"), Contains("commas"));
+    CHECK_THAT(fault("top;backing;thickness_mm;R;G;B\n"), Contains("no patches"));
     CHECK_THAT(fault("top,thickness_mm,R,G,B\n"), Contains("column 2") && Contains("backing"));
     CHECK_THAT(fault("top,backing,thickness_mm,R,G\n"), Contains("line 1") && Contains("missing"));
     CHECK_THAT(fault("top,backing,thickness_mm\n"), Contains("no channel"));

@@ -67,6 +67,31 @@ TEST_CASE("Resin sets of all kinds of channels written and read again are the sa
     }
 }
 
+TEST_CASE("A set that was fitted has six digits, so that the last bits of a processor do not show") {
+    optics::ResinSet set = own_set();
+    set.dot_spread = 0.1234567891234;
+    set.measured = {optics::MeasuringGeometry::diffuse_8, 0.0123456789012, 0.987654321987};
+    Eigen::MatrixXd centres(2, 5);
+    centres << 1.0 / 3, 1.0 / 3, 1.0 / 3, 0, 0, 0, 0, 0, 2.0 / 7, 5.0 / 7;
+    Eigen::MatrixX3d weights(2, 3);
+    weights << 1.0 / 3, -2.0 / 3e-3, 1.0 / 7e5, 0.1, 0, -1.0 / 9;
+    set.residual = {std::vector<double>(5, 1.2 / 7), centres, weights};
+    optics::ResinSet other = set;  // as another processor has it
+    for (optics::Resin& resin : other.resins)
+        for (double& value : resin.sigma_t_per_mm) value *= 1 + 1e-10;
+    other.channels.xyz[0][0] *= 1 - 1e-10;
+    other.residual = {std::vector<double>(5, 1.2 / 7), centres, weights * (1 + 1e-10)};
+    CHECK(resin_set_text(set) != resin_set_text(other));
+    const std::string text = resin_set_text(rounded_set(set));
+    CHECK(text == resin_set_text(rounded_set(other)));
+    CHECK(text == resin_set_text(rounded_set(parse_resin_set(text, "text"))));
+    CHECK(rounded_set(set).resins[0].albedo[3] == 0.333333);
+    CHECK(rounded_set(set).residual.weights()(0, 1) == -666.667);
+    set.resins[1].albedo = {0.999999123456, 0.000123456789, 1, 0};
+    CHECK(rounded_set(set).resins[1].albedo == std::vector<double>{0.999999123, 0.000123457, 1, 0});
+    CHECK(rounded_set(optics::vero_opaque()).resins[0].albedo == optics::vero_opaque().resins[0].albedo);
+}
+
 TEST_CASE("Faulty channels name file, key and rule") {
     CHECK_THAT(fault("\"own\"", "\"mine\""), Contains("FILE") && Contains("`channels.kind`") && Contains("\"own\""));
     CHECK_THAT(fault("\"D50\"", "\"F11\""),
