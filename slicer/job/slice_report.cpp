@@ -66,9 +66,9 @@ io::ReportSection cavity_section(const std::vector<Cavity>& voids) {
     section.paragraphs.push_back(
         "Space within the body that cannot be reached from outside but through openings narrower than a quarter of a "
         "millimetre. What is kept is filled with support material.");
-    io::ReportTable table{"Voids", {"volume, mm^3", "centre from the model's corner, mm", "wall, mm", ""}, {}};
+    io::ReportTable table{"By size", {"volume, mm^3", "centre from the model's corner, mm", "wall, mm", ""}, {}};
     for (const Cavity& v : voids)
-        table.rows.push_back({fmt::format("{:.3g}", v.volume_mm3),
+        table.rows.push_back({fmt::format(v.volume_mm3 < 100 ? "{:.3g}" : "{:.0f}", v.volume_mm3),
                               fmt::format("{:.1f}, {:.1f}, {:.1f}", v.centre_mm[0], v.centre_mm[1], v.centre_mm[2]),
                               fmt::format("{:.2g}", v.wall_mm), v.filled ? "filled with resin" : "kept"});
     section.tables.push_back(std::move(table));
