@@ -230,7 +230,7 @@ private:
                 if (child->name == "Model") below.push_back(link.child);
                 levels = levels || (child->name == "NodeAttribute" && child->text(2) == "LodGroup");
             }
-            if (levels && below.size() > 1) below.resize(1), ++levels_;
+            if (levels && below.size() > 1) below.erase(below.begin() + 1, below.end()), ++levels_;
             for (std::size_t i = below.size(); i-- > 0;) open.push_back({below[i], place, !visible});
         }
     }
