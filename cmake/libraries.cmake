@@ -1,6 +1,6 @@
 # What each floor is linked with: the one list, for building voxtone (cmake/dependencies.cmake) and for programs that link
-# its libraries (cmake/voxtone-config.cmake.in). The includer says what voxtone_find(<package> <argument>...) and
-# voxtone_find_pkg(<target> <pkg-config module>) do where a library is missing.
+# its libraries (cmake/voxtone-config.cmake.in). The includer says what voxtone_find(<package> <argument>...),
+# voxtone_find_pkg(<target> <pkg-config module>) and voxtone_find_library(<name>) do where a library is missing.
 set(VOXTONE_FLOORS_BELOW_optics base)
 set(VOXTONE_FLOORS_BELOW_halftone optics)
 set(VOXTONE_FLOORS_BELOW_io optics)
@@ -37,8 +37,10 @@ macro(voxtone_libraries_of_io)
   voxtone_find_pkg(XXHASH libxxhash)
   voxtone_find_pkg(FREETYPE freetype2)
   voxtone_find_pkg(HARFBUZZ harfbuzz)
+  voxtone_find_pkg(FRIBIDI fribidi)
   voxtone_find_pkg(FONTCONFIG fontconfig)
   voxtone_find_pkg(SECCOMP libseccomp)
+  voxtone_find_library(zint)  # comes with no file for CMake or pkg-config
 endmacro()
 macro(voxtone_libraries_of_io_decoders)
   voxtone_find(JPEG)

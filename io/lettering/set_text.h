@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Lines of text in a font, as ink: shaped by HarfBuzz (ligatures, marks, scripts from right to left), drawn by FreeType
+// Lines of text in a font, as ink: in the order in which they are read and shaped (glyph_line.h), drawn by FreeType
 // from outlines without hinting, for a printer's dots are far finer than those that hints are made for. The picture is
 // as large as the ink.
 #pragma once

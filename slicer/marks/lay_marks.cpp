@@ -169,6 +169,7 @@ void lay_mark(const MarkOptions& mark, const BodyToMark& body, const io::ReadOpt
               std::vector<MarkFrame>& taken, LaidMarks& laid) {
     const MarkShape shape = shape_of(mark, reading);
     laid.warnings.insert(laid.warnings.end(), shape.warnings.begin(), shape.warnings.end());
+    laid.notes.insert(laid.notes.end(), shape.notes.begin(), shape.notes.end());
     const UvRectangle* const uv = std::get_if<UvRectangle>(&mark.place);
     io::Decal decal;
     if (uv) {

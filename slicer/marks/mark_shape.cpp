@@ -9,8 +9,8 @@
 
 #include "base/error.h"
 #include "base/warning.h"
-#include "io/lettering/code_symbol.h"
 #include "io/lettering/font_file.h"
+#include "io/lettering/make_code.h"
 #include "io/lettering/set_text.h"
 #include "io/pictures/picture.h"
 
@@ -19,16 +19,31 @@ namespace voxtone::slicer {
 namespace {
 
 constexpr int pixels_a_module = 8;
+constexpr char gs1_separator = '\x1d';
 /// Of a ground, around the ink, in ems.
 constexpr double ground_margin = 0.25;
 
+io::CodeKind code_kind(MarkKind kind) {
+    switch (kind) {
+        case MarkKind::qr:
+            return io::CodeKind::qr;
+        case MarkKind::gs1_data_matrix:
+            return io::CodeKind::gs1_data_matrix;
+        case MarkKind::gs1_qr:
+            return io::CodeKind::gs1_qr;
+        case MarkKind::gs1_128:
+            return io::CodeKind::gs1_128;
+        default:
+            return io::CodeKind::data_matrix;
+    }
+}
+
 io::Coverage ink_of_code(const MarkOptions& mark) {
-    const io::CodeSymbol code =
-        io::make_code(mark.kind == MarkKind::qr ? io::CodeKind::qr : io::CodeKind::data_matrix, mark.text);
+    const io::CodeSymbol code = io::make_code(code_kind(mark.kind), mark.text);
     // A Data Matrix may be a rectangle: its modules are as large as those of a square of as many.
-    const double edge_modules = std::sqrt(double(code.columns) * code.rows);
-    io::Coverage ink{(code.columns + 2 * code.quiet_modules) * pixels_a_module,
-                     (code.rows + 2 * code.quiet_modules) * pixels_a_module,
+    const double edge_modules = code.is_bars ? code.columns : std::sqrt(double(code.columns) * code.rows);
+    io::Coverage ink{(code.columns + 2 * code.quiet_columns) * pixels_a_module,
+                     (code.rows + 2 * code.quiet_rows) * pixels_a_module,
                      mark.size_mm / (edge_modules * pixels_a_module),
                      {}};
     const auto is_dark = [&](int column, int row) {
@@ -38,7 +53,7 @@ io::Coverage ink_of_code(const MarkOptions& mark) {
     for (int y = 0; y < ink.height_px; ++y)
         for (int x = 0; x < ink.width_px; ++x)
             ink.ink.push_back(
-                is_dark(x / pixels_a_module - code.quiet_modules, y / pixels_a_module - code.quiet_modules) ? 255 : 0);
+                is_dark(x / pixels_a_module - code.quiet_columns, y / pixels_a_module - code.quiet_rows) ? 255 : 0);
     return ink;
 }
 
@@ -82,6 +97,11 @@ MarkShape shape_of(const MarkOptions& mark, const io::ReadOptions& reading) {
         shape.ink = mark.kind == MarkKind::text ? ink_of_text(mark) : ink_of_code(mark);
         shape.width_mm = shape.ink.width_mm();
         shape.height_mm = shape.ink.height_mm();
+        if (is_code(mark.kind) && !is_gs1(mark.kind) && mark.text.find(gs1_separator) != std::string::npos)
+            shape.notes.push_back(
+                fmt::format("{}: holds the separator of GS1, and is none of its codes, for no FNC1 stands in front: "
+                            "gs1=(01)... or gs1-qr=(01)... makes one",
+                            mark.said));
         return shape;
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}: {}", mark.said, error.what()));

@@ -20,6 +20,7 @@ struct MarkShape {
     std::shared_ptr<const io::AlphaPicture> pixels;  ///< of pictures
     double width_mm = 0, height_mm = 0;              ///< pictures laid by texture coordinates have a ratio alone
     std::vector<std::string> warnings;               ///< of the picture's reader
+    std::vector<std::string> notes;                  ///< what may be worth a thought
 };
 
 /// Sets the text, makes the code or reads the picture. Throws FileError, InputError that begins with the mark.

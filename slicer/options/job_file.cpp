@@ -2,7 +2,6 @@
 #include "slicer/options/job_file.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cstdint>
 #include <limits>
@@ -205,9 +204,7 @@ namespace {
 std::string spelled_mark(const io::JsonObject& object) {
     MarkWords words;
     for (const std::string& key : object.keys()) words.emplace_back(key, object.any_text(key));
-    constexpr std::array subjects{"text", "qr", "datamatrix", "file"};
-    std::ranges::stable_partition(
-        words, [&](const auto& word) { return std::ranges::find(subjects, word.first) != subjects.end(); });
+    std::ranges::stable_partition(words, [](const auto& word) { return is_mark_subject(word.first); });
     return spell_mark(words);
 }
 

@@ -13,7 +13,7 @@ namespace voxtone::slicer {
 
 namespace {
 
-bool has_template(const std::string& key) { return key == "text" || key == "qr" || key == "datamatrix"; }
+bool has_template(const std::string& key) { return is_mark_subject(key) && key != "file"; }
 
 /// Where a name in braces begins and ends, and what is in it.
 struct NameInBraces {

@@ -12,7 +12,11 @@
 
 namespace voxtone::slicer {
 
-enum class MarkKind : std::uint8_t { text, qr, data_matrix, picture };
+enum class MarkKind : std::uint8_t { text, qr, data_matrix, gs1_data_matrix, gs1_qr, gs1_128, picture };
+[[nodiscard]] constexpr bool is_code(MarkKind kind) { return kind != MarkKind::text && kind != MarkKind::picture; }
+[[nodiscard]] constexpr bool is_gs1(MarkKind kind) {
+    return kind == MarkKind::gs1_data_matrix || kind == MarkKind::gs1_qr || kind == MarkKind::gs1_128;
+}
 
 /// `flattest`: where a face of the mark's size is flattest. As a viewer stands before the print: front faces -y.
 enum class MarkSide : std::uint8_t { flattest, front, back, left, right, top, bottom };
@@ -35,7 +39,8 @@ struct MarkOptions {
     std::string font;  ///< name or file; of texts
     MarkPlace place = MarkSide::flattest;
     std::optional<Eigen::Vector2d> at_mm;  ///< from the middle of a side, to the right and up; nothing: see lay_marks.h
-    double size_mm = 0;   ///< of texts the em; of codes the edge without its quiet zone; of pictures the width
+    double size_mm =
+        0;  ///< of texts the em; of codes the edge, of bars the width, without the quiet zone; of pictures the width
     double turn_deg = 0;  ///< anticlockwise
     MarkInk ink = MarkInk::contrast;
     Eigen::Vector3f ink_rgb = Eigen::Vector3f::Zero();  ///< linear sRGB

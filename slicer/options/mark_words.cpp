@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <functional>
+#include <map>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -20,15 +22,19 @@ namespace voxtone::slicer {
 namespace {
 
 constexpr double mm_per_point = mm_per_inch / 72;
-constexpr double usual_em_mm = 6 * mm_per_point, usual_code_mm = 8;
+constexpr double usual_em_mm = 6 * mm_per_point, usual_code_mm = 8, usual_bars_mm = 40;
 constexpr double most_size_mm = 1000;
 constexpr int most_relief_voxels = 100;
 
 constexpr const char *text_key = "text", *file_key = "file", *qr_key = "qr", *data_matrix_key = "datamatrix",
                      *font_key = "font";
+const std::map<std::string, MarkKind, std::less<>> kinds_by_key{
+    {text_key, MarkKind::text},         {qr_key, MarkKind::qr},       {data_matrix_key, MarkKind::data_matrix},
+    {"gs1", MarkKind::gs1_data_matrix}, {"gs1-qr", MarkKind::gs1_qr}, {"gs1-128", MarkKind::gs1_128},
+    {file_key, MarkKind::picture}};
 const std::vector<std::string> words_of_marks{"place", "at", "size", "turn", "engrave", "raise"};
-const std::vector<std::string> words_of_labels{text_key, qr_key,  data_matrix_key, font_key,
-                                               "colour", "resin", "ground"};
+const std::vector<std::string> words_of_labels{text_key,  qr_key,   data_matrix_key, "gs1",   "gs1-qr",
+                                               "gs1-128", font_key, "colour",        "resin", "ground"};
 
 std::vector<std::string> words_of(MarkFamily family) {
     std::vector<std::string> keys =
@@ -115,13 +121,8 @@ int voxels_word(const std::string& key, const std::string& text, const std::stri
 }
 
 void take_subject(MarkOptions& mark, const std::string& key, const std::string& value) {
-    if (key == file_key) {
-        mark.kind = MarkKind::picture;
-        mark.file = value;
-        return;
-    }
-    mark.kind = key == qr_key ? MarkKind::qr : key == data_matrix_key ? MarkKind::data_matrix : MarkKind::text;
-    mark.text = value;
+    mark.kind = kinds_by_key.at(key);
+    (mark.kind == MarkKind::picture ? mark.file : mark.text) = value;
 }
 
 void take_word(MarkOptions& mark, const std::string& key, const std::string& value) {
@@ -173,20 +174,22 @@ void check_mark(const MarkOptions& mark) {
 /// Codes are read as dark on light by every reader, so they bring their own light ground; dark ink on a ground, or
 /// light.
 void complete_mark(MarkOptions& mark, bool ground_said) {
-    const bool is_code = mark.kind == MarkKind::qr || mark.kind == MarkKind::data_matrix;
+    const bool code = is_code(mark.kind);
     if (!mark.resin.empty()) mark.ink = MarkInk::colour;  // which it is, the loaded resins say
-    if (is_code && mark.ink == MarkInk::contrast && (!ground_said || mark.ground_rgb)) {
+    if (code && mark.ink == MarkInk::contrast && (!ground_said || mark.ground_rgb)) {
         mark.ink = MarkInk::colour;
         mark.ink_rgb.setZero();
     }
-    if (is_code && !ground_said && mark.resin.empty() && mark.ink == MarkInk::colour)
+    if (code && !ground_said && mark.resin.empty() && mark.ink == MarkInk::colour)
         mark.ground_rgb = Eigen::Vector3f::Ones();
     if (mark.kind == MarkKind::text && mark.font.empty()) mark.font = io::default_font;
     if (mark.size_mm > 0 || mark.kind == MarkKind::picture) return;
-    mark.size_mm = is_code ? usual_code_mm : usual_em_mm;
+    mark.size_mm = mark.kind == MarkKind::gs1_128 ? usual_bars_mm : code ? usual_code_mm : usual_em_mm;
 }
 
 }  // namespace
+
+bool is_mark_subject(std::string_view key) { return kinds_by_key.contains(key); }
 
 MarkWords split_mark(MarkFamily family, std::string_view spelled) {
     std::vector<std::string> raw(1);
@@ -245,7 +248,7 @@ MarkOptions parse_mark(MarkFamily family, const std::string& spelled) {
         if (std::ranges::find(said_keys, key) != said_keys.end())
             refuse_mark(mark.said, fmt::format("{}= is said twice", key));
         said_keys.push_back(key);
-        const bool is_subject = key == text_key || key == file_key || key == qr_key || key == data_matrix_key;
+        const bool is_subject = is_mark_subject(key);
         if (is_subject && has_subject) refuse_mark(mark.said, "is one text or one code; give a --label for each");
         if (is_subject) take_subject(mark, key, value);
         has_subject = has_subject || is_subject;

@@ -26,6 +26,9 @@ using MarkWords = std::vector<std::pair<std::string, std::string>>;
 [[nodiscard]] MarkWords split_mark(MarkFamily family, std::string_view spelled);
 [[nodiscard]] std::string spell_mark(const MarkWords& words);
 
+/// Whether a word's key says what the mark shows: "text", "qr", "file" and their like.
+[[nodiscard]] bool is_mark_subject(std::string_view key);
+
 /// Throws UsageError for words that are not known, not understood or do not go together. No file is looked at.
 [[nodiscard]] MarkOptions parse_mark(MarkFamily family, const std::string& spelled);
 

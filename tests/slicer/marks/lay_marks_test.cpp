@@ -66,6 +66,24 @@ TEST_CASE("A code is read, and not mirrored, from the side that it was laid on")
         }
 }
 
+TEST_CASE("Codes of GS1 lie on a body as others do, bars as wide as they are asked to be") {
+    for (const char* words : {"gs1=(01)09501101530003(10)A(21)7", "gs1-qr=(01)09501101530003(10)A(21)7",
+                              "gs1-128=(01)09501101530003(10)A(21)7; size=50mm"}) {
+        INFO(words);
+        Body body = box({60, 20, 15}, black);
+        lay(body, {std::string(words) + "; place=front"});
+        CHECK(test::code_in(test::seen_from(body, {0, -1, 0}, 0.1)) ==
+              "010950110153000310A\x1D"
+              "217");
+    }
+    Body body = box({60, 20, 15}, black);
+    CHECK_THROWS_WITH(lay(body, {"gs1=A-17"}), Contains("GS1 DataMatrix") && Contains("(01)"));
+    CHECK_THROWS_WITH(lay(body, {"gs1=(01)09501101530004"}), Contains("--label"));
+    CHECK(label("gs1=(21)7").size_mm == 8);
+    CHECK(label("gs1-128=(21)7").size_mm == 40);
+    CHECK(label("gs1=(21)7").ground_rgb);
+}
+
 TEST_CASE("A code lies straight on a slanting face, and turned as it was asked for") {
     SolidMesh slanting = shapes::box(Eigen::Vector3d::Zero(), {20, 20, 20});
     const Eigen::Matrix3d turn =
@@ -277,6 +295,7 @@ TEST_CASE("Names in braces stand for values, braces for themselves when doubled"
     };
     CHECK(text("{job}-{copy:03}; size=4pt", {{"job", "cow"}, {"copy", "7"}}) == "cow-007");
     CHECK(text("qr={a}{a}", {{"a", "{b}"}}) == "{b}{b}");
+    CHECK(text("gs1=(21){serial:04}", {{"serial", "17"}}) == "(21)0017");
     CHECK(text("{{job}}", {{"job", "cow"}}) == "{job}");
     CHECK_THROWS_WITH(text("{n:2}", {{"n", "1"}}), Contains("number of digits"));
     CHECK_THROWS_WITH(text("{jib}", {{"job", "cow"}}), Contains("{jib} stands for nothing") && Contains("{copy}"));

@@ -64,7 +64,8 @@ GreyPicture seen_from(const Body& body, const Eigen::Vector3d& out, double pixel
 
 std::string code_in(const GreyPicture& picture) {
     ZXing::DecodeHints hints;
-    hints.setFormats(ZXing::BarcodeFormat::QRCode | ZXing::BarcodeFormat::DataMatrix).setTryHarder(true);
+    hints.setFormats(ZXing::BarcodeFormat::QRCode | ZXing::BarcodeFormat::DataMatrix | ZXing::BarcodeFormat::Code128)
+        .setTryHarder(true);
     for (const ZXing::Binarizer how : {ZXing::Binarizer::LocalAverage, ZXing::Binarizer::GlobalHistogram}) {
         hints.setBinarizer(how);
         const ZXing::Result result =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "io/lettering/code_symbol.h"
+#include "io/lettering/make_code.h"
 
 #include <algorithm>
 #include <exception>
@@ -11,10 +11,12 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
+#include "io/lettering/gs1_symbol.h"
 
 namespace voxtone::io {
 
 CodeSymbol make_code(CodeKind kind, const std::string& text) {
+    if (kind != CodeKind::qr && kind != CodeKind::data_matrix) return make_gs1_code(kind, text);
     const bool is_qr = kind == CodeKind::qr;
     try {
         ZXing::MultiFormatWriter writer(is_qr ? ZXing::BarcodeFormat::QRCode : ZXing::BarcodeFormat::DataMatrix);
@@ -23,7 +25,8 @@ CodeSymbol make_code(CodeKind kind, const std::string& text) {
         const bool plain = std::ranges::all_of(text, [](char c) { return static_cast<unsigned char>(c) < 0x80; });
         if (is_qr && !plain) writer.setEncoding(ZXing::CharacterSet::UTF8);
         const ZXing::BitMatrix matrix = writer.encode(text, 0, 0);
-        CodeSymbol symbol{matrix.width(), matrix.height(), {}, is_qr ? 4 : 1};
+        const int quiet = is_qr ? 4 : 1;
+        CodeSymbol symbol{matrix.width(), matrix.height(), {}, quiet, quiet};
         for (int row = 0; row < symbol.rows; ++row)
             for (int column = 0; column < symbol.columns; ++column) symbol.dark.push_back(matrix.get(column, row));
         return symbol;
