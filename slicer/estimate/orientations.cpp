@@ -12,6 +12,7 @@
 
 #include "base/parallel.h"
 #include "slicer/mesh/box.h"
+#include "slicer/printer/tray_room.h"
 #include "slicer/solid/solid.h"
 #include "slicer/surface/area_points.h"
 
@@ -75,7 +76,8 @@ void measure(const OpenedJob& job, const Eigen::Vector3d& extent_mm, Orientation
     const VoxelGrid grid = grid_around(Eigen::Vector3d::Zero(), extent_mm, job.printer.sliced_pitch_mm());
     orientation.size_mm = {extent_mm.x(), extent_mm.y(), extent_mm.z()};
     orientation.layers = grid.size[2];
-    orientation.fits = (extent_mm.array() <= tray_mm.array()).all() && grid.size[2] >= job.printer.min_layers;
+    orientation.fits = grid.size[2] >= job.printer.min_layers;
+    for (int axis = 0; axis < 3; ++axis) orientation.fits = orientation.fits && fits_in(extent_mm[axis], tray_mm[axis]);
 }
 
 // Right angles are exact but for the last digits of a turn.

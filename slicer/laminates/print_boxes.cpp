@@ -12,6 +12,7 @@
 #include "base/stopwatch.h"
 #include "base/warning.h"
 #include "slicer/printer/how_to_print.h"
+#include "slicer/printer/tray_room.h"
 
 namespace voxtone::slicer {
 
@@ -44,12 +45,12 @@ void check(const BoxPrint& print, const PrinterProfile& printer, const std::arra
                         print.roles.size(), fmt::join(print.roles, ", "), printer.id, printer.max_resins));
     const Eigen::Vector3d tray_mm = printer.sliced_tray_mm();
     for (int axis = 0; axis < 3; ++axis)
-        if (print.size_mm[axis] > tray_mm[axis])
+        if (!fits_in(print.size_mm[axis], tray_mm[axis]))
             throw InputError(
                 fmt::format("the print is {:.1f} x {:.1f} x {:.1f} mm, larger than the tray of {} ({:.0f} x {:.0f} x "
-                            "{:.0f} mm); make it smaller",
+                            "{:.0f} mm) along {} by {}; make it smaller",
                             print.size_mm.x(), print.size_mm.y(), print.size_mm.z(), printer.id, tray_mm.x(),
-                            tray_mm.y(), tray_mm.z()));
+                            tray_mm.y(), tray_mm.z(), "xyz"[axis], excess_text(print.size_mm[axis] - tray_mm[axis])));
     if (static_cast<int>(size[2]) < printer.min_layers)
         throw InputError(fmt::format("the print has {} layers, but {} takes no fewer than {}; make it thicker", size[2],
                                      printer.id, printer.min_layers));

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "slicer/mesh/box.h"
+#include "slicer/printer/tray_room.h"
 
 namespace voxtone::slicer {
 
@@ -27,15 +28,29 @@ std::string size_options(const Placement& placement) {
 }
 
 /// A length in mm as a person writes it, four digits or all before the point, whatever a file holds.
-std::string plain_mm(double mm) {
+std::string plain_mm(double mm, int digits = 4) {
     constexpr double least = 1e-4, most = 1e6, whole = 1e3;
     if (mm != 0 && mm < least) return fmt::format("under {}", least);
     if (!(mm < most)) return "over 1 000 000";
-    return mm < whole ? fmt::format("{:.4g}", mm) : fmt::format("{:.0f}", mm);
+    return mm < whole || digits > 4 ? fmt::format("{:.{}g}", mm, digits) : fmt::format("{:.0f}", mm);
 }
 
 std::string extent_text(const Eigen::Vector3d& mm) {
     return fmt::format("{} x {} x {} mm", plain_mm(mm.x()), plain_mm(mm.y()), plain_mm(mm.z()));
+}
+
+/// With so many digits that lengths which are not those of `other` look otherwise.
+std::string extent_text_beside(const Eigen::Vector3d& mm, const Eigen::Vector3d& other) {
+    constexpr int most_digits = 9;
+    std::string text;
+    for (int axis = 0; axis < 3; ++axis) {
+        int digits = 4;
+        while (digits < most_digits && std::abs(mm[axis] - other[axis]) > tray_slack_mm &&
+               plain_mm(mm[axis], digits) == plain_mm(other[axis]))
+            ++digits;
+        text += (axis > 0 ? " x " : "") + plain_mm(mm[axis], digits);
+    }
+    return text + " mm";
 }
 
 [[noreturn]] void refuse_for_tray(const Eigen::Vector3d& size_mm, const Eigen::Vector3d& tray_mm, int axis,
@@ -43,9 +58,9 @@ std::string extent_text(const Eigen::Vector3d& mm) {
     const std::string unit = placement.is_picture     ? ""
                              : placement.unit_assumed ? " (mm was assumed)"
                                                       : fmt::format(" ({:g} mm per unit)", placement.mm_per_file_unit);
-    throw InputError(fmt::format("the model is {}{} and the printer's tray {}: too large along {}. {}",
-                                 extent_text(size_mm), unit, extent_text(tray_mm), "xyz"[axis],
-                                 size_options(placement)));
+    throw InputError(fmt::format("the model is {}{} and the printer's tray {}: too large along {} by {}. {}",
+                                 extent_text_beside(size_mm, tray_mm), unit, extent_text(tray_mm), "xyz"[axis],
+                                 excess_text(size_mm[axis] - tray_mm[axis]), size_options(placement)));
 }
 
 }  // namespace
@@ -97,7 +112,7 @@ void check_extent(const Placement& placement, const Eigen::Vector3d& pitch_mm, c
     const Eigen::Vector3d& extent = placement.extent_mm;
     const Eigen::Vector3d room = tray_mm.cwiseMin(largest_mm);
     for (int axis = 0; axis < 3; ++axis)
-        if (extent[axis] > room[axis] * (1 + 1e-9)) refuse_for_tray(extent, room, axis, placement);
+        if (!fits_in(extent[axis], room[axis])) refuse_for_tray(extent, room, axis, placement);
     // A picture's slab has a thickness of its own: its width says how large it is.
     const double largest_extent = placement.is_picture ? extent.head<2>().maxCoeff() : extent.maxCoeff();
     if (largest_extent < pitch_mm.maxCoeff())
@@ -126,7 +141,8 @@ VoxelGrid grid_around(const Eigen::Vector3d& low_mm, const Eigen::Vector3d& high
 void check_tray(const VoxelGrid& grid, const Eigen::Vector3d& tray_mm, const Placement& placement) {
     const Eigen::Vector3d size = grid.pitch_mm.cwiseProduct(Eigen::Vector3d(grid.size[0], grid.size[1], grid.size[2]));
     for (int axis = 0; axis < 3; ++axis)
-        if (size[axis] > tray_mm[axis]) refuse_for_tray(size, tray_mm, axis, placement);
+        if (grid.size[static_cast<std::size_t>(axis)] > voxels_in(tray_mm[axis], grid.pitch_mm[axis]))
+            refuse_for_tray(size, tray_mm, axis, placement);
 }
 
 void check_layer_count(int layers, const PrinterProfile& printer, const std::string& remedy) {

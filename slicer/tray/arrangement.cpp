@@ -10,6 +10,7 @@
 
 #include "base/contracts.h"
 #include "base/error.h"
+#include "slicer/printer/tray_room.h"
 #include "slicer/tray/part_outline.h"
 
 namespace voxtone::slicer {
@@ -28,12 +29,42 @@ struct Waiting {
     NestItem item;
 };
 
+/// Of the part itself, which its voxels may be longer or shorter than by a part of one.
+double length_mm(const StandingPart& part, int axis) {
+    const double pitch = part.grid().pitch_mm[axis], voxels = part.grid().size[std::size_t(axis)] * pitch;
+    double asked = voxels;
+    if (part.body) asked = part.body->placement.extent_mm[axis];
+    if (!part.body && part.part->component && part.part->component->is_shape())
+        asked = part.part->component->size_mm[std::size_t(axis)];
+    return std::abs(asked - voxels) < pitch ? asked : voxels;  // raised letters are longer
+}
+
+/// Without cells that it reaches into by a part of its last voxel alone: where the plate ends, and where a gap is left.
+Outline without_rest(const StandingPart& part, const Eigen::Vector3d& tray_mm, double gap_mm) {
+    const Outline outline = outline_of(part);
+    std::array<int, 2> size{outline.width(), outline.height()};
+    for (int axis = 0; axis < 2; ++axis) {
+        const double length = length_mm(part, axis);
+        int& cells = size[std::size_t(axis)];
+        if (gap_mm >= nest_cell_mm) cells = std::clamp(cells_above(length - tray_slack_mm), 1, cells);
+        if (std::isfinite(tray_mm[axis]) && fits_in(length, tray_mm[axis]))
+            cells = std::min(cells, std::max(1, cells_within(tray_mm[axis])));
+    }
+    if (size[0] == outline.width() && size[1] == outline.height()) return outline;
+    Outline cut(size[0], size[1]);
+    for (int x = 0; x < cut.width(); ++x)
+        for (int y = 0; y < cut.height(); ++y)
+            if (outline.at(x, y)) cut.set(x, y);
+    return cut;
+}
+
 /// `may_turn`: those parts that the plan lets.
-std::vector<Waiting> waiting_copies(std::span<const StandingPart> parts, bool may_turn) {
+std::vector<Waiting> waiting_copies(std::span<const StandingPart> parts, bool may_turn, const Eigen::Vector3d& tray_mm,
+                                    double gap_mm) {
     std::vector<Waiting> waiting;
     for (std::size_t p = 0; p < parts.size(); ++p) {
         if (!parts[p].part->at_mm.empty()) continue;
-        const Outline outline = outline_of(parts[p]);
+        const Outline outline = without_rest(parts[p], tray_mm, gap_mm);
         NestItem item{{outline}, p};
         for (int turn = 1; may_turn && parts[p].part->turn && turn < right_angles; ++turn)
             item.turns.push_back(outline.turned(turn));
@@ -92,13 +123,10 @@ private:
         for (std::size_t p = 0; p < parts_.size(); ++p) {
             double moved_um = 0;
             for (const std::array<double, 3>& mm : parts_[p].part->at_mm) {
-                PlacedCopy copy;
-                for (int axis = 0; axis < 3; ++axis) {
-                    int& at = copy.at[std::size_t(axis)];
-                    at = static_cast<int>(std::lround(mm[std::size_t(axis)] / pitch_[axis]));
-                    moved_um = std::max(moved_um, 1e3 * std::abs(at * pitch_[axis] - mm[std::size_t(axis)]));
-                }
-                add(p, copy);
+                const std::array<int, 3> at = add(p, Eigen::Vector3d(mm[0], mm[1], mm[2]));
+                for (int axis = 0; axis < 3; ++axis)
+                    moved_um = std::max(moved_um,
+                                        1e3 * std::abs(at[std::size_t(axis)] * pitch_[axis] - mm[std::size_t(axis)]));
             }
             // What the plan's own digits round is not worth a word.
             if (constexpr double least_um = 1; moved_um >= least_um)
@@ -110,19 +138,27 @@ private:
         }
     }
 
-    /// Throws InputError where it is off the tray.
-    void add(std::size_t part, const PlacedCopy& copy) {
+    /// Not beyond the tray by a part of its last voxel.
+    [[nodiscard]] int within_tray(double voxels, std::size_t part, int axis) const {
+        const int last = voxels_in(tray_mm_[axis], pitch_[axis]) - size_of(part)[std::size_t(axis)];
+        return std::min(static_cast<int>(voxels), std::max(0, last));
+    }
+
+    /// Where it comes to stand, in voxels. Throws InputError where it is off the tray.
+    std::array<int, 3> add(std::size_t part, const Eigen::Vector3d& mm) {
+        PlacedCopy copy;
         for (int axis = 0; axis < 3; ++axis) {
-            const double end = (copy.at[std::size_t(axis)] + size_of(part)[std::size_t(axis)]) * pitch_[axis];
-            if (end > tray_mm_[axis] * (1 + 1e-9))
-                throw InputError(
-                    fmt::format("{}: reaches to {:.1f} mm along {} where it is put, and the tray {} at {:.1f}: move it "
-                                "(\"at\"), or "
-                                "make it smaller",
-                                parts_[part].part->place, end, "xyz"[axis], axis == 2 ? "may be built up to" : "ends",
-                                tray_mm_[axis]));
+            const double end = mm[axis] + length_mm(parts_[part], axis), room = tray_mm_[axis];
+            if (!fits_in(end, room))
+                throw InputError(fmt::format(
+                    "{}: reaches to {:.7g} mm along {} where it is put, and the tray {} {:.7g}, {} less: move it "
+                    "(\"at\"), or make it smaller",
+                    parts_[part].part->place, std::round(end * 1e3) / 1e3, "xyz"[axis],
+                    axis == 2 ? "may be built up to" : "ends at", room, excess_text(end - room)));
+            copy.at[std::size_t(axis)] = within_tray(std::round(mm[axis] / pitch_[axis]), part, axis);
         }
         made_.copies[part].push_back(copy);
+        return copy.at;
     }
 
     /// As an assembly that was exported part by part.
@@ -138,11 +174,7 @@ private:
         }
         for (std::size_t p = 0; p < parts_.size(); ++p) {
             if (!made_.copies[p].empty()) continue;
-            const Eigen::Vector3d mm = corner(p) - low;
-            PlacedCopy copy;
-            for (int axis = 0; axis < 3; ++axis)
-                copy.at[std::size_t(axis)] = static_cast<int>(std::lround(mm[axis] / pitch_[axis]));
-            add(p, copy);
+            add(p, corner(p) - low);
         }
     }
 
@@ -162,7 +194,7 @@ private:
 
     /// Fills tray after tray, and where parts may lie over each other level after level.
     void place_the_others() {
-        std::vector<Waiting> waiting = waiting_copies(parts_, false);
+        std::vector<Waiting> waiting = waiting_copies(parts_, false, tray_mm_, options_.gap_mm);
         if (waiting.empty()) return;
         const std::array<int, 2> plate = plate_cells(tray_mm_, waiting);
         for (int tray = 0; tray < options_.trays && !waiting.empty(); ++tray) {
@@ -191,7 +223,7 @@ private:
         std::vector<NestItem> items;
         std::vector<std::size_t> of_item;
         for (std::size_t w = 0; w < waiting.size(); ++w) {
-            if ((corner.at[2] + size_of(waiting[w].part)[2]) * pitch_.z() > tray_mm_.z() * (1 + 1e-9)) continue;
+            if (corner.at[2] + size_of(waiting[w].part)[2] > voxels_in(tray_mm_.z(), pitch_.z())) continue;
             items.push_back(waiting[w].item);
             of_item.push_back(w);
         }
@@ -202,8 +234,8 @@ private:
             if (!places[n]) continue;
             const std::size_t part = waiting[of_item[n]].part;
             PlacedCopy copy = corner;
-            copy.at[0] = static_cast<int>(std::ceil(places[n]->x * nest_cell_mm / pitch_.x() - 1e-9));
-            copy.at[1] = static_cast<int>(std::ceil(places[n]->y * nest_cell_mm / pitch_.y() - 1e-9));
+            copy.at[0] = within_tray(std::ceil(places[n]->x * nest_cell_mm / pitch_.x() - 1e-9), part, 0);
+            copy.at[1] = within_tray(std::ceil(places[n]->y * nest_cell_mm / pitch_.y() - 1e-9), part, 1);
             made_.copies[part].push_back(copy);
             stands[of_item[n]] = true;
             top = std::max(top, corner.at[2] + size_of(part)[2]);
@@ -273,7 +305,7 @@ Arrangement arrange(std::span<const StandingPart> parts, const Eigen::Vector3d& 
 }
 
 std::vector<int> turns_on_plate(std::span<const StandingPart> parts, const Eigen::Vector3d& tray_mm, double gap_mm) {
-    const std::vector<Waiting> waiting = waiting_copies(parts, true);
+    const std::vector<Waiting> waiting = waiting_copies(parts, true, tray_mm, gap_mm);
     std::vector<int> turns(parts.size());
     if (waiting.empty()) return turns;
     const std::array<int, 2> plate = plate_cells(tray_mm, waiting);

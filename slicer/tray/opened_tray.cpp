@@ -112,7 +112,7 @@ void rearrange_parts(const OpenedTray& tray, PreparedTray& prepared, Progress& p
             print.rearrange(progress);
             (void)print.keep_loop();
             LoopCheckpoint::remove_from(part.ready->job.options.out);
-            set_stop_advice({});
+            set_stop_advice("the loops of parts that are done are kept: run the same command again");
         });
     });
 }

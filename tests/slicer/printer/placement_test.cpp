@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include <fmt/core.h>
 #include <Eigen/Dense>
 #include <catch2/catch.hpp>
 
@@ -193,6 +194,40 @@ TEST_CASE("Sizes that no voxel or no tray holds are refused before they are work
     CHECK_THAT(refused(1e30, endless, false), Catch::Contains("too large along x"));
     CHECK_THAT(refused(1e5, tray, true),
                Catch::Contains("--width") && !Catch::Contains("--size") && !Catch::Contains("--rotate"));
+}
+
+TEST_CASE("What is as long as the tray fits it, and what is longer is told by how much") {
+    const Eigen::Vector3d tray(490, 390, 200);
+    // Of a J750, of a Mimaki, of one with voxels of 0.1 mm: whole numbers of voxels, and not.
+    for (const Eigen::Vector3d& pitch :
+         {Eigen::Vector3d(25.4 / 600, 25.4 / 300, 0.027), Eigen::Vector3d(0.0423, 0.0423, 0.022),
+          Eigen::Vector3d(0.1, 0.1, 0.1), Eigen::Vector3d(0.07, 0.3, 0.014)})
+        for (int axis = 0; axis < 3; ++axis) {
+            CAPTURE(pitch.transpose(), axis);
+            const auto refused = [&](double mm) {
+                Placement placement;
+                placement.extent_mm = Eigen::Vector3d::Constant(5);
+                placement.extent_mm[axis] = mm;
+                try {
+                    check_extent(placement, pitch, tray);
+                    check_tray(grid_around(Eigen::Vector3d::Zero(), placement.extent_mm, pitch), tray, placement);
+                } catch (const InputError& error) {
+                    return std::string(error.what());
+                }
+                return std::string();
+            };
+            CHECK(refused(tray[axis]).empty());
+            CHECK(refused(double(std::nextafter(float(tray[axis]), 1e9f))).empty());
+            CHECK(refused(tray[axis] - 0.01).empty());
+            CHECK_THAT(refused(tray[axis] + 0.01),
+                       Contains(fmt::format("{:g}.01 ", tray[axis])) && Contains("by 10 um"));
+            CHECK_THAT(refused(tray[axis] + 12.5), Contains("by 12.5 mm"));
+        }
+    // Raised letters are voxels of their own.
+    VoxelGrid grid = grid_around({0, 0, 0}, {490, 5, 5}, {25.4 / 600, 25.4 / 300, 0.027});
+    CHECK_NOTHROW(check_tray(grid, tray, {}));
+    ++grid.size[0];
+    CHECK_THROWS_AS(check_tray(grid, tray, {}), InputError);
 }
 
 TEST_CASE("A model too large for the tray is refused with what to try") {

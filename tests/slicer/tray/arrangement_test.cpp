@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/core.h>
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
@@ -90,6 +91,51 @@ TEST_CASE("A place that is no whole number of voxels is told of, one off the tra
     CHECK_THAT(boxes.fault(usual_tray_mm), Contains("parts[0]") && Contains("along x") && Contains("ends at 490"));
     boxes.parts[0].at_mm = {{0, 388, 0}};
     CHECK_THAT(boxes.fault(usual_tray_mm), Contains("along y"));
+}
+
+TEST_CASE("What is as long as the tray fits it, wherever and however it is put there") {
+    for (const Eigen::Vector3d& tray_mm : {usual_tray_mm, Eigen::Vector3d(254.9, 212.3, 100.1)}) {
+        CAPTURE(tray_mm.transpose());
+        const double x = tray_mm.x(), y = tray_mm.y(), z = tray_mm.z();
+        const auto ends_within_a_voxel = [&](const Arrangement& made) {
+            for (int axis = 0; axis < 2; ++axis) {
+                const VoxelGrid& grid = made.trays[0];
+                const double end =
+                    made.corner_mm[0][std::size_t(axis)] + grid.size[std::size_t(axis)] * grid.pitch_mm[axis];
+                CHECK(end < tray_mm[axis] + grid.pitch_mm[axis]);
+            }
+        };
+        for (const double gap_mm : {0.0, 2.0}) {
+            CAPTURE(gap_mm);
+            TrayOptions options;
+            options.gap_mm = gap_mm;
+            Boxes along, across, beside;
+            along.add("bed", {x, 6, 1});
+            along.add("other", {6, 4, 1});
+            ends_within_a_voxel(along.arranged(tray_mm, options));
+            across.add("bed", {6, y, 1});
+            ends_within_a_voxel(across.arranged(tray_mm, options));
+            if (gap_mm == 0) continue;
+            beside.add("half", {(x - gap_mm) / 2, 6, z}, 2);
+            if (std::fmod(x, 1) == 0) ends_within_a_voxel(beside.arranged(tray_mm, options));
+        }
+        Boxes boxes;
+        boxes.add("a", {6, 4, 5}).at_mm = {{x - 6, y - 4, z - 5}, {0, 0, 0}, {x - 6, 0, 0}};
+        const Arrangement made = boxes.arranged(tray_mm);
+        ends_within_a_voxel(made);
+        // A size and a place that both round up.
+        boxes.parts[0].component->size_mm = {6.01, 4.05, 1};
+        boxes.parts[0].at_mm = {{x - 6.01, y - 4.05, 0}};
+        ends_within_a_voxel(boxes.arranged(tray_mm));
+        boxes.parts[0].component->size_mm = {6, 4, 5};
+        for (int axis = 0; axis < 3; ++axis) {
+            std::array<double, 3> over{x - 6, y - 4, z - 5};
+            over[std::size_t(axis)] += 0.01;
+            boxes.parts[0].at_mm = {over};
+            CHECK_THAT(boxes.fault(tray_mm), Contains(fmt::format("reaches to {:g} mm", tray_mm[axis] + 0.01)) &&
+                                                 Contains(fmt::format("{:g}, 10 um less", tray_mm[axis])));
+        }
+    }
 }
 
 TEST_CASE("What finds no room on the plate goes over it, or onto the next tray, or is named") {
