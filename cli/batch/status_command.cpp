@@ -8,6 +8,7 @@
 #include "cli/program/console.h"
 #include "cli/program/help.h"
 #include "slicer/batch/batch_status.h"
+#include "slicer/cluster/held_jobs.h"
 
 namespace voxtone::cli {
 
@@ -22,7 +23,9 @@ Command add_status_command(CLI::App& program) {
     add_console_options(*command, arguments->console);
     add_example(*command, "out/monday");
     return [arguments] {
-        return run_on_console(arguments->console, [&](Progress&) { return slicer::batch_status(arguments->out); });
+        return run_on_console(arguments->console, [&](Progress&) {
+            return slicer::batch_status(arguments->out, slicer::held_jobs(arguments->out));
+        });
     };
 }
 

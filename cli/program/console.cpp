@@ -25,9 +25,10 @@ namespace {
 Error stopped() {
     const bool again = stop_code() == ExitCode::stopped;
     const std::string why = again ? "stopped on request" : "cancelled", advice = stop_advice();
-    return {again ? ExitCode::stopped : ExitCode::unfinished, !advice.empty() ? why + "; " + advice
-                                                              : again         ? why + "; run the same command again"
-                                                                              : why};
+    return {again ? ExitCode::stopped : ExitCode::unfinished,
+            !advice.empty() ? why + "; " + advice
+            : again         ? why + "; nothing of it is saved yet: run the same command again, which begins anew"
+                            : why};
 }
 
 /// Ends within the grace of a request to stop, also where the work does not look at it.

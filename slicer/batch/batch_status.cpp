@@ -40,6 +40,7 @@ std::string details_of(const JobState& state, std::string_view word) {
     std::string text =
         fmt::format("{:.1f} x {:.1f} x {:.1f} mm, {:.2f} ml", f.size_mm[0], f.size_mm[1], f.size_mm[2], ml);
     if (f.seen_de2000) text += fmt::format(", CIEDE2000 {:.1f}", *f.seen_de2000);
+    if (!lost_colours(f).empty()) text += ", LOST colours";
     if (!f.warnings.empty()) text += ", " + counted(f.warnings.size(), "warning");
     text += ", " + duration_text(f.seconds);
     if (state.after && state.after->over && state.after->exit_code != 0)
@@ -59,9 +60,13 @@ void add_job(io::JsonWriter& json, const JobState& state, std::string_view word)
 
 }  // namespace
 
-JobResult batch_status(const std::filesystem::path& out) {
+JobResult batch_status(const std::filesystem::path& out, const std::map<std::string, std::string>& remarks) {
     const BatchFolder folder = BatchFolder::open(out);
-    const std::vector<JobState> states = folder.states();
+    std::vector<JobState> states = folder.states();
+    for (JobState& state : states)
+        if (const auto remark = remarks.find(state.name);
+            remark != remarks.end() && (state.phase == JobPhase::queued || state.phase == JobPhase::running))
+            state.message += (state.message.empty() ? "" : "; ") + remark->second;
     constexpr std::array<std::string_view, 5> arguments{"done", "running", "queued", "interrupted", "failed"};
     std::array<std::size_t, arguments.size()> counts{};
     std::size_t widest = 0;

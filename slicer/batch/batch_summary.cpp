@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include "base/counted.h"
 #include "base/embedded_file.h"
@@ -139,12 +140,14 @@ void add_name(std::string& html, const BatchFolder& folder, const JobState& stat
     html += "</td>";
 }
 
-void add_warnings(std::string& html, const std::vector<std::string>& warnings) {
+void add_warnings(std::string& html, const StackFigures& figures) {
+    const std::vector<std::string>& warnings = figures.warnings;
     if (warnings.empty()) {
         html += "<td class=\"n\">0</td>";
         return;
     }
-    html += fmt::format("<td class=\"n\"><details><summary>{}</summary><ul>", warnings.size());
+    html += fmt::format("<td class=\"n\"><details><summary>{}{}</summary><ul>", warnings.size(),
+                        lost_colours(figures).empty() ? "" : ": colours are LOST");
     for (const std::string& warning : warnings) html += fmt::format("<li>{}</li>", html_text(warning));
     html += "</ul></details></td>";
 }
@@ -158,7 +161,7 @@ void add_figures(std::string& html, const JobState& state, const std::vector<std
     html += figures.seen_de2000 ? fmt::format("<td class=\"n\"><i class=\"mark {}\"></i>{:.1f}</td>",
                                               html_text(figures.verdict), *figures.seen_de2000)
                                 : "<td class=\"n\">not predicted</td>";
-    add_warnings(html, figures.warnings);
+    add_warnings(html, figures);
     html += fmt::format("<td class=\"n\">{}</td></tr>\n", duration_text(figures.seconds));
 }
 
@@ -200,8 +203,8 @@ std::string batch_csv(const std::vector<JobState>& states) {
     std::vector<std::string> header{"name",      "state",     "message", "printer", "size_x_mm",
                                     "size_y_mm", "size_z_mm", "layers",  "ml"};
     for (const std::string& role : roles) header.push_back("ml_" + role);
-    for (const char* const more : {"ciede2000_seen", "verdict", "warnings", "seconds", "peak_memory_bytes",
-                                   "output_bytes", "content_sha256", "report"})
+    for (const char* const more : {"ciede2000_seen", "verdict", "warnings", "lost_colours", "seconds",
+                                   "peak_memory_bytes", "output_bytes", "content_sha256", "report"})
         header.emplace_back(more);
     std::string csv = csv_line(header);
     for (const JobState& state : states) {
@@ -216,9 +219,11 @@ std::string batch_csv(const std::vector<JobState>& states) {
             for (const std::string& role : roles)
                 cells.push_back(ml.contains(role) ? fmt::format("{:.4f}", ml.at(role)) : std::string());
             cells.push_back(f.seen_de2000 ? fmt::format("{:.3f}", *f.seen_de2000) : std::string());
-            cells.insert(cells.end(), {f.verdict, std::to_string(f.warnings.size()), fmt::format("{:.2f}", f.seconds),
-                                       std::to_string(f.peak_memory_bytes), std::to_string(f.output_bytes),
-                                       f.content_sha256, fmt::format("{}/{}", state.name, report_file::page)});
+            cells.insert(
+                cells.end(),
+                {f.verdict, std::to_string(f.warnings.size()), fmt::format("{}", fmt::join(lost_colours(f), " ")),
+                 fmt::format("{:.2f}", f.seconds), std::to_string(f.peak_memory_bytes), std::to_string(f.output_bytes),
+                 f.content_sha256, fmt::format("{}/{}", state.name, report_file::page)});
         }
         cells.resize(header.size());
         csv += csv_line(cells);

@@ -21,8 +21,12 @@ void note_end(JobState& state, JobPhase phase, int exit_code, const std::string&
 
 NextStep another_time(const JobEnding& ending, const Attempts& attempts) {
     if (attempts.stopping) return {StepKind::put_aside, ending.exit_code, ending.message};
-    if (attempts.made > attempts.retries)
-        return {StepKind::fail, ending.exit_code, fmt::format("{} (after {} attempts)", ending.message, attempts.made)};
+    // One that got on costs no other one: with its time cut short a loop is done all the same.
+    if (attempts.made - attempts.got_on > attempts.retries)
+        return {StepKind::fail, ending.exit_code,
+                attempts.got_on > 0 ? fmt::format("{} (after {} attempts, of which {} came further)", ending.message,
+                                                  attempts.made, attempts.got_on)
+                                    : fmt::format("{} (after {} attempts)", ending.message, attempts.made)};
     return {StepKind::again, ending.exit_code, ending.message};
 }
 
@@ -53,6 +57,7 @@ void note_start(JobState& state, const JobRunner& runner, int attempt, int threa
     state.runner = runner;
     state.program = io::build_identity();
     state.attempts = attempt;
+    if (attempt <= 1) state.attempts_that_got_on = 0;
     state.threads = threads;
     state.message.clear();
     state.finished.clear();

@@ -36,6 +36,7 @@ struct Attempts {
     int retries = 5;
     bool stopping = false;      ///< who works on jobs was asked to stop
     bool can_get_more = false;  ///< more memory may be asked for, and was not yet
+    int got_on = 0;             ///< of those made: after which the loop had come further than before
 };
 
 [[nodiscard]] NextStep next_step(const JobEnding& ending, const Attempts& attempts);

@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -26,7 +27,7 @@ namespace {
 /// What the child needs, made before the fork: between fork and exec only what is safe in a signal handler is called.
 struct Plan {
     const char* program;
-    std::vector<char*> arguments;
+    std::vector<char*> arguments, environment;
     int input, log, kept;
     pid_t parent;
 };
@@ -47,10 +48,24 @@ void set_signals_to_default() {
     dup2(plan.log, STDOUT_FILENO);
     dup2(plan.log, STDERR_FILENO);
     if (plan.kept >= 0) fcntl(plan.kept, F_SETFD, 0);
-    execv(plan.program, plan.arguments.data());
+    execve(plan.program, plan.arguments.data(), plan.environment.data());
     constexpr std::string_view text = "voxtone: the program of the job cannot be run\n";
     [[maybe_unused]] const auto written = write(STDERR_FILENO, text.data(), text.size());
     _exit(127);
+}
+
+/// Ours, and what is added to it, which wins.
+std::vector<char*> environment_with(std::vector<std::string>& variables) {
+    std::vector<char*> all;
+    for (char** ours = environ; *ours != nullptr; ++ours) {
+        const std::string_view variable(*ours);
+        const std::string_view name = variable.substr(0, variable.find('=') + 1);
+        if (std::ranges::none_of(variables, [&](const std::string& added) { return added.starts_with(name); }))
+            all.push_back(*ours);
+    }
+    for (std::string& added : variables) all.push_back(added.data());
+    all.push_back(nullptr);
+    return all;
 }
 
 io::OpenFile opened(const std::filesystem::path& file, int flags) {
@@ -66,7 +81,9 @@ JobProcess::JobProcess(const ProcessStart& start) {
     const io::OpenFile log = opened(start.log, O_WRONLY | O_CREAT | O_APPEND);
     std::vector<std::string> command{start.program.filename().string()};
     command.insert(command.end(), start.arguments.begin(), start.arguments.end());
-    Plan plan{start.program.c_str(), {}, input.get(), log.get(), start.kept_descriptor, getpid()};
+    std::vector<std::string> variables(start.variables.begin(), start.variables.end());
+    Plan plan{start.program.c_str(), {},      environment_with(variables), input.get(), log.get(),
+              start.kept_descriptor, getpid()};
     for (std::string& word : command) plan.arguments.push_back(word.data());
     plan.arguments.push_back(nullptr);
     pid_ = fork();

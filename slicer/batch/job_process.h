@@ -24,10 +24,11 @@ struct ProcessEnd {
 
 struct ProcessStart {
     std::filesystem::path program;
-    std::span<const std::string> arguments;  ///< behind the program's name
-    std::filesystem::path input;             ///< its stdin; empty: nothing
-    std::filesystem::path log;               ///< its stdout and stderr are appended here
-    int kept_descriptor = -1;                ///< a descriptor that it inherits; -1: none
+    std::span<const std::string> arguments;       ///< behind the program's name
+    std::filesystem::path input;                  ///< its stdin; empty: nothing
+    std::filesystem::path log;                    ///< its stdout and stderr are appended here
+    int kept_descriptor = -1;                     ///< a descriptor that it inherits; -1: none
+    std::span<const std::string> variables = {};  ///< "NAME=value", added to our environment
 };
 
 class JobProcess {

@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
+#include "base/warning.h"
 #include "io/disk/folder_lock.h"
 #include "io/files/json_object.h"
 #include "io/files/json_writer.h"
@@ -31,7 +32,9 @@ void write_figures(io::JsonWriter& json, const StackFigures& figures) {
     json.end_list();
     if (!figures.verdict.empty()) json.line().add("verdict", figures.verdict);
     if (figures.seen_de2000) json.add("seen_de2000", *figures.seen_de2000);
-    json.line().add("warnings", figures.warnings).line().add("seconds", figures.seconds);
+    json.line().add("warnings", figures.warnings);
+    if (const auto lost = lost_colours(figures); !lost.empty()) json.line().add("lost_colours", lost);
+    json.line().add("seconds", figures.seconds);
     json.add("peak_memory_bytes", figures.peak_memory_bytes).add("output_bytes", figures.output_bytes).end_object();
 }
 
@@ -53,7 +56,7 @@ JobRunner read_runner(const io::JsonObject& json) {
 
 StackFigures read_figures(const io::JsonObject& json) {
     json.allow_only({"content_sha256", "printer", "size_mm", "layers", "voxels", "resin_ml", "verdict", "seen_de2000",
-                     "warnings", "seconds", "peak_memory_bytes", "output_bytes"});
+                     "warnings", "lost_colours", "seconds", "peak_memory_bytes", "output_bytes"});
     StackFigures figures;
     figures.content_sha256 = json.text("content_sha256");
     figures.printer = json.text("printer");
@@ -82,11 +85,18 @@ void expect_format(const io::JsonObject& json) {
     if (json.integer("version", 0, 1000000) != 1)
         json.fail("version", "another version of the program made it; this one reads version 1");
     json.allow_only({"format", "version", "name", "number", "state", "command", "program", "folder_is_ours", "attempts",
-                     "threads", "expected_cpu_seconds", "runner", "exit_code", "message", "finished", "inputs",
-                     "figures", "after"});
+                     "attempts_that_got_on", "threads", "expected_cpu_seconds", "runner", "exit_code", "message",
+                     "finished", "inputs", "figures", "after"});
 }
 
 }  // namespace
+
+std::vector<std::string> lost_colours(const StackFigures& figures) {
+    std::vector<std::string> lost;
+    for (const std::string& warning : figures.warnings)
+        if (message_name(warning) == "lost-colour") lost.push_back(warning);
+    return lost;
+}
 
 void read_shared_figures(const io::JsonObject& json, StackFigures& figures) {
     const std::vector<double> size = json.numbers("size_mm", 3, 0, 1e9);
@@ -106,6 +116,7 @@ std::string state_json(const JobState& state) {
     json.line().add("command", state.command);
     json.line().add("program", state.program).add("folder_is_ours", state.folder_is_ours);
     json.add("attempts", state.attempts);
+    if (state.attempts_that_got_on > 0) json.add("attempts_that_got_on", state.attempts_that_got_on);
     if (state.threads > 0) json.add("threads", state.threads);
     if (state.expected_cpu_s > 0) json.add("expected_cpu_seconds", state.expected_cpu_s);
     if (state.runner) write_runner(json, *state.runner);
@@ -134,6 +145,8 @@ JobState read_state(const std::filesystem::path& file) {
     state.program = json.text("program");
     state.folder_is_ours = json.boolean("folder_is_ours");
     state.attempts = static_cast<int>(json.integer("attempts", 0, 1000000));
+    if (json.has("attempts_that_got_on"))
+        state.attempts_that_got_on = static_cast<int>(json.integer("attempts_that_got_on", 0, 1000000));
     if (json.has("threads")) state.threads = static_cast<int>(json.integer("threads", 0, 1000000));
     if (json.has("expected_cpu_seconds")) state.expected_cpu_s = json.number("expected_cpu_seconds", 0, 1e12);
     if (json.has("runner")) state.runner = read_runner(json.object("runner"));

@@ -53,6 +53,9 @@ struct StackFigures {
     std::uint64_t peak_memory_bytes = 0, output_bytes = 0;
 };
 
+/// Its warnings of colours that the print does not show, each a sentence.
+[[nodiscard]] std::vector<std::string> lost_colours(const StackFigures& figures);
+
 /// What --after made of a result.
 struct AfterState {
     bool over = false;
@@ -67,6 +70,7 @@ struct JobState {
     std::string program;               ///< version of the program that did or does it
     bool folder_is_ours = false;       ///< OUT/NAME was not there or empty when the batch took it
     int attempts = 0;                  ///< so far, of the run that ended or runs
+    int attempts_that_got_on = 0;      ///< of these: after which the loop had come further than before
     int threads = 0;                   ///< of the last attempt; 0: not known
     double expected_cpu_s = 0;         ///< of processors, by the estimate; 0: none was made
     std::optional<JobRunner> runner;   ///< while it runs

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include "base/control_group.h"
 #include "base/error.h"
@@ -14,6 +15,7 @@
 #include "slicer/batch/job_ending.h"
 #include "slicer/batch/job_log.h"
 #include "slicer/batch/job_result.h"
+#include "slicer/kept/loop_checkpoint.h"
 #include "slicer/options/command_words.h"
 
 namespace voxtone::slicer {
@@ -176,6 +178,7 @@ void QueuedJob::run(const std::vector<std::string>& arguments) {
     log_begin_ = log_size(log);
     began_ns_ = now_ns();
     oom_kills_before_ = cgroup_oom_kills();
+    steps_before_ = LoopCheckpoint::saved_steps(job_.out);
     process_ =
         std::make_unique<JobProcess>(ProcessStart{context_.options.program, arguments, {}, log, lock_->descriptor()});
     stage_ = Stage::running;
@@ -198,12 +201,19 @@ void QueuedJob::poll() {
         take_end_of_job(*end);
 }
 
-Attempts QueuedJob::attempts() const { return {tries_, context_.options.retries, stopping_, !has_got_more_}; }
+Attempts QueuedJob::attempts() const {
+    return {tries_, context_.options.retries, stopping_, !has_got_more_, state_.attempts_that_got_on};
+}
+
+void QueuedJob::note_whether_it_got_on() {
+    if (LoopCheckpoint::saved_steps(job_.out) > steps_before_) ++state_.attempts_that_got_on;
+}
 
 void QueuedJob::take_end_of_job(const ProcessEnd& end) {
     const std::string said = last_words(context_.folder.log_file(job_.name), log_begin_);
     const JobEnding ending = ending_of(end, said, stopping_, cgroup_oom_kills() - oom_kills_before_,
                                        std::min(weight_.memory_bytes, memory_to_share(context_.options)));
+    note_whether_it_got_on();
     try {
         take_step(next_step(ending, attempts()));
     } catch (const TryAgain& error) {
@@ -249,10 +259,15 @@ void QueuedJob::finish_stack() {
     if (!context_.options.after.empty()) state_.after = AfterState{};
     context_.folder.publish(state_);  // a result of which no file tells would be forgotten: where it cannot be, again
     notify(JobEvent::Kind::done);
+    tell_losses();
     if (state_.after && !stopping_)
         follow();
     else
         leave(Stage::done);
+}
+
+void QueuedJob::tell_losses() const {
+    for (const std::string& lost : lost_colours(*state_.figures)) notify(JobEvent::Kind::warned, lost);
 }
 
 void QueuedJob::fail(int exit_code, const std::string& message) {
@@ -279,8 +294,11 @@ void QueuedJob::follow() {
     const fs::path log = context_.folder.log_file(job_.name);
     append_line(log, fmt::format("== {} --after: {}", utc_now(), context_.options.after));
     const std::vector<std::string> arguments{"-c", context_.options.after};
+    const std::vector<std::string> lost = state_.figures ? lost_colours(*state_.figures) : std::vector<std::string>();
+    const std::vector<std::string> variables{"VOXTONE_JOB=" + job_.name,
+                                             fmt::format("VOXTONE_LOST_COLOURS={}", fmt::join(lost, "\n"))};
     process_ = std::make_unique<JobProcess>(
-        ProcessStart{"/bin/sh", arguments, context_.folder.state_file(job_.name), log, -1});
+        ProcessStart{"/bin/sh", arguments, context_.folder.state_file(job_.name), log, -1, variables});
     stage_ = Stage::following;
 }
 

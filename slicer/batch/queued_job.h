@@ -31,7 +31,8 @@ struct BatchOptions {
     double estimate_from_s = 25;     ///< jobs are estimated while they wait where those of this batch take so long
     double backoff_s = 2;            ///< before the first of them; twice as long before each further one
     bool fail_fast = false;
-    std::string after;  ///< command for the shell, once a result is whole; empty: none
+    double wait_s = 60;  ///< in a watched folder: for the files that a model names beside itself
+    std::string after;   ///< command for the shell, once a result is whole; empty: none
 };
 
 /// As the options say, or the machine's.
@@ -85,6 +86,8 @@ private:
     void note_expected_time();
     void take_end_of_job(const ProcessEnd& end);
     [[nodiscard]] Attempts attempts() const;
+    void note_whether_it_got_on();
+    void tell_losses() const;
     void take_step(const NextStep& step);
     void finish_stack();
     void read_stack();
@@ -108,6 +111,7 @@ private:
     std::int64_t began_ns_ = 0;
     std::uintmax_t log_begin_ = 0;
     std::uint64_t oom_kills_before_ = 0;
+    std::size_t steps_before_ = 0;  ///< of its loop, as it was saved
     std::unique_ptr<io::FolderLock> lock_;
     std::unique_ptr<JobProcess> process_;
 };

@@ -25,7 +25,9 @@
 #include "slicer/cluster/folder_words.h"
 #include "slicer/cluster/job_record.h"
 #include "slicer/cluster/slurm_commands.h"
+#include "slicer/cluster/stage_memory.h"
 #include "slicer/cluster/submission.h"
+#include "slicer/kept/loop_checkpoint.h"
 #include "slicer/options/command_words.h"
 
 namespace voxtone::slicer {
@@ -105,6 +107,7 @@ public:
         append_line(log, fmt::format("== {} {}: {}", utc_now(), io::host_name(), shell_line(shown)));
         const std::uintmax_t begin = log_size(log);
         const std::uint64_t kills_before = cgroup_oom_kills();
+        steps_before_ = LoopCheckpoint::saved_steps(job_.out);
         JobProcess process(ProcessStart{options_.program, arguments, {}, log, -1});
         note_start(process);
         const ProcessEnd end = wait_for(process, log, begin);
@@ -173,7 +176,8 @@ private:
     }
 
     JobResult take(const JobEnding& ending) {
-        const NextStep step = next_step(ending, {allocation_.restarts + 1, options_.retries, false, false});
+        const NextStep step =
+            next_step(ending, {allocation_.restarts + 1, options_.retries, false, false, tries_that_got_on()});
         switch (step.kind) {
             case NextStep::Kind::finish:
                 return take_done();
@@ -188,6 +192,13 @@ private:
                 break;
         }
         return fail(ending, step);
+    }
+
+    /// Those before, and this one where its loop has come further.
+    [[nodiscard]] int tries_that_got_on() const {
+        const auto state = batch_.state_of(job_.name);
+        const bool got_on = LoopCheckpoint::saved_steps(job_.out) > steps_before_;
+        return (state ? state->attempts_that_got_on : 0) + (got_on ? 1 : 0);
     }
 
     JobResult take_done() {
@@ -206,11 +217,13 @@ private:
 
     /// To the queue, where it came from there.
     JobResult try_again(const NextStep& step) {
+        const int got_on = tries_that_got_on();
         change_state(batch_, job_.name, progress_, [&](JobState& state) {
             if (state.phase == JobPhase::failed) return;
             leave(state);
             state.exit_code = step.exit_code;
             state.message = fmt::format("{}: {}", stage_text(), step.message);
+            state.attempts_that_got_on = got_on;
         });
         if (!allocation_.task.empty() && requeue_in_slurm(allocation_.task)) {
             // Slurm ends this task now; one that ended by itself before would be counted as failed.
@@ -225,6 +238,7 @@ private:
         if (ending.kind == JobEnding::Kind::again)
             if (const auto time = time_that_is_over()) message += time_it_was_given(*time);
         change_state(batch_, job_.name, progress_, [&](JobState& state) {
+            if (ending.kind == JobEnding::Kind::starved) note_starved(files_, job_.name, stage_.stage);
             if (step.kind == NextStep::Kind::fail_with_stack)
                 note_stack(state, batch_, job_, submission_, digests_, progress_);
             note_failed(state, step.exit_code,
@@ -239,10 +253,11 @@ private:
     [[nodiscard]] std::string what_it_was_given() const {
         const std::uint64_t bytes = resident_memory_bytes();
         constexpr std::uint64_t mib = std::uint64_t{1} << 20;
-        return fmt::format(", {}; hand it over again with more: {}", io::bytes_text(bytes),
-                           allocation_.number.empty()
-                               ? std::string("on a machine that has it")
-                               : fmt::format("--sbatch-option mem={}M, twice as much", 2 * bytes / mib));
+        if (allocation_.number.empty())
+            return fmt::format(", {}; hand it over again on a machine that has more", io::bytes_text(bytes));
+        return fmt::format(
+            ", {}; handed over again it is given twice as much, or what you say: --sbatch-option mem={}M",
+            io::bytes_text(bytes), 2 * bytes / mib);
     }
 
     /// Where this task was asked to stop because its time ends.
@@ -288,7 +303,17 @@ private:
     int index_;
     InputDigests digests_;
     JobRunner runner_;
+    std::size_t steps_before_ = 0;  ///< of its loop, as it was saved
 };
+
+std::string text_of_starved(const Submission& submission, TaskStage stage) {
+    std::uint64_t bytes = 0;
+    for (const SubmittedStage& submitted : submission.stages)
+        if (submitted.stage == stage) bytes = submitted.memory_bytes;
+    return fmt::format(
+        "{}: Slurm ended it for memory: it took more than {}it was given; handed over again it is given twice as much",
+        name_of(stage), bytes > 0 ? fmt::format("the {} that ", io::bytes_text(bytes)) : std::string());
+}
 
 /// Of a job that nobody works on any more.
 void settle(JobState& state, const BatchFolder& batch, const Submission& submission, Progress& progress) {
@@ -302,6 +327,11 @@ void settle(JobState& state, const BatchFolder& batch, const Submission& submiss
         throw;
     } catch (const Error&) {
         // It is told as failed.
+    }
+    const SubmissionFolder files(batch);
+    if (const auto stage = starved_stage(files, submission)) {
+        note_starved(files, submission.job, *stage);
+        return note_failed(state, static_cast<int>(ExitCode::unfinished), text_of_starved(submission, *stage));
     }
     const std::string before = state.message.empty() ? "" : fmt::format("; before that: {}", state.message);
     note_failed(
@@ -320,7 +350,7 @@ std::set<std::string> queue_for_closing(const std::vector<Submission>& submissio
     constexpr std::chrono::seconds between(10);
     for (int attempt = 1;; ++attempt) {
         try {
-            return slurm_queue();
+            return slurm_queue().numbers;
         } catch (const FileError&) {  // it says that nothing is submitted, and nothing was to be
             progress.warn(named_warning(
                 "queue-unknown",

@@ -77,14 +77,28 @@ SlurmConfig slurm_config() {
     return config;
 }
 
-std::set<std::string> slurm_queue() {
-    const std::array<std::string, 4> arguments{"squeue", "--me", "--noheader", "--format=%F"};
+SlurmQueue slurm_queue() {
+    const std::array<std::string, 4> arguments{"squeue", "--me", "--noheader", "--format=%F %t %r"};
     const CommandOutput said = run_command(arguments);
     if (said.exit_code != 0) refuse("squeue", said);
-    std::set<std::string> numbers;
-    std::istringstream in(said.out);
-    for (std::string number; in >> number;) numbers.insert(number);
-    return numbers;
+    SlurmQueue queue;
+    std::istringstream lines(said.out);
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream words(line);
+        std::string number, state, reason;
+        if (!(words >> number)) continue;
+        queue.numbers.insert(number);
+        words >> state >> reason;  // "JobHeldUser", "JobHeldAdmin", "launch_failed_requeued_held"
+        if (state == "SE" || reason.find("Held") != std::string::npos || reason.find("held") != std::string::npos)
+            queue.held[number] = reason == "None" ? "" : reason;
+    }
+    return queue;
+}
+
+bool ended_out_of_memory(const std::string& number) {
+    const std::array<std::string, 5> arguments{"scontrol", "--oneliner", "show", "job", number};
+    const CommandOutput said = run_command(arguments);
+    return said.exit_code == 0 && said.out.find("JobState=OUT_OF_MEMORY") != std::string::npos;
 }
 
 std::string submit_to_slurm(std::span<const std::string> arguments) {

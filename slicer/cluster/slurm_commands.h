@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <set>
 #include <span>
@@ -20,9 +21,17 @@ struct SlurmConfig {
 /// controller does not answer.
 [[nodiscard]] SlurmConfig slurm_config();
 
-/// Numbers of this user's jobs that wait or run; an array's is that of all of its tasks. Of others' jobs nothing is
-/// asked: a site may have a hundred thousand. Throws FileError, TryAgain.
-[[nodiscard]] std::set<std::string> slurm_queue();
+/// This user's jobs that wait or run, by their numbers; an array's is that of all of its tasks.
+struct SlurmQueue {
+    std::set<std::string> numbers;
+    std::map<std::string, std::string> held;  ///< those that wait until they are released, with Slurm's reason
+};
+/// Of others' jobs nothing is asked: a site may have a hundred thousand. Throws FileError, TryAgain.
+[[nodiscard]] SlurmQueue slurm_queue();
+
+/// Whether Slurm's word for the end of a job, or of a task of an array, is OUT_OF_MEMORY; false too where it does not
+/// know it any more.
+[[nodiscard]] bool ended_out_of_memory(const std::string& number);
 
 /// `arguments`: behind `sbatch --parsable`. The job's number. Throws InputError that gives what sbatch said, TryAgain
 /// where it may accept the same another time.

@@ -16,12 +16,14 @@
 #include "slicer/batch/batch_folder.h"
 #include "slicer/batch/job_result.h"
 #include "slicer/cluster/chain_estimate.h"
+#include "slicer/cluster/held_jobs.h"
 #include "slicer/cluster/job_record.h"
 #include "slicer/cluster/slurm_commands.h"
 #include "slicer/cluster/slurm_entry.h"
 #include "slicer/cluster/slurm_joins.h"
 #include "slicer/cluster/slurm_lanes.h"
 #include "slicer/cluster/slurm_script.h"
+#include "slicer/cluster/stage_memory.h"
 #include "slicer/options/command_words.h"
 
 namespace voxtone::slicer {
@@ -33,8 +35,8 @@ namespace fs = std::filesystem;
 /// What is there of a batch already, looked at without writing.
 class EarlierSubmissions {
 public:
-    EarlierSubmissions(const std::optional<BatchFolder>& batch, std::set<std::string> queue, InputDigests& digests)
-        : batch_(batch), queue_(std::move(queue)), digests_(digests) {}
+    EarlierSubmissions(const std::optional<BatchFolder>& batch, const SlurmQueue& queue, InputDigests& digests)
+        : batch_(batch), queue_(queue), digests_(digests) {}
 
     void find_state(SlurmEntry& entry, const Progress& progress) {
         if (!batch_) return;
@@ -48,18 +50,29 @@ public:
         if (!before || !is_in_queue(*before)) return;
         entry.submission = *std::move(before);
         // What was not accepted whole, or is planned otherwise now, is cancelled when it is submitted anew.
-        if (entry.submission.complete && known->command == entry.job.command) entry.state = EntryState::queued;
+        if (!entry.submission.complete || known->command != entry.job.command) return;
+        entry.state = EntryState::queued;
+        entry.message = hold_text(entry.submission, queue_);
+    }
+    /// As a local batch gives more to what the kernel killed.
+    void give_more_memory_to(SlurmEntry& entry) const {
+        if (!batch_ || entry.state != EntryState::left) return;
+        const auto known = batch_->state_of(entry.job.name);
+        const auto before = SubmissionFolder(*batch_).read(entry.job.name);
+        if (!known || !before || known->command != entry.job.command) return;
+        const std::string given = give_more_memory(entry.chain, *before);
+        if (!given.empty()) entry.message += (entry.message.empty() ? "" : "; ") + given;
     }
 
 private:
     [[nodiscard]] bool is_in_queue(const Submission& submission) const {
         const std::vector<std::string> numbers = submission.numbers();
         return std::any_of(numbers.begin(), numbers.end(),
-                           [&](const std::string& number) { return queue_.contains(number); });
+                           [&](const std::string& number) { return queue_.numbers.contains(number); });
     }
 
     const std::optional<BatchFolder>& batch_;
-    std::set<std::string> queue_;
+    const SlurmQueue& queue_;
     InputDigests& digests_;
 };
 
@@ -88,8 +101,8 @@ public:
     void submit(SlurmEntry& entry, const Lane& lane) {
         std::vector<std::string> before;
         for (const ChainStage& stage : entry.chain.stages) {
-            SubmittedStage& made =
-                entry.submission.stages.emplace_back(SubmittedStage{stage.stage, stage.arguments, stage.tasks, {}});
+            SubmittedStage& made = entry.submission.stages.emplace_back(SubmittedStage{
+                stage.stage, stage.arguments, stage.tasks, {}, stage.memory_bytes, false, stage.is_raised});
             const Dependencies after =
                 with_joins({before, before.empty() ? lane.before : std::vector<std::string>()}, made.numbers, entry);
             const std::string text = stage_script(frame_, entry.job.name, stage);
@@ -351,7 +364,7 @@ JobResult run_slurm_job(const PlanOptions& plan, const SlurmOptions& options, Pr
     const std::string note = note_of_memory(planned);
     std::vector<SlurmEntry> entries = entries_of(std::move(planned));
     const SlurmConfig config = config_for(options.dry_run, progress);
-    const std::set<std::string> queue = options.dry_run ? std::set<std::string>() : slurm_queue();
+    const SlurmQueue queue = options.dry_run ? SlurmQueue() : slurm_queue();
     const std::optional<BatchFolder> batch = batch_for(options);
     const BatchFolder* const written = options.dry_run ? nullptr : &*batch;
     const fs::path out = fs::absolute(options.out).lexically_normal();
@@ -361,12 +374,14 @@ JobResult run_slurm_job(const PlanOptions& plan, const SlurmOptions& options, Pr
     for (SlurmEntry& entry : entries) {
         progress.check_cancelled();
         earlier.find_state(entry, progress);
-        if (entry.state == EntryState::left) estimate(entry, options, written, progress);
+        if (entry.state != EntryState::left) continue;
+        estimate(entry, options, written, progress);
+        earlier.give_more_memory_to(entry);
     }
     Submitting submitting(options, config, written, out);
     HandingOver handing_over(entries, options, submitting);
     handing_over.run(written, progress);
-    const std::string last = handing_over.close(written, written ? waited_for_since(*written, queue) : 0);
+    const std::string last = handing_over.close(written, written ? waited_for_since(*written, queue.numbers) : 0);
     if (written) summarise_batch(*written, progress);
     handing_over.expect_none_refused();
     progress.check_cancelled();

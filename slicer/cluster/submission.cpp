@@ -38,6 +38,10 @@ SubmittedStage read_stage(const io::JsonObject& json) {
     stage.arguments = json.texts("words");
     stage.tasks = static_cast<int>(json.integer("tasks", 1, 1'000'000));
     stage.numbers = json.texts("numbers");
+    if (json.has("memory_bytes"))
+        stage.memory_bytes = json.integer("memory_bytes", 0, std::numeric_limits<std::uint64_t>::max());
+    if (json.has("starved")) stage.is_starved = json.boolean("starved");
+    if (json.has("raised")) stage.is_raised = json.boolean("raised");
     return stage;
 }
 
@@ -144,14 +148,14 @@ std::string submission_json(const Submission& submission) {
     json.add("since", submission.since).add("began_ns", submission.began_ns).add("complete", submission.complete);
     if (submission.jobs > 0) json.add("jobs", submission.jobs);
     json.line().key("stages").begin_list();
-    for (const SubmittedStage& stage : submission.stages)
-        json.line()
-            .begin_object()
-            .add("stage", name_of(stage.stage))
-            .add("tasks", stage.tasks)
-            .add("numbers", stage.numbers)
-            .add("words", stage.arguments)
-            .end_object();
+    for (const SubmittedStage& stage : submission.stages) {
+        json.line().begin_object().add("stage", name_of(stage.stage)).add("tasks", stage.tasks);
+        json.add("numbers", stage.numbers).add("words", stage.arguments);
+        if (stage.memory_bytes > 0) json.add("memory_bytes", stage.memory_bytes);
+        if (stage.is_starved) json.add("starved", true);
+        if (stage.is_raised) json.add("raised", true);
+        json.end_object();
+    }
     return json.end_list().end_object().text() + "\n";
 }
 

@@ -27,6 +27,9 @@ struct SubmittedStage {
     int tasks = 1;
     std::vector<std::string> numbers;  ///< of Slurm's jobs; several where one array does not hold all tasks, or where
                                        ///< jobs stand before it that join what it waits for
+    std::uint64_t memory_bytes = 0;    ///< that each task was given; 0: not known
+    bool is_starved = false;           ///< a task was ended for memory (stage_memory.h)
+    bool is_raised = false;            ///< they were given more than their estimate, for that
 };
 
 struct Submission {
@@ -56,6 +59,8 @@ class SubmissionFolder {
 public:
     explicit SubmissionFolder(const BatchFolder& batch) : batch_(batch.path() / "batch") {}
 
+    /// Of a job.
+    [[nodiscard]] std::filesystem::path of(const std::string& job) const { return batch_ / "slurm" / job; }
     [[nodiscard]] std::filesystem::path last_script() const { return batch_ / "slurm-last.sh"; }
     [[nodiscard]] std::filesystem::path join_script() const { return batch_ / "slurm-join.sh"; }
     [[nodiscard]] std::filesystem::path script(const std::string& job, TaskStage stage) const;
@@ -76,7 +81,6 @@ public:
     void write_closing(const Closing& closing) const;
 
 private:
-    [[nodiscard]] std::filesystem::path of(const std::string& job) const { return batch_ / "slurm" / job; }
     std::filesystem::path batch_;
 };
 

@@ -43,6 +43,7 @@ struct ChainStage {
     int tasks = 1;  ///< 1, or the number of shards
     int cores = 1;
     std::uint64_t memory_bytes = 0;  ///< of a task; not below what it takes
+    bool is_raised = false;          ///< above the estimate, for it was too little before (stage_memory.h)
     double expected_s = 0;           ///< of wall clock, for a task on its cores
     double limit_s = 0;              ///< what it may take before it is to be stopped
 };

@@ -77,7 +77,7 @@ public:
         writing_ = std::async(std::launch::async, [this, &state, &sequence] {
             checkpoint_.write(state, sequence);
             write_s_ = since_write_.total();
-            tell_how_to_go_on();
+            set_stop_advice(LoopCheckpoint::advice(checkpoint_.file().parent_path()));
         });
     }
     /// The last state is written then, or it was said that it could not be.
@@ -96,12 +96,6 @@ public:
 
 private:
     static constexpr double share_of_writing = 60, unnoticed_s = 0.05;
-    void tell_how_to_go_on() const {
-        set_stop_advice(
-            fmt::format("the appearance loop is saved in {}: the same command with --resume goes on, with --resume "
-                        "--iterations 0 it prints the best that there is",
-                        checkpoint_.file().string()));
-    }
 
     const LoopCheckpoint& checkpoint_;
     Progress& progress_;

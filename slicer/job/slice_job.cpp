@@ -86,8 +86,9 @@ void expect_replaceable(const OpenedJob& job, const io::StackFolder& folder, con
 /// A saved loop of another job is refused before the model is read.
 void expect_resumable(const OpenedJob& job, const io::StackFolder& folder, const Progress& progress) {
     expect_own_loop(job, &progress);
-    if (job.options.resume && has_checkpoint(folder))
-        LoopCheckpoint::expect_same_job(folder.path(), opened_loop_identity(job, &progress));
+    if (!job.options.resume || !has_checkpoint(folder)) return;
+    LoopCheckpoint::expect_same_job(folder.path(), opened_loop_identity(job, &progress));
+    set_stop_advice(LoopCheckpoint::advice(folder.path()));
 }
 
 /// As `verify` will ask. A part of a body that has enough layers may have fewer, and is warned about.

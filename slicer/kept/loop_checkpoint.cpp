@@ -197,6 +197,22 @@ void LoopCheckpoint::expect_same_job(const std::filesystem::path& folder, std::s
     if (number_at(std::span(head).subspan(magic.size())) != digest_of(opened_identity)) throw of_another_job(path);
 }
 
+std::string LoopCheckpoint::advice(const std::filesystem::path& folder) {
+    return fmt::format(
+        "the appearance loop is saved in {}: the same command with --resume goes on, with --resume --iterations 0 it "
+        "prints the best that there is",
+        (folder / io::checkpoint_name).string());
+}
+
+std::size_t LoopCheckpoint::saved_steps(const std::filesystem::path& folder) {
+    // Behind the head stand which step is the best and how many there are (state_in).
+    std::vector<std::uint8_t> begin(head_size + 2 * sizeof(std::uint64_t));
+    std::ifstream file(folder / io::checkpoint_name, std::ios::binary);
+    file.read(reinterpret_cast<char*>(begin.data()), static_cast<std::streamsize>(begin.size()));
+    if (!file || !begins_with(begin, magic)) return 0;
+    return static_cast<std::size_t>(number_at(std::span(begin).subspan(head_size + sizeof(std::uint64_t))));
+}
+
 bool LoopCheckpoint::exists() const {
     std::error_code none;
     return std::filesystem::exists(file_, none);

@@ -18,6 +18,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -46,6 +47,11 @@ public:
     static void refuse_loss(const std::filesystem::path& folder, bool resume, bool overwrite);
     /// What of `read` can be said before the model is read: throws as it does. Nothing there is no fault.
     static void expect_same_job(const std::filesystem::path& folder, std::string_view opened_identity);
+    /// For who stops a job whose loop is saved in `folder`: how to go on (base/stop_deadline.h).
+    [[nodiscard]] static std::string advice(const std::filesystem::path& folder);
+    /// How many steps the loop has taken whose state `folder` holds, whosever it is; 0: there is none, or one of
+    /// another version.
+    [[nodiscard]] static std::size_t saved_steps(const std::filesystem::path& folder);
     /// Once the job is done.
     static void remove_from(const std::filesystem::path& folder);
 

@@ -114,6 +114,36 @@ TEST_CASE("A Slurm that does not answer is to be asked again later") {
     CHECK(shop.calls().empty());
 }
 
+TEST_CASE("What Slurm ended for memory is handed over again with twice as much, and what it holds back is named") {
+    const Workshop shop;
+    shop.slurm();
+    REQUIRE(shop.batch("--quiet").exit_code == 0);
+    const std::string script = "out/batch/slurm/box1/whole.sh";
+    const auto given_mib = [&] {
+        const std::string text = read_file(shop.folder.path() / script), option = "#SBATCH --mem=";
+        return std::stol(text.substr(text.find(option) + option.size()));
+    };
+    const long first = given_mib();
+    // By OverMemoryKill, which leaves nobody to say so.
+    shop.folder.write("out/batch/slurm/box1/whole.1.out",
+                      "slurmstepd: error: StepId=1.batch exceeded memory limit (99999 > 4096), being killed\n");
+    fs::remove(shop.folder.path() / "queue");
+    REQUIRE(run_program("task " + (shop.folder / "out") + " --last").exit_code == 0);
+    CHECK_THAT(shop.state("box1")["message"].get<std::string>(), Contains("Slurm ended it for memory"));
+    CHECK(shop.state("box1")["exit_code"] == 5);
+    CHECK(shop.state("box2")["exit_code"] == 75);
+    CHECK_THAT(run_program("status " + (shop.folder / "out")).out, Contains("ended it for memory"));
+    const Outcome again = shop.batch("");
+    CHECK_THAT(again.out, Contains("box1: submitted") && Contains("whole is given"));
+    CHECK(std::abs(given_mib() - 2 * first) <= 1);
+
+    shop.program("squeue", "echo '1 PD JobHeldAdmin'; echo '2 PD Resources'\n");
+    const Outcome held = shop.batch("");
+    CHECK_THAT(held.out, Contains("box1: queued") && Contains("JobHeldAdmin") && Contains("`scontrol release 1`"));
+    CHECK_THAT(run_program("status " + (shop.folder / "out")).out,
+               Contains("JobHeldAdmin") && Contains("`scontrol release 1`") && !Contains("release 2"));
+}
+
 TEST_CASE("Chains are submitted with arrays that Slurm takes, within the throttle, and not twice") {
     const Workshop shop;
     shop.slurm("3");

@@ -10,8 +10,11 @@
 #include <catch2/catch.hpp>
 
 #include "io/programs/build_identity.h"
+#include "slicer/batch/batch_status.h"
+#include "slicer/batch/batch_summary.h"
 #include "slicer/batch/job_result.h"
 #include "slicer/kept/job_identity.h"
+#include "slicer/kept/loop_checkpoint.h"
 #include "slicer/options/job_file.h"
 #include "tests/io/files/temporary_folder.h"
 
@@ -203,6 +206,79 @@ TEST_CASE("What runs when a batch is stopped waits for the next, however often i
     CHECK(state->phase == JobPhase::queued);
     CHECK(state->exit_code == 85);
     CHECK_FALSE(state->runner);
+}
+
+namespace {
+
+class KeepsNothing final : public optics::AppearanceSequence {
+    [[nodiscard]] optics::Appearance next(const optics::ResinVolume&, const Progress*) override { return {}; }
+    void write_state(const StateSink&) const override {}
+};
+
+/// What `slice` leaves: a stack with a report that has these warnings.
+std::string program_with_warnings(const std::string& warnings) {
+    return fmt::format(R"(
+mkdir -p $OUT/out/a
+echo '{{"content_sha256": ""}}' >$OUT/out/a/manifest.json
+echo '{{"format": "voxtone-job", "version": 1, "inputs": []}}' >$OUT/out/a/job.json
+echo '{{"printer": {{"id": "x"}}, "size_mm": [1, 1, 1], "layers": 1, "voxels": 1, "warnings": [{}], "resins": [],
+  "seconds": 30, "peak_memory_bytes": 1, "output_bytes": 1}}' >$OUT/out/a/report.json
+)",
+                       warnings);
+}
+
+}  // namespace
+
+TEST_CASE("Colours that a print has lost are told where the batch is watched, in its state, and to what follows") {
+    const std::string lost = "The texture t.png was not found: its colours are LOST. [lost-colour]";
+    const bool is_lossy = GENERATE(true, false);
+    Workshop shop(program_with_warnings(is_lossy ? "\"tiny. [tiny]\", \"" + lost + "\"" : "\"tiny. [tiny]\""));
+    shop.options.after = "echo \"$VOXTONE_JOB <$VOXTONE_LOST_COLOURS>\" >>" + (shop.folder.path() / "said").string();
+    Batch batch(shop);
+    batch.queue.add(shop.job("a"));
+    batch.run();
+    const auto warned = batch.events.of(Kind::warned);
+    REQUIRE(warned.size() == (is_lossy ? 1 : 0));
+    if (is_lossy) CHECK(warned[0].message == lost);
+    CHECK(shop.said() == (is_lossy ? "a <" + lost + ">\n" : "a <>\n"));
+    const auto state = batch.folder.state_of("a");
+    REQUIRE(state);
+    CHECK(state->phase == JobPhase::done);
+    CHECK(lost_colours(*state->figures).size() == (is_lossy ? 1 : 0));
+    CHECK((state_json(*state).find("\"lost_colours\"") != std::string::npos) == is_lossy);
+    CHECK((batch_status(shop.options.out).text.find("LOST colours") != std::string::npos) == is_lossy);
+    const std::string csv = batch_csv({*state});
+    CHECK_THAT(csv, Contains(",lost_colours,"));
+    CHECK((csv.find(lost) != std::string::npos) == is_lossy);
+    CHECK((batch_html(batch.folder, {*state}).find("colours are LOST</summary>") != std::string::npos) == is_lossy);
+}
+
+TEST_CASE("Tries after which the loop is further do not count as retries") {
+    // One step more at each try but the last two.
+    Workshop shop(R"(
+n=$(cat $OUT/n 2>/dev/null || echo 0)
+n=$((n + 1))
+echo $n >$OUT/n
+mkdir -p $OUT/out/a
+cp $OUT/$((n > 5 ? 5 : n))/loop.checkpoint $OUT/out/a
+exit 85
+)");
+    for (std::size_t steps = 1; steps <= 5; ++steps) {
+        const fs::path folder = shop.folder.path() / std::to_string(steps);
+        fs::create_directory(folder);
+        halftone::LoopState state;
+        state.steps.resize(steps);
+        LoopCheckpoint(folder, "a", "b", {}).write(state, KeepsNothing());
+    }
+    shop.options.retries = 1;
+    Batch batch(shop);
+    batch.queue.add(shop.job("a"));
+    batch.run();
+    CHECK(batch.events.of(Kind::started).size() == 7);
+    const auto failed = batch.events.of(Kind::failed);
+    REQUIRE(failed.size() == 1);
+    CHECK_THAT(failed[0].message, Contains("after 7 attempts, of which 5 came further"));
+    CHECK(batch.folder.state_of("a")->attempts_that_got_on == 5);
 }
 
 TEST_CASE("Jobs are estimated while they wait, where that is little beside what they take") {

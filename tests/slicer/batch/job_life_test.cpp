@@ -84,6 +84,22 @@ TEST_CASE("A job is tried so many times again as is allowed, and no more") {
     CHECK(next_step(again, {9, 2, true, true}).kind == Step::put_aside);
 }
 
+TEST_CASE("A try that came further costs none of those that are allowed") {
+    const JobEnding stopped{End::again, 85, "its time was over"};
+    for (int made = 1; made < 40; ++made) CHECK(next_step(stopped, {made, 2, false, false, made}).kind == Step::again);
+    CHECK(next_step(stopped, {9, 2, false, false, 7}).kind == Step::again);
+    const NextStep given_up = next_step(stopped, {9, 2, false, false, 6});
+    CHECK(given_up.kind == Step::fail);
+    CHECK(given_up.message == "its time was over (after 9 attempts, of which 6 came further)");
+    JobState state;
+    note_start(state, {}, 1, 4);
+    state.attempts_that_got_on = 1;
+    note_start(state, {}, 2, 4);
+    CHECK(state.attempts_that_got_on == 1);
+    note_start(state, {}, 1, 4);  // handed over anew
+    CHECK(state.attempts_that_got_on == 0);
+}
+
 TEST_CASE("A job that was killed for memory gets more once, where there is more to get") {
     const JobEnding starved{End::starved, 5, "killed for memory"};
     CHECK(next_step(starved, {1, 5, false, true}).kind == Step::with_more);

@@ -12,6 +12,7 @@
 #include "slicer/batch/batch_folder.h"
 #include "slicer/cluster/job_record.h"
 #include "slicer/cluster/submission.h"
+#include "slicer/kept/loop_checkpoint.h"
 #include "stand_ins.h"
 
 using namespace voxtone;
@@ -50,6 +51,11 @@ struct Workshop {
     BatchFolder batch;
     TaskOptions options;
     Progress progress;
+};
+
+class KeepsNothing final : public optics::AppearanceSequence {
+    [[nodiscard]] optics::Appearance next(const optics::ResinVolume&, const Progress*) override { return {}; }
+    void write_state(const StateSink&) const override {}
 };
 
 class Warnings final : public Progress {
@@ -96,6 +102,31 @@ TEST_CASE("A task that was put back often enough ends so that nobody tries it ag
     CHECK(shop.state().phase == JobPhase::failed);
     CHECK(shop.state().exit_code == 75);
     CHECK(shop.state().message == "the disk is full (after 3 attempts)");
+}
+
+TEST_CASE(
+    "A task that came further in its time is put back however often, one that did not a bounded number of times") {
+    // Saves one step more of its loop each time until the fourth.
+    Workshop shop(
+        "n=$(cat $AT/n 2>/dev/null || echo 0); n=$((n + 1)); echo $n >$AT/n\nmkdir -p $AT/out/a\n"
+        "cp $AT/$((n > 4 ? 4 : n))/loop.checkpoint $AT/out/a\necho 'voxtone: stopped on request'\nexit 85\n");
+    for (std::size_t steps = 1; steps <= 4; ++steps) {
+        const fs::path folder = shop.slurm.at(std::to_string(steps));
+        fs::create_directory(folder);
+        halftone::LoopState state;
+        state.steps.resize(steps);
+        LoopCheckpoint(folder, "a", "b", {}).write(state, KeepsNothing());
+    }
+    shop.options.retries = 1;
+    std::string ended;
+    for (int restarts = 0; restarts < 8 && ended.empty(); ++restarts) {
+        const SlurmEnvironment own("17", {}, {}, std::to_string(restarts));
+        if (run_cluster_task(shop.options, shop.progress).exit_code == ExitCode::unfinished)
+            ended = std::to_string(restarts);
+    }
+    CHECK(ended == "5");
+    CHECK(shop.state().phase == JobPhase::failed);
+    CHECK_THAT(shop.state().message, Contains("after 6 attempts, of which 4 came further"));
 }
 
 TEST_CASE("A task whose time is over goes again where it keeps what it did, and else says what to give it") {

@@ -41,8 +41,33 @@ TEST_CASE("The configuration's longest array is read, wherever it stands") {
 TEST_CASE("The queue is this user's, and others' jobs are not asked for") {
     const StandIns slurm;
     slurm.program("squeue", "echo \"$@\" >$AT/asked; echo 17; echo 17; echo ' 18 '");
-    CHECK(slurm_queue() == std::set<std::string>{"17", "18"});
+    CHECK(slurm_queue().numbers == std::set<std::string>{"17", "18"});
     CHECK_THAT(slurm.text("asked"), Contains("--me"));
+}
+
+TEST_CASE("What is held in the queue is told from what waits, with Slurm's reason") {
+    const StandIns slurm;
+    slurm.program(
+        "squeue",
+        "echo '17 PD JobHeldAdmin'; echo '18 SE JobHeldUser'; echo '19 PD Resources'; echo '20 R None'\n"
+        "echo '21 PD launch_failed_requeued_held'; echo '22 SE None'; echo '23 PD (ReqNodeNotAvail, Held on)'\n"
+        "echo '24 PD BeginTime'; echo");
+    const SlurmQueue queue = slurm_queue();
+    CHECK(queue.numbers.size() == 8);
+    CHECK(queue.held ==
+          std::map<std::string, std::string>{
+              {"17", "JobHeldAdmin"}, {"18", "JobHeldUser"}, {"21", "launch_failed_requeued_held"}, {"22", ""}});
+}
+
+TEST_CASE("Slurm's word for a job that took too much memory is heard, where it still knows the job") {
+    const StandIns slurm;
+    slurm.program("scontrol", "echo \"$@\" >$AT/asked; echo 'JobId=17 JobState=OUT_OF_MEMORY Reason=OutOfMemory'");
+    CHECK(ended_out_of_memory("17"));
+    CHECK_THAT(slurm.text("asked"), Contains("show job 17"));
+    slurm.program("scontrol", "echo 'JobId=17 JobState=FAILED Reason=JobLaunchFailure'");
+    CHECK_FALSE(ended_out_of_memory("17"));
+    slurm.program("scontrol", "echo 'slurm_load_jobs error: Invalid job id specified' >&2; exit 1");
+    CHECK_FALSE(ended_out_of_memory("17"));
 }
 
 TEST_CASE("sbatch's answer is a number, or says why there is none") {

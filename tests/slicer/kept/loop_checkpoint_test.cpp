@@ -90,6 +90,24 @@ TEST_CASE("A loop's state comes back as it was", "[loop]") {
     CHECK_FALSE(checkpoint.read(quiet));
 }
 
+TEST_CASE("How far a saved loop is can be told from its file's beginning, whosever it is", "[loop]") {
+    const io::TemporaryFolder folder;
+    CHECK(LoopCheckpoint::saved_steps(folder.path()) == 0);
+    const std::vector<Eigen::Vector3f> target(6, Eigen::Vector3f::Constant(0.5f));
+    const LoopCheckpoint checkpoint(folder.path(), opened_job, a_job, target);
+    halftone::LoopState state = some_state(6);
+    save(checkpoint, state);
+    CHECK(LoopCheckpoint::saved_steps(folder.path()) == 3);
+    state.steps.resize(7);
+    save(checkpoint, state);
+    CHECK(LoopCheckpoint::saved_steps(folder.path()) == 7);
+    CHECK(LoopCheckpoint::advice(folder.path()).find(checkpoint.file().string()) != std::string::npos);
+    std::ofstream(checkpoint.file()) << "voxtone-loop 1\n" << std::string(100, 'x');
+    CHECK(LoopCheckpoint::saved_steps(folder.path()) == 0);
+    std::ofstream(checkpoint.file()) << "short";
+    CHECK(LoopCheckpoint::saved_steps(folder.path()) == 0);
+}
+
 TEST_CASE("A state that cannot be written is an error", "[loop]") {
     const io::TemporaryFolder folder;
     const std::vector<Eigen::Vector3f> target(6, Eigen::Vector3f::Constant(0.5f));
