@@ -69,6 +69,11 @@ void add_batch_options(CLI::App& command, BatchArguments& arguments) {
                     "in the place of a plan: slice the models in this folder and those that arrive there, once they "
                     "have not changed for 3 s, until it is stopped; empty: do not")
         ->type_name("FOLDER");
+    add_value(command, "--wait-for-files", arguments.batch.wait_s,
+              "with --watch: how many seconds a model waits for files that it names (material library, textures, "
+              "buffers) and that are not there yet, before it is sliced without; what comes later has it sliced again")
+        ->type_name("SECONDS")
+        ->check(CLI::Range(0.0, 1e6));
     command.add_flag("--print-commands", arguments.print_commands,
                      "print the command of each job, quoted for a shell, and stop");
 }

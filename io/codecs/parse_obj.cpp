@@ -97,24 +97,27 @@ private:
     void read_libraries(std::string_view line) {
         const std::string_view whole = trimmed(line);
         if (whole.empty() || said_missing_.contains(std::string(whole))) return;
+        // What is no file by one reading is not missing where it is one by another.
         for (const std::string& name : readings(whole))
-            if (read_library(name)) return;
+            if (context_.finds(name) && read_library(name)) return;
         std::size_t found = 0;
         std::vector<std::string> missing;
         for (std::string_view rest = uncommented(whole); !rest.empty();) {
             const std::string name(unquoted(cut_word(rest)));
-            if (read_library(name))
+            if (context_.finds(name) && read_library(name))
                 ++found;
             else
                 missing.push_back(name);
         }
         if (found == 0) missing = {std::string(whole)};
         said_missing_.insert(std::string(whole));
-        for (const std::string& name : missing)
+        for (const std::string& name : missing) {
+            (void)read_library(name);  // that it was looked for is noted
             parts_.lose_texture(
                 fmt::format("The material library '{}' that {} names was not found beside the model: its colours "
                             "and textures are LOST. Put the file into the model's folder.",
                             name, context_.name()));
+        }
     }
 
     /// Where the model names none: the one that is called as it is.

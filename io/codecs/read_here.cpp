@@ -22,19 +22,37 @@ namespace voxtone::io {
 
 namespace {
 
-ModelParts parse_model(const std::filesystem::path& path, const ReadOptions& options, const ParseHelp& help) {
+ModelParts parse_in(ParseContext& context, const std::filesystem::path& path) {
     const std::string extension = extension_of(path);
+    return extension == "3mf"                          ? parse_3mf(context)
+           : extension == "fbx"                        ? parse_fbx(context)
+           : extension == "gltf" || extension == "glb" ? parse_gltf(context)
+           : extension == "obj"                        ? parse_obj(context)
+           : extension == "ply"                        ? parse_ply(context)
+           : is_vrml_name(path)                        ? parse_vrml(context)
+                                                       : parse_stl(context);
+}
+
+ModelParts parse_model(const std::filesystem::path& path, const ReadOptions& options, const ParseHelp& help) {
     ParseContext context(path, options, help);
-    ModelParts parts = extension == "3mf"                          ? parse_3mf(context)
-                       : extension == "fbx"                        ? parse_fbx(context)
-                       : extension == "gltf" || extension == "glb" ? parse_gltf(context)
-                       : extension == "obj"                        ? parse_obj(context)
-                       : extension == "ply"                        ? parse_ply(context)
-                       : is_vrml_name(path)                        ? parse_vrml(context)
-                                                                   : parse_stl(context);
+    ModelParts parts = parse_in(context, path);
     if (!options.texture.empty()) lay_given_texture(parts, context, options.texture);
     parts.side_files = context.side_files();
     return parts;
+}
+
+/// What the model names beside itself, whatever is wrong with it or missing. No picture is small enough to be decoded.
+ModelParts names_beside(const std::filesystem::path& path, ReadOptions options, const ParseHelp& help) {
+    options.max_pixels = 1;
+    ModelParts names;
+    ParseContext context(path, options, help);
+    try {
+        (void)parse_in(context, path);
+    } catch (const InputError&) {
+        // Its job says what it is.
+    }
+    names.side_files = context.side_files();
+    return names;
 }
 
 DecodedImage decode_picture(const std::filesystem::path& path, const ReadOptions& options, const OtherDecoder& others) {
@@ -87,6 +105,8 @@ std::vector<std::byte> answer(std::span<const std::byte> bytes) {
     switch (request.kind) {
         case ReadKind::model:
             return pack(parse_model(request.path, options, help));
+        case ReadKind::side_files:
+            return pack(names_beside(request.path, options, help));
         case ReadKind::picture:
             return pack(decode_picture(request.path, options, help.others));
         case ReadKind::device_profile:

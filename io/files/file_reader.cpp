@@ -122,7 +122,8 @@ std::unique_ptr<IsolatedProgram> start_reader(const std::string& what, const Rea
     if (built_with_address_sanitizer()) limits.memory_bytes = 0;
     const std::filesystem::path path(request.path);
     limits.readable = {request.path};
-    if (request.kind == ReadKind::model && request.sees_folder) add_folder(limits, path.parent_path());
+    const bool is_model = request.kind == ReadKind::model || request.kind == ReadKind::side_files;
+    if (is_model && request.sees_folder) add_folder(limits, path.parent_path());
     if (!request.texture.empty()) limits.readable.push_back(request.texture);
     const bool by_openimageio = request.kind == ReadKind::photograph || request.kind == ReadKind::other_picture;
     auto program = std::make_unique<IsolatedProgram>(

@@ -27,6 +27,7 @@ enum class ReadKind : std::uint8_t {
     other_picture,   ///< by a packed DecodedImage; voxtone-read-pictures
     folder,          ///< asked by voxtone-read: the model names files beside it, which it was not given
     device_profile,  ///< by a packed DeviceProfile (io/profiles/device_profile.h)
+    side_files,      ///< of a model: by packed ModelParts that hold these alone
 };
 
 struct ReadRequest {

@@ -47,11 +47,11 @@ bool is_one_file(const std::filesystem::path& path) {
     return extension == "stl" || extension == "ply" || extension == "3mf" || extension == "glb" || extension == "fbx";
 }
 
-ModelParts read_parts(const std::filesystem::path& path, const ReadOptions& options,
+ModelParts read_parts(ReadKind kind, const std::filesystem::path& path, const ReadOptions& options,
                       std::vector<std::string>& warnings) {
     ModelParts parts;
     const auto read = [&](bool sees_folder) {
-        read_guarded(*start_reader(ReadKind::model, path, options, sees_folder), options.progress, warnings,
+        read_guarded(*start_reader(kind, path, options, sees_folder), options.progress, warnings,
                      [&](PackedReader& answer) { parts = unpack_model(answer); });
     };
     if (is_one_file(path)) {
@@ -65,6 +65,14 @@ ModelParts read_parts(const std::filesystem::path& path, const ReadOptions& opti
     return parts;
 }
 
+void expect_model(const std::filesystem::path& path, const ReadOptions& options) {
+    validate(options);
+    if (!is_model_name(path))
+        throw InputError(
+            fmt::format("{} is no model of a known kind; OBJ, PLY, STL, glTF, GLB, 3MF, FBX and VRML can be read",
+                        path.filename().string()));
+}
+
 }  // namespace
 
 ModelFile read_model(const std::filesystem::path& path, const ReadOptions& options) {
@@ -73,16 +81,18 @@ ModelFile read_model(const std::filesystem::path& path, const ReadOptions& optio
 }
 
 ModelFile read_model(const std::filesystem::path& path, const ReadOptions& options, std::vector<SideFile>& side_files) {
-    validate(options);
-    const std::string name = path.filename().string();
-    if (!is_model_name(path))
-        throw InputError(fmt::format(
-            "{} is no model of a known kind; OBJ, PLY, STL, glTF, GLB, 3MF, FBX and VRML can be read", name));
+    expect_model(path, options);
     std::vector<std::string> warnings;
-    ModelParts parts = read_parts(path, options, warnings);
+    ModelParts parts = read_parts(ReadKind::model, path, options, warnings);
     parts.warnings.insert(parts.warnings.begin(), warnings.begin(), warnings.end());
     side_files.insert(side_files.end(), parts.side_files.begin(), parts.side_files.end());
-    return finish_model(std::move(parts), name, {options.fill_gutters, options.texture_filter});
+    return finish_model(std::move(parts), path.filename().string(), {options.fill_gutters, options.texture_filter});
+}
+
+std::vector<SideFile> side_files_of(const std::filesystem::path& path, const ReadOptions& options) {
+    expect_model(path, options);
+    std::vector<std::string> warnings;
+    return read_parts(ReadKind::side_files, path, options, warnings).side_files;
 }
 
 }  // namespace voxtone::io

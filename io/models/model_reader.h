@@ -58,6 +58,9 @@ namespace voxtone::io {
 [[nodiscard]] ModelFile read_model(const std::filesystem::path& path, const ReadOptions& options,
                                    std::vector<SideFile>& side_files);
 
+/// The files beside it that the model names, found or not, whatever else is wrong with it. Throws as `read_model`.
+[[nodiscard]] std::vector<SideFile> side_files_of(const std::filesystem::path& path, const ReadOptions& options = {});
+
 /// "obj" of "A.OBJ"; empty where there is none.
 [[nodiscard]] std::string extension_of(const std::filesystem::path& path);
 /// Whether the name ends as that of a model (.obj .ply .stl .gltf .glb .3mf .fbx .wrl .vrml .wrz, any case).

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/batch/batch_job.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <map>
@@ -8,6 +9,7 @@
 #include <utility>
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include "base/counted.h"
 #include "base/error.h"
@@ -21,7 +23,9 @@
 #include "slicer/batch/arrivals.h"
 #include "slicer/batch/batch_queue.h"
 #include "slicer/batch/batch_summary.h"
+#include "slicer/batch/side_names.h"
 #include "slicer/options/command_words.h"
+#include "slicer/prepare/opened_job.h"
 
 namespace voxtone::slicer {
 
@@ -49,12 +53,22 @@ ExitCode exit_code_of(const BatchQueue& queue) {
     return code;
 }
 
+std::size_t jobs_with_losses(const BatchQueue& queue) {
+    return std::size_t(std::ranges::count_if(queue.jobs(), [](const auto& job) {
+        return job->stage() == Stage::done && job->state().figures && !lost_colours(*job->state().figures).empty();
+    }));
+}
+
 std::string result_json(const BatchQueue& queue, const BatchOptions& options, double seconds) {
     const BatchSnapshot all = queue.snapshot(false);
     io::JsonWriter json;
     json.begin_object().add("format", "voxtone-batch-result").add("version", 1).add("out", options.out.string());
     json.add("jobs", all.jobs).add("done", all.done).add("unchanged", all.unchanged).add("failed", all.failed);
-    json.add("left", all.left()).add("seconds", seconds).key("failures").begin_list();
+    json.add("left", all.left())
+        .add("lost_colours", jobs_with_losses(queue))
+        .add("seconds", seconds)
+        .key("failures")
+        .begin_list();
     for (const auto& job : queue.jobs())
         if (job->stage() == Stage::failed)
             json.begin_object()
@@ -71,6 +85,7 @@ std::string result_text(const BatchQueue& queue, const BatchOptions& options, do
     if (all.unchanged > 0) text += fmt::format(" ({} before, and unchanged)", all.unchanged);
     if (all.failed > 0) text += fmt::format(", {} failed", all.failed);
     if (all.left() > 0) text += fmt::format(", {} left", all.left());
+    if (const std::size_t lossy = jobs_with_losses(queue)) text += fmt::format(", {} LOST colours", lossy);
     text += fmt::format(", in {}\n", duration_text(seconds));
     for (const auto& job : queue.jobs())
         if (job->stage() == Stage::failed)
@@ -166,16 +181,71 @@ std::string why_not_sliced(const std::filesystem::path& file) {
     return fmt::format("{}: is no model ({}) and is left where it lies", file.string(), io::model_name_endings);
 }
 
+/// As the job of a model would read it. Throws Error.
+std::vector<io::SideFile> names_beside(const std::filesystem::path& model, const PlanOptions& plan,
+                                       const Progress& progress) {
+    const std::vector<PlannedJob> jobs = plan_jobs({model.string(), {row_of(model)}, {}}, plan, nullptr);
+    if (jobs.empty()) return {};
+    io::ReadOptions reading = open_job(jobs[0].options).options.reading;
+    reading.progress = &progress;
+    return io::side_files_of(model, reading);
+}
+
+/// Models that have become complete in a watched folder, and what is to be said of them.
+class WatchedFolder {
+public:
+    WatchedFolder(const std::filesystem::path& folder, const PlanOptions& plan, const BatchOptions& options,
+                  Progress& progress)
+        : wait_s_(options.wait_s),
+          progress_(progress),
+          names_(
+              [&plan, &progress](const std::filesystem::path& model) { return names_beside(model, plan, progress); }),
+          arrivals_(folder, {quiet_s, wait_s_, clock_}, [this](const auto& model) { return names_.of(model); }) {
+        (void)arrivals_.poll();
+    }
+
+    /// Looks where it is time to.
+    void look(WatchedJobs& jobs) {
+        if (clock_() < next_look_s_) return;
+        const Arrivals::Arrived arrived = arrivals_.poll();
+        tell(arrived);
+        for (const std::filesystem::path& model : arrived.models) jobs.take(model);
+        next_look_s_ = clock_() + (arrived.is_reading ? look_soon_s : look_every_s);
+    }
+
+private:
+    static constexpr double quiet_s = 3, look_every_s = 0.5, look_soon_s = 0.05;
+
+    void tell(const Arrivals::Arrived& arrived) {
+        for (const auto& [model, names] : arrived.waits)
+            progress_.note(fmt::format("{}: waits up to {:g} s for what it names and what is not there yet: {}",
+                                       model.string(), wait_s_, fmt::join(names, ", ")));
+        for (const std::filesystem::path& model : arrived.again)
+            progress_.note(fmt::format("{}: what it names has come or changed: it is sliced again", model.string()));
+        for (const auto& [model, names] : arrived.lacks)
+            progress_.warn(named_warning(
+                "lost-colour", fmt::format("{}: is sliced without what it names and what did not come: {}; when that "
+                                           "comes, again",
+                                           model.string(), fmt::join(names, ", "))));
+        for (const std::filesystem::path& file : arrived.strays)
+            progress_.warn(named_warning("no-model", why_not_sliced(file)));
+    }
+
+    const SecondsClock clock_ = steady_seconds();
+    double wait_s_;
+    Progress& progress_;
+    SideNames names_;
+    Arrivals arrivals_;
+    double next_look_s_ = 0;
+};
+
 }  // namespace
 
 void run_watch_job(const std::filesystem::path& watched, const PlanOptions& plan, const BatchOptions& options,
                    BatchView& view, Progress& progress) {
-    constexpr double quiet_s = 3, look_every_s = 0.5;
     if (plan.name.find("{n}") != std::string::npos || plan.name.find("{n:") != std::string::npos)
         throw UsageError("--name: names that count do not go with --watch: a model would get another at each start");
-    const SecondsClock clock = steady_seconds();
-    Arrivals arrivals(watched, quiet_s, clock);
-    (void)arrivals.poll();
+    WatchedFolder arriving(watched, plan, options, progress);
     const BatchFolder folder = BatchFolder::make(options.out);
     InputDigests digests;
     BatchContext context{options, folder, digests, view, progress};
@@ -183,14 +253,8 @@ void run_watch_job(const std::filesystem::path& watched, const PlanOptions& plan
     WatchedJobs jobs(plan, queue, progress);
     progress.note(fmt::format("watching {}; Ctrl-C ends it", watched.string()));
     std::size_t summed_up = 0;
-    for (double next_look_s = clock();;) {
-        if (clock() >= next_look_s) {
-            const Arrivals::Arrived arrived = arrivals.poll();
-            for (const std::filesystem::path& model : arrived.models) jobs.take(model);
-            for (const std::filesystem::path& file : arrived.strays)
-                progress.warn(named_warning("no-model", why_not_sliced(file)));
-            next_look_s = clock() + look_every_s;
-        }
+    for (;;) {
+        arriving.look(jobs);
         jobs.queue_what_waits();
         const bool busy = queue.step();
         expect_no_stop(queue, folder, progress);

@@ -302,6 +302,45 @@ TEST_CASE("With --fail-fast the first failure ends the batch") {
     CHECK_FALSE(fs::exists(shop.folder / "out/box1"));
 }
 
+TEST_CASE("A watched model waits for what it names, and is sliced again when that comes after all") {
+    const Workshop shop("batch-watch-beside");
+    fs::create_directory(shop.folder / "in");
+    const std::string box =
+        "usemtl a\nv 0 0 0\nv 3 0 0\nv 3 2 0\nv 0 2 0\nv 0 0 1\nv 3 0 1\nv 3 2 1\nv 0 2 1\n"
+        "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+    shop.folder.write("in/s.obj", "mtllib s.mtl\n" + box);
+    shop.folder.write("t.obj", "mtllib t.mtl\n" + box);
+    shop.folder.write("red.mtl", "newmtl a\nKd 0.8 0.1 0.1\n");
+    shop.folder.write("watch.sh", fmt::format(R"(set -u
+{0} batch --watch {1} --preset {2} -o {3} --json --wait-for-files 8 --after 'echo "<$VOXTONE_LOST_COLOURS>" >>{7}' >{4} 2>&1 &
+said() {{ for i in $(seq 600); do [ $(grep -c "$1" {4}) -ge $2 ] && return; sleep 0.1; done; kill $!; exit 9; }}
+said 'waits up to 8 s.*s.mtl' 1
+cat {5} >{1}/s.mtl
+said '"state": "done"' 1
+cat {6} >{1}/t.obj
+said 'is sliced without.*t.mtl' 1
+said '"state": "done"' 2
+said '"state": "warned".*LOST' 1
+cat {5} >{1}/t.mtl
+said '"state": "done"' 3
+kill -TERM $!
+wait $!
+)",
+                                              program(), shop.at("in"), shop.at("quick.json"), shop.at("out"),
+                                              shop.at("said"), shop.at("red.mtl"), shop.at("t.obj"), shop.at("after")));
+    const int code = run_shell("sh " + shop.at("watch.sh"));
+    const std::string said = read_file(shop.folder / "said");
+    INFO(said);
+    CHECK(code == 85);
+    CHECK_THAT(said, Contains("t.obj: what it names has come or changed: it is sliced again") && !Contains("no-model"));
+    CHECK(count_of(said, started) == 3);
+    for (const char* name : {"s", "t"}) CHECK_FALSE(shop.state(name)["figures"].contains("lost_colours"));
+    CHECK(io::schema_faults("batch-job", shop.state_text("t")) == std::vector<std::string>{});
+    const std::string after = read_file(shop.folder / "after");
+    CHECK(count_of(after, "<>") == 2);
+    CHECK_THAT(after, Contains("LOST") && Contains("[lost-colour]>"));
+}
+
 TEST_CASE("A watched folder's models are sliced when they are complete, and again when they are written anew") {
     const Workshop shop("batch-watch");
     fs::create_directory(shop.folder / "in");

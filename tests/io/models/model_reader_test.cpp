@@ -978,3 +978,29 @@ TEST_CASE("What slicers write into 3MF files is heeded") {
         CHECK_THAT(beams.lost_colour, Contains("beam lattice"));
     }
 }
+
+TEST_CASE("The files beside it that a model names are found out, there or not, whatever else is wrong with it") {
+    const auto names = [](const Folder& folder, const Files& files) {
+        std::string text;
+        for (const SideFile& side : side_files_of(folder.write(files)))
+            text += fmt::format("{}{} ", side.sha256.empty() ? "!" : "", side.name);
+        return text;
+    };
+    const std::string obj = "mtllib a.mtl\n" + square + "usemtl m\nf 1/1 2/2 3/3 4/4\n";
+    const Folder folder;
+    CHECK(names(folder, {{"a.obj", obj}}) == "!a.mtl ");
+    CHECK(names(folder, {{"a.obj", obj}, {"a.mtl", "newmtl m\nmap_Kd maps\\t.png\n"}}) == "a.mtl !maps\\t.png ");
+    CHECK(names(folder, {{"a.obj", obj}, {"a.mtl", "newmtl m\nmap_Kd T.png\n"}, {"t.png", four_colours()}}) ==
+          "a.mtl t.png ");
+    // What is a file by another reading of the line is not missing.
+    CHECK(names(folder, {{"d.obj", "mtllib a.mtl # of a\n" + square + "usemtl m\nf 1/1 2/2 3/3\n"}}) == "a.mtl t.png ");
+    CHECK(names(folder, {{"e.obj", "mtllib a.mtl b.mtl\n" + square + "f 1/1 2/2 3/3\n"}}) == "a.mtl !b.mtl ");
+    CHECK(names(folder, {{"b.gltf", R"({"asset": {"version": "2.0"}, "buffers": [{"uri": "gone.bin", "byteLength": 4}],
+                         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "nodes": [{"mesh": 0}],
+                         "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+                         "bufferViews": [{"buffer": 0, "byteLength": 36}], "scenes": [{"nodes": [0]}]})"}}) ==
+          "!gone.bin ");
+    CHECK(names(folder, {{"c.stl", "solid c\nendsolid c\n"}}).empty());
+    CHECK_THROWS_AS(side_files_of(folder.path() / "gone.obj"), FileError);
+    CHECK_THROWS_AS(side_files_of(folder.path() / "t.png"), InputError);
+}
