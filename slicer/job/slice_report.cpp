@@ -68,9 +68,10 @@ io::ReportSection cavity_section(const std::vector<Cavity>& voids) {
         "millimetre. What is kept is filled with support material.");
     io::ReportTable table{"By size", {"volume, mm^3", "centre from the model's corner, mm", "wall, mm", ""}, {}};
     for (const Cavity& v : voids)
-        table.rows.push_back({fmt::format(v.volume_mm3 < 100 ? "{:.3g}" : "{:.0f}", v.volume_mm3),
-                              fmt::format("{:.1f}, {:.1f}, {:.1f}", v.centre_mm[0], v.centre_mm[1], v.centre_mm[2]),
-                              fmt::format("{:.2g}", v.wall_mm), v.filled ? "filled with resin" : "kept"});
+        table.rows.push_back(
+            {v.volume_mm3 < 100 ? fmt::format("{:.3g}", v.volume_mm3) : fmt::format("{:.0f}", v.volume_mm3),
+             fmt::format("{:.1f}, {:.1f}, {:.1f}", v.centre_mm[0], v.centre_mm[1], v.centre_mm[2]),
+             fmt::format("{:.2g}", v.wall_mm), v.filled ? "filled with resin" : "kept"});
     section.tables.push_back(std::move(table));
     return section;
 }
