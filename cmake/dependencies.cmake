@@ -57,7 +57,7 @@ macro(voxtone_part part effect)
 endmacro()
 
 cmake_language(CALL voxtone_libraries_of_io_openimageio)
-voxtone_part(pictures "pictures other than PNG and JPEG are not read")
+voxtone_part(pictures "pictures other than PNG, JPEG and WebP are not read")
 
 # FindOpenVDB sets BUILD_SHARED_LIBS in its caller's scope; the block keeps that in.
 block(PROPAGATE OpenVDB_FOUND)

@@ -52,15 +52,27 @@ const GltfAccessor& GltfData::accessor_at(std::int64_t index) const {
 std::span<const std::byte> GltfData::view(std::int64_t index) const {
     if (index < 0 || static_cast<std::uint64_t>(index) >= views.size())
         fail(fmt::format("buffer view {} is used, but there are {}", index, views.size()));
-    const GltfView& v = views[static_cast<std::size_t>(index)];
+    return bytes_of(views[static_cast<std::size_t>(index)], fmt::format("buffer view {}", index));
+}
+
+std::span<const std::byte> GltfData::bytes_of(const GltfView& v, const std::string& what) const {
     if (v.buffer < 0 || static_cast<std::uint64_t>(v.buffer) >= buffers.size())
-        fail(fmt::format("buffer view {} has no buffer", index));
+        fail(fmt::format("{} has no buffer", what));
     const std::vector<std::byte>& data = buffers[static_cast<std::size_t>(v.buffer)];
     if (v.offset < 0 || v.length < 0 || v.stride < 0 || v.stride > 65535 ||
         static_cast<std::uint64_t>(v.offset) > data.size() ||
         static_cast<std::uint64_t>(v.length) > data.size() - static_cast<std::uint64_t>(v.offset))
-        fail(fmt::format("buffer view {} reaches beyond its buffer", index));
+        fail(fmt::format("{} reaches beyond its buffer", what));
     return std::span(data).subspan(static_cast<std::size_t>(v.offset), static_cast<std::size_t>(v.length));
+}
+
+std::int64_t GltfData::add_values(std::vector<std::byte> bytes, const GltfAccessor& accessor) {
+    views.push_back(
+        {.buffer = static_cast<std::int64_t>(buffers.size()), .length = static_cast<std::int64_t>(bytes.size())});
+    buffers.push_back(std::move(bytes));
+    accessors.push_back(accessor);
+    accessors.back().view = static_cast<std::int64_t>(views.size()) - 1;
+    return static_cast<std::int64_t>(accessors.size()) - 1;
 }
 
 /// The bytes of `count` elements of `size` bytes each, `stride` apart.

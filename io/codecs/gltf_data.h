@@ -45,6 +45,10 @@ public:
     [[nodiscard]] std::vector<std::uint32_t> indices(std::int64_t accessor) const;
     [[nodiscard]] std::size_t components(std::int64_t accessor) const { return accessor_at(accessor).components; }
     [[nodiscard]] std::span<const std::byte> view(std::int64_t index) const;
+    /// The same of one that is not in `views`; `what` is for messages.
+    [[nodiscard]] std::span<const std::byte> bytes_of(const GltfView& view, const std::string& what) const;
+    /// Adds packed values as a buffer, a view and an accessor of their own, which is returned.
+    std::int64_t add_values(std::vector<std::byte> bytes, const GltfAccessor& accessor);
 
     [[noreturn]] void fail(const std::string& what) const;
 

@@ -8,13 +8,15 @@
 
 namespace voxtone::io {
 
-ParseContext::ParseContext(const std::filesystem::path& path, const ReadOptions& options, const ParseHelp& help)
-    : name_(path.filename().string()),
+ParseContext::ParseContext(const std::filesystem::path& path, const ReadOptions& options, const ParseHelp& help,
+                           const ModelFolder& place, const std::string& name)
+    : name_(name.empty() ? path.filename().string() : name),
       options_(options),
       help_(help),
+      place_(place),
       folder_(path.parent_path().empty() ? "." : path.parent_path()),
-      files_(path),
-      bytes_(read_bytes(path, options.max_file_bytes)) {
+      files_(path, place),
+      bytes_(place.read(path, options.max_file_bytes)) {
     if (bytes_.empty()) throw InputError(fmt::format("{} is empty", name_));
 }
 
@@ -29,7 +31,7 @@ std::optional<std::vector<std::byte>> ParseContext::read_side_file(const std::st
         side_files_.push_back({name, {}});
         return std::nullopt;
     }
-    std::vector<std::byte> bytes = read_bytes(*path, options_.max_file_bytes);
+    std::vector<std::byte> bytes = place_.read(*path, options_.max_file_bytes);
     side_files_.push_back({path->lexically_relative(folder_).generic_string(),
                            sha256({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()})});
     return bytes;

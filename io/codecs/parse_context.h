@@ -23,14 +23,16 @@ namespace voxtone::io {
 
 /// What is done elsewhere for the parsers.
 struct ParseHelp {
-    OtherDecoder others = {};                   ///< of pictures that are neither PNG nor JPEG
+    OtherDecoder others = {};                   ///< of pictures that are not decoded here
     std::function<void()> ask_for_folder = {};  ///< before a file beside the model is read; empty: they can be read
 };
 
 /// What the parsers share: the model's bytes, the files beside it, the pictures read so far.
 class ParseContext {
 public:
-    ParseContext(const std::filesystem::path& path, const ReadOptions& options, const ParseHelp& help = {});
+    /// `name`: for messages; empty: the file's own.
+    ParseContext(const std::filesystem::path& path, const ReadOptions& options, const ParseHelp& help = {},
+                 const ModelFolder& place = disk_folder(), const std::string& name = {});
 
     [[nodiscard]] const std::string& name() const { return name_; }  ///< the file's name, for messages
     [[nodiscard]] std::span<const std::byte> bytes() const { return bytes_; }
@@ -65,6 +67,7 @@ private:
     std::string name_;
     const ReadOptions& options_;
     const ParseHelp help_;
+    const ModelFolder& place_;
     std::filesystem::path folder_;
     SideFiles files_;
     std::vector<SideFile> side_files_;

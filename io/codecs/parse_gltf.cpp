@@ -20,9 +20,12 @@
 #include "base/error.h"
 #include "base/printable.h"
 #include "base/warning.h"
+#include "io/codecs/draco_mesh.h"
 #include "io/codecs/gltf_data.h"
+#include "io/codecs/meshopt_stream.h"
 #include "io/files/base64.h"
 #include "io/models/model_text.h"
+#include "io/models/weld.h"
 
 namespace voxtone::io {
 
@@ -61,6 +64,18 @@ const Json& array(const Json& parent, const char* key) {
     static const Json empty = Json::array();
     const auto found = parent.find(key);
     return found != parent.end() && found->is_array() ? *found : empty;
+}
+
+/// Of a buffer or a view that is compressed by meshoptimizer; empty: it is not.
+const Json& meshopt_of(const Json& parent) {
+    const Json& extensions = object(parent, "extensions");
+    const Json& known = object(extensions, "EXT_meshopt_compression");
+    return known.empty() ? object(extensions, "KHR_meshopt_compression") : known;
+}
+
+/// Of a primitive that is compressed with Draco.
+const Json& draco_of(const Json& primitive) {
+    return object(object(primitive, "extensions"), "KHR_draco_mesh_compression");
 }
 
 /// Numbers of an array member; what is missing keeps its value.
@@ -113,6 +128,7 @@ public:
         read_document();
         check_extensions();
         read_buffers();
+        read_views();
         read_accessors();
         for (std::size_t m = 0; m < array(root_, "materials").size(); ++m)
             read_material(item("materials", static_cast<std::int64_t>(m)));
@@ -121,6 +137,10 @@ public:
         material_uv_.emplace_back();
         cutoff_.push_back(-1);
         read_scene();
+        if (!quanta_.empty()) {
+            quanta_.resize(parts_.positions.size());
+            close_cracks(parts_.positions, parts_.triangles, quanta_);
+        }
         report();
         return std::move(parts_);
     }
@@ -175,10 +195,10 @@ private:
             if (name.starts_with("KHR_materials_") || name == "KHR_texture_transform" ||
                 name == "KHR_mesh_quantization" || name == "KHR_lights_punctual" || name == "EXT_texture_webp" ||
                 name == "KHR_texture_basisu" || name == "KHR_node_visibility" || name == "EXT_mesh_gpu_instancing" ||
-                name.starts_with("KHR_animation"))
+                name == "KHR_draco_mesh_compression" || name == "EXT_meshopt_compression" ||
+                name == "KHR_meshopt_compression" || name.starts_with("KHR_animation"))
                 continue;
-            const bool compressed =
-                name.find("draco") != std::string::npos || name.find("meshopt") != std::string::npos;
+            const bool compressed = name.find("compress") != std::string::npos;
             throw InputError(fmt::format("{} cannot be read without the extension {}, which is not known here; {}",
                                          context_.name(), printable(name),
                                          compressed ? "export it without mesh compression" : "export it without"));
@@ -197,33 +217,97 @@ private:
 
     void read_buffers() {
         for (std::size_t b = 0; b < array(root_, "buffers").size(); ++b) {
-            const Json& buffer = item("buffers", static_cast<std::int64_t>(b));
-            const std::int64_t length = integer(buffer, "byteLength", 0);
-            const std::string uri = text(buffer, "uri");
-            std::vector<std::byte> bytes;
-            if (uri.empty()) {
-                if (b != 0 || !binary_) fail(fmt::format("buffer {} has neither a file nor a binary chunk", b));
-                bytes.assign(binary_->begin(), binary_->end());
-            } else if (auto inside = data_uri(uri)) {
-                bytes = std::move(*inside);
-            } else {
-                auto beside = context_.read_side_file(file_of(uri));
-                if (!beside)
-                    throw InputError(fmt::format(
-                        "the file '{}', which holds the geometry of {}, was not found beside it; put it there", uri,
-                        context_.name()));
-                bytes = std::move(*beside);
-            }
-            if (length < 0 || static_cast<std::uint64_t>(length) > bytes.size())
-                fail(fmt::format("buffer {} declares {} bytes and has {}: it is cut short", b, length, bytes.size()));
-            data_.buffers.push_back(std::move(bytes));
+            const auto index = static_cast<std::int64_t>(b);
+            data_.buffers.push_back(is_fallback(index) ? std::vector<std::byte>() : buffer_bytes(index));
         }
     }
 
+    /// Holds, if anything, what is compressed elsewhere, for readers that cannot decompress it.
+    bool is_fallback(std::int64_t index) const {
+        const Json& packed = meshopt_of(item("buffers", index));
+        const auto fallback = packed.find("fallback");
+        return fallback != packed.end() && *fallback == true;
+    }
+
+    std::vector<std::byte> buffer_bytes(std::int64_t index) {
+        const Json& buffer = item("buffers", index);
+        const std::int64_t length = integer(buffer, "byteLength", 0);
+        const std::string uri = text(buffer, "uri");
+        std::vector<std::byte> bytes;
+        if (uri.empty()) {
+            if (index != 0 || !binary_) fail(fmt::format("buffer {} has neither a file nor a binary chunk", index));
+            bytes.assign(binary_->begin(), binary_->end());
+        } else if (auto inside = data_uri(uri)) {
+            bytes = std::move(*inside);
+        } else {
+            auto beside = context_.read_side_file(file_of(uri));
+            if (!beside)
+                throw InputError(
+                    fmt::format("the file '{}', which holds the geometry of {}, was not found beside it; put it there",
+                                uri, context_.name()));
+            bytes = std::move(*beside);
+        }
+        if (length < 0 || static_cast<std::uint64_t>(length) > bytes.size())
+            fail(fmt::format("buffer {} declares {} bytes and has {}: it is cut short", index, length, bytes.size()));
+        return bytes;
+    }
+
+    void read_views() {
+        const Json& views = array(root_, "bufferViews");
+        for (const Json& v : views) data_.views.push_back(view_of(v));
+        for (std::size_t v = 0; v < views.size(); ++v) {
+            if (const Json& packed = meshopt_of(views[v]); !packed.empty())
+                unpack_view(v, packed);
+            else
+                load_fallback(data_.views[v].buffer);
+        }
+    }
+
+    static GltfView view_of(const Json& v) {
+        return {integer(v, "buffer", -1), integer(v, "byteOffset", 0), integer(v, "byteLength", -1),
+                integer(v, "byteStride", 0)};
+    }
+
+    void load_fallback(std::int64_t buffer) {
+        if (buffer < 0 || static_cast<std::uint64_t>(buffer) >= data_.buffers.size() || !is_fallback(buffer)) return;
+        std::vector<std::byte>& bytes = data_.buffers[static_cast<std::size_t>(buffer)];
+        if (bytes.empty()) bytes = buffer_bytes(buffer);
+    }
+
+    void unpack_view(std::size_t index, const Json& packed) {
+        const std::string what = fmt::format("compressed buffer view {}", index);
+        MeshoptStream stream{data_.bytes_of(view_of(packed), what), integer(packed, "count", absurd),
+                             integer(packed, "byteStride", absurd), text(packed, "mode"),
+                             text(packed, "filter", "NONE")};
+        MeshoptResult result;
+        try {
+            result = decode_meshopt(stream, context_.options().max_unpacked_bytes - unpacked_bytes_);
+        } catch (const InputError& error) {
+            throw InputError(
+                fmt::format("the {} of {} cannot be decoded: {}; export it again, or without mesh compression", what,
+                            context_.name(), error.what()));
+        }
+        GltfView& view = data_.views[index];
+        if (!result.newer.empty()) {
+            if (has_fallback(view.buffer)) return load_fallback(view.buffer);
+            throw InputError(
+                fmt::format("{} is compressed by a newer meshoptimizer than is known here ({}); export it with "
+                            "EXT_meshopt_compression, or without mesh compression",
+                            context_.name(), result.newer));
+        }
+        unpacked_bytes_ += result.bytes.size();
+        view.buffer = static_cast<std::int64_t>(data_.buffers.size());
+        view.offset = 0;
+        view.length = static_cast<std::int64_t>(result.bytes.size());
+        data_.buffers.push_back(std::move(result.bytes));
+    }
+
+    bool has_fallback(std::int64_t buffer) const {
+        if (buffer < 0 || static_cast<std::uint64_t>(buffer) >= data_.buffers.size()) return false;
+        return !is_fallback(buffer) || !text(item("buffers", buffer), "uri").empty();
+    }
+
     void read_accessors() {
-        for (const Json& v : array(root_, "bufferViews"))
-            data_.views.push_back({integer(v, "buffer", -1), integer(v, "byteOffset", 0), integer(v, "byteLength", -1),
-                                   integer(v, "byteStride", 0)});
         for (const Json& a : array(root_, "accessors")) {
             GltfAccessor accessor{integer(a, "bufferView", -1),
                                   integer(a, "byteOffset", 0),
@@ -296,7 +380,7 @@ private:
         if (source == -1) {
             parts_.lose_texture(
                 fmt::format("The texture of the material '{}' is in a form that cannot be read ({}): its colours are "
-                            "LOST. Export it with PNG or JPEG textures.",
+                            "LOST. Export it with PNG, JPEG or WebP textures.",
                             material.name, extensions.empty() ? "no image" : extensions.begin().key()));
             return;
         }
@@ -443,7 +527,7 @@ private:
                 const Json& primitives = array(item("meshes", mesh), "primitives");
                 for (const Eigen::Affine3d& copy : copies_of(node))
                     for (std::size_t p = 0; p < primitives.size(); ++p)
-                        read_primitive(primitives[p], mesh, p, transform * copy, pose);
+                        read_primitive(unpacked(primitives[p], mesh, p), mesh, p, transform * copy, pose);
             }
             const Json& children = array(node, "children");
             for (std::size_t c = children.size(); c-- > 0;)
@@ -603,6 +687,100 @@ private:
         return triangles;
     }
 
+    /// A primitive whose values are in accessors, those that Draco compressed, too.
+    struct UnpackedPrimitive {
+        Json json;
+        double quantum = 0;  ///< of its positions
+    };
+
+    /// Where the values that are compressed are there as well, uncompressed, these are taken.
+    bool needs_draco(const Json& primitive) const {
+        const Json& draco = draco_of(primitive);
+        const auto lacks = [&](const Json& parent, const char* key) {
+            const std::int64_t accessor = integer(parent, key, -1);
+            return accessor != -1 && !item("accessors", accessor).contains("bufferView");
+        };
+        if (draco.empty()) return false;
+        if (lacks(primitive, "indices")) return true;
+        for (const auto& [name, id] : object(draco, "attributes").items())
+            if (lacks(object(primitive, "attributes"), name.c_str())) return true;
+        return false;
+    }
+
+    const Json& unpacked(const Json& primitive, std::int64_t mesh, std::size_t number) {
+        if (!primitive.is_object() || !needs_draco(primitive)) return primitive;
+        const auto [place, is_new] = unpacked_.try_emplace({mesh, number});
+        if (is_new) place->second = unpack_draco(primitive, fmt::format("primitive {} of mesh {}", number, mesh));
+        return place->second.json;
+    }
+
+    UnpackedPrimitive unpack_draco(const Json& primitive, const std::string& what) {
+        const Json& draco = draco_of(primitive);
+        const Json& declared = object(primitive, "attributes");
+        std::vector<std::string> names;
+        std::vector<DracoAttribute> wanted;
+        for (const auto& [name, id] : object(draco, "attributes").items()) {
+            if (!declared.contains(name) || name == "NORMAL" || name == "TANGENT") continue;
+            const std::int64_t number = id.is_number_integer() ? id.get<std::int64_t>() : absurd;
+            if (number < 0 || number > std::numeric_limits<std::uint32_t>::max())
+                fail(fmt::format("{} names no attribute of its Draco stream for {}", what, printable(name)));
+            names.push_back(name);
+            wanted.push_back({static_cast<std::uint32_t>(number), accessor_of(declared, name).component_type});
+        }
+        const std::span<const std::byte> stream = data_.view(integer(draco, "bufferView", -1));
+        DracoMesh found;
+        try {
+            found = decode_draco(stream, wanted, context_.options().max_unpacked_bytes - unpacked_bytes_);
+        } catch (const InputError& error) {
+            throw InputError(fmt::format(
+                "the Draco stream of {} of {} cannot be decoded: {}; export it again, or without mesh compression",
+                what, context_.name(), error.what()));
+        }
+        return lay_down(primitive, names, std::move(found));
+    }
+
+    const GltfAccessor& accessor_of(const Json& attributes, const std::string& name) const {
+        const std::int64_t index = integer(attributes, name.c_str(), -1);
+        (void)item("accessors", index);
+        return data_.accessors[static_cast<std::size_t>(index)];
+    }
+
+    /// What was decoded as accessors, which the primitive names in place of its own.
+    UnpackedPrimitive lay_down(const Json& primitive, const std::vector<std::string>& names, DracoMesh mesh) {
+        UnpackedPrimitive unpacked{primitive, mesh.quantum};
+        const auto add = [&](std::vector<std::byte> bytes, GltfAccessor accessor) {
+            unpacked_bytes_ += std::min(bytes.size(), context_.options().max_unpacked_bytes - unpacked_bytes_);
+            return data_.add_values(std::move(bytes), accessor);
+        };
+        for (std::size_t a = 0; a < names.size(); ++a) {
+            DracoValues& values = mesh.values[a];
+            const bool normalised = accessor_of(object(primitive, "attributes"), names[a]).normalised;
+            unpacked.json["attributes"][names[a]] =
+                add(std::move(values.bytes), {.count = static_cast<std::int64_t>(mesh.points),
+                                              .component_type = values.component_type,
+                                              .components = values.components,
+                                              .normalised = normalised && values.component_type != 5126,
+                                              .sparse = {}});
+        }
+        const auto corners = std::as_bytes(std::span(mesh.corners));
+        unpacked.json["indices"] =
+            add({corners.begin(), corners.end()}, {.count = static_cast<std::int64_t>(mesh.corners.size()),
+                                                   .component_type = 5125,
+                                                   .components = 1,
+                                                   .sparse = {}});
+        unpacked.json["mode"] = 4;  // strips come as triangles, too
+        return unpacked;
+    }
+
+    /// Steps of positions in the scene, by which primitives that were rounded apart are joined again.
+    void note_quantum(std::int64_t mesh, std::size_t number, std::size_t first, const Eigen::Affine3d& turned) {
+        const auto found = unpacked_.find({mesh, number});
+        if (found == unpacked_.end() || found->second.quantum <= 0) return;
+        const double largest = turned.linear().colwise().norm().maxCoeff();
+        quanta_.resize(first);
+        quanta_.resize(parts_.positions.size(), {++pieces_, static_cast<float>(found->second.quantum * largest)});
+    }
+
     void read_primitive(const Json& primitive, std::int64_t mesh, std::size_t number, const Eigen::Affine3d& transform,
                         const Pose& pose) {
         const std::string what = fmt::format("primitive {} of mesh {}", number, mesh);
@@ -610,11 +788,6 @@ private:
         const Json& attributes = object(primitive, "attributes");
         const std::int64_t position = integer(attributes, "POSITION", -1);
         if (position == -1) return;
-        if (object(primitive, "extensions").contains("KHR_draco_mesh_compression") &&
-            !item("accessors", position).contains("bufferView"))
-            throw InputError(fmt::format(
-                "{} is compressed with Draco, which cannot be read here; export it without mesh compression",
-                context_.name()));
         const std::vector<float> xyz = data_.floats(position, 3);
         const std::size_t vertices = xyz.size() / 3;
         if (parts_.positions.size() + vertices > std::numeric_limits<std::uint32_t>::max())
@@ -650,6 +823,7 @@ private:
         for (const Eigen::Vector3d& place : placed_vertices(primitive, xyz, transform, pose))
             parts_.positions.push_back(place);
         const Eigen::Affine3d& turned = pose.joints.empty() ? transform : pose.joints.front();
+        note_quantum(mesh, number, first, turned);
         const bool mirrored = turned.linear().determinant() < 0;
         for (std::array<std::uint32_t, 3> corners : triangles_of(primitive, vertices)) {
             if (mirrored) std::swap(corners[1], corners[2]);
@@ -734,6 +908,10 @@ private:
     ModelParts parts_;
     std::vector<MaterialUv> material_uv_;
     std::uint32_t default_material_ = 0;
+    std::map<std::pair<std::int64_t, std::size_t>, UnpackedPrimitive> unpacked_;  ///< by mesh and number in it
+    std::uint64_t unpacked_bytes_ = 0;                                            ///< of all that was compressed
+    std::vector<Rounding> quanta_;  ///< of positions; empty: none is rounded
+    std::uint32_t pieces_ = 0;
     std::vector<float> cutoff_;  ///< per material; negative: alpha is not cut
     std::map<std::int64_t, Eigen::Affine3d> placed_;
     std::vector<std::string> glowing_;  ///< materials that have a colour, too

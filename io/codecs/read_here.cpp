@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "io/codecs/decode_device_profile.h"
 #include "io/codecs/given_texture.h"
+#include "io/codecs/model_archive.h"
 #include "io/codecs/parse_3mf.h"
 #include "io/codecs/parse_fbx.h"
 #include "io/codecs/parse_gltf.h"
@@ -15,6 +16,7 @@
 #include "io/files/file_reader.h"
 #include "io/files/read_bytes.h"
 #include "io/files/serve_isolated.h"
+#include "io/files/zip_reader.h"
 #include "io/models/finish_model.h"
 #include "io/pictures/packed_image.h"
 
@@ -33,11 +35,26 @@ ModelParts parse_in(ParseContext& context, const std::filesystem::path& path) {
                                                        : parse_stl(context);
 }
 
-ModelParts parse_model(const std::filesystem::path& path, const ReadOptions& options, const ParseHelp& help) {
-    ParseContext context(path, options, help);
+ModelParts parse_with_texture(ParseContext& context, const std::filesystem::path& path) {
     ModelParts parts = parse_in(context, path);
-    if (!options.texture.empty()) lay_given_texture(parts, context, options.texture);
-    parts.side_files = context.side_files();
+    const std::filesystem::path& texture = context.options().texture;
+    if (!texture.empty()) lay_given_texture(parts, context, texture);
+    return parts;
+}
+
+ModelParts parse_model(const std::filesystem::path& path, const ReadOptions& options, const ParseHelp& help) {
+    const PathInZip place = path_in_zip(path);
+    if (!place.is_zip) {
+        ParseContext context(path, options, help);
+        ModelParts parts = parse_with_texture(context, path);
+        parts.side_files = context.side_files();
+        return parts;
+    }
+    const ModelArchive archive(place.file, place.inner, options);
+    const std::string name = place.file.filename().string() + "/" + archive.model().generic_string();
+    ParseContext context(archive.model(), options, {.others = help.others}, archive, name);
+    ModelParts parts = parse_with_texture(context, archive.model());
+    parts.notes = archive.notes();
     return parts;
 }
 
@@ -45,6 +62,7 @@ ModelParts parse_model(const std::filesystem::path& path, const ReadOptions& opt
 ModelParts names_beside(const std::filesystem::path& path, ReadOptions options, const ParseHelp& help) {
     options.max_pixels = 1;
     ModelParts names;
+    if (path_in_zip(path).is_zip) return names;  // all came with it
     ParseContext context(path, options, help);
     try {
         (void)parse_in(context, path);

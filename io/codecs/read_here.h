@@ -15,8 +15,8 @@
 
 namespace voxtone::io {
 
-/// As read_model and read_picture; limits of memory and time have no effect. `others` decodes what is neither PNG nor
-/// JPEG; without it such pictures are refused. Throws FileError, InputError.
+/// As read_model and read_picture; limits of memory and time have no effect. `others` decodes what is not PNG,
+/// JPEG or WebP; without it such pictures are refused. Throws FileError, InputError.
 [[nodiscard]] ModelFile read_model_here(const std::filesystem::path& path, const ReadOptions& options = {},
                                         const OtherDecoder& others = {});
 [[nodiscard]] Picture read_picture_here(const std::filesystem::path& path, const ReadOptions& options = {},

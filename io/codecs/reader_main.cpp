@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // voxtone-read: parses one model or picture for another program, which started it under limits of memory and time.
-// Pictures that are neither PNG nor JPEG it has decoded by that program's leave.
+// Pictures that are not PNG, JPEG or WebP it has decoded by that program's leave.
 #include <cstdio>
 
 #include "io/codecs/read_here.h"

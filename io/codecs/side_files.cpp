@@ -13,6 +13,7 @@
 
 #include "base/printable.h"
 #include "base/warning.h"
+#include "io/files/read_bytes.h"
 
 namespace voxtone::io {
 
@@ -20,10 +21,39 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool is_file(const fs::path& path) {
+/// Where links lead in the end.
+bool ends_below(const fs::path& file, const fs::path& folder) {
     std::error_code error;
-    return fs::is_regular_file(path, error);
+    const fs::path end = fs::canonical(file, error);
+    if (error) return false;
+    const fs::path from = end.lexically_relative(fs::canonical(folder, error));
+    return !error && !from.empty() && *from.begin() != "..";
 }
+
+class DiskFolder final : public ModelFolder {
+public:
+    [[nodiscard]] bool exists(const fs::path& path) const override {
+        std::error_code error;
+        return fs::exists(path, error);
+    }
+    [[nodiscard]] bool is_file(const fs::path& path) const override {
+        std::error_code error;
+        return fs::is_regular_file(path, error);
+    }
+    [[nodiscard]] std::vector<fs::path> entries(const fs::path& folder) const override {
+        std::error_code error;
+        std::vector<fs::path> found;
+        for (fs::directory_iterator item(folder, error), end; !error && item != end; item.increment(error))
+            found.push_back(item->path());
+        return found;
+    }
+    [[nodiscard]] bool lies_below(const fs::path& file, const fs::path& folder) const override {
+        return ends_below(file, folder);
+    }
+    [[nodiscard]] std::vector<std::byte> read(const fs::path& file, std::uint64_t max_bytes) const override {
+        return read_bytes(file, max_bytes);
+    }
+};
 
 std::vector<std::string> parts_of(std::string_view name) {
     std::vector<std::string> parts;
@@ -85,17 +115,22 @@ std::string folded(std::string_view name) {
 }
 
 /// The entry of `folder` called `part`, or one that only `folded` tells apart; the first in byte order of several.
-std::optional<fs::path> entry(const fs::path& folder, const std::string& part) {
-    std::error_code error;
+std::optional<fs::path> entry(const ModelFolder& place, const fs::path& folder, const std::string& part) {
     if (part.starts_with('.')) return std::nullopt;  // nobody's texture, and shut off (io/files/file_reader.cpp)
-    if (fs::exists(folder / part, error)) return folder / part;
+    if (place.exists(folder / part)) return folder / part;
     std::optional<fs::path> best;
     const std::string wanted = folded(part);
-    for (fs::directory_iterator item(folder, error), end; !error && item != end; item.increment(error)) {
-        const fs::path& path = item->path();
+    for (const fs::path& path : place.entries(folder))
         if (folded(path.filename().string()) == wanted && (!best || path < *best)) best = path;
-    }
     return best;
+}
+
+/// How many parts of two names are the same, from behind.
+std::size_t same_from_behind(const std::vector<std::string>& a, const std::vector<std::string>& b) {
+    std::size_t count = 0;
+    while (count < std::min(a.size(), b.size()) && folded(a[a.size() - 1 - count]) == folded(b[b.size() - 1 - count]))
+        ++count;
+    return count;
 }
 
 std::vector<std::string> other_readings(std::string_view name) {
@@ -113,18 +148,15 @@ std::vector<std::string> other_readings(std::string_view name) {
     return {std::string(plain), unescaped, decode_uri(plain)};
 }
 
-/// Where links lead in the end.
-bool lies_below(const fs::path& file, const fs::path& folder) {
-    std::error_code error;
-    const fs::path end = fs::canonical(file, error);
-    if (error) return false;
-    const fs::path from = end.lexically_relative(fs::canonical(folder, error));
-    return !error && !from.empty() && *from.begin() != "..";
-}
-
 }  // namespace
 
-SideFiles::SideFiles(const fs::path& model) : folder_(model.parent_path()), model_(model.filename().string()) {
+const ModelFolder& disk_folder() {
+    static const DiskFolder disk;
+    return disk;
+}
+
+SideFiles::SideFiles(const fs::path& model, const ModelFolder& place)
+    : place_(place), folder_(model.parent_path()), model_(model.filename().string()) {
     if (folder_.empty()) folder_ = ".";
 }
 
@@ -137,6 +169,7 @@ std::optional<fs::path> SideFiles::find(std::string_view name) {
         warnings_.push_back(named_warning("side-file", fmt::format("{} names the file '{}'; '{}' was taken for it.",
                                                                    model_, printable(name), printable(other))));
     }
+    if (!result) result = find_elsewhere(name);
     return found_[std::string(name)] = result;
 }
 
@@ -146,17 +179,16 @@ std::optional<fs::path> SideFiles::find_as_written(std::string_view name) {
     if (parts.empty() || parts.back() == ".." || name.find('\0') != std::string_view::npos) return result;
 
     const bool leaves = leaves_folder(name, parts);
-    if (leaves) parts = {parts.back()};
-    std::string exact;
-    fs::path path = folder_;
-    for (const std::string& part : parts) {
-        const std::optional<fs::path> next = entry(path, part);
-        if (!next) return result;
-        path = *next;
-        exact += (exact.empty() ? "" : "/") + part;
+    if (leaves) {
+        if (const auto inside = find_from_root(name, parts)) return inside;
+        parts = {parts.back()};
     }
-    if (!is_file(path)) return result;
-    if (!lies_below(path, folder_)) {
+    std::string exact;
+    for (const std::string& part : parts) exact += (exact.empty() ? "" : "/") + part;
+    const std::optional<fs::path> walked = walk(folder_, parts);
+    if (!walked) return result;
+    const fs::path& path = *walked;
+    if (!place_.lies_below(path, folder_)) {
         warnings_.push_back(named_warning(
             "side-file",
             fmt::format("{} names the file '{}', which is a link that leads out of the model's folder and is not "
@@ -177,6 +209,49 @@ std::optional<fs::path> SideFiles::find_as_written(std::string_view name) {
             "side-file", fmt::format("{} names the file '{}', which is written '{}' on the disk; that one was taken.",
                                      model_, printable(name), printable(taken))));
     return result;
+}
+
+std::optional<fs::path> SideFiles::walk(const fs::path& from, const std::vector<std::string>& parts) const {
+    fs::path path = from;
+    for (const std::string& part : parts) {
+        const std::optional<fs::path> next = entry(place_, path, part);
+        if (!next) return std::nullopt;
+        path = *next;
+    }
+    return place_.is_file(path) ? std::optional(path) : std::nullopt;
+}
+
+/// Of a name with "..", where that leads to what came with the model.
+std::optional<fs::path> SideFiles::find_from_root(std::string_view name, const std::vector<std::string>& parts) {
+    const bool rooted = name.starts_with('/') || name.starts_with('\\') || name.find(':') != name.npos;
+    if (rooted || place_.all_files().empty()) return std::nullopt;
+    std::vector<std::string> steps = parts_of(folder_.generic_string());
+    for (const std::string& part : parts) {
+        if (part != "..")
+            steps.push_back(part);
+        else if (steps.empty())
+            return std::nullopt;
+        else
+            steps.pop_back();
+    }
+    return walk({}, steps);
+}
+
+std::optional<fs::path> SideFiles::find_elsewhere(std::string_view name) {
+    const std::vector<std::string> wanted = parts_of(name);
+    std::optional<fs::path> best;
+    std::size_t best_same = 0;
+    for (const fs::path& file : place_.all_files()) {
+        const std::size_t same = same_from_behind(wanted, parts_of(file.generic_string()));
+        if (same <= best_same) continue;
+        best = file;
+        best_same = same;
+    }
+    if (best)
+        warnings_.push_back(named_warning(
+            "side-file", fmt::format("{} names the file '{}', which is not beside it in the archive; '{}' was taken.",
+                                     model_, printable(name), printable(best->generic_string()))));
+    return best;
 }
 
 std::string decode_uri(std::string_view uri) {

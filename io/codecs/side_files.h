@@ -8,8 +8,13 @@
 // one is taken that differs only in upper and lower case, in how accents are written (Unicode's normal forms) or in
 // that one of the two is Windows-1252; then what the name is without blanks and quotes around it, or with %XX decoded.
 // What was done instead of what the file asked for is said in a warning.
+//
+// In an archive, all of which came with the model, `..` is followed as far as its root, and what is not beside the
+// model is taken from elsewhere in it: the file of that name whose folders are called most like those that were named.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -19,9 +24,34 @@
 
 namespace voxtone::io {
 
+/// Where a model and the files that it names lie.
+class ModelFolder {
+public:
+    ModelFolder() = default;
+    ModelFolder(const ModelFolder&) = delete;
+    ModelFolder& operator=(const ModelFolder&) = delete;
+    virtual ~ModelFolder() = default;
+
+    [[nodiscard]] virtual bool exists(const std::filesystem::path& path) const = 0;
+    [[nodiscard]] virtual bool is_file(const std::filesystem::path& path) const = 0;
+    /// What is in a folder, with the folder's path before it.
+    [[nodiscard]] virtual std::vector<std::filesystem::path> entries(const std::filesystem::path& folder) const = 0;
+    /// Whether a file lies where its path says, below `folder`, and is no link to elsewhere.
+    [[nodiscard]] virtual bool lies_below(const std::filesystem::path& file,
+                                          const std::filesystem::path& folder) const = 0;
+    /// Throws FileError, InputError.
+    [[nodiscard]] virtual std::vector<std::byte> read(const std::filesystem::path& file,
+                                                      std::uint64_t max_bytes) const = 0;
+    /// All files, where these all came with the model, by paths from one root; empty: they did not.
+    [[nodiscard]] virtual std::vector<std::filesystem::path> all_files() const { return {}; }
+};
+
+/// That of the disk.
+[[nodiscard]] const ModelFolder& disk_folder();
+
 class SideFiles {
 public:
-    explicit SideFiles(const std::filesystem::path& model);
+    explicit SideFiles(const std::filesystem::path& model, const ModelFolder& place = disk_folder());
 
     /// The regular file that `name` means, or nothing. Each name is warned about once.
     [[nodiscard]] std::optional<std::filesystem::path> find(std::string_view name);
@@ -31,7 +61,13 @@ public:
 
 private:
     [[nodiscard]] std::optional<std::filesystem::path> find_as_written(std::string_view name);
+    [[nodiscard]] std::optional<std::filesystem::path> find_from_root(std::string_view name,
+                                                                      const std::vector<std::string>& parts);
+    [[nodiscard]] std::optional<std::filesystem::path> find_elsewhere(std::string_view name);
+    [[nodiscard]] std::optional<std::filesystem::path> walk(const std::filesystem::path& from,
+                                                            const std::vector<std::string>& parts) const;
 
+    const ModelFolder& place_;
     std::filesystem::path folder_;
     std::string model_;
     std::map<std::string, std::optional<std::filesystem::path>, std::less<>> found_;

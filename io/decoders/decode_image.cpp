@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "io/decoders/decode_jpeg.h"
 #include "io/decoders/decode_png.h"
+#include "io/decoders/decode_webp.h"
 
 namespace voxtone::io {
 
@@ -73,6 +74,7 @@ DecodedImage decode_image(std::span<const std::byte> bytes, const std::string& n
             name));
     if (format == "png") return decode_png(bytes, name, options);
     if (format == "jpeg") return decode_jpeg(bytes, name, options);
+    if (format == "webp") return decode_webp(bytes, name, options);
     if (!options.others)
         throw InputError(
             fmt::format("pictures of the kind of {} ({}) cannot be read here; save it as PNG", name, format));

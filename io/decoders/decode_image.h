@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Bytes of a picture file to pixels. Its kind is told by its first bytes and not by its name (TGA, which has no mark,
-// by its name). PNG and JPEG are decoded here; other kinds (TIFF, BMP, TGA, GIF, WebP, OpenEXR, Radiance HDR, PNM, PSD)
+// by its name). PNG, JPEG and WebP are decoded here; other kinds (TIFF, BMP, TGA, GIF, OpenEXR, Radiance HDR, PNM, PSD)
 // by who is given for them: io/openimageio, which loads a hundred libraries, in a program of its own.
 //
 // Integer samples are sRGB codes and float samples linear light, unless the file says otherwise; an embedded ICC

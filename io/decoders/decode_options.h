@@ -15,7 +15,7 @@ namespace voxtone::io {
 
 struct DecodeOptions;
 
-/// Decodes pictures of kinds other than PNG and JPEG: bytes, the kind (io/decoders/decode_image.h), a name for
+/// Decodes pictures of kinds other than PNG, JPEG and WebP: bytes, the kind (io/decoders/decode_image.h), a name for
 /// messages. Throws InputError.
 using OtherDecoder = std::function<DecodedImage(std::span<const std::byte> bytes, const std::string& format,
                                                 const std::string& name, const DecodeOptions& options)>;

@@ -9,6 +9,7 @@
 #include "base/warning.h"
 #include "io/files/packed_values.h"
 #include "io/files/sandbox.h"
+#include "io/files/zip_reader.h"
 #include "io/programs/build_identity.h"
 #include "io/programs/helper_program.h"
 
@@ -68,10 +69,11 @@ private:
         try {
             return find_helper(pictures_program);
         } catch (const FileError&) {
-            throw InputError(fmt::format(
-                "pictures of other kinds than PNG and JPEG are read by {}, which is not installed here: install it, or "
-                "save the picture as PNG",
-                pictures_program));
+            throw InputError(
+                fmt::format("pictures of other kinds than PNG, JPEG and WebP are read by {}, which is not installed "
+                            "here: install it, or "
+                            "save the picture as PNG",
+                            pictures_program));
         }
     }
 
@@ -120,10 +122,10 @@ std::unique_ptr<IsolatedProgram> start_reader(ReadKind kind, const std::filesyst
 std::unique_ptr<IsolatedProgram> start_reader(const std::string& what, const ReadRequest& request,
                                               IsolationLimits limits) {
     if (built_with_address_sanitizer()) limits.memory_bytes = 0;
-    const std::filesystem::path path(request.path);
-    limits.readable = {request.path};
+    const PathInZip place = path_in_zip(request.path);
+    limits.readable = {place.file.string()};
     const bool is_model = request.kind == ReadKind::model || request.kind == ReadKind::side_files;
-    if (is_model && request.sees_folder) add_folder(limits, path.parent_path());
+    if (is_model && request.sees_folder && !place.is_zip) add_folder(limits, place.file.parent_path());
     if (!request.texture.empty()) limits.readable.push_back(request.texture);
     const bool by_openimageio = request.kind == ReadKind::photograph || request.kind == ReadKind::other_picture;
     auto program = std::make_unique<IsolatedProgram>(

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The programs in which other people's files are parsed, and how they are asked. `voxtone-read` (io/codecs) parses
-// models, ICC profiles, PNG and JPEG; `voxtone-read-pictures` (io/openimageio) pictures of all other kinds, and
+// models, ICC profiles, PNG, JPEG and WebP; `voxtone-read-pictures` (io/openimageio) pictures of all other kinds, and
 // photographs: OpenImageIO and the hundred libraries that it loads are linked into it alone. It starts when such a
 // picture comes: voxtone-read, behind its walls, asks for it, and it is given the picture's bytes and sees no file.
 #pragma once

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <system_error>
 
 #include <fmt/core.h>
 #include <zip.h>
@@ -34,6 +35,18 @@ struct ZipError {
 }
 
 }  // namespace
+
+PathInZip path_in_zip(const std::filesystem::path& path) {
+    const auto ends_as_zip = [](const std::filesystem::path& part) {
+        std::string extension = part.extension().string();
+        for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
+        return extension == ".zip";
+    };
+    for (std::filesystem::path part = path.parent_path(); part.has_relative_path(); part = part.parent_path())
+        if (std::error_code none; ends_as_zip(part) && std::filesystem::is_regular_file(part, none))
+            return {part, path.lexically_relative(part).generic_string(), true};
+    return {path, {}, ends_as_zip(path)};
+}
 
 struct ZipReader::Handle {
     zip_t* zip = nullptr;

@@ -22,6 +22,15 @@ struct ZipLimits {
     std::uint64_t total_bytes = std::numeric_limits<std::uint64_t>::max();  ///< of all parts together, as declared
 };
 
+/// A file in an archive by one path: "a.zip/b/c.obj" is b/c.obj in a.zip.
+struct PathInZip {
+    std::filesystem::path file;  ///< of the disk
+    std::string inner{};         ///< empty: the file itself
+    bool is_zip = false;         ///< by its name; else `file` is the whole path
+};
+/// Where a part of the path is an archive, and no folder, the rest is inside; a path that ends as an archive's is one.
+[[nodiscard]] PathInZip path_in_zip(const std::filesystem::path& path);
+
 class ZipReader {
 public:
     /// Throws FileError where the file cannot be read, InputError where it is no archive or declares too much in all.

@@ -290,6 +290,13 @@ bool is_3mf(std::string_view text) {
     return holds("[Content_Types].xml") && !holds("word/") && !holds("ppt/") && !holds("xl/");
 }
 
+/// By the name of the first part: archives of models may hold a package as a part.
+bool begins_as_3mf(std::string_view text) {
+    constexpr std::size_t name_at = 30;
+    const std::string_view first = text.substr(std::min(name_at, text.size()));
+    return first.starts_with("3D/") || first.starts_with("[Content_Types].xml") || first.starts_with("_rels/");
+}
+
 /// What an archive holds, by the names in its beginning.
 const Kind* kind_of_zip(std::string_view text) {
     if (is_3mf(text)) return nullptr;
@@ -382,9 +389,11 @@ std::string foreign_kind(const std::string& name, std::span<const std::byte> beg
     const Kind* const named = kind_by_name(name);
     const std::string extension = extension_of(name);
     if (named && named->inside == Inside::picture) return refusal(name, *named, wanted, false);
-    if (extension == "stl" && is_binary_stl(text, size)) return {};     // whatever its header says
-    if (extension == "3mf" && text.starts_with("PK")) return {};        // its parser knows what is in it
-    if (is_vrml_name(name) && text.starts_with("\x1f\x8b")) return {};  // packed by gzip, as it may be
+    if (extension == "stl" && is_binary_stl(text, size)) return {};  // whatever its header says
+    const bool is_archive = extension == "zip" && wanted == Wanted::model_or_picture;
+    if (is_archive && text.starts_with("PK") && !begins_as_3mf(text)) return {};  // its reader knows what is in it
+    if (extension == "3mf" && text.starts_with("PK")) return {};                  // its parser knows what is in it
+    if (is_vrml_name(name) && text.starts_with("\x1f\x8b")) return {};            // packed by gzip, as it may be
     if (const Readable* const picture = picture_by_content(text)) {
         if (wanted == Wanted::picture || !is_model_name(name)) return {};
         return fmt::format(
@@ -406,7 +415,7 @@ std::string foreign_kind(const std::string& name, std::span<const std::byte> beg
         return fmt::format("{} is {} by its first bytes, and models are known by their names: rename it {}.{}", name,
                            model->what, stem_of(name), model->ending);
     }
-    return named ? refusal(name, *named, wanted, false) : std::string();
+    return named && !is_archive ? refusal(name, *named, wanted, false) : std::string();
 }
 
 std::string foreign_kind(const std::filesystem::path& file, Wanted wanted) {

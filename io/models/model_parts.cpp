@@ -23,7 +23,7 @@ template <class Stream, class Parts>
 requires std::is_same_v<std::remove_const_t<Parts>, ModelParts>
 void describe(Stream& stream, Parts& p) {
     stream(p.format, p.mm_per_file_unit, p.has_colour, p.positions, p.triangles, p.material_of_triangle, p.corner_uv,
-           p.corner_rgba, p.materials, p.images, p.image_names, p.warnings, p.lost_colours, p.lost_textures,
+           p.corner_rgba, p.materials, p.images, p.image_names, p.warnings, p.notes, p.lost_colours, p.lost_textures,
            p.side_files);
 }
 

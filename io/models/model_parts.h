@@ -45,7 +45,7 @@ struct ModelParts {
     std::vector<PartMaterial> materials;
     std::vector<DecodedImage> images;
     std::vector<std::string> image_names;
-    std::vector<std::string> warnings;
+    std::vector<std::string> warnings, notes;
     std::vector<SideFile> side_files;
     /// What is in the file and will not be seen on the print, in whole sentences: colours, and textures by name, which
     /// a picture that the user gives may stand in for.

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "io/files/file_reader.h"
+#include "io/files/zip_reader.h"
 #include "io/models/finish_model.h"
 #include "io/models/model_parts.h"
 
@@ -24,7 +25,7 @@ std::string extension_of(const std::filesystem::path& path) {
 bool is_model_name(const std::filesystem::path& path) {
     const std::string extension = extension_of(path);
     return extension == "obj" || extension == "ply" || extension == "stl" || extension == "gltf" ||
-           extension == "glb" || extension == "3mf" || extension == "fbx" || is_vrml_name(path);
+           extension == "glb" || extension == "3mf" || extension == "fbx" || extension == "zip" || is_vrml_name(path);
 }
 
 bool is_vrml_name(const std::filesystem::path& path) {
@@ -44,7 +45,8 @@ namespace {
 /// Formats that hold all that there is in one file; some name pictures beside it all the same.
 bool is_one_file(const std::filesystem::path& path) {
     const std::string extension = extension_of(path);
-    return extension == "stl" || extension == "ply" || extension == "3mf" || extension == "glb" || extension == "fbx";
+    return path_in_zip(path).is_zip || extension == "stl" || extension == "ply" || extension == "3mf" ||
+           extension == "glb" || extension == "fbx";
 }
 
 ModelParts read_parts(ReadKind kind, const std::filesystem::path& path, const ReadOptions& options,
@@ -68,24 +70,26 @@ ModelParts read_parts(ReadKind kind, const std::filesystem::path& path, const Re
 void expect_model(const std::filesystem::path& path, const ReadOptions& options) {
     validate(options);
     if (!is_model_name(path))
-        throw InputError(
-            fmt::format("{} is no model of a known kind; OBJ, PLY, STL, glTF, GLB, 3MF, FBX and VRML can be read",
-                        path.filename().string()));
+        throw InputError(fmt::format(
+            "{} is no model of a known kind; OBJ, PLY, STL, glTF, GLB, 3MF, FBX and VRML can be read, and ZIP archives "
+            "of these",
+            path.filename().string()));
 }
 
 }  // namespace
 
 ModelFile read_model(const std::filesystem::path& path, const ReadOptions& options) {
-    std::vector<SideFile> side_files;
-    return read_model(path, options, side_files);
+    ModelSources sources;
+    return read_model(path, options, sources);
 }
 
-ModelFile read_model(const std::filesystem::path& path, const ReadOptions& options, std::vector<SideFile>& side_files) {
+ModelFile read_model(const std::filesystem::path& path, const ReadOptions& options, ModelSources& sources) {
     expect_model(path, options);
     std::vector<std::string> warnings;
     ModelParts parts = read_parts(ReadKind::model, path, options, warnings);
     parts.warnings.insert(parts.warnings.begin(), warnings.begin(), warnings.end());
-    side_files.insert(side_files.end(), parts.side_files.begin(), parts.side_files.end());
+    sources.side_files.insert(sources.side_files.end(), parts.side_files.begin(), parts.side_files.end());
+    sources.notes.insert(sources.notes.end(), parts.notes.begin(), parts.notes.end());
     return finish_model(std::move(parts), path.filename().string(), {options.fill_gutters, options.texture_filter});
 }
 

@@ -35,6 +35,9 @@
 // has no picture of its own or one that is missing. Colours that are in the file and will not be seen on the print are
 // ModelFile::lost_colour, one warning.
 //
+// Of a ZIP archive the one model that it holds is read, or the one that a path names behind it ("a.zip/b/c.obj"), with
+// the files in the archive (io/codecs/model_archive.h).
+//
 // Points and lines are left aside with a warning; polygons are triangulated; degenerate faces are kept. Equal positions
 // are one vertex.
 //
@@ -54,20 +57,25 @@
 namespace voxtone::io {
 
 [[nodiscard]] ModelFile read_model(const std::filesystem::path& path, const ReadOptions& options = {});
-/// Adds the files beside it that were looked for, with what was read of them.
+/// What was read besides, and what is to be known of it.
+struct ModelSources {
+    std::vector<SideFile> side_files;  ///< that were looked for beside it, with what was read of them
+    std::vector<std::string> notes;    ///< which model of an archive was taken, in whole sentences
+};
+/// Adds to `sources`.
 [[nodiscard]] ModelFile read_model(const std::filesystem::path& path, const ReadOptions& options,
-                                   std::vector<SideFile>& side_files);
+                                   ModelSources& sources);
 
 /// The files beside it that the model names, found or not, whatever else is wrong with it. Throws as `read_model`.
 [[nodiscard]] std::vector<SideFile> side_files_of(const std::filesystem::path& path, const ReadOptions& options = {});
 
 /// "obj" of "A.OBJ"; empty where there is none.
 [[nodiscard]] std::string extension_of(const std::filesystem::path& path);
-/// Whether the name ends as that of a model (.obj .ply .stl .gltf .glb .3mf .fbx .wrl .vrml .wrz, any case).
+/// Whether the name ends as that of a model, or of an archive of one (model_name_endings, .vrml, .wrz, any case).
 [[nodiscard]] bool is_model_name(const std::filesystem::path& path);
 [[nodiscard]] bool is_vrml_name(const std::filesystem::path& path);
 /// As such names end, for messages.
-inline constexpr std::string_view model_name_endings = ".obj, .ply, .stl, .gltf, .glb, .3mf, .fbx, .wrl";
+inline constexpr std::string_view model_name_endings = ".obj, .ply, .stl, .gltf, .glb, .3mf, .fbx, .wrl, .zip";
 /// By its extension; files without it may hold a picture all the same.
 [[nodiscard]] bool is_picture_name(const std::filesystem::path& path);
 

@@ -30,7 +30,6 @@
 #include "io/openimageio/no_threads.h"
 #include "io/openimageio/psd_facts.h"
 #include "io/openimageio/tiff_white.h"
-#include "io/openimageio/webp_facts.h"
 
 namespace voxtone::io {
 
@@ -483,13 +482,6 @@ private:
     PictureSamples samples_;
 };
 
-void take_webp_facts(PictureSamples& samples, const WebpFacts& facts) {
-    samples.icc_profile.assign(facts.icc_profile.begin(), facts.icc_profile.end());
-    samples.orientation = facts.exif.orientation;
-    samples.dpi_x = facts.exif.dpi_x;
-    samples.dpi_y = facts.exif.dpi_y;
-}
-
 /// All pixels of a Photoshop file's picture or layer, with 255 for opaque where it has no alpha.
 std::vector<std::uint8_t> pixels_of_layer(OpenPicture& file, int layer, const std::string& name,
                                           const DecodeOptions& options) {
@@ -554,7 +546,6 @@ DecodedImage decode_other(std::span<const std::byte> bytes, const std::string& f
         const auto white = format == "tiff" ? tiff_white(bytes, choice.picture) : std::nullopt;
         PictureSamples samples = ImageReader(file.input(), name, options, choice, white).read();
         if (format == "bmp") apply_bmp_masks(samples.bytes, bytes, name);
-        if (format == "webp") take_webp_facts(samples, webp_facts(bytes));
         if (format == "psd") look_for_layers(samples, bytes, name, options);
         if (!choice.warning.empty()) samples.warnings.push_back(named_warning("several-pictures", choice.warning));
         return to_texels(std::move(samples), name, options);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Pictures of all kinds but PNG and JPEG, by OpenImageIO: TIFF, BMP, TGA, GIF, WebP, OpenEXR, Radiance HDR, PNM, PSD.
+// Pictures of all kinds but PNG, JPEG and WebP, by OpenImageIO: TIFF, BMP, TGA, GIF, OpenEXR, Radiance HDR, PNM, PSD.
 //
 // TIFF of Lab colours (CIELAB, ICCLab; D50 unless the file says another white, adapted to D65) and of inks (CMYK, with
 // further channels left aside), and Photoshop's CMYK, are taken as they are stored and converted here. Of files with

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// voxtone-read-pictures: decodes pictures that are neither PNG nor JPEG, and photographs, for another program, which
+// voxtone-read-pictures: decodes pictures that voxtone-read does not, and photographs, for another program, which
 // started it under limits of memory and time.
 #include <cstdio>
 

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "io/files/json_object.h"
+#include "io/files/zip_reader.h"
 #include "slicer/options/option_values.h"
 #include "slicer/plan/phase_estimates.h"
 
@@ -21,7 +22,7 @@ constexpr std::uint64_t beyond_every_machine = std::uint64_t{1} << 60;
 std::uint64_t bytes_of_model(const std::string& model) {
     constexpr std::uint64_t least_bytes = std::uint64_t{1} << 30, bytes_of_each = 24;
     std::error_code error;
-    const std::uintmax_t size = std::filesystem::file_size(model, error);
+    const std::uintmax_t size = std::filesystem::file_size(io::path_in_zip(model).file, error);
     return least_bytes + (error ? 0 : size * bytes_of_each);
 }
 

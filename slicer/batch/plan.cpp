@@ -15,6 +15,7 @@
 #include "base/counted.h"
 #include "base/error.h"
 #include "io/files/json_object.h"
+#include "io/files/zip_reader.h"
 #include "slicer/options/command_words.h"
 #include "slicer/options/job_file.h"
 #include "slicer/options/label_template.h"
@@ -127,7 +128,7 @@ void expect_sound_parts(const PlannedJob& job) {
             expect_component(*part.component);
             continue;
         }
-        expect_file(part.options.model, "model");
+        expect_file(io::path_in_zip(part.options.model).file.string(), "model");
         SliceOptions options = part.options;
         options.out = job.options.out;
         (void)open_job(options);
@@ -140,7 +141,7 @@ void expect_sound(const PlannedJob& job) {
     if (const std::string fault = name_fault(job.name); !fault.empty())
         throw InputError(
             fmt::format("the job's name '{}' {}; give it another under \"name\" or with --name", job.name, fault));
-    expect_file(job.options.model, "model");
+    expect_file(io::path_in_zip(job.options.model).file.string(), "model");
     expect_file(job.options.texture, "texture");
     (void)open_job(job.options);  // what lies in its folder is looked at when its turn comes
     if (is_tray(job.options)) expect_sound_parts(job);

@@ -115,10 +115,8 @@ PlanRows read_one(const std::string& word) {
     if (fs::is_directory(word)) {
         for (const fs::path& model : models_in(word)) plan.rows.push_back(row_of(model));
         if (plan.rows.empty())
-            plan.faults.push_back(
-                fmt::format("{}: holds no model (.obj .ply .stl .gltf .glb .3mf .fbx .wrl); for pictures give a "
-                            "pattern, '{}/*.png'{}",
-                            word, word, foreign_in(word)));
+            plan.faults.push_back(fmt::format("{}: holds no model ({}); for pictures give a pattern, '{}/*.png'{}",
+                                              word, io::model_name_endings, word, foreign_in(word)));
     } else if (is_tray_plan(word)) {
         plan.rows.push_back(row_of(word));
     } else if (fs::exists(word) && io::is_table_file(word, "model")) {

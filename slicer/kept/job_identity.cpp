@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "io/files/file_digest.h"
 #include "io/files/sha256.h"
+#include "io/files/zip_reader.h"
 #include "io/lettering/font_file.h"
 #include "io/models/model_reader.h"
 #include "io/profiles/resin_file.h"
@@ -53,7 +54,7 @@ JobInput input_beside(const std::string& key, const std::string& file, const std
 std::vector<JobInput> named_inputs(const OpenedJob& job, const DigestOfFile& digest) {
     const ResolvedJob& options = job.options;
     std::vector<JobInput> inputs{
-        file_input(std::string(model_input), options.model, digest),
+        file_input(std::string(model_input), io::path_in_zip(options.model).file.string(), digest),
         file_or_known("printer", options.printer, known_printer_text(options.printer), digest),
         file_or_known("resins", options.resins, io::known_resin_set_text(options.resins), digest),
         {std::string(program_key), {}, text_sha256(io::build_digest())}};
@@ -86,6 +87,8 @@ std::string digest_of(std::string_view title, const SliceOptions& options, std::
     // How a model is read goes by the end of its name; the printer's name goes into the manifest.
     text += fmt::format("extension={}\nprinter={}\n", io::extension_of(options.model),
                         fs::path(options.printer).stem().string());
+    if (const std::string inner = io::path_in_zip(options.model).inner; !inner.empty())
+        text += fmt::format("part={}\n", inner);
     for (const JobInput& input : inputs) text += fmt::format("{}: {}\n", input.key, input.sha256);
     return text_sha256(text);
 }

@@ -27,9 +27,8 @@ std::vector<OptionSpec> files_entries() {
          .positional = true,
          .metavar = "FILE",
          .group = group,
-         .help =
-             "textured mesh (OBJ, PLY, STL, glTF, GLB, 3MF, FBX, VRML) or picture; several, or a tray's plan (JSON, "
-             "CSV), come in one print",
+         .help = "textured mesh (OBJ, PLY, STL, glTF, GLB, 3MF, FBX, VRML, or a ZIP of one) or picture; several, or a "
+                 "tray's plan (JSON, CSV), come in one print",
          .member = &O::model,
          .names = Names::input,
          .decides_scope = true,

@@ -36,11 +36,11 @@ io::Picture read_named_picture(const std::string& file, const io::ReadOptions& r
     }
 }
 
-io::ModelFile read_input(const ResolvedJob& job, std::vector<io::SideFile>& side_files, const Progress& progress) {
+io::ModelFile read_input(const ResolvedJob& job, io::ModelSources& sources, const Progress& progress) {
     io::ReadOptions reading = job.reading;
     reading.progress = &progress;
     if (!job.is_picture) reading.texture = job.texture;
-    if (!job.is_picture) return io::read_model(job.model, reading, side_files);
+    if (!job.is_picture) return io::read_model(job.model, reading, sources);
     return make_picture_slab(read_named_picture(job.model, reading), job.picture.width_mm, job.picture.thickness_mm)
         .model;
 }
@@ -115,7 +115,10 @@ JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Prog
     const Stopwatch watch;
     progress.begin_stage("read model", 0);
     body.is_picture = job.is_picture;
-    body.model = read_input(job, body.side_files, progress);
+    io::ModelSources sources;
+    body.model = read_input(job, sources, progress);
+    body.side_files = std::move(sources.side_files);
+    append(body.notes, sources.notes);
     append(body.warnings, body.model.warnings);
     refuse_lost_colour(job, body.model);
     const bool turned = job.placement.rotation != Eigen::Matrix3d::Identity();

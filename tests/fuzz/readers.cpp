@@ -12,6 +12,8 @@
 
 #include "base/error.h"
 #include "calibration/patches/patch_file.h"
+#include "io/codecs/draco_mesh.h"
+#include "io/codecs/meshopt_stream.h"
 #include "io/codecs/read_here.h"
 #include "io/decoders/decode_image.h"
 #include "io/layers/stack_service.h"
@@ -110,6 +112,24 @@ void read_job(Bytes file) {
     slicer::read_job(folder().put("job.json", file).string(), options);
 }
 
+/// Of any connectivity, with the attributes that most streams have.
+void read_draco(Bytes file) {
+    static constexpr io::DracoAttribute attributes[] = {{0, 5126}, {1, 5123}};
+    constexpr std::uint64_t most_bytes = std::uint64_t{4} << 20;
+    (void)io::decode_draco(std::as_bytes(file), attributes, most_bytes);
+}
+
+/// The first byte says how it is coded, the second how many elements there are.
+void read_meshopt(Bytes file) {
+    static constexpr const char* modes[] = {"ATTRIBUTES", "TRIANGLES", "INDICES"};
+    static constexpr const char* filters[] = {"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL"};
+    if (file.size() < 2) return;
+    constexpr std::uint64_t most_bytes = std::uint64_t{4} << 20;
+    (void)io::decode_meshopt({std::as_bytes(file.subspan(2)), file[1] * 3, 1 << (file[0] >> 5), modes[file[0] % 4 % 3],
+                              filters[file[0] / 4 % 4]},
+                             most_bytes);
+}
+
 constexpr Reader readers[] = {
     {"obj", [](Bytes f) { read_model_named("a.obj", f); }},
     {"mtl", [](Bytes f) { (void)io::parse_mtl(text_of(f)); }},
@@ -120,6 +140,9 @@ constexpr Reader readers[] = {
     {"3mf", [](Bytes f) { read_model_named("a.3mf", f); }},
     {"fbx", [](Bytes f) { read_model_named("a.fbx", f); }},
     {"vrml", [](Bytes f) { read_model_named("a.wrl", f); }},
+    {"zip", [](Bytes f) { read_model_named("a.zip", f); }},
+    {"draco", read_draco},
+    {"meshopt", read_meshopt},
     {"picture",
      [](Bytes f) {
          (void)io::decode_image(std::as_bytes(f), "a",

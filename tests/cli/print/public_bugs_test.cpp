@@ -15,9 +15,11 @@
 
 #include "body_of_line.h"
 #include "bug_table.h"
+#include "io/files/zip_reader.h"
 #include "stack_voxels.h"
 #include "tests/cli/run_program.h"
 
+using namespace voxtone;
 using namespace voxtone::test;
 using Catch::Contains;
 namespace fs = std::filesystem;
@@ -193,14 +195,16 @@ TEST_CASE("public bug reports: STL, units and numbers") { check_reports("F"); }
 TEST_CASE("public bug reports: stacks of other programs") { check_reports("G"); }
 TEST_CASE("public bug reports: other formats, and parts over each other") { check_reports("HI0"); }
 
+TEST_CASE("public bug reports: compressed scenes, textures of other kinds, archives") { check_reports("MOZ"); }
+
 TEST_CASE("no input of the public bug reports is without a line") {
     std::set<std::string> named;
     for (const BugLine& line : bug_table()) {
         INFO(line.file);
-        CHECK(fs::exists(bug_folder() / line.file));
+        CHECK(fs::exists(io::path_in_zip(bug_folder() / line.file).file));
         named.insert(line.file);
     }
-    const std::set<std::string> models{".obj", ".ply", ".stl", ".3mf", ".glb", ".gltf", ".tif", ".jpg"};
+    const std::set<std::string> models{".obj", ".ply", ".stl", ".3mf", ".glb", ".gltf", ".tif", ".jpg", ".zip"};
     std::size_t inputs = 0;
     for (const auto& entry : fs::recursive_directory_iterator(bug_folder())) {
         if (!entry.is_regular_file() || !models.contains(entry.path().extension().string())) continue;

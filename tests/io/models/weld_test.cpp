@@ -51,3 +51,44 @@ TEST_CASE("Many positions are welded as few are", "[models]") {
     weld_positions(none, no_triangles);
     CHECK(none.empty());
 }
+
+namespace {
+
+using Triangles = std::vector<std::array<std::uint32_t, 3>>;
+
+/// Two squares side by side, of two triangles each and with corners of their own; the second is moved.
+std::vector<Vector3d> two_squares(const Vector3d& moved) {
+    std::vector<Vector3d> all{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}};
+    for (std::size_t v = 4; v < 8; ++v) all[v] += moved;
+    return all;
+}
+const Triangles squares{{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}};
+
+std::vector<Rounding> roundings(float first, float second) {
+    std::vector<Rounding> all(8, {1, first});
+    for (std::size_t v = 4; v < 8; ++v) all[v] = {2, second};
+    return all;
+}
+
+/// How many vertices are left when equal ones are one.
+std::size_t left(std::vector<Vector3d> positions, const std::vector<Rounding>& rounding) {
+    Triangles triangles = squares;
+    close_cracks(positions, triangles, rounding);
+    weld_positions(positions, triangles);
+    return positions.size();
+}
+
+}  // namespace
+
+TEST_CASE("Pieces that rounding took apart are joined, others are not", "[models]") {
+    const Vector3d apart(0.01, 0.01, -0.01);
+    CHECK(left(two_squares(apart), roundings(0.01f, 0.01f)) == 6);
+    CHECK(left(two_squares(apart), roundings(0.02f, 0)) == 6);  // the other was not rounded
+    CHECK(left(two_squares(apart), roundings(0.005f, 0.005f)) == 8);
+    CHECK(left(two_squares(apart), roundings(0, 0)) == 8);
+    CHECK(left(two_squares({0, 0, 0}), roundings(0, 0)) == 6);
+    std::vector<Rounding> one_piece(8, {1, 0.1f});
+    CHECK(left(two_squares(apart), one_piece) == 8);
+    // A step as large as the squares: each vertex has at most one of the other piece, and none of its own.
+    CHECK(left(two_squares(apart), roundings(4, 4)) >= 4);
+}

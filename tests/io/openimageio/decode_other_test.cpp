@@ -20,9 +20,7 @@
 #include "io/openimageio/display_window.h"
 #include "io/openimageio/psd_facts.h"
 #include "io/openimageio/tiff_white.h"
-#include "io/openimageio/webp_facts.h"
 #include "io/pictures/picture.h"
-#include "io/pictures/webp.h"
 #include "optics/colour/colour.h"
 #include "tests/io/decoders/picture_bytes.h"
 #include "tests/io/files/temporary_folder.h"
@@ -73,20 +71,6 @@ std::string bmp_with_masks(const std::vector<std::size_t>& masks, const std::str
     for (const std::size_t mask : masks) bmp += number(mask);
     bmp.resize(122);
     return bmp + pixel;
-}
-
-std::string riff_chunk(const std::string& kind, std::string data) {
-    std::string chunk = kind + number(data.size());
-    if (data.size() % 2) data += '\0';
-    return chunk + data;
-}
-
-/// 2 x 1 pixels of one colour.
-std::string webp_with(const std::string& profile, const std::string& exif) {
-    const auto plain = webp_bytes({2, 1, 3, {200, 40, 40, 200, 40, 40}});
-    const std::string flags = std::string("\x28\0\0\0\1\0\0\0\0\0", 10);
-    return riff_chunk("RIFF", "WEBP" + riff_chunk("VP8X", flags) + riff_chunk("ICCP", profile) +
-                                  std::string(plain.begin() + 12, plain.end()) + riff_chunk("EXIF", exif));
 }
 
 /// Of 16 or 32 bits, the greatest first.
@@ -468,29 +452,6 @@ TEST_CASE("PFM is linear light, and Radiance's gamma of 2.2 is coded as sRGB is"
     CHECK(codes_of(coded)[0] == Approx(127.5).margin(1));
     REQUIRE(coded.warnings.size() == 1);
     CHECK_THAT(coded.warnings[0], Contains("sRGB's curve"));
-}
-
-TEST_CASE("WebP says its profile and how it is turned") {
-    // to be turned by a quarter
-    const std::string turned("MM\0*\0\0\0\x08\0\1\1\x12\0\3\0\0\0\1\0\6\0\0\0\0\0\0", 26);
-    const std::vector<std::uint8_t> profile = swapped_profile();
-    const auto read = [](const std::string& file) {
-        return decode_image(std::as_bytes(std::span(file)), "a.webp", {.turn_upright = true, .others = decode_other});
-    };
-    for (const std::string& exif : {turned, std::string("Exif\0\0", 6) + turned}) {
-        const std::string file = webp_with({profile.begin(), profile.end()}, exif);
-        const DecodedImage image = read(file);
-        CHECK(image.texels.height_px == 2);
-        CHECK((Vector3d(image.texels.rgb(0).cast<double>()) - Vector3d(0.02, 0.02, 0.578)).norm() < 0.03);
-        CHECK(image.warnings.empty());
-        // Cut chunks say nothing, and are not read behind.
-        for (std::size_t length = 0; length < file.size(); ++length) {
-            const WebpFacts facts = webp_facts(std::as_bytes(std::span(file)).first(length));
-            CHECK((facts.icc_profile.empty() || facts.icc_profile.size() == profile.size()));
-            CHECK(facts.exif.orientation == 1);
-        }
-    }
-    CHECK(read(webp_with("", "")).texels.width_px == 2);
 }
 
 TEST_CASE("whole files of kinds that are not read are not called damaged") {

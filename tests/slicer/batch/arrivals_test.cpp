@@ -239,3 +239,11 @@ TEST_CASE("Names are read by another thread, one model at a time, and what canno
     CHECK(wait_for("a.obj").size() == 1);
     CHECK(read == std::vector<std::string>{"a.obj", "bad.obj", "b.obj", "gone.obj", "a.obj"});
 }
+
+TEST_CASE("An archive is a model") {
+    Inbox inbox;
+    CHECK(inbox.at(0).empty());
+    inbox.append("c.zip");
+    CHECK(inbox.at(1).empty());
+    CHECK(inbox.at(4) == "c.zip");
+}

@@ -89,6 +89,26 @@ TEST_CASE("A job is its options and what its inputs hold, not where they lie") {
     }
 }
 
+TEST_CASE("A model in an archive is the archive's file and the name behind it") {
+    const Desk desk;
+    desk.write("a.zip", "PK");
+    SliceOptions options = desk.options();
+    const auto job_of = [&](const std::string& model) {
+        options.model = desk / model;
+        return identify(open_job(options), {});
+    };
+    const JobIdentity whole = job_of("a.zip"), part = job_of("a.zip/x/b.obj"), other = job_of("a.zip/x/c.obj");
+    for (const JobIdentity* identity : {&whole, &part, &other}) {
+        CHECK(identity->inputs[0].key == "model");
+        CHECK(identity->inputs[0].file == desk / "a.zip");
+        CHECK(identity->inputs[0].sha256 == io::file_sha256(desk / "a.zip"));
+    }
+    CHECK(part.job != other.job);
+    CHECK(part.loop != other.loop);
+    desk.write("moved.zip", "PK");
+    CHECK(job_of("moved.zip/x/b.obj").job == part.job);
+}
+
 TEST_CASE("The state of a loop serves jobs that differ only in what comes after it") {
     const Desk desk;
     const SliceOptions options = desk.options();
