@@ -8,9 +8,13 @@
 #include <tuple>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "slicer/mesh/disjoint_sets.h"
+#include "slicer/mesh/hole_filling.h"
 #include "slicer/mesh/mesh_chain.h"
 #include "slicer/mesh/mesh_orientation.h"
+#include "slicer/mesh/open_pieces.h"
 
 namespace voxtone::slicer {
 
@@ -89,13 +93,58 @@ std::vector<std::vector<std::uint32_t>> shells_of(std::span<const Pile> piles) {
     return shells;
 }
 
-/// What stays of a shell: of each pile a face, with its corners. Empty: the shell stays as it is.
+/// What stays of a shell: of piles a face, with its corners. Empty: the shell stays as it is.
 struct SimpleShell {
     std::vector<std::uint32_t> source;
     std::vector<Triangle> triangles;
 };
 
-SimpleShell simple_shell(std::span<const Pile> piles, std::span<const std::uint32_t> shell) {
+/// How many faces of each side a pile of a two-sided shell has, as parts of what all of them have in common: 2 where
+/// two bodies drawn so share a face.
+int least_times(std::span<const Pile> piles, std::span<const std::uint32_t> shell) {
+    int least = 0;
+    for (const std::uint32_t p : shell) least = std::gcd(least, static_cast<int>(piles[p].faces.size() / 2));
+    return least;
+}
+
+/// Turns what encloses less than nothing once its holes are filled.
+void turn_positive(std::span<const Eigen::Vector3d> positions, SimpleShell& simple, std::span<const HoleFill> fills) {
+    std::vector<Triangle> all = simple.triangles;
+    for (const HoleFill& fill : fills) all.insert(all.end(), fill.triangles.begin(), fill.triangles.end());
+    const Shells shells = find_shells(all);
+    std::vector<double> volume(shells.count);
+    const Eigen::Vector3d& origin = positions[all.front()[0]];
+    for (std::size_t t = 0; t < all.size(); ++t) {
+        const Eigen::Vector3d a = positions[all[t][0]] - origin, b = positions[all[t][1]] - origin,
+                              c = positions[all[t][2]] - origin;
+        volume[shells.of_triangle[t]] += a.dot(b.cross(c)) / 6;
+    }
+    for (std::size_t t = 0; t < simple.triangles.size(); ++t)
+        if (volume[shells.of_triangle[t]] < 0) std::swap(simple.triangles[t][1], simple.triangles[t][2]);
+}
+
+/// Of a shell with as many faces of either side everywhere.
+SimpleShell one_sided(std::span<const Eigen::Vector3d> positions, std::span<const Pile> piles,
+                      std::span<const std::uint32_t> shell, bool sheets) {
+    SimpleShell simple;
+    const int times = least_times(piles, shell);
+    for (const std::uint32_t p : shell) {
+        if (static_cast<int>(piles[p].faces.size() / 2) / times % 2 == 0) continue;  // between two bodies
+        simple.source.push_back(piles[p].faces[0].triangle);
+        simple.triangles.push_back(piles[p].faces[0].given);
+    }
+    if (simple.triangles.empty()) return {};
+    orient_consistently(simple.triangles);
+    const std::vector<HoleFill> fills = fill_holes(positions, simple.triangles);
+    const std::vector<OpenPiece> open = open_pieces(positions, simple.triangles, fills);
+    const bool body = std::ranges::all_of(open, [](const OpenPiece& p) { return p.kind == OpenPiece::Kind::body; });
+    if (!body && !sheets) return {};
+    if (body) turn_positive(positions, simple, fills);
+    return simple;
+}
+
+SimpleShell simple_shell(std::span<const Eigen::Vector3d> positions, std::span<const Pile> piles,
+                         std::span<const std::uint32_t> shell, bool sheets) {
     const int times = std::abs(piles[shell.front()].sum);
     bool piled = false;
     for (const std::uint32_t p : shell) {
@@ -103,35 +152,45 @@ SimpleShell simple_shell(std::span<const Pile> piles, std::span<const std::uint3
         piled |= piles[p].faces.size() > 1;
     }
     if (!piled) return {};
+    if (times == 0) return one_sided(positions, piles, shell, sheets);
     SimpleShell simple;
     for (const std::uint32_t p : shell) {
         const Pile& pile = piles[p];
         const auto face = std::find_if(pile.faces.begin(), pile.faces.end(),
-                                       [&](const PlacedFace& f) { return times == 0 || f.sign * pile.sum > 0; });
+                                       [&](const PlacedFace& f) { return f.sign * pile.sum > 0; });
         simple.source.push_back(face->triangle);
         simple.triangles.push_back(face->given);
     }
-    if (times > 0) return simple;
-    orient_consistently(simple.triangles);
-    return open_edges(simple.triangles) == 0 ? simple : SimpleShell{};
+    return simple;
 }
 
 }  // namespace
 
-CoincidentFaces drop_coincident_faces(SolidMesh& mesh) {
+CoincidentFaces drop_coincident_faces(SolidMesh& mesh, bool sheets) {
     CoincidentFaces dropped;
     const std::vector<PlacedFace> faces = placed_faces(mesh.triangles, first_at_place(mesh.positions_mm));
     const std::vector<Pile> piles = piles_of(faces);
     if (piles.size() == faces.size()) return dropped;
     std::vector<bool> keep(mesh.triangles.size(), true);
     for (const std::vector<std::uint32_t>& shell : shells_of(piles)) {
-        const SimpleShell simple = simple_shell(piles, shell);
-        if (simple.source.empty()) continue;
         const bool two_sided = piles[shell.front()].sum == 0;
-        for (const std::uint32_t p : shell) {
-            for (const PlacedFace& face : piles[p].faces) keep[face.triangle] = false;
-            (two_sided ? dropped.back_sides : dropped.copies) += piles[p].faces.size() - 1;
+        const SimpleShell simple = simple_shell(mesh.positions_mm, piles, shell, sheets);
+        if (simple.source.empty()) {
+            if (two_sided)
+                for (const std::uint32_t p : shell)
+                    dropped.sheet_mm2 += area(mesh.positions_mm, piles[p].faces[0].given);
+            continue;
         }
+        std::size_t there = 0;
+        for (const std::uint32_t p : shell) {
+            there += piles[p].faces.size();
+            for (const PlacedFace& face : piles[p].faces) {
+                keep[face.triangle] = false;
+                if (piles[p].faces.size() > 1)
+                    dropped.piled.push_back({face.given, mesh.source_triangle[face.triangle]});
+            }
+        }
+        (two_sided ? dropped.back_sides : dropped.copies) += there - simple.source.size();
         for (std::size_t n = 0; n < simple.source.size(); ++n) {
             keep[simple.source[n]] = true;
             mesh.triangles[simple.source[n]] = simple.triangles[n];

@@ -16,9 +16,11 @@
 #include "slicer/mesh/alpha_wrap.h"
 #include "slicer/mesh/box.h"
 #include "slicer/mesh/coincident_faces.h"
+#include "slicer/mesh/face_sides.h"
 #include "slicer/mesh/hole_filling.h"
 #include "slicer/mesh/mesh_chain.h"
 #include "slicer/mesh/mesh_orientation.h"
+#include "slicer/mesh/open_pieces.h"
 
 namespace voxtone::slicer {
 
@@ -28,6 +30,14 @@ namespace {
 
 double diagonal_mm(const SolidMesh& mesh) { return bounding_box(mesh.positions_mm, mesh.triangles).diagonal().norm(); }
 
+double area_mm2(const SolidMesh& mesh) {
+    double sum = 0;
+    for (const Triangle& t : mesh.triangles) sum += area(mesh.positions_mm, t);
+    return sum;
+}
+
+std::string share_text(double share) { return share < 0.01 ? "below 1 %" : fmt::format("{:.0f} %", 100 * share); }
+
 SolidMesh as_it_came(const io::TexturedMesh& textured) {
     SolidMesh mesh{textured.positions, textured.triangles, {}};
     mesh.source_triangle.resize(mesh.triangles.size());
@@ -36,7 +46,7 @@ SolidMesh as_it_came(const io::TexturedMesh& textured) {
 }
 
 // Joins vertices nearer than `tolerance` to one that came before. Returns how many went.
-std::size_t weld(SolidMesh& mesh, double tolerance) {
+std::size_t weld(SolidMesh& mesh, std::vector<PiledFace>& piled, double tolerance) {
     const Vector3d low = bounding_box(mesh.positions_mm, mesh.triangles).min();
     struct Cell {
         std::int64_t x, y, z;
@@ -76,6 +86,8 @@ std::size_t weld(SolidMesh& mesh, double tolerance) {
     }
     for (auto& t : mesh.triangles)
         for (std::uint32_t& v : t) v = to[v];
+    for (PiledFace& face : piled)
+        for (std::uint32_t& v : face.corners) v = to[v];
     return gone;
 }
 
@@ -100,13 +112,17 @@ std::size_t drop_collapsed(SolidMesh& mesh) {
 }
 
 // All but one of the faces on the same three corners.
-std::size_t drop_duplicates(SolidMesh& mesh) {
+std::size_t drop_duplicates(SolidMesh& mesh, std::vector<PiledFace>& piled) {
     std::map<Triangle, std::size_t> first;
     std::vector<bool> keep(mesh.triangles.size());
     for (std::size_t t = 0; t < keep.size(); ++t) {
         Triangle corners = mesh.triangles[t];
         std::sort(corners.begin(), corners.end());
-        keep[t] = first.emplace(corners, t).second;
+        const auto [there, is_new] = first.emplace(corners, t);
+        keep[t] = is_new;
+        if (is_new) continue;
+        for (const std::size_t face : {there->second, t})
+            piled.push_back({mesh.triangles[face], mesh.source_triangle[face]});
     }
     const std::size_t before = mesh.triangles.size();
     keep_faces(mesh, keep);
@@ -209,29 +225,90 @@ void fill(SolidMesh& mesh, const std::vector<HoleFill>& fills, RepairReport& rep
         }
     report.filled_holes = fills.size();
     if (fills.empty()) return;
-    report.messages.push_back(fmt::format("{} hole{} closed with {:.3g} mm^2 of new surface.", fills.size(),
-                                          fills.size() == 1 ? " was" : "s were", report.filled_area_mm2));
+    const double own = area_mm2(mesh) - report.filled_area_mm2;
+    report.messages.push_back(fmt::format("{} hole{} closed with {:.3g} mm^2 of new surface, {} of the model's.",
+                                          fills.size(), fills.size() == 1 ? " was" : "s were", report.filled_area_mm2,
+                                          share_text(report.filled_area_mm2 / own)));
+}
+
+[[noreturn]] void refuse_torn(const OpenPiece& piece, std::size_t edges) {
+    throw InputError(
+        fmt::format("the model is open at {} edges, and closing it would take {} as much surface as it has, through "
+                    "places where nothing tells its shape; complete it in a mesh editor, or say what it is: "
+                    "--repair fill (a body, its holes closed straight), --sheet-thickness 1mm (a sheet of that "
+                    "thickness), --repair wrap (what its faces enclose)",
+                    edges, share_text(piece.fill_mm2 / piece.own_mm2)));
+}
+
+void say_sheets(std::size_t sheets, double sheet_mm2, double all_mm2, double thickness_mm, RepairReport& report) {
+    const bool one = sheets == 1;
+    const std::string thickness =
+        thickness_mm > 0 ? fmt::format("{:g} mm", thickness_mm)
+                         : fmt::format(
+                               "one voxel, since {} no thickness (--sheet-thickness 1mm gives one, and a base "
+                               "in a mesh editor makes a body of {})",
+                               one ? "it has" : "they have", one ? "it" : "them");
+    report.messages.push_back(
+        fmt::format("{} open sheet{} and enclose{} nothing ({} of the surface): {} printed with a thickness of {}.",
+                    sheets, one ? " is no body" : "s are no bodies", one ? "s" : "", share_text(sheet_mm2 / all_mm2),
+                    one ? "it is" : "they are", thickness));
+}
+
+void say_sheets_of_two_sides(double share, RepairReport& report) {
+    report.messages.push_back(
+        fmt::format("{} of the surface is sheets with two sides that enclose nothing: they are printed with a "
+                    "thickness of one voxel (--sheet-thickness 1mm gives them one).",
+                    share_text(share)));
+}
+
+// Gives sheets another side in the place of fills that would make lumps of them; `fills` becomes what closes the rest.
+// Refuses what is mostly torn.
+void settle_sheets(SolidMesh& mesh, std::vector<HoleFill>& fills, const RepairOptions& options, std::size_t open,
+                   RepairReport& report, const Progress* progress) {
+    if (options.mode == RepairMode::fill) return;
+    const double all_mm2 = area_mm2(mesh);
+    std::vector<OpenPiece> sheets;
+    double sheet_mm2 = 0;
+    for (OpenPiece& piece : open_pieces(mesh.positions_mm, mesh.triangles, fills)) {
+        const bool torn = piece.kind == OpenPiece::Kind::torn;
+        if (torn && options.sheet_mm <= 0 && piece.own_mm2 > all_mm2 / 2) refuse_torn(piece, open);
+        if (piece.kind == OpenPiece::Kind::body || (torn && options.sheet_mm <= 0)) continue;
+        sheet_mm2 += piece.own_mm2;
+        sheets.push_back(std::move(piece));
+    }
+    if (sheets.empty()) return;
+    std::vector<bool> of_sheet(mesh.triangles.size(), false);
+    for (const OpenPiece& sheet : sheets)
+        for (const std::uint32_t t : sheet.faces) of_sheet[t] = true;
+    std::vector<Triangle> rest;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        if (!of_sheet[t]) rest.push_back(mesh.triangles[t]);
+    fills = fill_holes(mesh.positions_mm, rest, progress);
+    for (const OpenPiece& sheet : sheets) add_other_side(mesh, sheet, options.sheet_mm);
+    say_sheets(sheets.size(), sheet_mm2, all_mm2, options.sheet_mm, report);
 }
 
 // Welds, drops, orients and fills until the chain is closed; wraps what filling would only close upon itself.
-void close_chain(SolidMesh& mesh, const RepairOptions& options, RepairedMesh& result, const Progress* progress,
-                 StepShare& bar) {
+void close_chain(SolidMesh& mesh, std::vector<PiledFace>& piled, const RepairOptions& options, RepairedMesh& result,
+                 const Progress* progress, StepShare& bar) {
     RepairReport& report = result.report;
-    report.welded_vertices = weld(mesh, std::min(0.1 * options.pitch_mm, 1e-5 * diagonal_mm(mesh)));
+    const std::size_t open = piled.empty() ? report.before.open_edges : open_edges(mesh.triangles);
+    report.welded_vertices = weld(mesh, piled, std::min(0.1 * options.pitch_mm, 1e-5 * diagonal_mm(mesh)));
     drop_collapsed(mesh);
-    if (open_edges(mesh.triangles) != 0) drop_duplicates(mesh);
+    if (open_edges(mesh.triangles) != 0) drop_duplicates(mesh, piled);
     report.dropped_faces = report.before.triangles - mesh.triangles.size();
     report.turned_faces = orient_consistently(mesh.triangles);
     if (report.welded_vertices + report.dropped_faces + report.turned_faces > 0)
         report.messages.push_back(
             fmt::format("The mesh was open at {} edges; {} corners were welded, {} faces dropped, {} faces turned.",
-                        report.before.open_edges, report.welded_vertices, report.dropped_faces, report.turned_faces));
+                        open, report.welded_vertices, report.dropped_faces, report.turned_faces));
     std::vector<HoleFill> fills = fill_holes(mesh.positions_mm, mesh.triangles, progress);
     const std::vector<bool> loose = loose_faces(mesh, fills);
     if (std::find(loose.begin(), loose.end(), true) != loose.end()) {
         wrap_faces(mesh, loose, options, result, progress, bar);
         fills = fill_holes(mesh.positions_mm, mesh.triangles, progress);
     }
+    settle_sheets(mesh, fills, options, open, report, progress);
     fill(mesh, fills, report);
 }
 
@@ -245,20 +322,34 @@ void turn_outward(SolidMesh& mesh, RepairReport& report, const Progress* progres
                                               shells.count, turns.turned == 1 ? "was" : "were"));
 }
 
-/// What lies in one place several times, and back sides.
-void take_once(SolidMesh& mesh, RepairReport& report) {
-    const CoincidentFaces dropped = drop_coincident_faces(mesh);
+/// What lies in one place several times, and back sides. Returns all faces that lie on others.
+std::vector<PiledFace> take_once(SolidMesh& mesh, const RepairOptions& options, RepairReport& report) {
+    const double all_mm2 = area_mm2(mesh);
+    CoincidentFaces dropped = drop_coincident_faces(mesh, options.sheet_mm > 0);
     report.dropped_faces = dropped.copies + dropped.back_sides;
     if (dropped.copies > 0)
         report.messages.push_back(
             fmt::format("{} faces lay exactly on others, as where a body is in the file several times in one place: "
-                        "each was taken once, with the first one's colour.",
+                        "each was taken once.",
                         dropped.copies));
     if (dropped.back_sides > 0)
         report.messages.push_back(
             fmt::format("{} faces were the back sides of others (a two-sided mesh): they were dropped, and what the "
                         "other faces enclose is printed solid.",
                         dropped.back_sides));
+    if (2 * dropped.sheet_mm2 > all_mm2 / 3) say_sheets_of_two_sides(2 * dropped.sheet_mm2 / all_mm2, report);
+    return std::move(dropped.piled);
+}
+
+/// Of faces in one place that have several colours the one that looks outward gives its own.
+void settle_sides(const io::TexturedMesh& textured, SolidMesh& mesh, std::span<const PiledFace> piled,
+                  RepairReport& report) {
+    take_outward_sources(mesh, piled);
+    if (const std::size_t others = count_other_colours(textured, piled))
+        report.messages.push_back(
+            fmt::format("{} of the faces that lie on others have another colour than those: each place has the colour "
+                        "of the first face there that looks outward.",
+                        others));
 }
 
 }  // namespace
@@ -273,7 +364,9 @@ RepairedMesh repair_mesh(const io::TexturedMesh& textured, const RepairOptions& 
     const std::size_t triangles = mesh.triangles.size();
     StepShare first_count(progress, triangles, triangles), closing(progress, triangles, 2 * max_points);
     const auto crossings_count = [&] { return mesh.triangles.size() <= options.count_crossings_up_to; };
-    if (options.mode == RepairMode::automatic) take_once(mesh, report);
+    std::vector<PiledFace> piled;
+    if (options.mode == RepairMode::automatic || options.mode == RepairMode::fill)
+        piled = take_once(mesh, options, report);
     std::optional<SolidIndex> given;
     if (crossings_count() && mesh.triangles.size() == triangles) given.emplace(mesh);
     report.before =
@@ -282,7 +375,7 @@ RepairedMesh repair_mesh(const io::TexturedMesh& textured, const RepairOptions& 
     if (!(report.before.area_mm2 > 0))
         throw InputError("the model has no surface: all its faces are without area, so there is nothing to print");
 
-    const bool closed = report.before.open_edges == 0;
+    const bool closed = (piled.empty() ? report.before.open_edges : open_edges(mesh.triangles)) == 0;
     if (!closed && options.mode == RepairMode::off)
         throw InputError(
             fmt::format("the model is open at {} edges ({} boundary edges, {} edges whose faces disagree), so it "
@@ -294,11 +387,12 @@ RepairedMesh repair_mesh(const io::TexturedMesh& textured, const RepairOptions& 
     if (options.mode == RepairMode::wrap) {
         wrap_faces(mesh, std::vector<bool>(mesh.triangles.size(), true), options, result, progress, closing);
     } else if (!closed) {
-        close_chain(mesh, options, result, progress, closing);
+        close_chain(mesh, piled, options, result, progress, closing);
     }
     VOXTONE_ENSURE(open_edges(mesh.triangles) == 0);
 
     if (options.mode != RepairMode::off) turn_outward(mesh, report, progress);
+    settle_sides(textured, mesh, piled, report);
     closing.finish();
 
     const bool untouched = mesh.triangles == textured.triangles, count_again = !untouched && crossings_count();

@@ -9,7 +9,8 @@
 // faces, oriented alike, and its holes are filled on the vertices that are there, which always gives a closed chain.
 // Where a large part of the surface consists of loose pieces that such filling would only close upon themselves (a
 // soup), these pieces are wrapped instead: a surface is shrunk onto them from outside (alpha_wrap.h). `wrap` does so
-// with everything.
+// with everything. Holes as large as what has them are no holes (open_pieces.h): sheets get another side, and a mesh
+// that is mostly torn is refused; `fill` closes them all the same.
 //
 // Welding, orienting and filling are own code: those of CGAL's Polygon Mesh Processing work on 2-manifold meshes and
 // split or drop what is none, while a chain may keep crossings and edges with more than two faces, and so the user's
@@ -31,12 +32,14 @@ namespace voxtone::slicer {
 enum class RepairMode {
     off,        ///< open meshes are refused
     automatic,  ///< as above
+    fill,       ///< so, and holes of any size are filled
     wrap,       ///< everything is wrapped
 };
 
 struct RepairOptions {
     RepairMode mode = RepairMode::automatic;
     double pitch_mm = 0.027;  ///< the smallest of the voxel grid: what is far below it need not be told apart
+    double sheet_mm = 0;      ///< thickness of open sheets; 0: none, thin_features.h makes a voxel of it
     /// Crossing pairs are counted for meshes up to so many triangles; they are reported and change nothing.
     std::size_t count_crossings_up_to = 200'000;
 };

@@ -150,7 +150,8 @@ struct NamesOf<slicer::PredictedView> {
 template <>
 struct NamesOf<slicer::RepairMode> {
     using E = slicer::RepairMode;
-    static constexpr auto table = std::to_array<Named<E>>({{E::off, "off"}, {E::automatic, "auto"}, {E::wrap, "wrap"}});
+    static constexpr auto table =
+        std::to_array<Named<E>>({{E::off, "off"}, {E::automatic, "auto"}, {E::fill, "fill"}, {E::wrap, "wrap"}});
 };
 template <>
 struct NamesOf<slicer::CavityMode> {

@@ -117,6 +117,7 @@ struct ResolvedJob {
     PictureOptions picture;
     std::vector<MarkOptions> marks;  ///< one over the other
     RepairMode repair = RepairMode::automatic;
+    double sheet_mm = 0;  ///< thickness of open sheets; 0: a voxel
     CavityMode cavities = CavityMode::automatic;
     bool keep_thin = true;
 

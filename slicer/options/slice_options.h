@@ -54,6 +54,7 @@ struct SliceOptions {
 
     double depth_mm = 1;
     std::string repair = "auto";
+    double sheet_thickness_mm = 0;  ///< of open sheets; 0: a voxel
     std::string cavities = "auto";
     bool keep_thin = true;
     std::string screen = "blue-noise";

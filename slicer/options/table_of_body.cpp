@@ -144,7 +144,9 @@ std::vector<OptionSpec> size_entries() {
               {.key = "thickness",
                .group = group,
                .help = "pictures: thickness of the slab",
-               .idle = {idle::of_a_mesh},
+               .idle = {[](const O&, bool is_picture) {
+                   return unless(is_picture, "it is for pictures; open sheets of a mesh have a --sheet-thickness");
+               }},
                .rule = [](const O& o) { return unless(o.thickness_mm > 0, "must be above 0"); }}),
     };
 }
@@ -182,11 +184,21 @@ std::vector<OptionSpec> turn_entries() {
 std::vector<OptionSpec> mesh_entries() {
     const std::string group = "Body";
     return {
-        choice(&O::repair, at(&Job::repair),
-               {.key = "repair",
-                .metavar = "HOW",
-                .group = group,
-                .help = "broken meshes: off (refuse), auto (close holes; wrap what stays open) or wrap (always)"}),
+        choice(
+            &O::repair, at(&Job::repair),
+            {.key = "repair",
+             .metavar = "HOW",
+             .group = group,
+             .help = "broken meshes: off (refuse), auto (close holes; wrap what stays open), fill (holes of any size, "
+                     "too) or wrap (always)"}),
+        plain(Length{&O::sheet_thickness_mm}, at(&Job::sheet_mm),
+              {.key = "sheet-thickness",
+               .group = group,
+               .help = "of open sheets (a terrain without a base), behind their faces; 0: one voxel",
+               .idle = {[](const O&, bool is_picture) {
+                   return unless(!is_picture, "it is for meshes; a picture's slab has a --thickness");
+               }},
+               .rule = [](const O& o) { return unless(o.sheet_thickness_mm >= 0, "must be above 0"); }}),
         choice(&O::cavities, at(&Job::cavities),
                {.key = "cavities",
                 .metavar = "HOW",

@@ -64,7 +64,9 @@ void refuse_lost_colour(const ResolvedJob& job, const io::ModelFile& model) {
     throw InputError(fmt::format("--strict: {} Without --strict the model is printed as it is.", model.lost_colour));
 }
 
+/// What is lost was said.
 void look_for_colour(const ResolvedJob& job, JobBody& body) {
+    if (!body.model.lost_colour.empty()) return;
     if (job.layered || !body.model.wants_colour || !is_all_white(body.model.mesh, *body.surface)) return;
     const std::string what = fmt::format(
         "{} has colours, but none of them is on its surface, so that it comes out all white; look at its materials and "
@@ -142,6 +144,7 @@ JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Prog
     progress.begin_stage("repair mesh", repair_steps(body.model.mesh));
     RepairOptions repairing;
     repairing.mode = job.repair;
+    repairing.sheet_mm = job.sheet_mm;
     repairing.pitch_mm = printer.sliced_pitch_mm().minCoeff();
     RepairedMesh repaired = repair_mesh(body.model.mesh, repairing, &progress);
     for (const std::string& done : repaired.report.messages) body.warnings.push_back(named_warning("repaired", done));

@@ -88,6 +88,7 @@ private:
         return options_.most_steps ? options_.most_steps : WorkBudget::for_triangles(solid_.triangles.size());
     }
     void judge_regions(WorkBudget& work);
+    void order_by_place();
     void find_sources_at_corners();
 
     // A triangle that others cross, cut up.
@@ -133,6 +134,8 @@ private:
     std::vector<std::vector<std::uint32_t>> crossings_;  // per triangle of the solid, by what it is crossed
     std::vector<Sight> sight_;                           // per triangle that nothing crosses
     std::unordered_map<std::uint32_t, Cut> cuts_;        // of the others
+    std::vector<std::uint32_t> order_;                   // triangles of the solid, by where they lie
+    std::vector<Triangle> corners_;                      // of each, from the one that lies first on
     std::vector<std::uint32_t> source_at_corner_;        // per corner a triangle there that has a source, or nobody
     std::vector<Triangle> wrap_;                         // without a source at any corner
     std::vector<Piece> pieces_;                          // visible ones of the triangle under work
@@ -152,6 +155,7 @@ VisibleParts::VisibleParts(const std::vector<Vector3d>& positions_mm, const std:
     surface.positions_mm = solid_.positions_mm;
     const MeshDiagnosis& mesh = repaired.report.after;
     const bool plain = mesh.shells == 1 && mesh.crossing_pairs == 0 && mesh.nonmanifold_edges == 0;
+    order_by_place();
     find_sources_at_corners();
     if (plain) return;
     WorkBudget work(most_steps(), progress_);
@@ -258,9 +262,34 @@ VisibleParts::Cut VisibleParts::cut(std::uint32_t t, double piece_mm, WorkBudget
     return result;
 }
 
+// So that of triangles that are equally near to a place the same one is taken however the file is ordered.
+void VisibleParts::order_by_place() {
+    const auto& places = solid_.positions_mm;
+    std::vector<std::uint32_t> vertices(places.size()), rank(places.size());
+    std::iota(vertices.begin(), vertices.end(), 0u);
+    const auto lies_before = [&](std::uint32_t a, std::uint32_t b) {
+        return std::lexicographical_compare(places[a].begin(), places[a].end(), places[b].begin(), places[b].end());
+    };
+    std::sort(vertices.begin(), vertices.end(), lies_before);
+    for (std::size_t n = 1; n < vertices.size(); ++n)
+        rank[vertices[n]] = rank[vertices[n - 1]] + (lies_before(vertices[n - 1], vertices[n]) ? 1 : 0);
+    corners_ = solid_.triangles;
+    std::vector<Triangle> ranks;
+    ranks.reserve(corners_.size());
+    for (Triangle& t : corners_) {
+        std::rotate(t.begin(), std::min_element(t.begin(), t.end(), lies_before), t.end());
+        Triangle& of_t = ranks.emplace_back(Triangle{rank[t[0]], rank[t[1]], rank[t[2]]});
+        std::sort(of_t.begin(), of_t.end());
+    }
+    order_.resize(corners_.size());
+    std::iota(order_.begin(), order_.end(), 0u);
+    std::sort(order_.begin(), order_.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return ranks[a] != ranks[b] ? ranks[a] < ranks[b] : a < b; });
+}
+
 void VisibleParts::find_sources_at_corners() {
     source_at_corner_.assign(solid_.positions_mm.size(), nobody);
-    for (std::uint32_t t = 0; t < solid_.triangles.size(); ++t) {
+    for (const std::uint32_t t : order_) {
         if (solid_.source_triangle[t] < 0) continue;
         for (const std::uint32_t v : solid_.triangles[t])
             if (source_at_corner_[v] == nobody) source_at_corner_[v] = t;
@@ -313,9 +342,10 @@ void VisibleParts::lay_labels(const std::vector<bool>& of_sheet) {
 
 template <class Which>
 void VisibleParts::show_solid(const Which& which) {
-    for (std::uint32_t t = 0; t < solid_.triangles.size(); ++t) {
-        const Triangle& corners = solid_.triangles[t];
-        if (progress_ && t % 4096 == 0) progress_->check_cancelled();
+    for (std::size_t n = 0; n < order_.size(); ++n) {
+        const std::uint32_t t = order_[n];
+        const Triangle& corners = corners_[t];
+        if (progress_ && n % 4096 == 0) progress_->check_cancelled();
         if (!which(t)) continue;
         if (is_source(t))
             show_source(t);
@@ -327,7 +357,7 @@ void VisibleParts::show_solid(const Which& which) {
 }
 
 Piece VisibleParts::whole_piece(std::uint32_t t) const {
-    const Triangle& corners = solid_.triangles[t];
+    const Triangle& corners = corners_[t];
     if (!is_source(t)) return {places(corners), {Vector2f(0, 0), Vector2f(1, 0), Vector2f(0, 1)}, nobody};
     const auto source = std::uint32_t(solid_.source_triangle[t]);
     return {places(corners), corner_uv(corners, source_triangles_[source], solid_.positions_mm, source_positions_mm_),
@@ -365,7 +395,7 @@ void VisibleParts::count(Sight as_a_whole) {
 
 void VisibleParts::show_source(std::uint32_t t) {
     if (find_visible_pieces(t) == Sight::visible)
-        add(solid_.triangles[t], pieces_[0].uv, pieces_[0].source);  // on the corners that are there
+        add(corners_[t], pieces_[0].uv, pieces_[0].source);  // on the corners that are there
     else
         for (const Piece& piece : pieces_) add(piece);
 }
@@ -373,7 +403,7 @@ void VisibleParts::show_source(std::uint32_t t) {
 void VisibleParts::show_fill(std::uint32_t t) {
     ++report.patches;
     find_visible_pieces(t);
-    for (const Piece& piece : pieces_) show_in_corner_colours(piece, solid_.triangles[t]);
+    for (const Piece& piece : pieces_) show_in_corner_colours(piece, corners_[t]);
 }
 
 // In six parts, each with the colour of the corner of the fill (`corners`, where piece.uv is (0, 0), (1, 0), (0, 1))

@@ -8,9 +8,10 @@
 // far as they do not cross others; crossed ones are halved down to pieces of `piece_mm`, so the edge of what is visible
 // is that rough.
 //
-// Triangles are in the order of the mesh, but for sheets (shells that enclose nothing), which come first: of surfaces
-// in one place the first gives the colour, and a sheet that lies on a body is a label. People draw labels a little
-// above their body, where a voxel would not see them: below `label_mm` they are laid onto it, for colour and depth.
+// Triangles are in the order of where they lie, those of one place in the order of the mesh; but sheets (shells that
+// enclose nothing) come first: of surfaces in one place the first gives the colour, and a sheet that lies on a body is
+// a label. So it is the same surface however a file is ordered. People draw labels a little above their body, where a
+// voxel would not see them: below `label_mm` they are laid onto it, for colour and depth.
 #pragma once
 
 #include <array>

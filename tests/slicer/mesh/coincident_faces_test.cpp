@@ -128,3 +128,36 @@ TEST_CASE("A twice-drawn body beside another is made simple, the other is left")
     CHECK(shapes::winding_number(mesh, {5.1, 0.1, 0.05}) == 1);
     for (std::size_t t = 0; t < faces; ++t) CHECK(mesh.source_triangle[12 + t] == std::int32_t(12 + t));
 }
+
+TEST_CASE("Two-sided bodies that share a face, or lack one, are bodies") {
+    const auto two_sided = [](const SolidMesh& mesh) { return shapes::joined(shapes::flipped(mesh), mesh); };
+    SECTION("the face between them is between them") {
+        SolidMesh mesh = two_sided(shapes::joined(cube, shapes::moved(cube, Vector3d(2, 0, 0))));
+        REQUIRE(inside(mesh) == 0);
+        CHECK(drop_coincident_faces(mesh).back_sides == 28);
+        CHECK(mesh.triangles.size() == 20);
+        CHECK(open_edges(mesh.triangles) == 0);
+        CHECK(inside(mesh) == 1);
+        CHECK(shapes::winding_number(mesh, {3.3, 1.1, 0.9}) == 1);
+        CHECK(shapes::winding_number(mesh, {4.3, 1.1, 0.9}) == 0);
+    }
+    SECTION("without a floor") {
+        SolidMesh open = cube;
+        open.triangles.erase(open.triangles.begin(), open.triangles.begin() + 2);
+        SolidMesh mesh = two_sided(shapes::with_sources(open));
+        CHECK(drop_coincident_faces(mesh).back_sides == 10);
+        CHECK(mesh.triangles.size() == 10);
+    }
+}
+
+TEST_CASE("A two-sided sheet is told, and loses a side where that is asked for") {
+    SolidMesh sheet;
+    sheet.positions_mm = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0.3}, {0, 1, 0}};
+    sheet.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 2, 1}, {0, 3, 2}};
+    sheet = shapes::with_sources(sheet);
+    SolidMesh left = sheet;
+    CHECK(drop_coincident_faces(left).sheet_mm2 > 1);
+    CHECK(left.triangles.size() == 4);
+    CHECK(drop_coincident_faces(sheet, true).back_sides == 2);
+    CHECK(sheet.triangles.size() == 2);
+}

@@ -225,7 +225,16 @@ TEST_CASE("Any set of faces becomes a closed chain") {
         std::vector<Triangle> all = m.triangles;
         for (const HoleFill& f : fills) all.insert(all.end(), f.triangles.begin(), f.triangles.end());
         CHECK(open_edges(all) == 0);
-        CHECK(open_edges(repair(m).solid->triangles) == 0);
+        CHECK(open_edges(repair(m, RepairMode::fill).solid->triangles) == 0);
+        try {
+            const RepairedMesh automatic = repair(m);
+            CHECK(open_edges(automatic.solid->triangles) == 0);
+        } catch (const InputError& error) {
+            CHECK_THAT(error.what(), Catch::Contains("--repair fill"));
+        }
+        RepairOptions thick;
+        thick.sheet_mm = 0.5;
+        CHECK(open_edges(repair_mesh(m, thick).solid->triangles) == 0);
     }
 }
 
