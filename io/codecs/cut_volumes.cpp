@@ -3,12 +3,15 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Polygon_mesh_processing/bbox.h>
 #include <CGAL/Polygon_mesh_processing/corefinement.h>
 #include <CGAL/Polygon_mesh_processing/orientation.h>
 #include <CGAL/Surface_mesh.h>
@@ -29,6 +32,8 @@ using Face = Mesh::Face_index;
 
 constexpr const char* source_of_faces = "f:source";
 constexpr std::int64_t wall = -1;
+/// By the body's size: a tenth of a micrometre on a body of 100 mm, far below a voxel.
+constexpr double least_growth = 1e-6;
 
 /// Of each face, the triangle of the body that it is of, or `wall`.
 Mesh::Property_map<Face, std::int64_t> sources(Mesh& mesh) {
@@ -73,11 +78,11 @@ public:
 private:
     static std::size_t size(const TriangleRange& range) { return range.last - range.first; }
 
-    [[noreturn]] void fail() const {
+    [[noreturn]] void fail(std::string_view why) const {
         throw InputError(fmt::format(
-            "{} has a negative volume, which is to be cut out of others, and one of them is not closed or crosses "
-            "itself; repair them, or let the slicer cut (boolean difference) and export the mesh",
-            model_));
+            "{} has a negative volume, which is to be cut out of others, and {}; repair them, or let the slicer cut "
+            "(boolean difference) and export the mesh",
+            model_, why));
     }
 
     Mesh mesh_of(const TriangleRange& range, bool is_body) const {
@@ -94,30 +99,60 @@ private:
             }
             if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
             const Face face = mesh.add_face(corners[0], corners[1], corners[2]);
-            if (face == Mesh::null_face()) fail();
+            if (face == Mesh::null_face()) fail("one of them has edges or corners where its faces do not fit together");
             if (is_body) source[face] = static_cast<std::int64_t>(t);
         }
-        if (mesh.number_of_faces() == 0 || !CGAL::is_closed(mesh)) fail();
+        if (mesh.number_of_faces() == 0 || !CGAL::is_closed(mesh)) fail("one of them is not closed");
         processing::orient_to_bound_a_volume(mesh);
         return mesh;
     }
 
+    /// What the tool leaves; nothing where that would be no surface in which two faces meet at each edge, as where a
+    /// wall is touched from within along a line.
+    std::optional<Mesh> subtract(Mesh body, Mesh tool) const {
+        Mesh result;
+        try {
+            if (!processing::corefine_and_compute_difference(
+                    body, tool, result, CGAL::parameters::visitor(KeepSources()).throw_on_self_intersection(true)))
+                return std::nullopt;
+        } catch (const processing::Corefinement::Self_intersection_exception&) {
+            fail("one of them crosses itself");
+        }
+        result.collect_garbage();
+        return result;
+    }
+
     Mesh difference(const TriangleRange& body, const std::vector<TriangleRange>& tools) const {
         Mesh left = mesh_of(body, true);
+        const CGAL::Bbox_3 box = processing::bbox(left);
+        const double size = std::hypot(box.x_span(), box.y_span(), box.z_span());
         for (const TriangleRange& range : tools) {
-            Mesh tool = mesh_of(range, false), result;
+            const Mesh tool = mesh_of(range, false);
             if (left.number_of_faces() == 0) break;
-            try {
-                if (!processing::corefine_and_compute_difference(
-                        left, tool, result, CGAL::parameters::visitor(KeepSources()).throw_on_self_intersection(true)))
-                    fail();
-            } catch (const processing::Corefinement::Self_intersection_exception&) {
-                fail();
+            std::optional<Mesh> result = subtract(left, tool);
+            for (const double by : {1.0, -1.0, 2.7, -2.7}) {
+                if (result) break;
+                result = subtract(left, grown(tool, by * least_growth * size));
             }
-            result.collect_garbage();
-            left = std::move(result);
+            if (!result) fail("where they touch one another, what would be left is no closed surface");
+            left = std::move(*result);
         }
         return left;
+    }
+
+    /// Larger on every side by about so much, along each axis by another part of it, so that what touched does no more.
+    static Mesh grown(Mesh tool, double by) {
+        const CGAL::Bbox_3 box = processing::bbox(tool);
+        const std::array<double, 3> share{1, 0.83, 1.19};
+        const auto moved = [&](double x, int axis) {
+            const double middle = (box.min(axis) + box.max(axis)) / 2, half = (box.max(axis) - box.min(axis)) / 2;
+            return half > 0 ? x + by * share[static_cast<std::size_t>(axis)] * (x - middle) / half : x;
+        };
+        for (const Mesh::Vertex_index v : tool.vertices()) {
+            const Kernel::Point_3& p = tool.point(v);
+            tool.point(v) = Kernel::Point_3(moved(p.x(), 0), moved(p.y(), 1), moved(p.z(), 2));
+        }
+        return tool;
     }
 
     /// The one colour of all corners of a body, if there is one and no picture.

@@ -21,8 +21,9 @@ struct VolumeCut {
 
 /// Replaces each body by what the tools leave of it, and takes the tools away. What is left of a triangle keeps its
 /// colours, interpolated; the walls of a cut have the body's colour where it has one only, else they are white, which
-/// is said. Numbers of triangles change. Throws InputError naming `model` where a volume is not closed or crosses
-/// itself.
+/// is said. A tool that touches a wall from within, so that what is left would be no surface, is taken larger by a
+/// millionth of the body. Numbers of triangles change. Throws InputError naming `model` where a volume is not closed or
+/// crosses itself.
 void cut_volumes(ModelParts& parts, const std::vector<VolumeCut>& cuts, const std::string& model);
 
 }  // namespace voxtone::io

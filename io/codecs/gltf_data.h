@@ -44,6 +44,9 @@ public:
     /// An accessor of unsigned scalars.
     [[nodiscard]] std::vector<std::uint32_t> indices(std::int64_t accessor) const;
     [[nodiscard]] std::size_t components(std::int64_t accessor) const { return accessor_at(accessor).components; }
+    [[nodiscard]] bool holds_floats(std::int64_t accessor) const {
+        return accessor_at(accessor).component_type == 5126;
+    }
     [[nodiscard]] std::span<const std::byte> view(std::int64_t index) const;
     /// The same of one that is not in `views`; `what` is for messages.
     [[nodiscard]] std::span<const std::byte> bytes_of(const GltfView& view, const std::string& what) const;

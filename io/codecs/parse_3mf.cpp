@@ -21,6 +21,7 @@
 #include "io/codecs/threemf_namespace.h"
 #include "io/codecs/threemf_part.h"
 #include "io/models/model_text.h"
+#include "io/models/painted_triangles.h"
 #include "io/models/slicer_roles.h"
 #include "io/models/threemf_package.h"
 
@@ -209,7 +210,7 @@ private:
                             object.type));
             return;
         }
-        note_other_shapes(object);
+        note_other_shapes(part, object);
         VolumeCut cut;
         for (const ThreemfReference& component : object.components) {
             const SlicerRole role = roles_.of(reference.object, component.object).role;
@@ -223,7 +224,14 @@ private:
     }
 
     /// What an object is of besides its triangles.
-    void note_other_shapes(const ThreemfObject& object) {
+    void note_other_shapes(const ThreemfPart& part, const ThreemfObject& object) {
+        if (!object.volume.empty() && !part.plain_volumes.contains(object.volume)) {
+            parts_.has_colour = true;
+            lose_colour(
+                fmt::format("{} gives colours by a volume (volumedata {}), which is not read: they are LOST. Export "
+                            "it with colours of vertices or a texture",
+                            context_.name(), printable(object.volume)));
+        }
         if (object.has_beams) {
             lose_colour(
                 fmt::format("{} has a beam lattice, which cannot be read: its beams are LOST. Export it as a mesh",
@@ -248,37 +256,77 @@ private:
         return *found;
     }
 
+    struct PlacedMesh {
+        std::uint32_t first_vertex;
+        std::size_t vertices;
+        bool mirrored;
+    };
+
     void add_mesh(const ThreemfPart& part, const ThreemfObject& object, const Eigen::Affine3d& transform,
                   const std::pair<std::uint32_t, std::uint32_t>& ids) {
         if (parts_.triangles.size() + object.triangles.size() > most_triangles ||
             parts_.positions.size() + object.vertices.size() > std::size_t{no_property})
             fail(fmt::format("its components add up to more than {} triangles", most_triangles));
         const auto first = static_cast<std::uint32_t>(parts_.positions.size());
-        for (const Eigen::Vector3d& vertex : object.vertices) parts_.positions.push_back(transform * vertex);
-        const bool mirrored = transform.linear().determinant() < 0;
+        const PaintedMesh painted = cut_painted(object);
+        for (const Eigen::Vector3d& vertex : painted.first.empty() ? object.vertices : painted.vertices)
+            parts_.positions.push_back(transform * vertex);
+        const PlacedMesh placed{first, parts_.positions.size() - first, transform.linear().determinant() < 0};
         std::size_t number = 0;
         VolumeCut cut;
         for (const SlicerSpan& span : roles_.spans(ids.first, ids.second, object.triangles.size())) {
             const std::size_t before = parts_.triangles.size();
             if (has_place(span.volume.role, ids.first, ids.second, number))
                 for (; number < span.end; ++number)
-                    add_triangle(part, object, object.triangles[number], {first, mirrored}, span.volume.extruder);
+                    add_pieces(part, object, number, painted, placed, span.volume.extruder);
             note_volume(cut, span.volume.role, before);
             number = span.end;
         }
         note_cut(std::move(cut));
     }
 
-    struct PlacedMesh {
-        std::uint32_t first_vertex;
-        bool mirrored;
-    };
+    /// Cut up where triangles are painted in parts and it is known in which colours; else empty.
+    PaintedMesh cut_painted(const ThreemfObject& object) const {
+        if (object.paint_in_parts.empty() || roles_.colours.empty()) return {};
+        const auto has_corner = [&](std::uint32_t corner) { return corner < object.vertices.size(); };
+        const bool in_order = std::ranges::all_of(
+            object.triangles, [&](const ThreemfTriangle& t) { return std::ranges::all_of(t.corners, has_corner); });
+        if (!in_order) return {};
+        std::vector<PaintInput> triangles;
+        for (const ThreemfTriangle& t : object.triangles)
+            triangles.push_back({{t.corners, t.paint.extruder}, {}, has_property(object, t)});
+        for (const auto& [number, paint] : object.paint_in_parts) triangles[number].paint = paint;
+        return cut_by_paint(object.vertices, triangles);
+    }
+
+    /// Of the model's own, which comes before what a slicer painted.
+    static bool has_property(const ThreemfObject& object, const ThreemfTriangle& t) {
+        const bool own = t.p[0] != no_property;
+        return (own && t.pid != no_property ? t.pid : object.pid) != no_property &&
+               (own ? t.p[0] : object.pindex) != no_property;
+    }
+
+    void add_pieces(const ThreemfPart& part, const ThreemfObject& object, std::size_t number,
+                    const PaintedMesh& painted, const PlacedMesh& placed, int extruder) {
+        ThreemfTriangle triangle = object.triangles[number];
+        if (!has_property(object, triangle)) {
+            painted_ += triangle.paint.extruder > 0 || triangle.paint.is_divided;
+            painted_otherwise_ += triangle.paint.is_divided && !object.paint_in_parts.contains(number);
+        }
+        if (painted.first.empty()) return add_triangle(part, object, triangle, placed, extruder);
+        const bool in_parts = object.paint_in_parts.contains(number);
+        for (std::size_t i = painted.first[number]; i < painted.first[number + 1]; ++i) {
+            triangle.corners = painted.pieces[i].corners;
+            if (in_parts) triangle.paint = {painted.pieces[i].extruder, false};
+            add_triangle(part, object, triangle, placed, extruder);
+        }
+    }
 
     void add_triangle(const ThreemfPart& part, const ThreemfObject& object, const ThreemfTriangle& triangle,
                       const PlacedMesh& placed, int extruder) {
         std::array<std::uint32_t, 3> corners = triangle.corners;
         for (const std::uint32_t corner : corners)
-            if (corner >= object.vertices.size())
+            if (corner >= placed.vertices)
                 fail(fmt::format("a triangle uses vertex {}, but its object has {}", corner, object.vertices.size()));
         std::array<std::uint32_t, 3> p{triangle.p[0], triangle.p[1] == no_property ? triangle.p[0] : triangle.p[1],
                                        triangle.p[2] == no_property ? triangle.p[0] : triangle.p[2]};
@@ -302,8 +350,6 @@ private:
 
     /// By which filament it is printed; what no extruder is named for is printed by the first.
     void note_filament(std::size_t t, const TrianglePaint& paint, int extruder) {
-        painted_ += paint.extruder > 0 || paint.is_divided;
-        painted_in_parts_ += paint.is_divided;
         if (roles_.colours.empty()) return;
         filament_.resize(t + 1, 0);
         filament_[t] = paint.extruder > 0 ? paint.extruder : static_cast<std::uint16_t>(std::max(extruder, 1));
@@ -317,12 +363,11 @@ private:
                             "colours are LOST. Export the model with colour groups or as OBJ or GLB",
                             context_.name(), counted(painted_, "triangle")));
         if (roles_.colours.empty() || (painted_ == 0 && !by_extruder_)) return;
-        if (painted_in_parts_ > 0)
-            lose_colour(
-                fmt::format("{} of {} painted triangles of {} are painted in parts, which is not read: each has the "
-                            "colour of most of it, the others are LOST. Export the model with colour groups or as OBJ "
-                            "or GLB",
-                            painted_in_parts_, painted_, context_.name()));
+        if (painted_otherwise_ > 0)
+            lose_colour(fmt::format(
+                "{} of {} painted triangles of {} are painted in a way that is not known: their colours are "
+                "LOST. Export the model with colour groups or as OBJ or GLB",
+                painted_otherwise_, painted_, context_.name()));
         for (std::size_t t = 0; t < filament_.size(); ++t)
             if (filament_[t] > 0) colour_by_extruder(t, filament_[t]);
         for (const std::size_t extruder : uncoloured_extruders_)
@@ -629,8 +674,8 @@ private:
     bool by_extruder_ = false;             ///< parts are told apart by the colours of their filaments
     std::vector<std::uint16_t> filament_;  ///< of triangles without a colour of their own, from 1; 0: none
     std::set<std::size_t> uncoloured_extruders_;
-    std::size_t painted_ = 0, painted_in_parts_ = 0;  ///< triangles
-    std::vector<VolumeCut> cuts_;                     ///< volumes of slicers that are cut out of others
+    std::size_t painted_ = 0, painted_otherwise_ = 0;  ///< triangles
+    std::vector<VolumeCut> cuts_;                      ///< volumes of slicers that are cut out of others
     std::set<std::tuple<std::uint32_t, std::uint32_t, std::size_t>> modifiers_;  ///< volumes that are no body
     std::vector<std::string> why_nothing_;                                       ///< why what is there is no body
 };

@@ -11,6 +11,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "io/codecs/side_files.h"
@@ -20,6 +21,11 @@
 #include "io/models/model_parts.h"
 
 namespace voxtone::io {
+
+/// Of a model that has them and no faces.
+inline constexpr std::string_view what_splats_are =
+    "Gaussian splats, which have no surface: export a mesh (GLB, OBJ, or PLY with faces) from the program that scanned "
+    "them";
 
 /// What is done elsewhere for the parsers.
 struct ParseHelp {

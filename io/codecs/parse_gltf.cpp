@@ -24,6 +24,7 @@
 #include "io/codecs/gltf_data.h"
 #include "io/codecs/meshopt_stream.h"
 #include "io/files/base64.h"
+#include "io/models/colour_range.h"
 #include "io/models/model_text.h"
 #include "io/models/weld.h"
 
@@ -134,6 +135,7 @@ public:
             read_material(item("materials", static_cast<std::int64_t>(m)));
         default_material_ = static_cast<std::uint32_t>(parts_.materials.size());
         parts_.materials.emplace_back().name = "(none)";
+        parts_.materials.back().opaque = true;  // section 3.9.6: alpha is not looked at
         material_uv_.emplace_back();
         cutoff_.push_back(-1);
         read_scene();
@@ -141,6 +143,7 @@ public:
             quanta_.resize(parts_.positions.size());
             close_cracks(parts_.positions, parts_.triangles, quanta_);
         }
+        settle_float_colours();
         report();
         return std::move(parts_);
     }
@@ -196,7 +199,7 @@ private:
                 name == "KHR_mesh_quantization" || name == "KHR_lights_punctual" || name == "EXT_texture_webp" ||
                 name == "KHR_texture_basisu" || name == "KHR_node_visibility" || name == "EXT_mesh_gpu_instancing" ||
                 name == "KHR_draco_mesh_compression" || name == "EXT_meshopt_compression" ||
-                name == "KHR_meshopt_compression" || name.starts_with("KHR_animation"))
+                name == "KHR_meshopt_compression" || name.starts_with("KHR_animation") || names_splats(name))
                 continue;
             const bool compressed = name.find("compress") != std::string::npos;
             throw InputError(fmt::format("{} cannot be read without the extension {}, which is not known here; {}",
@@ -404,6 +407,7 @@ private:
         factor = factor.cwiseMax(0).cwiseMin(1);
         material.rgb = factor.head<3>();
         material.alpha = factor.w();
+        has_shades_ |= (material.rgb.array() > 0 && material.rgb.array() < 1).any();
         if (material.rgb != Eigen::Vector3f::Ones()) parts_.has_colour = true;
         if (const Json& info = object(pbr, old ? "diffuseTexture" : "baseColorTexture"); !info.empty()) {
             parts_.has_colour = true;
@@ -786,6 +790,10 @@ private:
         const std::string what = fmt::format("primitive {} of mesh {}", number, mesh);
         if (!primitive.is_object()) fail(fmt::format("{} is no object", what));
         const Json& attributes = object(primitive, "attributes");
+        if (holds_splats(primitive)) {
+            ++splats_;
+            return;
+        }
         const std::int64_t position = integer(attributes, "POSITION", -1);
         if (position == -1) return;
         const std::vector<float> xyz = data_.floats(position, 3);
@@ -795,29 +803,26 @@ private:
 
         const std::int64_t material_index = integer(primitive, "material", -1);
         if (material_index != -1) (void)item("materials", material_index);
-        const std::uint32_t material =
-            material_index == -1 ? default_material_ : static_cast<std::uint32_t>(material_index);
-        const MaterialUv& lay = material_uv_[material];
-        std::vector<float> uv, rgba;
-        std::size_t channels = 4;
+        std::uint32_t material = material_index == -1 ? default_material_ : static_cast<std::uint32_t>(material_index);
+        if (material_index == -1) lose_variants(primitive, what);
+        std::vector<float> uv;
         if (parts_.materials[material].image >= 0) {
-            const std::int64_t accessor = integer(attributes, fmt::format("TEXCOORD_{}", lay.set).c_str(), -1);
+            const std::int64_t set = material_uv_[material].set,
+                               accessor = integer(attributes, fmt::format("TEXCOORD_{}", set).c_str(), -1);
             if (accessor != -1)
                 uv = data_.floats(accessor, 2);
             else
                 parts_.lose_colour(
-                    fmt::format("In {}, {} has a texture but no coordinates TEXCOORD_{}: its corner (0, 0) was taken "
-                                "everywhere, colours are LOST.",
-                                context_.name(), what, lay.set));
-        }
-        if (const std::int64_t accessor = integer(attributes, "COLOR_0", -1); accessor != -1) {
-            channels = data_.components(accessor) == 3 ? 3 : 4;
-            rgba = data_.shares(accessor, channels);
-            parts_.has_colour = true;
+                    fmt::format("In {}, {} has a texture but no coordinates TEXCOORD_{}, so that it cannot be laid on "
+                                "the surface: its colours are LOST and the material's own colour is used.",
+                                context_.name(), what, set));
+            if (accessor == -1) material = without_picture(material);
         }
         report_other_colours(attributes, what, parts_.materials[material].image >= 0);
-        if ((!uv.empty() && uv.size() / 2 < vertices) || (!rgba.empty() && rgba.size() / channels < vertices))
-            fail(fmt::format("{} has fewer texture coordinates or colours than vertices", what));
+        if (!uv.empty() && uv.size() / 2 < vertices)
+            fail(fmt::format("{} has fewer texture coordinates than vertices", what));
+        const std::vector<std::array<std::uint32_t, 3>> triangles = triangles_of(primitive, vertices);
+        const Colours colours = colours_of(attributes, what, vertices, triangles.size());
 
         const auto first = static_cast<std::uint32_t>(parts_.positions.size());
         for (const Eigen::Vector3d& place : placed_vertices(primitive, xyz, transform, pose))
@@ -825,7 +830,9 @@ private:
         const Eigen::Affine3d& turned = pose.joints.empty() ? transform : pose.joints.front();
         note_quantum(mesh, number, first, turned);
         const bool mirrored = turned.linear().determinant() < 0;
-        for (std::array<std::uint32_t, 3> corners : triangles_of(primitive, vertices)) {
+        const MaterialUv lay = material_uv_[material];
+        const std::size_t first_triangle = parts_.triangles.size();
+        for (std::array<std::uint32_t, 3> corners : triangles) {
             if (mirrored) std::swap(corners[1], corners[2]);
             const std::size_t t =
                 parts_.add_triangle({first + corners[0], first + corners[1], first + corners[2]}, material);
@@ -837,16 +844,117 @@ private:
                 }
                 parts_.set_uv(t, here);
             }
-            if (!rgba.empty()) {
+            if (!colours.values.empty()) {
                 std::array<Eigen::Vector4f, 3> here;
                 for (int c = 0; c < 3; ++c) {
-                    const float* colour = rgba.data() + channels * corners[c];
-                    const float alpha = channels == 4 && cutoff_[material] < 0 ? colour[3] : 1.0f;
+                    const std::size_t at = colours.of_faces ? t - first_triangle : corners[c];
+                    const float* colour = colours.values.data() + colours.channels * at;
+                    const float alpha = colours.channels == 4 && cutoff_[material] < 0 ? colour[3] : 1.0f;
                     here[c] = {colour[0], colour[1], colour[2], alpha};
                 }
                 parts_.set_rgba(t, here);
             }
         }
+        if (colours.floats && !colours.values.empty())
+            float_colours_.emplace_back(first_triangle, parts_.triangles.size());
+    }
+
+    /// COLOR_0 of a primitive.
+    struct Colours {
+        std::vector<float> values;  ///< empty: none
+        std::size_t channels = 4;
+        bool of_faces = false, floats = false;
+    };
+
+    Colours colours_of(const Json& attributes, const std::string& what, std::size_t vertices, std::size_t faces) {
+        Colours colours;
+        const std::int64_t accessor = integer(attributes, "COLOR_0", -1);
+        if (accessor == -1) return colours;
+        parts_.has_colour = has_vertex_colours_ = true;
+        colours.channels = data_.components(accessor) == 3 ? 3 : 4;
+        colours.values = data_.shares(accessor, colours.channels);
+        colours.floats = data_.holds_floats(accessor);
+        const std::size_t count = colours.values.size() / colours.channels;
+        if (count == vertices) return colours;
+        colours.of_faces = count == faces;
+        if (colours.of_faces) {
+            warn(
+                named_warning("which-colour",
+                              fmt::format("In {}, {} has {} colours for {} vertices, as many as faces, which glTF does "
+                                          "not know (VTK writes it): they were taken as the faces'.",
+                                          context_.name(), what, count, vertices)));
+            return colours;
+        }
+        colours.values.clear();
+        parts_.lose_colour(fmt::format(
+            "In {}, {} has {} colours for {} vertices, so that nobody knows which is whose: they are LOST. Export it "
+            "again.",
+            context_.name(), what, count, vertices));
+        return colours;
+    }
+
+    /// Floats go by the same rule as in other formats (io/models/colour_range.h), but are linear.
+    void settle_float_colours() {
+        double most = 0, most_alpha = 0;
+        bool whole = true;
+        const auto for_each_colour = [&](const auto& visit) {
+            for (const auto& [first, last] : float_colours_)
+                for (std::size_t t = first; t < last; ++t)
+                    for (Eigen::Vector4f& rgba : parts_.corner_rgba[t]) visit(rgba);
+        };
+        for_each_colour([&](const Eigen::Vector4f& rgba) {
+            if (!rgba.allFinite()) return;
+            most = std::max(most, static_cast<double>(rgba.head<3>().maxCoeff()));
+            most_alpha = std::max(most_alpha, static_cast<double>(rgba.w()));
+            whole &= rgba.head<3>() == Eigen::Vector3f(rgba.head<3>().array().floor());
+        });
+        const double range = colour_range(most, ColourNumbers::reals, whole);
+        if (range == 1) return;
+        const double of_alpha = colour_range(most_alpha, ColourNumbers::reals) == 1 ? 1 : range;
+        for_each_colour([&](Eigen::Vector4f& rgba) {
+            rgba.head<3>() /= static_cast<float>(range);
+            rgba.w() /= static_cast<float>(of_alpha);
+        });
+        warn(named_warning("colour-range",
+                           fmt::format("The vertex colours of {} go up to {:g}: they were taken as of 0 to {:.0f}.",
+                                       context_.name(), most, range)));
+    }
+
+    /// The same material for what has no coordinates to lay its picture by.
+    std::uint32_t without_picture(std::uint32_t material) {
+        const auto [known, is_new] =
+            without_picture_.try_emplace(material, static_cast<std::uint32_t>(parts_.materials.size()));
+        if (!is_new) return known->second;
+        PartMaterial plain = parts_.materials[material];
+        plain.image = -1;
+        parts_.materials.push_back(std::move(plain));
+        material_uv_.emplace_back();
+        cutoff_.push_back(cutoff_[material]);
+        return known->second;
+    }
+
+    /// Of a primitive without a material that has some in variants (KHR_materials_variants).
+    void lose_variants(const Json& primitive, const std::string& what) {
+        const Json& mappings = array(object(object(primitive, "extensions"), "KHR_materials_variants"), "mappings");
+        if (mappings.empty()) return;
+        std::vector<std::string> names;
+        for (const Json& variant : array(object(object(root_, "extensions"), "KHR_materials_variants"), "variants"))
+            if (variant.is_object()) names.push_back("'" + printable(text(variant, "name")) + "'");
+        parts_.has_colour = true;
+        parts_.lose_colour(
+            fmt::format("In {}, {} has no material of its own but those of variants ({}), none of which is the one to "
+                        "print: its colours are LOST. Choose one and export it as the material.",
+                        context_.name(), what, fmt::join(names, ", ")));
+    }
+
+    static bool names_splats(std::string_view name) { return name.find("gaussian_splat") != name.npos; }
+
+    static bool holds_splats(const Json& primitive) {
+        for (const auto& [name, extension] : object(primitive, "extensions").items())
+            if (names_splats(name)) return true;
+        for (const auto& [name, accessor] : object(primitive, "attributes").items())
+            if (lower_case(name).find("gaussian_splat") != std::string::npos) return true;
+        return false;
     }
 
     /// Colours that are none by the standard: COLOR_1, _COLOR and their like.
@@ -864,7 +972,33 @@ private:
         }
     }
 
+    /// Programs that write colours in a way of their own, by the name that they leave.
+    void report_generator() {
+        const std::string generator = text(object(root_, "asset"), "generator");
+        if (generator.starts_with("Khronos glTF Blender I/O v3.4.") && has_vertex_colours_)
+            warn(named_warning(
+                "which-colour",
+                fmt::format("{} was written by Blender 3.4, which mixes up colours of face corners in glTF: look at "
+                            "OUT/target.glb. If they are wrong, export OBJ or PLY, or convert the colour attribute to "
+                            "the domain Vertex first.",
+                            context_.name())));
+        const bool by_vtk = generator.find("VTK") != generator.npos,
+                   by_obj2gltf = generator.find("obj2gltf") != generator.npos;
+        if ((by_vtk && (has_vertex_colours_ || has_shades_)) || (by_obj2gltf && has_shades_))
+            warn(named_warning(
+                "which-colour",
+                fmt::format("{} was written by {}, which puts sRGB codes where glTF has linear light: its colours come "
+                            "out paler than they were. Give the {}.",
+                            context_.name(), by_vtk ? "VTK" : "obj2gltf",
+                            by_vtk ? "model as PLY, where codes are meant" : "OBJ itself")));
+    }
+
     void report() {
+        report_generator();
+        if (splats_ && !parts_.triangles.empty())
+            warn(named_warning("no-volume",
+                               fmt::format("{} has {}, which have no surface and are left aside.", context_.name(),
+                                           counted(splats_, "set") + " of Gaussian splats")));
         if (!others_.empty())
             warn(named_warning(
                 "which-colour",
@@ -897,7 +1031,8 @@ private:
         for (const std::string& warning : context_.side_file_warnings()) warn(warning);
         context_.expect_faces(
             parts_,
-            {points_and_lines_ ? "points or lines, which have no volume: make a mesh of them in a mesh editor" : "",
+            {splats_ ? std::string(what_splats_are) : "",
+             points_and_lines_ ? "points or lines, which have no volume: make a mesh of them in a mesh editor" : "",
              hidden_ ? "hidden nodes (KHR_node_visibility): show what is to be printed and export it again" : ""});
     }
 
@@ -916,7 +1051,10 @@ private:
     std::map<std::int64_t, Eigen::Affine3d> placed_;
     std::vector<std::string> glowing_;  ///< materials that have a colour, too
     std::set<std::string> others_;      ///< attributes that are colours and were not read
-    std::size_t points_and_lines_ = 0, skinned_ = 0, hidden_ = 0;
+    std::size_t points_and_lines_ = 0, skinned_ = 0, hidden_ = 0, splats_ = 0;
+    std::map<std::uint32_t, std::uint32_t> without_picture_;          ///< materials by materials
+    std::vector<std::pair<std::size_t, std::size_t>> float_colours_;  ///< triangles, from and up to
+    bool has_vertex_colours_ = false, has_shades_ = false;  ///< colours that are no corner of the cube, in materials
 };
 
 }  // namespace

@@ -21,6 +21,7 @@
 #include "io/models/obj_file.h"
 #include "io/models/udim.h"
 #include "io/pictures/srgb_code.h"
+#include "optics/colour/colour.h"
 
 namespace voxtone::io {
 
@@ -61,7 +62,9 @@ public:
         for (const std::string& line : file_.libraries) read_libraries(line);
         if (file_.libraries.empty() && file_.materials.size() > 1) take_library_beside();
         settle_vertex_colours();
-        for (const std::string& name : file_.materials) found_.push_back(in_library(name));
+        for (std::size_t n = 0; n < file_.materials.size(); ++n)
+            found_.push_back(in_libraries(file_.materials[n], file_.libraries_before[n]));
+        join_uses();
         find_tiles();
         white_.resize(parts_.positions.size());
         for (const ObjFace& face : file_.faces) add(face);
@@ -74,13 +77,18 @@ private:
     /// Of a material of the library, as one kind of face shows it.
     enum class Shown : char { as_it_is, vertex_colours, plain };
 
+    /// Where there is one of that name, it is of the line that is read.
     bool read_library(const std::string& file) {
-        if (const auto known = libraries_.find(file); known != libraries_.end()) return known->second;
+        const auto [known, is_new] = libraries_.try_emplace(file);
+        if (!is_new) {
+            if (known->second) of_lines_.back().push_back(file);
+            return known->second.has_value();
+        }
         const auto bytes = context_.read_side_file(file);
-        libraries_[file] = bytes.has_value();
         if (!bytes) return false;
-        // Within a file the last counts, as in most programs; of several files the first (MTL's own rule).
-        std::map<std::string, MtlMaterial> materials;
+        of_lines_.back().push_back(file);
+        // Within a file the last counts, as in most programs.
+        Library& materials = known->second.emplace();
         for (MtlMaterial& material : parse_mtl(model_text(*bytes))) {
             const std::string name = material.name;
             if (!materials.insert_or_assign(name, std::move(material)).second)
@@ -89,12 +97,12 @@ private:
                     fmt::format("The library '{}' has the material '{}' several times; the last was taken.",
                                 printable(file), printable(name))));
         }
-        library_.merge(materials);
         return true;
     }
 
     /// One name with blanks in it, or several.
     void read_libraries(std::string_view line) {
+        of_lines_.emplace_back();
         const std::string_view whole = trimmed(line);
         if (whole.empty() || said_missing_.contains(std::string(whole))) return;
         // What is no file by one reading is not missing where it is one by another.
@@ -123,6 +131,7 @@ private:
     /// Where the model names none: the one that is called as it is.
     void take_library_beside() {
         const std::string name = context_.name().substr(0, context_.name().rfind('.')) + ".mtl";
+        of_lines_.emplace_back();
         if (read_library(name))
             warn(named_warning("side-file",
                                fmt::format("{} has materials and names no library for them; '{}' beside it was taken.",
@@ -135,15 +144,51 @@ private:
                             context_.name())));
     }
 
+    /// Files, in the order in which a name that was used behind so many of the file's lines is looked for in them: of
+    /// the line before it, of those before that, of those behind it. Of a line the first counts (MTL's own rule).
+    std::vector<std::string> libraries_for(std::size_t lines) const {
+        std::vector<std::string> files;
+        const auto add = [&](std::size_t line) {
+            for (const std::string& file : of_lines_[line])
+                if (std::ranges::find(files, file) == files.end()) files.push_back(file);
+        };
+        lines = std::min(lines, of_lines_.size());
+        for (std::size_t line = lines; line-- > 0;) add(line);
+        for (std::size_t line = lines; line < of_lines_.size(); ++line) add(line);
+        return files;
+    }
+
     /// By the name as it is written, without comment and quotes, or in other upper and lower case.
-    const MtlMaterial* in_library(const std::string& name) const {
+    const MtlMaterial* in_libraries(const std::string& name, std::size_t lines_before) {
+        const std::vector<std::string> files = libraries_for(lines_before);
+        for (const std::string& reading : readings(name)) {
+            const MtlMaterial* found = nullptr;
+            for (const std::string& file : files) {
+                const Library& library = *libraries_.at(file);
+                const auto there = library.find(reading);
+                if (there == library.end()) continue;
+                if (!found)
+                    found = &there->second;
+                else if (!look_alike(*found, there->second))
+                    ambiguous_.insert(reading);
+            }
+            if (found) return found;
+        }
         for (const std::string& reading : readings(name))
-            if (const auto found = library_.find(reading); found != library_.end()) return &found->second;
-        for (const std::string& reading : readings(name))
-            for (const auto& [key, material] : library_)
-                for (const std::string& of_key : readings(key))
-                    if (lower_case(of_key) == lower_case(reading)) return &material;
+            for (const std::string& file : files)
+                for (const auto& [key, material] : *libraries_.at(file))
+                    for (const std::string& of_key : readings(key))
+                        if (lower_case(of_key) == lower_case(reading)) return &material;
         return nullptr;
+    }
+
+    /// Uses of a name in several places, of the same material, are one.
+    void join_uses() {
+        std::map<std::pair<std::string, const MtlMaterial*>, std::uint32_t> first;
+        std::vector<std::uint32_t> to;
+        for (std::uint32_t n = 0; n < file_.materials.size(); ++n)
+            to.push_back(first.try_emplace({file_.materials[n], found_[n]}, n).first->second);
+        for (ObjFace& face : file_.faces) face.material = to[face.material];
     }
 
     /// Where alpha and weight stand is the same for all.
@@ -154,7 +199,7 @@ private:
             colours.value.assign(vertices, no_colour());
             for (std::size_t i = 0; i < std::min(vertices, file_.polypaint.size()); ++i)
                 for (int c = 0; c < 3; ++c) colours.value[i][c] = file_.polypaint[i] >> (16 - 8 * c) & 0xff;
-            rgba_ = settled_colours(colours, "vertex", context_.name(), parts_.warnings);
+            rgba_ = settled_colours(colours, "vertex", context_.name(), parts_.warnings, &parts_.lost_colours);
         } else if (std::ranges::any_of(file_.extras, [](const ObjVertexExtra& e) { return e.count >= 3; })) {
             file_.extras.resize(vertices);
             place_extras();
@@ -179,7 +224,7 @@ private:
                 colour[static_cast<Eigen::Index>(c)] = static_cast<double>(e.value[first + c]);
             colours.has_alpha = colours.has_alpha || e.count > first + 3;
         }
-        rgba_ = settled_colours(colours, "vertex", context_.name(), parts_.warnings);
+        rgba_ = settled_colours(colours, "vertex", context_.name(), parts_.warnings, &parts_.lost_colours);
     }
 
     /// Of its corners, as the material lays them; empty where a corner has none.
@@ -252,7 +297,7 @@ private:
 
     void use(const MtlMaterial& mtl, Shown shown, const std::string& map, PartMaterial& made) {
         made.alpha = mtl.opacity;
-        if (mtl.kd) parts_.has_colour = true;
+        if (mtl.kd && mtl.kd->minCoeff() < 1) parts_.has_colour = true;  // else white, which many write by default
         if (mtl.has_opacity_map)
             warn(named_warning(
                 "transparent",
@@ -260,13 +305,14 @@ private:
                             mtl.name)));
         if (!map.empty()) parts_.has_colour = true;
         if (!map.empty() && shown == Shown::as_it_is) {
-            made.image = image(map);
+            made.image = ranged(image(map), mtl);
             made.wrap_u = made.wrap_v = mtl.map_clamp ? Wrap::decal : Wrap::repeat;
             if (!mtl.map_from.empty())
                 warn(named_warning("which-colour",
                                    fmt::format("The material '{}' has no map_Kd; its {} was taken for its colours.",
                                                mtl.name, mtl.map_from)));
         }
+        if (map.empty() && shown != Shown::vertex_colours) lose_unknown_maps(mtl);
         if (!mtl.kd && !mtl.unread_kd.empty() && made.image < 0 && shown != Shown::vertex_colours)
             parts_.lose_colour(fmt::format(
                 "The material '{}' has the Kd '{}', which is no red, green and blue: its colour is LOST. Export the "
@@ -295,6 +341,42 @@ private:
         for (const std::string& name : names)
             if (context_.finds(name)) return context_.add_image_file(parts_, name, context_.decode_options());
         return context_.add_image_file(parts_, names.empty() ? file : names.front(), context_.decode_options());
+    }
+
+    /// What is called otherwise than by MTL's names may be the colours, where there is such a picture.
+    void lose_unknown_maps(const MtlMaterial& mtl) {
+        for (const auto& [statement, file] : mtl.unknown_maps) {
+            const std::vector<std::string> names = readings(file);
+            if (std::ranges::none_of(names, [&](const std::string& name) { return context_.finds(name); })) continue;
+            parts_.has_colour = true;
+            parts_.lose_texture(fmt::format(
+                "The material '{}' has the picture '{}' by the name of {}, which is not known, and no map_Kd: "
+                "if it holds the colours, they are LOST. Call it map_Kd.",
+                printable(mtl.name), printable(file), printable(statement)));
+        }
+    }
+
+    /// The picture with the range of values that the material gives it (-mm); -1 stays.
+    std::int32_t ranged(std::int32_t plain, const MtlMaterial& mtl) {
+        if (plain < 0 || (mtl.map_base == 0 && mtl.map_gain == 1)) return plain;
+        const auto [known, is_new] =
+            ranged_.try_emplace({plain, mtl.map_base, mtl.map_gain}, static_cast<std::int32_t>(parts_.images.size()));
+        if (!is_new) return known->second;
+        DecodedImage image = parts_.images[static_cast<std::size_t>(plain)];
+        const auto changed = [&](double code) {
+            return std::clamp(static_cast<double>(mtl.map_base) + static_cast<double>(mtl.map_gain) * code, 0.0, 1.0);
+        };
+        for (std::size_t i = 0; i < image.texels.srgb8.size(); ++i)
+            if (i % 4 != 3)
+                image.texels.srgb8[i] =
+                    static_cast<std::uint8_t>(std::lround(changed(image.texels.srgb8[i] / 255.0) * 255));
+        for (std::size_t i = 0; i < image.texels.linear16.size(); ++i)
+            if (i % 4 != 3)
+                image.texels.linear16[i] = static_cast<std::uint16_t>(std::lround(
+                    optics::srgb_decode(changed(optics::srgb_encode(image.texels.linear16[i] / 65535.0))) * 65535));
+        parts_.images.push_back(std::move(image));
+        parts_.image_names.push_back(parts_.image_names[static_cast<std::size_t>(plain)]);
+        return known->second;
     }
 
     void warn(std::string sentence) {
@@ -351,7 +433,7 @@ private:
             used_ = true;
         else
             unknown_.insert(face.material);
-        for (const auto& triangle : polygon_triangles(outline, context_.name())) {
+        for (const auto& triangle : polygon_triangles(outline, context_.name(), true)) {
             const auto vertex = [&](std::size_t c) { return static_cast<std::uint32_t>(corners[triangle[c]].vertex); };
             const std::size_t t = parts_.add_triangle({vertex(0), vertex(1), vertex(2)}, m);
             if (!uv.empty()) parts_.set_uv(t, {uv[triangle[0]], uv[triangle[1]], uv[triangle[2]]});
@@ -366,7 +448,10 @@ private:
     }
 
     void say_what_was_lost() {
-        const bool coloured = std::ranges::any_of(library_, [](const auto& m) { return has_colour(m.second); });
+        const bool coloured = std::ranges::any_of(libraries_, [](const auto& library) {
+            return library.second &&
+                   std::ranges::any_of(*library.second, [](const auto& m) { return has_colour(m.second); });
+        });
         if (coloured && !used_ && !file_.faces.empty())
             parts_.lose_colour(fmt::format(
                 "{} uses none of the materials in its library: their colours are LOST. Look at the names behind usemtl "
@@ -379,6 +464,14 @@ private:
                         "{} uses the material '{}', which its library does not have: its colour is LOST. Look at the "
                         "names behind usemtl and newmtl, or export it again.",
                         context_.name(), printable(file_.materials[name])));
+        if (!ambiguous_.empty())
+            warn(named_warning(
+                "which-colour",
+                fmt::format(
+                    "Several libraries of {} have the material '{}'{}, and not alike: where it is used, that of "
+                    "the library named last before was taken.",
+                    context_.name(), printable(*ambiguous_.begin()),
+                    ambiguous_.size() > 1 ? fmt::format(" and {} more", ambiguous_.size() - 1) : "")));
         for (const auto& [name, faces] : without_coordinates_)
             parts_.lose_colour(fmt::format(
                 "{} faces of {} have the material '{}' with a texture and no texture coordinates: its colours are LOST "
@@ -422,8 +515,11 @@ private:
     ModelParts parts_;
     std::vector<Eigen::Vector4f> rgba_;      ///< per vertex, linear; not a number where it has none; or empty
     std::vector<const MtlMaterial*> found_;  ///< of the names; null: the library has none
-    std::map<std::string, MtlMaterial> library_;
-    std::map<std::string, bool> libraries_;  ///< whether there is one of that name
+    using Library = std::map<std::string, MtlMaterial>;
+    std::map<std::string, std::optional<Library>> libraries_;  ///< by file; nothing where there is none of that name
+    std::vector<std::vector<std::string>> of_lines_;  ///< files that a line of the model names and that are there
+    std::set<std::string> ambiguous_;                 ///< materials that several libraries have, and not alike
+    std::map<std::tuple<std::int32_t, float, float>, std::int32_t> ranged_;  ///< images by image, base and gain
     std::set<std::string> said_missing_;
     std::vector<std::string> marked_;  ///< of the names: the texture's with a mark, where it is cut into tiles
     std::map<std::tuple<std::uint32_t, Shown, std::optional<UvTile>>, std::uint32_t> made_;

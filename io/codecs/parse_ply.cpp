@@ -239,7 +239,7 @@ private:
 
     void settle_colours() {
         const auto settle = [&](const FileColours& colours, const char* whose) {
-            return settled_colours(colours, whose, context_.name(), parts_.warnings);
+            return settled_colours(colours, whose, context_.name(), parts_.warnings, &parts_.lost_colours);
         };
         of_vertices_ = settle(vertex_colours_, "vertex");
         of_faces_ = settle(face_colours_, "face");
@@ -306,7 +306,7 @@ private:
         const auto m = static_cast<std::uint32_t>(textured ? page : pages_);
         const bool picture = textured && coordinates && parts_.materials[m].image >= 0;
         const bool coloured = !picture && (by_face_ || !of_vertices_.empty());
-        for (const auto& triangle : polygon_triangles(outline, context_.name())) {
+        for (const auto& triangle : polygon_triangles(outline, context_.name(), true)) {
             const std::array<std::uint32_t, 3> corner{vertex[triangle[0]], vertex[triangle[1]], vertex[triangle[2]]};
             const std::size_t t = parts_.add_triangle(corner, m);
             if (coordinates) {
@@ -339,7 +339,9 @@ private:
                 "no-volume", fmt::format("{} has {} points or lines; they have no volume and are left aside.",
                                          context_.name(), points_and_lines_)));
         for (const std::string& warning : context_.side_file_warnings()) parts_.warnings.push_back(warning);
-        context_.expect_faces(parts_, {parts_.positions.empty() && !points_and_lines_
+        const bool splats = std::ranges::any_of(header_.elements, ply_holds_splats);
+        context_.expect_faces(parts_, {splats ? std::string(what_splats_are)
+                                       : parts_.positions.empty() && !points_and_lines_
                                            ? ""
                                            : "points or lines, which have no volume: make a mesh of them (MeshLab or "
                                              "CloudCompare do)"});
@@ -359,8 +361,28 @@ private:
     std::size_t pages_ = 0, without_page_ = 0, points_and_lines_ = 0;
 };
 
+/// assimp 5 writes colours as floats where its header says bytes.
+bool is_broken_by_assimp(std::span<const std::byte> bytes) {
+    constexpr std::size_t header = 4096;
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), header));
+    const std::string_view before = text.substr(0, text.find("end_header"));
+    return before.find("Open Asset Import Library") != before.npos && before.find("format binary") != before.npos &&
+           before.find("uchar red") != before.npos;
+}
+
 }  // namespace
 
-ModelParts parse_ply(ParseContext& context) { return PlyParser(context).parse(); }
+ModelParts parse_ply(ParseContext& context) {
+    try {
+        return PlyParser(context).parse();
+    } catch (const InputError&) {
+        if (!is_broken_by_assimp(context.bytes())) throw;
+        throw InputError(fmt::format(
+            "{} was written by assimp as binary PLY, whose colours are of another size there than its header "
+            "says, so that it cannot be read, and would not be if it were exported again: write it as text "
+            "PLY (-fply), OBJ or GLB",
+            context.name()));
+    }
+}
 
 }  // namespace voxtone::io

@@ -137,6 +137,14 @@ std::vector<PlyRole> ply_roles(const PlyElement& element) {
     return roles;
 }
 
+bool ply_holds_splats(const PlyElement& element) {
+    const auto has = [&](std::string_view name) {
+        return std::ranges::any_of(element.properties, [&](const PlyProperty& p) { return p.name == name; });
+    };
+    return (has("scale_0") && has("rot_0")) || (has("f_dc_0") && (has("opacity") || has("scale_0"))) ||
+           (has("packed_rotation") && has("packed_scale"));
+}
+
 std::string ply_unread_colour(const PlyElement& element) {
     if (std::ranges::count(ply_roles(element), PlyRole::red) > 0) return {};
     for (const PlyProperty& p : element.properties) {

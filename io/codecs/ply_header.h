@@ -50,6 +50,8 @@ enum class PlyRole : char { none, red, green, blue, alpha, x, y, z, u, v, corner
 /// Of an element's properties. Where there are several kinds of colours one is taken: plain ones before diffuse ones,
 /// and those before ambient ones.
 [[nodiscard]] std::vector<PlyRole> ply_roles(const PlyElement& element);
+/// Whether its items are Gaussian splats, plain or as PlayCanvas packs them.
+[[nodiscard]] bool ply_holds_splats(const PlyElement& element);
 /// A property that is a colour by its name where ply_roles finds none; empty: there is none.
 [[nodiscard]] std::string ply_unread_colour(const PlyElement& element);
 

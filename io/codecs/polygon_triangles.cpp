@@ -154,12 +154,7 @@ std::optional<Triangles> constrained(const Outline& outline) {
     return triangles;
 }
 
-}  // namespace
-
-std::vector<std::array<std::uint32_t, 3>> polygon_triangles(std::span<const Eigen::Vector3d> corners,
-                                                            std::string_view file) {
-    VOXTONE_EXPECT(corners.size() >= 3);
-    if (corners.size() == 3) return {{0, 1, 2}};
+Triangles cut(std::span<const Eigen::Vector3d> corners, std::string_view file) {
     const bool finite = std::ranges::all_of(corners, [](const Eigen::Vector3d& c) { return c.allFinite(); });
     if (!finite) return without_inside(corners.size());
     const Outline outline = flattened(corners);
@@ -171,6 +166,33 @@ std::vector<std::array<std::uint32_t, 3>> polygon_triangles(std::span<const Eige
                         file, corners.size(), most_corners));
     std::optional<Triangles> triangles = constrained(outline);
     return triangles && !triangles->empty() ? std::move(*triangles) : without_inside(corners.size());
+}
+
+bool lies_before(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+}
+
+}  // namespace
+
+std::vector<std::array<std::uint32_t, 3>> polygon_triangles(std::span<const Eigen::Vector3d> corners,
+                                                            std::string_view file, bool by_place) {
+    VOXTONE_EXPECT(corners.size() >= 3);
+    const std::size_t n = corners.size();
+    if (n == 3) return {{0, 1, 2}};
+    if (!by_place) return cut(corners, file);
+    // From the corner that lies first towards the neighbour that does, so that a face and its back side are cut alike.
+    const auto first = static_cast<std::size_t>(std::ranges::min_element(corners, lies_before) - corners.begin());
+    const bool turned = lies_before(corners[(first + n - 1) % n], corners[(first + 1) % n]);
+    const auto at = [&](std::size_t i) { return (first + (turned ? n - i : i)) % n; };
+    std::vector<Eigen::Vector3d> ordered;
+    ordered.reserve(n);
+    for (std::size_t i = 0; i < n; ++i) ordered.push_back(corners[at(i)]);
+    Triangles triangles = cut(ordered, file);
+    for (auto& triangle : triangles) {
+        for (std::uint32_t& corner : triangle) corner = static_cast<std::uint32_t>(at(corner));
+        if (turned) std::swap(triangle[1], triangle[2]);
+    }
+    return triangles;
 }
 
 }  // namespace voxtone::io

@@ -18,8 +18,11 @@
 namespace voxtone::io {
 
 /// Triangles by corners of the polygon, in its sense of turning; at least three corners. `file` is what errors name.
+/// `by_place`: where the corners lie decides how it is cut, and not which comes first, so that a polygon and its back
+/// side are cut alike.
 /// Throws InputError for one of more than 50,000 corners that is not convex, which would take more than some seconds.
 [[nodiscard]] std::vector<std::array<std::uint32_t, 3>> polygon_triangles(std::span<const Eigen::Vector3d> corners,
-                                                                          std::string_view file = "a model");
+                                                                          std::string_view file = "a model",
+                                                                          bool by_place = false);
 
 }  // namespace voxtone::io

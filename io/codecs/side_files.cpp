@@ -145,7 +145,8 @@ std::vector<std::string> other_readings(std::string_view name) {
     std::string unescaped;
     for (std::size_t i = 0; i < plain.size(); ++i)
         if (!(plain[i] == '\\' && i + 1 < plain.size() && plain[i + 1] == ' ')) unescaped += plain[i];
-    return {std::string(plain), unescaped, decode_uri(plain)};
+    const std::string_view without_end = trim(plain.substr(0, plain.find_last_not_of(";,") + 1));
+    return {std::string(plain), unescaped, decode_uri(plain), std::string(without_end)};
 }
 
 }  // namespace
@@ -170,6 +171,9 @@ std::optional<fs::path> SideFiles::find(std::string_view name) {
                                                                    model_, printable(name), printable(other))));
     }
     if (!result) result = find_elsewhere(name);
+    if (!result) result = find_last_part(name);
+    for (const std::string& other : other_readings(name))
+        if (!result) result = find_last_part(other);
     return found_[std::string(name)] = result;
 }
 
@@ -252,6 +256,18 @@ std::optional<fs::path> SideFiles::find_elsewhere(std::string_view name) {
             "side-file", fmt::format("{} names the file '{}', which is not beside it in the archive; '{}' was taken.",
                                      model_, printable(name), printable(best->generic_string()))));
     return best;
+}
+
+std::optional<fs::path> SideFiles::find_last_part(std::string_view name) {
+    const std::vector<std::string> parts = parts_of(name);
+    if (parts.size() < 2 || leaves_folder(name, parts) || name.find('\0') != std::string_view::npos)
+        return std::nullopt;
+    const std::optional<fs::path> path = entry(place_, folder_, parts.back());
+    if (!path || !place_.is_file(*path) || !place_.lies_below(*path, folder_)) return std::nullopt;
+    warnings_.push_back(named_warning(
+        "side-file", fmt::format("{} names the file '{}', which is not there; '{}' beside the model was taken for it.",
+                                 model_, printable(name), printable(path->filename().string()))));
+    return path;
 }
 
 std::string decode_uri(std::string_view uri) {

@@ -6,7 +6,8 @@
 // only the last part of such a name is looked for, in the model's own folder. A link that leads out of it is not
 // followed; what begins with a dot is not looked at. Backslashes count as slashes. Where the exact name does not exist,
 // one is taken that differs only in upper and lower case, in how accents are written (Unicode's normal forms) or in
-// that one of the two is Windows-1252; then what the name is without blanks and quotes around it, or with %XX decoded.
+// that one of the two is Windows-1252; then what the name is without blanks and quotes around it, without ; or , behind
+// it, or with %XX decoded; then its last part alone, as of a folder that was laid flat.
 // What was done instead of what the file asked for is said in a warning.
 //
 // In an archive, all of which came with the model, `..` is followed as far as its root, and what is not beside the
@@ -66,6 +67,7 @@ private:
     [[nodiscard]] std::optional<std::filesystem::path> find_elsewhere(std::string_view name);
     [[nodiscard]] std::optional<std::filesystem::path> walk(const std::filesystem::path& from,
                                                             const std::vector<std::string>& parts) const;
+    [[nodiscard]] std::optional<std::filesystem::path> find_last_part(std::string_view name);
 
     const ModelFolder& place_;
     std::filesystem::path folder_;

@@ -38,7 +38,7 @@ public:
         bool any = false;
         for (XmlReader::Event event; (event = xml_.next()) != XmlReader::Event::finished;) {
             if (passed_over_ > 0) {
-                if (event == XmlReader::Event::end && xml_.depth() == passed_over_) passed_over_ = 0;
+                pass(event);
                 continue;
             }
             if (event == XmlReader::Event::end) {
@@ -172,9 +172,26 @@ private:
         return *(group_ = &group);
     }
 
+    void pass(XmlReader::Event event) {
+        const std::string_view name = xml_.name();
+        if (event == XmlReader::Event::end) {
+            if (xml_.depth() != passed_over_) return;
+            passed_over_ = 0;
+            volume_.reset();
+        } else if (volume_ && (name == "color" || name == "colormapping" || name == "composite")) {
+            part_.plain_volumes.erase(*volume_);
+            if (object_) object_->volume = *volume_;
+        }
+    }
+
     /// What is not understood, with all in it.
     void pass_over() {
         passed_over_ = xml_.depth();
+        if (xml_.name() == "volumedata") {
+            const std::string_view id = xml_.attribute("id");
+            volume_ = id.empty() ? "of its mesh" : std::string(id);
+            if (!object_) part_.plain_volumes.insert(*volume_);
+        }
         if (xml_.depth() == 3)
             if (const auto id = index_of(xml_.attribute("id"))) foreign_.try_emplace(*id, xml_.name());
         if (xml_.depth() == 4 && object_) object_->other_shape = xml_.name();
@@ -259,15 +276,21 @@ private:
                 if (key == "p1") triangle.p[0] = index(value, key);
                 if (key == "p2") triangle.p[1] = index(value, key);
                 if (key == "p3") triangle.p[2] = index(value, key);
-                if (is_paint(key))
-                    triangle.paint = triangle_paint(trimmed_token(value)).value_or(TrianglePaint{0, true});
+                if (!is_paint(key)) continue;
+                const auto paint = triangle_paint(trimmed_token(value));
+                triangle.paint = paint.value_or(TrianglePaint{0, true});
+                if (paint && paint->is_divided)
+                    object_->paint_in_parts.insert_or_assign(object_->triangles.size(), trimmed_token(value));
             }
             object_->triangles.push_back(triangle);
         } else if (is_core && name == "component") {
             object_->components.push_back(reference());
         } else if (name == "beam" && (is_core || space == ThreemfNamespace::beam_lattice)) {
             object_->has_beams = true;
-        } else if (xml_.depth() == 4 && name != "mesh" && name != "components" && name != "metadatagroup") {
+        } else if (name == "mesh") {
+            for (const auto& [key, value] : xml_.attributes())
+                if (XmlReader::local(key) == "volumeid") object_->volume = value;
+        } else if (xml_.depth() == 4 && name != "components" && name != "metadatagroup") {
             object_->other_shape = name;
         }
     }
@@ -301,6 +324,7 @@ private:
     ThreemfNamespace space_ = ThreemfNamespace::core;
     std::size_t passed_over_ = 0;                        // depth of an element that is not understood; 0: none
     std::map<std::uint32_t, std::string_view> foreign_;  // resources that are not understood, by id
+    std::optional<std::string> volume_;                  // id of the volumedata that is passed over
     ThreemfGroup* group_ = nullptr;                      // being read
     ThreemfObject* object_ = nullptr;
 };

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -67,9 +68,11 @@ struct ThreemfObject {
     std::uint32_t pid = no_property, pindex = no_property;
     std::vector<Eigen::Vector3d> vertices;
     std::vector<ThreemfTriangle> triangles;
+    std::map<std::size_t, std::string> paint_in_parts;  ///< of triangles that a slicer painted so, as it wrote it
     std::vector<ThreemfReference> components;
     bool has_beams = false;   ///< a beam lattice, which is not read
     std::string other_shape;  ///< an element that says its shape otherwise than by a mesh; empty: none
+    std::string volume;       ///< what gives it colours within, which are not read (Volumetric Extension); empty: none
 };
 
 struct ThreemfPart {
@@ -80,6 +83,7 @@ struct ThreemfPart {
     std::map<std::uint32_t, ThreemfObject> objects;
     std::vector<ThreemfReference> items;
     std::vector<std::string> required_extensions;  ///< namespaces; a prefix that is declared nowhere
+    std::set<std::string> plain_volumes;           ///< volumedata that give no colours, by id
 };
 
 /// Throws InputError naming the line. `what` names the part.

@@ -48,7 +48,7 @@ double colour_range(double most, ColourNumbers numbers, bool whole) {
 }
 
 std::vector<Eigen::Vector4f> settled_colours(const FileColours& colours, std::string_view whose, std::string_view file,
-                                             std::vector<std::string>& warnings) {
+                                             std::vector<std::string>& warnings, std::vector<std::string>* lost) {
     Extent rgb, alpha;
     for (const Eigen::Vector4d& colour : colours.value) {
         if (!is_colour(colour)) continue;
@@ -66,6 +66,9 @@ std::vector<Eigen::Vector4f> settled_colours(const FileColours& colours, std::st
     std::vector<Eigen::Vector4f> out;
     out.reserve(colours.value.size());
     std::size_t clamped = 0;
+    bool differ_before = false, differ = false;
+    const Eigen::Vector4d* first = nullptr;
+    Eigen::Vector3d first_code;
     for (const Eigen::Vector4d& colour : colours.value) {
         Eigen::Vector4f& rgba = out.emplace_back(Eigen::Vector4f::Ones());
         if (!is_colour(colour)) {
@@ -74,6 +77,9 @@ std::vector<Eigen::Vector4f> settled_colours(const FileColours& colours, std::st
         }
         const Eigen::Vector3d share = colour.head<3>() / range, code = share.cwiseMax(0).cwiseMin(1);
         clamped += static_cast<std::size_t>(!((code - share).cwiseAbs().maxCoeff() <= 0));
+        if (!first) first = &colour, first_code = code;
+        differ_before |= colour.head<3>() != first->head<3>();
+        differ |= code != first_code;
         rgba.head<3>() = srgb_to_linear(Eigen::Vector3f(code.cast<float>()));
         if (colours.has_alpha) rgba[3] = static_cast<float>(std::clamp(colour[3] / of_alpha, 0.0, 1.0));
     }
@@ -81,7 +87,15 @@ std::vector<Eigen::Vector4f> settled_colours(const FileColours& colours, std::st
         warnings.push_back(
             named_warning("colour-range", fmt::format("{} {} colours of {} lie outside 0 to {:.0f}; they were clamped.",
                                                       clamped, whose, file, range)));
+    if (clamped && differ_before && !differ && lost) lost->push_back(all_clamped_to_one(whose, file, range));
     return out;
+}
+
+std::string all_clamped_to_one(std::string_view whose, std::string_view file, double range) {
+    return fmt::format(
+        "The {} colours of {} lie outside 0 to {:.0f}, where clamping makes all of them one: they are LOST. Write them "
+        "within that range.",
+        whose, file, range);
 }
 
 std::string white_without_colour(std::size_t count, std::string_view whose, std::string_view file) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The range of colours in files that do not name it: one rule for OBJ, MTL and PLY.
+// The range of colours in files that do not name it: one rule for OBJ, MTL, PLY and floats of glTF.
 //
 // Bytes are of 0 to 255. Numbers with a point are of 0 to 1 as long as none is above 1.5, or none above 16 and some are
 // no whole numbers (1.02 and 1.7 are colours too bright, and clamped). All other numbers are of the smallest of 0 to
@@ -30,9 +30,14 @@ struct FileColours {
 [[nodiscard]] double colour_range(double most, ColourNumbers numbers, bool whole = true);
 
 /// Linear, alpha in [0, 1]; not a number where there is no colour. What is not usual (another range, values beyond it)
-/// is said in `warnings`: the colours are those of `whose` ("vertex", "face") in `file`.
+/// is said in `warnings`: the colours are those of `whose` ("vertex", "face") in `file`. Where clamping leaves one
+/// colour of several, that is said in `lost`.
 [[nodiscard]] std::vector<Eigen::Vector4f> settled_colours(const FileColours& colours, std::string_view whose,
-                                                           std::string_view file, std::vector<std::string>& warnings);
+                                                           std::string_view file, std::vector<std::string>& warnings,
+                                                           std::vector<std::string>* lost = nullptr);
+
+/// The sentence for colours that clamping to 0 to `range` has made one.
+[[nodiscard]] std::string all_clamped_to_one(std::string_view whose, std::string_view file, double range);
 
 /// The sentence for colours that only some vertices or faces (`whose`) have.
 [[nodiscard]] std::string white_without_colour(std::size_t count, std::string_view whose, std::string_view file);

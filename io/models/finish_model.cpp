@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/warning.h"
+#include "io/models/colour_range.h"
 #include "io/models/fill_gutters.h"
 #include "io/models/texel_coverage.h"
 #include "io/models/weld.h"
@@ -113,13 +114,17 @@ public:
 private:
     /// A texture without coordinates cannot be laid down.
     void drop_unusable_images() {
-        for (PartMaterial& material : parts_.materials) {
+        std::vector<bool> used(parts_.materials.size());
+        for (const std::uint32_t m : parts_.material_of_triangle) used[m] = true;
+        for (std::size_t m = 0; m < parts_.materials.size(); ++m) {
+            PartMaterial& material = parts_.materials[m];
             if (material.image >= static_cast<std::int32_t>(parts_.images.size())) material.image = -1;
             if (material.image < 0 || !parts_.corner_uv.empty()) continue;
-            parts_.lose_colour(fmt::format(
-                "{} has the texture {} but no texture coordinates, so that it cannot be laid on the surface: "
-                "its colours are LOST.",
-                name_, parts_.image_names[static_cast<std::size_t>(material.image)]));
+            if (used[m])
+                parts_.lose_colour(fmt::format(
+                    "{} has the texture {} but no texture coordinates, so that it cannot be laid on the surface: "
+                    "its colours are LOST.",
+                    name_, parts_.image_names[static_cast<std::size_t>(material.image)]));
             material.image = -1;
         }
     }
@@ -276,6 +281,8 @@ private:
         if (parts_.corner_rgba.empty()) return;
         mesh_.corner_rgb.resize(parts_.corner_rgba.size());
         std::size_t clamped = 0;
+        bool differ_before = false, differ = false;
+        const Eigen::Vector3f first = parts_.corner_rgba[0][0].head<3>();
         for (std::size_t t = 0; t < parts_.corner_rgba.size(); ++t) {
             const bool opaque = parts_.materials[parts_.material_of_triangle[t]].opaque;
             for (int c = 0; c < 3; ++c) {
@@ -285,6 +292,8 @@ private:
                     clamped += !(x >= 0 && x <= 1);
                     x = x > 0 ? std::min(x, 1.0f) : 0.0f;
                 }
+                differ_before |= rgba.head<3>() != first;
+                differ |= rgb != first.cwiseMax(0).cwiseMin(1);
                 const float alpha = opaque || !(rgba.w() < 1) ? 1.0f : std::max(rgba.w(), 0.0f);
                 transparent_corners_ += alpha < 1;
                 mesh_.corner_rgb[t][c] = rgb * alpha + Eigen::Vector3f::Constant(1 - alpha);
@@ -294,6 +303,7 @@ private:
             parts_.warnings.push_back(named_warning(
                 "colour-range", fmt::format("{} values of vertex colours in {} lie outside 0 to 1; they were clamped.",
                                             clamped, name_)));
+        if (clamped && differ_before && !differ) parts_.lose_colour(all_clamped_to_one("vertex", name_, 1));
     }
 
     void report_transparency() {

@@ -38,6 +38,9 @@ constexpr std::string_view from_cad =
                            from_points =
                                "it holds points and no faces; make a mesh of them (MeshLab or CloudCompare "
                                "do) and export it as PLY",
+                           from_splats =
+                               "it holds blobs of colour and no surface; export a mesh (GLB, OBJ or PLY) from the "
+                               "program that scanned them",
                            unpack = "unpack it and give the model that is in it, its textures beside it",
                            as_png = "save it as PNG or TIFF",
                            drawn = "it is drawn by lines and has no pixels; export it as PNG, of 300 dpi or more",
@@ -101,7 +104,7 @@ constexpr Kind by_name[] = {
      from_its_program},
     {"a scan", "mnc mgh mgz hdr.gz img par rec czi lif oib nd2 mrc map", from_scan},
     {"a point cloud", "xyz pts ptx asc fls rcp ptc", from_points},
-    {"a splat, which has points and no faces", "splat ksplat spz", from_points},
+    {"a file of Gaussian splats", "splat ksplat spz sog", from_splats},
     {"instructions for a printer",
      "gcode gco bgcode nc tap ctb cbddlp photon sl1 sl1s chitubox form fdg3d objet x3g makerbot ufp clt slc cli svgx",
      sliced, Inside::text},

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "io/models/colour_range.h"
 #include "io/models/model_text.h"
@@ -18,10 +19,10 @@ std::optional<float> number(std::string_view word) {
     return static_cast<float>(*value);
 }
 
-/// Cuts up to three numbers off the text.
-std::vector<float> numbers(std::string_view& text) {
+/// Cuts up to so many numbers off the text.
+std::vector<float> numbers(std::string_view& text, std::size_t most = 3) {
     std::vector<float> values;
-    while (values.size() < 3) {
+    while (values.size() < most) {
         std::string_view rest = text;
         const std::optional<float> value = number(cut_word(rest));
         if (!value) break;
@@ -31,11 +32,40 @@ std::vector<float> numbers(std::string_view& text) {
     return values;
 }
 
+/// A picture, and how it is laid.
+struct LaidMap {
+    std::string file;
+    Eigen::Vector2f offset = Eigen::Vector2f::Zero(), scale = Eigen::Vector2f::Ones();
+    bool clamp = false;
+    float base = 0, gain = 1;
+};
+
+void lay(const LaidMap& map, MtlMaterial& material) {
+    material.map_kd = map.file;
+    material.map_offset = map.offset;
+    material.map_scale = map.scale;
+    material.map_clamp = map.clamp;
+    material.map_base = map.base;
+    material.map_gain = map.gain;
+}
+
 /// What a library says of one material beside what is taken of it.
 struct Unlit {
     std::optional<Eigen::Vector3f> ka, ke;
-    std::string map_ka, map_ke;
+    LaidMap map_ka, map_ke;
 };
+
+/// Whether a statement map_... is known to hold no colours: those of MTL, of its PBR extension and their kin.
+bool is_known_map(std::string_view key) {
+    static constexpr std::string_view whole[] = {"map_ks", "map_ns",  "map_ni",  "map_tf", "map_tr",
+                                                 "map_kn", "map_aat", "map_pr",  "map_pm", "map_ps",
+                                                 "map_pc", "map_pcr", "map_ao",  "map_d",  "map_kd",
+                                                 "map_ka", "map_ke",  "map_orm", "map_rma"},
+                                      parts[] = {"bump", "norm", "rough", "metal", "gloss", "spec",  "occl", "opac",
+                                                 "alph", "heig", "disp",  "refl",  "sheen", "aniso", "trans"};
+    const auto is_part = [&](std::string_view part) { return key.find(part) != key.npos; };
+    return std::ranges::find(whole, key) != std::end(whole) || std::ranges::any_of(parts, is_part);
+}
 
 /// In [0, 1].
 std::optional<Eigen::Vector3f> colour_of(std::string_view text) {
@@ -53,10 +83,10 @@ bool is_grey(const Eigen::Vector3f& rgb) { return rgb.maxCoeff() - rgb.minCoeff(
 void take_unlit(const Unlit& unlit, MtlMaterial& material) {
     const bool grey = !material.kd || is_grey(*material.kd), black = !material.kd || material.kd->maxCoeff() <= 0;
     if (material.map_kd.empty() && grey) {
-        if (black && !unlit.map_ke.empty())
-            material.map_kd = unlit.map_ke, material.map_from = "map_Ke";
-        else if (!unlit.map_ka.empty())
-            material.map_kd = unlit.map_ka, material.map_from = "map_Ka";
+        if (black && !unlit.map_ke.file.empty())
+            lay(unlit.map_ke, material), material.map_from = "map_Ke";
+        else if (!unlit.map_ka.file.empty())
+            lay(unlit.map_ka, material), material.map_from = "map_Ka";
     }
     if (!black || !material.map_kd.empty()) return;
     if (unlit.ke && unlit.ke->maxCoeff() > 0)
@@ -65,20 +95,25 @@ void take_unlit(const Unlit& unlit, MtlMaterial& material) {
         material.kd = unlit.ka, material.colour_from = "Ka";
 }
 
-/// A file name, which may contain blanks, behind options, which `material` gets.
-std::string parse_map(std::string_view text, MtlMaterial& material) {
+/// A file name, which may contain blanks, behind options.
+LaidMap parse_map(std::string_view text) {
+    LaidMap map;
     while (!text.empty() && text.front() == '-') {
         std::string_view rest = text;
         const std::string_view option = cut_word(rest);
         if (option == "-o" || option == "-s") {
             const std::vector<float> values = numbers(rest);
-            Eigen::Vector2f& target = option == "-o" ? material.map_offset : material.map_scale;
+            Eigen::Vector2f& target = option == "-o" ? map.offset : map.scale;
             if (!values.empty()) target.x() = values[0];
             if (values.size() > 1) target.y() = values[1];
-        } else if (option == "-t" || option == "-mm") {
+        } else if (option == "-mm") {
+            const std::vector<float> values = numbers(rest, 2);
+            if (!values.empty()) map.base = values[0];
+            if (values.size() > 1) map.gain = values[1];
+        } else if (option == "-t") {
             (void)numbers(rest);
         } else if (option == "-clamp") {
-            material.map_clamp = cut_word(rest) == "on";
+            map.clamp = cut_word(rest) == "on";
         } else if (option == "-blendu" || option == "-blendv" || option == "-cc" || option == "-imfchan" ||
                    option == "-boost" || option == "-texres" || option == "-bm" || option == "-type" ||
                    option == "-colorspace") {
@@ -89,10 +124,17 @@ std::string parse_map(std::string_view text, MtlMaterial& material) {
         text = rest;
     }
     if (text.size() > 1 && text.front() == '"' && text.back() == '"') text = text.substr(1, text.size() - 2);
-    return std::string(text);
+    map.file = text;
+    return map;
 }
 
 }  // namespace
+
+bool look_alike(const MtlMaterial& a, const MtlMaterial& b) {
+    return a.kd == b.kd && a.unread_kd == b.unread_kd && a.opacity == b.opacity && a.map_kd == b.map_kd &&
+           a.map_offset == b.map_offset && a.map_scale == b.map_scale && a.map_clamp == b.map_clamp &&
+           a.map_base == b.map_base && a.map_gain == b.map_gain;
+}
 
 std::vector<MtlMaterial> parse_mtl(std::string_view text) {
     std::vector<MtlMaterial> materials;
@@ -104,7 +146,8 @@ std::vector<MtlMaterial> parse_mtl(std::string_view text) {
     TextLines lines(text);
     while (const auto statement = lines.next()) {
         std::string_view line = *statement;
-        const std::string key = lower_case(cut_word(line));
+        const std::string_view written = cut_word(line);
+        const std::string key = lower_case(written);
         if (key == "newmtl") {
             finish();
             materials.emplace_back().name = line;
@@ -129,12 +172,13 @@ std::vector<MtlMaterial> parse_mtl(std::string_view text) {
             material.has_dissolve |= key == "d";
             material.opacity = std::clamp(key == "d" ? values[0] : 1 - values[0], 0.0f, 1.0f);
         } else if (key == "map_kd") {
-            material.map_kd = parse_map(line, material);
+            lay(parse_map(line), material);
         } else if (key == "map_ka" || key == "map_ke") {
-            MtlMaterial options = material;
-            (key == "map_ka" ? unlit.map_ka : unlit.map_ke) = parse_map(line, options);
+            (key == "map_ka" ? unlit.map_ka : unlit.map_ke) = parse_map(line);
         } else if (key == "map_d") {
             material.has_opacity_map = true;
+        } else if (key.starts_with("map_") && !is_known_map(key)) {
+            material.unknown_maps.emplace_back(written, parse_map(line).file);
         }
     }
     finish();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Material libraries of OBJ files, as far as they are colour: newmtl, Kd, d, Tr, map_Kd (-o, -s, -clamp, names with
-// spaces). Colours may be of 0 to 255 (colour_range.h). Where Kd says nothing, colour is taken from where unlit
+// Material libraries of OBJ files, as far as they are colour: newmtl, Kd, d, Tr, map_Kd (-o, -s, -clamp, -mm, names
+// with spaces). Colours may be of 0 to 255 (colour_range.h). Where Kd says nothing, colour is taken from where unlit
 // exporters put it: a map from map_Ke (Kd black or absent) or map_Ka (Kd grey or absent), a colour from Ke (Kd black or
 // absent) or from a Ka that is no grey (likewise: many write a white Ka beside a Kd that is black and means it).
 // Everything else is passed over. No line of a library makes it invalid.
@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -26,8 +27,14 @@ struct MtlMaterial {
     std::string map_kd;                 ///< empty: none
     Eigen::Vector2f map_offset = Eigen::Vector2f::Zero(), map_scale = Eigen::Vector2f::Ones();
     bool map_clamp = false;
+    float map_base = 0, map_gain = 1;  ///< -mm: a code c of the picture means base + gain c
     bool has_opacity_map = false;
+    /// Statements map_... that are neither MTL's nor known as something else than colour, and their files.
+    std::vector<std::pair<std::string, std::string>> unknown_maps;
 };
+
+/// Whether both look the same, by all that is read of them but their names.
+[[nodiscard]] bool look_alike(const MtlMaterial& a, const MtlMaterial& b);
 
 /// `text`: as model_text gives it.
 [[nodiscard]] std::vector<MtlMaterial> parse_mtl(std::string_view text);

@@ -54,11 +54,15 @@ private:
         else if (key == "usemtl")
             material_ = material_named(line);
         else if (key == "mtllib")
-            file_.libraries.emplace_back(trimmed(line));
+            read_library(trimmed(line));
         else if (key == "l" || key == "p")
             ++file_.points_and_lines;
         else if (key == "curv" || key == "surf" || key == "curv2")
             ++file_.free_forms;
+    }
+
+    void read_library(std::string_view line) {
+        if (file_.libraries.empty() || file_.libraries.back() != line) file_.libraries.emplace_back(line);
     }
 
     void read_vertex(std::string_view line) {
@@ -139,11 +143,14 @@ private:
         ++file_.points_and_lines;
     }
 
-    /// Of the names that faces use; 0 before the first.
+    /// Of the names that faces use, each with the libraries before it; 0 before the first.
     std::uint32_t material_named(std::string_view name) {
         const auto next = static_cast<std::uint32_t>(file_.materials.size());
-        const auto [known, added] = numbers_.try_emplace(std::string(trimmed(name)), next);
-        if (added) file_.materials.push_back(known->first);
+        const auto [known, added] = numbers_.try_emplace({std::string(trimmed(name)), file_.libraries.size()}, next);
+        if (added) {
+            file_.materials.push_back(known->first.first);
+            file_.libraries_before.push_back(file_.libraries.size());
+        }
         return known->second;
     }
 
@@ -161,7 +168,7 @@ private:
 
     const std::string& name_;
     ObjFile file_;
-    std::map<std::string, std::uint32_t> numbers_{{"", 0}};  ///< of materials
+    std::map<std::pair<std::string, std::size_t>, std::uint32_t> numbers_{{{"", 0}, 0}};  ///< of materials
     std::uint32_t material_ = 0;
     std::size_t line_number_ = 0;
 };

@@ -40,8 +40,9 @@ struct ObjFile {
     std::vector<Eigen::Vector2f> uv;
     std::vector<ObjCorner> corners;
     std::vector<ObjFace> faces;
-    std::vector<std::string> materials{""};  ///< names, as faces use them
-    std::vector<std::string> libraries;      ///< what stands behind each mtllib
+    std::vector<std::string> materials{""};        ///< names, as faces use them
+    std::vector<std::size_t> libraries_before{0};  ///< of the names: how many `libraries` stand before their use
+    std::vector<std::string> libraries;            ///< what stands behind each mtllib that is not the one before again
     std::size_t points_and_lines = 0, free_forms = 0;
     bool comma = false;  ///< numbers have decimal commas
 

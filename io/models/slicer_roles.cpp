@@ -73,28 +73,28 @@ SlicerVolume of_run(const SlicerRoles::Run& run, const SlicerVolume& whole) {
 }
 
 /// Divisions of a triangle. A digit's low two bits say how many sides are divided, 0: none; of a leaf the high two are
-/// its state, 3: the next digit and 3. A node of n divided sides has n + 1 children, taken to be of one size.
-class PaintTree {
+/// its state, 3: the next digit and 3. A node of n divided sides has n + 1 children.
+class PaintReader {
 public:
-    PaintTree(std::string_view digits, std::map<std::uint16_t, double>& shares) : digits_(digits), shares_(shares) {}
+    PaintReader(std::string_view digits, std::vector<PaintNode>& nodes) : digits_(digits), nodes_(nodes) {}
 
-    /// Adds a node's states, by their shares of it; false where there is no such node.
-    bool add(double share, int depth = 0) {
+    /// Adds a node and all below it; false where there is no such node.
+    bool add(int depth = 0) {
         constexpr int deepest = 64;
-        const auto node = depth < deepest ? next() : std::nullopt;
-        if (!node) return false;
-        if (const unsigned sides = *node & 3u; sides > 0) {
-            for (unsigned child = 0; child <= sides; ++child)
-                if (!add(share / (sides + 1), depth + 1)) return false;
-            return true;
+        const auto digit = depth < deepest ? next() : std::nullopt;
+        if (!digit) return false;
+        PaintNode node{static_cast<std::uint8_t>(*digit & 3u), static_cast<std::uint8_t>((*digit >> 2) % 3), 0};
+        if (node.sides == 0) {
+            node.extruder = static_cast<std::uint16_t>(*digit >> 2);
+            if (node.extruder == 3) {
+                const auto more = next();
+                if (!more) return false;
+                node.extruder = static_cast<std::uint16_t>(node.extruder + *more);
+            }
         }
-        unsigned state = *node >> 2;
-        if (state == 3) {
-            const auto more = next();
-            if (!more) return false;
-            state += *more;
-        }
-        shares_[static_cast<std::uint16_t>(state)] += share;
+        nodes_.push_back(node);
+        for (int child = 0; child <= node.sides && node.sides > 0; ++child)
+            if (!add(depth + 1)) return false;
         return true;
     }
     [[nodiscard]] bool is_read() const { return digits_.empty(); }
@@ -111,8 +111,18 @@ private:
     }
 
     std::string_view digits_;
-    std::map<std::uint16_t, double>& shares_;
+    std::vector<PaintNode>& nodes_;
 };
+
+/// Adds the leaves' shares of a tree from node `at` on, children taken to be of one size; returns the node behind it.
+std::size_t add_shares(const std::vector<PaintNode>& nodes, std::size_t at, double share,
+                       std::map<std::uint16_t, double>& shares) {
+    const PaintNode& node = nodes[at++];
+    if (node.sides == 0) shares[node.extruder] += share;
+    for (int child = 0; child <= node.sides && node.sides > 0; ++child)
+        at = add_shares(nodes, at, share / (node.sides + 1), shares);
+    return at;
+}
 
 }  // namespace
 
@@ -174,10 +184,18 @@ std::vector<SlicerSpan> SlicerRoles::spans(std::uint32_t parent, std::uint32_t o
     return spans;
 }
 
+std::optional<std::vector<PaintNode>> paint_tree(std::string_view text) {
+    std::vector<PaintNode> nodes;
+    PaintReader reader{text, nodes};
+    if (!reader.add() || !reader.is_read()) return std::nullopt;
+    return nodes;
+}
+
 std::optional<TrianglePaint> triangle_paint(std::string_view text) {
+    const auto nodes = paint_tree(text);
+    if (!nodes) return std::nullopt;
     std::map<std::uint16_t, double> shares;
-    PaintTree tree{text, shares};
-    if (text.empty() || !tree.add(1) || !tree.is_read()) return std::nullopt;
+    add_shares(*nodes, 0, 1, shares);
     const auto most = std::ranges::max_element(shares, {}, [](const auto& share) { return share.second; });
     return TrianglePaint{most->first, shares.size() > 1};
 }

@@ -66,6 +66,15 @@ struct TrianglePaint {
 /// Nothing where the text is no such tree.
 [[nodiscard]] std::optional<TrianglePaint> triangle_paint(std::string_view text);
 
+/// A node of such a tree: how many sides of its triangle are divided, into sides + 1 children, and at which corner the
+/// division begins (painted_triangles.h); of one that is not divided the extruder.
+struct PaintNode {
+    std::uint8_t sides = 0, corner = 0;
+    std::uint16_t extruder = 0;
+};
+/// Each node before its children, of which the last comes first. Nothing where the text is no such tree.
+[[nodiscard]] std::optional<std::vector<PaintNode>> paint_tree(std::string_view text);
+
 /// Colours of "Metadata/Slic3r_PE.config" or of "Metadata/project_settings.config" (JSON).
 void read_slicer_colours(std::string_view text, SlicerRoles& roles);
 

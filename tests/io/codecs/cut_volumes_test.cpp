@@ -123,3 +123,41 @@ TEST_CASE("a volume that is open cannot be cut, or cut others") {
         CHECK_THROWS_WITH(cut_volumes(parts, {{{body}, {tool}}}, "a.3mf"), Contains("a.3mf") && Contains("not closed"));
     }
 }
+
+TEST_CASE("a tool that touches a wall from within is cut out all the same") {
+    // A prism whose edge lies in the wall x = 0, as a drill of the wall's distance does; with its end in a wall, too.
+    for (const double top : {11.0, 10.0})
+        for (const double bottom : {-1.0, 0.0}) {
+            ModelParts parts = made();
+            const TriangleRange body = add_box(parts, {0, 0, 0}, {10, 10, 10}, red);
+            TriangleRange tool{parts.triangles.size(), 0};
+            const auto v = static_cast<std::uint32_t>(parts.positions.size());
+            for (const double z : {bottom, top})
+                for (const auto& [x, y] : {std::pair{0.0, 5.0}, {2.5, 2.5}, {5.0, 5.0}, {2.5, 7.5}})
+                    parts.positions.emplace_back(x, y, z);
+            for (std::uint32_t i = 0; i < 4; ++i) {
+                const std::uint32_t a = v + i, b = v + (i + 1) % 4;
+                parts.add_triangle({a, b, b + 4}, 0);
+                parts.add_triangle({a, b + 4, a + 4}, 0);
+            }
+            for (std::uint32_t i = 1; i < 3; ++i) {
+                parts.add_triangle({v, v + i + 1, v + i}, 0);
+                parts.add_triangle({v + 4, v + 4 + i, v + 5 + i}, 0);
+            }
+            tool.last = parts.triangles.size();
+            cut_volumes(parts, {{{body}, {tool}}}, "a.3mf");
+            CHECK(volume(parts) == Approx(1000 - 12.5 * 10).epsilon(1e-4));
+        }
+}
+
+TEST_CASE("a volume that crosses itself is said to, and not that it is open") {
+    ModelParts parts = made();
+    const TriangleRange body = add_box(parts, {0, 0, 0}, {10, 10, 10}, red);
+    TriangleRange tool = add_box(parts, {5, 5, 5}, {12, 12, 12}, blue);
+    tool.last = add_box(parts, {4, 6, 6}, {11, 11, 11}, blue).last;
+    try {
+        cut_volumes(parts, {{{body}, {tool}}}, "a.3mf");
+    } catch (const InputError& error) {
+        CHECK_THAT(error.what(), Contains("crosses itself") && !Contains("not closed"));
+    }
+}

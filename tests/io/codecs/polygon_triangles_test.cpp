@@ -2,8 +2,10 @@
 #include "io/codecs/polygon_triangles.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
@@ -83,4 +85,35 @@ TEST_CASE("A face that is not convex and has more corners than are cut in second
     CHECK_THROWS_AS(polygon_triangles(star(60000, 0.5), "a.obj"), voxtone::InputError);
     CHECK_THROWS_WITH(polygon_triangles(star(60000, 0.5), "a.obj"),
                       Catch::Contains("a.obj: a face has 60000 corners") && Catch::Contains("export the model"));
+}
+
+TEST_CASE("A face is cut alike from any corner on, and from behind") {
+    std::vector<std::vector<Eigen::Vector3d>> faces{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}},
+                                                    {{0, 0, 0}, {2, 0, 0.3}, {2, 1, 0}, {0, 1, 0.2}},  // not flat
+                                                    star(7, 1),
+                                                    star(12, 0.4)};
+    for (std::vector<Eigen::Vector3d> face : faces) {
+        const auto cut_of = [](const std::vector<Eigen::Vector3d>& corners) {
+            std::set<std::set<std::array<double, 3>>> places;
+            for (const auto& triangle : polygon_triangles(corners, "a.obj", true)) {
+                std::set<std::array<double, 3>> here;
+                for (const std::uint32_t c : triangle) here.insert({corners[c].x(), corners[c].y(), corners[c].z()});
+                places.insert(here);
+            }
+            return places;
+        };
+        const auto first = cut_of(face);
+        CHECK(first.size() == face.size() - 2);
+        const double area = area_of(face);
+        for (std::size_t turn = 0; turn < face.size(); ++turn) {
+            std::ranges::rotate(face, face.begin() + 1);
+            CHECK(cut_of(face) == first);
+            std::vector<Eigen::Vector3d> behind(face.rbegin(), face.rend());
+            CHECK(cut_of(behind) == first);
+            double behind_area = 0;
+            for (const auto& [a, b, c] : polygon_triangles(behind, "a.obj", true))
+                behind_area += (behind[b] - behind[a]).cross(behind[c] - behind[a]).z() / 2;
+            CHECK(behind_area == Approx(-area));
+        }
+    }
 }

@@ -65,6 +65,20 @@ TEST_CASE("files named by a model are looked up beside it and nowhere else") {
         CHECK(files.find("../model/skin.png") == root / "model/skin.png");
         CHECK(files.warnings().size() == 2);
     }
+    SECTION("a folder that was laid flat, and a mark behind the name") {
+        CHECK(files.find("gone/skin.png") == root / "model/skin.png");
+        CHECK(files.find("gone\\deep\\SKIN.PNG") == root / "model/skin.png");
+        CHECK(files.find("Textures/skin.png") == root / "model/skin.png");
+        CHECK(files.find("skin.png;") == root / "model/skin.png");
+        CHECK(files.find("gone/skin.png ;") == root / "model/skin.png");
+        REQUIRE(files.warnings().size() == 5);
+        CHECK(files.warnings()[0].find("'gone/skin.png', which is not there; 'skin.png' beside the model") !=
+              std::string::npos);
+        CHECK_FALSE(files.find("gone/Wood Plank.JPG"));  // lies in a folder of its own
+        CHECK_FALSE(files.find("gone/outside.png"));
+        CHECK_FALSE(files.find(";"));
+        CHECK_FALSE(files.find("gone/;"));
+    }
     SECTION("nothing is no file") {
         CHECK_FALSE(files.find(""));
         CHECK_FALSE(files.find("."));

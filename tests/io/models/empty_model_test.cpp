@@ -26,14 +26,16 @@ std::string refusal(const std::string& name, const std::string& bytes) {
 }
 
 /// A glTF of one node with a primitive of this mode over three points.
-std::string gltf_of(int mode, const std::string& node = "") {
+std::string gltf_of(int mode, const std::string& node = "", const std::string& primitive = "",
+                    const std::string& root = "") {
     const std::string head =
-        R"({"asset": {"version": "2.0"}, "buffers": [{"byteLength": 36}], "bufferViews": [{"buffer": 0, "byteLength": 36}],)"
+        "{" + root +
+        R"("asset": {"version": "2.0"}, "buffers": [{"byteLength": 36}], "bufferViews": [{"buffer": 0, "byteLength": 36}],)"
         R"("accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}],)"
         R"("scenes": [{"nodes": [0]}], "extensionsUsed": ["KHR_node_visibility"],)";
     return glb(head + R"("nodes": [{"mesh": 0)" + node +
                    R"(}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": )" + std::to_string(mode) +
-                   "}]}]}",
+                   primitive + "}]}]}",
                raw<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}));
 }
 
@@ -52,6 +54,20 @@ TEST_CASE("A file without faces says what it has instead") {
     }
     CHECK_THAT(refusal("hidden.glb", gltf_of(4, R"(, "extensions": {"KHR_node_visibility": {"visible": false}})")),
                Contains("only hidden nodes"));
+    const auto splats = Contains("only Gaussian splats, which have no surface: export a mesh");
+    for (const std::string properties :
+         {"property float f_dc_0\nproperty float opacity\nproperty float scale_0\nproperty float rot_0\n",
+          "property float scale_0\nproperty float rot_0\nproperty uchar red\nproperty uchar green\n"}) {
+        const std::string header =
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+            "property float z\n" +
+            properties + "end_header\n0 0 0 1 1 1 1\n";
+        CHECK_THAT(refusal("splat.ply", header), splats);
+    }
+    CHECK_THAT(refusal("splat.glb", gltf_of(0, "", R"(, "extensions": {"KHR_gaussian_splatting": {}})")), splats);
+    CHECK_THAT(refusal("need.glb", gltf_of(0, "", R"(, "extensions": {"KHR_gaussian_splatting": {}})",
+                                           R"("extensionsRequired": ["KHR_gaussian_splatting"],)")),
+               splats);
     CHECK_THAT(refusal("a.stl", "solid a\nendsolid a\n"), Contains("without any facet"));
     CHECK_THAT(refusal("c.obj", "o empty\n"), Contains("holds no faces"));
 }

@@ -297,8 +297,7 @@ TEST_CASE("Painted triangles have the colours of their filaments") {
         CHECK(colour_of(file, 3) == red);  // what is not painted is printed by the first
         const ModelFile parts =
             painted({as("8"), as("84443"), as("84")}, {{"Metadata/Slic3r_PE.config", three_filaments}});
-        CHECK_THAT(parts.lost_colour, Contains("2 of 3 painted triangles") && Contains("LOST"));
-        CHECK(colour_of(parts, 1) == red);  // most of it
+        CHECK_THAT(parts.lost_colour, Contains("1 of 3 painted triangles") && Contains("in a way that is not known"));
         CHECK_THAT(painted({as("8")}, {}).lost_colour, Contains("1 triangle") && Contains("LOST"));
         CHECK_THAT(painted({as("4C")}, {{"Metadata/Slic3r_PE.config", three_filaments}}).lost_colour,
                    Contains("extruder 7 and does not say"));
@@ -315,6 +314,54 @@ TEST_CASE("Painted triangles have the colours of their filaments") {
     CHECK(colour_of(both, 0) == red);
     CHECK(colour_of(both, 1) == green);
     CHECK(colour_of(both, 2) == blue);
+}
+
+TEST_CASE("A triangle that is painted in parts has the colours of all of them") {
+    const Folder folder;
+    for (const char* key : {"slic3rpe:mmu_segmentation", "paint_color"}) {
+        const auto as = [&](const char* code) { return fmt::format(R"({}="{}")", key, code); };
+        const Files filaments{{"Metadata/Slic3r_PE.config", three_filaments}};
+        const auto painted = [&](const std::string& attributes) {
+            return read_package(folder,
+                                {{"3D/3dmodel.model", model_part(object(R"(id="1")", {attributes}))}, filaments[0]});
+        };
+        const ModelFile four = painted(as("48883"));
+        CHECK(four.lost_colour.empty());
+        CHECK(four.mesh.triangles.size() == 4 + 3 * 2);  // its neighbours are cut at the sides that they share
+        for (std::size_t t = 0; t < 3; ++t) CHECK(colour_of(four, t) == green);
+        CHECK(colour_of(four, 3) == red);
+        for (std::size_t t = 4; t < 10; ++t) CHECK(colour_of(four, t) == red);
+        CHECK(painted(as("4")).mesh.triangles.size() == 4);
+        CHECK(painted(as("44443")).mesh.triangles.size() == 4);  // of one colour
+        // A colour of the model's own comes first.
+        const ModelFile own = read_package(
+            folder,
+            {{"3D/3dmodel.model", model_part(R"(<q:colorgroup id="9"><q:color color="#0000FF"/></q:colorgroup>)" +
+                                             object(R"(id="1" pid="9" pindex="0")", {as("48883")}))},
+             filaments[0]});
+        CHECK(own.mesh.triangles.size() == 4);
+        CHECK(colour_of(own, 0) == blue);
+    }
+}
+
+TEST_CASE("Colours that a volume gives are lost by its name") {
+    const Folder folder;
+    const auto with = [&](const std::string& volume, const std::string& mesh_attribute) {
+        std::string mesh = object(R"(id="1")");
+        mesh.replace(mesh.find("<mesh"), 5, "<mesh " + mesh_attribute);
+        return read_package(
+            folder, {{"3D/3dmodel.model",
+                      R"(<model unit="millimeter" xmlns:v="http://schemas.3mf.io/3dmanufacturing/volumetric/2022/01">)"
+                      "<resources>" +
+                          volume + mesh + R"(</resources><build><item objectid="1"/></build></model>)"}});
+    };
+    const std::string coloured = R"(<v:volumedata id="9"><v:color functionid="8" channel="color"/></v:volumedata>)";
+    const ModelFile lost = with(coloured, R"(v:volumeid="9")");
+    CHECK_THAT(lost.lost_colour, Contains("volumedata 9") && Contains("LOST"));
+    CHECK(lost.has_colour);
+    CHECK(with(coloured, "").lost_colour.empty());  // nobody's
+    CHECK(with(R"(<v:volumedata id="9"><v:property name="density"/></v:volumedata>)", R"(v:volumeid="9")")
+              .lost_colour.empty());
 }
 
 TEST_CASE("Colours of filaments are found by their key, each at its place") {
