@@ -26,7 +26,7 @@ namespace {
 // Ways in: narrower than a quarter of a millimetre is none, or than two voxels. To fill everything, up to some 3.5 mm,
 // what drain holes have.
 constexpr double finest_cell_mm = 0.25, fill_cell_mm = 0.5, filled_opening_mm = 3.5;
-constexpr double finest_plug_mm = 0.05;
+constexpr double finest_plug_mm = 0.05;  // of a plug's cells: 20 mm of room come to the 2^26 cells there may be
 constexpr std::size_t most_wall_samples = 4096;
 
 EnclosureOptions enclosure(const CavityOptions& options) {
