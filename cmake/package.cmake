@@ -45,7 +45,7 @@ endforeach()
 install(DIRECTORY ${made}/man1/ DESTINATION ${CMAKE_INSTALL_DATADIR}/man/man1 COMPONENT core EXCLUDE_FROM_ALL)
 install(FILES ${made}/voxtone.cdx.json DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/voxtone COMPONENT core EXCLUDE_FROM_ALL)
 install(DIRECTORY python/voxtone DESTINATION lib/python3/dist-packages COMPONENT python EXCLUDE_FROM_ALL
-        FILES_MATCHING PATTERN "*.py" PATTERN py.typed PATTERN __pycache__ EXCLUDE PATTERN program EXCLUDE)
+        FILES_MATCHING REGEX "\\.(py|html|css|js|svg)$" PATTERN py.typed PATTERN __pycache__ EXCLUDE PATTERN program EXCLUDE)
 install(FILES ${made}/verbs.pyi DESTINATION lib/python3/dist-packages/voxtone COMPONENT python EXCLUDE_FROM_ALL)
 install(FILES ${made}/voxtone-mcp.1.gz DESTINATION ${CMAKE_INSTALL_DATADIR}/man/man1 COMPONENT python EXCLUDE_FROM_ALL)
 install(PROGRAMS ${made}/voxtone-mcp DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT python EXCLUDE_FROM_ALL)

@@ -10,5 +10,6 @@ namespace voxtone::cli {
 Command add_batch_command(CLI::App& program);
 Command add_status_command(CLI::App& program);
 Command add_task_command(CLI::App& program);
+Command add_serve_command(CLI::App& program);
 
 }  // namespace voxtone::cli

@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
                                {"target", add_target_command},
                                {"batch", add_batch_command},
                                {"status", add_status_command},
+                               {"serve", add_serve_command},
                                {"task", add_task_command},
                                {"calibrate", add_calibrate},
                                {"laminate", add_laminate_command, "stack"},

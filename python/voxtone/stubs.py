@@ -37,7 +37,8 @@ def _class(command: Command, lines: List[str]) -> str:
 
 def stub() -> str:
     lines: List[str] = []
-    verbs = "".join(f"{verb.path[0]}: {_class(verb, lines)}\n" for verb in option_table().values())
+    verbs = "".join(f"{verb.path[0]}: {_class(verb, lines)}\n" for verb in option_table().values()
+                    if verb.path[0] != "serve")  # a service, whose name a module has
     return ("# Made by python -m voxtone.stubs\nfrom os import PathLike\n"
             "from typing import Any, Dict, List, Literal, Optional, Sequence, Union\n\n"
             "from .job import Job, Progress\nfrom .mesh import Mesh\nfrom .prints import Print\n\n"

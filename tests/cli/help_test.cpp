@@ -28,6 +28,7 @@ const std::vector<std::string> every_command{"",
                                              "estimate",
                                              "batch",
                                              "status",
+                                             "serve",
                                              "task",
                                              "predict",
                                              "proof",
@@ -205,9 +206,9 @@ TEST_CASE("The summary names the report and the time of the whole job") {
 TEST_CASE("Manual pages hold every option, and man finds nothing wrong with them") {
     const Folder folder("manual");
     REQUIRE(run_program("manual " + folder.path().string()).exit_code == 0);
-    CHECK(read_tree(folder.path()).size() == 15);
-    for (const std::string verb : {"slice", "tray", "estimate", "merge", "batch", "status", "task", "predict", "proof",
-                                   "verify", "target", "list", "laminate", "calibrate"}) {
+    CHECK(read_tree(folder.path()).size() == 16);
+    for (const std::string verb : {"slice", "tray", "estimate", "merge", "batch", "status", "serve", "task", "predict",
+                                   "proof", "verify", "target", "list", "laminate", "calibrate"}) {
         const std::string page = without_roff(read_file(folder / ("voxtone-" + verb + ".1")));
         const std::vector<std::string> options = option_words(run_program(verb + " --help-all").out);
         CHECK(options.size() >= (verb == "status" ? 2u : 3u));

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The service is of Python (python/voxtone/serve), for which nothing has to be installed but what the package is; this
+// verb is its table of options, and becomes it.
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "base/error.h"
+#include "cli/batch/batch_commands.h"
+#include "cli/program/help.h"
+#include "slicer/cluster/command_output.h"
+
+namespace voxtone::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ServeArguments {
+    std::string folder = "shop", listen = "127.0.0.1";
+    std::vector<std::string> hosts;
+    int port = 8750, jobs = 1;
+    double memory_gib = 0, keep_days = 0, keep_size_gib = 0;
+    bool browser = true;
+};
+
+/// Where the package lies that goes with the running program: in its build's sources, or around it in a wheel. Empty:
+/// where Python looks.
+fs::path package_beside(const fs::path& program) {
+    const fs::path build = program.parent_path().parent_path();
+    if (fs::exists(build / "CMakeCache.txt")) return build.parent_path().parent_path() / "python";
+    const fs::path package = build.parent_path();
+    if (build.filename() == "program" && fs::exists(package / "serve" / "__main__.py")) return package.parent_path();
+    return {};
+}
+
+void look_first_in(const fs::path& folder) {
+    if (folder.empty()) return;
+    const char* const others = std::getenv("PYTHONPATH");
+    const std::string path = folder.string() + (others && *others ? std::string(":") + others : "");
+    setenv("PYTHONPATH", path.c_str(), 1);
+}
+
+/// The first that has the package and what it wants. Throws FileError.
+std::string find_python() {
+    for (const std::string python : {"python3", "/usr/bin/python3"})
+        if (slicer::run_command(std::vector<std::string>{python, "-c", "import voxtone.serve"}).exit_code == 0)
+            return python;
+    throw FileError(
+        "voxtone serve wants Python 3.9 with numpy and the package voxtone, and no python3 here has them; install "
+        "python3-voxtone");
+}
+
+std::vector<std::string> words_of(const ServeArguments& arguments) {
+    std::vector<std::string> words{"-m", "voxtone.serve", "--folder", arguments.folder, "--listen", arguments.listen};
+    for (const std::string& host : arguments.hosts) words.insert(words.end(), {"--host", host});
+    words.insert(words.end(), {"--port", std::to_string(arguments.port), "--jobs", std::to_string(arguments.jobs)});
+    words.insert(words.end(), {"--memory", fmt::format("{}", arguments.memory_gib)});
+    words.insert(words.end(), {"--keep-days", fmt::format("{}", arguments.keep_days)});
+    words.insert(words.end(), {"--keep-size", fmt::format("{}", arguments.keep_size_gib)});
+    if (!arguments.browser) words.emplace_back("--no-browser");
+    return words;
+}
+
+[[noreturn]] void become_service(const ServeArguments& arguments) {
+    std::error_code error;
+    const fs::path program = fs::read_symlink("/proc/self/exe", error);
+    setenv("VOXTONE_PROGRAM", program.c_str(), 1);
+    look_first_in(package_beside(program));
+    std::vector<std::string> words = words_of(arguments);
+    words.insert(words.begin(), find_python());
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    execvp(argv[0], argv.data());
+    throw FileError(fmt::format("{} cannot be run ({}); install python3 again", words[0], std::strerror(errno)));
+}
+
+}  // namespace
+
+Command add_serve_command(CLI::App& program) {
+    auto arguments = std::make_shared<ServeArguments>();
+    CLI::App* command =
+        program.add_subcommand("serve", "Open a page to work at, with a queue that survives (docs/serve.md)");
+    command->add_option("--folder", arguments->folder, "where queue and results are kept; made where there is none")
+        ->type_name("FOLDER")
+        ->capture_default_str();
+    command->add_option("--port", arguments->port, "port of the page; 0: any that is free")
+        ->type_name("N")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 65535));
+    command
+        ->add_option("--listen", arguments->listen,
+                     "address that is listened at; another than this machine's own is for a proxy with TLS")
+        ->type_name("ADDRESS")
+        ->capture_default_str();
+    command->add_option("--host", arguments->hosts, "name by which browsers may come as well, as a proxy passes it on")
+        ->type_name("NAME");
+    command
+        ->add_option("--jobs", arguments->jobs,
+                     "most jobs at once; a second one begins where memory allows, by the estimates")
+        ->type_name("N")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 256));
+    command->add_option("--memory", arguments->memory_gib, "memory for all jobs; 0: the machine's")
+        ->type_name("GIB")
+        ->capture_default_str()
+        ->check(CLI::NonNegativeNumber);
+    command
+        ->add_option("--keep-days", arguments->keep_days,
+                     "remove jobs that ended so long ago, and say so a day before; 0: keep them")
+        ->type_name("DAYS")
+        ->capture_default_str()
+        ->check(CLI::NonNegativeNumber);
+    command
+        ->add_option("--keep-size", arguments->keep_size_gib,
+                     "remove the oldest that ended where all take more, and say so a day before; 0: keep them")
+        ->type_name("GIB")
+        ->capture_default_str()
+        ->check(CLI::NonNegativeNumber);
+    command->add_flag("--browser,!--no-browser", arguments->browser,
+                      "open the page where there is a desktop (default), or not");
+    add_example(*command, "--folder shop");
+    return [arguments]() -> int { become_service(*arguments); };
+}
+
+}  // namespace voxtone::cli

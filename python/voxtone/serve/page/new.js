@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What was dropped: handed in, read, chosen for, estimated, sliced. Files that came together are a group with one form.
+import {Form} from "./form.js";
+import {Plate} from "./plate.js";
+import {alertOf, ask, bytesText, guarded, key, make, say, shellWord, sizeText, timeText} from "./tools.js";
+
+let table, lists;
+const known = Promise.all([ask("GET", "/options"), ask("GET", "/printers"), ask("GET", "/resins")])
+  .then(([options, printers, resins]) => { table = options; lists = {printers, resins}; });
+
+async function filesOf(entry, path, found) {
+  if (entry.isFile) {
+    const file = await new Promise((done, failed) => entry.file(done, failed));
+    if (!entry.name.startsWith(".")) found.push({file, name: path + entry.name});
+    return;
+  }
+  const reader = entry.createReader();
+  for (;;) {
+    const entries = await new Promise((done, failed) => reader.readEntries(done, failed));
+    if (!entries.length) return;
+    for (const inner of entries) await filesOf(inner, `${path}${entry.name}/`, found);
+  }
+}
+
+async function dropped(transfer) {
+  const entries = [...transfer.items].map((item) => item.webkitGetAsEntry?.()).filter(Boolean);
+  const found = [];
+  for (const entry of entries) await filesOf(entry, "", found);
+  return entries.length ? found : [...transfer.files].map((file) => ({file, name: file.name}));
+}
+
+async function handIn(files) {
+  alertOf("");
+  const bar = make("progress", {max: files.reduce((sum, one) => sum + one.file.size, 0) || 1, value: 0});
+  const told = make("p", {}, "Handing in ", String(files.length), files.length === 1 ? " file " : " files ", bar);
+  document.getElementById("groups").prepend(told);
+  let upload = null, here = null;
+  try {
+    for (const {file, name} of files) {
+      const address = `/uploads?name=${encodeURIComponent(name)}${upload ? `&into=${upload}` : ""}`;
+      here = await ask("POST", address, file);
+      upload = here.upload;
+      bar.value += file.size;
+    }
+  } finally {
+    told.remove();
+  }
+  if (!here) return;
+  await known;
+  const jobFiles = here.files.filter((file) => file.name.toLowerCase().endsWith(".json"));
+  let options = {};
+  for (const file of jobFiles) {
+    const job = await ask("GET", `/uploads/${upload}/job-file?name=${encodeURIComponent(file.name)}`).catch(() => null);
+    if (!job) continue;
+    options = job.options;
+    if (job.left_out.length) alertOf(`of ${file.name} these are not said here: ${job.left_out.join(", ")}`);
+  }
+  if (!here.models.length)
+    return alertOf(jobFiles.length ? `the job file names its model; drop the two together` :
+      `none of ${here.files.map((file) => file.name).join(", ")} is a model or picture that can be sliced`);
+  new Group({upload}, here.files, here.models, options);
+  say(`${here.models.length} handed in`);
+}
+
+export class Group {
+  /// `source`: {upload} or {job}, whose files they are.
+  constructor(source, files, models, options = {}, from = null) {
+    Object.assign(this, {source, files, from, models: models.map((name) => ({name, figures: null})), who: key(), key: key(), round: 0});
+    this.list = make("ul", {className: "models"});
+    this.form = new Form(table, lists, files.map((file) => file.name), options, () => this.changed());
+    this.line = make("code");
+    this.copies = make("input", {type: "number", min: 1, max: 200, value: 1, "aria-label": "copies"});
+    this.slice = make("button", {type: "button", className: "main", onclick: guarded(() => this.handIn(false))}, "Slice");
+    this.plateHere = make("div");
+    this.tray = make("button", {type: "button", onclick: guarded(() => this.showPlate())}, "Arrange as one tray");
+    this.element = make("article", {className: "group"}, this.list, this.form.element,
+      make("details", {}, make("summary", {}, "The same at the console"), this.line,
+        make("button", {type: "button", onclick: () => navigator.clipboard?.writeText(this.line.textContent)}, "copy")),
+      this.plateHere,
+      make("div", {className: "acts"}, this.slice, make("label", {}, "copies ", this.copies), this.tray,
+        make("button", {type: "button", onclick: () => this.handIn(true)}, "Hand in, held"),
+        make("button", {type: "button", onclick: () => this.remove()}, "Discard")));
+    document.getElementById("groups").prepend(this.element);
+    for (const model of this.models) this.show(model);
+    this.changed();
+    for (const model of this.models) this.read(model);
+  }
+
+  show(model) {
+    model.views = make("div", {className: "views"});
+    model.told = make("div", {}, make("p", {className: "soft"}, "reading …"));
+    const file = this.files.find((one) => one.name === model.name);
+    const remove = make("button", {type: "button", title: `leave out ${model.name}`, onclick: () => this.leaveOut(model)}, "×");
+    const alone = make("button", {type: "button", title: `options of its own for ${model.name}`, onclick: () => this.alone(model)}, "options of its own");
+    model.element = make("li", {}, model.views, make("div", {}, make("h3", {}, model.name, " ", make("span", {className: "soft"}, file ? bytesText(file.bytes) : "")), model.told),
+      make("div", {className: "acts"}, this.models.length > 1 ? alone : null, this.models.length > 1 ? remove : null));
+    if (file?.picture && this.source.upload)
+      model.views.append(make("img", {src: `/uploads/${this.source.upload}/picture?name=${encodeURIComponent(model.name)}`, alt: model.name, onerror: (event) => event.target.remove()}));
+    this.list.append(model.element);
+  }
+
+  /// Its picture from three sides and what is to be known of the file, where the program can tell.
+  async read(model) {
+    if (!this.source.upload || !table.reads) return;
+    const told = await ask("GET", `/uploads/${this.source.upload}/read?name=${encodeURIComponent(model.name)}`).catch(() => null);
+    if (!told) return;
+    model.read = told.result;
+    const views = told.result.views ?? told.result.pictures ?? [];
+    const pictures = views.filter((view) => typeof view.png === "string")
+      .map((view) => make("img", {src: pngAddress(view.png), alt: `${model.name} from ${view.from ?? view.side ?? "a side"}`}));
+    if (pictures.length) model.views.replaceChildren(...pictures);
+  }
+
+  body(model, more = {}) {
+    return {...this.source, model: model.name, options: this.form.values, ...more};
+  }
+
+  changed() {
+    const round = ++this.round;
+    const name = this.models[0]?.name ?? "";
+    const words = Object.entries(this.form.values).flatMap(([option, value]) =>
+      (Array.isArray(value) ? value : [value]).map((one) => one === true ? `--${option}` : one === false ? `--no-${option}` : `--${option}=${shellWord(String(one))}`));
+    this.line.textContent = ["voxtone slice", ...this.models.map((model) => shellWord(model.name)), ...words, "-o", shellWord(`out/${name.replace(/\.[^.]*$/, "")}`)].join(" ");
+    this.plate?.changed();
+    setTimeout(() => { if (round === this.round) this.estimate(round); }, 120);
+  }
+
+  async estimate(round) {
+    for (const full of [false, true]) {
+      for (const model of this.models) {
+        if (round !== this.round) return;
+        await this.estimateOne(model, full, round);
+      }
+      if (!full) await new Promise((done) => setTimeout(done, 300));
+    }
+  }
+
+  async estimateOne(model, full, round) {
+    try {
+      const told = await ask("POST", "/estimate", this.body(model, {full, who: `${this.who}${model.name}`.slice(0, 70)}));
+      if (round !== this.round) return;
+      model.figures = told.result;
+      this.tell(model, told);
+      this.plate?.changed();
+    } catch (error) {
+      if (round !== this.round || error.status === 409) return;
+      model.figures = null;
+      model.told.replaceChildren(make("p", {className: "failed"}, error.message));
+    }
+  }
+
+  tell(model, {result, warnings}) {
+    const resins = result.resins.filter((resin) => resin.ml > 0).map((resin) => `${resin.role} ${resin.ml.toPrecision(2)}`).join(", ");
+    model.told.replaceChildren(
+      make("p", {}, `${sizeText(result.size_mm)}, ${result.layers} layers of ${result.layer_um} µm`),
+      make("p", {}, `${timeText(result.seconds)}, ${result.ml.toPrecision(3)} ml`, resins ? ` (${resins})` : "",
+        result.price ? `, ${result.price.toFixed(2)} ${result.currency}` : "", `, ${bytesText(result.memory_bytes)} of memory`),
+      ...[...new Set([...result.warnings, ...warnings])].map((text) => make("p", {className: "warned"}, text)),
+      ...result.notes.map((text) => make("p", {className: "soft"}, text)));
+  }
+
+  alone(model) {
+    this.leaveOut(model);
+    new Group(this.source, this.files, [model.name], this.form.values);
+  }
+
+  leaveOut(model) {
+    this.models = this.models.filter((one) => one !== model);
+    model.element.remove();
+    if (!this.models.length) return this.remove();
+    this.changed();
+  }
+
+  async showPlate() {
+    this.plate = new Plate(this, lists.printers);
+    this.plateHere.replaceChildren(this.plate.element);
+    this.tray.hidden = true;
+    this.slice.textContent = "Slice the tray";
+  }
+
+  async handIn(held) {
+    this.slice.disabled = true;
+    try {
+      if (this.plate) {
+        await ask("POST", "/jobs", {...this.source, parts: this.plate.parts(), options: this.plate.options(), held}, {"Idempotency-Key": this.key});
+      } else {
+        for (const [at, model] of this.models.entries())
+          await ask("POST", "/jobs", this.body(model, {copies: Math.max(1, Math.round(Number(this.copies.value)) || 1), held,
+            estimate: model.figures, changed_from: this.from}), {"Idempotency-Key": `${this.key}-${at}`});
+      }
+    } finally {
+      this.slice.disabled = false;
+    }
+    say("handed in");
+    this.remove();
+  }
+
+  remove() {
+    this.round = -1;
+    this.element.remove();
+    document.getElementById("new-title").scrollIntoView({block: "nearest"});
+  }
+}
+
+function pngAddress(base64) {
+  const bytes = Uint8Array.from(atob(base64.replace(/^data:[^,]*,/, "")), (letter) => letter.charCodeAt(0));
+  return URL.createObjectURL(new Blob([bytes], {type: "image/png"}));
+}
+
+export async function changeAndSliceAgain(job) {
+  await known;
+  const told = await ask("GET", `/jobs/${job.id}/files`);
+  if (job.parts) {
+    const group = new Group({job: job.id}, told.files, [...new Set(job.parts.map((part) => part.model).filter(Boolean))], job.options, job.id);
+    return group.showPlate();
+  }
+  new Group({job: job.id}, told.files, [job.model], job.options, job.id).element.scrollIntoView();
+}
+
+export function listen() {
+  const place = document.getElementById("drop");
+  const take = guarded(async (files) => { if (files.length) await handIn(files); });
+  for (const kind of ["dragenter", "dragover"])
+    document.addEventListener(kind, (event) => { event.preventDefault(); place.classList.add("over"); });
+  document.addEventListener("dragleave", (event) => { if (!event.relatedTarget) place.classList.remove("over"); });
+  document.addEventListener("drop", async (event) => {
+    event.preventDefault();
+    place.classList.remove("over");
+    take(await dropped(event.dataTransfer));
+  });
+  for (const id of ["choose", "choose-folder"])
+    document.getElementById(id).addEventListener("change", (event) => {
+      take([...event.target.files].map((file) => ({file, name: file.webkitRelativePath || file.name})));
+      event.target.value = "";
+    });
+}
