@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/files/file_reader.h"
 
+#include <chrono>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/warning.h"
+#include "io/files/files_beside.h"
 #include "io/files/packed_values.h"
 #include "io/files/sandbox.h"
 #include "io/files/zip_reader.h"
@@ -20,17 +22,6 @@ namespace {
 const std::string protocol = "voxtone-read 4, voxtone " + build_identity();
 
 constexpr const char* pictures_program = "voxtone-read-pictures";
-
-/// Textures, libraries of materials, buffers: what lies beside a model. What begins with a dot is nobody's texture, and
-/// may be a key. The folder itself may be listed: names are found in any case.
-void add_folder(IsolationLimits& limits, const std::filesystem::path& folder) {
-    const std::filesystem::path place = folder.empty() ? "." : folder;
-    std::error_code error;
-    for (auto entry = std::filesystem::directory_iterator(place, error);
-         !error && entry != std::filesystem::directory_iterator(); entry.increment(error))
-        if (!entry->path().filename().string().starts_with('.')) limits.readable.push_back(entry->path().string());
-    limits.listable.push_back(place.string());
-}
 
 /// What voxtone-read may ask for while it works.
 class ReaderAnswers {
@@ -59,10 +50,18 @@ private:
         else
             program_->post_request(question);
         const std::shared_ptr<IsolatedProgram> program = std::move(program_);  // of no use after most errors
-        std::vector<std::byte> picture = program->result(progress);
-        missing_walls |= program->missing_walls();
-        program_ = program;
-        return picture;
+        program->count_as_spent(spent_s_);  // the limit of time is that of all pictures of a file
+        const auto start = std::chrono::steady_clock::now();
+        try {
+            std::vector<std::byte> picture = program->result(progress);
+            missing_walls |= program->missing_walls();
+            spent_s_ = program->spent_s();
+            program_ = program;
+            return picture;
+        } catch (const InputError&) {  // where it crashed its own clock is gone
+            spent_s_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+            throw;
+        }
     }
 
     static std::filesystem::path find_pictures_program() {
@@ -79,6 +78,7 @@ private:
 
     std::string what_;
     IsolationLimits limits_;
+    double spent_s_ = 0;                        ///< on pictures, of the processor
     std::shared_ptr<IsolatedProgram> program_;  ///< waits for the next picture; shared: functions are copied
 };
 
@@ -125,7 +125,11 @@ std::unique_ptr<IsolatedProgram> start_reader(const std::string& what, const Rea
     const PathInZip place = path_in_zip(request.path);
     limits.readable = {place.file.string()};
     const bool is_model = request.kind == ReadKind::model || request.kind == ReadKind::side_files;
-    if (is_model && request.sees_folder && !place.is_zip) add_folder(limits, place.file.parent_path());
+    if (is_model && request.sees_folder && !place.is_zip) {
+        const std::filesystem::path folder = place.file.parent_path();
+        for (std::string& file : files_beside(folder)) limits.readable.push_back(std::move(file));
+        limits.listable.push_back(folder.empty() ? "." : folder.string());  // names are found in any case
+    }
     if (!request.texture.empty()) limits.readable.push_back(request.texture);
     const bool by_openimageio = request.kind == ReadKind::photograph || request.kind == ReadKind::other_picture;
     auto program = std::make_unique<IsolatedProgram>(

@@ -75,6 +75,10 @@ public:
     void answer_by(Answerer answerer) { answerer_ = std::move(answerer); }
     /// The next request, when the last one was answered.
     void post_request(std::span<const std::byte> request);
+    /// Seconds of the processor that the request at hand has taken, with those that were counted before.
+    [[nodiscard]] double spent_s() const { return processor_s() - began_s_; }
+    /// Counts `seconds` that others of its kind took towards the limit of the request at hand.
+    void count_as_spent(double seconds) { began_s_ -= seconds; }
 
     /// MissingWall bits (io/files/sandbox.h), known with the first answer.
     [[nodiscard]] std::uint8_t missing_walls() const { return missing_walls_; }

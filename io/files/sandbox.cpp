@@ -15,6 +15,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
+#include <initializer_list>
 #include <iterator>
 #include <system_error>
 
@@ -84,9 +85,18 @@ bool is_alone() {
     return false;
 }
 
+/// As linux/landlock.h has it since Linux 6.12; what an older kernel does not know is 0.
+struct LandlockRules {
+    std::uint64_t files, network, scopes;
+};
+constexpr std::uint64_t scope_of_signals = 2;
+constexpr long first_with_scopes = 6;
+
 bool filter_files(const WallDoors& doors) {
-    landlock_ruleset_attr handled{};
-    handled.handled_access_fs = (LANDLOCK_ACCESS_FS_MAKE_SYM << 1) - 1;  // all that its first version knows
+    LandlockRules handled{};
+    handled.files = (LANDLOCK_ACCESS_FS_MAKE_SYM << 1) - 1;  // all that its first version knows
+    if (syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION) >= first_with_scopes)
+        handled.scopes = scope_of_signals;
     const int rules = static_cast<int>(syscall(SYS_landlock_create_ruleset, &handled, sizeof handled, 0));
     if (rules < 0) return false;
     for (const std::string& path : doors.readable)
@@ -104,7 +114,7 @@ constexpr int allowed_calls[] = {
     SCMP_SYS(fstat), SCMP_SYS(fstat64), SCMP_SYS(stat), SCMP_SYS(stat64), SCMP_SYS(lstat), SCMP_SYS(lstat64),
     SCMP_SYS(newfstatat), SCMP_SYS(fstatat64), SCMP_SYS(statx), SCMP_SYS(statfs), SCMP_SYS(fstatfs), SCMP_SYS(access),
     SCMP_SYS(faccessat), SCMP_SYS(faccessat2), SCMP_SYS(readlink), SCMP_SYS(readlinkat), SCMP_SYS(getdents),
-    SCMP_SYS(getdents64), SCMP_SYS(getcwd), SCMP_SYS(fcntl), SCMP_SYS(fcntl64), SCMP_SYS(fadvise64),
+    SCMP_SYS(getdents64), SCMP_SYS(getcwd), SCMP_SYS(fadvise64),
     // memory
     SCMP_SYS(brk), SCMP_SYS(munmap), SCMP_SYS(mremap), SCMP_SYS(madvise), SCMP_SYS(futex), SCMP_SYS(membarrier),
     // signals of its own, its end
@@ -120,10 +130,25 @@ constexpr int allowed_calls[] = {
 /// Calls that a processor's kernel never had have negative numbers.
 bool is_of_this_machine(int call) { return call >= 0; }
 
-/// A call only where the bits `mask` of an argument are `value`.
-bool allow_where(scmp_filter_ctx filter, int call, unsigned argument, scmp_datum_t mask, scmp_datum_t value) {
-    const scmp_arg_cmp condition = {argument, SCMP_CMP_MASKED_EQ, mask, value};
-    return !is_of_this_machine(call) || seccomp_rule_add_array(filter, SCMP_ACT_ALLOW, call, 1, &condition) == 0;
+/// Bits `mask` of an argument that must be `value`.
+scmp_arg_cmp where(unsigned argument, scmp_datum_t mask, scmp_datum_t value) {
+    return {argument, SCMP_CMP_MASKED_EQ, mask, value};
+}
+
+/// A call only where all conditions hold.
+bool allow_where(scmp_filter_ctx filter, int call, std::initializer_list<scmp_arg_cmp> conditions) {
+    return !is_of_this_machine(call) ||
+           seccomp_rule_add_array(filter, SCMP_ACT_ALLOW, call, static_cast<unsigned>(conditions.size()),
+                                  conditions.begin()) == 0;
+}
+
+/// Copies of a descriptor, its flags and its locks; nothing that lets the kernel send a signal to another process when
+/// there is something to read (F_SETOWN, F_SETSIG, O_ASYNC).
+bool allow_descriptor_control(scmp_filter_ctx filter, int call) {
+    constexpr scmp_datum_t all_bits = 0xffffffff;  // the command is an int
+    for (const int command : {F_DUPFD, F_DUPFD_CLOEXEC, F_GETFD, F_SETFD, F_GETFL, F_GETLK})
+        if (!allow_where(filter, call, {where(1, all_bits, static_cast<scmp_datum_t>(command))})) return false;
+    return allow_where(filter, call, {where(1, all_bits, F_SETFL), where(2, O_ASYNC, 0)});
 }
 
 /// Numbers of calls that the list was made without, the same on every machine since Linux 5.1. Libraries ask whether
@@ -141,18 +166,20 @@ bool add_rules(scmp_filter_ctx filter) {
     for (const int call : allowed_calls)
         if (is_of_this_machine(call) && seccomp_rule_add(filter, SCMP_ACT_ALLOW, call, 0) != 0) return false;
     if (!add_unknown_calls(filter)) return false;
-    constexpr scmp_datum_t writing = O_ACCMODE | O_CREAT | O_TRUNC | O_APPEND | (O_TMPFILE & ~O_DIRECTORY);
+    constexpr scmp_datum_t writing = O_ACCMODE | O_CREAT | O_TRUNC | O_APPEND | (O_TMPFILE & ~O_DIRECTORY),
+                           all_bits = ~scmp_datum_t{0};
     const auto self = static_cast<scmp_datum_t>(getpid());
-    return allow_where(filter, SCMP_SYS(open), 1, writing, O_RDONLY) &&
-           allow_where(filter, SCMP_SYS(openat), 2, writing, O_RDONLY) &&
+    return allow_where(filter, SCMP_SYS(open), {where(1, writing, O_RDONLY)}) &&
+           allow_where(filter, SCMP_SYS(openat), {where(2, writing, O_RDONLY)}) &&
+           allow_descriptor_control(filter, SCMP_SYS(fcntl)) && allow_descriptor_control(filter, SCMP_SYS(fcntl64)) &&
            // no new code: the libraries are loaded
-           allow_where(filter, SCMP_SYS(mmap), 2, PROT_EXEC, 0) &&
-           allow_where(filter, SCMP_SYS(mmap2), 2, PROT_EXEC, 0) &&
-           allow_where(filter, SCMP_SYS(mprotect), 2, PROT_EXEC, 0) &&
+           allow_where(filter, SCMP_SYS(mmap), {where(2, PROT_EXEC, 0)}) &&
+           allow_where(filter, SCMP_SYS(mmap2), {where(2, PROT_EXEC, 0)}) &&
+           allow_where(filter, SCMP_SYS(mprotect), {where(2, PROT_EXEC, 0)}) &&
            // abort() signals its own process; limits may be asked for, and not set
-           allow_where(filter, SCMP_SYS(tgkill), 0, ~scmp_datum_t{0}, self) &&
-           allow_where(filter, SCMP_SYS(kill), 0, ~scmp_datum_t{0}, self) &&
-           allow_where(filter, SCMP_SYS(prlimit64), 2, ~scmp_datum_t{0}, 0);
+           allow_where(filter, SCMP_SYS(tgkill), {where(0, all_bits, self)}) &&
+           allow_where(filter, SCMP_SYS(kill), {where(0, all_bits, self)}) &&
+           allow_where(filter, SCMP_SYS(prlimit64), {where(2, all_bits, 0)});
 }
 
 bool filter_calls() {

@@ -107,6 +107,12 @@ TEST_CASE("work in another program", "[slow]") {
         const double before_s = processor_s_of_children();
         CHECK_THROWS_WITH(ask("spin", {.timeout_s = 0.2}), Contains("0.2 s of processor time"));
         CHECK_THROWS_AS(ask("spin", {.timeout_s = 0.2}), ResourceError);
+        // What others of its kind took counts.
+        IsolatedProgram late("test.obj", test::misbehaving_program(), bytes_of("spin"),
+                             {.memory_bytes = 0, .timeout_s = 1000});
+        late.count_as_spent(999.8);
+        CHECK(late.spent_s() >= 999.8);
+        CHECK_THROWS_WITH(late.result(), Contains("1000 s of processor time"));
         const double taken_s = processor_s_of_children() - before_s;
         CHECK(taken_s > 2 * 0.19);
         CHECK(taken_s < 5);

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "io/files/file_reader.h"
+#include "io/files/files_beside.h"
 #include "io/files/isolate.h"
 #include "tests/io/files/taken_program.h"
 #include "tests/io/files/temporary_folder.h"
@@ -27,10 +28,12 @@ namespace {
 class Taken {
 public:
     explicit Taken(const fs::path& readable, const fs::path& listable = {})
+        : Taken(std::vector{readable.string()}, {listable.string()}) {}
+    Taken(const std::vector<std::string>& readable, const std::vector<std::string>& listable)
         : program_("a.obj", test::misbehaving_program(), {},
                    {.memory_bytes = built_with_address_sanitizer() ? 0 : std::uint64_t{256} << 20,
-                    .readable = {readable.string()},
-                    .listable = {listable.string()}}) {
+                    .readable = readable,
+                    .listable = listable}) {
         (void)program_.result();
     }
     std::string answer(const std::string& wish) {
@@ -102,7 +105,8 @@ TEST_CASE("a taken reader reaches nothing else", "[sandbox]") {
         // Without walls one ends the test and the other stops it.
         if (what != std::string("exec") && what != std::string("trace")) proven += done_without_walls(what);
     }
-    CHECK(proven >= 8);
+    CHECK(proven >= 11);
+    CHECK(taken.answer("flags of a descriptor") == "done");  // which libraries need
 }
 
 TEST_CASE("a reader reads what it was given and nothing else", "[sandbox]") {
@@ -138,6 +142,37 @@ TEST_CASE("a folder can be given to be listed and not read", "[sandbox]") {
     if (taken.lacks(no_file_filter, "Landlock")) return;
     CHECK_THAT(taken.answer("read " + (files.inside / "deep" / "b.png").string()), Contains("refused"));
     CHECK_THAT(taken.answer("list " + files.beside.string()), Contains("refused"));
+}
+
+TEST_CASE("what lies beside a model and below is given, and nothing that a link leads out to", "[sandbox]") {
+    Files files;
+    fs::create_directories(files.inside / "deep" / ".keys");
+    fs::create_directories(files.inside / "deep" / "deeper");
+    for (const char* name : {"deep/.secret", "deep/.keys/id", ".hidden", "deep/deeper/c.png", "b.mtl"})
+        std::ofstream(files.inside / name) << "contents";
+    fs::create_symlink(files.beside, files.inside / "folder-out");
+    fs::create_symlink(files.beside / "secret", files.inside / "deep" / "deep-out");
+    fs::create_symlink(files.inside / "deep" / ".secret", files.inside / "to-hidden");
+    fs::create_symlink("deep/b.png", files.inside / "to-inside.png");
+    fs::create_symlink("itself", files.inside / "itself");
+
+    std::vector<std::string> names = files_beside(files.inside);
+    const fs::path top = fs::canonical(files.inside);
+    for (std::string& name : names) name = fs::path(name).lexically_relative(top).string();
+    CHECK(names == std::vector<std::string>{"a.obj", "b.mtl", "deep/b.png", "deep/b.png", "deep/deeper/c.png"});
+    CHECK(files_beside(files.inside, {.depth = 1}).size() == 4);
+    CHECK(files_beside(files.inside, {.files = 2}).size() == 2);
+    CHECK(files_beside(files.folder.path() / "nowhere").empty());
+
+    Taken taken(files_beside(files.inside), {files.inside.string()});
+    for (const char* name : {"a.obj", "deep/b.png", "deep/deeper/c.png", "to-inside.png"})
+        CHECK(taken.answer("read " + (files.inside / name).string()) == "done");
+    if (taken.lacks(no_file_filter, "Landlock")) return;
+    for (const char* name :
+         {"leads-out", "folder-out/secret", "deep/deep-out", "to-hidden", "deep/.secret", "deep/.keys/id", ".hidden"}) {
+        INFO(name);
+        CHECK_THAT(taken.answer("read " + (files.inside / name).string()), Contains("refused"));
+    }
 }
 
 TEST_CASE("one file alone can be given", "[sandbox]") {

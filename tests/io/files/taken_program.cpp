@@ -93,6 +93,17 @@ long list(const char* path) {
     return read ? 0 : -1;
 }
 
+/// fcntl on a descriptor of its own.
+long control(int command, int value) {
+    const int fd = static_cast<int>(syscall(SYS_memfd_create, "own", 0));
+    if (fd < 0) return fd;
+    const long done = fcntl(fd, command, value);
+    const int why = errno;
+    close(fd);
+    errno = why;
+    return done;
+}
+
 long look_into_parent() {
     char byte = 0;
     const iovec here{&byte, 1}, there{reinterpret_cast<void*>(&look_into_parent), 1};
@@ -131,6 +142,10 @@ const std::map<std::string, Attempt>& all_attempts() {
         {"thread", [](const char*) { return start_thread(); }},
         {"trace", [](const char*) { return ptrace(PTRACE_ATTACH, getppid(), nullptr, nullptr); }},
         {"kill", [](const char*) { return kill(getppid(), 0); }},
+        {"signal by descriptor", [](const char*) { return control(F_SETSIG, SIGURG); }},
+        {"owner of a descriptor", [](const char*) { return control(F_SETOWN, getpid()); }},
+        {"signal at input", [](const char*) { return control(F_SETFL, O_ASYNC); }},
+        {"flags of a descriptor", [](const char*) { return control(F_SETFL, O_NONBLOCK); }},
         {"code", [](const char*) { return map_code(); }},
         {"limits", [](const char*) { return change_limits(); }},
         {"priority", [](const char*) { return setpriority(PRIO_PROCESS, 0, 19); }},

@@ -14,10 +14,29 @@ namespace voxtone::test {
 inline constexpr std::array attempts_on_files = {"write",  "append",    "create", "truncate", "remove",
                                                  "rename", "link",      "folder", "mode",     "owner",
                                                  "times",  "attribute", "mount",  "root",     "node"};
-inline constexpr std::array attempts = {"connect", "listen",   "local socket", "exec",       "fork",
-                                        "vfork",   "thread",   "trace",        "kill",       "code",
-                                        "limits",  "priority", "look in",      "namespace",  "keyring",
-                                        "io ring", "events",   "module",       "new filter", "new call"};
+inline constexpr std::array attempts = {"connect",
+                                        "listen",
+                                        "local socket",
+                                        "exec",
+                                        "fork",
+                                        "vfork",
+                                        "thread",
+                                        "trace",
+                                        "kill",
+                                        "code",
+                                        "limits",
+                                        "priority",
+                                        "look in",
+                                        "namespace",
+                                        "keyring",
+                                        "io ring",
+                                        "events",
+                                        "module",
+                                        "new filter",
+                                        "new call",
+                                        "signal by descriptor",
+                                        "owner of a descriptor",
+                                        "signal at input"};
 /// "read PATH" and "list PATH" are allowed on what the parent names.
 
 /// The program that is asked for them, of this build.
