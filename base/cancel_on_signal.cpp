@@ -52,6 +52,7 @@ void catch_stop_signals() {
         if (before.sa_handler != SIG_IGN) set_handler(number, on_signal);
     }
     for (const int number : {SIGPIPE, SIGXFSZ}) set_handler(number, SIG_IGN);
+    set_handler(SIGCHLD, SIG_DFL);  // ignored, as some starters leave it, it takes away how a child ended
 }
 
 ExitCode stop_code() {

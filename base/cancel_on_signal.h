@@ -5,7 +5,8 @@
 // run it again (exit code 85). The first of them asks the work to stop (`Progress::cancel`), so that no half-written
 // file is left; a Ctrl-C after it ends the program at once, more of the others change nothing: schedulers send them
 // twice. SIGPIPE ends nothing: hours of work do not depend on who reads its words; nor does SIGXFSZ: a file that must
-// not grow further is an error with a sentence.
+// not grow further is an error with a sentence; and SIGCHLD is not ignored, even where it was by who started us, for
+// then the system forgets how children ended.
 #pragma once
 
 #include "base/error.h"

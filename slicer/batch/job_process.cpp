@@ -106,7 +106,10 @@ std::optional<ProcessEnd> JobProcess::ended() {
     if (end_) return end_;
     int status = 0;
     rusage usage{};
-    if (wait4(pid_, &status, WNOHANG, &usage) != pid_) return std::nullopt;
+    const pid_t ended = wait4(pid_, &status, WNOHANG, &usage);
+    if (ended < 0 && errno == ECHILD)
+        throw TryAgain("how a job ended is not known: another part of this process waited for it; run the same again");
+    if (ended != pid_) return std::nullopt;
     end_ = WIFSIGNALED(status) ? ProcessEnd{-1, WTERMSIG(status)} : ProcessEnd{WEXITSTATUS(status), 0};
     end_->peak_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
     return end_;

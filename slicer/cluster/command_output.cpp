@@ -136,8 +136,9 @@ CommandOutput run_command(std::span<const std::string> command) {
     err.write = {};
     read_all(out.read.get(), err.read.get(), said);
     int status = 0;
-    while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
-    }
+    while (waitpid(pid, &status, 0) < 0)
+        if (errno != EINTR)
+            throw TryAgain(fmt::format("how {} ended is not known ({}); try again", command[0], std::strerror(errno)));
     said.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     return said;
 }

@@ -48,6 +48,18 @@ TEST_CASE("The first signal asks the work to stop, and says why") {
               }) == (number == SIGINT ? 5 : 85));
 }
 
+TEST_CASE("How children ended is known to who was started with SIGCHLD ignored") {
+    CHECK(status_of([] {
+              std::signal(SIGCHLD, SIG_IGN);  // as a shell's `trap "" CHLD` leaves it, or a supervisor
+              catch_stop_signals();
+              const pid_t child = fork();
+              if (child == 0) _exit(7);
+              int status = 0;
+              if (waitpid(child, &status, 0) != child) _exit(98);
+              _exit(WEXITSTATUS(status));
+          }) == 7);
+}
+
 TEST_CASE("A signal that comes before there is work stops it when it begins") {
     for (const int number : stop_signals)
         CHECK(status_of([number] {
