@@ -117,16 +117,16 @@ JsonObject JsonObject::parse(std::string_view text, std::string source) {
     return JsonObject(std::make_shared<const Node>(Node{std::move(document), value, {}, {}}));
 }
 
-JsonObject JsonObject::read(const std::filesystem::path& file) {
+JsonObject JsonObject::read(const std::filesystem::path& file, std::size_t most_bytes) {
     std::ifstream stream(file, std::ios::binary);
     if (!stream)
         throw FileError(fmt::format("{}: cannot be opened for reading ({})", file.string(), std::strerror(errno)));
-    constexpr std::size_t most = std::size_t{64} << 20;
     std::string text, piece(std::size_t{1} << 16, '\0');
     while (stream.read(piece.data(), static_cast<std::streamsize>(piece.size())), stream.gcount() > 0) {
         text.append(piece, 0, static_cast<std::size_t>(stream.gcount()));
-        if (text.size() > most)
-            throw InputError(fmt::format("{}: larger than 64 MiB, which no file of this kind is", file.string()));
+        if (text.size() > most_bytes)
+            throw InputError(
+                fmt::format("{}: larger than {} MiB, which no file of this kind is", file.string(), most_bytes >> 20));
     }
     if (std::error_code none; stream.bad() && std::filesystem::is_directory(file, none))
         throw FileError(fmt::format("{}: is a folder; name the file in it", file.string()));

@@ -25,8 +25,10 @@ class JsonObject {
 public:
     /// `source` names the text in errors. Throws InputError with line and column.
     [[nodiscard]] static JsonObject parse(std::string_view text, std::string source);
-    /// Throws FileError where the file cannot be read, InputError where it is larger than 64 MiB or no JSON object.
-    [[nodiscard]] static JsonObject read(const std::filesystem::path& file);
+    /// Throws FileError where the file cannot be read, InputError where it is larger than `most_bytes` or no JSON
+    /// object.
+    [[nodiscard]] static JsonObject read(const std::filesystem::path& file, std::size_t most_bytes = usual_bytes);
+    static constexpr std::size_t usual_bytes = std::size_t{64} << 20;
 
     /// Throws InputError for the first key that is not among `known`.
     void allow_only(std::initializer_list<std::string_view> known) const;

@@ -192,7 +192,9 @@ ShardRecord record_in(const JsonObject& json, const std::string& file) {
 std::string shard_json(const ShardRecord& record) { return text_of(record, seal_of(record)); }
 
 ShardRecord read_shard(const std::filesystem::path& file) {
-    const JsonObject json = JsonObject::read(file);
+    // Whole layers of a full tray for the viewer come to some 250 MiB in base64.
+    constexpr std::size_t most_bytes = std::size_t{1} << 30;
+    const JsonObject json = JsonObject::read(file, most_bytes);
     ShardRecord record = record_in(json, file.string());
     if (json.text(seal_key) != seal_of(record)) json.fail(seal_key, "is not that of the rest, which was changed since");
     return record;

@@ -94,7 +94,10 @@ void claim_folder_for_shards(const OpenedJob& job, io::ShardFolder& folder, cons
             std::this_thread::sleep_for(between);
         }
     }
-    if (job.options.overwrite && !is_same_job(shards, job, &progress)) io::remove_shards(job.options.out);
+    if (!job.options.overwrite)
+        expect_no_other_shards(job, &progress);  // one may have come while this one read its model
+    else if (!is_same_job(shards, job, &progress))
+        io::remove_shards(job.options.out);
     folder.claim(job_text);
 }
 

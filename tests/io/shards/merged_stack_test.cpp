@@ -8,6 +8,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "io/files/json_object.h"
 #include "io/shards/shard_folder.h"
 #include "tests/io/files/temporary_folder.h"
 #include "tests/io/layers/stack_samples.h"
@@ -126,6 +127,18 @@ TEST_CASE("A merge that was killed in the swap is brought to an end, or undone, 
         CHECK(tree(out).size() >= whole.size());
         for (const auto& [name, bytes] : whole) CHECK(tree(out)[name] == bytes);
     }
+}
+
+TEST_CASE("A record of a shard of a large print, whose viewer's layers fill 70 MiB, is read again", "[shards]") {
+    const TemporaryFolder folder;
+    ShardRecord record = make_shard(folder.path(), {1, 2}, 0, 4);
+    record.viewer.whole.push_back({2, std::vector<std::byte>(std::size_t{53} << 20, std::byte{'x'})});
+    const fs::path file = shard_file(folder.path(), record.number);
+    std::ofstream(file, std::ios::trunc) << shard_json(record);
+    REQUIRE(fs::file_size(file) > JsonObject::usual_bytes);
+    const ShardRecord again = read_shard(file);
+    REQUIRE(again.viewer.whole.size() == 1);
+    CHECK(again.viewer.whole[0].deflated == record.viewer.whole[0].deflated);
 }
 
 TEST_CASE("A record is what it was, and tells whether it was changed", "[shards]") {
