@@ -223,12 +223,17 @@ std::size_t Outline::area() const {
 }
 
 Outline Outline::grown(int cells) const {
-    Outline grown(width_ + 2 * cells, height_ + 2 * cells);
+    // By columns, then by rows: each cell is looked at twice, however wide the gap is.
+    Outline taller(width_, height_ + 2 * cells), grown(width_ + 2 * cells, height_ + 2 * cells);
     for (int x = 0; x < width_; ++x)
-        for (int y = 0; y < height_; ++y) {
-            if (!at(x, y)) continue;
-            for (int dx = 0; dx <= 2 * cells; ++dx)
-                for (int dy = 0; dy <= 2 * cells; ++dy) grown.set(x + dx, y + dy);
+        for (int y = 0, left = 0; y < taller.height_; ++y, --left) {
+            if (y < height_ && at(x, y)) left = 2 * cells + 1;
+            if (left > 0) taller.set(x, y);
+        }
+    for (int y = 0; y < grown.height_; ++y)
+        for (int x = 0, left = 0; x < grown.width_; ++x, --left) {
+            if (x < width_ && taller.at(x, y)) left = 2 * cells + 1;
+            if (left > 0) grown.set(x, y);
         }
     return grown;
 }

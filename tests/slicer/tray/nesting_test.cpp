@@ -126,6 +126,22 @@ TEST_CASE("What is on the plate already stays free of others") {
     CHECK(at[2]);
 }
 
+TEST_CASE("A grown outline holds what is no more cells away, along both axes") {
+    const Outline outline = disc(9);
+    for (const int cells : {0, 1, 3, 20}) {
+        const Outline grown = outline.grown(cells);
+        REQUIRE(grown.width() == 9 + 2 * cells);
+        for (int x = 0; x < grown.width(); ++x)
+            for (int y = 0; y < grown.height(); ++y) {
+                bool near = false;
+                for (int i = std::max(0, x - 2 * cells); i <= std::min(8, x); ++i)
+                    for (int j = std::max(0, y - 2 * cells); j <= std::min(8, y); ++j) near |= outline.at(i, j);
+                if (grown.at(x, y) != near) FAIL(cells << ": " << x << ", " << y);
+            }
+    }
+    CHECK(box(120, 120).grown(4000).area() == std::size_t{8120} * 8120);  // a gap of 2 m, at once
+}
+
 TEST_CASE("An outline is turned counter-clockwise, and four times is none") {
     Outline outline(3, 2);
     outline.set(2, 0);
