@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/printer/printer_folder.h"
 
+#include <fcntl.h>
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdio>
 #include <system_error>
 
 #include <fmt/core.h>
@@ -109,9 +112,14 @@ void pack(const fs::path& folder, const fs::path& target, const Progress* progre
     write_zip(target, entries, progress);
 }
 
-/// In the place of what is there, which goes last.
+/// In the place of what is there, which goes last: at every moment one of the two has the name. Where a file system
+/// cannot exchange two folders, the old one is away for a moment.
 void rename_over(const fs::path& made, const fs::path& target) {
     if (!fs::exists(target)) return fs::rename(made, target);
+    if (renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, target.c_str(), RENAME_EXCHANGE) == 0) {
+        fs::remove_all(made);
+        return;
+    }
     const fs::path old = made.string() + ".old";
     fs::rename(target, old);
     fs::rename(made, target);
