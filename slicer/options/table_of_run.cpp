@@ -148,7 +148,17 @@ std::vector<OptionSpec> machine_entries() {
                .decides = Decides::this_run,
                .rule = [](const O& o) { return unless(o.threads >= 0 && o.threads <= 1024, "must be 0 to 1024"); }}),
         plain(&O::seed, at(&Job::seed),
-              {.key = "seed", .metavar = "N", .group = group, .help = "seed of what is random (error diffusion)"}),
+              {.key = "seed",
+               .metavar = "N",
+               .group = group,
+               .help = "seed of what is random: --screen error-diffusion, --predict monte-carlo, layered profiles",
+               .idle = {[](const O& o, bool) {
+                   const bool by_chance = is_layered(o) || o.screen == name_of(ScreenKind::error_diffusion) ||
+                                          o.predict == name_of(PredictionModel::monte_carlo);
+                   return unless(by_chance,
+                                 "nothing is random with --screen blue-noise, unless --predict is monte-carlo: leave "
+                                 "it out");
+               }}}),
     };
 }
 

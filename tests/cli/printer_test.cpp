@@ -63,7 +63,7 @@ TEST_CASE("A job leaves what the printer takes, hands it over where it is told t
     CHECK_THAT(run_program("verify " + (folder / "box.zip")).out, Contains("unpack it"));
 
     // Another print is refused before it is made, and takes the place where that is allowed.
-    const std::string other = quick + box(folder) + " --seed 2 --for-printer " + (folder / "usb/box") + " -o ";
+    const std::string other = quick + box(folder) + " --depth 0.9mm --for-printer " + (folder / "usb/box") + " -o ";
     const Outcome refused = run_program(other + (folder / "other"));
     CHECK(refused.exit_code == 3);
     CHECK_THAT(refused.err, Contains("holds another print") && Contains("--overwrite"));
