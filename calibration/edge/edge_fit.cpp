@@ -64,6 +64,10 @@ public:
         gs_.assign(roles_.size(), options.g);
         fit_.resins.resize(roles_.size());
         for (std::size_t r = 0; r < roles_.size(); ++r) add(profiles, r);
+        if (parts_.empty())
+            throw InputError(
+                "No slab of any resin has all its samples in any channel. Shorten the exposure, so that "
+                "nothing is clipped.");
     }
 
     EdgeFit fit() {

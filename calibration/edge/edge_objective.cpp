@@ -252,7 +252,8 @@ Eigen::Matrix2d EdgeObjective::covariance(const Minimum& minimum, double g, doub
     const Eigen::Matrix2d inverse = H.inverse();
     Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
     const auto add = [&](const EdgePoint& moved) { sum += moved * moved.transpose(); };
-    EdgePoint by_mu = EdgePoint::Zero(), disagree = EdgePoint::Zero();
+    EdgePoint by_mu = EdgePoint::Zero();
+    Eigen::Matrix2d disagree = Eigen::Matrix2d::Zero();
     for (std::size_t s = 0; s < slabs_.size(); ++s) {
         const EdgeObservation& slab = slabs_[s];
         const Eigen::Matrix<double, 2, Eigen::Dynamic>&value = pull[2 * s], &steep = pull[2 * s + 1];
@@ -274,14 +275,16 @@ Eigen::Matrix2d EdgeObjective::covariance(const Minimum& minimum, double g, doub
         add(moved((slab.see_softer - slab.sampling) * c));
         by_mu += moved(slab.value * mu_error);
         add(moved(slab.value * (mu * table_->setup().level_error)));
-        if (s == 0)
-            for (std::size_t k = 2 * s; k < 2 * s + 2; ++k)
-                disagree +=
-                    inverse * (all[k].weight / (std::max(all[k].norm(), 1e-9) * static_cast<double>(all[k].r.size())) *
-                               (all[k].slopes.transpose() * all[k].r));
+        EdgePoint pulled = EdgePoint::Zero();  // by this slab alone; at the minimum all pulls together are nothing
+        for (std::size_t k = 2 * s; k < 2 * s + 2; ++k)
+            pulled +=
+                inverse * (all[k].weight / (std::max(all[k].norm(), 1e-9) * static_cast<double>(all[k].r.size())) *
+                           (all[k].slopes.transpose() * all[k].r));
+        disagree += pulled * pulled.transpose();
     }
     add(by_mu);
-    if (slabs_.size() > 1) add(disagree);
+    const auto count = static_cast<double>(slabs_.size());
+    if (count > 1) sum += disagree * (count / (count - 1));  // the minimum has taken one slab's share of freedom
     return sum;
 }
 

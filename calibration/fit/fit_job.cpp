@@ -79,6 +79,13 @@ JobResult run_layer_fit(const FitJob& job, const LayerChart& chart, Progress& pr
     return {layer_fit_json(found), text};
 }
 
+/// All that a fit leaves, when nothing can fail any more but the disk; the set last.
+void write_fit(const FitJob& job, const optics::ResinSet& set, const std::string& json, const std::string& page) {
+    if (!job.report.empty()) io::write_whole_file(job.report, page);
+    io::write_whole_file(side_file(job.out), json + "\n");
+    io::write_whole_file(job.out, io::resin_set_text(set));
+}
+
 }  // namespace
 
 void FitJob::validate() const {
@@ -121,14 +128,13 @@ JobResult run_chart_fit(const FitJob& job, const FitOptions& fit, const PatchTab
     ChartFit found = fit_chart(table, options, &progress);
     found.set = io::rounded_set(std::move(found.set));
     for (const std::string& warning : found.warnings) progress.warn(warning);
-    io::write_whole_file(job.out, io::resin_set_text(found.set));
-    io::write_whole_file(side_file(job.out), chart_fit_json(found) + "\n");
     std::string text = chart_fit_text(found);
     const PatchTable& shown = job.check.empty() ? table : others;
     const PatchCheck check = check_resins(found.set, shown, fit.model);
     if (!job.check.empty()) text += fmt::format("\n{}\n{}", job.check, check_text(check, others));
-    if (!job.report.empty())
-        io::write_whole_file(job.report, chart_fit_html(found, shown, check, chart_of_patches(shown)));
+    const std::string page =
+        job.report.empty() ? std::string() : chart_fit_html(found, shown, check, chart_of_patches(shown));
+    write_fit(job, found.set, chart_fit_json(found), page);
     text += fmt::format("\nWrote {} and {}\n", job.out, side_file(job.out).string());
     return {chart_fit_json(found), text};
 }
@@ -152,9 +158,6 @@ JobResult run_fit_job(const FitJob& job, Progress& progress) {
     ResinFit fit = fit_resins(table, options, &progress);
     fit.set = io::rounded_set(std::move(fit.set));
     for (const std::string& warning : fit.warnings) progress.warn(warning);
-    io::write_whole_file(job.out, io::resin_set_text(fit.set));
-    io::write_whole_file(side_file(job.out), fit_json(fit, table) + "\n");
-
     FitExtras extras;
     std::string text = fit_text(fit, table);
     if (checked) {
@@ -168,7 +171,8 @@ JobResult run_fit_job(const FitJob& job, Progress& progress) {
         extras.sweep = sweep_g(table, extras.checked, swept, progress);
         text += sweep_text(extras.sweep);
     }
-    if (!job.report.empty()) io::write_whole_file(job.report, fit_report_html(fit, table, options, map));
+    const std::string page = job.report.empty() ? std::string() : fit_report_html(fit, table, options, map);
+    write_fit(job, fit.set, fit_json(fit, table), page);
     text += fmt::format("\nWrote {} and {}\n", job.out, side_file(job.out).string());
     return {fit_json(fit, table, extras), text};
 }

@@ -39,7 +39,7 @@ struct FitJob {
     [[nodiscard]] std::vector<std::filesystem::path> outputs() const;
 };
 
-/// Throws Error (with its exit code); nothing is written then.
+/// Throws Error (with its exit code); nothing is written then, unless it is the disk that fails.
 [[nodiscard]] JobResult run_fit_job(const FitJob& job, Progress& progress);
 
 /// The options of a job: its name, and what its edges know. Throws FileError, InputError.

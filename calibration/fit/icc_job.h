@@ -22,7 +22,7 @@ struct IccJob {
     void validate() const;
 };
 
-/// Throws Error (with its exit code); nothing is written then.
+/// Throws Error (with its exit code); nothing is written then, unless it is the disk that fails.
 [[nodiscard]] JobResult run_icc_job(const IccJob& job, Progress& progress);
 
 }  // namespace voxtone::calibration

@@ -266,12 +266,12 @@ ResinFit fit_resins(const PatchTable& table, const FitOptions& options, const Pr
     result.freedom = fits.front().freedom;
     std::vector<double> scale(channels, 1);
     for (std::size_t c = 0; c < channels; ++c) {
-        result.chi2.push_back(fits[c].chi2);
+        result.chi2.push_back(fits[c].least_chi2);  // limits of opaque resins stand above it by what was agreed
         // With as many values as patches nothing is left to explain, but nonsense still does not fit.
         const int freedom = std::max(result.freedom, 1);
-        if (!(fits[c].chi2 > chi2_limit(freedom))) continue;
+        if (!(fits[c].least_chi2 > chi2_limit(freedom))) continue;
         result.misfit.push_back(c);
-        scale[c] = std::sqrt(fits[c].chi2 / freedom);
+        scale[c] = std::sqrt(fits[c].least_chi2 / freedom);
     }
     for (std::size_t r = 0; r < roles.roles.size(); ++r) {
         const std::string& role = roles.roles[r];

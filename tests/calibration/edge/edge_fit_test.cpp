@@ -176,6 +176,12 @@ TEST_CASE("a fit refuses what it cannot use", "[edge]") {
         for (EdgeProfile& p : clipped) p.value[0][100] = std::nan("");
         CHECK_THROWS_WITH(fit_edges(clipped, table, options), Contains("nothing is clipped"));
     }
+    SECTION("every channel clipped in every slab") {
+        auto clipped = profiles;
+        for (EdgeProfile& p : clipped)
+            for (auto& channel : p.value) channel[100] = std::nan("");
+        CHECK_THROWS_WITH(fit_edges(clipped, table, options), Contains("nothing is clipped"));
+    }
     SECTION("a dictionary of another setup, or one that is not whole") {
         EdgeSetup other;
         other.assembly.glass = false;

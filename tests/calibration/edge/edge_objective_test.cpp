@@ -153,6 +153,24 @@ TEST_CASE("each part of a fit's error is how far the minimum goes when what it s
     CHECK((part(setup).cwiseAbs2() - sum).cwiseAbs().maxCoeff() < 1e-9);
 }
 
+TEST_CASE("errors of a fit do not hang on the order of its slabs", "[edge]") {
+    const EdgeProfileTable table = table_of(sure());
+    EdgeProfile brighter = rendered(0.5), darker = rendered(0.5), steeper = rendered(0.5);
+    for (double& v : brighter.value[green]) v *= 1.01;
+    for (double& v : darker.value[green]) v *= 0.995;
+    for (double& v : steeper.value[green]) v = std::pow(v, 1.02);
+    std::vector<std::string> why;
+    const auto covariance = [&](const std::vector<const EdgeProfile*>& slabs) {
+        const EdgeObjective objective(edge_observations(slabs, green, table, {}, why), green, table, {});
+        return objective.covariance(objective.minimum(g, 1), g, 1, 0);
+    };
+    const Eigen::Matrix2d first = covariance({&brighter, &darker, &steeper});
+    CHECK((covariance({&steeper, &brighter, &darker}) - first).norm() < 1e-3 * first.norm());
+    CHECK((covariance({&darker, &steeper, &brighter}) - first).norm() < 1e-3 * first.norm());
+    // That they disagree is an error of its own.
+    CHECK(first.trace() > 2 * covariance({&brighter, &brighter, &brighter}).trace());
+}
+
 TEST_CASE("the error of mu is that of leaving one resin out after the other", "[edge]") {
     const EdgeSetup setup = sure();
     optics::ResinSet set{"three", "", {}, g, 1.5, {}};

@@ -4,6 +4,10 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "calibration/patches/patch_file.h"
+#include "io/files/whole_file.h"
+#include "tests/calibration/patches/target_samples.h"
+#include "tests/io/files/temporary_folder.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;
@@ -23,4 +27,27 @@ TEST_CASE("a fit is refused by the name of the option that is wrong, before a fi
     CHECK_THROWS_AS(run_fit_job(job, quiet), InputError);
     job.fit.noise = 0.005;
     CHECK_THROWS_AS(run_fit_job(job, quiet), FileError);  // all is well but the file
+}
+
+TEST_CASE("a fit whose check cannot be done leaves no file") {
+    const io::TemporaryFolder folder;
+    const auto written = [&](const std::string& name, const std::vector<std::string>& roles) {
+        PatchTable table = testing::target('A', roles);
+        testing::measure(table, optics::vero_opaque(), 0, 1);
+        const std::string file = folder.path() / name;
+        const std::string text = patch_table_text(table, "made up");
+        io::write_whole_file(file, text);
+        return file;
+    };
+    Progress quiet;
+    FitJob job;
+    job.patches = written("few.csv", {"C"});
+    job.check = written("more.csv", {"C", "M"});
+    job.out = folder.path() / "set.json";
+    job.report = folder.path() / "set.html";
+    CHECK_THROWS_WITH(run_fit_job(job, quiet), Contains("M"));
+    for (const std::filesystem::path& file : job.outputs()) CHECK_FALSE(std::filesystem::exists(file));
+    job.check = job.patches;
+    (void)run_fit_job(job, quiet);
+    for (const std::filesystem::path& file : job.outputs()) CHECK(std::filesystem::exists(file));
 }

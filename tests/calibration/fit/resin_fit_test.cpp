@@ -302,6 +302,15 @@ TEST_CASE("Clear resin is taken as clear, and helps to thin others") {
     CHECK(resin_of(fit, "Y").sigma_t[2].value == Approx(19).epsilon(1e-3));
 }
 
+TEST_CASE("A sound table is no misfit because some of its resins are opaque", "[slow]") {
+    // Without noise the least squares are nothing; the limits of opaque resins, which stand 1 above them each, do not
+    // count.
+    const ResinFit fit = fit_resins(measured('A', 0), {});
+    CHECK(has(resin_of(fit, "M").sigma_t[2], Doubt::opaque));
+    for (const double chi2 : fit.chi2) CHECK(chi2 < 0.1);
+    CHECK(fit.misfit.empty());
+}
+
 TEST_CASE("Where the patches cannot tell, a flag says which value and why", "[slow]") {
     // Pure squares alone: opaque magenta (blue) and black, cyan that is black in red, yellow that is black in blue.
     const ResinFit a = fit_resins(measured('A', 0.005), {});
