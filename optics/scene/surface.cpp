@@ -268,7 +268,7 @@ void sort_cells(Surface& surface) {
         return in_order;
     };
     surface.cells = sorted(surface.cells);
-    surface.slope = sorted(surface.slope);
+    if (!surface.slope.empty()) surface.slope = sorted(surface.slope);
 }
 
 /// Of the tiles that touch the box.
@@ -344,6 +344,7 @@ Surface top_surface(const Scene& scene, const std::array<int, 3>& cell, const Pr
             out.cells.push_back(c);
         }
     }
+    sort_cells(out);  // where there is relief a row's cells lie on several layers
     return out;
 }
 

@@ -15,7 +15,7 @@
 // The unknowns are the 64 cells of each transport block and one node for each core block. Multigrid: cells, 8 a block,
 // then blocks by the sparse rows of multigrid.h. Cells relax by Gauss-Seidel block by block, blocks of even parity
 // first, so that threads do not matter; core nodes only on the level of blocks. Work per cycle: about 20 ns of one core
-// a cell. Memory: 24 bytes a cell, lent by the caller, and 9 a cell of its own.
+// a cell. Memory: 32 bytes a cell, lent by the caller, and 9 a cell of its own.
 #pragma once
 
 #include <array>

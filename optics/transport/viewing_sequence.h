@@ -20,9 +20,10 @@
 // cells. Iteration error: the mean CIEDE2000 of one open loop is 4.57 to 4.94 by where three sweeps start, 4.85 after
 // eight (docs/decisions/007): of a difference of a few tenths between two prints it says nothing.
 //
-// Memory: grid and equations of one tile, 16 bytes a viewing cell for its light of a channel, and the grids that are
-// kept (tile_grids.h); where that is not allowed tiles wait elsewhere (TileGrids::open_store). An adjoint is of one
-// print alone and kept by nobody: the one before is as far from the next as no light.
+// Memory: grid and equations of one tile, for the light of a channel 5 bytes a viewing cell and 36 an open
+// face, and the grids that are kept (tile_grids.h); where that is not allowed tiles wait elsewhere
+// (TileGrids::open_store). An adjoint is of one print alone and kept by nobody: the one before is as far from the next
+// as no light.
 #pragma once
 
 #include <cstddef>

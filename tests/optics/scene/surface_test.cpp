@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "base/error.h"
 #include "base/random.h"
@@ -55,6 +56,22 @@ TEST_CASE("No face stands for more than its own area, also where the body is ali
         INFO("seed " << seed);
         CHECK(too_large == 0);
         CHECK(no_direction == 0);
+    }
+}
+
+TEST_CASE("Cells of a surface are in order of z, y, x, those of a relief seen from above too") {
+    const ResinSet resins = vero_opaque();
+    const std::array<int, 3> cell = cell_voxels(j750, 0.085);
+    const ResinVolume relief = make_resin_volume(
+        {8 * cell[0], 8 * cell[1], 8 * cell[2]}, j750,
+        [&](int x, int y, int z) { return z / cell[2] <= (x / cell[0] * 5 + y / cell[1] * 3) % 8 ? 1 : 0; });
+    const Scene scene{.volume = &relief, .resins = &resins};
+    for (const SurfacePart part : {SurfacePart::all, SurfacePart::top}) {
+        const Surface surface = find_surface(scene, cell, part);
+        REQUIRE(surface.cells.size() >= 64);
+        CHECK(std::ranges::is_sorted(surface.cells, {}, [](const SurfaceCell& one) {
+            return std::tuple(one.cell[2], one.cell[1], one.cell[0]);
+        }));
     }
 }
 
