@@ -47,6 +47,15 @@ def client():
     client.server.stdout.close()
 
 
+def test_a_message_that_is_none_ends_nothing(client):
+    for text in ('{"id": 1, "method": "tools/call", "params": [1]}', '{"id": 1, "method": "tools/call", "params": {"name": []}}',
+                 '{"id": 1, "method": "initialize", "params": "x"}', '{"id": 1, "method": []}', '[]', '{"id": 1, "method": "ping", '
+                 '"params": {"arguments": [2]}}', '{"id": 1, "method": "tools/call", "params": {"name": "list", "arguments": 3}}'):
+        client.say(text)
+        assert "error" in json.loads(client.server.stdout.readline()), text
+    assert client.ask("ping")["result"] == {}
+
+
 def test_a_session(client, tmp_path):
     began = client.ask("initialize", protocolVersion="2024-11-05")["result"]
     assert began["protocolVersion"] == "2024-11-05"

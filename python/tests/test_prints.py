@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import shutil
+import struct
 import zipfile
 
 import numpy as np
@@ -96,7 +97,11 @@ def test_a_gcvf_that_is_not_whole(stack, tmp_path):
                                 ("layer_5.png", lambda _: None, "no layer_5.png"),
                                 ("layer_5.png", lambda _: b"no picture", "layer_5.png: is no PNG"),
                                 ("layer_5.png", lambda png: png[:-20], "layer_5.png"),
-                                ("layer_5.png", lambda _: encode_png(np.zeros((2, 2, 4), np.uint8)), "2 x 2 px")]:
+                                ("layer_5.png", lambda _: encode_png(np.zeros((2, 2, 4), np.uint8)), "2 x 2 px"),
+                                # What unpacks to more than a layer can be is not unpacked.
+                                ("layer_5.png", lambda _: bytes(1 << 26), "says that it is 67108864 bytes long"),
+                                (config, lambda _: bytes(1 << 26), "says that it is 67108864 bytes long"),
+                                ("layer_5.png", lambda png: png[:16] + struct.pack(">II", 60000, 60000) + png[24:], "60000 x 60000")]:
         with pytest.raises(voxtone.InputError, match=word):
             voxtone.open(changed(entry, change)).layer(5)
 

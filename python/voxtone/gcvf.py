@@ -12,6 +12,9 @@ from xml.etree import ElementTree
 from .errors import FileError, InputError
 
 
+_small = 1 << 20  # bytes of a ConfigFile.xml, and what a PNG has besides pixels
+
+
 class Container:
     """`manifest` has the keys of a stack's that the container knows: resins have no role there."""
 
@@ -31,13 +34,17 @@ class Container:
 
     def layer(self, index: int) -> bytes:
         """The PNG of a layer, counted from 0."""
-        return self._read(self.layer_name(index))
+        columns, rows = self.manifest["size_px"]
+        return self._read(self.layer_name(index), rows * (8 * columns + 1) + _small)  # no more than uncompressed
 
     def layer_name(self, index: int) -> str:
         return f"{self._prefix}{self.manifest['first_layer'] + index}.png"
 
-    def _read(self, entry: str) -> bytes:
+    def _read(self, entry: str, most: int = _small) -> bytes:
         try:
+            if self._zip.getinfo(entry).file_size > most:
+                raise InputError(f"{self._name}: its {entry} says that it is {self._zip.getinfo(entry).file_size} bytes long, "
+                                 f"where {most} are the most that it can be; make the container again")
             return self._zip.read(entry)
         except KeyError as error:
             raise InputError(f"{self._name}: has no {entry}; voxtone.verify names all that is wrong") from error

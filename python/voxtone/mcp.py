@@ -77,6 +77,9 @@ class Server:
         if "id" not in message:
             return  # a notification
         params = message.get("params") or {}
+        if not isinstance(params, dict) or not isinstance(params.get("arguments") or {}, dict):
+            self._say({"id": message["id"], "error": {"code": -32602, "message": "params and their arguments are objects"}})
+            return
         try:
             self._say({"id": message["id"], "result": self._result(message["method"], params)})
         except LookupError as error:
@@ -96,10 +99,11 @@ class Server:
                               for name, (_, help_, schema) in self._tools.items()]}
         if method != "tools/call":
             raise LookupError(f"{method} is not known here; initialize, ping, tools/list and tools/call are")
-        if params.get("name") not in self._tools:
-            raise LookupError(f"there is no tool {params.get('name')!r}; there are {', '.join(self._tools)}")
+        name = params.get("name")
+        if not isinstance(name, str) or name not in self._tools:
+            raise LookupError(f"there is no tool {name!r}; there are {', '.join(self._tools)}")
         try:
-            return {"content": self._tools[params["name"]][0](params.get("arguments") or {}), "isError": False}
+            return {"content": self._tools[name][0](params.get("arguments") or {}), "isError": False}
         except (Error, TypeError, ValueError, OSError, KeyError) as error:
             return {"content": _text(str(error)), "isError": True}
 

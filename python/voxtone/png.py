@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import struct
 import zlib
-from typing import List, Tuple
+from typing import List, Optional, Tuple
 
 import numpy as np
 
@@ -17,14 +17,18 @@ except ImportError:  # slower in filters that few layers have
 _signature = b"\x89PNG\r\n\x1a\n"
 
 
-def read_png(path: str) -> np.ndarray:
-    """uint8 [row, column, channel]; the first row is the top one."""
+def read_png(path: str, shape: Optional[Tuple[int, int]] = None) -> np.ndarray:
+    """uint8 [row, column, channel]; the first row is the top one. With `shape` (rows, columns) no other is unpacked."""
     with open(path, "rb") as file:
-        return read_png_bytes(file.read(), str(path))
+        return read_png_bytes(file.read(), str(path), shape)
 
 
-def read_png_bytes(data: bytes, name: str) -> np.ndarray:
+def read_png_bytes(data: bytes, name: str, shape: Optional[Tuple[int, int]] = None) -> np.ndarray:
     """As read_png, of what the file holds. Raises ValueError for what is no PNG."""
+    if shape and len(data) >= 24:
+        columns, rows = struct.unpack_from(">II", data, 16)
+        if data.startswith(_signature) and (rows, columns) != tuple(shape):
+            raise ValueError(f"{name}: is {columns} x {rows} px, and its manifest says {shape[1]} x {shape[0]}")
     if Image is None or data[24:25] != b"\x08":
         return decode_png(data, name)
     if data.startswith(_signature):
@@ -57,7 +61,7 @@ def decode_png(data: bytes, name: str = "PNG") -> np.ndarray:
     channels = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}[colour]
     pixel = channels * bits // 8
     try:
-        raw = zlib.decompress(b"".join(compressed))
+        raw = zlib.decompressobj().decompress(b"".join(compressed), height * (width * pixel + 1) + 1)
     except zlib.error as error:
         raise ValueError(f"{name}: {error}") from error
     if len(raw) != height * (width * pixel + 1):

@@ -72,18 +72,15 @@ class Print:
         if not -count <= index < count:
             raise IndexError(f"layer {index} of {count}")
         name, pixels = self._pixels(index % count)
-        if pixels.shape[:2] != self.shape[1:]:
-            raise InputError(f"{name}: is {pixels.shape[1]} x {pixels.shape[0]} px, and its manifest says "
-                             f"{self.shape[2]} x {self.shape[1]}")
         return self._resins_of(pixels, name)
 
     def _pixels(self, index: int) -> Tuple[str, np.ndarray]:
         try:
             if self._container:
                 name = f"{self.path}: {self._container.layer_name(index)}"
-                return name, read_png_bytes(self._container.layer(index), name)
+                return name, read_png_bytes(self._container.layer(index), name, self.shape[1:])
             file = self.path / (self.manifest["pattern"] % (self.manifest["first_layer"] + index))
-            return str(file), read_png(str(file))
+            return str(file), read_png(str(file), self.shape[1:])
         except OSError as error:
             raise FileError(f"{error.filename}: {error.strerror}; the stack is not whole: voxtone.verify names what is wrong"
                             ) from error

@@ -2,9 +2,8 @@
 """The verbs of the program as functions; what they take comes from its table of options."""
 from __future__ import annotations
 
+import hashlib
 import inspect
-import os
-import shutil
 import tempfile
 from pathlib import Path
 from typing import Any, Callable, Dict, List as ListOf, Optional, Sequence, Tuple
@@ -81,12 +80,13 @@ class Verb:
 
 
 class _Meshes:
-    """Arrays among the arguments go to the program as files, which are gone with the job; a stack keeps those that it was
-    made of, so that its job file leads to them."""
+    """Arrays among the arguments go to the program as files. Where the verb has a folder OUT they lie in OUT/models before it
+    begins and stay there, so that its job file and its plan lead to them; without one they are gone with the job."""
 
     def __init__(self, out: Optional[Any]) -> None:
-        self._out = Path(out) if out else None
+        self._folder = Path(out) / "models" if out else None
         self._made: ListOf[Path] = []
+        self._count = 0
 
     def named(self, arguments: Sequence[Any], options: Dict[str, Any]) -> Tuple[ListOf[Any], Dict[str, Any]]:
         return [self._name(a) for a in arguments], {key: self._name(value) for key, value in options.items()}
@@ -98,22 +98,35 @@ class _Meshes:
             return value.path
         if not isinstance(value, Mesh):
             return value
-        file = Path(tempfile.mkdtemp(prefix="voxtone-")) / f"model{len(self._made) + 1 if self._made else ''}.glb"
-        self._made.append(file)
-        value.write(file)
-        return file
+        self._count += 1
+        with tempfile.TemporaryDirectory(prefix="voxtone-") as folder:
+            file = Path(folder) / f"model{self._count if self._count > 1 else ''}.glb"
+            value.write(file)
+            return self._kept(file)
+
+    def _kept(self, file: Path) -> Path:
+        """The same mesh has the same name again, what somebody else keeps by that name stays."""
+        content = file.read_bytes()
+        folder = self._folder or Path(tempfile.mkdtemp(prefix="voxtone-"))
+        folder.mkdir(parents=True, exist_ok=True)
+        kept = folder / file.name
+        if kept.exists() and kept.read_bytes() != content:
+            kept = folder / f"{file.stem}-{hashlib.sha256(content).hexdigest()[:12]}.glb"
+        if not kept.exists():
+            kept.write_bytes(content)
+            self._made.append(kept)
+        return kept
 
     def cleanup(self, succeeded: bool) -> None:
-        job = self._out / "job.json" if self._out else None
-        if succeeded and self._out and job and self._made and job.exists():
-            text = job.read_text(encoding="utf-8")
-            for file in self._made:
-                shutil.move(str(file), self._out / file.name)
-                for path in (os.path.relpath(file.resolve(), job.parent.resolve()), str(file)):
-                    text = text.replace(f'"{path}"', f'"{file.name}"')
-            job.write_text(text, encoding="utf-8")
+        if self._folder and (succeeded or any(one != self._folder for one in self._folder.parent.iterdir())):
+            return  # also of a job that was stopped, and can go on
         for file in self._made:
-            shutil.rmtree(file.parent, ignore_errors=True)
+            file.unlink(missing_ok=True)
+            for folder in (file.parent, file.parent.parent) if self._folder else (file.parent,):
+                try:
+                    folder.rmdir()
+                except OSError:  # others have something there
+                    break
 
 
 slice = Verb("slice")  # pylint: disable=redefined-builtin
