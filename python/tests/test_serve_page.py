@@ -135,6 +135,41 @@ def test_a_tray_is_arranged_dragged_and_sliced(shop, browser, tmp_path):
     assert browser.errors == []
 
 
+def test_two_results_are_looked_at_from_one_side(shop, browser, tmp_path):
+    upload = shop.upload(write_box(tmp_path / "box.glb"))
+    jobs = [shop.ask("POST", "/jobs", {"upload": upload, "options": {"quality": "draft", "size": size}})["id"] for size in ("6mm", "8mm")]
+    for job in jobs:
+        shop.wait_for(job, "done")
+    browser.wait("document.querySelectorAll('#jobs .state.done').length === 2")
+    browser.evaluate("document.querySelector('#jobs .name').click()")
+    browser.evaluate("(() => { const beside = document.querySelector('#result select'); beside.value = beside.options[1].value; "
+                     "beside.dispatchEvent(new Event('change')); })()")
+    browser.wait("document.querySelectorAll('#result iframe').length === 2")
+    browser.evaluate("""window.told = []; addEventListener('message', (event) => { if (event.data.voxtoneView) told.push(
+        [[...document.querySelectorAll('#result iframe')].findIndex((frame) => frame.contentWindow === event.source), event.data.voxtoneView]); })""")
+    browser.evaluate("document.querySelector('#result .reports').scrollIntoView()")
+    time.sleep(4)
+    browser.evaluate("told.length = 0")
+
+    def drag(frame, by):
+        """The view of that frame after it."""
+        x, y = browser.evaluate(f"(() => {{ const box = document.querySelectorAll('#result iframe')[{frame}].getBoundingClientRect(); "
+                                "return [box.x + box.width / 4, box.y + box.height * 0.8]; })()")
+        browser.evaluate("told.length = 0")
+        for kind, to in (("mousePressed", 0), ("mouseMoved", by / 2), ("mouseMoved", by), ("mouseReleased", by)):
+            browser.call("Input.dispatchMouseEvent", type=kind, x=x + to, y=y, button="left", buttons=1, clickCount=1)
+        browser.wait("told.length > 1")
+        time.sleep(0.5)
+        assert browser.evaluate(f"told.every(([who]) => who === {frame})")  # the other follows, and does not lead in turn
+        return browser.evaluate("told[told.length - 1][1]")
+    begin = drag(0, 2)
+    turned = drag(0, 80)
+    assert 20 < abs(turned["yaw"] - begin["yaw"]) % 360 < 340
+    followed = drag(1, 2)  # from where the first has led it
+    assert abs(followed["yaw"] - turned["yaw"]) < 2 and followed["pitch"] == turned["pitch"] and abs(followed["zoom"] / turned["zoom"] - 1) < 1e-6
+    shoot(browser, "compared")
+
+
 def test_forty_jobs_one_of_them_failed_one_with_a_long_name_also_on_a_phone_and_in_the_dark(shop, browser, tmp_path):
     upload = shop.upload(write_box(tmp_path / "box.glb"))
     broken = tmp_path / "broken.glb"
@@ -177,3 +212,44 @@ def test_two_hundred_jobs_are_there_within_a_second(shop, browser, tmp_path):
     browser.wait("document.querySelectorAll('#jobs li').length === 200")
     print(f"200 jobs: {time.monotonic() - begin:.2f} s")
     assert time.monotonic() - begin < 10  # the figure is a benchmark's; this is of a machine that does other things, too
+
+
+def test_an_evening_of_a_bureau(shop, browser, tmp_path):
+    """Twelve files, one broken, one changed at the last minute, four of them one tray, and the power goes."""
+    models = [write_box(tmp_path / f"order-{at:02}.glb", (4 + at % 4, 3, 1.5)) for at in range(11)]
+    broken = tmp_path / "order-11.glb"
+    broken.write_bytes(b"glTF" + bytes(100))
+    browser.choose_files("#choose", [str(file) for file in (*models[:7], broken)])
+    browser.wait("document.querySelectorAll('.models > li').length === 8 && document.querySelectorAll('.models .failed').length === 1", 60)
+    set_option(browser, "quality", "draft")
+    browser.evaluate("document.querySelector('[title=\"options of its own for order-03.glb\"]').click()")
+    browser.wait("document.querySelectorAll('.group').length === 2")
+    set_option(browser, "size", "5mm")  # of the newest group
+    browser.wait("document.querySelector('.models').innerText.includes('5.00 ×')")
+    shoot(browser, "evening-chosen")
+    click(browser, "Slice")
+    browser.wait("document.querySelectorAll('.group').length === 1")
+    click(browser, "Slice")
+    browser.wait("document.querySelectorAll('#jobs li').length === 8", 60)
+    browser.choose_files("#choose", [str(file) for file in models[7:]])
+    browser.wait("document.querySelectorAll('.models > li').length === 4 && !document.querySelector('.models .failed')")
+    browser.wait("[...document.querySelectorAll('.models > li')].every((one) => one.innerText.includes('layers of'))", 60)
+    set_option(browser, "quality", "draft")
+    click(browser, "Arrange as one tray")
+    click(browser, "Slice the tray")
+    browser.wait("document.querySelectorAll('#jobs li').length === 9")
+    last = next(job for job in shop.ask("GET", "/jobs")["jobs"] if job["name"] == "order-06.glb")
+    shop.kill()
+    shop.kill_jobs()
+    shop.start()
+    if shop.ask("GET", f"/jobs/{last['id']}")["state"] == "waiting":  # changed at the last minute
+        shop.ask("POST", f"/jobs/{last['id']}/cancel", {})
+    changed = shop.ask("POST", "/jobs", {"job": last["id"], "model": "order-06.glb", "options": {"quality": "draft", "size": "4.5mm"}})["id"]
+    shop.wait_for(changed, "done", seconds=120)
+    browser.wait("document.querySelectorAll('#jobs .state.running, #jobs .state.waiting').length === 0", 60)
+    shoot(browser, "evening-done")
+    told = {job["name"]: job for job in shop.ask("GET", "/jobs")["jobs"] if job["state"] != "cancelled"}
+    assert sorted(name for name, job in told.items() if job["state"] == "failed") == ["order-11.glb"]
+    assert len(told) >= 9 and told["tray of 4"]["has_stack"] and told["order-03.glb"]["options"]["size"] == "5mm"
+    for job in told.values():
+        assert job["state"] == "failed" or shop.request("GET", f"/jobs/{job['id']}/printer.zip")[0] == 200

@@ -61,6 +61,22 @@ class Camera {
     this.pan(x * this.aspect * by, y * by);
   }
 
+  /// For another body's camera: place and size as parts of this body's box.
+  view() {
+    const size = this.low.map((low, a) => this.high[a] - low || 1);
+    return { yaw: this.yaw, pitch: this.pitch, zoom: this.halfHeight / Math.hypot(...size),
+             centre: this.centre.map((x, a) => (x - this.low[a]) / size[a]) };
+  }
+
+  /// Nothing happens where that is no view.
+  take({ yaw, pitch, zoom, centre }) {
+    if (![yaw, pitch, zoom, ...(Array.isArray(centre) && centre.length === 3 ? centre : [NaN])].every(Number.isFinite) || zoom <= 0) return;
+    const size = this.low.map((low, a) => this.high[a] - low || 1);
+    if (!this.flat) Object.assign(this, { yaw, pitch });
+    this.halfHeight = zoom * Math.hypot(...size);
+    this.centre = centre.map((x, a) => this.low[a] + x * size[a]);
+  }
+
   /// Looks at a place along its normal, so that `mm` of it fill the view.
   lookAt(place, normal, mm) {
     if (!this.flat) {

@@ -80,6 +80,18 @@ class Stage {
       event.stopPropagation();
     });
     new ResizeObserver(() => this.resize()).observe(this.canvas);
+    window.addEventListener("message", (event) => {
+      if (window.parent === window || event.source !== window.parent || !event.data?.voxtoneView) return;
+      this.camera.take(event.data.voxtoneView);
+      this.isLed = true;
+      this.update();
+      this.isLed = false;
+    });
+  }
+
+  /// Who shows two reports side by side (`voxtone serve`) turns both at once.
+  tellFrame() {
+    if (window.parent !== window && !this.isLed) window.parent.postMessage({ voxtoneView: this.camera.view() }, "*");
   }
 
   drag(dx, dy, event) {
@@ -203,6 +215,7 @@ class Stage {
   }
 
   update() {
+    this.tellFrame();
     const { left, right, divided, lit } = this.state;
     this.lookButtons.forEach((button, i) => press(button, !divided && this.names[i] === right));
     press(this.compare, divided);

@@ -20,7 +20,7 @@ from .limits import Limits, bytes_text, free_bytes
 from .refusal import Refusal
 from .store import CANCELLED, DONE, FAILED, HELD, RUNNING, WAITING, Job, Store, ended_states
 
-_look_s = 0.2  #: at what runs
+_look_s = 0.5  #: at what runs
 _most_kills = 3
 _most_tries_again = 20
 _save_s = 30  #: that jobs have to save themselves

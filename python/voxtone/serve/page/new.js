@@ -89,26 +89,23 @@ export class Group {
   show(model) {
     model.views = make("div", {className: "views"});
     model.told = make("div", {}, make("p", {className: "soft"}, "reading …"));
+    model.holds = make("p", {className: "soft"});
     const file = this.files.find((one) => one.name === model.name);
     const remove = make("button", {type: "button", title: `leave out ${model.name}`, onclick: () => this.leaveOut(model)}, "×");
     const alone = make("button", {type: "button", title: `options of its own for ${model.name}`, onclick: () => this.alone(model)}, "options of its own");
-    model.element = make("li", {}, model.views, make("div", {}, make("h3", {}, model.name, " ", make("span", {className: "soft"}, file ? bytesText(file.bytes) : "")), model.told),
+    model.element = make("li", {}, model.views, make("div", {}, make("h3", {}, model.name, " ", make("span", {className: "soft"}, file ? bytesText(file.bytes) : "")), model.holds, model.told),
       make("div", {className: "acts"}, this.models.length > 1 ? alone : null, this.models.length > 1 ? remove : null));
     if (file?.picture && this.source.upload)
       model.views.append(make("img", {src: `/uploads/${this.source.upload}/picture?name=${encodeURIComponent(model.name)}`, alt: model.name, onerror: (event) => event.target.remove()}));
     this.list.append(model.element);
   }
 
-  /// Its picture from three sides and what is to be known of the file, where the program can tell.
+  /// What the file holds, where the program can tell.
   async read(model) {
     if (!this.source.upload || !table.reads) return;
     const told = await ask("GET", `/uploads/${this.source.upload}/read?name=${encodeURIComponent(model.name)}`).catch(() => null);
-    if (!told) return;
-    model.read = told.result;
-    const views = told.result.views ?? told.result.pictures ?? [];
-    const pictures = views.filter((view) => typeof view.png === "string")
-      .map((view) => make("img", {src: pngAddress(view.png), alt: `${model.name} from ${view.from ?? view.side ?? "a side"}`}));
-    if (pictures.length) model.views.replaceChildren(...pictures);
+    const file = told?.result.files?.[0];
+    if (file && !file.error) model.holds.textContent = contentsText(file);
   }
 
   body(model, more = {}) {
@@ -202,9 +199,14 @@ export class Group {
   }
 }
 
-function pngAddress(base64) {
-  const bytes = Uint8Array.from(atob(base64.replace(/^data:[^,]*,/, "")), (letter) => letter.charCodeAt(0));
-  return URL.createObjectURL(new Blob([bytes], {type: "image/png"}));
+/// Of `voxtone read`: what stands in the file, before any option.
+function contentsText(file) {
+  const unit = {assumed: ", unit assumed", asked: ", unit as asked"}[file.unit?.is] ?? "";
+  const size = file.size_mm ? `${sizeText(file.size_mm)} in the file${unit}` : "";
+  const counts = file.triangles ? `${file.triangles} triangles${file.parts > 1 ? ` in ${file.parts} parts` : ""}` : "";
+  const missing = (file.beside ?? []).filter((one) => !one.found).map((one) => one.file);
+  return [file.format, size, counts, file.colour.length ? `colour: ${file.colour.join(", ")}` : "no colour",
+    missing.length ? `not handed in: ${missing.join(", ")}` : ""].filter(Boolean).join("; ");
 }
 
 export async function changeAndSliceAgain(job) {

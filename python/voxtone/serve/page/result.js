@@ -9,6 +9,7 @@ export class Result {
     this.id = null;
     this.element = document.getElementById("result");
     this.body = document.getElementById("result-body");
+    window.addEventListener("message", (event) => this.lead(event));
   }
 
   show(job) {
@@ -34,6 +35,13 @@ export class Result {
     if (id !== this.id) return;
     this.id = null;
     this.element.hidden = true;
+  }
+
+  /// Where one of two reports is looked at from, the other is looked at from, too.
+  lead(event) {
+    const frames = [...this.body.querySelectorAll("iframe")].map((frame) => frame.contentWindow);
+    if (!frames.includes(event.source) || !event.data?.voxtoneView) return;
+    for (const other of frames) if (other !== event.source) other.postMessage({voxtoneView: event.data.voxtoneView}, "*");
   }
 
   words(job) {
