@@ -11,6 +11,7 @@
 #include "cli/program/help.h"
 #include "cli/program/outcome.h"
 #include "io/files/json_writer.h"
+#include "io/profiles/resin_family.h"
 #include "io/profiles/resin_file.h"
 #include "slicer/printer/printer.h"
 
@@ -23,11 +24,28 @@ struct ListArguments {
     bool json = false;
 };
 
+std::vector<std::string> sets_of(const std::string& family) {
+    std::vector<std::string> names = io::known_resin_sets();
+    std::erase_if(names, [&](const std::string& name) { return io::resin_family(name) != family; });
+    return names;
+}
+
+std::vector<std::string> printers_that_take(const std::string& family) {
+    std::vector<std::string> ids;
+    for (const slicer::PrinterProfile& printer : slicer::list_printers())
+        if (printer.takes(family)) ids.push_back(printer.id);
+    return ids;
+}
+
 void add_printer(io::JsonWriter& json, const slicer::PrinterProfile& p) {
     json.begin_object().add("id", p.id).add("name", p.name).add("pitch_um", p.pitch_um);
     json.add("max_resins", p.max_resins).add("min_layers", p.min_layers).add("default_roles", p.default_roles);
     json.add("default_resins", p.default_resins).add("formats", names_of(p.formats)).add("warnings", p.warnings());
     if (p.tray_mm.allFinite()) json.add("tray_mm", p.tray_mm);
+    if (!p.cartridges.empty()) json.key("cartridges").begin_list();
+    for (const slicer::Cartridges& taken : p.cartridges)
+        json.begin_object().add("family", taken.family).add("resins", sets_of(taken.family)).end_object();
+    if (!p.cartridges.empty()) json.end_list();
     json.end_object();
 }
 
@@ -47,13 +65,18 @@ std::string printer_text(const slicer::PrinterProfile& p) {
     text +=
         detail(fmt::format("{} resins at once, {} of {} by default; writes {}", p.max_resins,
                            fmt::join(p.default_roles, ","), p.default_resins, fmt::join(names_of(p.formats), ", ")));
+    for (const slicer::Cartridges& taken : p.cartridges)
+        text += detail(
+            fmt::format("takes {} cartridges: resin sets {}", taken.family, fmt::join(sets_of(taken.family), ", ")));
     for (const std::string& warning : p.warnings()) text += detail(warning);
     return text;
 }
 
 void add_resin_set(io::JsonWriter& json, const optics::ResinSet& set) {
     json.begin_object().add("name", set.name).add("source", set.source).add("channels", set.channels.size());
-    json.add("channels_are", optics::channels_text(set.channels)).key("resins").begin_list();
+    json.add("channels_are", optics::channels_text(set.channels));
+    const std::string family = io::resin_family(set.name);
+    json.add("family", family).add("printers", printers_that_take(family)).key("resins").begin_list();
     for (const optics::Resin& resin : set.resins)
         json.begin_object().add("name", resin.name).add("role", resin.role).end_object();
     json.end_list().end_object();
@@ -62,6 +85,8 @@ void add_resin_set(io::JsonWriter& json, const optics::ResinSet& set) {
 std::string resin_set_text(const optics::ResinSet& set) {
     std::string text = fmt::format("{:<20} {}\n", set.name, set.source);
     text += detail("channels: " + optics::channels_text(set.channels));
+    const std::string family = io::resin_family(set.name);
+    text += detail(fmt::format("{} cartridges, which {} take", family, fmt::join(printers_that_take(family), ", ")));
     for (const optics::Resin& resin : set.resins) text += detail(fmt::format("{:<3} {}", resin.role, resin.name));
     return text;
 }

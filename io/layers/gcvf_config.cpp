@@ -110,22 +110,33 @@ GcvfElements read_elements(std::string_view text, const std::string& source) {
     return result;
 }
 
-/// The maker's names; of two for one role the first is written.
+/// The maker's names, of Vivid cartridges and of the opaque ones before them; of several for one role the first is
+/// written.
 struct MakersName {
     std::string_view role, name;
 };
-constexpr std::array<MakersName, 7> makers{{{"C", "VeroCY-V"},
-                                            {"M", "VeroMGT-V"},
-                                            {"Y", "VeroYL-V"},
-                                            {"K", "VeroBlack"},
-                                            {"W", "VeroPureWht"},
-                                            {"W", "VUltraWhite"},
-                                            {"T", "UltraClear"}}};
+constexpr std::array<MakersName, 11> makers{{{"C", "VeroCY-V"},
+                                             {"M", "VeroMGT-V"},
+                                             {"Y", "VeroYL-V"},
+                                             {"K", "VeroBlack"},
+                                             {"W", "VeroPureWht"},
+                                             {"W", "VUltraWhite"},
+                                             {"T", "UltraClear"},
+                                             {"C", "VeroCyan"},
+                                             {"M", "VeroMgnt"},
+                                             {"Y", "VeroYellow"},
+                                             {"T", "VeroClear"}}};
+
+/// What the resins of a set are called that its maker shortens in a GCVF.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 2> shortened{
+    {{"VeroMagenta", "VeroMgnt"}, {"VeroWhite", "VeroPureWht"}}};
 
 }  // namespace
 
 std::string gcvf_material_name(const StackResin& resin) {
     if (!role_of_gcvf_material(resin.name).empty()) return resin.name;
+    for (const auto& [full, written] : shortened)
+        if (resin.name == full) return std::string(written);
     const auto named = std::find_if(makers.begin(), makers.end(), [&](const auto& m) { return m.role == resin.role; });
     return named != makers.end() ? std::string(named->name) : resin.name;
 }

@@ -52,8 +52,8 @@ void expect_gcvf(const StackDescription& stack);
 /// entries, ZIP needs its later form, ZIP64.
 [[nodiscard]] std::string gcvf_size_note(std::uint64_t bytes, std::uint64_t entries);
 
-/// The resin's own name where the maker writes it so in a GCVF ("VeroCY-V"), else the maker's for its role where one is
-/// known, else its own.
+/// The resin's own name where the maker writes it so in a GCVF ("VeroCY-V"; "VeroMgnt" for VeroMagenta), else the
+/// maker's for its role where one is known, else its own.
 [[nodiscard]] std::string gcvf_material_name(const StackResin& resin);
 
 /// The role of what the maker calls so in a GCVF, of either white; empty: not known.

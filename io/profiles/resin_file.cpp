@@ -40,7 +40,7 @@ void write_set_channels(JsonWriter& json, const optics::Channels& channels) {
 
 optics::ResinSet resins_from_json(const JsonObject& json, const std::string& source) {
     json.allow_only({"format", "version", "name", "source", "note", "channels", "g", "eta", "resins", "currency",
-                     "dot_spread", "measured", "residual"});
+                     "dot_spread", "measured", "residual", "family"});
     if (json.text("format") != "voxtone-resins") json.fail("format", "is not \"voxtone-resins\": this is no resin set");
     if (json.integer("version", 0, 1000000) != 1) json.fail("version", "is not 1, the only version this program knows");
     optics::ResinSet set;

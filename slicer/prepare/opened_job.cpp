@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "halftone/separation/invert_appearance.h"
+#include "io/profiles/resin_family.h"
 #include "io/profiles/resin_file.h"
 #include "slicer/options/resolve_job.h"
 #include "slicer/prepare/layers_check.h"
@@ -70,6 +71,7 @@ OpenedJob open_job(const SliceOptions& asked) {
     }
     job.printer = find_printer(job.options.printer);
     if (job.options.resins.empty()) job.options.resins = job.options.raw.resins = usual_resins(job);
+    job.printer.load(job.options.resins, io::resin_family(job.options.resins));
     job.resins = load_resins(job.options, job.printer);
     check_thickness(job.options, job.printer);
     if (job.map) check_layers(*job.options.layered, *job.map, job.resins);

@@ -32,12 +32,10 @@ constexpr int most_colours = io::max_materials - 1;
 constexpr double smallest_pitch_um = 1, largest_pitch_um = 1000;
 
 const std::initializer_list<std::string_view> known_keys{
-    "format",         "version",       "name",       "dpi",
-    "layer_um",       "pitch_um",      "tray_mm",    "max_resins",
-    "max_colours",    "formats",       "min_layers", "colours",
-    "background_rgb", "default_roles", "flip_x",     "material_names",
-    "flip_y",         "unconfirmed",   "swap_xy",    "notes",
-    "default_resins", "utility",       "mode"};
+    "format",     "version",        "name",      "dpi",         "layer_um", "pitch_um",       "tray_mm",
+    "max_resins", "max_colours",    "formats",   "min_layers",  "colours",  "background_rgb", "default_roles",
+    "flip_x",     "material_names", "flip_y",    "unconfirmed", "swap_xy",  "notes",          "default_resins",
+    "utility",    "mode",           "cartridges"};
 
 /// Colours for roles that a profile does not name: told apart easily, never black.
 const std::map<std::string, io::Rgb>& usual_colours() {
@@ -141,6 +139,22 @@ void read_formats(const io::JsonObject& file, PrinterProfile& printer) {
     }
 }
 
+void read_cartridges(const io::JsonObject& file, PrinterProfile& printer) {
+    printer.material_names = text_map(file, "material_names");
+    if (!file.has("cartridges")) return;
+    if (file.has("material_names"))
+        file.fail("cartridges", "has names of its own: give either these or material_names, not both");
+    for (const io::JsonObject& entry : file.objects("cartridges")) {
+        entry.allow_only({"family", "names"});
+        const std::string family = entry.text("family");
+        if (family.empty() || printer.takes(family))
+            entry.fail("family", fmt::format("'{}' is empty or named twice", family));
+        printer.cartridges.push_back({family, text_map(entry, "names")});
+    }
+    if (printer.cartridges.empty()) file.fail("cartridges", "is empty: name a family, or leave the key out");
+    printer.material_names = printer.cartridges.front().names;
+}
+
 void read_unconfirmed(const io::JsonObject& file, PrinterProfile& printer) {
     printer.unconfirmed = text_map(file, "unconfirmed");
     const std::vector<std::string> keys(known_keys.begin(), known_keys.end());
@@ -170,7 +184,7 @@ PrinterProfile printer_from_json(const io::JsonObject& file, const std::string& 
     read_unconfirmed(file, printer);
     printer.default_resins = file.has("default_resins") ? file.text("default_resins") : "vero-opaque";
     if (printer.default_resins.empty()) file.fail("default_resins", "is empty: name a resin set, or leave the key out");
-    printer.material_names = text_map(file, "material_names");
+    read_cartridges(file, printer);
     printer.orientation = {flag(file, "flip_x"), flag(file, "flip_y"), flag(file, "swap_xy")};
     if (file.has("utility")) printer.utility = file.text("utility");
     if (file.has("mode")) printer.mode = file.text("mode");
@@ -190,8 +204,32 @@ PrinterProfile parse_printer(std::string_view json, const std::string& id, const
     return printer_from_json(io::JsonObject::parse(json, where), id);
 }
 
+bool PrinterProfile::takes(const std::string& family) const {
+    return std::ranges::find(cartridges, family, &Cartridges::family) != cartridges.end();
+}
+
+void PrinterProfile::load(const std::string& resin_set, const std::string& family) {
+    if (family.empty() || cartridges.empty()) return;
+    foreign_cartridges_.clear();
+    material_names.clear();
+    std::vector<std::string> known;
+    for (const Cartridges& taken : cartridges) {
+        if (taken.family == family) {
+            material_names = taken.names;
+            return;
+        }
+        known.push_back(taken.family);
+    }
+    foreign_cartridges_ = fmt::format(
+        "--resins {}: its resins are those of {} cartridges, and printer {} takes {}, so that colours will not be "
+        "those "
+        "that are predicted; take a set of these (`voxtone list resins`), or calibrate one (docs/calibrate.md).",
+        resin_set, family, id, fmt::join(known, ", "));
+}
+
 std::vector<std::string> PrinterProfile::warnings() const {
     std::vector<std::string> sentences;
+    if (!foreign_cartridges_.empty()) sentences.push_back(named_warning("cartridges", foreign_cartridges_));
     for (const auto& [key, why] : unconfirmed)
         sentences.push_back(
             named_warning("unconfirmed", fmt::format("Printer {}: {} is not confirmed ({}).", id, key, why)));

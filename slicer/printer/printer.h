@@ -26,6 +26,12 @@
 
 namespace voxtone::slicer {
 
+/// A family of cartridges that a printer takes.
+struct Cartridges {
+    std::string family;                        ///< as resin sets name it (io::resin_family)
+    std::map<std::string, std::string> names;  ///< what the printer's software calls the resin of a role
+};
+
 struct PrinterProfile {
     std::string id;                                      ///< name of the file without folder and extension
     std::string name;                                    ///< for people
@@ -39,12 +45,18 @@ struct PrinterProfile {
     std::string default_resins;                         ///< resin set of a job that names none, or its file
     std::vector<std::string> default_roles;             ///< loaded by default; at most max_resins
     std::map<std::string, io::Rgb> colours;             ///< bitmap colour of each role
-    std::map<std::string, std::string> material_names;  ///< what the printer's software calls the resin of a role
+    std::vector<Cartridges> cartridges;                 ///< the usual ones first; empty: nobody said
+    std::map<std::string, std::string> material_names;  ///< of the cartridges that are loaded: first the usual ones
     io::Orientation orientation;                        ///< what is done to bitmaps of the model's frame
     std::map<std::string, std::string> unconfirmed;     ///< key of the file -> why the figure is not sure
     std::string utility;                                ///< the program that takes the files, for people
     std::string mode;                                   ///< of printing, as it calls it
     std::vector<std::string> notes;
+
+    /// Takes the cartridges that this set is of; nothing changes where set or printer do not say which. Those of
+    /// another family have no names here, and are warned of.
+    void load(const std::string& resin_set, const std::string& family);
+    [[nodiscard]] bool takes(const std::string& family) const;
 
     /// Voxel size and largest body along the model's x, y, z: with swapped bitmaps x lies along their rows.
     [[nodiscard]] Eigen::Vector3d sliced_pitch_um() const { return as_sliced(pitch_um); }
@@ -53,13 +65,15 @@ struct PrinterProfile {
     /// A stack of so many voxels along the model's x, y, z, as `io::LayerStackWriter` wants it; without resins.
     [[nodiscard]] io::StackDescription describe(const std::array<std::uint32_t, 3>& voxels) const;
     [[nodiscard]] bool confirmed(const std::string& key) const { return !unconfirmed.contains(key); }
-    /// One sentence per figure that is not sure, for the user to read before printing.
+    /// One sentence per figure that is not sure, and of cartridges that it does not take, for the user to read before
+    /// printing.
     [[nodiscard]] std::vector<std::string> warnings() const;
     /// Bitmap colours of these roles, all different and none of them the background: the profile's own where it has
     /// one, else one from a fixed list. Throws InputError on more roles than colours (16).
     [[nodiscard]] std::vector<io::Rgb> display_colours(std::span<const std::string> roles) const;
 
 private:
+    std::string foreign_cartridges_;  ///< a sentence on them; empty: none
     [[nodiscard]] Eigen::Vector3d as_sliced(Eigen::Vector3d v) const {
         if (orientation.swap_xy) std::swap(v.x(), v.y());
         return v;

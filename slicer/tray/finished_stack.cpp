@@ -9,10 +9,12 @@
 #include <utility>
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/units.h"
+#include "base/warning.h"
 #include "io/layers/gcvf_config.h"
 #include "io/layers/layer_digest.h"
 #include "io/layers/orient.h"
@@ -65,19 +67,38 @@ std::shared_ptr<const io::StackReader> open_stack(const TrayComponent& component
     return stack;
 }
 
-/// As the maker's program calls it, or the printer's, or we.
-std::string name_of_gcvf_material(const std::string& name, const OpenedJob& common) {
-    for (const io::StackResin& entry : common.resins.entries) {
-        const auto called = common.printer.material_names.find(entry.role);
-        if (io::gcvf_material_name(entry) == name ||
-            (called != common.printer.material_names.end() && called->second == name))
-            return entry.name;
-    }
-    const std::string_view role = io::role_of_gcvf_material(name);
-    return role.empty() ? name : std::string(role);
-}
+/// The stack's resins as this tray calls them: by name, else by role, which is said.
+class ResinNames {
+public:
+    explicit ResinNames(const OpenedJob& common) : resins_(common.resins) {}
 
-StackFacts facts_of(const io::StackReader& stack, const OpenedJob& common) {
+    std::string operator()(const std::string& name, std::string_view role) {
+        for (const io::StackResin& entry : resins_.entries)
+            if (io::gcvf_material_name(entry) == name) return entry.name;
+        if (loaded_resin(resins_, name)) return name;
+        for (const io::StackResin& entry : resins_.entries)
+            if (entry.role == role) {
+                others_.push_back(fmt::format("{} as {}", name, entry.name));
+                return entry.name;
+            }
+        return name;
+    }
+    void warn(const std::string& path, Progress& progress) const {
+        if (others_.empty()) return;
+        progress.warn(named_warning(
+            "cartridges",
+            fmt::format(
+                "{}: was made for other resins than this tray's: {} will be printed, and its colours will not be "
+                "those that it was made for; slice it again with this tray's resin set.",
+                path, fmt::join(others_, ", "))));
+    }
+
+private:
+    const LoadedResins& resins_;
+    std::vector<std::string> others_;
+};
+
+StackFacts facts_of(const io::StackReader& stack, const OpenedJob& common, ResinNames& names) {
     StackFacts facts;
     facts.palette = stack.palette();
     if (const auto& description = stack.description()) {
@@ -87,7 +108,7 @@ StackFacts facts_of(const io::StackReader& stack, const OpenedJob& common) {
         }
         facts.size_px = description->size_px;
         facts.orientation = description->orientation;
-        for (const io::StackResin& resin : description->resins) facts.resins.push_back(resin.name);
+        for (const io::StackResin& resin : description->resins) facts.resins.push_back(names(resin.name, resin.role));
     } else {
         const io::GcvfConfig& config = *stack.gcvf();
         facts.pitch_mm = {mm_per_inch / config.x_dpi, mm_per_inch / config.y_dpi,
@@ -95,7 +116,7 @@ StackFacts facts_of(const io::StackReader& stack, const OpenedJob& common) {
         facts.size_px = {config.width_px, config.height_px};
         facts.orientation = common.printer.orientation;
         for (const io::GcvfMaterial& material : config.materials)
-            facts.resins.push_back(name_of_gcvf_material(material.name, common));
+            facts.resins.push_back(names(material.name, io::role_of_gcvf_material(material.name)));
     }
     if (facts.orientation.swap_xy) std::swap(facts.pitch_mm[0], facts.pitch_mm[1]);
     return facts;
@@ -218,7 +239,9 @@ std::array<io::Material, io::max_materials> materials_of(const StackFacts& facts
 
 ReadyComponent open_finished_stack(const TrayComponent& component, const OpenedJob& common, Progress& progress) {
     const std::shared_ptr<const io::StackReader> stack = open_stack(component);
-    const StackFacts facts = facts_of(*stack, common);
+    ResinNames names(common);
+    const StackFacts facts = facts_of(*stack, common, names);
+    names.warn(component.path, progress);
     expect_pitch(facts, common.printer, component.path);
     const std::array<int, 2> size = size_in_frame(facts);
     StackSurvey found(size[0], size[1]);

@@ -177,6 +177,16 @@ TEST_CASE("list printers shows what refuses jobs") {
                          Contains("6 resins at once") && Contains("3 resins at once"));
 }
 
+TEST_CASE("list shows which sets are of the cartridges that a printer takes") {
+    CHECK_THAT(run_program("list printers").out,
+               Contains("takes Vero Vivid cartridges: resin sets j750-vivid\n") &&
+                   Contains("takes Vero opaque cartridges: resin sets j750-opaque, vero-opaque, vero-opaque-clear\n"));
+    CHECK_THAT(run_program("list resins").out,
+               Contains("Vero Vivid cartridges, which stratasys-j55, stratasys-j750-hm"));
+    CHECK_THAT(run_program("list resins --json").out,
+               Contains("\"family\":\"Vero Vivid\"") || Contains("\"family\": \"Vero Vivid\""));
+}
+
 TEST_CASE("Roles are understood in any case") {
     const Folder folder("roles");
     folder.write("marker.obj", marker_obj());

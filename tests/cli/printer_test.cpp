@@ -82,6 +82,24 @@ TEST_CASE("A job leaves what the printer takes, hands it over where it is told t
     CHECK(run_program("verify " + (folder / "out")).exit_code == 0);
 }
 
+TEST_CASE("Pages name the cartridges that the resin set is of") {
+    const Folder folder("cartridges");
+    const auto page_of = [&](const std::string& printer, const std::string& resins, const std::string& said) {
+        const std::string job = box(folder) + " --printer " + printer + " --resins " + resins;
+        const std::string out = folder / (printer + resins);
+        const Outcome sliced = run_program(quick + job + " --formats png,gcvf -o " + out);
+        CHECK(sliced.exit_code == 0);
+        CHECK((sliced.err.find("[cartridges]") == std::string::npos) == said.empty());
+        CHECK_THAT(sliced.err + run_program("estimate " + job).out, Contains(said));
+        return read_file(out + "/printer/HOW-TO-PRINT.html");
+    };
+    CHECK_THAT(page_of("stratasys-j750-hm", "j750-vivid", ""), Contains("VeroCY-V") && !Contains("VeroCyan<"));
+    CHECK_THAT(page_of("stratasys-j750-hm", "j750-opaque", ""), Contains("VeroMgnt") && !Contains("VeroMGT-V"));
+    CHECK_THAT(page_of("stratasys-j55", "j750-opaque",
+                       "of Vero opaque cartridges, and printer stratasys-j55 takes Vero Vivid"),
+               Contains("[cartridges]") && Contains("VeroMagenta") && !Contains("VeroMGT-V"));
+}
+
 TEST_CASE("A GCVF for the printer is the same for one thread and many, and of shards") {
     const Folder folder("gcvf-shards");
     const std::string job = quick + box(folder) + " --formats gcvf -o ";

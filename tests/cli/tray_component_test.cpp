@@ -184,6 +184,21 @@ TEST_CASE("A stack alone in its tray is that stack again, whatever the printer w
     }
 }
 
+TEST_CASE("A stack of other cartridges is printed by roles in a tray, and that is said") {
+    const Shelf shelf("cartridges");
+    shelf.slice("--resins j750-opaque --formats png,gcvf");
+    for (const char* part : {R"({"stack": "old"})", R"({"gcvf": "old/stack.gcvf"})"}) {
+        CAPTURE(part);
+        const Outcome same = shelf.tray(part, "--resins vero-opaque --formats png --overwrite");
+        CHECK(same.exit_code == 0);
+        CHECK_THAT(same.err, !Contains("[cartridges]"));
+        const Outcome other = shelf.tray(part, "--resins j750-vivid --formats png --overwrite");
+        CHECK(other.exit_code == 0);
+        CHECK_THAT(other.err, Contains("VeroMgnt as VeroMGT-V") && Contains("[cartridges]"));
+        CHECK(layers_of(shelf.folder / "out") == layers_of(shelf.folder / "old"));
+    }
+}
+
 TEST_CASE("A tray may be of components alone, and is estimated") {
     const Shelf shelf("alone");
     const std::string parts =

@@ -6,6 +6,7 @@
 
 #include <catch2/catch.hpp>
 #include <cstring>
+#include <fstream>
 
 #include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
@@ -18,6 +19,7 @@
 #include "io/layers/stack_folder.h"
 #include "io/layers/stack_reader.h"
 #include "io/layers/volume_vdb.h"
+#include "io/profiles/resin_family.h"
 #include "io/profiles/resin_file.h"
 #include "stack_samples.h"
 #include "tests/io/files/temporary_folder.h"
@@ -148,8 +150,13 @@ TEST_CASE("a GCVF has its parts and is the same every time", "[gcvf]") {
     CHECK(config.x_dpi == 600);
     CHECK(config.y_dpi == 300);
     CHECK(config.slice_thickness_nm == 27000);
-    CHECK(config.materials[4].name == "VeroPureWht");
+    std::vector<std::string> called;
+    for (const GcvfMaterial& material : config.materials) called.push_back(material.name);
+    CHECK(called == std::vector<std::string>{"VeroCyan", "VeroMgnt", "VeroYellow", "VeroBlack", "VeroPureWht"});
     CHECK(config.materials[4].voxels == stack.resins[4].voxels);
+    CHECK(gcvf_material_name({"VeroCY-V", "C"}) == "VeroCY-V");
+    CHECK(gcvf_material_name({"VeroMagentaV", "M"}) == "VeroMGT-V");
+    CHECK(role_of_gcvf_material("VeroMgnt") == "M");
 }
 
 TEST_CASE("bitmaps per resin hold that resin's pixels", "[resin-bitmaps]") {
@@ -278,7 +285,9 @@ TEST_CASE("a volume counts what the stack counts, and a uniform core is tiles", 
 
 TEST_CASE("resin sets", "[resin-file]") {
     const auto names = known_resin_sets();
-    CHECK(names == std::vector<std::string>{"j750-opaque", "vero-opaque", "vero-opaque-clear"});
+    CHECK(names == std::vector<std::string>{"j750-opaque", "j750-vivid", "vero-opaque", "vero-opaque-clear"});
+    for (const std::string& name : names)
+        CHECK(resin_family(name) == (name == "j750-vivid" ? "Vero Vivid" : "Vero opaque"));
     // The set in the code and the one in data/ are one.
     const auto ours = optics::vero_opaque(), file = find_resin_set("vero-opaque");
     CHECK(file.name == ours.name);
@@ -323,5 +332,17 @@ TEST_CASE("resin sets", "[resin-file]") {
     CHECK_THAT(fault("\"rgb\"", "\"cmyk\""), Contains("kind"));
     CHECK_THAT(fault("\"role\": \"M\"", "\"role\": \"C\""), Contains("FILE") && Contains("twice"));
     CHECK_THAT(fault("\"g\": 0.4", "\"g\": 1"), Contains("g"));
+    TemporaryFolder folder;
+    const auto family_of = [&](const std::string& key) {
+        std::string own = text;
+        own.insert(own.find("\"channels\""), key);
+        const std::string file = (folder.path() / "own.json").string();
+        std::ofstream(file) << own;
+        CHECK(find_resin_set(file).resins.size() == ours.resins.size());
+        return resin_family(file);
+    };
+    CHECK(family_of("").empty());
+    CHECK(family_of("\"family\": \"Mine\", ") == "Mine");
+    CHECK_THROWS_WITH(family_of("\"family\": \"\", "), Contains("family") && Contains("is empty"));
     CHECK_THROWS_WITH(find_resin_set("vero-opaqe"), Contains("did you mean \"vero-opaque\"?"));
 }

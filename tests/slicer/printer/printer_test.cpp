@@ -97,6 +97,30 @@ TEST_CASE("A profile of one's own is read from its path") {
     CHECK_THROWS_AS(find_printer(path), FileError);
 }
 
+TEST_CASE("A printer's resins are named as those of the cartridges that the set is of, and others are warned of") {
+    PrinterProfile printer = find_printer("stratasys-j750-hm");
+    CHECK(printer.material_names.at("M") == "VeroMGT-V");
+    const std::vector<std::string> before = printer.warnings();
+    printer.load("old", "Vero opaque");
+    CHECK(printer.material_names.at("M") == "VeroMgnt");
+    printer.load("mine.json", "");  // a set that does not say: nothing changes
+    CHECK(printer.material_names.at("M") == "VeroMgnt");
+    CHECK(printer.warnings() == before);
+    printer.load("foreign", "Mimaki");
+    CHECK(printer.material_names.empty());
+    REQUIRE(printer.warnings().size() == before.size() + 1);
+    CHECK_THAT(printer.warnings()[0], Contains("--resins foreign") && Contains("Mimaki") &&
+                                          Contains("takes Vero Vivid, Vero opaque") && Contains("[cartridges]"));
+    printer.load("new", "Vero Vivid");
+    CHECK(printer.material_names.at("M") == "VeroMGT-V");
+    CHECK(printer.warnings() == before);
+    // Nobody said which it takes.
+    PrinterProfile own = parse(profile_with(R"("material_names": {"W": "White 1"})"));
+    own.load("foreign", "Mimaki");
+    CHECK(own.material_names.at("W") == "White 1");
+    CHECK(own.warnings().empty());
+}
+
 TEST_CASE("An unknown printer names the nearest one") {
     CHECK_THROWS_WITH(find_printer("stratasys-j750-hn"), Contains("did you mean 'stratasys-j750-h"));
     CHECK_THROWS_WITH(find_printer("laser"), Contains("known are generic, mimaki-3duj-553") && Contains(".json"));
@@ -123,6 +147,10 @@ TEST_CASE("A wrong profile names file, key and rule") {
                Contains("0.042, expected numbers from 1 to 1000"));
     CHECK_THAT(fault(profile_with("\"pitch_um\": [40, 50]", "\"pitch")),
                Contains("key `pitch_um`: has 2 entries, expected 3"));
+    CHECK_THAT(fault(profile_with(R"("cartridges": [{"family": "A"}], "material_names": {"W": "White 1"})")),
+               Contains("key `cartridges`") && Contains("not both"));
+    CHECK_THAT(fault(profile_with(R"("cartridges": [{"family": "A"}, {"family": "A"}])")), Contains("named twice"));
+    CHECK_THAT(fault(profile_with(R"("cartridges": [])")), Contains("key `cartridges`: is empty"));
     CHECK_THAT(fault(profile_with("\"max_resins\": 99")), Contains("99, expected a whole number from 1 to 8"));
     CHECK_THAT(fault(profile_with("\"max_resins\": 2.5")), Contains("2.5, expected a whole number"));
     CHECK_THAT(fault(profile_with("\"max_resins\": 3")), Contains("key `default_roles`: 5 roles, but 1 to 3"));
