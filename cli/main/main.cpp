@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
     const auto add_calibrate = [&](CLI::App& app) { return add_calibrate_elsewhere(app, argv[0], words); };
     return run_program(words, {{"slice", add_slice_command},
                                {"tray", add_tray_command},
+                               {"read", add_read_command},
                                {"estimate", add_estimate_command},
                                {"merge", add_merge_command},
                                {"predict", add_predict_command},

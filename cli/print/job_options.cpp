@@ -22,7 +22,7 @@ namespace {
 
 using slicer::OptionSpec;
 
-/// "mesh,--mesh", "-o,--out".
+/// "model,--model", "-o,--out".
 std::string names_of_option(const OptionSpec& spec) {
     std::string names = "--" + spec.option;
     if (!spec.letter.empty()) names = "-" + spec.letter + "," + names;
@@ -54,28 +54,45 @@ CLI::Option* add_texts(CLI::App& command, const OptionSpec& spec, std::vector<st
 /// An option of an earlier name: taken, and told of nowhere.
 void add_former(CLI::App& command, const OptionSpec& spec, JobArguments& arguments) {
     if (spec.former_option.empty()) return;
-    arguments.former_options[spec.key] =
-        command.add_option("--" + spec.former_option, arguments.former_values[spec.key])->group("");
+    const std::string name = "--" + spec.former_option;
+    const auto take = [&arguments, key = spec.key](const std::vector<std::string>& values) {
+        (key == "model" && arguments.takes_many ? arguments.models : arguments.former_values[key]) = values;
+    };
+    CLI::Option* const former = command.add_option_function<std::vector<std::string>>(name, take)->group("");
+    if (spec.key != "model" || !arguments.takes_many) former->expected(1);
+    arguments.former_options[spec.key] = former;
+}
+
+void add_option(CLI::App& command, const OptionSpec& spec, JobArguments& arguments) {
+    const std::string usual = spec.get(slicer::SliceOptions{});
+    CLI::Option* const option =
+        spec.key == "model" && arguments.takes_many
+            ? command.add_option(names_of_option(spec), arguments.models, spec.help)->type_name(spec.metavar)
+        : spec.kind() == OptionSpec::Kind::flag  ? add_flag(command, spec, usual == "true", arguments.flags[spec.key])
+        : spec.kind() == OptionSpec::Kind::texts ? add_texts(command, spec, arguments.texts[spec.key])
+                                                 : add_value(command, spec, usual, arguments.values[spec.key]);
+    option->group(spec.group);
+    arguments.options[spec.key] = option;
+    add_former(command, spec, arguments);
 }
 
 /// What the command line says of an option; nothing: it does not name it.
 std::optional<std::string> said(const JobArguments& arguments, const OptionSpec& spec, slicer::SliceOptions& options) {
+    const auto option = arguments.options.find(spec.key);
+    const bool is_said = option != arguments.options.end() && option->second->count() > 0;
     const auto former = arguments.former_options.find(spec.key);
     if (former != arguments.former_options.end() && former->second->count() > 0) {
-        const std::string& value = arguments.former_values.at(spec.key);
-        if (!spec.choices.empty() && std::ranges::find(spec.choices, value) == spec.choices.end())
-            throw UsageError(
-                fmt::format("--{}: '{}' is none of {}; this is what --{} was called earlier, and a file to "
-                            "slice stands alone: `voxtone slice FILE`",
-                            spec.former_option, value, fmt::join(spec.choices, ", "), spec.option));
+        if (is_said)
+            throw UsageError(fmt::format("--{0} is what --{1} was called earlier, and both are given: leave --{0} out",
+                                         spec.former_option, spec.option));
         options.notes.push_back(fmt::format("--{0} is called --{1} now, which means the same; it was taken",
                                             spec.former_option, spec.option));
-        return value;
+    } else if (!is_said) {
+        return std::nullopt;
     }
-    const auto option = arguments.options.find(spec.key);
-    if (option == arguments.options.end() || option->second->count() == 0) return std::nullopt;
     if (spec.kind() == OptionSpec::Kind::flag) return arguments.flags.at(spec.key) ? "true" : "false";
     if (spec.key == "model" && arguments.takes_many) return arguments.models.front();
+    if (!is_said) return arguments.former_values.at(spec.key).back();
     if (spec.kind() == OptionSpec::Kind::texts) return fmt::format("{}", fmt::join(arguments.texts.at(spec.key), "\n"));
     const std::string& value = arguments.values.at(spec.key);
     return value.empty() && !spec.bare.empty() ? spec.bare : value;
@@ -83,29 +100,25 @@ std::optional<std::string> said(const JobArguments& arguments, const OptionSpec&
 
 }  // namespace
 
+void add_some_job_options(CLI::App& command, JobArguments& arguments, const std::vector<std::string>& keys) {
+    for (const OptionSpec& spec : slicer::slice_option_table())
+        if (std::ranges::find(keys, spec.key) != keys.end()) add_option(command, spec, arguments);
+}
+
 void add_job_options(CLI::App& command, JobArguments& arguments, const std::vector<std::string>& without) {
-    const slicer::SliceOptions defaults;
-    for (const OptionSpec& spec : slicer::slice_option_table()) {
-        if (std::ranges::find(without, spec.key) != without.end()) continue;
-        if (spec.key == "model" && arguments.takes_many) {
-            arguments.options[spec.key] =
-                command.add_option(names_of_option(spec), arguments.models, spec.help)->type_name(spec.metavar);
-            arguments.options[spec.key]->group(spec.group);
-            continue;
-        }
-        const std::string usual = spec.get(defaults);
-        CLI::Option* const option =
-            spec.kind() == OptionSpec::Kind::flag ? add_flag(command, spec, usual == "true", arguments.flags[spec.key])
-            : spec.kind() == OptionSpec::Kind::texts ? add_texts(command, spec, arguments.texts[spec.key])
-                                                     : add_value(command, spec, usual, arguments.values[spec.key]);
-        option->group(spec.group);
-        arguments.options[spec.key] = option;
-        add_former(command, spec, arguments);
-    }
+    for (const OptionSpec& spec : slicer::slice_option_table())
+        if (std::ranges::find(without, spec.key) == without.end()) add_option(command, spec, arguments);
     command
         .add_option("--job", arguments.job,
                     "read options from this job file; the command line wins. Paths in it are seen from its folder")
         ->type_name("FILE")
+        ->group("Run");
+}
+
+void add_dump_default(CLI::App& command, JobArguments& arguments) {
+    command
+        .add_flag("--dump-default", arguments.dump_default,
+                  "print a complete job file, with the options given and every default, and stop")
         ->group("Run");
 }
 

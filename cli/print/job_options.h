@@ -28,15 +28,22 @@ struct JobArguments {
     std::map<std::string, std::vector<std::string>> texts;
     std::map<std::string, bool> flags;
     std::map<std::string, CLI::Option*> options;
-    std::map<std::string, std::string> former_values;  ///< of options by their earlier names
+    std::map<std::string, std::vector<std::string>> former_values;  ///< of options by their earlier names
     std::map<std::string, CLI::Option*> former_options;
     std::string job;          ///< file
     bool takes_many = false;  ///< models: set before the options are added
     std::vector<std::string> models;
+    bool dump_default = false;
 };
 
 /// All of the table, and --job. `without`: keys of options that this verb does not take.
 void add_job_options(CLI::App& command, JobArguments& arguments, const std::vector<std::string>& without = {});
+
+/// Those of these keys alone, without --job.
+void add_some_job_options(CLI::App& command, JobArguments& arguments, const std::vector<std::string>& keys);
+
+/// --dump-default, which the verb looks at before it runs.
+void add_dump_default(CLI::App& command, JobArguments& arguments);
 
 /// Those of the job file, if one was named, with the command line's on top. Throws what reading the file throws, and
 /// UsageError.

@@ -10,6 +10,7 @@ namespace voxtone::cli {
 Command add_slice_command(CLI::App& program);
 Command add_tray_command(CLI::App& program);
 Command add_estimate_command(CLI::App& program);
+Command add_read_command(CLI::App& program);
 Command add_merge_command(CLI::App& program);
 Command add_predict_command(CLI::App& program);
 Command add_proof_command(CLI::App& program);

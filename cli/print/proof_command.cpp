@@ -64,31 +64,32 @@ void add_camera_options(CLI::App& command, slicer::ProofOptions& o) {
 }
 
 void add_scene_options(CLI::App& command, slicer::ProofOptions& o) {
-    group("Light and scene",
-          {command
-               .add_option("--light", o.light,
-                           "studio: two soft boxes and white walls; overcast: the CIE's overcast sky; even: the same "
-                           "from everywhere; or a lat-long picture of a place (.exr) [studio|overcast|even|FILE]")
-               ->capture_default_str(),
-           command.add_option("--turn-light", o.turn_light_deg, "degrees, counter-clockwise from above")
-               ->type_name("DEG")
-               ->capture_default_str(),
-           command.add_option("--ground", o.ground, "reflectance of the plane that the print lies on, or none")
-               ->type_name("R|none")
-               ->capture_default_str(),
-           command
-               .add_option("--finish", o.finish,
-                           "glossy: as jetted, and matt where support lay; matt: support lay everywhere [glossy|matt]")
-               ->capture_default_str(),
-           command
-               .add_option("--roughness", o.roughness,
-                           "alpha of GGX of glossy and of matt faces, 0 is smooth; a guess until measured")
-               ->type_name("A,B")
-               ->delimiter(',')
-               ->capture_default_str(),
-           command.add_flag("--with-target", o.with_target,
-                            "the model as a diffuse body to the right of the print: its colours times the light that "
-                            "thick white resin sends back")});
+    group(
+        "Light and scene",
+        {command
+             .add_option("--light", o.light,
+                         "studio: two soft boxes and white walls; overcast: the CIE's overcast sky; even: the same "
+                         "from everywhere; or a lat-long picture of a place (.exr) [studio|overcast|even|FILE]")
+             ->capture_default_str(),
+         command.add_option("--turn-light", o.turn_light_deg, "degrees, counter-clockwise from above")
+             ->type_name("DEG")
+             ->capture_default_str(),
+         command.add_option("--ground", o.ground, "reflectance of the plane that the print lies on, or none")
+             ->type_name("R|none")
+             ->capture_default_str(),
+         command
+             .add_option("--finish", o.finish,
+                         "glossy: as jetted, and matt where support lay; matt: support lay everywhere [glossy|matt]")
+             ->capture_default_str(),
+         command
+             .add_option("--roughness", o.roughness,
+                         "alpha of GGX of glossy and of matt faces, 0 is smooth; a guess until measured")
+             ->type_name("A,B")
+             ->delimiter(',')
+             ->capture_default_str(),
+         command.add_flag("--with-target", o.with_target,
+                          "the model to the right of the print, with the same finish: its colours times the light that "
+                          "thick white resin sends back")});
 }
 
 int run(ProofArguments& arguments) {

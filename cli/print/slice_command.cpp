@@ -20,23 +20,19 @@ namespace {
 
 struct SliceArguments {
     JobArguments job;
-    bool dump_default = false;
     ConsoleOptions console;
 };
 
 void add_options(CLI::App& command, SliceArguments& arguments) {
     arguments.job.takes_many = true;
     add_job_options(command, arguments.job);
-    command
-        .add_flag("--dump-default", arguments.dump_default,
-                  "print a complete job file, with the options given and every default, and stop")
-        ->group("Run");
+    add_dump_default(command, arguments.job);
     add_console_options(command, arguments.console);
 }
 
 int run(const SliceArguments& arguments) {
     const slicer::SliceOptions options = options_of(arguments.job);
-    if (arguments.dump_default) {
+    if (arguments.job.dump_default) {
         print_out(slicer::job_json(options));
         return 0;
     }

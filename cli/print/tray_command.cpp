@@ -9,6 +9,8 @@
 #include "cli/print/print_commands.h"
 #include "cli/program/console.h"
 #include "cli/program/help.h"
+#include "cli/program/outcome.h"
+#include "slicer/options/job_file.h"
 #include "slicer/options/option_values.h"
 
 namespace voxtone::cli {
@@ -20,13 +22,19 @@ struct TrayArguments {
     ConsoleOptions console;
 };
 
-/// One model is a tray of one part.
-JobResult run(const TrayArguments& arguments, Progress& progress) {
+int run(const TrayArguments& arguments) {
     const slicer::SliceOptions options = options_of(arguments.job);
-    tell_notes(options, progress);
-    std::vector<std::string> models = many_models(arguments.job);
-    if (models.empty() && !slicer::is_tray(options) && !options.model.empty()) models = {options.model};
-    return run_tray(options, models, progress);
+    if (arguments.job.dump_default) {
+        print_out(slicer::job_json(options));
+        return 0;
+    }
+    return run_on_console(arguments.console, [&](Progress& progress) {
+        tell_notes(options, progress);
+        std::vector<std::string> models = many_models(arguments.job);
+        // One model is a tray of one part.
+        if (models.empty() && !slicer::is_tray(options) && !options.model.empty()) models = {options.model};
+        return run_tray(options, models, progress);
+    });
 }
 
 }  // namespace
@@ -39,11 +47,10 @@ Command add_tray_command(CLI::App& program) {
         "parts may also be boxes, cylinders, finished stacks and jobs");
     arguments->job.takes_many = true;
     add_job_options(*command, arguments->job, {"layers", "mixtures", "resume"});
+    add_dump_default(*command, arguments->job);
     add_console_options(*command, arguments->console);
     add_example(*command, "tray.json -o out/tray");
-    return [arguments] {
-        return run_on_console(arguments->console, [&](Progress& progress) { return run(*arguments, progress); });
-    };
+    return [arguments] { return run(*arguments); };
 }
 
 }  // namespace voxtone::cli

@@ -122,7 +122,9 @@ std::string report_line(const LoopState& state) {
         state.steps.front().seen.median, step.seconds);
 }
 
-int most_of(const LoopOptions& options) { return options.iterations < 0 ? most_iterations : options.iterations; }
+int most_of(const LoopOptions& options) {
+    return options.iterations < 0 ? options.most_without_limit : options.iterations;
+}
 
 /// A loop while it runs: what one task keeps, the print that was predicted last, and the state that grows.
 class LoopRun {

@@ -63,8 +63,12 @@ enum class Intent {
     contrast,  ///< as relative, but where a limit is met the neighbourhood gives way more, and local contrast is kept
 };
 
+inline constexpr int most_iterations = 10;     ///< of a loop that has no limit
+inline constexpr int patient_iterations = 30;  ///< of one that may take its time
+
 struct LoopOptions {
-    int iterations = -1;               ///< most; -1: until it stops gaining
+    int iterations = -1;  ///< most; -1: until it stops gaining, at most `most_without_limit`
+    int most_without_limit = most_iterations;
     double viewing_distance_mm = 300;  ///< > 0
     Intent intent = Intent::relative;
     bool descent = true;  ///< after feedback, where the model has a gradient
@@ -72,7 +76,6 @@ struct LoopOptions {
 
 /// LoopResult::why_stopped of a loop that might have gained more.
 inline constexpr std::string_view all_iterations_made = "all iterations were made";
-inline constexpr int most_iterations = 10;     ///< of a loop that has no limit
 inline constexpr int feedback_iterations = 3;  ///< before the descent
 
 struct LoopTask {

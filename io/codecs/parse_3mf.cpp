@@ -225,6 +225,12 @@ private:
 
     /// What an object is of besides its triangles.
     void note_other_shapes(const ThreemfPart& part, const ThreemfObject& object) {
+        if (part.is_translucent)
+            lose_colour(
+                fmt::format("{} has materials that light goes through (translucentdisplayproperties); a print of "
+                            "colours is opaque: that one sees through them is LOST. Give them the colour that they are "
+                            "to have",
+                            context_.name()));
         if (!object.volume.empty() && !part.plain_volumes.contains(object.volume)) {
             parts_.has_colour = true;
             lose_colour(

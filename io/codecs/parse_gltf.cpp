@@ -390,12 +390,21 @@ private:
         material.image = read_image(source);
     }
 
+    /// That light goes through: KHR_materials_transmission, or KHR_materials_diffuse_transmission. A volume
+    /// (KHR_materials_volume) says how far, and does nothing without one of these.
+    static bool is_glass(const Json& extensions) {
+        const Json& clear = object(extensions, "KHR_materials_transmission");
+        const Json& milky = object(extensions, "KHR_materials_diffuse_transmission");
+        return real(clear, "transmissionFactor", 0) > 0 || real(milky, "diffuseTransmissionFactor", 0) > 0;
+    }
+
     void read_material(const Json& json) {
         PartMaterial& material = parts_.materials.emplace_back();
         MaterialUv& uv = material_uv_.emplace_back();
         material.name = text(json, "name");
         if (material.name.empty()) material.name = fmt::format("number {}", parts_.materials.size() - 1);
         material.opaque = text(json, "alphaMode", "OPAQUE") == "OPAQUE";
+        material.glass = is_glass(object(json, "extensions"));
         const Json& old_workflow = object(object(json, "extensions"), "KHR_materials_pbrSpecularGlossiness");
         // Where the other says nothing, or less than what must be understood, the older one is the material.
         const bool old = !old_workflow.empty() && !object(json, "pbrMetallicRoughness").contains("baseColorTexture") &&

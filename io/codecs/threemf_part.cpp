@@ -239,6 +239,7 @@ private:
                 for (const auto word : words(xml_.attribute("blendmethods")))
                     group.multiply.push_back(word == "multiply");
             } else if (xml_.attribute("id").data()) {
+                part_.is_translucent = part_.is_translucent || name == "translucentdisplayproperties";
                 start_group(Kind::unknown);
             }
             return;

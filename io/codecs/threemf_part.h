@@ -83,6 +83,7 @@ struct ThreemfPart {
     std::map<std::uint32_t, ThreemfObject> objects;
     std::vector<ThreemfReference> items;
     std::vector<std::string> required_extensions;  ///< namespaces; a prefix that is declared nowhere
+    bool is_translucent = false;                   ///< has display properties of materials that light goes through
     std::set<std::string> plain_volumes;           ///< volumedata that give no colours, by id
 };
 

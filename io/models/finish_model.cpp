@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/printable.h"
 #include "base/warning.h"
 #include "io/models/colour_range.h"
 #include "io/models/fill_gutters.h"
@@ -328,7 +329,20 @@ private:
     std::string lost_colour() const {
         std::vector<std::string> all = parts_.lost_colours;
         all.insert(all.end(), parts_.lost_textures.begin(), parts_.lost_textures.end());
+        if (const std::string glass = lost_glass(); !glass.empty()) all.push_back(glass);
         return first_few(all, " ");
+    }
+
+    std::string lost_glass() const {
+        std::vector<std::string> names;
+        for (std::size_t m = 0; m < parts_.materials.size(); ++m)
+            if (used_material_[m] && parts_.materials[m].glass)
+                names.push_back(fmt::format("'{}'", printable(parts_.materials[m].name)));
+        if (names.empty()) return {};
+        return fmt::format(
+            "{} has materials of glass ({}); a print of colours is opaque: that one sees through them is LOST. Give "
+            "them the colour that they are to have.",
+            name_, first_few(names, ", "));
     }
 
     static std::string first_few(const std::vector<std::string>& all, const char* between) {

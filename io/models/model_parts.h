@@ -31,6 +31,7 @@ struct PartMaterial {
     std::int32_t image = -1;
     Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
     bool nearest = false;
+    bool glass = false;  ///< the format says that light goes through the body, which a print of it does not let
 };
 
 struct ModelParts {

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "base/named_values.h"
@@ -164,6 +165,9 @@ struct ReportPart {
     std::optional<double> seen_mean;  ///< CIEDE2000 from the viewing distance
 };
 
+/// What an option is set to, as JSON has it.
+using ReportOption = std::variant<std::string, bool, std::uint64_t, double, std::vector<std::string>>;
+
 struct Report {
     std::string title;            ///< the model's name
     std::string program_version;  ///< "0.2.0"
@@ -188,7 +192,7 @@ struct Report {
     ReportViewer viewer;                  ///< stands in the place of `views` and `layers` where a browser can show it
     std::vector<ReportLayer> layers;      ///< some of them, from the bottom up
     std::vector<ReportSection> sections;  ///< whatever else there is to tell
-    std::vector<std::pair<std::string, std::string>> job;  ///< every option as resolved
+    std::vector<std::pair<std::string, ReportOption>> job;  ///< every option as resolved
 };
 
 }  // namespace voxtone::io

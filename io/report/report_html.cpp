@@ -486,6 +486,18 @@ void add_time(std::string& html, const Report& report) {
     html += "</tbody>\n</table></div>\n</section>\n";
 }
 
+struct OptionText {
+    std::string operator()(const std::string& text) const { return text; }
+    std::string operator()(bool on) const { return on ? "true" : "false"; }
+    std::string operator()(const std::vector<std::string>& list) const {
+        return fmt::format("{}", fmt::join(list, "\n"));
+    }
+    template <class Number>
+    std::string operator()(Number number) const {
+        return fmt::format("{}", number);
+    }
+};
+
 void add_job(std::string& html, const Report& report) {
     if (report.job.empty()) return;
     html +=
@@ -493,7 +505,7 @@ void add_job(std::string& html, const Report& report) {
         "class=\"table\"><table>\n<tbody>\n";
     for (const auto& [key, value] : report.job)
         html += fmt::format("<tr><td class=\"key\">{}</td><td class=\"value\">{}</td></tr>\n", html_text(key),
-                            html_text(value));
+                            html_text(std::visit(OptionText{}, value)));
     html += "</tbody>\n</table></div>\n</details>\n</section>\n";
 }
 

@@ -109,7 +109,8 @@ std::string report_json(const Report& report) {
     json.line().key("sections").begin_list();
     for (const ReportSection& section : report.sections) write_section(json, section);
     json.end_list().line().key("job").begin_object();
-    for (const auto& [key, value] : report.job) json.line().add(key, value);
+    for (const auto& [key, value] : report.job)
+        std::visit([&json, &name = key](const auto& set_to) { json.line().add(name, set_to); }, value);
     json.end_object().end_object();
     return json.text() + "\n";
 }

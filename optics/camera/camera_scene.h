@@ -22,6 +22,17 @@ struct ResinBody {
     Point corner_mm{};                       ///< of the volume, where the camera is told
 };
 
+/// A clear surface over a diffuser, which mirrors as a resin's does: of what falls on it the share F(mu) of Fresnel is
+/// mirrored, and what is seen of the diffuser goes by 1 - F, on average as if it were bare.
+struct Coat {
+    double eta = 1;        ///< 1: none
+    double roughness = 0;  ///< alpha of GGX
+    double mean = 0;       ///< F of light from all sides: `mean_reflectance(eta)`
+};
+
+/// Share of even light from all sides that a smooth surface mirrors: 2 times the integral of mu F(mu) over (0, 1).
+[[nodiscard]] double mean_reflectance(double eta);
+
 /// A body that is a diffuser of known colour throughout its surface.
 class DiffuseBody {
 public:
@@ -29,6 +40,8 @@ public:
     /// Where a ray first meets it; a start on its surface does not count. `reflectance`: linear sRGB, in [0, 1].
     [[nodiscard]] virtual bool meets(const Point& from, const Point& way, double& distance, BoundaryNormals& normals,
                                      Light& reflectance) const = 0;
+    /// Over it at a place of its surface; `outward`: the geometric normal there.
+    [[nodiscard]] virtual Coat coat(const Point& /*at*/, const Point& /*outward*/) const { return {}; }
 };
 
 /// A plane without end, a diffuser.

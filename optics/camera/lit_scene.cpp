@@ -8,6 +8,8 @@
 #include "base/contracts.h"
 #include "optics/colour/channels.h"
 #include "optics/monte_carlo/scalar_paths.h"
+#include "optics/numerics/quadrature.h"
+#include "optics/scene/fresnel.h"
 
 namespace voxtone::optics {
 namespace {
@@ -40,6 +42,15 @@ std::vector<Light> light_of(const Channels& channels, const Eigen::Matrix3Xd& to
 }
 
 }  // namespace
+
+double mean_reflectance(double eta) {
+    constexpr int nodes = 32;  // right to a millionth
+    const Rule rule = gauss_legendre(nodes, 0, 1);
+    double sum = 0;
+    for (std::size_t i = 0; i < rule.x.size(); ++i)
+        sum += 2 * rule.w[i] * rule.x[i] * fresnel_reflectance(rule.x[i], eta);
+    return sum;
+}
 
 LitScene::LitScene(const CameraScene& scene) : scene_(scene), camera_(scene.view) {
     VOXTONE_EXPECT(scene.sky != nullptr);
@@ -77,17 +88,22 @@ MetInAir LitScene::met(const Point& from, const Point& way) const {
     for (std::size_t i = 0; i < scene_.prints.size(); ++i)
         if (scene_.prints[i].boundary->meets(less(from, scene_.prints[i].corner_mm), way, distance, normals) &&
             distance < first.distance)
-            first = {MetInAir::What::print, i, distance, normals, {}};
+            first = {MetInAir::What::print, i, distance, normals, {}, {}};
     Light reflectance{};
     for (const DiffuseBody* body : scene_.diffusers)
         if (body->meets(from, way, distance, normals, reflectance) && distance < first.distance)
-            first = {MetInAir::What::diffuser, 0, distance, normals, reflectance};
+            first = {MetInAir::What::diffuser,
+                     0,
+                     distance,
+                     normals,
+                     reflectance,
+                     body->coat(along(from, way, distance), normals.geometric)};
     if (scene_.ground && dot(way, scene_.ground->up) < 0) {
         const Point& up = scene_.ground->up;
         distance = (scene_.ground->height_mm - dot(from, up)) / dot(way, up);
         constexpr double off_the_start = 1e-4;
         if (distance > off_the_start && distance < first.distance)
-            first = {MetInAir::What::ground, 0, distance, {up, up}, scene_.ground->reflectance};
+            first = {MetInAir::What::ground, 0, distance, {up, up}, scene_.ground->reflectance, {}};
     }
     return first;
 }

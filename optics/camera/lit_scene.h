@@ -19,6 +19,7 @@ struct MetInAir {
     double distance = 0;
     BoundaryNormals normals;
     Light reflectance{};  ///< of diffusers
+    Coat coat{};          ///< over them
 };
 
 /// A scene made ready for paths.

@@ -89,6 +89,7 @@ void TilePaths::begin(std::uint32_t s) {
     if (met.what == MetInAir::What::print) return first_surface(ray, met);
     colour_as_sent(ray);
     PathRandom random = random_of(ray);
+    if (met.coat.eta > 1) return first_coat(ray, met, random);
     follow(ray, met, random);
 }
 
@@ -193,6 +194,31 @@ void TilePaths::mirror(const AirRay& ray, const Point& at, const Point& way, dou
     follow(mirrored, random);
 }
 
+/// The mirrored part and what is seen of the diffuser are both followed.
+void TilePaths::first_coat(AirRay ray, const MetInAir& met, PathRandom& random) {
+    const Point at = along(ray.from, ray.way, met.distance);
+    const Coat& coat = met.coat;
+    double through = 0;
+    if (coat.roughness > 0) {
+        for (int k = 0; k < facets_at_first; ++k) {
+            Point way = ray.way;
+            if (cross_boundary(met.normals, coat.eta, coat.roughness, false, way, random))
+                through += 1.0 / facets_at_first;
+            else
+                mirror(ray, at, way, 1.0 / facets_at_first, k);
+        }
+    } else {
+        const MetFromOutside parts = meet_from_outside(met.normals, coat.eta, ray.way);
+        through = 1 - parts.reflectance;
+        mirror(ray, at, parts.reflected, parts.reflectance, 0);
+    }
+    colour_as_sent(ray);
+    ray.weight *= through / (1 - coat.mean);
+    const bool in_air = diffuse(ray, met, at, random);
+    ++ray.order;
+    if (in_air) follow(ray, random);
+}
+
 /// Until the path is in a print or over.
 void TilePaths::follow(AirRay ray, PathRandom& random) {
     if (goes_on(ray, random)) follow(ray, scene_.met(ray.from, ray.way), random);
@@ -205,8 +231,9 @@ void TilePaths::follow(AirRay ray, MetInAir met, PathRandom& random) {
             return count(ray, scene_.sky(ray.way), ray.density > 0 ? ray.density / (ray.density + asked) : 1.0);
         }
         const Point at = along(ray.from, ray.way, met.distance);
-        const bool in_air =
-            met.what == MetInAir::What::print ? mirrored_again(ray, met, at, random) : diffuse(ray, met, at, random);
+        const bool in_air = met.what == MetInAir::What::print ? mirrored_again(ray, met, at, random)
+                            : met.coat.eta > 1                ? coated(ray, met, at, random)
+                                                              : diffuse(ray, met, at, random);
         ++ray.order;
         if (!in_air || !goes_on(ray, random)) return;
     }
@@ -240,6 +267,28 @@ bool TilePaths::diffuse(AirRay& ray, const MetInAir& met, const Point& at, PathR
     ray.way = entering_direction({n, n}, {-height, r * std::cos(phi), r * std::sin(phi)});
     ray.density = std::max(dot(ray.way, n) / std::numbers::pi, 1e-12);
     return dot(ray.way, true_normal) > 0;
+}
+
+/// At a coat that is not the first surface chance decides.
+bool TilePaths::coated(AirRay& ray, const MetInAir& met, const Point& at, PathRandom& random) {
+    const Coat& coat = met.coat;
+    Point way = ray.way;
+    bool through = false;
+    if (coat.roughness > 0) {
+        through = cross_boundary(met.normals, coat.eta, coat.roughness, false, way, random);
+    } else {
+        const MetFromOutside parts = meet_from_outside(met.normals, coat.eta, ray.way);
+        through = random.uniform() >= parts.reflectance;
+        way = parts.reflected;
+    }
+    if (through) {
+        ray.weight /= 1 - coat.mean;
+        return diffuse(ray, met, at, random);
+    }
+    ray.from = at;
+    ray.way = way;
+    ray.density = 0;
+    return true;
 }
 
 /// At a print that is not the first surface chance decides; false where the path went in.

@@ -83,6 +83,8 @@ private:
     void follow(AirRay ray, PathRandom& random);
     void follow(AirRay ray, MetInAir met, PathRandom& random);
     [[nodiscard]] bool goes_on(AirRay& ray, PathRandom& random) const;
+    void first_coat(AirRay ray, const MetInAir& met, PathRandom& random);
+    bool coated(AirRay& ray, const MetInAir& met, const Point& at, PathRandom& random);
     bool diffuse(AirRay& ray, const MetInAir& met, const Point& at, PathRandom& random);
     bool mirrored_again(AirRay& ray, const MetInAir& met, const Point& at, PathRandom& random);
     void enter(const AirRay& ray, const MetInAir& met, const Point& at, const Point& way, double share,

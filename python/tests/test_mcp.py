@@ -64,7 +64,7 @@ def test_a_session(client, tmp_path):
     client.say(json.dumps({"jsonrpc": "2.0", "method": "notifications/initialized"}))
     tools = {tool["name"]: tool for tool in client.ask("tools/list")["result"]["tools"]}
     schema = tools["slice"]["inputSchema"]
-    assert schema["required"] == ["mesh", "out"]
+    assert schema["required"] == ["model", "out"]
     assert schema["properties"]["quality"]["enum"] == ["draft", "good", "best"]
     assert schema["properties"]["report"]["type"] == "boolean"
     listed = client.told("list")
@@ -72,7 +72,7 @@ def test_a_session(client, tmp_path):
 
     model, out = tmp_path / "box.glb", str(tmp_path / "out")
     box().write(model)
-    assert client.told("estimate", mesh=[str(model)], quick=True)["layers"] > 50
+    assert client.told("estimate", model=[str(model)], quick=True)["layers"] > 50
     client.told("slice", mesh=[str(model)], out=out, quality="draft", predict="transport")
     while not (status := client.told("status", out=out))["done"]:
         time.sleep(0.2)
@@ -96,6 +96,7 @@ def test_mistakes_are_answered(client, tmp_path):
     assert client.ask("tools/call", name="nonsense")["error"]["code"] == -32601
     for tool, arguments, word in [("verdict", {"out": str(tmp_path)}, "manifest.json"),
                                   ("status", {"out": str(tmp_path)}, "no job was started"),
+                                  ("estimate", {"model": ["/nowhere.obj"]}, "/nowhere.obj"),
                                   ("estimate", {"mesh": ["/nowhere.obj"]}, "/nowhere.obj"),
                                   ("slice", {"out": "x", "sise": 1}, "did you mean size"), ("slice", {}, "out")]:
         result = client.call(tool, **arguments)

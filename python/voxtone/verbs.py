@@ -131,6 +131,7 @@ class _Meshes:
 
 slice = Verb("slice")  # pylint: disable=redefined-builtin
 tray = Verb("tray")
+read = Verb("read")
 estimate = Verb("estimate")
 merge = Verb("merge")
 predict = Verb("predict")

@@ -32,6 +32,7 @@ std::optional<double> most_surface_mm2(const SliceOptions& options) {
     constexpr double faces = 6, highest = 4;
     if (options.size_mm > 0) return faces * options.size_mm * options.size_mm;
     if (options.width_mm > 0) return highest * options.width_mm * options.width_mm;
+    if (options.height_mm > 0) return highest * options.height_mm * options.height_mm;
     return std::nullopt;
 }
 

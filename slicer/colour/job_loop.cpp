@@ -208,6 +208,7 @@ JobLoop run_job_loop(const LoopProblem& problem, const LoopPlan& plan, const Loo
     };
     halftone::LoopOptions options;
     options.iterations = plan.iterations;
+    if (plan.patient) options.most_without_limit = halftone::patient_iterations;
     options.viewing_distance_mm = job.loop.viewing_distance_mm;
     options.intent = job.loop.intent;
     options.descent = plan.descent;

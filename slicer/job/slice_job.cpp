@@ -49,6 +49,20 @@ bool holds_this_stack(const OpenedJob& job, const io::StackFolder& folder, const
 
 bool has_checkpoint(const io::StackFolder& folder) { return fs::exists(folder.path() / io::checkpoint_name); }
 
+/// The same command again goes on with its interrupted loop. Not where no loop is asked for, which the saved one would
+/// be printed as.
+void go_on_with_own_loop(OpenedJob& job, Progress& progress) {
+    ResolvedJob& options = job.options;
+    if (options.resume || options.overwrite || options.layered || options.loop.iterations == 0) return;
+    if (std::error_code none; !fs::exists(options.out / io::checkpoint_name, none)) return;
+    LoopCheckpoint::expect_same_job(options.out, opened_loop_identity(job, &progress));
+    options.resume = true;
+    progress.note(
+        fmt::format("{} holds the interrupted appearance loop of this very job: it goes on (--overwrite "
+                    "begins anew)",
+                    options.out.string()));
+}
+
 /// As the report's figures say; one that cannot be read says nothing.
 bool is_judged_bad(const std::string& json, const fs::path& figures) {
     try {
@@ -149,6 +163,7 @@ SliceResult run_slice_job(const SliceOptions& requested, Progress& progress) {
     // All that can refuse the job, from what costs nothing to what costs most ...
     OpenedJob opened = open_job(requested);
     VOXTONE_EXPECT(!opened.options.sharded);
+    go_on_with_own_loop(opened, progress);
     LoopCheckpoint::refuse_loss(opened.options.out, opened.options.resume, opened.options.overwrite);
     // From here on the output folder is this job's; what it holds stays until the new stack is whole.
     std::vector<std::string_view> companions(report_file::all.begin(), report_file::all.end());

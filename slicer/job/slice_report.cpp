@@ -8,6 +8,7 @@
 #include "base/warning.h"
 #include "io/programs/build_identity.h"
 #include "slicer/kept/report_files.h"
+#include "slicer/options/job_file.h"
 #include "slicer/options/option_table.h"
 #include "slicer/prepare/phase.h"
 
@@ -95,7 +96,7 @@ void add_print(const OpenedJob& job, const JobBody& body, const io::StackDescrip
             {job.resins.set.resins[r].name, resin.role, resin.name, resin.rgb, resin.voxels, resin.ml});
     }
     for (const OptionSpec& spec : slice_option_table())
-        if (!spec.is_preset()) report.job.emplace_back(spec.key, spec.get(job.options.raw));
+        if (!spec.is_preset()) report.job.emplace_back(spec.key, option_value(spec, job.options.raw));
 }
 
 std::vector<std::string> warnings_of(const OpenedJob& job, const JobBody& body, const JobMeasurements& f) {

@@ -152,8 +152,8 @@ struct CloseState {
 InputError of_another_job(const std::filesystem::path& file) {
     return InputError(
         fmt::format("{}: belongs to a job with other options, or with inputs (model, textures, resins, printer) "
-                    "that held something else; --resume goes on with the same job only: give the same options and "
-                    "inputs, or start anew with --overwrite",
+                    "that held something else, and only the same job goes on with it: give the same options and "
+                    "inputs, or begin anew (--overwrite)",
                     file.string()));
 }
 
@@ -199,8 +199,9 @@ void LoopCheckpoint::expect_same_job(const std::filesystem::path& folder, std::s
 
 std::string LoopCheckpoint::advice(const std::filesystem::path& folder) {
     return fmt::format(
-        "the appearance loop is saved in {}: the same command with --resume goes on, with --resume --iterations 0 it "
-        "prints the best that there is",
+        "the appearance loop is saved in {}: the same command without --overwrite goes on, with --resume --iterations "
+        "0 "
+        "it prints the best that there is",
         (folder / io::checkpoint_name).string());
 }
 

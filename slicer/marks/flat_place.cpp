@@ -163,7 +163,6 @@ std::optional<Found> flattest_in(const View& view, double width_mm, double heigh
 }  // namespace
 
 std::vector<Eigen::Vector3d> facing_directions(const SolidMesh& body) {
-    // Below first: there a label is not in the way of what the model shows.
     std::vector<Eigen::Vector3d> outs{-Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ(),
                                       -Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitX(), -Eigen::Vector3d::UnitY()};
     constexpr double bins_a_unit = 50;
@@ -191,14 +190,15 @@ std::vector<Eigen::Vector3d> facing_directions(const SolidMesh& body) {
     return outs;
 }
 
-std::optional<MarkFrame> flattest_place(const SolidMesh& body, std::span<const Eigen::Vector3d> outs, double width_mm,
-                                        double height_mm, double turn_deg, std::span<const MarkFrame> taken) {
+std::optional<MarkFrame> flattest_place(const SolidMesh& body, std::span<const Eigen::Vector3d> outs,
+                                        const FlatQuery& query) {
     std::optional<Found> best;
     MarkAxes best_axes;
     for (const Eigen::Vector3d& out : outs) {
-        const MarkAxes axes = axes_facing(out).turned(turn_deg);
-        const std::optional<Found> found = flattest_in(view_of(body, axes), width_mm, height_mm, taken);
-        if (!found) continue;
+        const MarkAxes axes = axes_facing(out).turned(query.turn_deg);
+        const std::optional<Found> found =
+            flattest_in(view_of(body, axes), query.width_mm, query.height_mm, query.taken);
+        if (!found || found->unevenness_mm > query.most_uneven_mm) continue;
         const bool better = !best || found->unevenness_mm < best->unevenness_mm * 0.99 ||
                             (found->unevenness_mm < best->unevenness_mm * 1.01 && found->places > best->places);
         if (!better) continue;
@@ -206,7 +206,17 @@ std::optional<MarkFrame> flattest_place(const SolidMesh& body, std::span<const E
         best_axes = axes;
     }
     if (!best) return std::nullopt;
-    return MarkFrame::around(best->middle, best_axes, width_mm, height_mm);
+    return MarkFrame::around(best->middle, best_axes, query.width_mm, query.height_mm);
+}
+
+std::optional<MarkFrame> first_flat_place(const SolidMesh& body, std::span<const std::vector<Eigen::Vector3d>> sides,
+                                          FlatQuery query) {
+    // An arc of this rise leans by 23 degrees at its ends, and letters there are 8 % narrower.
+    constexpr double most_rise = 0.1;
+    query.most_uneven_mm = std::max(most_rise * std::max(query.width_mm, query.height_mm), flat_mm);
+    for (const std::vector<Eigen::Vector3d>& outs : sides)
+        if (const auto found = flattest_place(body, outs, query)) return found;
+    return std::nullopt;
 }
 
 }  // namespace voxtone::slicer

@@ -6,6 +6,7 @@
 // Depths are looked at every 0.1 mm, or on 600 points along the longer side where that is coarser.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -18,10 +19,20 @@ namespace voxtone::slicer {
 /// The six sides and the directions in which most of the surface faces; earlier ones first where all else is equal.
 [[nodiscard]] std::vector<Eigen::Vector3d> facing_directions(const SolidMesh& body);
 
-/// A rectangle that is turned so much against upright. Nothing: no place is as large. `taken`: rectangles to keep clear
-/// of.
+struct FlatQuery {
+    double width_mm, height_mm;
+    double turn_deg = 0;               ///< against upright
+    std::span<const MarkFrame> taken;  ///< rectangles to keep clear of
+    double most_uneven_mm = std::numeric_limits<double>::infinity();
+};
+
+/// Nothing: no place is as large and even.
 [[nodiscard]] std::optional<MarkFrame> flattest_place(const SolidMesh& body, std::span<const Eigen::Vector3d> outs,
-                                                      double width_mm, double height_mm, double turn_deg,
-                                                      std::span<const MarkFrame> taken);
+                                                      const FlatQuery& query);
+
+/// On the first of these sides that has a place as large and nearly flat, where that is flattest.
+[[nodiscard]] std::optional<MarkFrame> first_flat_place(const SolidMesh& body,
+                                                        std::span<const std::vector<Eigen::Vector3d>> sides,
+                                                        FlatQuery query);
 
 }  // namespace voxtone::slicer

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/marks/lay_marks.h"
 
+#include <array>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -43,6 +46,50 @@ Below below(const io::Decal& decal, const BodyToMark& body, double along, double
     const auto& uv = body.surface->source_uv[nearest.triangle];
     return {nearest.point, (b - a).cross(c - a).normalized(), body.surface->source_triangle[nearest.triangle],
             weight[0] * uv[0] + weight[1] * uv[1] + weight[2] * uv[2], true};
+}
+
+Eigen::Vector3d normal_of(const io::TexturedMesh& mesh, std::size_t t) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    return (mesh.positions[b] - mesh.positions[a]).cross(mesh.positions[c] - mesh.positions[a]);
+}
+
+Eigen::Vector3d face_of_picture(const io::TexturedMesh& mesh) { return normal_of(mesh, 0).normalized(); }
+
+/// The largest triangle of a picture's slab that faces there, but none of its face.
+std::optional<std::uint32_t> plain_triangle(const io::TexturedMesh& mesh, const Eigen::Vector3d& out) {
+    constexpr double same = 0.99;
+    std::optional<std::uint32_t> largest;
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        const Eigen::Vector3d normal = normal_of(mesh, t);
+        if (mesh.material_of_triangle[t] == 0 || !(normal.dot(out) > same * normal.norm())) continue;
+        if (!largest || normal.norm() > normal_of(mesh, *largest).norm()) largest = t;
+    }
+    return largest;
+}
+
+/// Where marks lie on the back or the rim of a picture, these take colour as its face does.
+void colour_below(const MarkFrame& frame, const BodyToMark& body) {
+    const std::optional<std::uint32_t> source = plain_triangle(body.mesh, frame.axes.out);
+    if (!source) return;
+    const auto& [ia, ib, ic] = body.mesh.triangles[*source];
+    const Eigen::Vector3d &a = body.mesh.positions[ia], &b = body.mesh.positions[ib], &c = body.mesh.positions[ic];
+    const Eigen::Vector3d normal = (b - a).cross(c - a);
+    VisibleSurface surface = *body.surface;
+    const auto first = static_cast<std::uint32_t>(surface.positions_mm.size());
+    std::array<Eigen::Vector2f, 4> uv;
+    for (std::size_t corner = 0; corner < uv.size(); ++corner) {
+        Eigen::Vector3d p = frame.at(corner % 2 == 0 ? 0 : frame.width_mm, corner < 2 ? 0 : frame.height_mm);
+        p -= frame.axes.out * (normal.dot(p - a) / normal.dot(frame.axes.out));
+        uv[corner] = {float((p - a).cross(c - a).dot(normal) / normal.squaredNorm()),
+                      float((b - a).cross(p - a).dot(normal) / normal.squaredNorm())};
+        surface.positions_mm.push_back(p);
+    }
+    for (const std::array<std::uint32_t, 3>& t : {std::array{0u, 1u, 3u}, std::array{0u, 3u, 2u}}) {
+        surface.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+        surface.source_triangle.push_back(*source);
+        surface.source_uv.push_back({uv[t[0]], uv[t[1]], uv[t[2]]});
+    }
+    body.surface = SurfaceIndex(std::move(surface));
 }
 
 struct Landing {
@@ -105,13 +152,28 @@ std::string side_text(const Eigen::Vector3d& out) {
     return fmt::format("facing ({:.2f}, {:.2f}, {:.2f})", out.x(), out.y(), out.z());
 }
 
-std::string place_text(const MarkOptions& mark, const io::Decal& decal, const Landing& landing,
-                       const Eigen::Vector3f& ink) {
+/// Of a picture that lies on its back.
+std::string picture_side_text(const Eigen::Vector3d& out) {
+    if (std::abs(out.z()) > 0.5) return out.z() > 0 ? "on the picture" : "on the back of the picture";
+    if (std::abs(out.x()) > std::abs(out.y())) return out.x() < 0 ? "on its left rim" : "on its right rim";
+    return out.y() > 0 ? "on its upper rim" : "on its lower rim";
+}
+
+/// Where a mark lies, as a person would look for it.
+std::string where_text(const io::Decal& decal, const BodyToMark& body) {
     const Eigen::Vector3d middle =
         decal.corner_mm + decal.right * (decal.width_mm / 2) + decal.up * (decal.height_mm / 2);
+    if (!body.is_picture || face_of_picture(body.mesh).z() < 0.99)
+        return fmt::format("{}, its middle at {:.1f}, {:.1f}, {:.1f} mm", side_text(decal.out), middle.x(), middle.y(),
+                           middle.z());
+    return fmt::format("{}, its middle {:.1f} mm from the picture's left edge and {:.1f} mm up",
+                       picture_side_text(decal.out), middle.x(), middle.y());
+}
+
+std::string place_text(const MarkOptions& mark, const io::Decal& decal, const Landing& landing,
+                       const Eigen::Vector3f& ink, const BodyToMark& body) {
     std::string text =
-        fmt::format("{}: {:.1f} x {:.1f} mm {}, its middle at {:.1f}, {:.1f}, {:.1f} mm", mark.said, decal.width_mm,
-                    decal.height_mm, side_text(decal.out), middle.x(), middle.y(), middle.z());
+        fmt::format("{}: {:.1f} x {:.1f} mm {}", mark.said, decal.width_mm, decal.height_mm, where_text(decal, body));
     if (mark.ink == MarkInk::contrast && mark.kind != MarkKind::picture)
         text += ink.x() > 0.5f ? ", white on what is darker" : ", black on what is lighter";
     if (landing.covered < 0.995) text += fmt::format("; {:.0f} % of it lie on the model", 100 * landing.covered);
@@ -175,9 +237,11 @@ void lay_mark(const MarkOptions& mark, const BodyToMark& body, const io::ReadOpt
     if (uv) {
         decal = decal_by_uv(*uv, shape, body.mesh);
     } else {
-        const MarkFrame frame =
-            place_of_mark(mark, {body.solid, body.is_picture}, shape.width_mm, shape.height_mm, taken);
+        MarkedBody marked{body.solid};
+        if (body.is_picture) marked.picture_faces = face_of_picture(body.mesh);
+        const MarkFrame frame = place_of_mark(mark, marked, shape.width_mm, shape.height_mm, taken);
         decal = decal_in(frame, *body.solid);
+        if (body.is_picture) colour_below(frame, body);
         taken.push_back(frame);
     }
     const Landing landing = uv ? landing_by_uv(decal, body) : landing_of(decal, shape, body);
@@ -187,7 +251,7 @@ void lay_mark(const MarkOptions& mark, const BodyToMark& body, const io::ReadOpt
                                     : mark.ink_rgb;
     decal.picture = coloured(shape, mark.ink == MarkInk::none ? nullptr : &ink, mark.ground_rgb);
     laid.notes.push_back(uv ? fmt::format("{}: in the rectangle of the texture", mark.said)
-                            : place_text(mark, decal, landing, ink));
+                            : place_text(mark, decal, landing, ink, body));
     if (mark.relief_voxels != 0 && !uv)
         laid.embossed.push_back({taken.back(), decal.first_hit, shape.ink, mark.relief_voxels});
     body.mesh.decals.push_back(std::move(decal));

@@ -19,7 +19,7 @@ namespace voxtone::slicer {
 struct BodyToMark {
     io::TexturedMesh& mesh;  ///< gets the decals; in mm
     const SolidIndex& solid;
-    const SurfaceIndex& surface;
+    SurfaceIndex& surface;  ///< a picture's slab, coloured on its face alone, takes colour below its marks too
     bool is_picture = false;
 };
 

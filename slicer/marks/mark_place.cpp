@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/marks/mark_place.h"
 
+#include <cmath>
 #include <vector>
 
 #include <fmt/core.h>
@@ -32,29 +33,57 @@ Eigen::Vector3d out_of(MarkSide side) {
 
 std::vector<Eigen::Vector3d> outs_of(const MarkOptions& mark, const MarkedBody& body) {
     const MarkSide side = std::get<MarkSide>(mark.place);
-    if (side != MarkSide::flattest) return {out_of(side)};
-    if (body.top_only) return {Eigen::Vector3d::UnitZ()};
+    if (side > MarkSide::flattest) return {out_of(side)};
+    if (body.picture_faces) return {*body.picture_faces};
     return facing_directions(*body.solid);
 }
 
+/// What is least seen first: of a picture its back, then its rim, and never its face; of a model the bottom, the back,
+/// a side, and the rest where none of these is flat enough. Raised ones would lift the print, if they were below.
+std::optional<MarkFrame> unseen_place(const MarkOptions& mark, const MarkedBody& body, const FlatQuery& query) {
+    const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY(), z = Eigen::Vector3d::UnitZ();
+    std::vector<std::vector<Eigen::Vector3d>> sides{{-z}, {y}, {-x, x}};
+    if (const auto& face = body.picture_faces) {
+        sides = {{-*face}, {}};
+        constexpr double square = 0.5;
+        for (const Eigen::Vector3d& out : {y, Eigen::Vector3d(-x), x, Eigen::Vector3d(-y), Eigen::Vector3d(-z), z})
+            if (std::abs(out.dot(*face)) < square) sides.back().push_back(out);
+    }
+    if (mark.relief_voxels > 0)
+        for (std::vector<Eigen::Vector3d>& side : sides)
+            std::erase_if(side, [](const Eigen::Vector3d& out) { return out.z() < -0.5; });
+    if (auto found = first_flat_place(*body.solid, sides, query); found || body.picture_faces) return found;
+    return flattest_place(*body.solid, facing_directions(*body.solid), query);
+}
+
+std::optional<MarkFrame> find_place(const MarkOptions& mark, const MarkedBody& body, const FlatQuery& query) {
+    if (std::get<MarkSide>(mark.place) == MarkSide::unseen) return unseen_place(mark, body, query);
+    return flattest_place(*body.solid, outs_of(mark, body), query);
+}
+
 /// How much smaller it would have to be; 0: no size does.
-double fitting_share(const std::vector<Eigen::Vector3d>& outs, const MarkedBody& body, const MarkOptions& mark,
-                     double width_mm, double height_mm, std::span<const MarkFrame> taken) {
-    for (double share = 0.9; share > 0.05; share *= 0.85)
-        if (flattest_place(*body.solid, outs, share * width_mm, share * height_mm, mark.turn_deg, taken)) return share;
+double fitting_share(const MarkOptions& mark, const MarkedBody& body, const FlatQuery& query) {
+    for (double share = 0.9; share > 0.05; share *= 0.85) {
+        FlatQuery smaller = query;
+        smaller.width_mm *= share, smaller.height_mm *= share;
+        if (find_place(mark, body, smaller)) return share;
+    }
     return 0;
 }
 
-[[noreturn]] void refuse_size(const std::vector<Eigen::Vector3d>& outs, const MarkedBody& body, const MarkOptions& mark,
-                              double width_mm, double height_mm, std::span<const MarkFrame> taken) {
-    const double share = fitting_share(outs, body, mark, width_mm, height_mm, taken);
-    const std::string where =
-        std::get<MarkSide>(mark.place) == MarkSide::flattest
-            ? "no side has a face without steps or edges"
-            : fmt::format("the {} has no face without steps or edges", name_of(std::get<MarkSide>(mark.place)));
+std::string no_place_text(const MarkOptions& mark, const MarkedBody& body) {
+    const MarkSide side = std::get<MarkSide>(mark.place);
+    if (side > MarkSide::flattest) return fmt::format("the {} has no face without steps or edges", name_of(side));
+    if (body.picture_faces)
+        return side == MarkSide::flattest ? "the picture is smaller" : "neither the picture's back nor its rim is";
+    return "no side has a face without steps or edges";
+}
+
+[[noreturn]] void refuse_size(const MarkOptions& mark, const MarkedBody& body, const FlatQuery& query) {
+    const double share = fitting_share(mark, body, query);
     throw InputError(
         fmt::format("{}: is {:.1f} x {:.1f} mm, and {} of that size: {}{} or name another place (place=...)", mark.said,
-                    width_mm, height_mm, where,
+                    query.width_mm, query.height_mm, no_place_text(mark, body),
                     share > 0 ? fmt::format("size={:.2f}mm would fit,", mark.size_mm * share) : "make it smaller,",
                     mark.kind == MarkKind::text ? " break it into lines (\\n)," : ""));
 }
@@ -99,12 +128,12 @@ MarkFrame place_of_mark(const MarkOptions& mark, const MarkedBody& body, double 
                         std::span<const MarkFrame> taken) {
     if (std::holds_alternative<Eigen::Vector3d>(mark.place))
         return frame_at_point(mark, body.solid, width_mm, height_mm);
-    const bool flattest = std::get<MarkSide>(mark.place) == MarkSide::flattest;
-    if (!flattest && (mark.at_mm || mark.kind == MarkKind::picture))
+    const bool on_a_side = std::get<MarkSide>(mark.place) > MarkSide::flattest;
+    if (on_a_side && (mark.at_mm || mark.kind == MarkKind::picture))
         return middle_of_side(mark, *body.solid, width_mm, height_mm);
-    const std::vector<Eigen::Vector3d> outs = outs_of(mark, body);
-    const auto found = flattest_place(*body.solid, outs, width_mm, height_mm, mark.turn_deg, taken);
-    if (!found) refuse_size(outs, body, mark, width_mm, height_mm, taken);
+    const FlatQuery query{.width_mm = width_mm, .height_mm = height_mm, .turn_deg = mark.turn_deg, .taken = taken};
+    const auto found = find_place(mark, body, query);
+    if (!found) refuse_size(mark, body, query);
     return *found;
 }
 

@@ -23,43 +23,20 @@ namespace {
 namespace fs = std::filesystem;
 
 /// As it was written, if it is a whole number that a double would round.
-void add_number(io::JsonWriter& json, const std::string& text) {
+OptionValue number_of_text(const std::string& text) {
     const char* const begin = text.data();
     const char* const end = begin + text.size();
-    if (std::uint64_t whole = 0; std::from_chars(begin, end, whole).ptr == end) {
-        json.value(whole);
-        return;
-    }
+    if (std::uint64_t whole = 0; std::from_chars(begin, end, whole).ptr == end) return whole;
     double number = std::numeric_limits<double>::quiet_NaN();
     std::from_chars(begin, end, number);
-    json.value(number);
+    return number;
 }
 
-void add_option(io::JsonWriter& json, const OptionSpec& spec, const std::string& value) {
-    json.key(spec.key);
-    switch (spec.kind()) {
-        case OptionSpec::Kind::flag:
-            json.value(value == "true");
-            return;
-        case OptionSpec::Kind::number:
-            return add_number(json, value);
-        case OptionSpec::Kind::list: {
-            json.begin_list();
-            std::stringstream parts(value);
-            for (std::string part; std::getline(parts, part, ',');) json.value(part);
-            json.end_list();
-            return;
-        }
-        case OptionSpec::Kind::texts: {
-            json.begin_list();
-            std::stringstream texts(value);
-            for (std::string text; std::getline(texts, text);) json.value(text);
-            json.end_list();
-            return;
-        }
-        default:
-            json.value(value);
-    }
+std::vector<std::string> split_at(const std::string& text, char mark) {
+    std::vector<std::string> parts;
+    std::stringstream rest(text);
+    for (std::string part; std::getline(rest, part, mark);) parts.push_back(part);
+    return parts;
 }
 
 /// The object of a job file of this version, with no key but those of options.
@@ -133,7 +110,8 @@ constexpr std::size_t blanks_a_level = 2;
 void add_options(io::JsonWriter& json, const SliceOptions& options) {
     json.add("format", "voxtone-job").add("version", 1);
     for (const OptionSpec& spec : slice_option_table())
-        if (!spec.is_preset()) add_option(json, spec, spec.get(options));
+        if (!spec.is_preset())
+            std::visit([&](const auto& value) { json.add(spec.key, value); }, option_value(spec, options));
 }
 
 JobInput input_of(const io::JsonObject& entry, const fs::path& folder) {
@@ -161,6 +139,22 @@ std::string key_in(const io::JsonObject& from, const OptionSpec& spec, SliceOpti
 }
 
 }  // namespace
+
+OptionValue option_value(const OptionSpec& spec, const SliceOptions& options) {
+    const std::string text = spec.get(options);
+    switch (spec.kind()) {
+        case OptionSpec::Kind::flag:
+            return text == "true";
+        case OptionSpec::Kind::number:
+            return number_of_text(text);
+        case OptionSpec::Kind::list:
+            return split_at(text, ',');
+        case OptionSpec::Kind::texts:
+            return split_at(text, '\n');
+        default:
+            return text;
+    }
+}
 
 SliceOptions with_absolute_paths(SliceOptions options) {
     replace_paths(options, fs::path(), every_key,

@@ -9,15 +9,22 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <variant>
+#include <vector>
 
 #include "io/files/json_object.h"
 #include "io/layers/stack_folder.h"
+#include "slicer/options/option_spec.h"
 #include "slicer/options/slice_options.h"
 
 namespace voxtone::slicer {
 
 /// What `slice` calls the one that it leaves beside its layers.
 using io::job_file_name;
+
+/// What JSON has for the option: truth for flags, numbers, lists, else text.
+using OptionValue = std::variant<std::string, bool, std::uint64_t, double, std::vector<std::string>>;
+[[nodiscard]] OptionValue option_value(const OptionSpec& spec, const SliceOptions& options);
 
 /// A job file as text, complete: every key with its value, and for presets what they stand for. Paths are made
 /// absolute, so that it may lie anywhere.

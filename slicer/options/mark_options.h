@@ -18,8 +18,10 @@ enum class MarkKind : std::uint8_t { text, qr, data_matrix, gs1_data_matrix, gs1
     return kind == MarkKind::gs1_data_matrix || kind == MarkKind::gs1_qr || kind == MarkKind::gs1_128;
 }
 
-/// `flattest`: where a face of the mark's size is flattest. As a viewer stands before the print: front faces -y.
-enum class MarkSide : std::uint8_t { flattest, front, back, left, right, top, bottom };
+/// `unseen`: where it is least in the way of what the print shows: the bottom, the back, then a side, of a picture its
+/// back, then its rim. `flattest`: where a face of the mark's size is flattest. As a viewer stands before the print:
+/// front faces -y.
+enum class MarkSide : std::uint8_t { unseen, flattest, front, back, left, right, top, bottom };
 
 /// A rectangle of the model's texture coordinates.
 struct UvRectangle {
@@ -37,7 +39,7 @@ struct MarkOptions {
     std::string text;  ///< of texts and codes, UTF-8; lines are parted by '\n'
     std::string file;  ///< of pictures
     std::string font;  ///< name or file; of texts
-    MarkPlace place = MarkSide::flattest;
+    MarkPlace place = MarkSide::unseen;
     std::optional<Eigen::Vector2d> at_mm;  ///< from the middle of a side, to the right and up; nothing: see lay_marks.h
     double size_mm =
         0;  ///< of texts the em; of codes the edge, of bars the width, without the quiet zone; of pictures the width

@@ -161,7 +161,7 @@ void check_mark(const MarkOptions& mark) {
     if (mark.kind != MarkKind::text && !mark.font.empty())
         refuse_mark(mark.said, "font= is for text, which a code has not");
     if (mark.at_mm &&
-        (!std::holds_alternative<MarkSide>(mark.place) || std::get<MarkSide>(mark.place) == MarkSide::flattest))
+        (!std::holds_alternative<MarkSide>(mark.place) || std::get<MarkSide>(mark.place) <= MarkSide::flattest))
         refuse_mark(mark.said, "at= is counted from the middle of a side: say which, such as place=front");
     if (!mark.resin.empty() && mark.ground_rgb)
         refuse_mark(mark.said, "resin= takes what is below the ink alone: ground= does not go with it");
@@ -254,6 +254,7 @@ MarkOptions parse_mark(MarkFamily family, const std::string& spelled) {
         has_subject = has_subject || is_subject;
     }
     if (!has_subject) refuse_mark(mark.said, family == MarkFamily::label ? "says nothing" : "names no picture");
+    if (family == MarkFamily::decal) mark.place = MarkSide::flattest;  // a picture is there to be seen
     for (const auto& [key, value] : words) take_word(mark, key, value);
     if (!mark.resin.empty() && std::ranges::find(said_keys, "colour") != said_keys.end())
         refuse_mark(mark.said, "has the colour of its resin: say resin= or colour=, not both");

@@ -90,7 +90,9 @@ Eigen::Matrix3d parse_rotation(const std::string& text) {
     return whole;
 }
 
-std::optional<int> parse_iterations(const std::string& text) { return count_or_auto("iterations", text, 1000); }
+std::optional<int> parse_iterations(const std::string& text) {
+    return text == patient_word ? std::nullopt : count_or_auto("iterations", text, 1000);
+}
 
 std::optional<int> parse_laminate_rounds(const std::string& text) { return count_or_auto("laminate-rounds", text, 20); }
 

@@ -60,7 +60,9 @@ template <class Number>
 /// Right-handed rotation from "x90" or "z45,x-30" (degrees, applied in this order).
 [[nodiscard]] Eigen::Matrix3d parse_rotation(const std::string& text);
 
-/// Most iterations of the loop, 0 to 1000; "auto": nothing.
+/// Of `iterations`: as auto, and longer while it gains.
+inline constexpr std::string_view patient_word = "long";
+/// Most iterations of the loop, 0 to 1000; "auto", "long": nothing.
 [[nodiscard]] std::optional<int> parse_iterations(const std::string& text);
 
 /// Rounds of corrected searches, 0 to 20; "auto": nothing.

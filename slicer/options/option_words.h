@@ -83,7 +83,8 @@ namespace voxtone {
 template <>
 struct NamesOf<slicer::MarkSide> {
     using E = slicer::MarkSide;
-    static constexpr auto table = std::to_array<Named<E>>({{E::flattest, "flattest"},
+    static constexpr auto table = std::to_array<Named<E>>({{E::unseen, "unseen"},
+                                                           {E::flattest, "flattest"},
                                                            {E::front, "front"},
                                                            {E::back, "back"},
                                                            {E::left, "left"},

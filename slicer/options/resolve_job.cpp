@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <string_view>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -38,7 +39,7 @@ void refuse_foreign_files(const SliceOptions& o) {
     if (!is_named && std::ranges::find(o.named, "size") != o.named.end())
         throw InputError(
             fmt::format("{} has no name of a model ({}), by which models are known, so that it is taken for a picture: "
-                        "export a model as one of these, and give a picture --width in place of --size",
+                        "export a model as one of these, and give a picture of such a name --width in place of --size",
                         o.model, io::model_name_endings));
     if (o.texture.empty()) return;
     if (const std::string why = io::foreign_kind(o.texture, io::Wanted::picture); !why.empty())
@@ -76,7 +77,7 @@ ResolvedJob resolve(const SliceOptions& options) {
     const Show show = value_of<Show>(options.show).value();
     for (const OptionSpec& spec : slice_option_table())
         if (spec.resolve && spec.belongs_to(show)) spec.resolve(options, job);
-    if (job.is_picture) job.placement.size_mm = 0;  // where nobody named it: a slab is as wide as `width` says
+    if (job.is_picture) job.picture.size_mm = std::exchange(job.placement.size_mm, 0);  // without its thickness
     settle_labels(job);
     return job;
 }

@@ -23,7 +23,8 @@
 namespace voxtone::slicer {
 
 struct PictureOptions {
-    double width_mm = 0;  ///< of the slab; 0: from the picture's own resolution
+    /// How large it is, by the first that is above 0; none: by the picture's own resolution.
+    double width_mm = 0, height_mm = 0, dpi = 0, size_mm = 0;  ///< `size_mm`: of the longer of width and height
     double thickness_mm = 4;
     optics::Backing backing = optics::Backing::black;  ///< what lies under it
 };
@@ -39,6 +40,7 @@ struct ColourOptions {
 /// The appearance loop of a colour print.
 struct JobLoopOptions {
     std::optional<int> iterations;  ///< most; 0: no loop; nothing: until it stops gaining, where the surface is small
+    bool patient = false;           ///< for long, where there is no number
     halftone::Intent intent = halftone::Intent::relative;
     double viewing_distance_mm = 300;
     PredictionModel model = PredictionModel::transport;

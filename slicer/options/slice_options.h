@@ -25,7 +25,7 @@ struct SliceOptions {
     double size_mm = 0;  ///< 0: as the file has it
     std::string rotate;
     bool flip_x = false, flip_y = false, swap_xy = false;
-    double width_mm = 0;  ///< pictures: 0 asks for it
+    double width_mm = 0, height_mm = 0, dpi = 0;  ///< of pictures; all 0, and size_mm: as the file has it
     double thickness_mm = 4;
     std::string texture;                  ///< file; empty: the mesh's own
     std::string texture_filter = "file";  ///< as the file says, nearest, linear

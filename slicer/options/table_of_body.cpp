@@ -23,7 +23,7 @@ std::vector<OptionSpec> files_entries() {
     const std::string group = "Input and output";
     return {
         {.key = "model",
-         .option = "mesh",
+         .former_option = "mesh",
          .positional = true,
          .metavar = "FILE",
          .group = group,
@@ -32,7 +32,12 @@ std::vector<OptionSpec> files_entries() {
          .member = &O::model,
          .names = Names::input,
          .decides_scope = true,
-         .rule = [](const O& o) { return unless(!o.model.empty(), "name a mesh or a picture"); },
+         .rule =
+             [](const O& o) {
+                 if (value_of<Show>(o.model))
+                     return std::string_view("is no file, but what --show says: a model or a picture stands here");
+                 return unless(!o.model.empty(), "name a model or a picture");
+             },
          .resolve =
              [](const O& o, Job& job) {
                  job.model = o.model;
@@ -119,10 +124,12 @@ std::vector<OptionSpec> size_entries() {
         plain(Length{&O::size_mm}, at(&Job::placement, &PlacementOptions::size_mm),
               {.key = "size",
                .group = group,
-               .help = "scale so that the largest extent is this; 0: leave the size",
+               .help = "scale so that the largest extent is this, of a picture the longer of width and height; 0: "
+                       "leave the size",
                .decides_scope = true,
-               .idle = {[](const O&, bool is_picture) {
-                   return unless(!is_picture, "a picture has no --size; give --width and --thickness");
+               .idle = {[](const O& o, bool is_picture) {
+                   return unless(!is_picture || !(o.width_mm > 0 || o.height_mm > 0 || o.dpi > 0),
+                                 "--width, --height or --dpi decides how large the picture is; give one of them");
                }},
                .rule = [](const O& o) { return unless(o.size_mm >= 0, "must be above 0"); }}),
         plain(&O::scale, at(&Job::placement, &PlacementOptions::scale),
@@ -140,6 +147,29 @@ std::vector<OptionSpec> size_entries() {
                .help = "pictures: width of the slab; 0: from the picture's own resolution",
                .idle = {idle::of_a_mesh},
                .rule = [](const O& o) { return unless(o.width_mm >= 0, "must be above 0"); }}),
+        plain(Length{&O::height_mm}, at(&Job::picture, &PictureOptions::height_mm),
+              {.key = "height",
+               .group = group,
+               .help = "pictures: the same by the height of the picture",
+               .idle = {idle::of_a_mesh},
+               .rule =
+                   [](const O& o) {
+                       if (o.height_mm > 0 && o.width_mm > 0)
+                           return std::string_view("the picture keeps its shape: give --width or --height");
+                       return unless(o.height_mm >= 0, "must be above 0");
+                   }}),
+        plain(&O::dpi, at(&Job::picture, &PictureOptions::dpi),
+              {.key = "dpi",
+               .metavar = "DPI",
+               .group = group,
+               .help = "pictures: the same by so many pixels an inch, whatever the file says; 0: as it says",
+               .idle = {idle::of_a_mesh},
+               .rule =
+                   [](const O& o) {
+                       if (o.dpi > 0 && (o.height_mm > 0 || o.width_mm > 0))
+                           return std::string_view("--width or --height decides how large the picture is");
+                       return unless(o.dpi >= 0 && o.dpi <= 1e5, "must be above 0 and at most 100000");
+                   }}),
         plain(Length{&O::thickness_mm}, at(&Job::picture, &PictureOptions::thickness_mm),
               {.key = "thickness",
                .group = group,

@@ -21,10 +21,11 @@ std::vector<OptionSpec> quality_entries() {
     return {{.key = "quality",
              .metavar = "NAME",
              .group = "Colour",
-             .help = "draft: --iterations 0 --predict none, a look at size and colours in seconds; good: --iterations "
-                     "auto --predict auto; best: as good, and predicted however large the print is (--predict "
-                     "transport: 3 s of two cores and 0.25 GB for each cm2 of surface). Options that are said beside "
-                     "it win",
+             .help =
+                 "draft: --iterations 0 --predict none, a look at size and colours in seconds; good: --iterations "
+                 "auto --predict auto; best: --iterations long, which takes up to three times as long, and predicted "
+                 "however large the print is (--predict transport: 3 s of two cores and 0.25 GB for each cm2 of "
+                 "surface). Options that are said beside it win",
              .choices = {"draft", "good", "best"},
              .decides_scope = true,
              .idle = {[](const O& o, bool) {
@@ -32,7 +33,7 @@ std::vector<OptionSpec> quality_entries() {
              }},
              .presets = {{"draft", {{"iterations", "0"}, {"predict", "none"}}},
                          {"good", {{"iterations", "auto"}, {"predict", "auto"}}},
-                         {"best", {{"iterations", "auto"}, {"predict", "transport"}}}}}};
+                         {"best", {{"iterations", "long"}, {"predict", "transport"}}}}}};
 }
 
 std::vector<OptionSpec> resins_entries() {
@@ -117,15 +118,19 @@ std::vector<OptionSpec> loop_entries() {
          .metavar = "N",
          .group = group,
          .help = fmt::format("how often the resins are rearranged after looking at the predicted print; 0: never; "
-                             "auto: until it stops gaining, at most {}",
-                             halftone::most_iterations),
+                             "auto: until it stops gaining, at most {}; long: the same, at most {}",
+                             halftone::most_iterations, halftone::patient_iterations),
          .member = &O::iterations,
          .decides = Decides::bits_after_loop,
          .decides_scope = true,
          .idle = {[](const O& o, bool) {
              return unless(!is_layered(o) || parse_iterations(o.iterations) == 0, "it only goes with --show colour");
          }},
-         .resolve = [](const O& o, Job& job) { job.loop.iterations = parse_iterations(o.iterations); }},
+         .resolve =
+             [](const O& o, Job& job) {
+                 job.loop.iterations = parse_iterations(o.iterations);
+                 job.loop.patient = o.iterations == patient_word;
+             }},
         choice(&O::intent, at(&Job::loop, &JobLoopOptions::intent),
                {.key = "intent",
                 .metavar = "NAME",

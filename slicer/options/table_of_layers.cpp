@@ -43,7 +43,6 @@ std::vector<OptionSpec> map_entries() {
     return {
         // First: it makes the place of the others' values.
         {.key = "show",
-         .former_option = "model",
          .former_key = "arrange",
          .metavar = "NAME",
          .group = heading,

@@ -62,7 +62,7 @@ namespace idle {
                   "out");
 }
 [[nodiscard]] inline std::string_view of_a_mesh(const SliceOptions&, bool is_picture) {
-    return unless(is_picture, "it is for pictures; --size scales a mesh");
+    return unless(is_picture, "it is for pictures; --size scales a model");
 }
 
 }  // namespace idle

@@ -55,6 +55,7 @@ LoopPlan plan_loop(const ResolvedJob& job, const JobBody& body, const LoadedResi
                                                                                             : descent_of_body_cm2;
     LoopPlan plan{.wanted = true,
                   .iterations = options.iterations.value_or(-1),
+                  .patient = options.patient,
                   .descent = options.method == LoopMethod::descent ||
                              (options.method == LoopMethod::automatic && area_mm2 <= 100 * most_cm2),
                   .why_not = "",
@@ -89,7 +90,10 @@ LoopCost expected_cost(const LoopPlan& plan, double area_mm2, double cell_mm, st
     constexpr int usual_by_feedback = 4, usual_by_descent = halftone::most_iterations;
     const double cells = area_mm2 / (cell_mm * cell_mm);
     LoopCost cost;
-    cost.iterations = plan.iterations >= 0 ? plan.iterations : plan.descent ? usual_by_descent : usual_by_feedback;
+    cost.iterations = plan.iterations >= 0 ? plan.iterations
+                      : !plan.descent      ? usual_by_feedback
+                      : plan.patient       ? halftone::patient_iterations
+                                           : usual_by_descent;
     const int by_feedback = plan.descent ? std::min(cost.iterations, halftone::feedback_iterations) : cost.iterations;
     cost.cpu_seconds = cells * (first_s + by_feedback * feedback_s + (cost.iterations - by_feedback) * descent_s);
     const double bytes = of_program + cells * (plan.descent ? descent_bytes : feedback_bytes);

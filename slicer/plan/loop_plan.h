@@ -20,6 +20,7 @@ namespace voxtone::slicer {
 struct LoopPlan {
     bool wanted = false;
     int iterations = -1;       ///< most; -1: until it stops gaining
+    bool patient = false;      ///< it may go on for long while it gains
     bool descent = true;       ///< after feedback
     std::string why_not;       ///< where it is not wanted: a sentence, or empty where none is due
     std::string does_not_fit;  ///< where it would surely take more memory than is allowed: a sentence

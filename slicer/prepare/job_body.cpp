@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/prepare/job_body.h"
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 
 #include <fmt/core.h>
 
 #include "base/contracts.h"
 #include "base/error.h"
+#include "base/printable.h"
 #include "base/stopwatch.h"
 #include "base/warning.h"
 #include "io/models/model_reader.h"
@@ -15,6 +18,7 @@
 #include "slicer/printer/picture_slab.h"
 #include "slicer/printer/up_axis.h"
 #include "slicer/solid/cavities.h"
+#include "slicer/surface/thin_walls.h"
 #include "slicer/surface/white_surface.h"
 
 namespace voxtone::slicer {
@@ -25,24 +29,12 @@ void append(std::vector<std::string>& to, const std::vector<std::string>& from) 
     to.insert(to.end(), from.begin(), from.end());
 }
 
-/// What has no picture's name may be a model that cannot be read.
-io::Picture read_named_picture(const std::string& file, const io::ReadOptions& reading) {
-    try {
-        return io::read_picture(file, reading);
-    } catch (const InputError& error) {
-        if (io::is_picture_name(file)) throw;
-        throw InputError(fmt::format("{}; if it is a model, export it as one that can be read ({})", error.what(),
-                                     io::model_name_endings));
-    }
-}
-
 io::ModelFile read_input(const ResolvedJob& job, io::ModelSources& sources, const Progress& progress) {
+    if (job.is_picture) return make_picture_slab(read_input_picture(job, progress), job.picture).model;
     io::ReadOptions reading = job.reading;
     reading.progress = &progress;
-    if (!job.is_picture) reading.texture = job.texture;
-    if (!job.is_picture) return io::read_model(job.model, reading, sources);
-    return make_picture_slab(read_named_picture(job.model, reading), job.picture.width_mm, job.picture.thickness_mm)
-        .model;
+    reading.texture = job.texture;
+    return io::read_model(job.model, reading, sources);
 }
 
 /// Only the top of a picture's slab carries colour: its depth is measured from there, up to the very edge.
@@ -87,6 +79,48 @@ void look_for_cavities(const ResolvedJob& job, const PrinterProfile& printer, Re
         body.warnings.push_back(named_warning("cavity", said));
 }
 
+/// "left, front, below": in which third of the box it lies.
+std::string words_for_place(const Eigen::Vector3d& at, const Eigen::AlignedBox3d& box) {
+    constexpr std::array<std::array<const char*, 2>, 3> words{
+        {{"left", "right"}, {"front", "back"}, {"below", "above"}}};
+    std::string text;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double share = (at[axis] - box.min()[axis]) / std::max(box.sizes()[axis], 1e-9);
+        if (share > 1.0 / 3 && share < 2.0 / 3) continue;
+        text += (text.empty() ? "" : ", ") + std::string(words[std::size_t(axis)][share > 0.5 ? 1 : 0]);
+    }
+    return text.empty() ? "in the middle" : text;
+}
+
+std::string wall_text(const ThinWall& wall, const JobBody& body, const Eigen::AlignedBox3d& box) {
+    const io::TexturedMesh& mesh = body.model.mesh;
+    const std::string& name = mesh.materials[mesh.material_of_triangle[wall.source_triangle]].name;
+    return fmt::format("{:.2g} mm over {:.2g} mm {} ({:.1f}, {:.1f}, {:.1f} mm{})", wall.thickness_mm, wall.length_mm,
+                       words_for_place(wall.middle_mm, box), wall.middle_mm.x(), wall.middle_mm.y(), wall.middle_mm.z(),
+                       mesh.materials.size() > 1 && !name.empty() ? ", material " + printable(name) : "");
+}
+
+/// What may break when the support is washed off, by name and place.
+void look_for_thin_walls(const PrinterProfile& printer, const SolidIndex& solid, JobBody& body,
+                         const Progress& progress) {
+    const double limit_mm = printer.min_wall_mm;
+    const std::vector<ThinWall> walls = find_thin_walls(*body.surface, solid, limit_mm, progress);
+    if (walls.empty()) return;
+    constexpr std::size_t most_told = 4;
+    const Eigen::AlignedBox3d box = bounding_box(solid->positions_mm, solid->triangles);
+    std::string told;
+    double thinnest = limit_mm;
+    for (std::size_t w = 0; w < walls.size(); ++w) {
+        if (w < most_told) told += (w > 0 ? "; " : "") + wall_text(walls[w], body, box);
+        thinnest = std::min(thinnest, walls[w].thickness_mm);
+    }
+    if (walls.size() > most_told) told += fmt::format("; and {} more", walls.size() - most_told);
+    body.warnings.push_back(named_warning(
+        "fragile", fmt::format("walls under {:g} mm, which {} asks for at least, may break when the support is washed "
+                               "off: {}. {:.2g} times as large, or thickened in a mesh editor, they would not",
+                               limit_mm, printer.name, told, limit_mm / thinnest)));
+}
+
 /// Where letters are raised the body is larger than its mesh.
 void mark_body(const ResolvedJob& job, const PrinterProfile& printer, const SolidIndex& solid, JobBody& body) {
     if (job.marks.empty()) return;
@@ -112,7 +146,20 @@ void check_model(const ResolvedJob& job) {
         throw InputError(fmt::format("{}: a folder, not a model; name the file itself", job.model));
 }
 
-JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Progress& progress) {
+/// What has no picture's name may be a model that cannot be read.
+io::Picture read_input_picture(const ResolvedJob& job, const Progress& progress) {
+    io::ReadOptions reading = job.reading;
+    reading.progress = &progress;
+    try {
+        return io::read_picture(job.model, reading);
+    } catch (const InputError& error) {
+        if (io::is_picture_name(job.model)) throw;
+        throw InputError(fmt::format("{}; if it is a model, export it as one that can be read ({})", error.what(),
+                                     io::model_name_endings));
+    }
+}
+
+JobBody read_body(const ResolvedJob& job, Progress& progress) {
     JobBody body;
     const Stopwatch watch;
     progress.begin_stage("read model", 0);
@@ -130,7 +177,6 @@ JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Prog
             "lying. To stand it up: --rotate x90",
             job.model));
     body.placement = place(body.model, job.placement, job.model);
-    check_extent(body.placement, printer.sliced_pitch_mm(), printer.sliced_tray_mm());
     if (!body.model.has_colour)
         body.warnings.push_back(named_warning("no-colour", "the model has no colour: it is printed white"));
     constexpr double smallest_plausible_mm = 2;
@@ -140,6 +186,12 @@ JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Prog
                                 body.placement.extent_mm.maxCoeff())));
     body.read_s = watch.total();
     progress.end_stage();
+    return body;
+}
+
+JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Progress& progress) {
+    JobBody body = read_body(job, progress);
+    check_extent(body.placement, printer.sliced_pitch_mm(), printer.sliced_tray_mm());
 
     progress.begin_stage("repair mesh", repair_steps(body.model.mesh));
     RepairOptions repairing;
@@ -159,6 +211,7 @@ JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Prog
     body.surface = SurfaceIndex(coloured_surface_of(body, repaired, progress));
     mark_body(job, printer, repaired.solid, body);
     look_for_colour(job, body);
+    look_for_thin_walls(printer, repaired.solid, body, progress);
     progress.end_stage();
     body.repair = std::move(repaired.report);
     body.wrapped_triangles = std::move(repaired.wrapped_triangles);

@@ -12,6 +12,7 @@
 #include "base/progress.h"
 #include "io/models/mesh.h"
 #include "io/models/side_file.h"
+#include "io/pictures/picture.h"
 #include "slicer/mesh/mesh_boundary.h"
 #include "slicer/mesh/mesh_repair.h"
 #include "slicer/mesh/spatial_index.h"
@@ -45,6 +46,13 @@ struct JobBody {
 /// What is wrong with the model before it is read. Throws InputError for a folder, UsageError for options that do not
 /// go with a picture.
 void check_model(const ResolvedJob& job);
+
+/// Throws FileError, InputError.
+[[nodiscard]] io::Picture read_input_picture(const ResolvedJob& job, const Progress& progress);
+
+/// The model as its file has it, placed, with what there is to say of it: the first steps of `prepare_body`. Throws
+/// FileError, InputError.
+[[nodiscard]] JobBody read_body(const ResolvedJob& job, Progress& progress);
 
 /// Throws FileError, InputError.
 [[nodiscard]] JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Progress& progress);

@@ -10,13 +10,14 @@
 #include "io/profiles/resin_file.h"
 #include "slicer/options/resolve_job.h"
 #include "slicer/prepare/layers_check.h"
+#include "slicer/printer/picture_slab.h"
 
 namespace voxtone::slicer {
 
 namespace {
 
 void take_width(ResolvedJob& job, const io::ProfileMap& map) {
-    if (!job.is_picture || job.picture.width_mm != 0) return;
+    if (!job.is_picture || is_sized(job.picture)) return;
     job.picture.width_mm = job.raw.width_mm = map.width_mm;
 }
 

@@ -1,19 +1,37 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/printer/picture_slab.h"
 
+#include <algorithm>
+
 #include "base/contracts.h"
 #include "base/error.h"
 #include "base/units.h"
 
 namespace voxtone::slicer {
 
-PictureSlab make_picture_slab(const io::Picture& picture, double width_mm, double thickness_mm) {
+namespace {
+
+double width_of(const io::Picture& picture, const PictureOptions& options) {
+    const double aspect = picture.pixel_aspect * picture.height_px / picture.width_px;
+    if (options.width_mm > 0) return options.width_mm;
+    if (options.height_mm > 0) return options.height_mm / aspect;
+    if (options.dpi > 0) return picture.width_px / options.dpi * mm_per_inch;
+    if (options.size_mm > 0) return options.size_mm / std::max(1.0, aspect);
+    if (picture.dpi_x > 0) return picture.width_px / picture.dpi_x * mm_per_inch;
+    throw UsageError(
+        "the picture says nothing about its size; give --width, --height, --size or --dpi, such as --width 40mm");
+}
+
+}  // namespace
+
+bool is_sized(const PictureOptions& options) {
+    return options.width_mm > 0 || options.height_mm > 0 || options.dpi > 0 || options.size_mm > 0;
+}
+
+PictureSlab make_picture_slab(const io::Picture& picture, const PictureOptions& options) {
+    const double thickness_mm = options.thickness_mm;
     VOXTONE_EXPECT(picture.width_px > 0 && picture.height_px > 0 && thickness_mm > 0);
-    if (width_mm <= 0) {
-        if (!(picture.dpi_x > 0))
-            throw UsageError("the picture says nothing about its size; give --width, such as --width 40mm");
-        width_mm = picture.width_px / picture.dpi_x * mm_per_inch;
-    }
+    const double width_mm = width_of(picture, options);
     const double height_mm = width_mm * picture.height_px / picture.width_px * picture.pixel_aspect;
 
     PictureSlab slab;

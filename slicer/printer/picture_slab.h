@@ -6,6 +6,7 @@
 
 #include "io/models/mesh.h"
 #include "io/pictures/picture.h"
+#include "slicer/options/resolved_job.h"
 
 namespace voxtone::slicer {
 
@@ -15,7 +16,10 @@ struct PictureSlab {
     static constexpr std::size_t top_triangles = 2;
 };
 
-/// `width_mm` 0: from the picture's own resolution. Throws UsageError where neither tells a width.
-[[nodiscard]] PictureSlab make_picture_slab(const io::Picture& picture, double width_mm, double thickness_mm);
+/// Whether the options say how large a picture is.
+[[nodiscard]] bool is_sized(const PictureOptions& options);
+
+/// Throws UsageError where neither the options nor the picture tell a size.
+[[nodiscard]] PictureSlab make_picture_slab(const io::Picture& picture, const PictureOptions& options);
 
 }  // namespace voxtone::slicer

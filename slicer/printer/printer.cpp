@@ -32,10 +32,7 @@ constexpr int most_colours = io::max_materials - 1;
 constexpr double smallest_pitch_um = 1, largest_pitch_um = 1000;
 
 const std::initializer_list<std::string_view> known_keys{
-    "format",     "version",        "name",      "dpi",         "layer_um", "pitch_um",       "tray_mm",
-    "max_resins", "max_colours",    "formats",   "min_layers",  "colours",  "background_rgb", "default_roles",
-    "flip_x",     "material_names", "flip_y",    "unconfirmed", "swap_xy",  "notes",          "default_resins",
-    "utility",    "mode",           "cartridges"};
+    "format", "version", "name", "dpi", "layer_um", "pitch_um", "tray_mm", "max_resins", "max_colours", "formats", "min_layers", "colours", "background_rgb", "default_roles", "flip_x", "material_names", "flip_y", "unconfirmed", "swap_xy", "notes", "default_resins", "utility", "mode", "cartridges", "min_wall_mm", "min_wall_source"};
 
 /// Colours for roles that a profile does not name: told apart easily, never black.
 const std::map<std::string, io::Rgb>& usual_colours() {
@@ -163,6 +160,15 @@ void read_unconfirmed(const io::JsonObject& file, PrinterProfile& printer) {
             file.fail("unconfirmed", io::unknown_key_message(key, keys));
 }
 
+void read_walls(const io::JsonObject& file, PrinterProfile& printer) {
+    constexpr double least_mm = 0.01, most_mm = 100;
+    if (!file.has("min_wall_mm")) return;
+    printer.min_wall_mm = file.number("min_wall_mm", least_mm, most_mm);
+    if (!file.has("min_wall_source") || file.text("min_wall_source").empty())
+        file.fail("min_wall_source", "is missing: say who asks for min_wall_mm");
+    printer.min_wall_source = file.text("min_wall_source");
+}
+
 PrinterProfile printer_from_json(const io::JsonObject& file, const std::string& id) {
     if (!file.has("format") || !file.is_text("format") || file.text("format") != "voxtone-printer")
         file.fail("format", "is not \"voxtone-printer\": this is not a printer profile");
@@ -186,6 +192,7 @@ PrinterProfile printer_from_json(const io::JsonObject& file, const std::string& 
     if (printer.default_resins.empty()) file.fail("default_resins", "is empty: name a resin set, or leave the key out");
     read_cartridges(file, printer);
     printer.orientation = {flag(file, "flip_x"), flag(file, "flip_y"), flag(file, "swap_xy")};
+    read_walls(file, printer);
     if (file.has("utility")) printer.utility = file.text("utility");
     if (file.has("mode")) printer.mode = file.text("mode");
     printer.notes = texts_or(file, "notes", {});

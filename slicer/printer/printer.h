@@ -40,6 +40,8 @@ struct PrinterProfile {
     int max_resins = 0;                                  ///< loaded at once
     int max_colours = 0;                                 ///< of one stack, besides the background
     int min_layers = 1;
+    double min_wall_mm = 0;       ///< walls that its maker asks for at least; 0: not known
+    std::string min_wall_source;  ///< who says so
     io::Rgb background_rgb{};
     std::vector<io::LayerFormat> formats;               ///< written by default
     std::string default_resins;                         ///< resin set of a job that names none, or its file

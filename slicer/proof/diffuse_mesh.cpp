@@ -16,11 +16,17 @@ std::vector<Eigen::Vector3d> places(const io::ColouredMesh& mesh) {
 
 }  // namespace
 
-DiffuseMesh::DiffuseMesh(const io::ColouredMesh& mesh, const Eigen::Vector3d& moved_mm, const Eigen::Vector3d& white)
-    : mesh_(places(mesh), mesh.triangles, -moved_mm) {
+DiffuseMesh::DiffuseMesh(const io::ColouredMesh& mesh, const Eigen::Vector3d& moved_mm, const Eigen::Vector3d& white,
+                         const Gloss& gloss)
+    : mesh_(places(mesh), mesh.triangles, -moved_mm), gloss_(gloss), mean_(optics::mean_reflectance(gloss.eta)) {
     rgb_.reserve(mesh.rgb.size());
     for (const Eigen::Vector3f& rgb : mesh.rgb)
         rgb_.emplace_back(rgb.cwiseProduct(white.cast<float>()).cwiseMax(0.0f).cwiseMin(1.0f));
+}
+
+optics::Coat DiffuseMesh::coat(const optics::Point& at, const optics::Point& outward) const {
+    const optics::Point corner{gloss_.corner_mm.x(), gloss_.corner_mm.y(), gloss_.corner_mm.z()};
+    return {gloss_.eta, gloss_.finish ? gloss_.finish->roughness(optics::along(at, corner, -1), outward) : 0, mean_};
 }
 
 bool DiffuseMesh::meets(const optics::Point& from, const optics::Point& way, double& distance,

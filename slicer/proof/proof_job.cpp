@@ -35,6 +35,9 @@ using optics::CameraPicture;
 
 using Colours = std::vector<Eigen::Vector3f>;
 
+/// Standard error of luminance from which a picture looks flecked: 1.2 in L* of a mid grey.
+constexpr double seen_noise = 0.01;
+
 io::LinearPicture developed(const CameraPicture& picture, const Colours& colours, double exposure_ev) {
     const auto scale = static_cast<float>(std::exp2(exposure_ev));
     io::LinearPicture out{
@@ -87,6 +90,8 @@ std::string comment_of(const CameraPicture& picture, const ResolvedProof& job) {
         "{:.4f} (rms; 1 is a white diffuser that lies in the open), light {}, exposure {:+g} EV.",
         *least, *most, picture.rms_error, job.light ? name_of(*job.light) : "from a picture",
         job.requested.exposure_ev);
+    if (job.requested.with_target) text += " The target, on the right, has the print's finish.";
+    if (picture.rms_error > seen_noise) text += " Flecks of colour are noise of the picture, not of the print.";
     if (!picture.complete) text += " Stopped before it was as wanted.";
     return text;
 }
@@ -136,6 +141,10 @@ JobResult describe(const CameraPicture& picture, const ProofScene& scene, const 
         "  {:.1f} million paths from the camera in {:.1f} s, peak memory {:.0f} MB\n",
         fmt::join(job.requested.files, ", "), picture.width_px, picture.height_px, *least, *most, picture.rms_error,
         double(picture.paths) * 1e-6, seconds, double(peak_memory_bytes()) * 1e-6);
+    if (job.requested.with_target) text += "  the target, on the right, has the print's finish\n";
+    if (picture.rms_error > seen_noise)
+        text +=
+            "  flecks of colour are noise of the picture, not of the print: --error 0.01 takes longer and has less\n";
     if (!picture.complete) text += "  stopped before it was as wanted: noisier than asked for\n";
     return {json.text(), text, picture.complete ? ExitCode::done : ExitCode::unfinished};
 }

@@ -49,7 +49,7 @@ struct ProofOptions {
     std::string finish = "glossy";
     std::array<double, 2> roughness{0, 0.3};  ///< alpha of GGX: of glossy and of matt faces; in [0, 0.9]
     std::string ground = "0.5";               ///< its reflectance, or none
-    bool with_target = false;                 ///< the model as a diffuse body beside the print
+    bool with_target = false;                 ///< the model beside the print: a diffuser of the same finish
     std::string resins, printer, pitch;       ///< as PredictOptions
     std::vector<std::string> assign;
     bool nearest = false;

@@ -144,12 +144,15 @@ std::vector<std::unique_ptr<const DiffuseMesh>> make_target(const ProofPrint& pr
     const VertexColours colours =
         vertex_colours(target_of(body, requested), {.edge_mm = 2 * spacing_mm, .max_vertices = 3'000'000}, &progress);
     const Vector3d white = paper_white(print.stack);
+    const DiffuseMesh::Gloss gloss{print.stack.resins.eta, print.finish.get(),
+                                   vector_of(print.stack.corner_mm) + moved_mm};
     std::vector<std::unique_ptr<const DiffuseMesh>> parts;
-    parts.push_back(std::make_unique<const DiffuseMesh>(colours.mesh, moved_mm, white));
+    parts.push_back(std::make_unique<const DiffuseMesh>(colours.mesh, moved_mm, white, gloss));
     if (body.is_picture) {  // its coloured surface is a sheet: the slab below it
         Box slab = print.box;
         slab.high.z() -= 0.01;
-        parts.push_back(std::make_unique<const DiffuseMesh>(box_mesh(slab, Eigen::Vector3f::Ones()), moved_mm, white));
+        parts.push_back(
+            std::make_unique<const DiffuseMesh>(box_mesh(slab, Eigen::Vector3f::Ones()), moved_mm, white, gloss));
     }
     progress.end_stage();
     return parts;

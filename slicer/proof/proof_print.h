@@ -32,7 +32,8 @@ struct ProofPrint {
 [[nodiscard]] std::unique_ptr<ProofPrint> make_print(const ResolvedProof& job, const std::string& stack,
                                                      Progress& progress);
 
-/// The print's model, moved so far, as diffusers. Throws InputError where it cannot be had, Cancelled.
+/// The print's model, moved so far, as diffusers below the print's finish. Throws InputError where it cannot be had,
+/// Cancelled.
 [[nodiscard]] std::vector<std::unique_ptr<const DiffuseMesh>> make_target(const ProofPrint& print,
                                                                           const Eigen::Vector3d& moved_mm,
                                                                           Progress& progress);

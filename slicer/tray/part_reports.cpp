@@ -10,6 +10,7 @@
 #include "base/stopwatch.h"
 #include "io/files/whole_file.h"
 #include "io/layers/stack_folder.h"
+#include "io/report/customer_page.h"
 #include "io/report/report_html.h"
 #include "io/report/report_json.h"
 #include "slicer/kept/report_files.h"
@@ -84,6 +85,7 @@ public:
         for (const io::ReportStage& stage : report.stages) report.total_seconds += stage.seconds;
         part_.report = io::report_json(report);
         io::write_whole_file(ready.job.options.out / report_file::figures, part_.report);
+        io::write_whole_file(ready.job.options.out / report_file::customer_page, io::customer_html(report));
         const fs::path page = ready.job.options.out / report_file::page;
         if (is_all) {
             std::error_code not_there;

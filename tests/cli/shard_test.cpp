@@ -254,7 +254,7 @@ TEST_CASE("Shards and merges that are killed at any moment cost nothing but time
     }
     CHECK(killed > 0);
     // A loop that was killed in its midst goes on when it is told to.
-    if (run_program(steps[0]).exit_code != 0) REQUIRE(run_program(steps[0] + " --resume").exit_code == 0);
+    if (run_program(steps[0]).exit_code != 0) REQUIRE(run_program(steps[0]).exit_code == 0);
     for (int i = 1; i <= shards; ++i) REQUIRE(run_program(steps[i]).exit_code == 0);
     REQUIRE(run_program(steps[4]).exit_code == 0);
     CHECK(stack_in(folder, "parts") == stack_in(folder, "whole"));

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "run_program.h"
+#include "tests/io/files/schema.h"
 #include "tests/outcomes.h"
 #include "tests/places.h"
 
@@ -93,12 +94,17 @@ TEST_CASE("An earlier spelling is taken with a note and told of nowhere") {
     folder.write("marker.obj", marker_obj());
     const std::string slice =
         "slice --quality draft --no-report " + (folder / "marker.obj") + " -o " + (folder / "out");
-    const Outcome former = run_program(slice + " --model colour");
+    const std::string by_name = "slice --quality draft --no-report -o " + (folder / "out");
+    const Outcome former = run_program(by_name + " --mesh " + (folder / "marker.obj"));
     CHECK(former.exit_code == 0);
-    CHECK_THAT(former.err, Contains("--model is called --show now"));
-    CHECK_THAT(run_program(slice + " --show colour --overwrite").err, !Contains("is called"));
-    CHECK_THAT(run_program("slice --help-all").out, !Contains("--model ") && Contains("--show"));
-    refused("slice --model cow.obj -o out", 2, "a file to slice stands alone");
+    CHECK_THAT(former.err, Contains("--mesh is called --model now"));
+    const Outcome of_estimate = run_program("estimate --quick --mesh " + (folder / "marker.obj"));
+    CHECK(of_estimate.exit_code == 0);
+    CHECK_THAT(of_estimate.err, Contains("--mesh is called --model now"));
+    CHECK_THAT(run_program(by_name + " --overwrite --model " + (folder / "marker.obj")).err, !Contains("is called"));
+    CHECK_THAT(run_program("slice --help-all").out, !Contains("--mesh") && Contains("--model"));
+    refused(slice + " --mesh cow.obj", 2, "both are given");
+    refused("slice --model layered-profile -o out", 2, "what --show says");
     // So it is of another verb.
     const std::string predict = "predict --overwrite --cell 0.5mm " + (folder / "out") + " -o " + (folder / "p.png");
     const Outcome by_model = run_program(predict + " --model layered-profile");
@@ -137,7 +143,7 @@ TEST_CASE("A quality stands for other options, and what is said beside it wins")
     const nlohmann::json draft = dumped("--quality draft"), best = dumped("--quality best");
     CHECK(draft["iterations"] == "0");
     CHECK(draft["predict"] == "none");
-    CHECK(best["iterations"] == "auto");
+    CHECK(best["iterations"] == "long");
     CHECK(best["predict"] == "transport");
     CHECK(dumped("--quality good") == dumped(""));
     // In whatever order.
@@ -299,4 +305,66 @@ TEST_CASE("Bytes of the user move no cursor") {
         CHECK(outcome.exit_code > 1);
         CHECK_THAT(outcome.err, Contains("?") && !Contains("\033"));
     }
+}
+
+TEST_CASE("What is in files is told in the time of reading them, all of them whatever is wrong with one") {
+    const Folder folder("read");
+    folder.write("marker.obj", marker_obj());
+    folder.write("empty.obj", "");
+    const std::string picture = source_dir() + "/examples/models/spot/spot_texture.png",
+                      cow = source_dir() + "/examples/models/spot/spot.obj";
+    const Outcome told = run_program(
+        fmt::format("read --json {} {} {} {} --width 30mm", folder / "marker.obj", picture, folder / "empty.obj", cow));
+    INFO(told.out << told.err);
+    CHECK(told.exit_code == 3);
+    const nlohmann::json contents = last_event(told.out).at("result");
+    CHECK(voxtone::io::schema_faults("contents", contents.dump()) == std::vector<std::string>{});
+    const nlohmann::json& files = contents.at("files");
+    REQUIRE(files.size() == 4);
+    CHECK(files[0]["format"] == "OBJ");
+    CHECK(files[0]["unit"]["is"] == "assumed");
+    CHECK(files[0]["parts"] == 1);
+    CHECK(files[1]["format"] == "picture");
+    CHECK(files[1]["size_mm"][0] == 30);
+    CHECK(files[1]["colour"] == nlohmann::json({"picture"}));
+    CHECK_THAT(files[2]["error"].get<std::string>(), Contains("empty.obj"));
+    CHECK(files[3]["triangles"] == 5856);
+    CHECK(files[3]["textures"].size() == 1);
+    CHECK(files[3]["materials"].size() == 1);
+    CHECK(files[3]["beside"].size() == 2);
+    // What slice would say and refuse, and as text.
+    const Outcome text = run_program("read " + cow + " --size 3m");
+    CHECK(text.exit_code == 0);
+    CHECK_THAT(text.out, Contains("OBJ") && Contains("5856 triangles") && Contains("texture 1024 x 1024 px") &&
+                             Contains("would be refused: ") && Contains("stands on its y axis"));
+    CHECK_THAT(run_program("read --quiet " + cow + " --size 1mm").out, Contains("[tiny]"));
+    CHECK_THAT(run_program("read " + picture).out, Contains("says nothing about its size"));
+    refused("read", 2, "model");
+    // Walls are looked for in the repaired body.
+    folder.write("plate.obj", ramp_box_obj(12, 10, 0.4));
+    CHECK_THAT(run_program("estimate --quick " + (folder / "plate.obj")).out,
+               Contains("0.4 mm over") && Contains("[fragile]"));
+    CHECK_THAT(run_program("estimate --quick --printer generic " + (folder / "plate.obj")).out, !Contains("[fragile]"));
+    refused("read " + (folder / "nothing.obj"), 4, "");
+}
+
+TEST_CASE("Quiet verbs that make files say nothing, those that are asked answer") {
+    const Folder folder("quiet");
+    folder.write("marker.obj", marker_obj());
+    const std::string slice = "slice --quiet --quality draft " + (folder / "marker.obj") + " -o " + (folder / "out");
+    const Outcome made = run_program(slice);
+    CHECK(made.exit_code == 0);
+    CHECK(made.out.empty());
+    CHECK(run_program("verify --quiet " + (folder / "out")).out.empty());
+    CHECK_THAT(run_program("estimate --quiet --quick " + (folder / "marker.obj")).out, Contains("ml"));
+    // The report has the job's options as its job file has them.
+    const auto report = nlohmann::json::parse(read_file(folder / "out/report.json")).at("job");
+    CHECK(report.at("overwrite") == false);
+    CHECK(report.at("threads") == 0);
+    CHECK(report.at("depth") == "1mm");
+    CHECK(report.at("load").is_array());
+    CHECK(std::filesystem::exists(folder / "out/for-customer.html"));
+    const auto dump = nlohmann::json::parse(run_program("tray --dump-default --gap 3mm").out);
+    CHECK(dump.at("gap") == "3mm");
+    CHECK(dump.at("format") == "voxtone-job");
 }

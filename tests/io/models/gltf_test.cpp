@@ -336,6 +336,27 @@ TEST_CASE("glTF in the pose of the file, with its copies, and without what it hi
     }
 }
 
+TEST_CASE("Glass is lost, by the name of the materials that the body has") {
+    Builder b;
+    const int p = b.floats(triangle, "VEC3");
+    const auto lost = [&](const std::string& extensions, int used = 0) {
+        return read(
+                   b.file(fmt::format(
+                       R"("nodes":[{{"mesh":0}}],"materials":[{{"name":"jelly","extensions":{{{}}}}},{{"name":"skin"}}],)"
+                       R"("meshes":[{{"primitives":[{{"attributes":{{"POSITION":{}}},"material":{}}}]}}])",
+                       extensions, p, used)))
+            .lost_colour;
+    };
+    CHECK_THAT(
+        lost(R"("KHR_materials_transmission":{"transmissionFactor":1},"KHR_materials_volume":{"thicknessFactor":1})"),
+        Contains("'jelly'") && Contains("LOST"));
+    CHECK_THAT(lost(R"("KHR_materials_diffuse_transmission":{"diffuseTransmissionFactor":0.5})"), Contains("'jelly'"));
+    CHECK(lost(R"("KHR_materials_transmission":{"transmissionFactor":1})", 1).empty());
+    CHECK(lost(R"("KHR_materials_transmission":{"transmissionFactor":0},"KHR_materials_volume":{"thicknessFactor":1})")
+              .empty());
+    CHECK(lost(R"("KHR_materials_ior":{"ior":1.4})").empty());
+}
+
 TEST_CASE("glTF as the world writes it") {
     Builder b;
     const int p = b.floats(triangle, "VEC3");

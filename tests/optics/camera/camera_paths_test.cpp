@@ -374,6 +374,63 @@ TEST_CASE("a ground that lies in the open shows its reflectance under every sky"
     }
 }
 
+namespace {
+
+/// A ball that is a diffuser below a coat, where the print would be.
+struct CoatedBall : DiffuseBody {
+    double reflectance = 1;
+    Coat over;
+    [[nodiscard]] bool meets(const Point& from, const Point& way, double& distance, BoundaryNormals& normals,
+                             Light& light) const override {
+        light = {reflectance, reflectance, reflectance};
+        return Sphere(Ball::centre, Ball::radius).meets(from, way, distance, normals);
+    }
+    [[nodiscard]] Coat coat(const Point&, const Point&) const override { return over; }
+};
+
+/// Mean of what is seen of the ball, and its standard error.
+Mean seen_of(const CameraPicture& picture) {
+    double sum = 0, variance = 0, count = 0;
+    for (std::size_t i = 0; i < picture.value.size(); ++i) {
+        if (picture.sees[i / 3] != 3) continue;
+        sum += double(picture.value[i]);
+        variance += std::pow(double(picture.standard_error[i]), 2);
+        ++count;
+    }
+    REQUIRE(count > 300);
+    return {sum / count, std::sqrt(variance) / count};
+}
+
+}  // namespace
+
+TEST_CASE("a coat over a diffuser mirrors as a resin does and takes no light away") {
+    const double eta = 1.5, mean = mean_reflectance(eta);
+    CHECK(mean == Approx(0.0918).margin(1e-4));  // Duntley 1942, for 1.5
+    const Sky sky = even_sky();
+    CameraScene scene;
+    scene.view = view_of_ball(24, 24);
+    scene.sky = &sky;
+    for (const double roughness : {0.0, 0.3}) {
+        CoatedBall ball;
+        ball.over = {eta, roughness, mean};
+        scene.diffusers = {&ball};
+        // With all of the light that gets through sent back nothing is seen in a furnace.
+        ball.reflectance = 1 - mean;
+        const Mean white = seen_of(take(scene, 256));
+        CAPTURE(roughness, white.value, white.error);
+        CHECK(std::abs(white.value - 1) < 4 * white.error + 2e-3);
+        // A black one shows what is mirrored: of a ball, seen from afar, the mean over its disc is that over all sides.
+        ball.reflectance = 0;
+        const Mean black = seen_of(take(scene, 256));
+        CAPTURE(black.value, black.error);
+        CHECK(black.value > 0.05);
+        if (roughness == 0) CHECK(black.value == Approx(mean).margin(0.02));
+        // Without its coat it shows nothing.
+        ball.over = {};
+        CHECK(seen_of(take(scene, 16)).value == Approx(0).margin(1e-9));
+    }
+}
+
 TEST_CASE("a print that absorbs nothing beside a ground that does not either is not seen in a furnace") {
     // Of much index, so that much of what the ground sends up is mirrored by the ball on its way to the sky.
     ResinSet resins = one_resin({8, 20, 3}, {1, 1, 1});

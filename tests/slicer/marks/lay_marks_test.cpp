@@ -126,6 +126,69 @@ TEST_CASE("A label takes the flattest face that is as large as it, and keeps cle
     CHECK(whole.mesh.decals.empty());
 }
 
+TEST_CASE("A label that is told no place lies where it is least seen") {
+    const auto out_of = [](const SolidMesh& solid) {
+        Body body = test::body_of(solid, white);
+        lay(body, {"AB; size=2mm"});
+        return body.mesh.decals[0].out;
+    };
+    // Below, where that is flat and large enough, however small it is beside the other faces; else behind; else a side.
+    CHECK(out_of(shapes::box(Eigen::Vector3d::Zero(), {10, 6, 20})) == -Eigen::Vector3d::UnitZ());
+    CHECK(out_of(shapes::box(Eigen::Vector3d::Zero(), {10, 1, 20})) == Eigen::Vector3d::UnitY());
+    const Eigen::Vector3d side = out_of(shapes::box(Eigen::Vector3d::Zero(), {1, 10, 3}));
+    CHECK(std::abs(side.y()) < 0.01);
+    // Raised letters would lift the print, if they were below.
+    Body raised = test::body_of(shapes::box(Eigen::Vector3d::Zero(), {10, 6, 20}), white);
+    lay(raised, {"AB; size=2mm; raise=3"});
+    CHECK(raised.mesh.decals[0].out == Eigen::Vector3d::UnitY());
+    // A ball has no flat face: it takes what is flattest.
+    CHECK(out_of(shapes::sphere(3, 24)).norm() == Approx(1));
+    // A picture of the user's is there to be seen, and stays where the face is largest.
+    CHECK(std::get<MarkSide>(parse_mark(MarkFamily::decal, "a.png; size=3mm").place) == MarkSide::flattest);
+}
+
+TEST_CASE("A label of a picture lies on its back or its rim, and never across its face") {
+    const auto slab = [&](double thickness_mm, const Eigen::Vector2d& size_mm) {
+        Body body =
+            test::body_of(shapes::box(Eigen::Vector3d::Zero(), {size_mm.x(), size_mm.y(), thickness_mm}), white);
+        // As a picture's: its face comes first, and has a material of its own and all the colour there is.
+        std::ranges::stable_partition(body.mesh.triangles, [&](const auto& t) {
+            return std::ranges::all_of(t, [&](std::uint32_t v) { return body.mesh.positions[v].z() == thickness_mm; });
+        });
+        body.mesh.materials.resize(2);
+        body.mesh.material_of_triangle.assign(body.mesh.triangles.size(), 1);
+        body.mesh.material_of_triangle[0] = body.mesh.material_of_triangle[1] = 0;
+        VisibleSurface face;
+        face.positions_mm = body.mesh.positions;
+        for (std::uint32_t t = 0; t < 2; ++t) {
+            face.triangles.push_back(body.mesh.triangles[t]);
+            face.source_triangle.push_back(t);
+            face.source_uv.push_back({Eigen::Vector2f(0, 0), Eigen::Vector2f(1, 0), Eigen::Vector2f(0, 1)});
+        }
+        body.surface = SurfaceIndex(std::move(face));
+        return body;
+    };
+    const auto marked = [](Body& body, const std::string& spelled) {
+        return lay_marks({label(spelled)}, {body.mesh, body.solid, body.surface, true}, {});
+    };
+    Body usual = slab(4, {30, 20});
+    const LaidMarks laid = marked(usual, "Klein; size=2mm");
+    CHECK(usual.mesh.decals[0].out.z() == -1);
+    CHECK_THAT(laid.notes[0], Contains("on the back of the picture") && Contains("from the picture's left edge"));
+    // It is read there, and not mirrored.
+    Body code = slab(4, {30, 20});
+    marked(code, "qr=Klein; size=8mm; place=bottom");
+    CHECK(test::code_in(test::seen_from(code, -Eigen::Vector3d::UnitZ(), 0.1)) == "Klein");
+    // What is larger than the back would be, is not put onto the face; the rim takes what fits there.
+    Body narrow = slab(4, {30, 1});
+    CHECK_THAT(marked(narrow, "AB; size=2mm").notes[0], Contains("rim"));
+    CHECK(std::abs(narrow.mesh.decals[0].out.z()) < 0.01);
+    Body small = slab(0.5, {3, 3});
+    CHECK_THROWS_WITH(marked(small, "Klein und Sohn; size=2mm"),
+                      Contains("neither the picture's back nor its rim") && Contains("would fit"));
+    CHECK_THAT(marked(small, "AB; size=1mm; place=top").notes[0], Contains("on the picture,"));
+}
+
 TEST_CASE("A label contrasts with what lies below it, on the ground that it was given or on the model") {
     for (const Eigen::Vector3f& ground : {white, black}) {
         Body body = box({20, 20, 5}, ground);
@@ -251,7 +314,7 @@ TEST_CASE("A mark is spelled by its subject and words about it") {
     const MarkOptions plain = label("A-17");
     CHECK(plain.text == "A-17");
     CHECK(plain.size_mm == Approx(6 * 25.4 / 72));
-    CHECK(std::get<MarkSide>(plain.place) == MarkSide::flattest);
+    CHECK(std::get<MarkSide>(plain.place) == MarkSide::unseen);
     const MarkOptions long_one = label("a \\; b\\n= c; size=3pt; place=1mm,2,3; turn=-90; colour=#ff0000");
     CHECK(long_one.text == "a ; b\n= c");
     CHECK(long_one.size_mm == Approx(25.4 / 24));
@@ -272,7 +335,7 @@ TEST_CASE("A mark is spelled by its subject and words about it") {
         return std::string("taken");
     };
     CHECK_THAT(fault(MarkFamily::label, "A; sise=3pt"), Contains("'sise' is none of its words") && Contains("size"));
-    CHECK_THAT(fault(MarkFamily::label, "A; place=beneath"), Contains("flattest, front"));
+    CHECK_THAT(fault(MarkFamily::label, "A; place=beneath"), Contains("unseen, flattest, front"));
     CHECK_THAT(fault(MarkFamily::label, "A; size=0"), Contains("not above 0"));
     CHECK_THAT(fault(MarkFamily::label, "A; size=3pt; size=4pt"), Contains("said twice"));
     CHECK_THAT(fault(MarkFamily::label, "A; qr=B"), Contains("one text or one code"));

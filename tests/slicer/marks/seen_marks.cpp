@@ -55,7 +55,10 @@ GreyPicture seen_from(const Body& body, const Eigen::Vector3d& out, double pixel
                                                          row * frame.height_mm / (picture.height - 1), double(deep)));
                 const auto [a, b, c] = body.surface.tree().corners(nearest.triangle);
                 const Eigen::Vector3f w = slicer::nearest_weights(nearest.point, a, b, c).cast<float>();
-                light = double(Eigen::Vector3f(0.2126f, 0.7152f, 0.0722f).dot(colour.at(nearest.triangle, w[1], w[2])));
+                const auto& uv = body.surface->source_uv[nearest.triangle];
+                const Eigen::Vector2f at = w[0] * uv[0] + w[1] * uv[1] + w[2] * uv[2];
+                light = double(Eigen::Vector3f(0.2126f, 0.7152f, 0.0722f)
+                                   .dot(colour.at(body.surface->source_triangle[nearest.triangle], at.x(), at.y())));
             }
             picture.pixels.push_back(std::uint8_t(std::lround(255 * optics::srgb_encode(std::clamp(light, 0.0, 1.0)))));
         }

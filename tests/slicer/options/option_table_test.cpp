@@ -109,6 +109,8 @@ TEST_CASE("A quality is a name for other options") {
     CHECK(deciding_lines(options, Decides::looks) == "iterations=0\npredict=none\n");
     quality.set(options, "best");
     CHECK_FALSE(resolve(options).loop.iterations);
+    CHECK(resolve(options).loop.patient);
+    CHECK_FALSE(resolve(named()).loop.patient);
     CHECK(resolve(options).prediction.model == PredictionModel::transport);
     options.iterations = "3";
     CHECK(quality.get(options).empty());
@@ -126,10 +128,12 @@ TEST_CASE("An option that would do nothing is refused where it is named") {
     };
     const SliceOptions mesh = named(), picture = named("a.png"), open = with(named(), "quality", "draft");
     const SliceOptions layered = with(with(named(), "show", "layered-profile"), "profiles", "map.json");
-    const std::vector<Case> cases{{"size", "3mm", "a picture has no --size", picture},
+    const std::vector<Case> cases{{"size", "3mm", "--width, --height or --dpi decides", with(picture, "height", "2mm")},
                                   {"unit", "cm", "unit of a mesh's numbers", picture},
                                   {"texture", "b.png", "a picture is its own texture", picture},
                                   {"width", "3mm", "it is for pictures", mesh},
+                                  {"height", "3mm", "it is for pictures", mesh},
+                                  {"dpi", "300", "it is for pictures", mesh},
                                   {"backing", "white", "a mesh floats in light", mesh},
                                   {"intent", "contrast", "no appearance loop", open},
                                   {"loop-method", "descent", "no appearance loop", open},

@@ -114,7 +114,7 @@ TEST_CASE("Every word comes out as its value") {
 
 TEST_CASE("A bad value is refused, its key named") {
     const std::vector<std::pair<const char*, Change>> bad{
-        {"mesh", [](SliceOptions& o) { o.model.clear(); }},
+        {"model", [](SliceOptions& o) { o.model.clear(); }},
         {"out", [](SliceOptions& o) { o.out.clear(); }},
         {"scale", [](SliceOptions& o) { o.scale = 0; }},
         {"size", [](SliceOptions& o) { o.size_mm = -1; }},

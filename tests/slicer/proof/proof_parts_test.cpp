@@ -57,7 +57,7 @@ optics::Point turned(const optics::Point& p, double degrees) {
 TEST_CASE("A target reflects the colour between its corners where a ray meets it, moved and under its white") {
     const io::ColouredMesh mesh{
         {{0, 0, 1}, {4, 0, 1}, {0, 4, 1}}, {{1, 0, 0.5f}, {0, 1, 0.25f}, {0.5f, 0.5f, 1}}, {{0, 1, 2}}};
-    const DiffuseMesh target(mesh, Vector3d(10, 20, 30), Vector3d(0.5, 1, 3));
+    const DiffuseMesh target(mesh, Vector3d(10, 20, 30), Vector3d(0.5, 1, 3), {});
     double distance = 0;
     optics::BoundaryNormals normals;
     optics::Light reflectance{};

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/surface/thin_walls.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <optional>
+
+#include <Eigen/Geometry>
+
+#include "base/parallel.h"
+#include "slicer/mesh/disjoint_sets.h"
+#include "slicer/surface/area_samples.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double points_a_limit = 3;
+constexpr std::uint64_t most_points = 200'000, seed = 1;
+constexpr double looking_away = -0.5;     // the cosine of 120 degrees
+constexpr double shortest_in_limits = 2;  // of what is told
+constexpr std::size_t fewest_points = 6;
+
+struct Met {
+    double distance;
+    double facing;  ///< cosine between the line and the face's normal
+};
+
+/// Where the line meets a triangle's plane within it (Moeller, Trumbore 1997).
+std::optional<Met> meet(const Vector3d& from, const Vector3d& way, const std::array<Vector3d, 3>& corner) {
+    const Vector3d e1 = corner[1] - corner[0], e2 = corner[2] - corner[0], p = way.cross(e2);
+    const double det = e1.dot(p);
+    if (det == 0) return std::nullopt;
+    const Vector3d s = from - corner[0], q = s.cross(e1);
+    const double u = s.dot(p) / det, v = way.dot(q) / det, distance = e2.dot(q) / det;
+    if (u < 0 || v < 0 || u + v > 1 || distance <= 0) return std::nullopt;
+    return Met{distance, e1.cross(e2).normalized().dot(way)};
+}
+
+/// How far inward the body ends, where that is nearer than the limit and the face there looks away.
+std::optional<double> thickness_at(const SolidIndex& solid, const Vector3d& at, const Vector3d& outward, double limit) {
+    const Vector3d from = at - 1e-4 * limit * outward, to = at - limit * outward;
+    std::vector<std::uint32_t> near;
+    solid.tree().overlapping(from.cwiseMin(to), from.cwiseMax(to), near);
+    std::vector<Met> met;
+    for (const std::uint32_t t : near)
+        if (const auto found = meet(from, -outward, solid.tree().corners(t)); found && found->distance < limit)
+            met.push_back(*found);
+    std::ranges::sort(met, {}, &Met::distance);
+    int winding = 1;
+    for (const Met& m : met) {
+        winding += m.facing > 0 ? -1 : 1;
+        if (winding > 0) continue;
+        if (-m.facing > looking_away) return std::nullopt;
+        return m.distance;
+    }
+    return std::nullopt;
+}
+
+struct ThinPoint {
+    Vector3d at_mm = Vector3d::Zero();
+    double thickness_mm = 0;  ///< 0: not thin
+    std::uint32_t source = 0;
+};
+
+std::vector<ThinPoint> thin_points(const VisibleSurface& surface, const SolidIndex& solid, const AreaSamples& samples,
+                                   std::uint64_t count, double limit_mm) {
+    std::vector<ThinPoint> points(count);
+    parallel_for(0, count, 256, [&](std::size_t i) {
+        const AreaSamples::Sample sample = samples.at(seed, i);
+        const auto& [ia, ib, ic] = surface.triangles[sample.triangle];
+        const Vector3d &a = surface.positions_mm[ia], &b = surface.positions_mm[ib], &c = surface.positions_mm[ic];
+        const Vector3d normal = (b - a).cross(c - a);
+        if (!(normal.norm() > 0)) return;
+        const Vector3d at = a + sample.u * (b - a) + sample.v * (c - a);
+        const auto thickness = thickness_at(solid, at, normal.normalized(), limit_mm);
+        if (thickness) points[i] = {at, *thickness, surface.source_triangle[sample.triangle]};
+    });
+    std::erase_if(points, [](const ThinPoint& point) { return point.thickness_mm == 0; });
+    return points;
+}
+
+/// Points in cells that touch are one place.
+std::vector<std::vector<ThinPoint>> places_of(const std::vector<ThinPoint>& points, double cell_mm) {
+    using Cell = std::array<int, 3>;
+    std::map<Cell, std::uint32_t> cells;
+    std::vector<std::uint32_t> cell_of(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Vector3d at = (points[i].at_mm / cell_mm).array().floor();
+        cell_of[i] =
+            cells.try_emplace({int(at.x()), int(at.y()), int(at.z())}, std::uint32_t(cells.size())).first->second;
+    }
+    DisjointSets sets(cells.size());
+    for (const auto& [cell, number] : cells)
+        for (int n = 0; n < 27; ++n) {
+            const auto beside = cells.find({cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1});
+            if (beside != cells.end()) sets.unite(number, beside->second);
+        }
+    std::map<std::uint32_t, std::vector<ThinPoint>> by_root;
+    for (std::size_t i = 0; i < points.size(); ++i) by_root[sets.root(cell_of[i])].push_back(points[i]);
+    std::vector<std::vector<ThinPoint>> places;
+    for (auto& [root, place] : by_root) places.push_back(std::move(place));
+    return places;
+}
+
+ThinWall wall_of(std::vector<ThinPoint> points) {
+    Eigen::AlignedBox3d box;
+    for (const ThinPoint& point : points) box.extend(point.at_mm);
+    const auto middle = points.begin() + std::ptrdiff_t(points.size() / 2);
+    std::ranges::nth_element(points, middle, {}, &ThinPoint::thickness_mm);
+    return {middle->thickness_mm, box.diagonal().norm(), box.center(), middle->source};
+}
+
+}  // namespace
+
+std::vector<ThinWall> find_thin_walls(const VisibleSurface& surface, const SolidIndex& solid, double limit_mm,
+                                      const Progress& progress) {
+    if (surface.triangles.empty() || !(limit_mm > 0)) return {};
+    const AreaSamples samples(surface);
+    const double spacing = limit_mm / points_a_limit;
+    const auto count = std::uint64_t(std::clamp(samples.area_mm2() / (spacing * spacing), 1.0, double(most_points)));
+    const std::vector<ThinPoint> points = thin_points(surface, solid, samples, count, limit_mm);
+    progress.check_cancelled();
+    const double apart = std::sqrt(samples.area_mm2() / double(count));
+    std::vector<ThinWall> walls;
+    for (std::vector<ThinPoint>& place : places_of(points, std::max(limit_mm / 2, 2 * apart))) {
+        if (place.size() < fewest_points) continue;
+        const ThinWall wall = wall_of(std::move(place));
+        if (wall.length_mm >= shortest_in_limits * limit_mm) walls.push_back(wall);
+    }
+    std::ranges::stable_sort(walls, std::greater(), &ThinWall::length_mm);
+    return walls;
+}
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Walls and rods that may break: where the body is thinner than the printer's maker asks for.
+//
+// From points all over the visible surface a line goes straight inward. Where it leaves the body again nearer than the
+// limit, through a face that looks away by more than 120 degrees (an edge of a thick body is no wall), the body is thin
+// there. Points that lie near each other are one place, told if it is longer than twice the limit: the tips of cones
+// and the edges of blades are thin on any print, and do no harm.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "base/progress.h"
+#include "slicer/mesh/spatial_index.h"
+#include "slicer/surface/visible_surface.h"
+
+namespace voxtone::slicer {
+
+struct ThinWall {
+    double thickness_mm = 0;                              ///< median of its points
+    double length_mm = 0;                                 ///< diagonal of its box
+    Eigen::Vector3d middle_mm = Eigen::Vector3d::Zero();  ///< of its box
+    std::uint32_t source_triangle = 0;                    ///< of one of its points, in the textured mesh
+};
+
+/// The longest first. `solid`: closed. Points lie `limit_mm` / 3 apart on average, on large bodies farther. Throws
+/// Cancelled.
+[[nodiscard]] std::vector<ThinWall> find_thin_walls(const VisibleSurface& surface, const SolidIndex& solid,
+                                                    double limit_mm, const Progress& progress);
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/surface/thin_walls.h"
+
+#include <catch2/catch.hpp>
+
+#include "slicer/mesh/mesh_repair.h"
+#include "tests/slicer/mesh/shapes.h"
+
+using namespace voxtone;
+using namespace voxtone::slicer;
+using Eigen::Vector3d;
+
+namespace {
+
+/// All of a closed mesh, each triangle its own source.
+VisibleSurface surface_of(const SolidMesh& solid) {
+    VisibleSurface surface;
+    surface.positions_mm = solid.positions_mm;
+    surface.triangles = solid.triangles;
+    const Eigen::Vector2f zero(0, 0), one_u(1, 0), one_v(0, 1);
+    for (std::uint32_t t = 0; t < solid.triangles.size(); ++t) {
+        surface.source_triangle.push_back(t);
+        surface.source_uv.push_back({zero, one_u, one_v});
+    }
+    return surface;
+}
+
+std::vector<ThinWall> walls_of(const SolidMesh& solid, double limit_mm = 0.6) {
+    Progress progress;
+    return find_thin_walls(surface_of(solid), SolidIndex(solid), limit_mm, progress);
+}
+
+}  // namespace
+
+TEST_CASE("A wall is thin below the limit, and as thick and as long as it is") {
+    for (const double thickness : {0.2, 0.5}) {
+        const std::vector<ThinWall> walls = walls_of(shapes::box(Vector3d::Zero(), {8, 5, thickness}));
+        CAPTURE(thickness);
+        REQUIRE(walls.size() == 1);
+        CHECK(walls[0].thickness_mm == Approx(thickness));
+        CHECK(walls[0].length_mm == Approx(std::hypot(8, 5)).margin(0.5));
+        CHECK((walls[0].middle_mm - Vector3d(4, 2.5, thickness / 2)).norm() < 0.3);
+    }
+    CHECK(walls_of(shapes::box(Vector3d::Zero(), {8, 5, 0.61})).empty());
+    CHECK(walls_of(shapes::box(Vector3d::Zero(), {8, 5, 0.5}), 0.4).empty());
+}
+
+TEST_CASE("A thick body with thin legs is thin at these alone, each a place of its own") {
+    SolidMesh body = shapes::box({0, 0, 5}, {10, 10, 12});
+    for (const double x : {1.0, 8.0}) body = shapes::joined(body, shapes::box({x, 4, 0}, {x + 0.3, 4.4, 6}));
+    const std::vector<ThinWall> walls = walls_of(body);
+    REQUIRE(walls.size() == 2);
+    for (const ThinWall& wall : walls) {
+        CHECK(wall.thickness_mm > 0.29);
+        CHECK(wall.thickness_mm < 0.41);
+        CHECK(wall.middle_mm.z() < 4);
+        CHECK(wall.source_triangle >= 12);
+    }
+    CHECK(std::abs(walls[0].middle_mm.x() - walls[1].middle_mm.x()) == Approx(7).margin(0.3));
+}
+
+TEST_CASE("Edges and corners of thick bodies, tips of cones and shells within each other are no thin walls") {
+    CHECK(walls_of(shapes::box(Vector3d::Zero(), {10, 10, 10})).empty());
+    CHECK(walls_of(shapes::sphere(4, 24)).empty());
+    // One box in another: the line goes on through the inner one's skin.
+    CHECK(walls_of(shapes::joined(shapes::box(Vector3d::Zero(), {10, 10, 10}), shapes::box({0.3, 0.3, 0.3}, {9, 9, 9})))
+              .empty());
+    // A pyramid whose upper half a millimetre is thinner than the limit.
+    SolidMesh pyramid;
+    pyramid.positions_mm = {{0, 0, 0}, {6, 0, 0}, {6, 6, 0}, {0, 6, 0}, {3, 3, 6}};
+    pyramid.triangles = {{0, 2, 1}, {0, 3, 2}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
+    CHECK(walls_of(pyramid).empty());
+}
