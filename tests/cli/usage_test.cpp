@@ -338,7 +338,8 @@ TEST_CASE("What is in files is told in the time of reading them, all of them wha
     CHECK_THAT(text.out, Contains("OBJ") && Contains("5856 triangles") && Contains("texture 1024 x 1024 px") &&
                              Contains("would be refused: ") && Contains("stands on its y axis"));
     CHECK_THAT(run_program("read --quiet " + cow + " --size 1mm").out, Contains("[tiny]"));
-    CHECK_THAT(run_program("read " + picture).out, Contains("says nothing about its size"));
+    CHECK_THAT(run_program("read " + picture).out, Contains("1024 x 1024 px of 72 dpi"));
+    CHECK_THAT(run_program("read " + picture + " --height 12mm").out, Contains("12 x 12 x 4 mm"));
     refused("read", 2, "model");
     // Walls are looked for in the repaired body.
     folder.write("plate.obj", ramp_box_obj(12, 10, 0.4));
