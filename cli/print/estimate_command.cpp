@@ -43,7 +43,7 @@ int run(const EstimateArguments& arguments) {
     scope.resins = !arguments.quick;
     return run_on_console(arguments.console, [&](Progress& progress) {
         tell_notes(options, progress);
-        const std::vector<std::string> models = many_models(arguments.job);
+        const slicer::TrayModels models = many_models(arguments.job, options);
         if (models.empty() && slicer::is_plan(options.model) && !slicer::is_tray_plan(options.model)) {
             if (scope.orientations)
                 throw UsageError(

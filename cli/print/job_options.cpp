@@ -108,6 +108,14 @@ void add_some_job_options(CLI::App& command, JobArguments& arguments, const std:
 void add_job_options(CLI::App& command, JobArguments& arguments, const std::vector<std::string>& without) {
     for (const OptionSpec& spec : slicer::slice_option_table())
         if (std::ranges::find(without, spec.key) == without.end()) add_option(command, spec, arguments);
+    constexpr int most_copies = 10'000;  // as in a plan
+    if (arguments.takes_many)
+        command
+            .add_option("--copies", arguments.copies,
+                        "of each model: a tray of so many, looped once and laid beside each other")
+            ->type_name("N")
+            ->check(CLI::Range(1, most_copies))
+            ->group("Tray");
     command
         .add_option("--job", arguments.job,
                     "read options from this job file; the command line wins. Paths in it are seen from its folder")
@@ -137,19 +145,23 @@ slicer::SliceOptions options_of(const JobArguments& arguments) {
     return options;
 }
 
-std::vector<std::string> many_models(const JobArguments& arguments) {
-    if (arguments.models.size() < 2) return {};
-    for (const std::string& model : arguments.models) {
+slicer::TrayModels many_models(const JobArguments& arguments, const slicer::SliceOptions& options) {
+    slicer::TrayModels models{arguments.models, arguments.copies};
+    if (models.empty() && !options.model.empty()) models.files = {options.model};
+    if (models.copies == 1 && models.files.size() < 2) return {};
+    for (const std::string& model : models.files) {
         slicer::SliceOptions one;
         one.model = model;
-        if (slicer::is_tray(one))
-            throw UsageError(
-                fmt::format("{}: name one plan, or models and pictures; a plan names its parts itself", model));
+        if (!slicer::is_tray(one) && !slicer::is_plan(model)) continue;
+        throw UsageError(
+            models.files.size() > 1
+                ? fmt::format("{}: name one plan, or models and pictures; a plan names its parts itself", model)
+                : fmt::format("{}: --copies is of models; in a plan each part says its \"copies\"", model));
     }
-    return arguments.models;
+    return models;
 }
 
-JobResult run_tray(const slicer::SliceOptions& options, const std::vector<std::string>& models, Progress& progress) {
+JobResult run_tray(const slicer::SliceOptions& options, const slicer::TrayModels& models, Progress& progress) {
     return options.shard.empty() ? slicer::run_tray_job(options, models, progress)
                                  : slicer::run_tray_shard(options, models, progress);
 }

@@ -10,6 +10,7 @@
 #include "base/job_result.h"
 #include "base/progress.h"
 #include "slicer/options/slice_options.h"
+#include "slicer/plans/tray_plan.h"
 
 namespace CLI {
 class App;
@@ -34,6 +35,7 @@ struct JobArguments {
     bool takes_many = false;  ///< models: set before the options are added
     std::vector<std::string> models;
     bool dump_default = false;
+    int copies = 1;  ///< of each model
 };
 
 /// All of the table, and --job. `without`: keys of options that this verb does not take.
@@ -49,11 +51,12 @@ void add_dump_default(CLI::App& command, JobArguments& arguments);
 /// UsageError.
 [[nodiscard]] slicer::SliceOptions options_of(const JobArguments& arguments);
 
-/// The models, where several were named; empty: one, or a plan. Throws UsageError for a tray's plan beside others.
-[[nodiscard]] std::vector<std::string> many_models(const JobArguments& arguments);
+/// The models, where several were named, or copies of one; empty: one, or a plan. Throws UsageError for a plan beside
+/// others, or copies of one.
+[[nodiscard]] slicer::TrayModels many_models(const JobArguments& arguments, const slicer::SliceOptions& options);
 
 /// A tray, or a shard of one, as the options say.
-[[nodiscard]] JobResult run_tray(const slicer::SliceOptions& options, const std::vector<std::string>& models,
+[[nodiscard]] JobResult run_tray(const slicer::SliceOptions& options, const slicer::TrayModels& models,
                                  Progress& progress);
 
 /// What there is to say of how they were written.

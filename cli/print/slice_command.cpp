@@ -38,8 +38,8 @@ int run(const SliceArguments& arguments) {
     }
     return run_on_console(arguments.console, [&](Progress& progress) {
         tell_notes(options, progress);
-        if (arguments.job.models.size() > 1 || slicer::is_tray(options))
-            return run_tray(options, many_models(arguments.job), progress);
+        const slicer::TrayModels many = many_models(arguments.job, options);
+        if (!many.empty() || slicer::is_tray(options)) return run_tray(options, many, progress);
         if (!options.shard.empty()) return slicer::run_shard_job(options, progress);
         slicer::SliceResult result = slicer::run_slice_job(options, progress);
         return JobResult{std::move(result.json), std::move(result.summary), result.exit_code};

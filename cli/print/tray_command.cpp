@@ -30,9 +30,9 @@ int run(const TrayArguments& arguments) {
     }
     return run_on_console(arguments.console, [&](Progress& progress) {
         tell_notes(options, progress);
-        std::vector<std::string> models = many_models(arguments.job);
+        slicer::TrayModels models = many_models(arguments.job, options);
         // One model is a tray of one part.
-        if (models.empty() && !slicer::is_tray(options) && !options.model.empty()) models = {options.model};
+        if (models.empty() && !slicer::is_tray(options) && !options.model.empty()) models.files = {options.model};
         return run_tray(options, models, progress);
     });
 }

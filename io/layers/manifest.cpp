@@ -50,8 +50,9 @@ std::array<double, 3> read_three(const JsonObject& object, std::string_view key,
 }
 
 StackMember member_in(const JsonObject& json) {
-    json.allow_only({"name", "boxes_mm", "ml", "verdict"});
-    StackMember member{json.text("name"), {}, json.number("ml", 0, 1e12), {}};
+    json.allow_only({"name", "boxes_mm", "ml", "verdict", "about"});
+    StackMember member{json.text("name"), {}, json.number("ml", 0, 1e12), {}, {}};
+    if (json.has("about")) member.about = json.text("about");
     for (const auto& list : json.number_lists("boxes_mm", 0, -most_mm, most_mm)) {
         if (list.size() != 6) json.fail("boxes_mm", "holds a box that is not of six numbers");
         std::copy(list.begin(), list.end(), member.boxes_mm.emplace_back().begin());
@@ -192,6 +193,7 @@ void add_members(JsonWriter& json, const StackDescription& stack) {
         for (const std::array<double, 6>& box : member.boxes_mm) json.value(box);
         json.end_list().add("ml", member.ml);
         if (!member.verdict.empty()) json.add("verdict", member.verdict);
+        if (!member.about.empty()) json.add("about", member.about);
         json.end_object();
     }
     json.end_list();

@@ -46,8 +46,9 @@ struct StackMember {
     std::string name;  ///< unique in the stack
     /// Of its copies: least x, y, z, then greatest, from the corner of the grid, in the model's frame.
     std::vector<std::array<double, 6>> boxes_mm;
-    double ml = 0;        ///< of all copies, as each would have it alone
-    std::string verdict;  ///< "good", "fair", "bad"; empty: it was not asked for
+    double ml = 0;           ///< of all copies, as each would have it alone
+    std::string verdict;     ///< "good", "fair", "bad"; empty: it was not asked for
+    std::string about = {};  ///< whose it is and what is written on it; may be empty
     friend bool operator==(const StackMember&, const StackMember&) = default;
 };
 

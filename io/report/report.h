@@ -48,6 +48,15 @@ struct ReportResin {
     [[nodiscard]] const std::string& shown_name() const { return material_name.empty() ? name : material_name; }
 };
 
+/// At the printer, as far as that is known.
+struct ReportPrinting {
+    int passes_of_layer = 0;   ///< of the heads; 0: not known
+    std::uint64_t passes = 0;  ///< over all layers
+    std::optional<double> seconds;
+    std::string source;
+    std::optional<double> support_ml;  ///< below what hangs over
+};
+
 struct ReportStage {
     std::string name;
     double seconds = 0;
@@ -157,6 +166,7 @@ struct ReportSection {
 /// One of many bodies in one print.
 struct ReportPart {
     std::string name, page;  ///< of its own report, seen from this one's folder; empty: none
+    std::string about;       ///< whose it is and what is written on it; may be empty
     ReportPicture picture;   ///< small; without a file: none
     std::uint32_t copies = 1;
     double ml = 0;  ///< of resin, each
@@ -177,6 +187,7 @@ struct Report {
     std::array<std::uint32_t, 3> size_px{};  ///< columns, rows, layers; no layers: the page is of no stack
     std::uint64_t body_voxels = 0;
     std::vector<ReportResin> resins;
+    ReportPrinting printing;
     std::vector<std::string> warnings;
     std::vector<ReportStage> stages;  ///< one after the other
     double total_seconds = 0;         ///< of the whole job

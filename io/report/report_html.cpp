@@ -106,6 +106,17 @@ void add_head(std::string& html, const Report& report) {
 /// Else there is nothing to print, and nothing to assign resins to.
 bool is_of_a_stack(const Report& report) { return report.size_px[2] > 0; }
 
+void add_printing(std::string& html, const ReportPrinting& printing) {
+    if (printing.support_ml)
+        add_card(html, "Support", "some " + volume_text(*printing.support_ml),
+                 "below what hangs over; the printer adds what the print stands on");
+    if (printing.passes == 0) return;
+    const std::string passes = grouped(printing.passes) + " passes";
+    add_card(html, "Printing time", printing.seconds ? "some " + duration_text(*printing.seconds) : passes,
+             fmt::format("{}{} a layer. {}", printing.seconds ? passes + ", " : "", printing.passes_of_layer,
+                         printing.source));
+}
+
 void add_summary(std::string& html, const Report& report) {
     double ml = 0;
     for (const ReportResin& resin : report.resins) ml += resin.ml;
@@ -116,7 +127,8 @@ void add_summary(std::string& html, const Report& report) {
     add_card(html, "Bitmaps", fmt::format("{} × {} px", report.size_px[0], report.size_px[1]),
              fmt::format("a pixel is {:.2f} × {:.2f} µm", report.pitch_um[0], report.pitch_um[1]));
     add_card(html, "Resin", volume_text(ml), grouped(report.body_voxels) + " voxels, without support");
-    add_card(html, "Time", duration_text(report.total_seconds),
+    add_printing(html, report.printing);
+    add_card(html, "Computed in", duration_text(report.total_seconds),
              report.peak_memory_bytes ? "peak memory " + byte_text(report.peak_memory_bytes) : "");
     if (report.output_bytes) add_card(html, "Written", byte_text(report.output_bytes), "");
     html += "</dl>\n";
@@ -221,10 +233,11 @@ void add_parts(std::string& html, const Report& report) {
                                      ? html_text(part.name)
                                      : fmt::format("<a href=\"{}\">{}</a>", link_text(part.page), html_text(part.name));
         html += fmt::format(
-            "<tr><td class=\"picture\">{}</td><td>{}<small>{}</small></td><td class=\"n\">{}</td><td "
+            "<tr><td class=\"picture\">{}</td><td>{}{}<small>{}</small></td><td class=\"n\">{}</td><td "
             "class=\"n\">{:#.3g}"
             "</td>",
-            picture, name, html_text(part.headline), part.copies, part.ml);
+            picture, name, part.about.empty() ? "" : "<small>" + html_text(part.about) + "</small>",
+            html_text(part.headline), part.copies, part.ml);
         if (seen)
             html += fmt::format("<td class=\"n\"><i class=\"mark {}\"></i>{}</td>", name_of(part.level),
                                 part.seen_mean ? fmt::format("{:.1f}", *part.seen_mean) : std::string("not predicted"));

@@ -85,6 +85,15 @@ void write_section(JsonWriter& json, const ReportSection& section) {
     json.end_list().end_object();
 }
 
+void write_printing(JsonWriter& json, const ReportPrinting& printing) {
+    if (printing.support_ml) json.add("support_ml", *printing.support_ml);
+    if (printing.passes == 0) return;
+    json.line().key("printing").begin_object().add("passes_per_layer", printing.passes_of_layer);
+    json.add("passes", printing.passes);
+    if (printing.seconds) json.add("seconds", *printing.seconds);
+    json.add("source", printing.source).end_object();
+}
+
 }  // namespace
 
 std::string report_json(const Report& report) {
@@ -96,6 +105,7 @@ std::string report_json(const Report& report) {
     json.line().key("size_px").begin_list().value(report.size_px[0]).value(report.size_px[1]).end_list();
     json.add("layers", report.size_px[2]).add("voxels", report.body_voxels);
     write_resins(json, report);
+    write_printing(json, report.printing);
     if (report.verdict) write_verdict(json, *report.verdict);
     if (report.gamut) write_gamut(json, *report.gamut);
     if (report.prediction) write_prediction(json, *report.prediction);

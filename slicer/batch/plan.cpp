@@ -39,12 +39,12 @@ io::JsonObject object_of(const PlanRow& row, const std::string& source, bool in_
     return io::JsonObject::parse(lines_before + row.json, source);
 }
 
-void expect_keys(const io::JsonObject& object) {
+/// Texts of the user's own. Throws InputError for keys that are none.
+TemplateValues own_values(const io::JsonObject& object) {
     refuse_copies(object);
     std::vector<std::string> known{std::string(name_key), "format", "version", "inputs"};
     for (std::string& key : option_keys()) known.push_back(std::move(key));
-    std::ranges::copy_if(object.keys(), std::back_inserter(known), is_value_key);
-    object.allow_only(known);
+    return values_of_row(object, known);
 }
 
 /// What only the batch may say of its jobs.
@@ -71,7 +71,7 @@ std::string place_of(const PlanRow& row, const std::string& source) {
 /// The job of a row but for its name, which is what the row or the model is called.
 PlannedJob job_of(const PlanRow& row, const std::string& source, const SliceOptions& preset, bool in_place) {
     const io::JsonObject object = object_of(row, source, in_place);
-    expect_keys(object);
+    const TemplateValues own = own_values(object);
     refuse_what_batches_decide(object);
     PlannedJob job;
     job.options = preset;
@@ -81,7 +81,7 @@ PlannedJob job_of(const PlanRow& row, const std::string& source, const SliceOpti
         const OptionSpec& spec = *find_option(key);
         return spec.get(job.options) == spec.get(defaults_of_slice);
     });
-    for (std::string& label : job.options.labels) label = with_values(label, template_values(object));
+    for (std::string& label : job.options.labels) label = with_values(label, own);
     job.options = with_absolute_paths(std::move(job.options));
     drop_idle(job.options, said);
     job.name =
@@ -117,6 +117,7 @@ void expect_file(const std::string& file, const char* what) {
 }
 
 void expect_component(const TrayComponent& component) {
+    if (component.kind == ComponentKind::body) return expect_file(component.path, "model");
     if (component.kind == ComponentKind::gcvf) return expect_file(component.path, "gcvf");
     if (component.kind == ComponentKind::stack)
         expect_file((std::filesystem::path(component.path) / io::manifest_name).string(), "manifest");

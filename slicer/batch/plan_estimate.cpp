@@ -12,6 +12,7 @@
 
 #include "base/counted.h"
 #include "base/error.h"
+#include "base/memory_text.h"
 #include "base/progress_bar.h"
 #include "io/disk/disk_space.h"
 #include "io/files/json_writer.h"
@@ -118,7 +119,7 @@ std::string line_of(const PlannedEstimate& job, std::size_t widest) {
     const JobEstimate& e = job.estimate;
     std::string text = fmt::format("  {:<{}}  {:>22} {:>6} layers {:>9.3f} ml {:>12} {:>10}", job.job, widest,
                                    fmt::format("{:.1f} x {:.1f} x {:.1f} mm", e.size_mm[0], e.size_mm[1], e.size_mm[2]),
-                                   e.layers, e.body_ml, duration_text(e.seconds), io::bytes_text(e.memory_bytes));
+                                   e.layers, e.body_ml, duration_text(e.seconds), memory_text(e.memory_bytes));
     if (e.price) text += fmt::format(" {:>8.2f} {}", *e.price, e.currency);
     if (!e.warnings.empty()) text += "  " + counted(e.warnings.size(), "warning");
     return text + "\n";
@@ -146,7 +147,7 @@ std::string totals_text(const Totals& totals) {
     if (const std::string price = price_text(totals); !price.empty()) text += fmt::format("  cost: {}\n", price);
     text += fmt::format("  time: {} one after the other on {}; {} of processors\n", duration_text(totals.seconds),
                         counted(totals.threads, "thread"), duration_text(totals.cpu_s));
-    text += fmt::format("  memory: {} for the one that takes most; disk: up to {}", io::bytes_text(totals.memory_bytes),
+    text += fmt::format("  memory: {} for the one that takes most; disk: up to {}", memory_text(totals.memory_bytes),
                         io::bytes_text(totals.disk_bytes));
     if (totals.free_disk_bytes) text += fmt::format(" ({} free)", io::bytes_text(*totals.free_disk_bytes));
     return text + "\n";

@@ -6,13 +6,16 @@
 #include <optional>
 #include <utility>
 
+#include "base/error.h"
 #include "base/parallel.h"
 #include "base/process_usage.h"
 #include "base/stopwatch.h"
 #include "base/warning.h"
 #include "io/disk/disk_space.h"
+#include "slicer/estimate/air_under.h"
 #include "slicer/estimate/orientations.h"
 #include "slicer/prepare/resin_choice.h"
+#include "slicer/printer/placement.h"
 
 namespace voxtone::slicer {
 
@@ -114,6 +117,7 @@ JobEstimate estimate_print(const PlannedPrint& planned, const PhaseEstimate& rea
     estimate.layers = static_cast<std::uint32_t>(plan.layers.layers());
     estimate.layer_um = plan.grid.pitch_mm.z() * 1e3;
     estimate.surface_mm2 = coloured_area_mm2(*body.surface);
+    estimate.printing.add(job.printer.sliced_passes(), body.placement.extent_mm, estimate.layers);
     if (made_with)
         add_amounts(job, colour_volumes(job, body, plan.layers, *made_with, progress), estimate);
     else
@@ -138,12 +142,16 @@ JobEstimate estimate_body(OpenedJob& job, const JobBody& body, const PhaseEstima
                           Progress& progress) {
     if (scope.resins) load_best_resins(job, body, progress);
     const JobPlan plan = plan_job(job, body);
+    // As the job would; what is turned otherwise may be printed all the same.
+    if (!plan.loop.does_not_fit.empty()) throw ResourceError(plan.loop.does_not_fit);
+    if (!scope.orientations && !scope.of_a_tray) check_layer_count(plan.grid.size[2], job.printer, enough_layers(body));
     const PlannedPrint planned{job, body, plan};
     std::optional<MadeColours> made;
     if (!job.options.layered && scope.resins) made = make_colours(planned, progress);
     std::optional<ColourRecipes> made_with;
     if (made) made_with.emplace(ColourRecipes{made->colour->separation, made->recipes.get()});
     JobEstimate estimate = estimate_print(planned, read, made_with ? &*made_with : nullptr, progress);
+    if (plan.all_layers) estimate.support_ml = look_under(*body.solid).ml;
     if (scope.orientations) {
         estimate.orientations = orientations(job, body, progress);
         estimate.advised_orientation = advised_orientation(estimate.orientations, estimate.surface_mm2);
@@ -154,6 +162,7 @@ JobEstimate estimate_body(OpenedJob& job, const JobBody& body, const PhaseEstima
 MeasuredBody read_measured(const OpenedJob& job, Progress& progress) {
     Reading reading;
     JobBody body = prepare_body(job.options, job.printer, progress);
+    say_body(body, progress);
     return {std::move(body), reading.finish()};
 }
 

@@ -16,6 +16,7 @@ namespace voxtone::slicer {
 struct EstimateScope {
     bool orientations = false;  ///< and the table of them
     bool resins = true;         ///< how much of each; without that colours need not be separated
+    bool of_a_tray = false;     ///< a part, which may be lower than a print
 };
 
 /// `asked.out` may be empty; nothing is written. Throws as the job would for all that is wrong with options, printer,

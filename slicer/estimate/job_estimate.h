@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "slicer/prepare/phase.h"
+#include "slicer/printer/printing_time.h"
 
 namespace voxtone::slicer {
 
@@ -29,12 +30,14 @@ struct Orientation {
     std::string rotate;  ///< for --rotate: the job's own turn, then this one; empty: as the file has it
     std::array<double, 3> size_mm{};
     int layers = 0;
+    std::uint64_t passes = 0;      ///< of the heads, over all layers; 0: not known
     bool fits = true;              ///< onto the tray, with as many layers as the printer asks for
     double under_ml = 0;           ///< air below overhanging body, which support may fill; on a grid of about 1 % of
                                    ///< the body's largest extent
     double downward_mm2 = 0;       ///< of the visible surface that lies downward
     double coloured_down_mm2 = 0;  ///< ... and is not white
     bool as_it_is = false;         ///< the job's own turn
+    std::vector<std::string> front = {};  ///< as it looks from there, in letters
 };
 
 /// Which of them to take, and why.
@@ -56,6 +59,9 @@ struct JobEstimate {
     std::string why_no_resins;          ///< a sentence where they are empty
     std::optional<double> g, price;     ///< of all, where every resin's is known
     std::string currency;               ///< of the prices
+
+    PrintingTime printing = {};        ///< of the printer, for the layers that are made
+    std::optional<double> support_ml;  ///< some of it: below what hangs over; nothing: not known, or of some layers
 
     bool loop = false;        ///< the appearance loop runs
     bool prediction = false;  ///< the print is predicted after it

@@ -25,9 +25,7 @@ namespace {
 JobBody read_body(const OpenedJob& job, JobMeasurements& figures, Progress& progress) {
     const Stopwatch watch;
     JobBody body = prepare_body(job.options, job.printer, progress);
-    for (const std::string& warning : body.warnings) progress.warn(warning);
-    progress.note(body.placement.summary);
-    for (const std::string& note : body.notes) progress.note(note);
+    say_body(body, progress);
     figures.read_s = body.read_s;
     figures.repair_s = watch.total() - body.read_s;
     return body;

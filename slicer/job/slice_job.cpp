@@ -109,8 +109,7 @@ void expect_resumable(const OpenedJob& job, const io::StackFolder& folder, const
 void expect_enough_layers(const PreparedJob& ready, Progress& progress) {
     const PrinterProfile& printer = ready.job.printer;
     const int all = ready.plan.grid.size[2], made = ready.plan.layers.layers();
-    check_layer_count(all, printer,
-                      ready.body.is_picture ? "thicker (--thickness)" : "larger (--size), or turn it (--rotate)");
+    check_layer_count(all, printer, enough_layers(ready.body));
     if (made < printer.min_layers)
         progress.warn(named_warning(
             "few-layers",

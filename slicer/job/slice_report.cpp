@@ -3,10 +3,12 @@
 
 #include <fmt/core.h>
 
+#include "base/memory_text.h"
 #include "base/process_usage.h"
 #include "base/progress_bar.h"
 #include "base/warning.h"
 #include "io/programs/build_identity.h"
+#include "slicer/estimate/air_under.h"
 #include "slicer/kept/report_files.h"
 #include "slicer/options/job_file.h"
 #include "slicer/options/option_table.h"
@@ -90,6 +92,8 @@ void add_print(const OpenedJob& job, const JobBody& body, const io::StackDescrip
     report.pitch_um = stack.pitch_um;
     report.size_mm = {body.placement.extent_mm.x(), body.placement.extent_mm.y(), body.placement.extent_mm.z()};
     report.size_px = {stack.size_px[0], stack.size_px[1], stack.layers};
+    report.printing = printing_of(job.printer, body.placement.extent_mm, stack.layers);
+    if (int(stack.layers) == body.grid.size[2]) report.printing.support_ml = look_under(*body.solid).ml;
     for (std::size_t r = 0; r < stack.resins.size(); ++r) {
         const io::StackResin& resin = stack.resins[r];
         report.resins.push_back(
@@ -122,6 +126,12 @@ std::string longest_stages(const std::vector<io::ReportStage>& stages, double to
 
 }  // namespace
 
+io::ReportPrinting printing_of(const PrinterProfile& printer, const Eigen::Vector3d& extent_mm, std::uint64_t layers) {
+    PrintingTime time;
+    time.add(printer.sliced_passes(), extent_mm, layers);
+    return {time.passes_of_layer, time.passes, time.seconds, time.source, {}};
+}
+
 io::Report make_report(const OpenedJob& job, const JobBody& body, const io::StackDescription& stack, const Print& print,
                        const JobMeasurements& f) {
     io::Report report;
@@ -150,8 +160,8 @@ std::string summary_text(const Print& print, const io::Report& report, double to
     for (const io::ReportResin& resin : report.resins)
         text += fmt::format("  {:<3} {:<16} {:9.3f} ml\n", resin.role, resin.shown_name(), resin.ml);
     text += print.summary(report);
-    text += fmt::format("  done in {}{}; peak memory {:.0f} MB\n", duration_text(total_s),
-                        longest_stages(report.stages, total_s), double(report.peak_memory_bytes) * 1e-6);
+    text += fmt::format("  done in {}{}; peak memory {}\n", duration_text(total_s),
+                        longest_stages(report.stages, total_s), memory_text(report.peak_memory_bytes));
     text += print.written_text();
     if (has_report) text += fmt::format("  report: {}\n", (folder / report_file::page).string());
     return text;

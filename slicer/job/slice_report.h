@@ -24,6 +24,10 @@ struct JobMeasurements {
     std::uint64_t layer_bytes = 0;
 };
 
+/// Without support, which goes by the body.
+[[nodiscard]] io::ReportPrinting printing_of(const PrinterProfile& printer, const Eigen::Vector3d& extent_mm,
+                                             std::uint64_t layers);
+
 /// Figures, warnings and sections; no pictures, and without the total time, which is not over.
 [[nodiscard]] io::Report make_report(const OpenedJob& job, const JobBody& body, const io::StackDescription& stack,
                                      const Print& print, const JobMeasurements& figures);

@@ -9,17 +9,6 @@
 
 namespace voxtone::slicer {
 
-namespace {
-
-/// The resin that every threshold selects; -1: there are several.
-int only_resin(const halftone::CumulativeMixture& mixture, int resins) {
-    constexpr std::uint16_t least = 0, most = 65534;
-    const int first = halftone::select_resin(mixture, least, resins);
-    return first == halftone::select_resin(mixture, most, resins) ? first : -1;
-}
-
-}  // namespace
-
 class PlainBody::Rows final : public SlabLayers {
 public:
     explicit Rows(const PlainBody& body) : body_(body) {}
@@ -27,16 +16,7 @@ public:
         const int width = body_.grid_.size[0], begin = body_.margin(j), end = width - begin;
         if (begin >= end) return out.push(static_cast<std::uint32_t>(width), io::background);
         out.push(static_cast<std::uint32_t>(begin), io::background);
-        if (body_.pure_ >= 0) {
-            out.push(static_cast<std::uint32_t>(end - begin), static_cast<io::Material>(1 + body_.pure_));
-        } else {
-            const std::uint16_t* thresholds = body_.screen_.row(j + at[1], k + at[2]);
-            for (int i = begin; i < end; ++i)
-                out.push(1, static_cast<io::Material>(
-                                1 + halftone::select_resin(body_.mixture_,
-                                                           thresholds[(i + at[0]) & halftone::BlueNoiseScreen::mask],
-                                                           body_.resins_)));
-        }
+        body_.fill_.push(begin, end, j, k, at, out);
         out.push(static_cast<std::uint32_t>(begin), io::background);
     }
 
@@ -46,14 +26,7 @@ private:
 
 PlainBody::PlainBody(const VoxelGrid& grid, double diameter_mm, const halftone::CumulativeMixture& mixture, int resins,
                      halftone::BlueNoiseScreen screen)
-    : grid_(grid),
-      diameter_mm_(diameter_mm),
-      mixture_(mixture),
-      resins_(resins),
-      pure_(only_resin(mixture, resins)),
-      screen_(std::move(screen)) {
-    VOXTONE_EXPECT(resins >= 1 && resins <= halftone::max_resins);
-}
+    : grid_(grid), diameter_mm_(diameter_mm), fill_(mixture, resins, std::move(screen)) {}
 
 int PlainBody::margin(int j) const {
     if (diameter_mm_ == 0) return 0;

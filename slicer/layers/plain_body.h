@@ -13,6 +13,7 @@
 #include "halftone/screens/blue_noise_screen.h"
 #include "halftone/separation/mixture.h"
 #include "slicer/layers/layer_source.h"
+#include "slicer/layers/mixture_fill.h"
 
 namespace voxtone::slicer {
 
@@ -41,10 +42,7 @@ private:
     class Rows;
     VoxelGrid grid_;
     double diameter_mm_;
-    halftone::CumulativeMixture mixture_;
-    int resins_;
-    int pure_ = -1;  ///< the resin that it is of alone; -1: several
-    halftone::BlueNoiseScreen screen_;
+    MixtureFill fill_;
 };
 
 /// Of shares of the loaded resins, by volume; they count against their sum. Contract: each >= 0, one of them > 0.

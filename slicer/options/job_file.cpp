@@ -127,10 +127,23 @@ JobInput input_of(const io::JsonObject& entry, const fs::path& folder) {
 
 constexpr auto every_key = [](const std::string&) { return true; };
 
+/// Whether the object has this option by its earlier name. Where that is another option's name now, the value tells
+/// whose it is: their choices differ.
+bool has_former_key(const io::JsonObject& from, const OptionSpec& spec) {
+    if (spec.former_key.empty() || !from.has(spec.former_key)) return false;
+    return !find_option(spec.former_key) ||
+           std::ranges::find(spec.choices, from.any_text(spec.former_key)) != spec.choices.end();
+}
+
+bool has_current_key(const io::JsonObject& from, const OptionSpec& spec) {
+    const OptionSpec* const former = find_former_key(spec.key);
+    return from.has(spec.key) && !(former && has_former_key(from, *former));
+}
+
 /// The key under which the object has this option, an earlier one with a note; empty: it has it not.
 std::string key_in(const io::JsonObject& from, const OptionSpec& spec, SliceOptions& options) {
-    if (spec.former_key.empty() || !from.has(spec.former_key)) return from.has(spec.key) ? spec.key : std::string();
-    if (from.has(spec.key))
+    if (!has_former_key(from, spec)) return has_current_key(from, spec) ? spec.key : std::string();
+    if (has_current_key(from, spec))
         from.fail(spec.former_key,
                   fmt::format("is what `{}` was called earlier, and both are here; leave it out", spec.key));
     options.notes.push_back(fmt::format("{}key `{}` is called `{}` now, which means the same; it was taken",

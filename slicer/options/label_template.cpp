@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/options/label_template.h"
 
+#include <algorithm>
 #include <charconv>
+#include <iterator>
 #include <optional>
 
 #include <fmt/core.h>
 
 #include "base/error.h"
+#include "io/files/json_keys.h"
 #include "slicer/options/mark_words.h"
 
 namespace voxtone::slicer {
@@ -61,10 +64,29 @@ std::string padded_value(const std::string& value, const std::string& format) {
 
 bool is_value_key(std::string_view key) { return key.size() > 2 && key.starts_with('{') && key.ends_with('}'); }
 
-TemplateValues template_values(const io::JsonObject& row) {
+std::vector<std::string> own_words(const io::JsonObject& row, std::span<const std::string> known) {
+    std::vector<std::string> own;
+    for (const std::string& key : row.keys())
+        if (!is_value_key(key) && std::ranges::find(known, key) == known.end() && io::nearest_name(key, known).empty())
+            own.push_back(key);
+    return own;
+}
+
+TemplateValues values_of_row(const io::JsonObject& row, std::span<const std::string> known) {
     TemplateValues values;
     for (const std::string& key : row.keys())
         if (is_value_key(key)) values[key.substr(1, key.size() - 2)] = row.any_text(key);
+    const std::vector<std::string> own = own_words(row, known);
+    for (const std::string& key : own)
+        if (!values.emplace(key, row.any_text(key)).second) row.fail(key, "is here in braces, too: leave one out");
+    std::vector<std::string> allowed(known.begin(), known.end());
+    allowed.insert(allowed.end(), own.begin(), own.end());
+    std::ranges::copy_if(row.keys(), std::back_inserter(allowed), is_value_key);
+    try {
+        row.allow_only(allowed);
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("{} A text of your own by that name is written in braces.", error.what()));
+    }
     return values;
 }
 

@@ -83,7 +83,7 @@ std::vector<std::string> option_keys() {
     std::vector<std::string> keys, former;
     for (const OptionSpec& spec : slice_option_table()) {
         keys.push_back(spec.key);
-        if (!spec.former_key.empty()) former.push_back(spec.former_key);
+        if (!spec.former_key.empty() && !find_option(spec.former_key)) former.push_back(spec.former_key);
     }
     keys.insert(keys.end(), former.begin(), former.end());
     return keys;

@@ -6,6 +6,7 @@
 
 #include <fmt/core.h>
 
+#include "base/memory_text.h"
 #include "halftone/loop/appearance_loop.h"
 #include "slicer/options/auto_limits.h"
 
@@ -64,10 +65,11 @@ LoopPlan plan_loop(const ResolvedJob& job, const JobBody& body, const LoadedResi
                  allowed = double(job.prediction.memory_bytes);
     if (!options.iterations && !job.resume && allowed > 0 && bytes > allowed)
         plan.does_not_fit = fmt::format(
-            "{}: the appearance loop on {:.0f} cm2 of coloured surface takes {:.1f} GB of memory at the least, and "
-            "{:.1f} are allowed: allow more (--memory), take larger cells (--predict-cell), print without it "
+            "{}: the appearance loop on {:.0f} cm2 of coloured surface takes {} of memory at the least, and {} are "
+            "allowed: allow more (--memory), take larger cells (--predict-cell), print without it "
             "(--iterations 0), or try it all the same (--iterations N)",
-            job.model, area_mm2 / 100, bytes / 1e9, allowed / 1e9);
+            job.model, area_mm2 / 100, memory_text(static_cast<std::uint64_t>(bytes)),
+            memory_text(job.prediction.memory_bytes));
     return plan;
 }
 

@@ -78,8 +78,8 @@ constexpr std::string_view refused_in_names = "/\\:*?\"<>|";
 
 /// What a batch keeps beside its jobs' folders, and a tray beside its parts'.
 bool is_taken(std::string_view name) {
-    constexpr std::array<std::string_view, 5> taken{"batch", "batch.json", "index.html", "summary.csv",
-                                                    "tray-plan.json"};
+    constexpr std::array<std::string_view, 6> taken{"batch",       "batch.json",     "index.html",
+                                                    "summary.csv", "tray-plan.json", "earlier"};
     return std::find(taken.begin(), taken.end(), name) != taken.end();
 }
 

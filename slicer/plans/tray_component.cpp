@@ -9,7 +9,6 @@
 #include "base/error.h"
 #include "io/disk/named_path.h"
 #include "io/files/json_object.h"
-#include "slicer/options/label_template.h"
 #include "slicer/options/option_table.h"
 #include "slicer/options/option_values.h"
 
@@ -116,6 +115,8 @@ std::string_view phrase_of(ComponentKind kind) {
             return "a box";
         case ComponentKind::cylinder:
             return "a cylinder";
+        case ComponentKind::body:
+            return "a body of one resin";
         case ComponentKind::stack:
             return "a stack";
         case ComponentKind::gcvf:
@@ -128,21 +129,34 @@ std::string_view phrase_of(ComponentKind kind) {
     part.fail(key, fmt::format("stands beside \"{}\", and a part is one thing: make it two parts", other));
 }
 
-/// Options of a job say how a model becomes voxels, labels what is on its surface.
+/// Options of a job say how a model becomes voxels, and what is on its surface.
 void refuse_what_models_have(const io::JsonObject& part, const TrayComponent& component) {
     for (const std::string& key : part.keys()) {
-        if (!find_option(key) && !find_former_key(key) && !is_value_key(key)) continue;
+        if (!find_option(key) && !find_former_key(key)) continue;
         part.fail(key, fmt::format("is for a model; {} {}: leave it out", phrase_of(component.kind),
                                    component.is_shape() ? "is plain voxels of its size"
                                                         : "is sliced already, and its voxels are taken as they are"));
     }
 }
 
+/// A model whose colours are not asked for.
+TrayComponent body_of(const io::JsonObject& part, const fs::path& folder) {
+    for (const char* key : {job_key, "label", "decal"})
+        if (part.has(key))
+            part.fail(key, "is of what is coloured, and a body of one resin is not: leave it out, or the resin");
+    TrayComponent body;
+    body.kind = ComponentKind::body;
+    body.path = fs::absolute(io::named_path(folder, part.text(model_key))).lexically_normal().string();
+    body.mixture = mixture_of(part);
+    return body;
+}
+
 }  // namespace
 
 std::string TrayComponent::usual_name() const {
     if (is_shape()) return std::string(name_of(kind));
-    return kind == ComponentKind::gcvf ? fs::path(path).stem().string() : fs::path(path).filename().string();
+    return kind == ComponentKind::gcvf || kind == ComponentKind::body ? fs::path(path).stem().string()
+                                                                      : fs::path(path).filename().string();
 }
 
 std::vector<std::string> component_keys() {
@@ -171,8 +185,10 @@ std::optional<TrayComponent> component_of(const io::JsonObject& part, const fs::
     }
     const bool shape = component && component->is_shape();
     for (const char* key : {resin_key, mixture_key})
-        if (part.has(key) && !shape)
-            part.fail(key, "says of what a \"box\" or \"cylinder\" is; what else there is has its own resins");
+        if (part.has(key) && !shape && (component || !part.has(model_key)))
+            part.fail(
+                key, "says of what a \"box\", a \"cylinder\" or a \"model\" is; what else there is has its own resins");
+    if (!component && (part.has(resin_key) || part.has(mixture_key))) return body_of(part, folder);
     if (!component) return std::nullopt;
     refuse_what_models_have(part, *component);
     if (!shape) return component;

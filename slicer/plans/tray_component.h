@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A part of a tray that is no model: a plain box or cylinder of a resin or of a mixture of some, or a print that is
-// sliced already, whose voxels are taken as they are.
+// A part of a tray that shows no colours: a plain box, cylinder or model of a resin or of a mixture of some, or a print
+// that is sliced already, whose voxels are taken as they are.
 //   {"box": [10, 5, 2], "resin": "VeroClear"}
 //   {"cylinder": {"diameter": 8, "height": 2}, "mixture": {"VeroWhite": 1, "VeroClear": 3}}
+//   {"model": "block.stl", "resin": "VeroClear"}, with the options of a model
 //   {"stack": "other/OUT"}, {"gcvf": "file.gcvf"}
 // In a cell of a table: box "10 5 2", cylinder "8 2" (diameter, height), mixture "VeroWhite:1+VeroClear:3".
 #pragma once
@@ -22,8 +23,8 @@ class JsonObject;
 
 namespace voxtone::slicer {
 
-/// The word that names each is its key in a plan.
-enum class ComponentKind { box, cylinder, stack, gcvf };
+/// The word that names each is its key in a plan, but for a body, which is a model with a resin.
+enum class ComponentKind { box, cylinder, body, stack, gcvf };
 
 }  // namespace voxtone::slicer
 
@@ -32,8 +33,8 @@ namespace voxtone {
 template <>
 struct NamesOf<slicer::ComponentKind> {
     using K = slicer::ComponentKind;
-    static constexpr auto table =
-        std::to_array<Named<K>>({{K::box, "box"}, {K::cylinder, "cylinder"}, {K::stack, "stack"}, {K::gcvf, "gcvf"}});
+    static constexpr auto table = std::to_array<Named<K>>(
+        {{K::box, "box"}, {K::cylinder, "cylinder"}, {K::body, "body"}, {K::stack, "stack"}, {K::gcvf, "gcvf"}});
 };
 
 }  // namespace voxtone
@@ -48,8 +49,8 @@ struct ResinShare {
 struct TrayComponent {
     ComponentKind kind = ComponentKind::box;
     std::array<double, 3> size_mm{};  ///< of a box; of a cylinder, which stands upright: diameter, diameter, height
-    std::vector<ResinShare> mixture;  ///< of a box or cylinder; empty: it cuts
-    std::string path;                 ///< of the stack's folder or the container, absolute
+    std::vector<ResinShare> mixture;  ///< of a box, cylinder or body; empty: it cuts
+    std::string path;                 ///< of the model, the stack's folder or the container, absolute
 
     [[nodiscard]] bool is_shape() const { return kind == ComponentKind::box || kind == ComponentKind::cylinder; }
     /// What it is called where the plan gives no name.

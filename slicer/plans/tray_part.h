@@ -26,6 +26,7 @@ struct TrayPart {
     bool turn = false;      ///< it may be turned by right angles about the vertical where it is arranged
     int priority = 0;       ///< where parts fill the same voxel the higher has it, of equal ones the later in the plan
     bool cuts = false;      ///< leaves air where it would be
+    bool first = false;     ///< of several trays it must be on the first
     TemplateValues values;  ///< for labels, by the name that stands in braces
     std::string place;      ///< in the plan, for messages: "tray.json: parts[2]"
 };

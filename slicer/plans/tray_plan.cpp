@@ -3,13 +3,14 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <iterator>
 #include <map>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <utility>
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include "base/error.h"
 #include "io/files/csv_table.h"
@@ -22,6 +23,7 @@
 #include "slicer/options/label_template.h"
 #include "slicer/options/option_table.h"
 #include "slicer/options/option_values.h"
+#include "slicer/plans/fault_list.h"
 #include "slicer/plans/job_names.h"
 #include "slicer/plans/labelled_copies.h"
 
@@ -34,22 +36,34 @@ namespace fs = std::filesystem;
 constexpr int most_copies = 10'000;
 constexpr double most_mm = 10'000;
 constexpr const char *parts_key = "parts", *name_key = "name", *copies_key = "copies", *at_key = "at",
-                     *priority_key = "priority", *cuts_key = "cuts", *turn_key = "turn";
+                     *priority_key = "priority", *cuts_key = "cuts", *turn_key = "turn", *first_key = "first";
 constexpr std::string_view format_name = "voxtone-tray";
 
 /// Of a print, and so of all its parts.
-constexpr const char* of_the_tray[] = {"out",     "overwrite", "resume",      "printer",    "resins", "load",
-                                       "formats", "layers",    "threads",     "shard",      "until",  "mixtures",
-                                       "memory",  "strict",    "read-time",   "report",     "gap",    "layout",
-                                       "trays",   "fail-fast", "read-memory", "for-printer"};
+constexpr const char* of_the_tray[] = {"out",     "overwrite", "resume",    "printer",     "resins",     "load",
+                                       "formats", "layers",    "threads",   "shard",       "until",      "mixtures",
+                                       "memory",  "strict",    "read-time", "report",      "gap",        "arrange",
+                                       "layout",  "trays",     "fail-fast", "read-memory", "for-printer"};
 
-void expect_keys(const io::JsonObject& object, std::vector<std::string> known) {
+/// Of a plan or a part, whose `words` are no options.
+std::vector<std::string> with_options(std::vector<std::string> words) {
+    for (std::string& key : option_keys()) words.push_back(std::move(key));
+    return words;
+}
+std::vector<std::string> keys_of_plan() { return with_options({"format", "version", parts_key}); }
+std::vector<std::string> keys_of_part() {
+    std::vector<std::string> words = component_keys();
+    words.insert(words.end(),
+                 {std::string(part_job_key), name_key, copies_key, at_key, priority_key, cuts_key, first_key});
+    return with_options(std::move(words));
+}
+
+/// Texts of the user's own. Throws InputError for keys that are none.
+TemplateValues own_values(const io::JsonObject& object, const std::vector<std::string>& known) {
     for (const std::string& key : object.keys())
         if (is_word_for_copies(key) && std::ranges::find(known, key) == known.end())
             object.fail(key, "is said in a part, as \"copies\": {\"model\": ..., \"copies\": 3}");
-    for (const OptionSpec& spec : slice_option_table()) known.push_back(spec.key);
-    std::ranges::copy_if(object.keys(), std::back_inserter(known), is_value_key);
-    object.allow_only(known);
+    return values_of_row(object, known);
 }
 
 std::array<double, 3> place_of(const io::JsonObject& object, const std::vector<double>& values) {
@@ -111,10 +125,15 @@ void take_model(const io::JsonObject& object, const fs::path& folder, TrayPart& 
     drop_idle(part.options, said);  // what is said for all is meant where it can be: a picture has no size
 }
 
+bool truth_of(const io::JsonObject& object, const char* key) {
+    if (!object.has(key)) return false;
+    const std::string text = object.any_text(key);
+    if (text != "true" && text != "false") object.fail(key, "is true or false");
+    return text == "true";
+}
+
 TrayPart part_of(const io::JsonObject& object, const fs::path& folder, const SliceOptions& common, std::string place) {
-    std::vector<std::string> words = component_keys();
-    words.insert(words.end(), {std::string(part_job_key), name_key, copies_key, at_key, priority_key, cuts_key});
-    expect_keys(object, std::move(words));
+    TemplateValues own = own_values(object, keys_of_part());
     for (const char* key : of_the_tray)
         if (object.has(key))
             object.fail(key,
@@ -123,20 +142,23 @@ TrayPart part_of(const io::JsonObject& object, const fs::path& folder, const Sli
     TrayPart part;
     part.options = common;
     part.place = std::move(place);
-    if (object.has(cuts_key)) {
-        const std::string text = object.any_text(cuts_key);
-        if (text != "true" && text != "false") object.fail(cuts_key, "is true or false");
-        part.cuts = text == "true";
-    }
+    part.values = std::move(own);
+    part.cuts = truth_of(object, cuts_key);
+    part.first = truth_of(object, first_key);
     part.component = component_of(object, folder, part.cuts);
-    if (!part.component) take_model(object, folder, part);
+    const bool is_body = part.component && part.component->kind == ComponentKind::body;
+    if (!part.component || is_body) take_model(object, folder, part);
+    if (is_body) {
+        part.turn = false;  // its voxels are made before places are looked for
+        part.options.labels.clear();
+        part.options.decals.clear();
+    }
     part.has_own_name = object.has(name_key);
     part.name = part.has_own_name ? object.any_text(name_key)
                 : part.component  ? part.component->usual_name()
                                   : fs::path(part.options.model).stem().string();
     if (object.has(at_key)) part.at_mm = places_of(object);
     part.copies = static_cast<int>(part.at_mm.empty() ? 1 : part.at_mm.size());
-    part.values = template_values(object);
     const auto whole = [&](const char* key, int least, int most) {
         const std::string text = object.any_text(key);
         int value = 0;
@@ -232,7 +254,7 @@ PlanText text_of_object(const std::string& file) {
     if (!object.has("format") || object.text("format") != format_name)
         object.fail("format",
                     "must be \"voxtone-tray\"; the plan of a batch, a job for each line, is `voxtone batch`'s");
-    expect_keys(object, {"format", "version", parts_key});
+    (void)own_values(object, keys_of_plan());
     if (object.integer("version", 1, 1000) != 1) object.fail("version", "is 1: a newer voxtone wrote this plan");
     if (object.has("model")) object.fail("model", "belongs to a part: {\"parts\": [{\"model\": ...}]}");
     if (object.has("out")) object.fail("out", "is not the plan's to say: name the folder with -o");
@@ -255,6 +277,20 @@ void take_common(const io::JsonObject& object, const fs::path& folder, const Sli
 
 namespace {
 
+/// That they are taken so is said: a key in another language than the plan's would be one of them.
+void note_own_words(const PlanText& text, TrayPlan& plan) {
+    std::set<std::string> own;
+    const auto add = [&](const io::JsonObject& object, const std::vector<std::string>& known) {
+        for (std::string& word : own_words(object, known)) own.insert(std::move(word));
+    };
+    if (text.common) add(*text.common, keys_of_plan());
+    for (const PartRow& part : text.parts) add(part.object, keys_of_part());
+    if (own.empty()) return;
+    plan.notes.push_back(fmt::format(
+        "{} {} no key of a plan: taken as {} of your own, which labels have in braces ({{{}}})", fmt::join(own, ", "),
+        own.size() == 1 ? "is" : "are", own.size() == 1 ? "a text" : "texts", *own.begin()));
+}
+
 TrayPlan plan_of_text(const PlanText& text, const std::string& file, const fs::path& folder,
                       const SliceOptions& common) {
     if (text.parts.empty()) throw InputError(fmt::format("{}: has no part; name a model for each in \"parts\"", file));
@@ -263,9 +299,14 @@ TrayPlan plan_of_text(const PlanText& text, const std::string& file, const fs::p
     plan.common = common;
     plan.common.model.clear();
     if (text.common) take_common(*text.common, folder, common, plan.common);
-    for (const PartRow& part : text.parts) plan.parts.push_back(part_of(part.object, folder, plan.common, part.place));
+    FaultList faults;
+    for (const PartRow& part : text.parts)
+        faults.look([&] { plan.parts.push_back(part_of(part.object, folder, plan.common, part.place)); });
+    faults.expect_none(
+        fmt::format("{} of the {} parts of {} are not as a plan has them", faults.size(), text.parts.size(), file));
     if (text.common)
-        for (TrayPart& part : plan.parts) part.values.merge(template_values(*text.common));
+        for (TrayPart& part : plan.parts) part.values.merge(own_values(*text.common, keys_of_plan()));
+    note_own_words(text, plan);
     refuse_equal_names(plan);
     label_copies(plan);
     settle_names(plan);
@@ -279,7 +320,7 @@ TrayPlan read_tray_plan(const std::string& file, const SliceOptions& common) {
                         common);
 }
 
-TrayPlan tray_plan_of_models(std::span<const std::string> models, const SliceOptions& common) {
+TrayPlan tray_plan_of_models(const TrayModels& models, const SliceOptions& common) {
     const fs::path here = fs::current_path();
     const std::string file(tray_plan_name);
     const io::JsonObject object = io::JsonObject::parse(tray_plan_of(models, here), file);
@@ -290,14 +331,15 @@ TrayPlan tray_plan_of_models(std::span<const std::string> models, const SliceOpt
     return plan_of_text(text, file, here, common);
 }
 
-std::string tray_plan_of(std::span<const std::string> models, const fs::path& folder) {
+std::string tray_plan_of(const TrayModels& models, const fs::path& folder) {
     io::JsonWriter json;
     json.begin_object().add("format", format_name).add("version", 1).key(parts_key).begin_list();
-    for (const std::string& model : models)
-        json.line()
-            .begin_object()
-            .add("model", fs::proximate(fs::absolute(model), fs::absolute(folder)).generic_string())
-            .end_object();
+    for (const std::string& model : models.files) {
+        json.line().begin_object();
+        json.add("model", fs::proximate(fs::absolute(model), fs::absolute(folder)).generic_string());
+        if (models.copies > 1) json.add(copies_key, models.copies);
+        json.end_object();
+    }
     return json.end_list().end_object().text() + "\n";
 }
 
@@ -314,7 +356,8 @@ bool is_tray_plan(const fs::path& file) {
             const std::vector<std::string> components = component_keys();
             if (word == part_job_key) return true;
             if (std::ranges::find(components, word) != components.end()) return true;
-            return word == copies_key || word == at_key || word == priority_key || word == cuts_key || word == turn_key;
+            return word == copies_key || word == at_key || word == priority_key || word == cuts_key ||
+                   word == turn_key || word == first_key;
         });
     } catch (const Error&) {
         return false;  // whoever reads it says what is wrong

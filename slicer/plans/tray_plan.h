@@ -11,7 +11,6 @@
 #pragma once
 
 #include <filesystem>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,10 +27,17 @@ namespace voxtone::slicer {
 
 /// Of the plan that stands for models alone.
 inline constexpr std::string_view tray_plan_name = "tray-plan.json";
+/// Models without a plan, each so many times.
+struct TrayModels {
+    std::vector<std::string> files;
+    int copies = 1;
+
+    [[nodiscard]] bool empty() const { return files.empty(); }
+};
 /// Such a plan, to be written into `folder`: a part for each model, in this order.
-[[nodiscard]] std::string tray_plan_of(std::span<const std::string> models, const std::filesystem::path& folder);
+[[nodiscard]] std::string tray_plan_of(const TrayModels& models, const std::filesystem::path& folder);
 /// What `read_tray_plan` would read of it. Nothing is written.
-[[nodiscard]] TrayPlan tray_plan_of_models(std::span<const std::string> models, const SliceOptions& common);
+[[nodiscard]] TrayPlan tray_plan_of_models(const TrayModels& models, const SliceOptions& common);
 
 /// Whether the file says that it is the plan of a tray. A table is one where its header has a word of a part that no
 /// job of a batch has.

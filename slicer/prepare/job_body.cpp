@@ -219,6 +219,16 @@ JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Prog
     return body;
 }
 
+void say_body(const JobBody& body, Progress& progress) {
+    for (const std::string& warning : body.warnings) progress.warn(warning);
+    progress.note(body.placement.summary);
+    for (const std::string& note : body.notes) progress.note(note);
+}
+
+std::string enough_layers(const JobBody& body) {
+    return body.is_picture ? "thicker (--thickness)" : "larger (--size), or turn it (--rotate)";
+}
+
 VisibleSurface coloured_surface_of(const JobBody& body, const RepairedMesh& repaired, Progress& progress) {
     if (body.is_picture) return picture_surface(body.model.mesh);
     VisibleSurfaceOptions seeing;

@@ -57,6 +57,12 @@ void check_model(const ResolvedJob& job);
 /// Throws FileError, InputError.
 [[nodiscard]] JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Progress& progress);
 
+/// Warnings, size and notes, to the user.
+void say_body(const JobBody& body, Progress& progress);
+
+/// What makes it higher, as check_layer_count (placement.h) wants it.
+[[nodiscard]] std::string enough_layers(const JobBody& body);
+
 /// What of a repaired body is seen and coloured. `body`: its model and grid.
 [[nodiscard]] VisibleSurface coloured_surface_of(const JobBody& body, const RepairedMesh& repaired, Progress& progress);
 

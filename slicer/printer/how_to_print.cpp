@@ -23,7 +23,7 @@ constexpr io::Rgb tray_rgb{0x3a, 0x3c, 0x40};
 constexpr const char* style =
     "ol > li { margin: .9rem 0; max-width: 52rem; }\nol { padding-left: 1.4rem; margin: 0; }\n"
     "li .table { margin: .5rem 0; }\nli th.n { white-space: normal; }\nfigure svg { display: block; width: 100%; "
-    "height: auto; background: #3a3c40; "
+    "height: auto; max-height: 44rem; background: #3a3c40; "
     "border-radius: 8px; }\n.two { display: grid; grid-template-columns: minmax(0, 3fr) minmax(0, 2fr); gap: 1.5rem; "
     "align-items: start; }\n@media (max-width: 50rem) { .two { grid-template-columns: minmax(0, 1fr); } }\n"
     "@media print { .warnings { border: 2px solid; } }\n";
@@ -215,23 +215,38 @@ std::string figure(const io::StackDescription& stack, const PictureFromAbove& fr
     const bool swapped = stack.orientation.swap_xy;
     const double w = stack.size_mm[swapped ? 1 : 0], h = stack.size_mm[swapped ? 0 : 1], edge = 0.06 * std::max(w, h);
     std::string marks;
-    const double font = 0.035 * std::max(w, h);
-    for (const io::StackMember& member : stack.members)
-        for (const std::array<double, 6>& box : member.boxes_mm)
+    const double font = 0.035 * std::max(w, h), of_letter = 0.62;
+    const std::string back = fmt::format("back, {:.1f} mm", w);
+    // A tray that is narrower than what is said of it gets room beside it.
+    const double side = std::max(edge, (of_letter * font * double(back.size()) - w) / 2);
+    for (std::size_t n = 0; n < stack.members.size(); ++n) {
+        const io::StackMember& member = stack.members[n];
+        const std::string number = fmt::format("{}", n + 1), whole = number + " " + member.name;
+        for (const std::array<double, 6>& box : member.boxes_mm) {
+            // Where the name finds no room the number does, at half the part's height at least.
+            const auto fits = [&](const std::string& words) {
+                return of_letter * 0.8 * font * double(words.size()) <= box[3] - box[0];
+            };
+            const double size =
+                fits(number) && 0.8 * font < box[4] - box[1]
+                    ? 0.8 * font
+                    : std::min(0.8 * (box[4] - box[1]), (box[3] - box[0]) / (of_letter * double(number.size())));
             marks += fmt::format(
                 "<rect x=\"{0:.3f}\" y=\"{1:.3f}\" width=\"{2:.3f}\" height=\"{3:.3f}\" fill=\"none\" "
                 "stroke=\"#6cc3df\" stroke-width=\"{4:.3f}\"/>\n<text x=\"{5:.3f}\" y=\"{6:.3f}\" "
                 "font-size=\"{7:.3f}\" fill=\"#6cc3df\" stroke=\"#1c1d1f\" stroke-width=\"{8:.3f}\" "
                 "paint-order=\"stroke\" font-family=\"sans-serif\">{9}</text>\n",
-                box[0], h - box[4], box[3] - box[0], box[4] - box[1], 0.004 * std::max(w, h), box[0] + 0.2 * font,
-                h - box[4] + 0.9 * font, 0.8 * font, 0.15 * font, html_text(member.name));
+                box[0], h - box[4], box[3] - box[0], box[4] - box[1], 0.004 * std::max(w, h), box[0] + 0.2 * size,
+                h - box[4] + 1.1 * size, size, 0.15 * size, html_text(fits(whole) ? whole : number));
+        }
+    }
     const auto text = [&](double x, double y, const char* anchor, const std::string& words) {
         marks += fmt::format(
             "<text x=\"{:.3f}\" y=\"{:.3f}\" font-size=\"{:.3f}\" fill=\"#fff\" text-anchor=\"{}\" "
             "font-family=\"sans-serif\">{}</text>\n",
             x, y, font, anchor, html_text(words));
     };
-    text(w / 2, -0.3 * edge, "middle", fmt::format("back, {:.1f} mm", w));
+    text(w / 2, -0.3 * edge, "middle", back);
     text(w / 2, h + 0.75 * edge, "middle", "front");
     marks += fmt::format("<g transform=\"translate({:.3f} {:.3f}) rotate(-90)\">", -0.35 * edge, h / 2);
     text(0, 0, "middle", fmt::format("{:.1f} mm", h));
@@ -243,7 +258,7 @@ std::string figure(const io::StackDescription& stack, const PictureFromAbove& fr
         "href=\"data:image/png;base64,{}\"/>\n{}</svg>\n<figcaption>So it must lie on the tray, <b>seen from "
         "above</b>: "
         "{}. Dark: nothing.</figcaption></figure>\n",
-        -edge, -edge, w + 2 * edge, h + 2 * edge, w, h, io::base64(io::png_bytes(from_above.picture)), marks,
+        -side, -edge, w + 2 * side, h + 2 * edge, w, h, io::base64(io::png_bytes(from_above.picture)), marks,
         html_text(from_above.caption));
 }
 
@@ -263,19 +278,22 @@ std::string remarks(const std::vector<std::string>& sentences) {
 std::string members(const io::StackDescription& stack) {
     if (stack.members.empty()) return {};
     std::string rows;
-    for (const io::StackMember& member : stack.members) {
+    for (std::size_t n = 0; n < stack.members.size(); ++n) {
+        const io::StackMember& member = stack.members[n];
         std::string size = "-";
         if (!member.boxes_mm.empty()) {
             const auto& b = member.boxes_mm.front();
             size = fmt::format("{:.1f} x {:.1f} x {:.1f} mm", b[3] - b[0], b[4] - b[1], b[5] - b[2]);
         }
         rows += fmt::format(
-            "<tr><td>{}</td><td class=\"n\">{}</td><td>{}</td><td class=\"n\">{:.2f} ml</td><td>{}</td>"
-            "</tr>\n",
-            html_text(member.name), member.boxes_mm.size(), size, member.ml,
+            "<tr><td class=\"n\">{}</td><td>{}{}</td><td class=\"n\">{}</td><td>{}</td><td class=\"n\">{:.2f} "
+            "ml</td><td>{}</td></tr>\n",
+            n + 1, html_text(member.name), member.about.empty() ? "" : "<br>" + html_text(member.about),
+            member.boxes_mm.size(), size, member.ml,
             member.verdict.empty() ? "not predicted by itself" : html_text(member.verdict));
     }
-    return "<section>\n<h2>What is on the tray</h2>\n<div class=\"table\"><table>\n<thead><tr><th>Part</th><th "
+    return "<section>\n<h2>What is on the tray</h2>\n<div class=\"table\"><table>\n<thead><tr><th "
+           "class=\"n\">No.</th><th>Part</th><th "
            "class=\"n\">Copies</th><th>Size of one</th><th class=\"n\">All of them</th><th>Will it look as asked</th>"
            "</tr></thead>\n<tbody>\n" +
            rows + "</tbody>\n</table></div>\n</section>\n";

@@ -53,14 +53,31 @@ std::string extent_text_beside(const Eigen::Vector3d& mm, const Eigen::Vector3d&
     return text + " mm";
 }
 
+/// "As mm (--unit mm) it is 72.5 mm long. ": files are often in another unit than they say, or than was assumed.
+std::string units_that_fit(const Eigen::Vector3d& size_mm, const Eigen::Vector3d& tray_mm, const Placement& placement) {
+    constexpr double least_mm = 2;  // a smaller print is seldom meant
+    if (placement.is_picture || placement.is_scaled) return {};
+    std::string text;
+    for (const auto& [name, mm] : {std::pair{"mm", 1.0}, {"cm", 10.0}, {"in", 25.4}, {"m", 1000.0}}) {
+        const Eigen::Vector3d size = size_mm * (mm / placement.mm_per_file_unit);
+        const bool fits = fits_in(size.x(), tray_mm.x()) && fits_in(size.y(), tray_mm.y()) &&
+                          fits_in(size.z(), tray_mm.z()) && size.maxCoeff() >= least_mm;
+        if (fits)
+            text +=
+                fmt::format("{} {} (--unit {}) it is {}", text.empty() ? "As" : ", as", name, name, extent_text(size));
+    }
+    return text.empty() ? text : text + ". ";
+}
+
 [[noreturn]] void refuse_for_tray(const Eigen::Vector3d& size_mm, const Eigen::Vector3d& tray_mm, int axis,
                                   const Placement& placement) {
     const std::string unit = placement.is_picture     ? ""
                              : placement.unit_assumed ? " (mm was assumed)"
                                                       : fmt::format(" ({:g} mm per unit)", placement.mm_per_file_unit);
-    throw InputError(fmt::format("the model is {}{} and the printer's tray {}: too large along {} by {}. {}",
+    throw InputError(fmt::format("the model is {}{} and the printer's tray {}: too large along {} by {}. {}{}",
                                  extent_text_beside(size_mm, tray_mm), unit, extent_text(tray_mm), "xyz"[axis],
-                                 excess_text(size_mm[axis] - tray_mm[axis]), size_options(placement)));
+                                 excess_text(size_mm[axis] - tray_mm[axis]),
+                                 units_that_fit(size_mm, tray_mm, placement), size_options(placement)));
 }
 
 }  // namespace
@@ -95,6 +112,7 @@ Placement place(io::ModelFile& model, const PlacementOptions& options, const std
     const double factor = options.size_mm > 0 ? options.size_mm / largest : 1.0;
     for (Eigen::Vector3d& position : mesh.positions) position = (position - box.min()) * factor;
     placement.extent_mm = box.sizes() * factor;
+    placement.is_scaled = options.size_mm > 0;
     placement.corner_mm = box.min() * factor;
 
     const std::string unit = model.format == "picture" ? "mm"

@@ -26,7 +26,8 @@ struct Placement {
     Eigen::Vector3d extent_mm = Eigen::Vector3d::Zero();
     Eigen::Vector3d corner_mm = Eigen::Vector3d::Zero();  ///< where the lowest corner was before it was moved to 0
     bool is_picture = false;
-    std::string summary;  ///< one line for the user: unit and size
+    bool is_scaled = false;  ///< to a size, whatever the unit
+    std::string summary;     ///< one line for the user: unit and size
 };
 
 /// Moves, scales and turns the mesh in place. `name`: of the model, for messages. Throws InputError where nothing has

@@ -2,6 +2,7 @@
 #include "slicer/printer/printer.h"
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <initializer_list>
 #include <limits>
@@ -32,7 +33,7 @@ constexpr int most_colours = io::max_materials - 1;
 constexpr double smallest_pitch_um = 1, largest_pitch_um = 1000;
 
 const std::initializer_list<std::string_view> known_keys{
-    "format", "version", "name", "dpi", "layer_um", "pitch_um", "tray_mm", "max_resins", "max_colours", "formats", "min_layers", "colours", "background_rgb", "default_roles", "flip_x", "material_names", "flip_y", "unconfirmed", "swap_xy", "notes", "default_resins", "utility", "mode", "cartridges", "min_wall_mm", "min_wall_source"};
+    "format", "version", "name", "dpi", "layer_um", "pitch_um", "tray_mm", "max_resins", "max_colours", "formats", "min_layers", "colours", "background_rgb", "default_roles", "flip_x", "material_names", "flip_y", "unconfirmed", "swap_xy", "notes", "default_resins", "utility", "mode", "cartridges", "min_wall_mm", "min_wall_source", "pass_axis", "pass_width_mm", "pass_s", "pass_source"};
 
 /// Colours for roles that a profile does not name: told apart easily, never black.
 const std::map<std::string, io::Rgb>& usual_colours() {
@@ -169,6 +170,26 @@ void read_walls(const io::JsonObject& file, PrinterProfile& printer) {
     printer.min_wall_source = file.text("min_wall_source");
 }
 
+HeadPasses read_passes(const io::JsonObject& file) {
+    constexpr double least_mm = 0.1, most_mm = 1e4, least_s = 1e-3, most_s = 3600;
+    HeadPasses passes;
+    for (const char* key : {"pass_axis", "pass_s"})
+        if (file.has(key) && !file.has("pass_width_mm"))
+            file.fail(key, "says nothing without pass_width_mm, the width that one pass of the heads prints");
+    if (!file.has("pass_width_mm")) return passes;
+    passes.width_mm = file.number("pass_width_mm", least_mm, most_mm);
+    if (!file.has("pass_source") || file.text("pass_source").empty())
+        file.fail("pass_source", "is missing: say where pass_width_mm is from");
+    passes.source = file.text("pass_source");
+    if (file.has("pass_axis")) {
+        const std::string axis = file.text("pass_axis");
+        if (axis != "x" && axis != "y") file.fail("pass_axis", fmt::format("'{}' is none of x, y", axis));
+        passes.along = axis == "x" ? 0 : 1;
+    }
+    if (file.has("pass_s")) passes.seconds = file.number("pass_s", least_s, most_s);
+    return passes;
+}
+
 PrinterProfile printer_from_json(const io::JsonObject& file, const std::string& id) {
     if (!file.has("format") || !file.is_text("format") || file.text("format") != "voxtone-printer")
         file.fail("format", "is not \"voxtone-printer\": this is not a printer profile");
@@ -195,6 +216,7 @@ PrinterProfile printer_from_json(const io::JsonObject& file, const std::string& 
     read_walls(file, printer);
     if (file.has("utility")) printer.utility = file.text("utility");
     if (file.has("mode")) printer.mode = file.text("mode");
+    printer.passes = read_passes(file);
     printer.notes = texts_or(file, "notes", {});
     return printer;
 }
@@ -243,6 +265,12 @@ std::vector<std::string> PrinterProfile::warnings() const {
     return sentences;
 }
 
+HeadPasses PrinterProfile::sliced_passes() const {
+    HeadPasses sliced = passes;
+    if (orientation.swap_xy) sliced.along = passes.across();
+    return sliced;
+}
+
 io::StackDescription PrinterProfile::describe(const std::array<std::uint32_t, 3>& voxels) const {
     const Eigen::Vector3d pitch = sliced_pitch_um();
     io::StackDescription stack;
@@ -284,6 +312,39 @@ std::optional<std::string_view> known_printer_text(std::string_view id) {
     return std::nullopt;
 }
 
+namespace {
+
+/// A printer's name as people write it, as an id has it.
+std::string as_id(const std::string& name) {
+    std::string id;
+    for (const char c : name)
+        id += c == ' ' || c == '_' ? '-' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return id;
+}
+
+/// The digits of a name are the machine's: another number is another machine.
+std::string digits_in(std::string_view name) {
+    std::string digits;
+    for (const char c : name)
+        if (c >= '0' && c <= '9') digits += c;
+    return digits;
+}
+
+/// In quotes; of a machine its modes; empty: none is near.
+std::string nearest_printer(const std::string& name, const std::vector<std::string>& known) {
+    const std::string id = as_id(name);
+    std::vector<std::string> begun, same_machine;
+    for (const std::string& candidate : known) {
+        if (candidate == id || candidate.starts_with(id + "-")) begun.push_back(fmt::format("'{}'", candidate));
+        if (digits_in(candidate) == digits_in(id)) same_machine.push_back(candidate);
+    }
+    if (!begun.empty()) return fmt::format("{}", fmt::join(begun, ", "));
+    const std::string nearest = io::nearest_name(id, same_machine);
+    return nearest.empty() ? nearest : fmt::format("'{}'", nearest);
+}
+
+}  // namespace
+
 PrinterProfile find_printer(const std::string& id_or_path) {
     if (id_or_path.find('/') != std::string::npos || id_or_path.ends_with(".json")) {
         const std::filesystem::path path(id_or_path);
@@ -294,10 +355,10 @@ PrinterProfile find_printer(const std::string& id_or_path) {
         if (file.name == id_or_path) return parse_printer(file.text, id_or_path, "profile " + id_or_path);
         known.emplace_back(file.name);
     }
-    const std::string nearest = io::nearest_name(id_or_path, known);
+    const std::string nearest = nearest_printer(id_or_path, known);
     throw InputError(fmt::format(
         "unknown printer '{}'{}; known are {}; your own profile is given as a path to its .json file", id_or_path,
-        nearest.empty() ? "" : fmt::format(" (did you mean '{}'?)", nearest), fmt::join(known, ", ")));
+        nearest.empty() ? "" : fmt::format(" (did you mean {}?)", nearest), fmt::join(known, ", ")));
 }
 
 std::vector<PrinterProfile> list_printers() {

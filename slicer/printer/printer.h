@@ -23,6 +23,7 @@
 #include "io/layers/layer_format.h"
 #include "io/layers/manifest.h"
 #include "io/layers/rgb.h"
+#include "slicer/printer/printing_time.h"
 
 namespace voxtone::slicer {
 
@@ -53,6 +54,7 @@ struct PrinterProfile {
     std::map<std::string, std::string> unconfirmed;     ///< key of the file -> why the figure is not sure
     std::string utility;                                ///< the program that takes the files, for people
     std::string mode;                                   ///< of printing, as it calls it
+    HeadPasses passes{};                                ///< of the bitmaps: along their columns or rows
     std::vector<std::string> notes;
 
     /// Takes the cartridges that this set is of; nothing changes where set or printer do not say which. Those of
@@ -64,6 +66,8 @@ struct PrinterProfile {
     [[nodiscard]] Eigen::Vector3d sliced_pitch_um() const { return as_sliced(pitch_um); }
     [[nodiscard]] Eigen::Vector3d sliced_pitch_mm() const { return sliced_pitch_um() * 1e-3; }
     [[nodiscard]] Eigen::Vector3d sliced_tray_mm() const { return as_sliced(tray_mm); }
+    /// In the model's frame.
+    [[nodiscard]] HeadPasses sliced_passes() const;
     /// A stack of so many voxels along the model's x, y, z, as `io::LayerStackWriter` wants it; without resins.
     [[nodiscard]] io::StackDescription describe(const std::array<std::uint32_t, 3>& voxels) const;
     [[nodiscard]] bool confirmed(const std::string& key) const { return !unconfirmed.contains(key); }

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "slicer/printer/tray_room.h"
 #include "slicer/tray/part_outline.h"
+#include "slicer/tray/pass_bands.h"
 
 namespace voxtone::slicer {
 
@@ -87,6 +88,10 @@ std::array<int, 2> plate_cells(const Eigen::Vector3d& tray_mm, const std::vector
     return {cells(tray_mm.x()), cells(tray_mm.y())};
 }
 
+PassBands bands_of(const HeadPasses& heads) {
+    return {heads.along, heads.known() ? std::max(1, cells_within(heads.width_mm)) : 0};
+}
+
 /// What the plan has put on the plate.
 std::optional<Outline> planned_outline(std::span<const StandingPart> parts, const std::array<int, 2>& plate) {
     std::optional<Outline> taken;
@@ -101,8 +106,13 @@ std::optional<Outline> planned_outline(std::span<const StandingPart> parts, cons
 
 class Arranger {
 public:
-    Arranger(std::span<const StandingPart> parts, const Eigen::Vector3d& tray_mm, const TrayOptions& options)
-        : parts_(parts), tray_mm_(tray_mm), options_(options), pitch_(parts[0].grid().pitch_mm) {
+    Arranger(std::span<const StandingPart> parts, const Eigen::Vector3d& tray_mm, const TrayOptions& options,
+             const HeadPasses& heads)
+        : parts_(parts),
+          tray_mm_(tray_mm),
+          options_(options),
+          bands_(bands_of(heads)),
+          pitch_(parts[0].grid().pitch_mm) {
         made_.copies.resize(parts.size());
     }
 
@@ -206,8 +216,10 @@ private:
                 if (top > floor) trays_ = tray + 1;
                 floor = next_level(top);
             }
+            if (tray == 0) expect_first(waiting);
         }
-        if (!waiting.empty()) refuse_for_room(waiting);
+        if (!waiting.empty())
+            refuse_for_room(waiting, options_.trays == 1 ? "the tray" : fmt::format("{} trays", options_.trays));
     }
 
     /// Above what ends at `top`, with the gap; where slabs of layers begin, so that none is made twice.
@@ -228,7 +240,9 @@ private:
             of_item.push_back(w);
         }
         int top = corner.at[2];
-        const auto places = nest(items, plate, cells_above(options_.gap_mm), taken);
+        const auto places = places_on_level(items, plate, taken, [&](std::size_t n) {
+            return corner.tray == 0 && parts_[waiting[of_item[n]].part].part->first;
+        });
         std::vector<bool> stands(waiting.size());
         for (std::size_t n = 0; n < items.size(); ++n) {
             if (!places[n]) continue;
@@ -245,7 +259,45 @@ private:
         return top;
     }
 
-    [[noreturn]] void refuse_for_room(const std::vector<Waiting>& waiting) const {
+    /// What must be there has its place before the others where there is none for all.
+    template <class IsFirst>
+    [[nodiscard]] std::vector<std::optional<NestPlace>> places_on_level(const std::vector<NestItem>& items,
+                                                                        const std::array<int, 2>& plate,
+                                                                        const std::optional<Outline>& taken,
+                                                                        const IsFirst& is_first) const {
+        const int gap = cells_above(options_.gap_mm);
+        auto places = nest_in_passes(items, plate, gap, taken, bands_);
+        std::array<std::vector<std::size_t>, 2> turns;  // those that must be there, then the others
+        bool good = true;
+        for (std::size_t n = 0; n < items.size(); ++n) {
+            turns[is_first(n) ? 0 : 1].push_back(n);
+            good = good && (places[n] || !is_first(n));
+        }
+        if (good) return places;
+        std::optional<Outline> full = taken ? taken : Outline(plate[0], plate[1]);
+        for (const std::vector<std::size_t>& now : turns) {
+            std::vector<NestItem> some;
+            for (const std::size_t n : now) some.push_back(items[n]);
+            const auto found = nest_in_passes(some, plate, gap, full, bands_);
+            for (std::size_t i = 0; i < now.size(); ++i) {
+                places[now[i]] = found[i];
+                if (found[i])
+                    take_at(*full, some[i].turns[std::size_t(found[i]->turn)], found[i]->x * nest_cell_mm,
+                            found[i]->y * nest_cell_mm);
+            }
+        }
+        return places;
+    }
+
+    /// Those that must be on the first tray and are not.
+    void expect_first(const std::vector<Waiting>& waiting) const {
+        std::vector<Waiting> late;
+        for (const Waiting& one : waiting)
+            if (parts_[one.part].part->first) late.push_back(one);
+        if (!late.empty()) refuse_for_room(late, "the first tray, where they must be (\"first\"),");
+    }
+
+    [[noreturn]] void refuse_for_room(const std::vector<Waiting>& waiting, const std::string& where) const {
         std::vector<int> left_over(parts_.size());
         for (const Waiting& one : waiting) ++left_over[one.part];
         std::string names;
@@ -255,8 +307,7 @@ private:
         throw InputError(fmt::format(
             "{} find no room on {} of {:.0f} x {:.0f} x {:.0f} mm: allow more trays (--trays N), parts over each other "
             "(--arrange stacked) or turned (--turn), print fewer or smaller ones, or leave less between them (--gap)",
-            names, options_.trays == 1 ? std::string("the tray") : fmt::format("{} trays", options_.trays),
-            tray_mm_.x(), tray_mm_.y(), tray_mm_.z()));
+            names, where, tray_mm_.x(), tray_mm_.y(), tray_mm_.z()));
     }
 
     /// The box of all copies on a tray becomes the print: its corner is the tray's.
@@ -292,6 +343,7 @@ private:
     std::span<const StandingPart> parts_;
     Eigen::Vector3d tray_mm_;
     const TrayOptions& options_;
+    PassBands bands_;
     Eigen::Vector3d pitch_;
     Arrangement made_;
     int trays_ = 1;
@@ -299,19 +351,22 @@ private:
 
 }  // namespace
 
-Arrangement arrange(std::span<const StandingPart> parts, const Eigen::Vector3d& tray_mm, const TrayOptions& options) {
+Arrangement arrange(std::span<const StandingPart> parts, const Eigen::Vector3d& tray_mm, const TrayOptions& options,
+                    const HeadPasses& heads) {
     VOXTONE_EXPECT(!parts.empty());
-    return Arranger(parts, tray_mm, options).arrange();
+    return Arranger(parts, tray_mm, options, heads).arrange();
 }
 
-std::vector<int> turns_on_plate(std::span<const StandingPart> parts, const Eigen::Vector3d& tray_mm, double gap_mm) {
+std::vector<int> turns_on_plate(std::span<const StandingPart> parts, const Eigen::Vector3d& tray_mm, double gap_mm,
+                                const HeadPasses& heads) {
     const std::vector<Waiting> waiting = waiting_copies(parts, true, tray_mm, gap_mm);
     std::vector<int> turns(parts.size());
     if (waiting.empty()) return turns;
     const std::array<int, 2> plate = plate_cells(tray_mm, waiting);
     std::vector<NestItem> items;
     for (const Waiting& one : waiting) items.push_back(one.item);
-    const auto places = nest(items, plate, cells_above(gap_mm), planned_outline(parts, plate));
+    const auto places =
+        nest_in_passes(items, plate, cells_above(gap_mm), planned_outline(parts, plate), bands_of(heads));
     for (std::size_t w = 0; w < waiting.size(); ++w)
         if (places[w]) turns[waiting[w].part] = places[w]->turn;
     return turns;

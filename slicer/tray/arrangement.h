@@ -14,6 +14,7 @@
 #include "slicer/options/resolved_job.h"
 #include "slicer/plans/tray_plan.h"
 #include "slicer/prepare/job_body.h"
+#include "slicer/printer/printing_time.h"
 #include "slicer/tray/placed_copy.h"
 #include "slicer/tray/ready_component.h"
 
@@ -36,13 +37,13 @@ struct Arrangement {
 };
 
 /// Throws InputError for parts that the plan puts off the tray or above it, and for what finds no room on as many trays
-/// as there may be.
+/// as there may be. `heads`: of the printer, in whose passes as few as can be they are laid.
 [[nodiscard]] Arrangement arrange(std::span<const StandingPart> parts, const Eigen::Vector3d& tray_mm,
-                                  const TrayOptions& options);
+                                  const TrayOptions& options, const HeadPasses& heads = {});
 
 /// Right angles by which each part is turned best; 0 for those that may not be.
 [[nodiscard]] std::vector<int> turns_on_plate(std::span<const StandingPart> parts, const Eigen::Vector3d& tray_mm,
-                                              double gap_mm);
+                                              double gap_mm, const HeadPasses& heads = {});
 /// What `rotate` is where the part is turned so many right angles further than its options say, counter-clockwise from
 /// above.
 [[nodiscard]] std::string turned_further(const SliceOptions& options, int right_angles);

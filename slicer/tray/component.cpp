@@ -8,8 +8,10 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
+#include "slicer/layers/mixture_body.h"
 #include "slicer/layers/plain_body.h"
 #include "slicer/tray/finished_stack.h"
+#include "slicer/tray/joined_parts.h"
 #include "slicer/tray/part_outline.h"
 
 namespace voxtone::slicer {
@@ -81,9 +83,35 @@ ReadyComponent prepare_shape(const TrayPart& part, const OpenedJob& common, Prog
     return made;
 }
 
+/// A model in its place, of one mixture.
+ReadyComponent prepare_solid(const TrayPart& part, const OpenedJob& common, Progress& progress) {
+    SliceOptions options = part.options;
+    options.out = common.options.out.string();
+    options.load.clear();
+    for (const io::StackResin& resin : common.resins.entries) options.load.push_back(resin.role);
+    const OpenedJob job = open_job(options);
+    const JobBody body = prepare_body(job.options, job.printer, progress);
+    for (const std::string& warning : body.warnings)
+        if (warning.find("[no-colour]") == std::string::npos) progress.warn(warning);
+    const std::vector<double> shares = shares_of(*part.component, common.resins);
+    const Eigen::Vector3d& pitch = body.grid.pitch_mm;
+    MixtureFill fill(cumulative_mixture(shares), static_cast<int>(shares.size()),
+                     halftone::BlueNoiseScreen({pitch.x(), pitch.y(), pitch.z()}, &progress));
+    ReadyComponent made{std::make_shared<const MixtureBody>(Solid(*body.solid, body.grid), std::move(fill)),
+                        outline_of(body),
+                        {},
+                        {part.component->path},
+                        true};
+    const double sum = std::accumulate(shares.begin(), shares.end(), 0.0), voxels = double(voxels_of(body));
+    if (voxels == 0) throw InputError("holds the centre of no voxel: nothing would be printed; make it larger");
+    for (const double share : shares) made.voxels.push_back(std::uint64_t(std::llround(voxels * share / sum)));
+    return made;
+}
+
 }  // namespace
 
 ReadyComponent prepare_component(const TrayPart& part, const OpenedJob& common, Progress& progress) {
+    if (part.component->kind == ComponentKind::body) return prepare_solid(part, common, progress);
     return part.component->is_shape() ? prepare_shape(part, common, progress)
                                       : open_finished_stack(*part.component, common, progress);
 }

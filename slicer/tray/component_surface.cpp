@@ -113,6 +113,28 @@ private:
     halftone::AppearanceColour colour_;
 };
 
+/// Whether one looks through it: light goes a centimetre before it is turned aside or taken.
+bool is_clear(const ReadyComponent& component, const OpenedJob& common) {
+    constexpr double clear_per_mm = 0.1;
+    double voxels = 0, per_mm = 0;
+    for (std::size_t r = 0; r < component.voxels.size(); ++r) {
+        const optics::Resin& resin = common.resins.set.resins[r];
+        voxels += double(component.voxels[r]);
+        for (std::size_t c = 0; c < resin.sigma_t_per_mm.size(); ++c)
+            per_mm += double(component.voxels[r]) * resin.sigma_t_per_mm[c] *
+                      (1 - common.resins.set.g * resin.albedo[c]) / double(resin.sigma_t_per_mm.size());
+    }
+    return voxels > 0 && per_mm < clear_per_mm * voxels;
+}
+
+/// Leaves a lattice, through which one sees what it holds.
+void thin_out(std::vector<std::array<std::uint32_t, 3>>& triangles) {
+    constexpr std::size_t one_of = 6;
+    std::vector<std::array<std::uint32_t, 3>> left;
+    for (std::size_t t = 0; t < triangles.size(); t += one_of) left.push_back(triangles[t]);
+    triangles = std::move(left);
+}
+
 }  // namespace
 
 std::optional<io::ViewerSurface> component_surface(const ReadyComponent& component, const OpenedJob& common,
@@ -138,6 +160,7 @@ std::optional<io::ViewerSurface> component_surface(const ReadyComponent& compone
         const std::uint32_t* voxels = counts.at(cell.cell[0], cell.cell[1], cell.cell[2]);
         looks.looks[0].rgb.push_back(component.is_one_mixture ? of_all : colour.of({voxels, voxels + resins}));
     }
+    if (is_clear(component, common)) thin_out(mesh.triangles);
     if (mesh.triangles.empty()) return std::nullopt;
     return viewer_body(mesh, looks, std::ranges::max(counts.cell_mm()), bytes);
 }

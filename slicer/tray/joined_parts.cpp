@@ -98,7 +98,9 @@ std::string look_of(const ReadyPart& part) {
 }
 
 /// Nobody asked how it will look.
-bool is_plain(const ReadyPart& part) { return part.component && part.part.component->is_shape(); }
+bool is_plain(const ReadyPart& part) {
+    return part.component && (part.part.component->is_shape() || part.part.component->kind == ComponentKind::body);
+}
 
 /// Why a copy of this part is not joined with others; empty: it may be.
 std::string why_alone(const ReadyPart& part) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Where parts lie on the plate, by their outlines from above: as few columns as can be, for a jetting printer's time
-// goes by passes. Each outline at the first place from the left, then from the front, where it, grown by the gap, meets
+// Where parts lie on the plate, by their outlines from above: as few columns as can be (in as few passes of the heads:
+// pass_bands.h). Each outline at the first place from the left, then from the front, where it, grown by the gap, meets
 // no other (bottom-left fill on bitmaps, as Burke et al. 2006, "A new bottom-left-fill heuristic algorithm for the
 // two-dimensional irregular packing problem", Oper. Res. 54:587, do it on polygons); in several orders, of which the
 // best is kept. Of an outline that may be turned that turn is taken whose right end is leftmost.

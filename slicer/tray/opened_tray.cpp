@@ -14,6 +14,7 @@
 #include "io/files/whole_file.h"
 #include "io/layers/stack_folder.h"
 #include "slicer/kept/loop_checkpoint.h"
+#include "slicer/options/option_table.h"
 #include "slicer/printer/placement.h"
 #include "slicer/tray/joined_parts.h"
 
@@ -55,9 +56,18 @@ std::vector<io::SideFile> files_of(const OpenedTray& tray, const TrayParts& part
     return files;
 }
 
+/// What the plan says of the print is the tray's, and stands in its job.json: who looks at its stack loads it.
+OpenedJob open_with_plan(SliceOptions asked, const TrayPlan& plan) {
+    for (const char* key : {"printer", "resins", "load"}) {
+        const OptionSpec& spec = *find_option(key);
+        spec.set(asked, spec.get(plan.common));
+    }
+    return open_job(asked);
+}
+
 }  // namespace
 
-SliceOptions with_plan(SliceOptions asked, std::span<const std::string> models) {
+SliceOptions with_plan(SliceOptions asked, const TrayModels& models) {
     if (models.empty()) return asked;
     const fs::path folder = fs::path(asked.out) / io::parts_name;
     fs::create_directories(folder);
@@ -74,13 +84,15 @@ TrayOptions tray_options_of(const SliceOptions& common) {
 OpenedTray open_tray(const SliceOptions& asked) {
     if (asked.out.empty()) throw UsageError("tray: name the folder for the print (-o OUT)");
     refuse_of_one_body(asked);
-    return {open_job(asked), read_tray_plan(asked.model, asked)};
+    TrayPlan plan = read_tray_plan(asked.model, asked);
+    return {open_with_plan(asked, plan), std::move(plan)};
 }
 
-OpenedTray open_tray_of_models(SliceOptions asked, std::span<const std::string> models) {
+OpenedTray open_tray_of_models(SliceOptions asked, const TrayModels& models) {
     refuse_of_one_body(asked);
     asked.model = tray_plan_name;
-    return {open_job(asked), tray_plan_of_models(models, asked)};
+    TrayPlan plan = tray_plan_of_models(models, asked);
+    return {open_with_plan(std::move(asked), plan), std::move(plan)};
 }
 
 PreparedTray prepare_tray(const OpenedTray& tray, Progress& progress) {
@@ -92,7 +104,7 @@ PreparedTray prepare_tray(const OpenedTray& tray, Progress& progress) {
     const PrinterProfile printer = prepared.any_job().printer;
     for (const std::string& warning : printer.warnings()) progress.warn(warning);
     const SliceOptions& common = tray.plan.common;
-    prepared.places = arrange(standing, printer.sliced_tray_mm(), tray_options_of(common));
+    prepared.places = arrange(standing, printer.sliced_tray_mm(), tray_options_of(common), printer.sliced_passes());
     for (const std::string& note : prepared.places.notes) progress.note(note);
     for (std::size_t p = 0; p < standing.size(); ++p) prepared.parts.ready[p].copies = prepared.places.copies[p];
     join_near_parts(prepared.parts.ready, common.out, progress);

@@ -25,7 +25,7 @@ namespace voxtone::slicer {
 inline constexpr std::string_view tray_file_name = "tray.json", tray_picture_name = "tray.png";
 
 /// The models become a plan in OUT/parts, which is made; with none the options name the plan.
-[[nodiscard]] SliceOptions with_plan(SliceOptions asked, std::span<const std::string> models);
+[[nodiscard]] SliceOptions with_plan(SliceOptions asked, const TrayModels& models);
 
 [[nodiscard]] TrayOptions tray_options_of(const SliceOptions& common);
 
@@ -37,7 +37,7 @@ struct OpenedTray {
 /// Throws UsageError, InputError, FileError. Changes nothing on disk.
 [[nodiscard]] OpenedTray open_tray(const SliceOptions& asked);
 /// The tray of these models, without a plan on disk.
-[[nodiscard]] OpenedTray open_tray_of_models(SliceOptions asked, std::span<const std::string> models);
+[[nodiscard]] OpenedTray open_tray_of_models(SliceOptions asked, const TrayModels& models);
 
 /// Its parts, prepared, in their places.
 struct PreparedTray {

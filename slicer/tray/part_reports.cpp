@@ -79,6 +79,7 @@ public:
         ready.print->evaluate(stack, progress);
         progress.begin_stage(name_of(Phase::report), 0);
         io::Report report = make_report(ready.job, ready.body, stack, *ready.print, ready.figures);
+        if (!is_all && ready.body.name.empty()) report.title = part_.part.name;  // whose file may be several parts'
         report.layers = watchers_.thumbnails->take();
         // The layers lie beside the tray's page.
         draw_report(*ready.print, report, watchers_.voxels, is_all ? io::StackDescription{}.pattern : "", progress);

@@ -2,6 +2,7 @@
 #include "slicer/tray/tray_estimate.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
@@ -18,6 +19,7 @@
 #include "slicer/layers/layer_bytes.h"
 #include "slicer/options/option_values.h"
 #include "slicer/plan/phase_estimates.h"
+#include "slicer/plans/fault_list.h"
 #include "slicer/printer/placement.h"
 #include "slicer/tray/component.h"
 #include "slicer/tray/kept_loop.h"
@@ -66,6 +68,13 @@ EstimatedPart estimate_component(const TrayPart& part, const OpenedJob& common, 
     return made;
 }
 
+/// "tray.csv: line 4: cow.obj", the file where what is said does not name it.
+std::string place_and_file(const TrayPart& part, const std::string& said) {
+    const std::string& file = part.component ? part.component->path : part.options.model;
+    const std::string name = std::filesystem::path(file).filename().string();
+    return name.empty() || said.find(name) != std::string::npos ? part.place : part.place + ": " + name;
+}
+
 EstimatedPart estimate_part(const TrayPart& part, const EstimateScope& scope, const OpenedJob* common,
                             Progress& progress) {
     try {
@@ -83,7 +92,7 @@ EstimatedPart estimate_part(const TrayPart& part, const EstimateScope& scope, co
     } catch (const TryAgain&) {
         throw;
     } catch (const Error& error) {
-        throw Error(error.exit_code(), fmt::format("{}: {}", part.place, error.what()));
+        throw Error(error.exit_code(), fmt::format("{}: {}", place_and_file(part, error.what()), error.what()));
     }
 }
 
@@ -124,6 +133,19 @@ void add_phases(const EstimatedPart& part, std::uint64_t resident_in_the_end, Jo
     sum.loop_s += part.estimate.loop_s;
 }
 
+/// Nothing where one stands above others, or what it is made of is not known.
+std::optional<double> support_of(const std::vector<EstimatedPart>& parts, const Arrangement& places) {
+    double ml = 0;
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+        for (const PlacedCopy& copy : places.copies[p])
+            if (copy.at[2] > 0) return std::nullopt;
+        const bool is_shape = parts[p].component && parts[p].part->component->is_shape();
+        if (!is_shape && !parts[p].estimate.support_ml) return std::nullopt;
+        ml += parts[p].part->copies * parts[p].estimate.support_ml.value_or(0);
+    }
+    return ml;
+}
+
 void add_print(const Arrangement& places, const PrinterProfile& printer, JobEstimate& sum) {
     const VoxelGrid& grid = places.trays[0];
     sum.printer = printer.id;
@@ -132,14 +154,18 @@ void add_print(const Arrangement& places, const PrinterProfile& printer, JobEsti
         sum.size_px[axis] = std::uint32_t(grid.size[axis]);
         sum.size_mm[axis] = grid.size[axis] * grid.pitch_mm[Eigen::Index(axis)];
     }
-    for (const VoxelGrid& tray : places.trays) sum.layers += std::uint32_t(tray.size[2]);
+    for (const VoxelGrid& tray : places.trays) {
+        check_layer_count(tray.size[2], printer, "larger (\"size\")");
+        sum.layers += std::uint32_t(tray.size[2]);
+        sum.printing.add(printer.sliced_passes(), length_of(tray), std::uint64_t(tray.size[2]));
+    }
     if (places.trays.size() > 1) sum.notes.push_back(fmt::format("{} trays are filled", places.trays.size()));
     sum.notes.insert(sum.notes.end(), places.notes.begin(), places.notes.end());
 }
 
 }  // namespace
 
-JobEstimate estimate_tray(const SliceOptions& asked, std::span<const std::string> models, Progress& progress,
+JobEstimate estimate_tray(const SliceOptions& asked, const TrayModels& models, Progress& progress,
                           const EstimateScope& scope) {
     if (scope.orientations)
         throw UsageError(
@@ -151,18 +177,26 @@ JobEstimate estimate_tray(const SliceOptions& asked, std::span<const std::string
     const ThreadLimit threads(static_cast<std::size_t>(common.threads));
     const std::optional<OpenedJob> of_all = common_job(tray.plan);
     std::vector<EstimatedPart> parts;
+    EstimateScope of_part = scope;
+    of_part.of_a_tray = true;
+    FaultList faults;
     for (const TrayPart& part : tray.plan.parts)
-        parts.push_back(estimate_part(part, scope, of_all ? &*of_all : nullptr, progress));
+        faults.look([&] { parts.push_back(estimate_part(part, of_part, of_all ? &*of_all : nullptr, progress)); });
+    faults.expect_none(
+        fmt::format("{} of {} parts cannot be printed as they are", faults.size(), tray.plan.parts.size()));
     std::vector<StandingPart> standing;
     for (const EstimatedPart& part : parts)
         standing.push_back(
             {part.part, part.measured ? &part.measured->body : nullptr, part.component ? &*part.component : nullptr});
     const PrinterProfile printer = of_all ? of_all->printer : open_job(tray.plan.parts[0].options).printer;
     JobEstimate sum;
-    sum.model = models.empty() ? asked.model : fmt::format("{}", fmt::join(models, ", "));
+    sum.model = models.empty() ? asked.model : fmt::format("{}", fmt::join(models.files, ", "));
     sum.threads = thread_count();
     sum.warnings = printer.warnings();
-    add_print(arrange(standing, printer.sliced_tray_mm(), tray_options_of(common)), printer, sum);
+    const Arrangement places =
+        arrange(standing, printer.sliced_tray_mm(), tray_options_of(common), printer.sliced_passes());
+    add_print(places, printer, sum);
+    sum.support_ml = support_of(parts, places);
     const std::uint64_t resident = resident_bytes();
     double g = 0, price = 0;
     bool weighed = true, priced = true;

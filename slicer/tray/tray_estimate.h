@@ -4,18 +4,16 @@
 // and added up, copies counted for what they take: resin, disk and a share of the layers' time, but no loop.
 #pragma once
 
-#include <span>
-#include <string>
-
 #include "base/progress.h"
 #include "slicer/estimate/estimate_job.h"
+#include "slicer/plans/tray_plan.h"
 
 namespace voxtone::slicer {
 
 /// Nothing is written. Of several trays the size is that of the first, and the layers are those of all. `models` are
 /// the parts; with none the options name the plan. Throws as the tray would with --fail-fast.
-[[nodiscard]] JobEstimate estimate_tray(const SliceOptions& asked, std::span<const std::string> models,
-                                        Progress& progress, const EstimateScope& scope);
+[[nodiscard]] JobEstimate estimate_tray(const SliceOptions& asked, const TrayModels& models, Progress& progress,
+                                        const EstimateScope& scope);
 
 /// Of a tray, or of one body, whichever the options are of.
 [[nodiscard]] JobEstimate estimate_any(const SliceOptions& asked, Progress& progress, const EstimateScope& scope = {});

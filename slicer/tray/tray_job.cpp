@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -63,6 +65,30 @@ std::optional<JobResult> done_before(const OpenedTray& tray, const io::StackFold
                      fmt::format("{}: holds this tray already, whole; nothing was done (--overwrite makes it again)\n",
                                  folder.path().string()),
                      exit_code_of(tray, {}, ending->verdicts)};
+}
+
+/// Folders of parts that this tray has no more go to OUT/parts/earlier, where they are found again (tray_parts.h).
+void set_aside_left_parts(const OpenedTray& tray, const PreparedTray& prepared, Progress& progress) {
+    const fs::path parts = fs::path(tray.plan.common.out) / io::parts_name;
+    if (std::error_code none; !fs::is_directory(parts, none)) return;
+    std::set<std::string> names{std::string(earlier_parts_name)};
+    for (const ReadyPart& part : prepared.parts.ready) names.insert(part.part.name);
+    for (const FailedPart& part : prepared.parts.failed) names.insert(part.name);
+    std::vector<fs::path> left;
+    for (const fs::directory_entry& entry : fs::directory_iterator(parts))
+        if (entry.is_directory() && !names.contains(entry.path().filename().string())) left.push_back(entry.path());
+    std::ranges::sort(left);
+    std::string said;
+    for (const fs::path& folder : left) {
+        const fs::path aside = parts / earlier_parts_name / folder.filename();
+        fs::create_directories(aside.parent_path());
+        fs::remove_all(aside);
+        fs::rename(folder, aside);
+        said += (said.empty() ? "" : ", ") + folder.filename().string();
+    }
+    if (!said.empty())
+        progress.note(
+            fmt::format("{}: of an earlier tray, and set aside in {}", said, (parts / earlier_parts_name).string()));
 }
 
 /// Takes the folder of a tray; another tray's stack is replaced only where that was allowed.
@@ -167,7 +193,7 @@ JobResult loops_kept(const OpenedTray& tray, const PreparedTray& prepared) {
 
 }  // namespace
 
-JobResult run_tray_job(const SliceOptions& asked, std::span<const std::string> models, Progress& progress) {
+JobResult run_tray_job(const SliceOptions& asked, const TrayModels& models, Progress& progress) {
     const Stopwatch watch;
     if (asked.out.empty()) throw UsageError("tray: name the folder for the print (-o OUT)");
     const bool only_loops = asked.until == name_of(Until::loop);
@@ -198,6 +224,7 @@ JobResult run_tray_job(const SliceOptions& asked, std::span<const std::string> m
         prints.push_back(std::make_unique<TrayPrint>(tray, prepared, number, std::move(folders[std::size_t(number)])));
         prints.back()->make(report, progress);
     }
+    set_aside_left_parts(tray, prepared, progress);
     JobResult result;
     for (const auto& print : prints) {
         JobResult made = print->finish(report, watch, progress);

@@ -8,19 +8,16 @@
 // Parts that lie within 2 mm of each other are looked at as one body (joined_parts.h), the others alone.
 #pragma once
 
-#include <span>
-#include <string>
-
 #include "base/job_result.h"
 #include "base/progress.h"
 #include "slicer/options/slice_options.h"
+#include "slicer/plans/tray_plan.h"
 
 namespace voxtone::slicer {
 
 /// `asked.model` is the tray's plan, or `models` are its parts. A part that fails is left out and told of, unless
 /// `asked.fail_fast`. Throws InputError for parts that do not fit, and with `fail_fast` all that the jobs of the parts
 /// throw; OUT holds then what it held before.
-[[nodiscard]] JobResult run_tray_job(const SliceOptions& asked, std::span<const std::string> models,
-                                     Progress& progress);
+[[nodiscard]] JobResult run_tray_job(const SliceOptions& asked, const TrayModels& models, Progress& progress);
 
 }  // namespace voxtone::slicer

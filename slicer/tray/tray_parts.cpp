@@ -74,6 +74,13 @@ void expect_of_the_tray(const PartJob& said, const OpenedJob& opened) {
     if (other(said.resins, opened.options.resins)) refuse("resins", said.resins, opened.options.resins);
 }
 
+/// Of a part that was set aside when it left the tray.
+void take_back(const fs::path& folder) {
+    std::error_code none;
+    const fs::path aside = folder.parent_path() / earlier_parts_name / folder.filename();
+    if (!fs::exists(folder, none) && fs::is_directory(aside, none)) fs::rename(aside, folder, none);
+}
+
 /// All are opened before the first is worked on: what refuses one is known before time is spent.
 std::vector<WaitingPart> open_parts(const TrayPlan& plan, std::vector<FailedPart>& failed, Progress& progress) {
     std::vector<WaitingPart> waiting;
@@ -84,6 +91,7 @@ std::vector<WaitingPart> open_parts(const TrayPlan& plan, std::vector<FailedPart
             continue;
         }
         const SliceOptions options = job_options(part, plan.common.out, roles);
+        take_back(options.out);
         const bool good = goes_well(part, plan.common.fail_fast, failed, progress, [&] {
             const OpenedJob opened = open_job(options);
             if (opened.options.layered)
@@ -144,8 +152,9 @@ void turn_parts(const TrayPlan& plan, std::vector<WaitingPart>& waiting, std::ve
     if (model == waiting.end()) return;
     std::vector<StandingPart> all;
     for (const WaitingPart& part : waiting) all.push_back(standing(part));
+    const PrinterProfile printer = open_job(model->options).printer;
     const std::vector<int> turns =
-        turns_on_plate(all, open_job(model->options).printer.sliced_tray_mm(), plan.common.gap_mm);
+        turns_on_plate(all, printer.sliced_tray_mm(), plan.common.gap_mm, printer.sliced_passes());
     for (std::size_t p = 0; p < waiting.size(); ++p) {
         if (turns[p] == 0) continue;
         progress.note(fmt::format("{}: is turned by {} degrees", waiting[p].part.name, 90 * turns[p]));

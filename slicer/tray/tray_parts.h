@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/error.h"
@@ -16,6 +17,9 @@
 #include "slicer/tray/ready_component.h"
 
 namespace voxtone::slicer {
+
+/// In OUT/parts: what parts came to that left. One that comes back finds its own there.
+inline constexpr std::string_view earlier_parts_name = "earlier";
 
 struct ReadyPart {
     TrayPart part;

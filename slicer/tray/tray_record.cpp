@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include "base/memory_text.h"
 #include "base/process_usage.h"
 #include "base/progress_bar.h"
 #include "base/warning.h"
@@ -13,6 +14,7 @@
 #include "io/layers/stack_folder.h"
 #include "io/report/report.h"
 #include "slicer/kept/report_files.h"
+#include "slicer/plans/part_about.h"
 #include "slicer/tray/joined_parts.h"
 
 namespace voxtone::slicer {
@@ -37,6 +39,20 @@ std::string verdict_of(const ReadyPart& part) {
     const io::JsonObject report = io::JsonObject::parse(part.report, "report");
     if (!report.has(verdict_key) || !report.is_object(verdict_key)) return {};
     return report.object(verdict_key).text("level");
+}
+
+/// What its own report says first, with its figure.
+std::string verdict_line(const ReadyPart& part) {
+    if (part.component) return "not predicted: a " + std::string(name_of(part.part.component->kind));
+    if (part.alone.empty()) return "one body with what lies beside it";
+    if (part.report.empty()) return "not predicted";
+    const io::JsonObject report = io::JsonObject::parse(part.report, "report");
+    if (!report.has(verdict_key) || !report.is_object(verdict_key)) return "not predicted";
+    const io::JsonObject verdict = report.object(verdict_key);
+    std::string text = verdict.text("level");
+    if (verdict.has("seen_de2000"))
+        text += fmt::format(", {:.1f} CIEDE2000", verdict.object("seen_de2000").number("mean", 0, 1000));
+    return text;
 }
 
 void write_places(io::JsonWriter& json, const ReadyPart& part, int tray, const VoxelGrid& grid,
@@ -91,7 +107,8 @@ std::vector<io::StackMember> members_of(const PreparedTray& prepared, int tray) 
     for (const ReadyPart& part : prepared.parts.ready) {
         if (part.is_joined || copies_on(part, tray) == 0) continue;
         const VoxelGrid& own = part.grid();
-        io::StackMember member{part.part.name, {}, 0, part.component ? no_verdict : verdict_of(part)};
+        io::StackMember member{
+            part.part.name, {}, 0, part.component ? no_verdict : verdict_of(part), about_part(part.part)};
         for (const PlacedCopy& copy : part.copies) {
             if (copy.tray != tray) continue;
             std::array<double, 6>& box = member.boxes_mm.emplace_back();
@@ -150,15 +167,15 @@ std::string tray_summary(const PreparedTray& prepared, int tray, const io::Stack
                                    folder.string(), stack.size_mm[0], stack.size_mm[1], stack.size_mm[2],
                                    stack.size_px[0], stack.size_px[1], stack.layers, stack.pitch_um[2]);
     for (const ReadyPart& part : prepared.parts.ready)
-        if (const int copies = copies_on(part, tray); copies > 0 && !part.is_joined)
-            text +=
-                fmt::format("  {:<20} {}\n", part.part.name, copies == 1 ? "once" : fmt::format("{} copies", copies));
+        if (const int copies = copies_on(part, tray); copies > 0)
+            text += fmt::format("  {:<20} {:<10} {}\n", part.is_joined ? part.ready->body.name : part.part.name,
+                                copies == 1 ? "once" : fmt::format("{} copies", copies), verdict_line(part));
     for (const FailedPart& part : prepared.parts.failed) text += fmt::format("  {:<20} fails\n", part.name);
     for (const io::StackResin& resin : stack.resins)
         text += fmt::format("  {:<3} {:<16} {:9.3f} ml\n", resin.role, resin.name, resin.ml);
     if (prepared.any_job().options.report) text += fmt::format("  report: {}\n", (folder / report_file::page).string());
-    return text + fmt::format("  done in {}; peak memory {:.0f} MB\n", duration_text(seconds),
-                              double(peak_memory_bytes()) * 1e-6);
+    return text +
+           fmt::format("  done in {}; peak memory {}\n", duration_text(seconds), memory_text(peak_memory_bytes()));
 }
 
 std::vector<std::string> verdicts_of(const PreparedTray& prepared) {

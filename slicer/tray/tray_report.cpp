@@ -15,10 +15,12 @@
 #include "io/report/report_html.h"
 #include "io/report/report_json.h"
 #include "io/report/report_picture.h"
+#include "slicer/job/slice_report.h"
 #include "slicer/kept/report_files.h"
 #include "slicer/look/composed_surface.h"
 #include "slicer/look/report_views.h"
 #include "slicer/look/viewer_surface.h"
+#include "slicer/plans/part_about.h"
 #include "slicer/tray/component_surface.h"
 #include "slicer/tray/opened_tray.h"
 
@@ -92,6 +94,7 @@ void add_print(const OpenedJob& job, const io::StackDescription& stack, const Vo
         report.body_voxels += resin.voxels;
     }
     report.warnings = job.printer.warnings();
+    report.printing = printing_of(job.printer, length_of(grid), stack.layers);
 }
 
 /// As it will look, or as was asked where nothing is known of that.
@@ -127,6 +130,7 @@ void TrayReport::add(const ReadyPart& part, io::Report own, Progress& progress) 
     }
     Entry entry{row_of(part, own), std::nullopt, place_of(part, own), part.alone, part.ready->body.grid.pitch_mm};
     entry.surface = part.ready->print->viewer_surface(surface_share(), progress);
+    entry.row.about = about_part(part.part);
     entries_.push_back(std::move(entry));
 }
 
@@ -134,6 +138,7 @@ void TrayReport::add_component(const ReadyPart& part, std::optional<io::ViewerSu
     const VoxelGrid& grid = part.grid();
     io::ReportPart row;
     row.name = part.part.name;
+    row.about = about_part(part.part);
     row.headline = fmt::format("{}, neither looped nor predicted", name_of(part.part.component->kind));
     if (!part.part.cuts) row.ml = double(part.component->all_voxels()) * grid.voxel_volume_mm3() * 1e-3;
     entries_.push_back({std::move(row), std::move(surface), top_of(grid), part.alone, grid.pitch_mm, true});
@@ -207,7 +212,7 @@ io::ReportVerdict TrayReport::verdict_of(const std::vector<const Entry*>& entrie
         verdict.headline = "Nothing was predicted";
     }
     if (!unknown.empty() && unknown.size() < all) verdict.why += " Not predicted: " + names_of(unknown) + ".";
-    verdict.sentence = verdict.headline + ". " + verdict.why;
+    verdict.sentence = verdict.headline + "." + (verdict.why.empty() ? "" : " ") + verdict.why;
     return verdict;
 }
 
@@ -217,7 +222,12 @@ io::Report TrayReport::of_bodies(const Tray& tray, LayerWatchers& watchers, Prog
     report.title =
         tray.out.filename().empty() ? tray.out.parent_path().filename().string() : tray.out.filename().string();
     add_print(tray.job, tray.stack, tray.grid, report);
-    if (!std::ranges::all_of(entries, &Entry::is_component)) report.verdict = verdict_of(entries);
+    if (!std::ranges::all_of(entries, &Entry::is_component)) {
+        report.verdict = verdict_of(entries);
+        report.verdict->good_up_to = tray.job.options.verdict.good;
+        report.verdict->bad_above = tray.job.options.verdict.bad;
+        report.verdict->viewing_distance_mm = tray.job.options.loop.viewing_distance_mm;
+    }
     report.viewer.viewing_distance_mm = tray.job.options.loop.viewing_distance_mm;
     for (const Entry* entry : entries) {
         const std::vector<Eigen::Vector3d> at_mm = places(*entry, tray.number);

@@ -130,7 +130,7 @@ bool is_told(const fs::path& out, const io::StackDescription& stack) {
 
 }  // namespace
 
-JobResult run_tray_shard(const SliceOptions& asked, std::span<const std::string> models, Progress& progress) {
+JobResult run_tray_shard(const SliceOptions& asked, const TrayModels& models, Progress& progress) {
     const Stopwatch watch;
     if (asked.out.empty()) throw UsageError("tray: name the folder for the print (-o OUT)");
     if (!asked.overwrite && !models.empty()) io::expect_free_for_stack(asked.out);

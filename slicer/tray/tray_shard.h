@@ -6,19 +6,17 @@
 #pragma once
 
 #include <filesystem>
-#include <span>
-#include <string>
 
 #include "base/job_result.h"
 #include "base/progress.h"
 #include "slicer/options/slice_options.h"
+#include "slicer/plans/tray_plan.h"
 #include "slicer/shards/merge_job.h"
 
 namespace voxtone::slicer {
 
 /// As run_shard_job. A part that fails is the end of it: all shards must be of the same parts. Throws Error.
-[[nodiscard]] JobResult run_tray_shard(const SliceOptions& asked, std::span<const std::string> models,
-                                       Progress& progress);
+[[nodiscard]] JobResult run_tray_shard(const SliceOptions& asked, const TrayModels& models, Progress& progress);
 
 /// Whether the folder holds shards, or the stack, of a tray.
 [[nodiscard]] bool holds_tray(const std::filesystem::path& out);

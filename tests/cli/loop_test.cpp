@@ -253,7 +253,7 @@ TEST_CASE("Large bodies are rearranged without being asked, and what that takes 
     CHECK_THROWS_AS(slicer::run_slice_job(options, progress), Cancelled);
     INFO(progress.told);
     CHECK(progress.told.find(" min") != std::string::npos);
-    CHECK(progress.told.find("GB of memory") != std::string::npos);
+    CHECK(progress.told.find("GiB of memory") != std::string::npos);
     CHECK(progress.told.find("--iterations 0") != std::string::npos);
 
     // What is printed depends on the job alone: where the loop does not fit the job stops, and prints no other stack.
@@ -261,7 +261,8 @@ TEST_CASE("Large bodies are rearranged without being asked, and what that takes 
                                       "--predict none --no-report -o " + folder / "small");
     INFO(small.err);
     CHECK(small.exit_code == 5);
-    CHECK(small.err.find("the appearance loop on 36 cm2 of coloured surface takes 1.1 GB of memory at the least, and "
-                         "0.9 are allowed: allow more (--memory)") != std::string::npos);
+    CHECK(small.err.find("the appearance loop on 36 cm2 of coloured surface takes 1.0") != std::string::npos);
+    CHECK(small.err.find("GiB of memory at the least, and 819 MiB are allowed: allow more (--memory)") !=
+          std::string::npos);
     CHECK_FALSE(std::filesystem::exists(std::filesystem::path(folder / "small") / "manifest.json"));
 }

@@ -138,7 +138,18 @@ TEST_CASE("The advice says what is better: that it fits, colour kept off support
     CHECK(advice(other, own)->rotate == "x90");
     CHECK_THAT(advice(other, own)->reason, Catch::Contains("1.00 ml instead of 2.00"));
     other.layers = 200;
-    CHECK_THAT(advice(other, own)->reason, Catch::Contains("is lower; 200 layers instead of 300"));
+    CHECK_THAT(advice(other, own)->reason, Catch::Contains("is lower; 200 layers instead of 300") &&
+                                               Catch::Contains("some 0.67 times its printing time"));
+    // What the advice costs is said with it: the fastest way, with its colour on support. Passes tell, not layers.
+    Orientation quick = own;
+    quick.rotate = "y90", quick.as_it_is = false, quick.layers = 100, quick.coloured_down_mm2 = 900;
+    CHECK_THAT(advised_orientation(std::vector{other, own, quick}, 1000)->reason,
+               Catch::Contains("--rotate y90 prints in some 50 % of that time (100 layers), with 9.00 cm2"));
+    CHECK_THAT(advised_orientation(std::vector{own, quick}, 1000)->reason, Catch::Contains("33 % of that time"));
+    quick.passes = 600, other.passes = 200, quick.fits = true;
+    CHECK_THAT(advised_orientation(std::vector{other, own, quick}, 1000)->reason, !Catch::Contains("y90"));
+    other.passes = quick.passes = 0, quick.fits = false;
+    CHECK_THAT(advised_orientation(std::vector{other, own, quick}, 1000)->reason, !Catch::Contains("y90"));
     other.coloured_down_mm2 = 100;
     CHECK_THAT(advice(other, own)->reason,
                Catch::Contains("1.00 cm2 of coloured surface") && Catch::Contains("5.00 cm2"));

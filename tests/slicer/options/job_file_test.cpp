@@ -163,6 +163,17 @@ TEST_CASE("An earlier name of a key is taken with a note, beside the new one it 
     CHECK(std::find(options.named.begin(), options.named.end(), "show") != options.named.end());
     CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "arrange": "colour", "show": "colour"})"),
                Catch::Matchers::Contains("`arrange`: is what `show` was called earlier"));
+    SliceOptions arranged;
+    read_job(JobFile(R"({"format": "voxtone-job", "version": 1, "arrange": "stacked"})").path(), arranged);
+    CHECK(arranged.arrange == "stacked");
+    CHECK(arranged.show == SliceOptions{}.show);
+    CHECK(arranged.notes.empty());
+    read_job(JobFile(R"({"format": "voxtone-job", "version": 1, "layout": "none"})").path(), arranged);
+    CHECK(arranged.arrange == "none");
+    REQUIRE(arranged.notes.size() == 1);
+    CHECK_THAT(arranged.notes[0], Catch::Matchers::Contains("key `layout` is called `arrange` now"));
+    CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "arrange": "sideways"})"),
+               Catch::Matchers::Contains("--arrange: 'sideways' is none of"));
     CHECK(options.model == (job.folder.path() / "a.obj").string());
     CHECK(options.profiles == (job.folder.path() / "maps/b.json").string());
     read_job(JobFile(job_json(SliceOptions{})).path(), options);

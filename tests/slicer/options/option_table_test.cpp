@@ -54,7 +54,14 @@ TEST_CASE("Every option is declared whole, and no two of one name") {
         INFO(spec.key);
         CHECK(keys.insert(spec.key).second);
         CHECK(options.insert(spec.option).second);
-        if (!spec.former_key.empty()) CHECK(keys.insert(spec.former_key).second);
+        if (!spec.former_key.empty() && !find_option(spec.former_key)) CHECK(keys.insert(spec.former_key).second);
+        // Where the name is another option's now, the value tells whose it is.
+        if (const OptionSpec* now = find_option(spec.former_key); now && !spec.former_key.empty()) {
+            CHECK_FALSE(spec.choices.empty());
+            CHECK_FALSE(now->choices.empty());
+            for (const std::string& choice : spec.choices)
+                CHECK(std::find(now->choices.begin(), now->choices.end(), choice) == now->choices.end());
+        }
         if (!spec.former_option.empty()) CHECK(options.insert(spec.former_option).second);
         CHECK_FALSE(spec.help.empty());
         CHECK_FALSE(spec.group.empty());

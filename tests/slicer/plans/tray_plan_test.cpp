@@ -9,6 +9,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "slicer/plans/part_about.h"
 #include "tests/io/files/schema.h"
 #include "tests/io/files/temporary_folder.h"
 
@@ -79,7 +80,7 @@ TEST_CASE("A table is a plan, too, and so are models") {
     CHECK(plan.parts[0].options.size_mm == 20);
     CHECK(plan.parts[1].name == "b");
     const std::vector<std::string> files{"x/cow.obj", "y/cow.obj", "/z.png"};
-    const std::string text = tray_plan_of(files, desk.folder.path());
+    const std::string text = tray_plan_of({files, 1}, desk.folder.path());
     CHECK(io::schema_faults("tray", text) == std::vector<std::string>{});
     SliceOptions common;
     common.size_mm = 30;
@@ -90,6 +91,75 @@ TEST_CASE("A table is a plan, too, and so are models") {
     CHECK(models.parts[2].options.size_mm == 0);  // a picture has no size, which is no fault of what is said for all
     CHECK(models.parts[1].name == "cow-2");
     CHECK(models.parts[2].name == "z");
+    const std::string copies = tray_plan_of({files, 3}, desk.folder.path());
+    CHECK(io::schema_faults("tray", copies) == std::vector<std::string>{});
+    for (const TrayPart& part : read_tray_plan(desk.write(copies), common).parts) CHECK(part.copies == 3);
+}
+
+TEST_CASE("An order sheet's own columns are texts for labels, and a slip of the keyboard is none") {
+    const Desk desk;
+    const TrayPlan plan = read_tray_plan(
+        desk.write(
+            "model,copies,customer,serial,order no,label,first\na.obj,1,Klein,007,4711,{customer} {serial},true\n"
+            "b.obj,2,Grün,,,,\n",
+            "t.csv"),
+        {});
+    REQUIRE(plan.parts.size() == 2);
+    CHECK(plan.parts[0].options.labels == std::vector<std::string>{"text=Klein 007"});
+    CHECK(plan.parts[0].values.at("order no") == "4711");
+    CHECK(plan.parts[0].first);
+    CHECK_FALSE(plan.parts[1].first);
+    REQUIRE(plan.notes.size() == 1);
+    CHECK_THAT(plan.notes[0], Contains("customer, order no, serial are no key") && Contains("{customer}"));
+    CHECK(about_part(plan.parts[0]) == "customer Klein; order no 4711; serial 007; label \"Klein 007\"");
+    CHECK(about_part(plan.parts[1]) == "customer Grün");
+    // Words of an order sheet are near to no key.
+    for (const char* word : {"customer",      "serial", "order", "number",  "material", "price",    "date",    "notes",
+                             "status",        "email",  "phone", "address", "comment",  "delivery", "artikel", "kunde",
+                             "Bestellnummer", "ref",    "id",    "colour",  "company",  "due"}) {
+        CAPTURE(word);
+        CHECK(desk.fault(std::string(R"([{"model": "a.obj", ")") + word + R"(": "x"}])") == "none");
+    }
+    for (const char* slip : {"modell", "copys", "siez", "labell", "priorty", "rotat", "Size", "iteration"}) {
+        CAPTURE(slip);
+        CHECK_THAT(desk.fault(std::string(R"([{"model": "a.obj", ")") + slip + R"(": "x"}])"),
+                   Contains("did you mean") && Contains("in braces"));
+    }
+    CHECK_THAT(desk.fault(R"([{"model": "a.obj", "customer": {"name": "x"}}])"), Contains("customer"));
+    CHECK_THAT(desk.fault(R"([{"model": "a.obj", "customer": "a", "{customer}": "b"}])"), Contains("in braces, too"));
+    // A component has them, too: it is sorted with the others.
+    CHECK(desk.fault(R"([{"box": [1, 2, 3], "resin": "W", "customer": "Klein"}])") == "none");
+}
+
+TEST_CASE("All parts of a plan that are wrong are said at once, one alone as it is") {
+    const Desk desk;
+    const std::string all = desk.fault(
+        R"([{"model": "a.obj", "copies": 0}, {"model": "b.obj"}, {"model": "c.obj", "cuts": 7}, {"size": "2mm"}])");
+    CHECK_THAT(all, Contains("3 of the 4 parts") && Contains("parts[0]") && Contains("parts[2]") &&
+                        Contains("parts[3]") && !Contains("parts[1]"));
+    CHECK(std::ranges::count(all, '\n') == 3);
+    CHECK_THAT(desk.fault(R"([{"model": "a.obj", "copies": 0}, {"model": "b.obj"}])"), !Contains("1 of the 2"));
+}
+
+TEST_CASE("A model with a resin is a body of it, with a model's options and no marks") {
+    const Desk desk;
+    const std::string text = R"({"format": "voxtone-tray", "version": 1, "size": "20mm", "label": "all", "parts": [
+        {"model": "block.stl", "resin": "T", "scale": 2, "size": 0}, {"model": "cow.obj"},
+        {"model": "coat.obj", "mixture": {"W": 1, "T": 3}, "name": "coat", "cuts": false}]})";
+    CHECK(io::schema_faults("tray", text) == std::vector<std::string>{});
+    const TrayPlan plan = read_tray_plan(desk.write(text), {});
+    REQUIRE(plan.parts.size() == 3);
+    REQUIRE(plan.parts[0].component);
+    CHECK(plan.parts[0].component->kind == ComponentKind::body);
+    CHECK(plan.parts[0].component->path == (desk.folder.path() / "block.stl").string());
+    CHECK(plan.parts[0].options.scale == 2);
+    CHECK(plan.parts[0].options.labels.empty());
+    CHECK(plan.parts[0].name == "block");
+    CHECK_FALSE(plan.parts[1].component);
+    CHECK(plan.parts[1].options.labels.size() == 1);
+    CHECK(plan.parts[2].component->mixture.size() == 2);
+    CHECK_THAT(desk.fault(R"([{"model": "a.obj", "resin": "T", "label": "x"}])"), Contains("of what is coloured"));
+    CHECK_THAT(desk.fault(R"([{"job": "a.json", "resin": "T"}])"), Contains("its own resins"));
 }
 
 TEST_CASE("What is wrong with a plan is said with its place") {
@@ -293,10 +363,9 @@ TEST_CASE("What a component cannot be, and what cannot be asked of it, is a sent
     CHECK_THAT(desk.fault(R"([{"box": [1, 2, 3], "mixture": {"W": 0}}])"), Contains("mixes nothing"));
     CHECK_THAT(desk.fault(R"([{"box": [1, 2, 3], "mixture": {"W": -1}}])"), Contains("W") && Contains("-1"));
     CHECK_THAT(desk.fault(R"([{"box": [1, 2, 3], "mixture": {"W": 1}, "resin": "W"}])"), Contains("leave one"));
-    CHECK_THAT(desk.fault(R"([{"model": "a.obj", "resin": "W"}])"), Contains("its own resins"));
     CHECK_THAT(desk.fault(R"([{"stack": "a", "resin": "W"}])"), Contains("its own resins"));
-    for (const char* option : {R"("size": "2mm")", R"("scale": 2)", R"("turn": true)", R"("rotate": "z90")",
-                               R"("label": "x")", R"("{order}": "x")"}) {
+    for (const char* option :
+         {R"("size": "2mm")", R"("scale": 2)", R"("turn": true)", R"("rotate": "z90")", R"("label": "x")"}) {
         CAPTURE(option);
         CHECK_THAT(desk.fault(fmt::format(R"([{{"stack": "a", {}}}])", option)),
                    Contains("is for a model") && Contains("sliced already"));

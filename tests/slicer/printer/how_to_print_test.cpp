@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/printer/how_to_print.h"
 
+#include <cstdio>
+
 #include <catch2/catch.hpp>
 
 #include "io/layers/orient.h"
@@ -51,6 +53,32 @@ TEST_CASE("A column of the model is found in bitmaps that were turned as the pri
             for (std::uint32_t i = 0; i < width; ++i)
                 CHECK(turned[pixel_of_column(stack, i, j)] == pixels[(height - 1 - j) * width + i]);
     }
+}
+
+TEST_CASE("Parts are told apart once they are washed: number, whose they are, what is written on them") {
+    io::StackDescription stack = stack_of(70, 40);
+    stack.members = {{"cow-1", {{0, 0, 0, 1.2, 0.5, 1}}, 0.1, "good", "customer Klein; label \"7\""},
+                     {"a-part-of-a-long-name", {{1.5, 0, 0, 1.8, 3, 1}}, 0.1, "", ""}};
+    HowToPrint what = print_with({});
+    what.from_above = {{2, 2, 3, std::vector<std::uint8_t>(12, 9)}, "as it is"};
+    const std::string html = page(what, stack);
+    CHECK_THAT(html, Contains("<td class=\"n\">1</td><td>cow-1<br>customer Klein; label &quot;7&quot;</td>"));
+    CHECK_THAT(html, Contains(">2</td><td>a-part-of-a-long-name</td>"));
+    CHECK_THAT(html, Contains(">2</text>") && !Contains(">2 a-part-of-a-long-name</text>"));  // it has no room there
+}
+
+TEST_CASE("A tray that is narrower than its caption has room for it beside") {
+    io::StackDescription stack = stack_of(60, 3000);  // 2.5 mm wide, 254 mm deep
+    HowToPrint what = print_with({});
+    what.from_above = {{2, 2, 3, std::vector<std::uint8_t>(12, 9)}, "as it is"};
+    const std::string html = page(what, stack);
+    const auto at = html.find("viewBox=\"");
+    REQUIRE(at != std::string::npos);
+    double left = 0, top = 0, width = 0, height = 0;
+    REQUIRE(std::sscanf(html.c_str() + at, "viewBox=\"%lf %lf %lf %lf", &left, &top, &width, &height) == 4);
+    // "back, 2.5 mm" in letters of 3.5 % of its depth, half as wide as high at least.
+    CHECK(width >= 12 * 0.5 * 0.035 * 254);
+    CHECK(-left == Approx(width / 2 - 25.4 / 600 * 60 / 2));
 }
 
 TEST_CASE("The print from above shows the highest of each pixel's columns, its back at the top") {

@@ -123,6 +123,12 @@ TEST_CASE("A printer's resins are named as those of the cartridges that the set 
 
 TEST_CASE("An unknown printer names the nearest one") {
     CHECK_THROWS_WITH(find_printer("stratasys-j750-hn"), Contains("did you mean 'stratasys-j750-h"));
+    CHECK_THROWS_WITH(find_printer("Stratasys J750"), Contains("'stratasys-j750-hm', 'stratasys-j750-hq', "
+                                                               "'stratasys-j750-hs'?") &&
+                                                          !Contains("mean 'stratasys-j55"));
+    CHECK_THROWS_WITH(find_printer("stratasys j55x"), Contains("did you mean 'stratasys-j55'"));
+    for (const char* other : {"stratasys-j850", "stratasys-j35", "Stratasys J826", "mimaki-3duj-2207"})
+        CHECK_THROWS_WITH(find_printer(other), !Contains("did you mean"));
     CHECK_THROWS_WITH(find_printer("laser"), Contains("known are generic, mimaki-3duj-553") && Contains(".json"));
     CHECK_THROWS_AS(find_printer("laser"), InputError);
 }
@@ -164,6 +170,10 @@ TEST_CASE("A wrong profile names file, key and rule") {
     CHECK_THAT(fault(profile_with("\"formats\": [\"bmp\"]")), Contains("'bmp' is none of png, gcvf"));
     CHECK_THAT(fault(profile_with("\"unconfirmed\": {\"pitch\": \"who knows\"}")),
                Contains("did you mean 'pitch_um'?"));
+    CHECK_THAT(fault(profile_with("\"pass_axis\": \"x\"")), Contains("without pass_width_mm"));
+    CHECK_THAT(fault(profile_with("\"pass_width_mm\": 50")), Contains("key `pass_source`: is missing"));
+    CHECK_THAT(fault(profile_with("\"pass_width_mm\": 50, \"pass_source\": \"a guide\", \"pass_axis\": \"z\"")),
+               Contains("'z' is none of x, y"));
     CHECK_THAT(fault(profile_with("\"flip_x\": 1")), Contains("expected true or false"));
     CHECK_THAT(fault(profile_with("\"tray_mm\": [1e999, 1, 1]")), Contains("mine.json"));
     CHECK_THAT(fault("{\n\"format\": \"voxtone-printer\",\n\"version\" 1}"), Contains("line 3: this is no valid JSON"));

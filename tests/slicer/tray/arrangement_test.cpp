@@ -32,14 +32,15 @@ struct Boxes {
         part.copies = copies;
         return part;
     }
-    [[nodiscard]] Arrangement arranged(const Eigen::Vector3d& tray_mm, const TrayOptions& options = {}) const {
+    [[nodiscard]] Arrangement arranged(const Eigen::Vector3d& tray_mm, const TrayOptions& options = {},
+                                       const HeadPasses& heads = {}) const {
         static const OpenedJob common = common_of();
         std::vector<ReadyComponent> made;
         Progress progress;
         for (const TrayPart& part : parts) made.push_back(prepare_component(part, common, progress));
         std::vector<StandingPart> standing;
         for (std::size_t p = 0; p < parts.size(); ++p) standing.push_back({&parts[p], nullptr, &made[p]});
-        return arrange(standing, tray_mm, options);
+        return arrange(standing, tray_mm, options, heads);
     }
     [[nodiscard]] std::string fault(const Eigen::Vector3d& tray_mm, const TrayOptions& options = {}) const {
         try {
@@ -182,6 +183,37 @@ TEST_CASE("What finds no room on the plate goes over it, or onto the next tray, 
         }
     // What is too high for what is left of the tray goes to none.
     CHECK_THAT(boxes.fault({16, 12, 11}, options), Contains("1 of ramp"));
+}
+
+TEST_CASE("Small parts lie in one pass of the heads along x, and what must be on the first tray is there") {
+    const auto passes_of = [](const Arrangement& made, const HeadPasses& heads) {
+        return heads.of_layer(length_of(made.trays[0]));
+    };
+    const HeadPasses heads{0, 50, {}, "a guide"};
+    Boxes boxes;
+    boxes.add("small", {25, 9, 3}, 15);
+    const Arrangement before = boxes.arranged(usual_tray_mm);
+    CHECK(passes_of(before, heads) > 3);
+    const Arrangement along = boxes.arranged(usual_tray_mm, {}, heads);
+    CHECK(passes_of(along, heads) == 1);
+    CHECK(length_of(along.trays[0]).x() > 50);
+
+    // Two large ones fill a tray, the small one that comes last is to be on it.
+    Boxes orders;
+    orders.add("large", {30, 20, 3}, 3);
+    orders.add("rush", {12, 8, 3}).first = true;
+    TrayOptions options;
+    options.trays = 3;
+    const Eigen::Vector3d small_tray_mm(40, 44, 20);
+    for (const bool first : {false, true}) {
+        orders.parts[1].first = first;
+        const Arrangement made = orders.arranged(small_tray_mm, options);
+        CHECK((made.copies[1][0].tray == 0) == first);
+        CHECK(made.copies[0].size() == 3);
+    }
+    orders.parts[0].first = true;
+    CHECK_THAT(orders.fault(small_tray_mm, options),
+               Contains("of large") && Contains("on the first tray") && Contains("\"first\""));
 }
 
 TEST_CASE("What the plan places is left where it is, and the others keep off it") {

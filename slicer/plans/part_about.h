@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// By what a part is told from the others once support is washed off: whose it is, by the plan's own columns, and what
+// is written on it.
+#pragma once
+
+#include <string>
+
+#include "slicer/plans/tray_part.h"
+
+namespace voxtone::slicer {
+
+/// "customer Klein; serial 007; label \"No. 7\""; empty: there is nothing to say.
+[[nodiscard]] std::string about_part(const TrayPart& part);
+
+}  // namespace voxtone::slicer
