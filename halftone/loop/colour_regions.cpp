@@ -276,6 +276,10 @@ std::vector<std::uint32_t> CellNeighbours::around(const ColourRegion& region, in
     return halftone::around(surface_, *rows_, region.cells, steps, mark);
 }
 
+void CellNeighbours::visit_around(std::size_t cell, BorrowedFunction<std::size_t> visit) const {
+    rows_->visit_around(cell, visit);
+}
+
 double rim_chroma(const ColourRegion& region, const CellNeighbours& cells, std::span<const Eigen::Vector3f> near_target,
                   std::span<const Eigen::Vector3f> near) {
     const optics::Surface& surface = cells.surface();

@@ -23,6 +23,7 @@
 
 #include <Eigen/Core>
 
+#include "base/parallel.h"
 #include "optics/scene/appearance_model.h"
 
 namespace voxtone::halftone {
@@ -51,6 +52,8 @@ public:
     [[nodiscard]] const optics::Surface& surface() const { return surface_; }
     /// Cells within so many steps of a region that are not of it: what it is seen against. Ascending.
     [[nodiscard]] std::vector<std::uint32_t> around(const ColourRegion& region, int steps) const;
+    /// All that touch a cell, itself too; ascending.
+    void visit_around(std::size_t cell, BorrowedFunction<std::size_t> visit) const;
 
     class Rows;
 

@@ -36,8 +36,8 @@ void add_customer_pictures(std::string& html, const Report& report) {
     html += "<div class=\"pictures\">\n";
     for (const auto& [caption, of_judged] : shown_to_customer) {
         // Without a prediction the picture is of the mixtures alone.
-        const std::string_view words = caption == "predicted" && !is_judged(report) ? "In colours that are in reach"
-                                                                                    : of_judged;
+        const std::string_view words =
+            caption == "predicted" && !is_judged(report) ? "In colours that are in reach" : of_judged;
         const std::vector<ReportPicture>& pictures = report.views.front().pictures;
         const auto found =
             std::ranges::find_if(pictures, [&](const ReportPicture& p) { return p.caption.starts_with(caption); });

@@ -69,36 +69,62 @@ enum class VerdictLevel {
     bad,
 };
 
-/// A connected piece of one flat colour, or type and lines of it, as a person sees it.
+/// Pieces of one flat colour, or type and lines of it, as a person sees them.
 struct ReportRegion {
-    std::string kind;                  ///< "paper", "solid", "type and lines", "fine detail", "thin walls"
-    std::string asked, printed;        ///< "red (255, 0, 0)", sRGB
-    std::array<double, 3> place_mm{};  ///< of a cell in its middle, in the print
+    std::string kind;                 ///< "paper", "solid", "type and lines", "small type", "fine detail", "thin walls"
+    std::string asked, printed = {};  ///< "red (255, 0, 0)", sRGB
+    std::array<double, 3> place_mm{};  ///< of a cell in the middle of the largest, in the print
+    std::array<double, 3> normal{};    ///< outward, there
+    std::string place = {};            ///< in words: "upper left front"
+    std::string from = {};             ///< the side from which most of it is seen: "from below"; of a picture none
+    int pieces = 1;                    ///< so many are joined
     double area_mm2 = 0;
+    double seen_share = 1;                    ///< how far it can be seen, of what lies open to the sky
     std::optional<double> de2000 = {};        ///< between the means; not of type and lines that are seen by contrast
-    std::optional<double> unevenness = {};    ///< of a solid: root mean square within it, in CIELAB
+    std::optional<double> unevenness = {};    ///< of paper and solids: root mean square within it, CIEDE2000 as seen
     std::optional<double> rim = {};           ///< of a solid: mean chroma of print less target by its edge, in CIELAB
     double contrast = 0, contrast_asked = 0;  ///< of type and lines against what surrounds them, (a - b) / (a + b)
+    std::optional<double> type_mm = {};       ///< of small type: size of the face below which it is not read
+    double smallest_type_mm = 0;              ///< and the smallest there is
     bool out_of_reach = false;                ///< no mixture of the loaded resins is much nearer
     bool good = true;
-    std::string why;  ///< what is wrong with it, a clause; empty where it is good
+    std::string why = {};  ///< what is wrong with it, a clause; empty where it is good
 };
 
-/// What a print's user wants to know first. Figures are CIEDE2000 over the whole coloured surface, by area.
+/// What might be done, tried before it is said.
+struct ReportAdvice {
+    std::string text;     ///< what, and what it would come to
+    std::string options;  ///< as they are written: "--size 83mm"; empty: it is done to the model, or elsewhere
+    std::string figure;   ///< "seen_de2000": the verdict's mean; "gamut": that of the colours out of reach
+    double now = 0, then = 0;
+};
+
+/// What a print's user wants to know first. Figures are CIEDE2000 over the whole coloured surface, by area and by how
+/// far it can be seen.
 struct ReportVerdict {
     VerdictLevel level = VerdictLevel::unknown;
-    std::string sentence;                       ///< will it look as asked; if not, why, and what to try
-    std::string headline = {}, why = {};        ///< of the sentence, for a page that has figure and advice beside it
-    std::optional<double> seen_mean, seen_p95;  ///< the headline and its tail: as seen from the viewing distance
+    std::string sentence;                          ///< will it look as asked; what is worst; why, and what to try
+    std::string headline = {}, why = {};           ///< of the sentence, for a page that has figure and advice beside it
+    std::string but = {};                          ///< the worst thing on it, a sentence; may be empty
+    std::array<double, 3> but_mm{}, but_normal{};  ///< where that is
+    std::optional<double> seen_mean, seen_p95;     ///< the headline and its tail: as seen from the viewing distance
+    std::optional<double> reach_mean;              ///< of that, what no mixture of the loaded resins could avoid
+    double wrong_share = 0;                        ///< of what is seen: off by more than `bad_above`, or flecked
     double viewing_distance_mm = 0;
     double good_up_to = 0, bad_above = 0;  ///< means
-    double off_share = 0;                  ///< of the surface: differs by more than `good_up_to`
+    double off_share = 0;                  ///< of what is seen: differs by more than `good_up_to`
+    struct Side {
+        std::string name;  ///< "front"
+        double mean = 0;   ///< from there
+        double share = 0;  ///< of all that is seen from anywhere
+    };
+    std::vector<Side> sides = {};  ///< of a body; those from which hardly anything is seen are left out
     struct Cause {
         std::string name;
-        double share = 0;  ///< of all that is off, by area and difference
+        double share = 0;  ///< of all that is off, by area, difference and how far it is seen
     };
     std::vector<Cause> causes;               ///< the largest first
-    std::vector<std::string> advice;         ///< what to try, the best first
+    std::vector<ReportAdvice> advice;        ///< what to try, the best first
     std::vector<ReportRegion> regions = {};  ///< the worst first
     /// Share of the surface with a difference as seen in [edge, next edge), the last one everything above.
     std::vector<std::pair<double, double>> seen_histogram;

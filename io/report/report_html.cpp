@@ -134,26 +134,43 @@ void add_summary(std::string& html, const Report& report) {
     html += "</dl>\n";
 }
 
+std::string numbers_of(const std::array<double, 3>& mm) {
+    return fmt::format("[{:.3f}, {:.3f}, {:.3f}]", mm[0], mm[1], mm[2]);
+}
+
+/// A button that turns the view to a place.
+std::string show_button(const std::array<double, 3>& at_mm, const std::array<double, 3>& normal,
+                        std::string_view text) {
+    return fmt::format(
+        "<button type=\"button\" class=\"place screen-only\" data-at=\"{}\" data-normal=\"{}\" "
+        "disabled>{}</button>",
+        numbers_of(at_mm), numbers_of(normal), text);
+}
+
 /// Solids, type and paper, the worst first.
 void add_regions(std::string& html, const std::vector<ReportRegion>& regions) {
     constexpr std::size_t most = 8;
     if (regions.empty()) return;
     html +=
-        "<section>\n<h2>Solids, type and paper</h2>\n<p class=\"soft\">Each as one thing, the worst "
-        "first, the print's own paper taken for white. Unevenness and rim, within 0.6 mm of the edge, are of solids, "
-        "in "
-        "units of CIELAB; type is judged by its contrast.</p>\n<div class=\"table\"><table>\n<tr><th>Asked "
-        "for</th><th>Printed "
-        "as</th><th>mm²</th><th>CIEDE2000</th><th>Unevenness</th><th>Rim</th><th></th></tr>\n";
+        "<section>\n<h2>Solids, type and paper</h2>\n<p class=\"soft\">Each as one thing, those of one colour "
+        "together, the worst first, the print's own paper taken for white. Unevenness is the root mean square as seen "
+        "within paper and solids, in CIEDE2000; the rim, within 0.6 mm of a solid's edge, is in units of CIELAB; type "
+        "is judged by its contrast.</p>\n<div class=\"table\"><table>\n<tr><th>Asked "
+        "for</th><th>Printed as</th><th>Where</th><th>mm²</th><th>CIEDE2000</th><th>Unevenness</th><th>Rim</th>"
+        "<th></th></tr>\n";
     const auto text = [](const std::optional<double>& figure) {
         return figure ? fmt::format("{:.1f}", *figure) : std::string("–");
     };
     for (std::size_t i = 0; i < std::min(most, regions.size()); ++i) {
         const ReportRegion& region = regions[i];
+        const std::string where =
+            region.place + (region.pieces > 1 ? fmt::format(", {} places", region.pieces) : std::string());
         html += fmt::format(
-            "<tr><td>{} {}</td><td>{}</td><td>{:.1f}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-            html_text(region.kind), html_text(region.asked), html_text(region.printed), region.area_mm2,
-            text(region.de2000), text(region.unevenness), text(region.rim), html_text(region.why));
+            "<tr><td>{} {}</td><td>{}</td><td>{} {}</td><td>{:.1f}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
+            "</tr>\n",
+            html_text(region.kind), html_text(region.asked), html_text(region.printed), html_text(where),
+            show_button(region.place_mm, region.normal, "show"), region.area_mm2, text(region.de2000),
+            text(region.unevenness), text(region.rim), html_text(region.why));
     }
     html += "</table></div>\n";
     if (regions.size() > most)
@@ -165,27 +182,40 @@ std::string count_of_warnings(const Report& report) {
     return report.warnings.size() == 1 ? "1 warning" : fmt::format("{} warnings", report.warnings.size());
 }
 
-/// The headline, why, what to try; the one figure with its meaning beside them.
+/// What is worst, with its place; from which side how much is seen; by what.
+void add_reasons(std::string& html, const ReportVerdict& v) {
+    if (!v.but.empty())
+        html += fmt::format("<p>{} {}</p>\n", html_text(v.but), show_button(v.but_mm, v.but_normal, "show me"));
+    if (const std::string& why = v.headline.empty() ? v.sentence : v.why; !why.empty())
+        html += fmt::format("<p class=\"soft\">{}</p>\n", html_text(why));
+    if (v.sides.size() > 1) {
+        html += "<p class=\"soft\">Seen from: ";
+        for (std::size_t i = 0; i < v.sides.size(); ++i)
+            html += fmt::format("{}{} {:.1f}", i ? ", " : "", html_text(v.sides[i].name), v.sides[i].mean);
+        html += ".</p>\n";
+    }
+    if (v.causes.empty()) return;
+    html += fmt::format(
+        "<p class=\"soft\">{:.0f} % of what is seen differs by more than {:g}, {:.0f} % by more than {:g} or is "
+        "flecked. "
+        "Of that, by area and difference: ",
+        100 * v.off_share, v.good_up_to, 100 * v.wrong_share, v.bad_above);
+    for (std::size_t i = 0; i < v.causes.size(); ++i)
+        html += fmt::format("{}{} {:.0f} %", i ? ", " : "", html_text(v.causes[i].name), 100 * v.causes[i].share);
+    html += ".</p>\n";
+}
+
+/// The headline, what is worst, why, what to try; the one figure with its meaning beside them.
 void add_verdict(std::string& html, const Report& report) {
     if (!report.verdict) return;
     const ReportVerdict& v = *report.verdict;
     html +=
         fmt::format("<section class=\"verdict {}\" aria-label=\"Will it look as asked?\">\n<h2>{}</h2>\n<div>\n<div>\n",
                     name_of(v.level), html_text(v.headline.empty() ? "Will it look as asked?" : v.headline));
-    if (const std::string& why = v.headline.empty() ? v.sentence : v.why; !why.empty())
-        html += fmt::format("<p>{}</p>\n", html_text(why));
-    if (!v.causes.empty()) {
-        html += fmt::format(
-            "<p class=\"soft\">{:.0f} % of the surface differs by more than {:g}. Of that, by area and "
-            "difference: ",
-            100 * v.off_share, v.good_up_to);
-        for (std::size_t i = 0; i < v.causes.size(); ++i)
-            html += fmt::format("{}{} {:.0f} %", i ? ", " : "", html_text(v.causes[i].name), 100 * v.causes[i].share);
-        html += ".</p>\n";
-    }
+    add_reasons(html, v);
     if (!v.advice.empty()) {
-        html += "<p>What to try:</p>\n<ul>\n";
-        for (const std::string& advice : v.advice) html += fmt::format("<li>{}</li>\n", html_text(advice));
+        html += "<p>What to try, and what it would come to:</p>\n<ul>\n";
+        for (const ReportAdvice& advice : v.advice) html += fmt::format("<li>{}</li>\n", html_text(advice.text));
         html += "</ul>\n";
     }
     if (!report.warnings.empty())
@@ -193,10 +223,12 @@ void add_verdict(std::string& html, const Report& report) {
     html += "</div>\n";
     if (v.seen_mean) {
         html += "<dl class=\"cards\">\n";
+        const std::string reach =
+            v.reach_mean ? fmt::format("; {:.1f} of it no mixture of these resins could avoid", *v.reach_mean) : "";
         add_card(html, "Difference as seen", fmt::format("{:.1f}", *v.seen_mean),
-                 fmt::format("CIEDE2000, mean over the coloured surface, from {:g} mm; up to {:g} is good, above "
-                             "{:g} bad; 0.8 is just visible side by side",
-                             v.viewing_distance_mm, v.good_up_to, v.bad_above));
+                 fmt::format("CIEDE2000, mean over what is seen of the coloured surface, from {:g} mm; up to {:g} is "
+                             "good, above {:g} bad; 0.8 is just visible side by side{}",
+                             v.viewing_distance_mm, v.good_up_to, v.bad_above, reach));
         html += "</dl>\n";
     }
     html += "</div>\n</section>\n";

@@ -19,28 +19,51 @@ void write_resins(JsonWriter& json, const Report& report) {
     json.end_list().line().add("resin_ml", total_ml);
 }
 
+void write_region(JsonWriter& json, const ReportRegion& region) {
+    json.line().begin_object().add("kind", region.kind).add("asked", region.asked).add("printed", region.printed);
+    json.add("place", region.place).add("place_mm", region.place_mm).add("pieces", region.pieces);
+    json.add("area_mm2", region.area_mm2).add("seen_share", region.seen_share);
+    if (!region.from.empty()) json.add("seen", region.from);
+    for (const auto& [key, value] : {std::pair{"de2000", region.de2000},
+                                     {"unevenness", region.unevenness},
+                                     {"rim", region.rim},
+                                     {"type_mm", region.type_mm}})
+        if (value) json.add(key, *value);
+    if (region.contrast_asked > 0) json.add("contrast", region.contrast).add("contrast_asked", region.contrast_asked);
+    json.add("good", region.good).add("why", region.why).end_object();
+}
+
 void write_verdict(JsonWriter& json, const ReportVerdict& verdict) {
     json.line().key("verdict").begin_object().add("level", name_of(verdict.level)).add("sentence", verdict.sentence);
+    if (!verdict.headline.empty()) json.line().add("headline", verdict.headline);
+    if (!verdict.but.empty()) json.line().add("worst", verdict.but);
     if (verdict.seen_mean) {
         json.line().key("seen_de2000").begin_object().add("mean", *verdict.seen_mean);
-        json.add("p95", verdict.seen_p95.value_or(*verdict.seen_mean)).end_object();
-        json.add("viewing_distance_mm", verdict.viewing_distance_mm).add("off_share", verdict.off_share);
+        json.add("p95", verdict.seen_p95.value_or(*verdict.seen_mean));
+        if (verdict.reach_mean) json.add("out_of_reach", *verdict.reach_mean);
+        json.end_object().add("viewing_distance_mm", verdict.viewing_distance_mm);
+        json.add("off_share", verdict.off_share).add("wrong_share", verdict.wrong_share);
+        json.line().key("sides").begin_list();
+        for (const ReportVerdict::Side& side : verdict.sides)
+            json.begin_object().add("from", side.name).add("mean", side.mean).add("share", side.share).end_object();
+        json.end_list();
     }
     json.line().add("good_up_to", verdict.good_up_to).add("bad_above", verdict.bad_above);
     json.key("causes").begin_list();
     for (const ReportVerdict::Cause& cause : verdict.causes)
         json.begin_object().add("cause", cause.name).add("share", cause.share).end_object();
-    json.end_list().line().add("advice", verdict.advice).key("regions").begin_list();
-    for (const ReportRegion& region : verdict.regions) {
-        json.line().begin_object().add("kind", region.kind).add("asked", region.asked).add("printed", region.printed);
-        json.add("place_mm", region.place_mm).add("area_mm2", region.area_mm2);
-        for (const auto& [key, value] :
-             {std::pair{"de2000", region.de2000}, {"unevenness", region.unevenness}, {"rim", region.rim}})
-            if (value) json.add(key, *value);
-        if (region.contrast_asked > 0)
-            json.add("contrast", region.contrast).add("contrast_asked", region.contrast_asked);
-        json.add("good", region.good).add("why", region.why).end_object();
-    }
+    json.end_list().line().key("advice").begin_list();
+    for (const ReportAdvice& advice : verdict.advice)
+        json.line()
+            .begin_object()
+            .add("text", advice.text)
+            .add("options", advice.options)
+            .add("figure", advice.figure)
+            .add("now", advice.now)
+            .add("then", advice.then)
+            .end_object();
+    json.end_list().line().key("regions").begin_list();
+    for (const ReportRegion& region : verdict.regions) write_region(json, region);
     json.end_list().end_object();
 }
 

@@ -82,8 +82,9 @@ struct ViewerPlace {
     std::array<double, 3> at_mm{}, normal{};  ///< from the corner of the print; outward
     double seen = 0;                          ///< CIEDE2000 from the viewing distance
     Rgb target{}, print{};                    ///< as seen from there
-    std::string cause, advice;                ///< a few words each
+    std::string cause;                        ///< a few words
     std::string name = {};                    ///< instead of where it is; may be empty
+    std::string words = {};                   ///< where it is, as a person says it; may be empty
     double span_mm = 0;                       ///< so much of it fills the view; 0: a centimetre
 };
 

@@ -173,7 +173,7 @@ void add_worst(JsonWriter& json, const std::vector<ViewerPlace>& worst) {
     for (const ViewerPlace& place : worst) {
         json.begin_object().add("at_mm", place.at_mm).add("normal", place.normal).add("seen", place.seen);
         json.add("target", place.target).add("print", place.print);
-        json.add("cause", place.cause).add("advice", place.advice).add("span_mm", place.span_mm).end_object();
+        json.add("cause", place.cause).add("span_mm", place.span_mm).end_object();
     }
     json.end_list();
 }

@@ -36,8 +36,10 @@ std::string swatch(const Rgb& rgb) {
 /// A name, or where it is.
 std::string place_text(const ViewerPlace& place) {
     if (!place.name.empty()) return fmt::format("{:.2f} {}", place.seen, html_text(place.name));
-    return fmt::format("{:.1f} at x {:.1f}, y {:.1f}, z {:.1f} mm", place.seen, place.at_mm[0], place.at_mm[1],
-                       place.at_mm[2]);
+    const std::string where =
+        fmt::format("x {:.1f}, y {:.1f}, z {:.1f} mm", place.at_mm[0], place.at_mm[1], place.at_mm[2]);
+    if (place.words.empty()) return fmt::format("{:.1f} at {}", place.seen, where);
+    return fmt::format("{:.1f} {} <small>({})</small>", place.seen, html_text(place.words), where);
 }
 
 std::string place_item(const ViewerPlace& place, std::size_t number) {
@@ -56,18 +58,6 @@ std::string worst_sentence(const ReportViewer& viewer) {
     return fmt::format("Places that differ most{}: {} and {}, CIEDE2000, and what limits it there.", from,
                        viewer.surface ? viewer.surface->asked : "target",
                        viewer.surface ? viewer.surface->expected : "print");
-}
-
-/// What to do there, each word once.
-std::string advice_list(const std::vector<ViewerPlace>& worst) {
-    std::vector<std::string_view> said;
-    std::string html;
-    for (const ViewerPlace& place : worst) {
-        if (place.advice.empty() || std::find(said.begin(), said.end(), place.advice) != said.end()) continue;
-        said.push_back(place.advice);
-        html += fmt::format("<li>{}</li>\n", html_text(place.advice));
-    }
-    return html.empty() ? html : "<p>What to do there:</p>\n<ul>\n" + html + "</ul>\n";
 }
 
 /// Shares of the surface as bars, one a row.
@@ -117,7 +107,7 @@ std::string worst_section(const Report& report) {
         "view above to the place.</span></p>\n<div class=\"worst-grid\"><div><ol class=\"worst\">\n",
         html_text(worst_sentence(report.viewer)));
     for (std::size_t i = 0; i < worst.size(); ++i) html += place_item(worst[i], i);
-    html += "</ol>\n" + advice_list(worst) + "</div>\n";
+    html += "</ol>\n</div>\n";
     if (report.verdict) html += histogram_table(report.verdict->seen_histogram);
     html += "</div>\n";
     return html + "</section>\n";

@@ -192,6 +192,7 @@ void ColourPrint::evaluate(const io::StackDescription&, Progress& progress) {
         prediction_->seen = seen_from(*prediction_, job_.options.loop.viewing_distance_mm,
                                       job_.options.loop.intent != halftone::Intent::absolute,
                                       known ? std::exchange(loop_->result.seen_target, nullptr) : nullptr);
+        prediction_->sides = SidesSeen(body_, prediction_->predicted.surface, progress);
         return;
     }
     prediction_plan_.why_not = "The print is not predicted: " + why_not + ".";
@@ -211,9 +212,7 @@ void ColourPrint::add_to(io::Report& report) const {
     add_colour_report({job_, body_, *colour_, parts_.surface_colour(), prediction_}, prediction_plan_.why_not, report);
     if (loop_) report.loop = loop_report(*loop_, body_, prediction_ ? &prediction_->volume : nullptr, job_.palette());
     report.verdict =
-        judge({job_, body_, *colour_, prediction_, prediction_plan_.why_not, *report.gamut, loop_.has_value(),
-               loop_ && plan_.loop.iterations >= 0 && loop_->result.why_stopped == halftone::all_iterations_made,
-               plan_.all_white});
+        judge({job_, body_, *colour_, prediction_, prediction_plan_.why_not, *report.gamut, loop_, plan_.all_white});
     if (!why_no_loop_.empty() && !plan_.all_white)
         report.warnings.push_back(named_warning("loop-left-out", why_no_loop_));
     add_remarks(loop_, prediction_, report);

@@ -20,6 +20,7 @@
 #include "io/layers/layer_runs.h"
 #include "optics/colour/colour.h"
 #include "slicer/colour/job_loop.h"
+#include "slicer/colour/sides_seen.h"
 #include "slicer/layers/layer_volume.h"
 #include "slicer/look/surface_prediction.h"
 #include "slicer/options/resolved_job.h"
@@ -69,6 +70,7 @@ struct JobPrediction {
     std::vector<Eigen::Vector3f>
         open_loop;  ///< per cell, what the open loop would have shown; empty without an appearance loop
     SeenPrint seen;
+    SidesSeen sides;  ///< from where its cells can be seen
 };
 
 /// `adapts`: the print's own paper is taken for white; not where white is absolute. `asked`: of the same cells, where

@@ -4,12 +4,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <optional>
 #include <utility>
 
 #include <fmt/core.h>
 
 #include "optics/colour/colour.h"
+#include "slicer/colour/evenness.h"
+#include "slicer/colour/type_size.h"
 
 namespace voxtone::slicer {
 
@@ -55,22 +59,39 @@ double luminance(const std::vector<Eigen::Vector3f>& rgb, const optics::Surface&
 
 double contrast(double a, double b) { return a + b > 0 ? std::abs(a - b) / (a + b) : 0; }
 
-/// Of the cell that lies nearest to the middle of its interior.
-std::array<double, 3> place_of(const ColourRegion& region, const optics::Surface& surface) {
+/// The cell that lies nearest to the middle of its interior.
+std::uint32_t middle_of(const ColourRegion& region, const optics::Surface& surface) {
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     const auto centre = [&](std::uint32_t i) {
         const auto& c = surface.cells[i].centre_mm;
         return Eigen::Vector3d(c[0], c[1], c[2]);
     };
     for (const std::uint32_t i : region.interior) middle += centre(i) / static_cast<double>(region.interior.size());
-    const std::uint32_t nearest = *std::ranges::min_element(
-        region.interior, {}, [&](std::uint32_t i) { return (centre(i) - middle).squaredNorm(); });
-    const Eigen::Vector3d at = centre(nearest);
-    return {at.x(), at.y(), at.z()};
+    return *std::ranges::min_element(region.interior, {},
+                                     [&](std::uint32_t i) { return (centre(i) - middle).squaredNorm(); });
+}
+
+/// A row before those like it are joined to it.
+struct Row {
+    io::ReportRegion said;
+    Eigen::Vector3f oklab = Eigen::Vector3f::Zero();    ///< of what was asked for
+    Eigen::Vector3d printed = Eigen::Vector3d::Zero();  ///< linear sRGB
+    std::vector<std::uint32_t> cells;
+};
+
+Eigen::Vector3f oklab_of(const Eigen::Vector3f& rgb) {
+    return optics::oklab_from_linear_srgb(rgb.cast<double>().cwiseMax(0)).cast<float>();
+}
+
+void put_at(std::uint32_t cell, const optics::Surface& surface, io::ReportRegion& region) {
+    for (std::size_t a = 0; a < 3; ++a) {
+        region.place_mm[a] = double(surface.cells[cell].centre_mm[a]);
+        region.normal[a] = double(surface.cells[cell].normal[a]);
+    }
 }
 
 /// Fine detail of graphics that lost much of its contrast; nothing where that is hardly anywhere.
-std::optional<io::ReportRegion> lost_detail(const JobPrediction& p) {
+std::optional<Row> lost_detail(const JobPrediction& p) {
     constexpr float strong = 0.08f, enough = 0.6f;
     constexpr double least_lost_mm2 = 0.25, of_graphics = 0.3;
     const optics::Surface& surface = p.predicted.surface;
@@ -78,7 +99,8 @@ std::optional<io::ReportRegion> lost_detail(const JobPrediction& p) {
     for (const ColourRegion& of : p.seen.regions) flat += of.area_mm2;
     for (const optics::SurfaceCell& cell : surface.cells) all += static_cast<double>(cell.area_mm2);
     if (flat < of_graphics * all) return std::nullopt;
-    io::ReportRegion region;
+    Row row;
+    io::ReportRegion& region = row.said;
     double kept = 0;
     float most = 0;
     std::size_t worst = 0;
@@ -87,66 +109,183 @@ std::optional<io::ReportRegion> lost_detail(const JobPrediction& p) {
         if (fine.wanted < strong || fine.kept >= enough) continue;
         const auto area = static_cast<double>(surface.cells[i].area_mm2);
         region.area_mm2 += area, kept += area * static_cast<double>(fine.kept);
+        row.cells.push_back(static_cast<std::uint32_t>(i));
         if (const float lost = fine.wanted * (1 - fine.kept); lost > most) most = lost, worst = i;
     }
     if (region.area_mm2 < least_lost_mm2) return std::nullopt;
     region.kind = "fine detail";
-    region.asked = text_of(p.target[worst]), region.printed = text_of(p.predicted.rgb[worst]);
-    const auto& centre = surface.cells[worst].centre_mm;
-    region.place_mm = {centre[0], centre[1], centre[2]};
+    region.asked = text_of(p.target[worst]);
+    row.printed = p.predicted.rgb[worst].cast<double>();
+    put_at(static_cast<std::uint32_t>(worst), surface, region);
     region.contrast = std::max(0.0, kept / region.area_mm2), region.contrast_asked = 1;
     region.why = fmt::format("keeps {:.2f} of its contrast: type as fine as that is hard to read", region.contrast);
     region.good = false;
-    return region;
+    return row;
+}
+
+/// What cannot be read for its size.
+std::optional<Row> small_type(const RegionSources& s) {
+    const JobPrediction& p = s.prediction;
+    const auto type = s.is_picture ? unreadable_type(p, s.viewing_distance_mm) : std::nullopt;
+    if (!type) return std::nullopt;
+    Row row;
+    row.said.kind = "small type";
+    row.said.asked = text_of(p.target[type->cell]);
+    row.printed = p.predicted.rgb[type->cell].cast<double>();
+    row.said.area_mm2 = type->unread_mm2;
+    row.said.contrast = type->contrast, row.said.contrast_asked = type->contrast_asked;
+    put_at(type->cell, p.predicted.surface, row.said);
+    row.cells = {type->cell};
+    row.said.type_mm = type->below_mm, row.said.smallest_type_mm = type->smallest_mm;
+    row.said.why =
+        fmt::format("below {} is not readable at this size{}", type_size_text(type->below_mm),
+                    type->unread == type->letters ? ", and none of it is larger"
+                                                  : fmt::format(": {} of {} letters", type->unread, type->letters));
+    row.said.good = false;
+    return row;
 }
 
 double rim_limit(const VerdictLimits& limits) { return 2 * limits.bad; }
 
+const char* is_are(const io::ReportRegion& region) { return region.pieces > 1 ? "are" : "is"; }
+
 std::string what_is_wrong(const io::ReportRegion& region, const VerdictLimits& limits) {
     if (region.contrast_asked >= legible && region.contrast < legible)
-        return fmt::format("is hard to read: its contrast is {:.2f}, {:.2f} was asked for and {:g} is legible",
-                           region.contrast, region.contrast_asked, legible);
+        return fmt::format("{} hard to read: the contrast is {:.2f}, {:.2f} was asked for and {:g} is legible",
+                           is_are(region), region.contrast, region.contrast_asked, legible);
     if (region.de2000 > limits.bad)
-        return fmt::format("is printed as {}, {:.0f} off{}", region.printed, *region.de2000,
+        return fmt::format("{} printed as {}, {:.0f} off{}", is_are(region), region.printed, *region.de2000,
                            region.out_of_reach ? ": no mixture of the loaded resins is nearer" : "");
     if (region.rim > rim_limit(limits))
-        return fmt::format("has a rim of another colour, {:.0f} units of CIELAB in chroma", *region.rim);
-    if (region.unevenness > limits.bad) return fmt::format("is uneven, by {:.0f} units of CIELAB", *region.unevenness);
+        return fmt::format("{} a rim of another colour, {:.0f} units of CIELAB in chroma",
+                           region.pieces > 1 ? "have" : "has", *region.rim);
+    if (region.unevenness > flecked_above)
+        return fmt::format("{} not even: flecked by {:.1f} CIEDE2000", is_are(region), *region.unevenness);
     return {};
 }
 
-}  // namespace
-
+/// How bad a region is by what is good; above 1 it is not good.
 double badness(const io::ReportRegion& region, const VerdictLimits& limits) {
     const double read = region.contrast_asked >= legible ? legible / std::max(region.contrast, 1e-3) : 0;
-    return std::max({region.de2000.value_or(0) / limits.bad, region.unevenness.value_or(0) / limits.bad,
+    return std::max({region.de2000.value_or(0) / limits.bad, region.unevenness.value_or(0) / flecked_above,
                      region.rim.value_or(0) / rim_limit(limits), read});
 }
 
-std::optional<io::ReportRegion> judge_thin_walls(const JobPrediction& p, std::span<const std::uint32_t> cells,
-                                                 double wall_mm, const Eigen::Vector3d& place_mm,
-                                                 const VerdictLimits& limits) {
-    io::ReportRegion region;
-    Eigen::Vector3f target = Eigen::Vector3f::Zero(), print = target;
-    double off = 0;
-    for (const std::uint32_t i : cells) {
-        const float area = p.predicted.surface.cells[i].area_mm2;
-        region.area_mm2 += static_cast<double>(area);
-        off += static_cast<double>(area) * p.seen.difference[i];
-        target += area * p.seen.target[i], print += area * p.seen.print[i];
-    }
-    if (region.area_mm2 < least_mm2) return std::nullopt;
-    const auto all = static_cast<float>(region.area_mm2);
-    region.kind = "thin walls";
-    region.asked = text_of(target / all), region.printed = text_of(print / all);
-    region.place_mm = {place_mm.x(), place_mm.y(), place_mm.z()};
-    off /= region.area_mm2;
-    region.de2000 = off;
-    region.good = off <= limits.bad;
-    if (!region.good)
-        region.why = fmt::format("let light pass, {:.0f} off on average: they are {:.1f} mm thick there", off, wall_mm);
-    return region;
+double seen_mm2(const io::ReportRegion& region) { return region.area_mm2 * region.seen_share; }
+
+/// By how much it is to be noted. Type that cannot be read before all else.
+double note_of(const io::ReportRegion& region, const VerdictLimits& limits) {
+    if (region.type_mm) return std::numeric_limits<double>::infinity();
+    return badness(region, limits) * std::sqrt(seen_mm2(region));
 }
+
+std::optional<Row> thin_walls(const RegionSources& s, const ThinWalls& walls) {
+    const JobPrediction& p = s.prediction;
+    Row row;
+    Eigen::Vector3f target = Eigen::Vector3f::Zero();
+    double off = 0, area_mm2 = 0;
+    for (const std::uint32_t i : walls.cells) {
+        const double area = p.predicted.surface.cells[i].area_mm2;
+        area_mm2 += area, off += area * p.seen.difference[i];
+        target += float(area) * p.seen.target[i], row.printed += area * p.seen.print[i].cast<double>();
+    }
+    if (area_mm2 < least_mm2) return std::nullopt;
+    off /= area_mm2, row.printed /= area_mm2;
+    row.said.kind = "thin walls";
+    row.said.asked = text_of(target / float(area_mm2));
+    row.said.area_mm2 = area_mm2, row.said.de2000 = off;
+    put_at(walls.worst, p.predicted.surface, row.said);
+    row.cells = walls.cells;
+    row.said.good = off <= s.limits.bad;
+    if (!row.said.good)
+        row.said.why =
+            fmt::format("let light pass, {:.0f} off on average: they are {:.1f} mm thick", off, walls.wall_mm);
+    return row;
+}
+
+Row row_of(const RegionSources& s, std::size_t r, const halftone::CellNeighbours& cells) {
+    const JobPrediction& p = s.prediction;
+    const optics::Surface& surface = p.predicted.surface;
+    const ColourRegion& of = p.seen.regions[r];
+    const halftone::RegionLook& look = p.seen.looks[r];
+    Row row;
+    io::ReportRegion& region = row.said;
+    row.cells = of.cells, row.oklab = oklab_of(of.target);
+    row.printed = optics::linear_srgb_from_xyz(optics::xyz_from_lab(look.lab, optics::d65_white()));
+    region.kind = kind_word(of.kind);
+    region.asked = text_of(of.target);
+    put_at(middle_of(of, surface), surface, region);
+    region.area_mm2 = of.area_mm2, region.de2000 = look.difference;
+    if (of.kind == RegionKind::solid) region.rim = std::max(0.0, p.seen.rims[r]);
+    if (of.kind != RegionKind::strokes) region.unevenness = unevenness_of(of, cells, p.seen.target, p.seen.print);
+    region.out_of_reach = s.colour.separation.gamut_distance(of.target) >= look.difference / 2;
+    if (of.kind == RegionKind::strokes) {
+        const double edge = std::sqrt(of.area_mm2 / static_cast<double>(of.cells.size()));
+        const std::vector<std::uint32_t> ground =
+            cells.around(of, std::max(1, static_cast<int>(std::lround(ground_mm / edge))));
+        region.contrast_asked = contrast(luminance(p.target, surface, of.cells), luminance(p.target, surface, ground));
+        region.contrast =
+            contrast(luminance(p.predicted.rgb, surface, of.cells), luminance(p.predicted.rgb, surface, ground));
+        // What is seen of strokes is their contrast: the eye mixes their colour with what lies beside them.
+        if (region.contrast_asked >= legible) region.de2000.reset();
+    }
+    return row;
+}
+
+/// Means by area; where the larger one is.
+void join(Row& into, const Row& more) {
+    io::ReportRegion& a = into.said;
+    const io::ReportRegion& b = more.said;
+    const double part = b.area_mm2 / (a.area_mm2 + b.area_mm2);
+    const auto mean = [&](std::optional<double>& x, const std::optional<double>& y) {
+        if (x && y) x = (1 - part) * *x + part * *y;
+    };
+    mean(a.de2000, b.de2000), mean(a.rim, b.rim);
+    if (a.unevenness && b.unevenness)
+        a.unevenness = std::sqrt((1 - part) * *a.unevenness * *a.unevenness + part * *b.unevenness * *b.unevenness);
+    a.contrast = (1 - part) * a.contrast + part * b.contrast;
+    a.contrast_asked = (1 - part) * a.contrast_asked + part * b.contrast_asked;
+    into.printed = (1 - part) * into.printed + part * more.printed;
+    if (part > 0.5) a.place_mm = b.place_mm, a.normal = b.normal;
+    a.out_of_reach = a.out_of_reach && b.out_of_reach;
+    a.area_mm2 += b.area_mm2;
+    a.pieces += b.pieces;
+    into.cells.insert(into.cells.end(), more.cells.begin(), more.cells.end());
+}
+
+/// Of one kind and one colour, to the eye.
+bool are_alike(const Row& a, const Row& b) {
+    constexpr float one_colour = 0.03f;  // Oklab: a little more than is seen between things that lie apart
+    return a.said.kind == b.said.kind && a.said.de2000.has_value() == b.said.de2000.has_value() &&
+           (a.oklab - b.oklab).norm() <= one_colour;
+}
+
+std::vector<Row> joined(std::vector<Row> rows) {
+    std::vector<Row> kinds;
+    for (Row& row : rows) {
+        const auto alike = std::ranges::find_if(kinds, [&](const Row& other) { return are_alike(other, row); });
+        if (alike == kinds.end())
+            kinds.push_back(std::move(row));
+        else
+            join(*alike, row);
+    }
+    return kinds;
+}
+
+void say_where(const RegionSources& s, Row& row) {
+    double area = 0, seen = 0;
+    for (const std::uint32_t i : row.cells) {
+        const double a = s.prediction.predicted.surface.cells[i].area_mm2;
+        area += a, seen += a * s.sides.weight(i);
+    }
+    row.said.seen_share = area > 0 ? seen / area : 1;
+    row.said.place = s.places.at(row.said.place_mm);
+    const Side side = s.sides.main_side(row.cells);
+    if (!s.is_picture) row.said.from = from_words(side);
+    row.said.printed = text_of(row.printed.cast<float>());
+}
+
+}  // namespace
 
 std::string colour_word(const Eigen::Vector3f& rgb) {
     const Eigen::Vector3d lab = optics::lab_from_linear_srgb(rgb.cast<double>().cwiseMax(0));
@@ -164,42 +303,34 @@ std::string colour_word(const Eigen::Vector3f& rgb) {
     return "purple";
 }
 
-std::vector<io::ReportRegion> judge_regions(const JobPrediction& p, const JobColour& colour,
-                                            const VerdictLimits& limits) {
-    std::vector<io::ReportRegion> judged;
-    const optics::Surface& surface = p.predicted.surface;
-    const halftone::CellNeighbours cells(surface);
+JudgedRegions judge_regions(const RegionSources& s, const ThinWalls& walls) {
+    const JobPrediction& p = s.prediction;
+    const halftone::CellNeighbours cells(p.predicted.surface);
+    JudgedRegions judged;
+    judged.flecked.assign(p.target.size(), 0);
+    std::vector<Row> rows;
     for (std::size_t r = 0; r < p.seen.regions.size(); ++r) {
-        const ColourRegion& of = p.seen.regions[r];
-        const halftone::RegionLook& look = p.seen.looks[r];
-        if (of.area_mm2 < least_mm2) continue;
-        io::ReportRegion& region = judged.emplace_back();
-        region.kind = kind_word(of.kind);
-        region.asked = text_of(of.target);
-        const Eigen::Vector3d shown = optics::linear_srgb_from_xyz(optics::xyz_from_lab(look.lab, optics::d65_white()));
-        region.printed = text_of(shown.cast<float>());
-        region.place_mm = place_of(of, surface);
-        region.area_mm2 = of.area_mm2, region.de2000 = look.difference;
-        if (of.kind == RegionKind::solid)
-            region.unevenness = look.unevenness, region.rim = std::max(0.0, p.seen.rims[r]);
-        region.out_of_reach = colour.separation.gamut_distance(of.target) >= look.difference / 2;
-        if (of.kind == RegionKind::strokes) {
-            const double edge = std::sqrt(of.area_mm2 / static_cast<double>(of.cells.size()));
-            const std::vector<std::uint32_t> ground =
-                cells.around(of, std::max(1, static_cast<int>(std::lround(ground_mm / edge))));
-            region.contrast_asked =
-                contrast(luminance(p.target, surface, of.cells), luminance(p.target, surface, ground));
-            region.contrast =
-                contrast(luminance(p.predicted.rgb, surface, of.cells), luminance(p.predicted.rgb, surface, ground));
-            // What is seen of strokes is their contrast: the eye mixes their colour with what lies beside them.
-            if (region.contrast_asked >= legible) region.de2000.reset();
-        }
-        region.why = what_is_wrong(region, limits);
-        region.good = region.why.empty();
+        Row row = row_of(s, r, cells);
+        if (row.said.unevenness > flecked_above)
+            for (const std::uint32_t cell : row.cells) judged.flecked[cell] = 1;
+        rows.push_back(std::move(row));
     }
-    if (auto detail = lost_detail(p)) judged.push_back(std::move(*detail));
-    std::ranges::stable_sort(judged, std::greater<>(),
-                             [&](const io::ReportRegion& region) { return badness(region, limits); });
+    rows = joined(std::move(rows));
+    std::erase_if(rows, [](const Row& row) { return row.said.area_mm2 < least_mm2; });
+    for (Row& row : rows) {
+        say_where(s, row);
+        row.said.why = what_is_wrong(row.said, s.limits);
+        row.said.good = row.said.why.empty();
+    }
+    // What the size of type says the contrast of fine detail need not.
+    auto more = small_type(s);
+    if (!more) more = lost_detail(p);
+    for (auto& row : {std::move(more), thin_walls(s, walls)})
+        if (row) say_where(s, rows.emplace_back(*row));
+    for (Row& row : rows) judged.rows.push_back(std::move(row.said));
+    std::ranges::stable_sort(judged.rows, std::greater<>(), [&](const io::ReportRegion& region) {
+        return std::pair(!region.good, note_of(region, s.limits));
+    });
     return judged;
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -13,7 +14,8 @@
 
 #include "base/parallel.h"
 #include "slicer/colour/region_verdict.h"
-#include "slicer/prepare/resin_choice.h"
+#include "slicer/colour/tried_advice.h"
+#include "slicer/colour/whole_verdict.h"
 #include "slicer/surface/target_cells.h"
 
 namespace voxtone::slicer {
@@ -21,19 +23,15 @@ namespace voxtone::slicer {
 namespace {
 
 const std::vector<double> histogram_edges{0, 0.5, 1, 1.5, 2, 3, 4, 5, 7, 10, 15, 20, 30};
-constexpr double much_of_the_surface = 0.1;  // above `bad`: what is so large is seen at once
-
 using enum LossCause;
 constexpr std::array all_causes{gamut, thin_wall, neighbours};
 
-/// What is off, by cause.
+/// What is off, by cause; by area, and by how far it can be seen.
 struct Losses {
-    std::array<double, all_causes.size()> weight{};  ///< area times difference
-    double off_mm2 = 0, bad_mm2 = 0, area_mm2 = 0;
-    /// Of the thin walls: the median, by weight, and the cell of a wall no thicker that is most off.
-    double thickness_mm = 0;
-    Eigen::Vector3d place_mm = Eigen::Vector3d::Zero();
-    std::vector<std::uint32_t> thin_cells;
+    std::array<double, all_causes.size()> weight{};  ///< times difference
+    double off = 0, all_seen = 0;
+    MeanParts mean;
+    ThinWalls walls;
 
     [[nodiscard]] double& of(LossCause cause) { return weight[std::size_t(cause)]; }
     [[nodiscard]] double all() const { return weight[0] + weight[1] + weight[2]; }
@@ -45,7 +43,7 @@ struct Losses {
 
 struct ThinCell {
     double thickness_mm, weight;
-    Eigen::Vector3d centre_mm;
+    std::uint32_t cell;
 };
 
 /// Corners are longer to cross than the wall that they end, so the thickness is that of the middle.
@@ -53,103 +51,75 @@ void describe_walls(std::vector<ThinCell> cells, Losses& losses) {
     if (cells.empty()) return;
     std::stable_sort(cells.begin(), cells.end(),
                      [](const ThinCell& a, const ThinCell& b) { return a.thickness_mm < b.thickness_mm; });
-    double sum = 0, worst = 0;
+    double sum = 0, worst = -1;
     for (const ThinCell& cell : cells) {
-        if (cell.weight > worst) {
-            worst = cell.weight;
-            losses.place_mm = cell.centre_mm;
-        }
-        losses.thickness_mm = cell.thickness_mm;
+        if (cell.weight > worst) worst = cell.weight, losses.walls.worst = cell.cell;
+        losses.walls.wall_mm = cell.thickness_mm;
         sum += cell.weight;
         if (sum >= losses.of(thin_wall) / 2) return;
     }
 }
 
-Losses losses_of(const VerdictSources& s, const JobPrediction& p) {
+Losses losses_of(const VerdictSources& s, const JobPrediction& p, const std::vector<double>& seen) {
     const std::vector<double>& difference = p.seen.difference;
     const VerdictLimits& limits = s.job.options.verdict;
     const double thin_mm = 2 * s.job.options.colour.depth_mm;
     Losses losses;
     std::vector<ThinCell> thin;
     std::vector<CellLoss> found(difference.size());
+    std::vector<double> reach(difference.size());
     parallel_for(0, found.size(), 256, [&](std::size_t i) {
+        reach[i] = std::min(difference[i], s.colour.separation.gamut_distance(p.target[i]));
         if (difference[i] > limits.good) found[i] = loss_of_cell(p, s.colour, i, thin_mm);
     });
+    double thin_seen = 0, rest = 0, rest_seen = 0;
     for (std::size_t i = 0; i < difference.size(); ++i) {
-        const optics::SurfaceCell& cell = p.predicted.surface.cells[i];
-        const double area = cell.area_mm2, d = difference[i], weight = area * d;
-        losses.area_mm2 += area;
-        if (d > limits.bad) losses.bad_mm2 += area;
-        if (d <= limits.good) continue;
-        losses.off_mm2 += area;
-        const CellLoss& loss = found[i];
-        losses.of(loss.cause) += weight;
-        const auto& centre = cell.centre_mm;
-        if (loss.cause != thin_wall) continue;
-        thin.push_back({loss.wall_mm, weight, {centre[0], centre[1], centre[2]}});
-        losses.thin_cells.push_back(static_cast<std::uint32_t>(i));
+        const double d = difference[i], left = seen[i] * (d - reach[i]);
+        const bool is_off = d > limits.good, is_thin = is_off && found[i].cause == thin_wall;
+        losses.all_seen += seen[i], losses.mean.reach += seen[i] * reach[i];
+        (is_thin ? losses.mean.thin : losses.mean.neighbours) += left;
+        if (is_thin)
+            thin_seen += seen[i];
+        else
+            rest += left, rest_seen += seen[i];
+        if (!is_off) continue;
+        losses.off += seen[i];
+        losses.of(found[i].cause) += seen[i] * d;
+        if (!is_thin) continue;
+        thin.push_back({found[i].wall_mm, seen[i] * d, static_cast<std::uint32_t>(i)});
+        losses.walls.cells.push_back(static_cast<std::uint32_t>(i));
     }
     describe_walls(std::move(thin), losses);
+    if (!(losses.all_seen > 0)) return losses;
+    for (double* part : {&losses.mean.reach, &losses.mean.thin, &losses.mean.neighbours}) *part /= losses.all_seen;
+    losses.mean.wall_mm = losses.walls.wall_mm;
+    const double as_the_rest = rest_seen > 0 ? rest / rest_seen * thin_seen / losses.all_seen : 0;
+    losses.mean.thick_walls = std::min(losses.mean.thin, as_the_rest);
     return losses;
 }
 
-/// Nobody overlooks it.
-bool is_bad(const io::ReportRegion& region, const VerdictLimits& limits) {
-    constexpr double far = 3;
-    return !region.good &&
-           ((region.contrast_asked > 0 && region.contrast_asked < 1) || region.de2000 > far * limits.bad);
-}
-
-io::VerdictLevel level_of(double mean, double bad_share, const std::vector<io::ReportRegion>& regions,
-                          const VerdictLimits& limits) {
-    if (mean > limits.bad || std::ranges::any_of(regions, [&](const auto& r) { return is_bad(r, limits); }))
-        return io::VerdictLevel::bad;
-    return mean > limits.good || bad_share > much_of_the_surface ||
-                   !std::ranges::all_of(regions, &io::ReportRegion::good)
-               ? io::VerdictLevel::fair
-               : io::VerdictLevel::good;
-}
-
-/// "red (255, 0, 0), 12.0 mm2 at x 1.0, y 2.0, z 3.0 mm, is printed as ..."
-std::string worst_of(const std::vector<io::ReportRegion>& regions, const char* where_more) {
-    if (regions.empty() || regions.front().good) return {};
-    const io::ReportRegion& worst = regions.front();
-    const auto more = std::ranges::count_if(regions, [](const auto& region) { return !region.good; }) - 1;
-    return fmt::format("{}{}, {:.1f} mm2 at x {:.1f}, y {:.1f}, z {:.1f} mm, {}{}",
-                       worst.kind == "solid" ? "" : worst.kind + " in ", worst.asked, worst.area_mm2, worst.place_mm[0],
-                       worst.place_mm[1], worst.place_mm[2], worst.why,
-                       more > 0 ? fmt::format(" ({} more: {})", more, where_more) : "");
-}
-
-const char* opening(io::VerdictLevel level) {
+std::string opening(io::VerdictLevel level, double mean) {
     switch (level) {
         case io::VerdictLevel::good:
-            return "It will look as asked";
+            return fmt::format("On the whole good, {:.1f}", mean);
         case io::VerdictLevel::fair:
-            return "It will look much as asked, with differences that are seen";
+            return fmt::format("On the whole fair, {:.1f}: much as asked, with differences that are seen", mean);
         case io::VerdictLevel::bad:
-            return "It will not look as asked";
+            return fmt::format("On the whole bad, {:.1f}: it will not look as asked", mean);
         case io::VerdictLevel::unknown:
             break;
     }
     return "How it will look was not predicted";
 }
 
-std::string reason(LossCause cause, const Losses& losses) {
-    if (cause == thin_wall)
-        return fmt::format(
-            "light passes through thin walls ({:.1f} mm at x {:.1f}, y {:.1f}, z {:.1f} mm of the print)",
-            losses.thickness_mm, losses.place_mm.x(), losses.place_mm.y(), losses.place_mm.z());
+std::string reason(LossCause cause, const Losses& losses, const PlaceWords& places, const JobPrediction& p) {
+    if (cause == thin_wall) {
+        const auto& at = p.predicted.surface.cells[losses.walls.worst].centre_mm;
+        return fmt::format("light passes through thin walls ({:.1f} mm, {})", losses.walls.wall_mm,
+                           places.at({at[0], at[1], at[2]}));
+    }
     if (cause == gamut) return "the loaded resins cannot show these colours";
     return "light spreads between neighbouring colours and at edges";
-}
-
-std::string advice_on(LossCause cause, const VerdictSources& s) {
-    if (cause == gamut) return gamut_advice(s.job, s.body);
-    if (cause == thin_wall)
-        return fmt::format("make these walls at least {:g} mm thick, or print it larger ({})",
-                           2 * s.job.options.colour.depth_mm, s.body.is_picture ? "--thickness" : "--size");
-    return "print it larger: details are blurred over half a millimetre whatever their size";
 }
 
 void add_causes(const Losses& losses, io::ReportVerdict& verdict) {
@@ -159,98 +129,126 @@ void add_causes(const Losses& losses, io::ReportVerdict& verdict) {
                      [](const auto& a, const auto& b) { return a.share > b.share; });
 }
 
-void add_advice(const VerdictSources& s, const Losses& losses, io::ReportVerdict& verdict) {
-    constexpr double worth_a_word = 0.2;
-    if (!s.looped && losses.share(gamut) < 1 - worth_a_word)
-        verdict.advice.emplace_back(
-            "let the resins be rearranged (--iterations auto): that makes up for much of "
-            "the light that spreads and passes");
-    if (s.looped && s.cut_short && losses.share(gamut) < 1 - worth_a_word)
-        verdict.advice.emplace_back("let the resins be rearranged until it gains no more (--iterations auto)");
-    for (const io::ReportVerdict::Cause& named : verdict.causes)
-        for (const LossCause cause : all_causes)
-            if (named.name == name_of(cause) && named.share >= worth_a_word)
-                verdict.advice.push_back(advice_on(cause, s));
+/// Means from each side of a body, by what is seen of each cell from there.
+void add_sides(const JobPrediction& p, const SidesSeen& sides, io::ReportVerdict& verdict) {
+    constexpr double least_share = 0.02;
+    std::array<double, all_sides> seen{}, off{};
+    for (std::size_t i = 0; i < p.seen.difference.size(); ++i)
+        for (std::size_t side = 0; side < all_sides; ++side) {
+            const double area = double(p.predicted.surface.cells[i].area_mm2) * sides.from(static_cast<Side>(side), i);
+            seen[side] += area, off[side] += area * p.seen.difference[i];
+        }
+    const double all = std::accumulate(seen.begin(), seen.end(), 0.0);
+    for (std::size_t side = 0; side < all_sides; ++side)
+        if (seen[side] > least_share * all)
+            verdict.sides.push_back(
+                {std::string(name_of(static_cast<Side>(side))), off[side] / seen[side], seen[side] / all});
+}
+
+/// The best side and the worst, where a person sees that they differ.
+std::string sides_sentence(const io::ReportVerdict& verdict) {
+    if (verdict.sides.size() < 2) return {};
+    const auto [best, worst] = std::ranges::minmax_element(verdict.sides, {}, &io::ReportVerdict::Side::mean);
+    if (worst->mean - best->mean < verdict.good_up_to) return {};
+    const auto words = [](const io::ReportVerdict::Side& side) { return from_words(*value_of<Side>(side.name)); };
+    std::string text = fmt::format("{} {:.1f}, {} {:.1f}", words(*best), best->mean, words(*worst), worst->mean);
+    text.front() = 'F';
+    return text + ".";
+}
+
+/// "red (255, 0, 0)" -> "red".
+std::string word_of(const std::string& colour) { return colour.substr(0, colour.find(" (")); }
+
+/// "But both eyes, ...": the worst thing that is not good, in words; where it is behind.
+void add_worst(io::ReportVerdict& verdict) {
+    if (verdict.regions.empty() || verdict.regions.front().good) return;
+    const io::ReportRegion& worst = verdict.regions.front();
+    const bool is_colour = worst.kind == "solid" || worst.kind == "paper";
+    std::string what = worst.type_mm ? std::string("type")
+                       : is_colour   ? word_of(worst.asked)
+                                     : fmt::format("{}, {}", worst.kind, word_of(worst.asked));
+    if (worst.kind == "thin walls" || worst.kind == "fine detail") what = worst.kind;
+    std::vector<std::string> where;
+    if (worst.pieces > 1) where.push_back(fmt::format("{} places", worst.pieces));
+    where.push_back(fmt::format("{}{}", worst.pieces > 1 ? "the largest " : "", worst.place));
+    if (!worst.from.empty()) where.push_back("seen " + worst.from);
+    const char* lead = verdict.level == io::VerdictLevel::good ? "But" : "Worst:";
+    verdict.but = worst.type_mm ? fmt::format("{} {} {}.", lead, what, worst.why)
+                                : fmt::format("{} {} ({}) {}.", lead, what, fmt::join(where, ", "), worst.why);
+    verdict.but_mm = worst.place_mm, verdict.but_normal = worst.normal;
 }
 
 void judge_prediction(const VerdictSources& s, const JobPrediction& p, io::ReportVerdict& verdict) {
-    const optics::DifferenceSummary seen = summarize_by_area(p.predicted.surface, p.seen.difference);
-    const Losses losses = losses_of(s, p);
-    verdict.regions = judge_regions(p, s.colour, s.job.options.verdict);
-    if (auto walls =
-            judge_thin_walls(p, losses.thin_cells, losses.thickness_mm, losses.place_mm, s.job.options.verdict)) {
-        const auto worse = std::ranges::find_if(verdict.regions, [&](const io::ReportRegion& region) {
-            return badness(region, s.job.options.verdict) < badness(*walls, s.job.options.verdict);
-        });
-        verdict.regions.insert(worse, std::move(*walls));
-    }
-    verdict.seen_mean = seen.mean;
-    verdict.seen_p95 = seen.percentile_95;
-    const std::vector<double> share = histogram_by_area(p.predicted.surface, p.seen.difference, histogram_edges);
+    const VerdictLimits& limits = s.job.options.verdict;
+    const optics::Surface& surface = p.predicted.surface;
+    const SidesSeen& sides = p.sides;
+    const PlaceWords places(s.body);
+    const std::vector<double> seen = seen_areas(surface, sides);
+    const Losses losses = losses_of(s, p, seen);
+    JudgedRegions regions = judge_regions(
+        {p, s.colour, sides, places, limits, s.body.is_picture, verdict.viewing_distance_mm}, losses.walls);
+    verdict.regions = std::move(regions.rows);
+    const WholeVerdict whole = judge_whole(p.seen.difference, seen, regions.flecked, limits);
+    verdict.level = whole.level;
+    verdict.seen_mean = whole.mean, verdict.wrong_share = whole.wrong_share;
+    verdict.seen_p95 = weighted_percentile(p.seen.difference, seen, 0.95);
+    verdict.reach_mean = losses.mean.reach;
+    const std::vector<double> share = histogram_by_area(surface, p.seen.difference, histogram_edges);
     for (std::size_t i = 0; i < share.size(); ++i) verdict.seen_histogram.emplace_back(histogram_edges[i], share[i]);
-    verdict.off_share = losses.area_mm2 > 0 ? losses.off_mm2 / losses.area_mm2 : 0;
-    verdict.level = level_of(seen.mean, losses.area_mm2 > 0 ? losses.bad_mm2 / losses.area_mm2 : 0, verdict.regions,
-                             s.job.options.verdict);
-    verdict.headline = opening(verdict.level);
-    verdict.sentence = fmt::format(
-        "{}: seen from {:g} mm it differs by {:.1f} CIEDE2000 on average (up to {:g} is good, "
-        "above {:g} bad)",
-        verdict.headline, verdict.viewing_distance_mm, seen.mean, verdict.good_up_to, verdict.bad_above);
-    if (verdict.level == io::VerdictLevel::good) {
-        verdict.sentence += ".";
-        return;
-    }
-    add_causes(losses, verdict);
-    add_advice(s, losses, verdict);
-    const auto why = [&](const char* where_more) {
-        std::vector<std::string> parts;
+    verdict.off_share = losses.all_seen > 0 ? losses.off / losses.all_seen : 0;
+    if (!s.body.is_picture) add_sides(p, sides, verdict);
+    add_worst(verdict);
+    verdict.headline = opening(verdict.level, whole.mean);
+    if (verdict.level != io::VerdictLevel::good) {
+        add_causes(losses, verdict);
         if (!verdict.causes.empty())
-            parts.push_back(fmt::format("{} because {}",
-                                        losses.share(losses.main()) > 0.9 ? "nearly all of it" : "mostly",
-                                        reason(losses.main(), losses)));
-        if (std::string worst = worst_of(verdict.regions, where_more); !worst.empty())
-            parts.push_back(std::move(worst));
-        return fmt::format("{}", fmt::join(parts, "; "));
-    };
-    verdict.why = why("below");
-    if (!verdict.why.empty()) verdict.sentence += (verdict.causes.empty() ? "; " : ", ") + why("report");
-    if (!verdict.advice.empty()) verdict.sentence += fmt::format("; try this: {}", verdict.advice.front());
-    verdict.sentence += ".";
-    if (verdict.why.empty()) return;
-    verdict.why.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(verdict.why.front())));
-    verdict.why += ".";
+            verdict.why =
+                fmt::format("{} because {}.", losses.share(losses.main()) > 0.9 ? "Nearly all of it" : "Mostly",
+                            reason(losses.main(), losses, places, p));
+    }
+    const auto type = std::ranges::find_if(verdict.regions, [](const auto& r) { return r.type_mm.has_value(); });
+    const bool all_is_well = verdict.level == io::VerdictLevel::good && type == verdict.regions.end();
+    if (!all_is_well) {
+        AdviceSources advice{s.job, s.body, p, seen, s.loop, losses.mean, 0, 0};
+        if (type != verdict.regions.end())
+            advice.type_mm = *type->type_mm, advice.smallest_type_mm = type->smallest_type_mm;
+        verdict.advice = tried_advice(advice);
+    }
+    std::vector<std::string> sentences{fmt::format(
+        "{} (CIEDE2000 as seen from {:g} mm: up to {:g} is good, above {:g} bad; {:.1f} of it no mixture of "
+        "these resins could avoid).",
+        verdict.headline, verdict.viewing_distance_mm, verdict.good_up_to, verdict.bad_above, losses.mean.reach)};
+    for (const std::string& more : {verdict.but, sides_sentence(verdict), verdict.why})
+        if (!more.empty()) sentences.push_back(more);
+    if (!verdict.advice.empty()) sentences.push_back(fmt::format("Try: {}.", verdict.advice.front().text));
+    verdict.sentence = fmt::format("{}", fmt::join(sentences, " "));
 }
 
-/// What is out of reach is known without a prediction; thin walls and neighbours are not.
+/// Of a draft: what the resins reach on a thick body, which is no print.
 void judge_gamut(const VerdictSources& s, io::ReportVerdict& verdict) {
-    if (s.gamut.mean_de2000 > s.job.options.verdict.bad) verdict.level = io::VerdictLevel::bad;
     std::string reason = s.why_not_predicted.empty() ? "it was not asked for (--predict)" : s.why_not_predicted;
     if (reason.ends_with(".")) reason.pop_back();
     reason.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(reason.front())));
-    const std::string reach =
-        s.gamut.mapped_share < 0.005
-            ? "on a thick body the loaded resins show nearly all of its colours"
-            : fmt::format(
-                  "the loaded resins cannot show {:.0f} % of its colours, which are moved by {:.1f} CIEDE2000 "
-                  "on average over the surface",
-                  100 * s.gamut.mapped_share, s.gamut.mean_de2000);
-    if (verdict.level == io::VerdictLevel::bad) {
-        verdict.causes.push_back({std::string(name_of(gamut)), 1});
-        verdict.advice.push_back(gamut_advice(s.job, s.body));
-        verdict.sentence =
-            fmt::format("{}: {} (above {:g} is bad); try this: {}. Light in it was not predicted: {}.",
-                        opening(verdict.level), reach, verdict.bad_above, verdict.advice.front(), reason);
-    } else {
-        verdict.sentence = fmt::format("{}: {}; {}.", opening(verdict.level), reason, reach);
-    }
+    const double in_reach = 100 * (1 - s.gamut.mapped_share);
+    verdict.headline = fmt::format("Colours in reach: {:.0f} %", in_reach > 99.5 ? 100 : std::floor(in_reach));
+    verdict.why = s.gamut.mapped_share < 0.005
+                      ? "The loaded resins show nearly all of its colours"
+                      : fmt::format(
+                            "The loaded resins cannot show {:.0f} % of the surface, whose colours are moved: by {:.1f} "
+                            "CIEDE2000 on average over all of it",
+                            100 * s.gamut.mapped_share, s.gamut.mean_de2000);
+    verdict.why += fmt::format(", on a thick body. How it will look was not predicted: {}.", reason);
+    if (s.gamut.mean_de2000 > s.job.options.verdict.good) verdict.advice = advice_on_reach(s.job, s.body);
+    verdict.sentence = verdict.headline + ". " + verdict.why;
+    if (!verdict.advice.empty()) verdict.sentence += fmt::format(" Try: {}.", verdict.advice.front().text);
 }
 
 /// What the file's colours were is not known here, so that the judgement is of those that are left.
 void judge_lost_colour(const std::string& lost, io::ReportVerdict& verdict) {
     verdict.level = io::VerdictLevel::bad;
     verdict.headline.clear();
-    verdict.sentence = fmt::format("{}. {} Measured against the colours that are left: {}", opening(verdict.level),
-                                   lost, verdict.sentence);
+    verdict.sentence = fmt::format("It will not look as asked. {} Measured against the colours that are left: {}", lost,
+                                   verdict.sentence);
 }
 
 }  // namespace
@@ -285,18 +283,6 @@ CellLoss loss_of_cell(const JobPrediction& p, const JobColour& colour, std::size
     return {wall < thin_mm ? thin_wall : neighbours, wall};
 }
 
-std::string gamut_advice(const OpenedJob& job, const JobBody& body) {
-    const auto resin = most_helpful_resin(job, body);
-    if (!resin) return "choose colours that are less saturated or less dark: no other resin of the set would help much";
-    if (!resin->has_slot)
-        return fmt::format(
-            "print it where {} can be loaded too, in another mode or on another printer: colours out of reach go from "
-            "{:.1f} to {:.1f} CIEDE2000 then",
-            resin->role, resin->now_de2000, resin->mean_de2000);
-    return fmt::format("load {} too (--load): colours out of reach go from {:.1f} to {:.1f} CIEDE2000 then",
-                       resin->role, resin->now_de2000, resin->mean_de2000);
-}
-
 io::ReportVerdict judge(const VerdictSources& s) {
     io::ReportVerdict verdict;
     verdict.viewing_distance_mm = s.job.options.loop.viewing_distance_mm;
@@ -306,10 +292,9 @@ io::ReportVerdict judge(const VerdictSources& s) {
         judge_prediction(s, *s.prediction, verdict);
     } else if (s.all_white) {
         verdict.level = io::VerdictLevel::good;
-        verdict.sentence = fmt::format(
-            "{}: white everywhere, and all of white resin, so that there was nothing to rearrange and nothing to "
-            "predict.",
-            opening(verdict.level));
+        verdict.sentence =
+            "It will look as asked: white everywhere, and all of white resin, so that there was nothing to rearrange "
+            "and nothing to predict.";
     } else {
         judge_gamut(s, verdict);
     }

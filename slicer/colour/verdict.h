@@ -1,22 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Will the print look as asked, and if not, why, and what to try: one sentence and one figure.
+// Will the print look as asked; what is worst on it; and if it will not, why, and what to try.
 //
 // The figure is the mean CIEDE2000 between what is predicted and what was asked for, both after the eye filter
 // (halftone/loop/eye_filter.h, at the viewing distance), the print over the level of its own paper (paper.h), over the
-// whole coloured surface by area: colours that the resins cannot reach count, as they do for whoever looks at it. The
-// loop tells the same figure. Good and bad are options (VerdictLimits). Where more than a tenth of the surface is above
-// `bad`, or a solid, type or paper is not good (region_verdict.h), a good mean is called fair at best; where type that
-// was legible cannot be read, or a solid is off by more than three times `bad`, it is called bad. The sentence names
-// the worst of them.
+// whole coloured surface, each cell by its area and by how far it can be seen (sides_seen.h): colours that the resins
+// cannot reach count, as they do for whoever looks at it. The level is that of the whole alone (whole_verdict.h); good
+// and bad are options (VerdictLimits). The worst thing (region_verdict.h) is a sentence of its own, which changes no
+// level: "On the whole good, 2.3 ... But both eyes come out olive." How much of the figure no mixture of the loaded
+// resins could avoid is told with it: the mean of the smaller of a cell's difference and its target's distance from the
+// gamut of a thick body.
 //
-// Why: each cell that is off by more than `good` counts with area times difference for the first of
+// Why: each cell that is off by more than `good` counts with area, sight and difference for the first of
 //   - out of gamut: the thick body's separation alone is off by half of the cell's difference or more;
 //   - thin walls: going inward along the normal the body ends within two shell depths, so that there is no core behind
 //     the colour, and light passes, or the other side's colour shows;
 //   - neighbours' light: all else. Light spreads between neighbouring colours, at edges and in corners.
 // It is a count by rules, no analysis of what each alone would do: two causes in one cell count as the first.
-// A model that lost colours (ModelFile::lost_colour) will not look as asked, whatever the figure says of the rest.
+//
+// Nothing is said of looks where nothing was predicted: what the resins reach on a thick body is no print (level
+// `unknown`). A model that lost colours (ModelFile::lost_colour) will not look as asked, whatever is known of the rest.
 #pragma once
 
 #include <cstddef>
@@ -49,15 +52,11 @@ struct VerdictSources {
     const std::optional<JobPrediction>& prediction;
     const std::string& why_not_predicted;  ///< a sentence, or empty
     const io::ReportGamut& gamut;
-    bool looped = false;     ///< the resins were rearranged
-    bool cut_short = false;  ///< and might have gained more, had they been rearranged more often
-    bool all_white = false;  ///< white was asked for everywhere, and white resin is printed
+    const std::optional<JobLoop>& loop;  ///< that rearranged the resins
+    bool all_white = false;              ///< white was asked for everywhere, and white resin is printed
 };
 
 [[nodiscard]] io::ReportVerdict judge(const VerdictSources& sources);
-
-/// What to try where colours are out of the resins' reach. Takes as long as separating a few thousand colours.
-[[nodiscard]] std::string gamut_advice(const OpenedJob& job, const JobBody& body);
 
 /// How much body there is behind a point of its surface: from `from_mm` along `-normal` (unit length) to the first air,
 /// at most `most_mm`. Steps of half a voxel.

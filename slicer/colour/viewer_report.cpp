@@ -3,16 +3,17 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <numeric>
 #include <string>
 
 #include <fmt/core.h>
 
 #include "io/pictures/srgb_code.h"
+#include "slicer/colour/place_words.h"
 #include "slicer/colour/verdict.h"
 #include "slicer/look/prediction_files.h"
 #include "slicer/look/support_contact.h"
+#include "slicer/plan/loop_plan.h"
 #include "slicer/surface/target_cells.h"
 
 namespace voxtone::slicer {
@@ -51,26 +52,7 @@ io::Rgb codes_of(const Eigen::Vector3f& rgb) {
     return {io::linear_to_srgb8(rgb[0]), io::linear_to_srgb8(rgb[1]), io::linear_to_srgb8(rgb[2])};
 }
 
-/// For a list of places; what the verdict says of colours out of reach holds for each of them.
-std::string advice_on_place(LossCause cause, const ColourReport& s) {
-    switch (cause) {
-        case LossCause::gamut:
-            return gamut_advice(s.job, s.body);
-        case LossCause::thin_wall:
-            return fmt::format("make the body at least {:g} mm thick there, or print it larger ({})",
-                               2 * s.job.options.colour.depth_mm, s.body.is_picture ? "--thickness" : "--size");
-        case LossCause::neighbours:
-            break;
-    }
-    return s.job.options.loop.intent == halftone::Intent::contrast
-               ? "print it larger: details are blurred over half a millimetre whatever their size"
-               : "print it larger, or give local contrast the preference (--intent contrast)";
-}
-
-/// By cause, found once: what would help is tried out.
-using PlaceAdvice = std::map<LossCause, std::string>;
-
-io::ViewerPlace place_of(const ColourReport& s, const JobPrediction& p, std::size_t i, PlaceAdvice& advice) {
+io::ViewerPlace place_of(const ColourReport& s, const JobPrediction& p, std::size_t i, const PlaceWords& words) {
     const optics::SurfaceCell& cell = p.predicted.surface.cells[i];
     const double thin_mm = 2 * s.job.options.colour.depth_mm;
     const CellLoss loss = loss_of_cell(p, s.colour, i, thin_mm);
@@ -84,8 +66,7 @@ io::ViewerPlace place_of(const ColourReport& s, const JobPrediction& p, std::siz
     place.print = codes_of(p.seen.print[i]);
     place.cause = name_of(loss.cause);
     if (loss.cause == LossCause::thin_wall) place.cause += fmt::format(", {:.2f} mm", loss.wall_mm);
-    if (!advice.contains(loss.cause)) advice[loss.cause] = advice_on_place(loss.cause, s);
-    place.advice = advice[loss.cause];
+    place.words = words.at(place.at_mm);
     return place;
 }
 
@@ -111,16 +92,18 @@ std::vector<io::ViewerPlace> worst_places(const ColourReport& s, const JobPredic
     std::vector<std::size_t> order;
     for (std::size_t i = 0; i < seen.size(); ++i)
         if (seen[i] > s.job.options.verdict.good) order.push_back(i);
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return seen[a] > seen[b]; });
+    std::vector<double> off(seen.size());
+    for (const std::size_t i : order) off[i] = seen[i] * p.sides.weight(i);
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return off[a] > off[b]; });
     std::vector<io::ViewerPlace> places;
     std::vector<Eigen::Vector3d> taken;
-    PlaceAdvice advice;
+    const PlaceWords words(s.body);
     for (const std::size_t i : order) {
         const Eigen::Vector3d at = vector_of(p.predicted.surface.cells[i].centre_mm);
         const auto near = [&](const Eigen::Vector3d& other) { return (other - at).norm() < apart_mm; };
         if (std::any_of(taken.begin(), taken.end(), near)) continue;
         taken.push_back(at);
-        places.push_back(place_of(s, p, i, advice));
+        places.push_back(place_of(s, p, i, words));
         if (places.size() == most) break;
     }
     return places;
@@ -130,9 +113,16 @@ std::optional<io::ViewerSurface> viewer_surface(const ColourReport& s, std::size
     if (s.prediction) return predicted_surface(s, *s.prediction, bytes);
     const std::array painted{
         PaintedSurface{"target", "what was asked for", target_surface(s)},
-        PaintedSurface{"print", "what the resins can reach on a thick body, by the separation's own model",
-                       separated_surface(s)}};
-    return viewer_painted(painted, s.body.grid.origin_mm, s.body.is_picture, true, bytes, &progress);
+        prints_all_white(s.surface_colour, s.job.resins)
+            ? PaintedSurface{"print", "all of white resin", separated_surface(s)}
+            : PaintedSurface{"colours in reach",
+                             "what the resins can reach on a thick body, by the separation's own model: no prediction "
+                             "of the print",
+                             separated_surface(s)}};
+    io::ViewerSurface surface =
+        viewer_painted(painted, s.body.grid.origin_mm, s.body.is_picture, true, bytes, &progress);
+    surface.expected = painted[1].name;
+    return surface;
 }
 
 void add_viewer(const ColourReport& s, io::Report& report, const Progress& progress) {

@@ -3,8 +3,9 @@
 // What the report's viewer gets of a print that shows colours: target, open loop and print on one surface, differences,
 // and the ten places that are worst as they are seen.
 //
-// The worst places: cells in falling order of what is seen, each at least a twelfth of the body away from those before
-// it, so that one bad patch is named once; none below the verdict's "good".
+// The worst places: cells in falling order of what is seen, times how far it can be seen (sides_seen.h), each at least
+// a twelfth of the body away from those before it, so that one bad patch is named once; none below the verdict's
+// "good".
 #pragma once
 
 #include <cstddef>

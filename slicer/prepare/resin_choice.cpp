@@ -83,6 +83,11 @@ std::vector<Roles> sets_of(const Roles& candidates, std::size_t size, const std:
     return sets;
 }
 
+bool is_worth_it(double then, double now) {
+    constexpr double least_part = 0.75, least_gain = 0.5;
+    return then < least_part * now && then < now - least_gain;
+}
+
 bool same_roles(Roles a, Roles b) {
     std::sort(a.begin(), a.end());
     std::sort(b.begin(), b.end());
@@ -150,7 +155,6 @@ bool load_best_resins(OpenedJob& job, const JobBody& body, Progress& progress) {
 }
 
 std::optional<HelpfulResin> most_helpful_resin(const OpenedJob& job, const JobBody& body) {
-    constexpr double least_part = 0.75, least_gain = 0.5;
     Roles loaded = roles_of(job.resins);
     if (loaded.size() >= std::size_t{halftone::max_resins} || body.surface->triangles.empty()) return std::nullopt;
     const optics::ResinSet all = io::find_resin_set(job.options.resins);
@@ -164,10 +168,25 @@ std::optional<HelpfulResin> most_helpful_resin(const OpenedJob& job, const JobBo
         roomy.max_resins = halftone::max_resins;
         const double mean = mean_loss(job, body, load_roles(job.options, roomy, all, loaded), colours);
         loaded.pop_back();
-        if (mean < least_part * now && mean < now - least_gain && (!best || mean < best->mean_de2000))
-            best = {role, mean, now, static_cast<int>(loaded.size()) < most_resins(job.printer)};
+        if (is_worth_it(mean, now) && (!best || mean < best->mean_de2000))
+            best = {role, mean, now, static_cast<int>(loaded.size()) < most_resins(job.printer),
+                    fmt::format("{},{}", fmt::join(loaded, ","), role)};
     }
     return best;
+}
+
+std::optional<CoreLoss> loss_with_white_core(const OpenedJob& job, const JobBody& body) {
+    static const std::string white = "W";
+    const Roles loaded = roles_of(job.resins);
+    if (job.options.colour.core == white || body.surface->triangles.empty() ||
+        std::find(loaded.begin(), loaded.end(), white) == loaded.end())
+        return std::nullopt;
+    const std::vector<Eigen::Vector3d> colours = sample_colours(body);
+    ResolvedJob over_white = job.options;
+    over_white.colour.core = white;
+    const LoadedResins resins = load_roles(over_white, job.printer, io::find_resin_set(job.options.resins), loaded);
+    const CoreLoss loss{mean_loss(job, body, resins, colours), mean_loss(job, body, job.resins, colours)};
+    return is_worth_it(loss.mean_de2000, loss.now_de2000) ? std::optional(loss) : std::nullopt;
 }
 
 }  // namespace voxtone::slicer

@@ -36,9 +36,17 @@ bool load_best_resins(OpenedJob& job, const JobBody& body, Progress& progress);
 struct HelpfulResin {
     std::string role;
     double mean_de2000 = 0, now_de2000 = 0;
-    bool has_slot = false;  ///< the printer carries one more
+    bool has_slot = false;    ///< the printer carries one more
+    std::string loaded_with;  ///< all roles then, as --load has them
 };
 /// The one that would help most; nothing where none brings the mean down by a quarter and by half a unit.
 [[nodiscard]] std::optional<HelpfulResin> most_helpful_resin(const OpenedJob& job, const JobBody& body);
+
+/// What the sample's mean would be over a core of white; nothing where the core is white, where white is not loaded,
+/// and where that brings it down by no more than a quarter and half a unit.
+struct CoreLoss {
+    double mean_de2000 = 0, now_de2000 = 0;
+};
+[[nodiscard]] std::optional<CoreLoss> loss_with_white_core(const OpenedJob& job, const JobBody& body);
 
 }  // namespace voxtone::slicer

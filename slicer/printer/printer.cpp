@@ -33,7 +33,11 @@ constexpr int most_colours = io::max_materials - 1;
 constexpr double smallest_pitch_um = 1, largest_pitch_um = 1000;
 
 const std::initializer_list<std::string_view> known_keys{
-    "format", "version", "name", "dpi", "layer_um", "pitch_um", "tray_mm", "max_resins", "max_colours", "formats", "min_layers", "colours", "background_rgb", "default_roles", "flip_x", "material_names", "flip_y", "unconfirmed", "swap_xy", "notes", "default_resins", "utility", "mode", "cartridges", "min_wall_mm", "min_wall_source", "pass_axis", "pass_width_mm", "pass_s", "pass_source"};
+    "format",     "version",        "name",       "dpi",         "layer_um",        "pitch_um",       "tray_mm",
+    "max_resins", "max_colours",    "formats",    "min_layers",  "colours",         "background_rgb", "default_roles",
+    "flip_x",     "material_names", "flip_y",     "unconfirmed", "swap_xy",         "notes",          "default_resins",
+    "utility",    "mode",           "cartridges", "min_wall_mm", "min_wall_source", "pass_axis",      "pass_width_mm",
+    "pass_s",     "pass_source"};
 
 /// Colours for roles that a profile does not name: told apart easily, never black.
 const std::map<std::string, io::Rgb>& usual_colours() {

@@ -89,10 +89,11 @@ TEST_CASE("The page of a print shows the numbers of its EXR files, and each of i
         CHECK_THAT(text_of(browser, "probe-mixture"), Contains("0.7 to 1 mm") && Contains(" %"));
     }
     // A worst place has the difference that its line in the list says.
-    const int places = browser.evaluate("document.querySelectorAll('button.place').length").get<int>();
+    const int places = browser.evaluate("document.querySelectorAll('ol.worst button.place').length").get<int>();
     CHECK(places >= 1);
-    const auto said = browser.evaluate("Number(document.querySelector('button.place').innerText.match(/[\\d.]+/)[0])");
-    (void)browser.evaluate("document.querySelector('button.place').click()");
+    const auto said =
+        browser.evaluate("Number(document.querySelector('ol.worst button.place').innerText.match(/[\\d.]+/)[0])");
+    (void)browser.evaluate("document.querySelector('ol.worst button.place').click()");
     CHECK(browser.wait_for(
         fmt::format("document.getElementById('probe-list').innerText.includes('{:.1f}')", said.get<double>())));
     CHECK(browser.complaints() == std::vector<std::string>{});
@@ -222,8 +223,9 @@ TEST_CASE("The page of a calibration shows target and photograph, and the probe 
         return a["de2000"].template get<double>() < b["de2000"].template get<double>();
     });
     const std::string name = (*worst)["patch"];
-    CHECK_THAT(browser.evaluate("document.querySelector('button.place').innerText").get<std::string>(), Contains(name));
-    (void)browser.evaluate("document.querySelector('button.place').click()");
+    CHECK_THAT(browser.evaluate("document.querySelector('ol.worst button.place').innerText").get<std::string>(),
+               Contains(name));
+    (void)browser.evaluate("document.querySelector('ol.worst button.place').click()");
     CHECK(browser.wait_for(
         fmt::format("document.querySelector('#probe-list dd').textContent === {}", nlohmann::json(name).dump())));
     CHECK(browser.printed_pages() <= 2);

@@ -33,7 +33,9 @@ const KEYS_OF_PICTURES =
 
 const showWorst = (stage, worst) => {
   for (const button of document.querySelectorAll("button.place")) {
-    const place = worst[Number(button.dataset.place)];
+    const place = button.dataset.at
+      ? { at_mm: JSON.parse(button.dataset.at), normal: JSON.parse(button.dataset.normal) }
+      : worst[Number(button.dataset.place)];
     button.disabled = false;
     button.addEventListener("click", () => {
       stage.visit(place.at_mm, place.normal, place.span_mm);

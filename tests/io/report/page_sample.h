@@ -31,17 +31,18 @@ inline io::Report report(const std::string& title) {
     report.warnings.assign(
         7, "a warning in words that is about as long as those that there are, with what to do about it");
     report.stages = {{"layers", 1}};
-    report.verdict = io::ReportVerdict{.level = io::VerdictLevel::fair,
-                                       .sentence = "It will look much as asked.",
-                                       .seen_mean = 3.0,
-                                       .seen_p95 = 6.0,
-                                       .viewing_distance_mm = 300,
-                                       .good_up_to = 2.5,
-                                       .bad_above = 5,
-                                       .off_share = 0.3,
-                                       .causes = {{"thin walls", 1.0}},
-                                       .advice = {"print it larger"},
-                                       .seen_histogram = {{0, 0.5}, {1, 0.3}, {2, 0.2}}};
+    report.verdict = io::ReportVerdict{
+        .level = io::VerdictLevel::fair,
+        .sentence = "It will look much as asked.",
+        .seen_mean = 3.0,
+        .seen_p95 = 6.0,
+        .viewing_distance_mm = 300,
+        .good_up_to = 2.5,
+        .bad_above = 5,
+        .off_share = 0.3,
+        .causes = {{"thin walls", 1.0}},
+        .advice = {{"print it larger (--size 20mm): then about 2.0", "--size 20mm", "seen_de2000", 3.0, 2.0}},
+        .seen_histogram = {{0, 0.5}, {1, 0.3}, {2, 0.2}}};
     const io::Picture8 pixels{40, 40, 4, std::vector<std::uint8_t>(40 * 40 * 4, 200)};
     const io::ReportPicture picture{"target", io::png_bytes(pixels), 40, 40, 4};
     report.views.clear();

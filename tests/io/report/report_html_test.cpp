@@ -57,7 +57,7 @@ Report sample(const std::string& text) {
     surface.looks = {{text, text, {1, 2, 3}}};
     surface.note = text;
     report.viewer.surface = surface;
-    report.viewer.worst = {{{1, 2, 3}, {0, 0, 1}, 4.5, {1, 2, 3}, {4, 5, 6}, text, text}};
+    report.viewer.worst = {{{1, 2, 3}, {0, 0, 1}, 4.5, {1, 2, 3}, {4, 5, 6}, text, "", text}};
     return report;
 }
 

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/colour/tried_advice.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/core.h>
+
+#include "halftone/loop/appearance_loop.h"
+#include "halftone/loop/eye_filter.h"
+#include "slicer/colour/type_size.h"
+#include "slicer/prepare/resin_choice.h"
+#include "slicer/surface/target_cells.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+constexpr double worth_a_word = 0.9;   // of what there is now
+constexpr double left_by_loop = 0.55;  // of what the resins could reach
+constexpr const char *seen_mean = "seen_de2000", *gamut_mean = "gamut";
+
+/// What blurring the target changes of it, on average.
+double changed_by_blur(const AdviceSources& s, double spread_mm) {
+    constexpr double degrees = 0.0283;  // the narrowest Gaussian's spread (eye_filter.h)
+    const optics::Surface& surface = s.prediction.predicted.surface;
+    const halftone::EyeFilter blur(surface, spread_mm / std::tan(degrees * 3.14159265358979323846 / 180),
+                                   halftone::EyeSurround::none, halftone::OpponentSpace::neutral,
+                                   halftone::EyeParts::narrowest);
+    const std::vector<double> changed = colour_differences(s.prediction.target, blur.smoothed(s.prediction.target));
+    double sum = 0, all = 0;
+    for (std::size_t i = 0; i < changed.size(); ++i) sum += s.weight[i] * changed[i], all += s.weight[i];
+    return all > 0 ? sum / all : 0;
+}
+
+double exponent_of(const AdviceSources& s) {
+    constexpr double spread_mm = 0.5;
+    const double wide = changed_by_blur(s, spread_mm), narrow = changed_by_blur(s, spread_mm / 2);
+    return narrow > 0 && wide > narrow ? std::min(1.0, std::log2(wide / narrow)) : 0;
+}
+
+/// A size as it is written and read again.
+double rounded_mm(double mm) { return mm < 20 ? std::ceil(2 * mm) / 2 : std::ceil(mm); }
+
+/// Most that the tray allows.
+double most_larger(const AdviceSources& s) {
+    const Eigen::Vector3d tray = s.job.printer.sliced_tray_mm(), extent = s.body.placement.extent_mm;
+    double most = 1e3;
+    for (Eigen::Index a = 0; a < 3; ++a)
+        if (extent[a] > 0 && tray[a] > 0 && !(s.body.is_picture && a == 2)) most = std::min(most, tray[a] / extent[a]);
+    return most;
+}
+
+void add_larger(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
+    constexpr double fourfold = 4;
+    const double thick_mm = 2 * s.job.options.colour.depth_mm, most = std::min(fourfold, most_larger(s));
+    const double exponent = exponent_of(s), now = s.mean.sum(), good = s.job.options.verdict.good;
+    const auto then = [&](double k) { return mean_when_larger(s.mean, k, exponent, thick_mm); };
+    // As large as makes it good; else twice as large.
+    const double type_k = s.type_mm > 0 && s.smallest_type_mm > 0 ? s.type_mm / s.smallest_type_mm : 1;
+    double k = 1.25;
+    while (k < most && then(k) > good) k *= 1.1;
+    if (then(k) > good) k = 2;
+    const bool for_type = type_k > k || now <= good;
+    if (for_type) k = type_k;
+    k = std::min(k, most);
+    const Eigen::Vector3d& extent = s.body.placement.extent_mm;
+    const double edge_mm = s.body.is_picture ? extent.x() : extent.maxCoeff(), to_mm = rounded_mm(k * edge_mm);
+    const double mean = then(to_mm / edge_mm);
+    if (to_mm <= edge_mm || (mean > worth_a_word * now && !(for_type && type_k > 1))) return;
+    const std::string options = fmt::format("{} {:g}mm", s.body.is_picture ? "--width" : "--size", to_mm);
+    advice.push_back({fmt::format("print it larger ({}): then about {:.1f}{}", options, mean,
+                                  type_k > 1 && to_mm >= type_k * edge_mm ? ", and all type can be read" : ""),
+                      options, seen_mean, now, mean});
+}
+
+void add_loop(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
+    const double now = s.mean.sum();
+    double then = now;
+    if (!s.loop) {
+        if (s.job.resins.set.resins.size() < 2) return;
+        then = s.mean.reach + left_by_loop * (now - s.mean.reach);
+    } else if (const int asked = s.job.options.loop.iterations.value_or(-1);
+               asked >= 0 && asked < halftone::most_iterations &&
+               s.loop->result.why_stopped == halftone::all_iterations_made) {
+        std::vector<double> means;
+        for (const halftone::LoopStep& step : s.loop->result.state.steps)
+            if (step.method != halftone::LoopMethod::descent) means.push_back(step.seen.mean);
+        const double made = means.back(), gained = made - mean_of_longer_loop(means, halftone::most_iterations - asked);
+        then = made > 0 ? now * (1 - gained / made) : now;
+    }
+    if (then > worth_a_word * now) return;
+    advice.push_back({fmt::format("let the resins be rearranged until that gains no more (--iterations auto): then "
+                                  "about {:.1f}",
+                                  then),
+                      "--iterations auto", seen_mean, now, then});
+}
+
+void add_thicker(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
+    const double thick_mm = 2 * s.job.options.colour.depth_mm, now = s.mean.sum();
+    const double then = now - s.mean.thin + s.mean.thick_walls;
+    if (then > worth_a_word * now) return;
+    const std::string options = s.body.is_picture ? fmt::format("--thickness {:g}mm", thick_mm) : std::string();
+    advice.push_back({fmt::format("make walls of {:.1f} mm at least {:g} mm thick{}: then about {:.1f}", s.mean.wall_mm,
+                                  thick_mm, options.empty() ? "" : " (" + options + ")", then),
+                      options, seen_mean, now, then});
+}
+
+}  // namespace
+
+double mean_when_larger(const MeanParts& mean, double k, double exponent, double thick_mm) {
+    const double open = thick_mm - mean.wall_mm, left = thick_mm - k * mean.wall_mm;
+    const double through = open > 0 ? std::max(0.0, left / open) : 0;
+    return mean.reach + mean.thick_walls + (mean.thin - mean.thick_walls) * through +
+           mean.neighbours * std::pow(k, -exponent);
+}
+
+double mean_of_longer_loop(const std::vector<double>& means, int more) {
+    constexpr double usual = 0.35, most = 0.7;  // part of the gain before
+    if (means.size() < 2) return means.empty() ? 0 : means.back();
+    const std::size_t n = means.size();
+    const double gain = means[n - 2] - means[n - 1];
+    double part = usual;
+    if (n > 2 && means[n - 3] > means[n - 2]) part = std::clamp(gain / (means[n - 3] - means[n - 2]), 0.0, most);
+    double mean = means[n - 1], next = gain;
+    for (int i = 0; i < more && next > 0; ++i) next *= part, mean -= next;
+    return std::max(0.0, mean);
+}
+
+std::vector<io::ReportAdvice> advice_on_reach(const OpenedJob& job, const JobBody& body) {
+    std::vector<io::ReportAdvice> advice;
+    if (const auto core = loss_with_white_core(job, body))
+        advice.push_back({fmt::format("print it over white (--core W): colours out of reach go from {:.1f} to {:.1f} "
+                                      "CIEDE2000 then",
+                                      core->now_de2000, core->mean_de2000),
+                          "--core W", gamut_mean, core->now_de2000, core->mean_de2000});
+    if (const auto resin = most_helpful_resin(job, body)) {
+        const std::string load = resin->loaded_with;
+        advice.push_back(
+            {resin->has_slot ? fmt::format("load {} too (--load {}): colours out of reach go from {:.1f} to {:.1f} "
+                                           "CIEDE2000 then",
+                                           resin->role, load, resin->now_de2000, resin->mean_de2000)
+                             : fmt::format("print it where {} can be loaded too, in another mode or on another "
+                                           "printer: colours out of reach go from {:.1f} to {:.1f} CIEDE2000 then",
+                                           resin->role, resin->now_de2000, resin->mean_de2000),
+             resin->has_slot ? "--load " + load : std::string(), gamut_mean, resin->now_de2000, resin->mean_de2000});
+    }
+    return advice;
+}
+
+std::vector<io::ReportAdvice> tried_advice(const AdviceSources& s) {
+    std::vector<io::ReportAdvice> advice;
+    add_loop(s, advice);
+    add_thicker(s, advice);
+    add_larger(s, advice);
+    std::ranges::stable_sort(advice, {}, &io::ReportAdvice::then);
+    if (s.mean.reach >= (1 - worth_a_word) * s.mean.sum()) {
+        std::vector<io::ReportAdvice> more = advice_on_reach(s.job, s.body);
+        // What lies under the colour is the first thing to put right.
+        const bool first = !more.empty() && s.mean.reach > s.mean.sum() / 2;
+        advice.insert(first ? advice.begin() : advice.end(), more.begin(), more.end());
+    }
+    return advice;
+}
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What to try where a print is not as asked: each with what it would come to, by a cheap prediction, or not at all.
+//
+// The verdict's mean m is taken for a sum: what no mixture reaches (reach_mean), what is lost in thin walls, what light
+// does between neighbours. Then
+//
+//   larger by k   reach + thin max(0, 2 depth - k wall) / (2 depth - wall) + neighbours k^-e. Light spreads over a
+//                 fixed length, so that what is off is a band of fixed width: e = 1 beside edges. Where details are no
+//                 wider than the band, e is less: it is measured on the target itself, blurred by 0.5 and by 0.25 mm,
+//                 e = log2 of the ratio of what the two change, at most 1
+//   thicker walls the cells of thin walls become as those are that have a core behind them
+//   the loop      of what reach leaves, `left_by_loop` is left (bundled cow of 12, 18 and 30 mm 0.61, 0.57 and 0.47,
+//                 fox of 12 and 18 mm 0.50 and 0.47, kodim23 0.42); where it was cut short, its last gains go on as a
+//                 geometric series
+//   resins, core  the mean that the separation's own model gives for 400 colours of the surface (resin_choice.h)
+//
+// What brings less than a tenth of m, or of what is out of reach, is no advice. Tests follow each of them on small
+// models (tests/cli/verdict_test.cpp).
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "io/report/report.h"
+#include "slicer/colour/job_loop.h"
+#include "slicer/colour/job_prediction.h"
+#include "slicer/prepare/opened_job.h"
+
+namespace voxtone::slicer {
+
+/// What the mean is made of.
+struct MeanParts {
+    double reach = 0, thin = 0, neighbours = 0;
+    double wall_mm = 0;      ///< of the thin walls, about
+    double thick_walls = 0;  ///< what `thin` would be were they thick
+    [[nodiscard]] double sum() const { return reach + thin + neighbours; }
+};
+
+struct AdviceSources {
+    const OpenedJob& job;
+    const JobBody& body;
+    const JobPrediction& prediction;
+    const std::vector<double>& weight;  ///< per cell
+    const std::optional<JobLoop>& loop;
+    MeanParts mean;
+    double type_mm = 0;  ///< size of the face below which type is not read, of what is there at the smallest; 0: none
+    double smallest_type_mm = 0;
+};
+
+/// The best first. Of a print that is not good.
+[[nodiscard]] std::vector<io::ReportAdvice> tried_advice(const AdviceSources& sources);
+
+/// Where colours are out of the resins' reach, which is known without a prediction. Takes as long as separating a few
+/// thousand colours.
+[[nodiscard]] std::vector<io::ReportAdvice> advice_on_reach(const OpenedJob& job, const JobBody& body);
+
+/// m where the print is k times as large. `exponent`: e.
+[[nodiscard]] double mean_when_larger(const MeanParts& mean, double k, double exponent, double thick_mm);
+
+/// Of means of iterates, the last the best: about what further ones would come to; `more` at most.
+[[nodiscard]] double mean_of_longer_loop(const std::vector<double>& means, int more);
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Down to which size the type of a printed picture can be read.
+//
+// Letters are connected cells of no flat region that stand on one (paper or a solid: halftone/loop/colour_regions.h)
+// and differ from it in lightness; pieces between two flat regions are their blurred border. Each has a height along y;
+// what has at least three others of about its height within a few letters' widths is type. Its size is that of the
+// face, 1/0.72 of the height of capitals, which is the 80th percentile of the heights around: 1 pt = 0.3528 mm. Letters
+// that have run together in the target are as high as their line.
+//
+// A letter is read where the contrast (a - b) / (a + b) of luminance, of the letter against what lies within 0.5 mm of
+// it, is a half or more (ISO 9241-303 asks for as much of characters), or, where less was asked for, at least 0.6 of
+// that; and where its x-height, half of the face, is five minutes of arc from the viewing distance, which is what
+// normal sight reads (Snellen). The size below which type cannot be read is the one that divides those that are read
+// from those that are not with the fewest on the wrong side.
+// What it cannot see: type on bodies, whose textures are full of small things in rows; faces of other proportions, type
+// on textures, letters of more than 1 mm2 in one piece (solids).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "slicer/colour/job_prediction.h"
+
+namespace voxtone::slicer {
+
+struct TypeSize {
+    double below_mm = 0;  ///< size of the face: what is smaller cannot be read
+    double smallest_mm = 0, largest_mm = 0;
+    std::size_t letters = 0, unread = 0;
+    double unread_mm2 = 0;
+    double contrast = 0, contrast_asked = 0;  ///< means of those that cannot be read
+    std::uint32_t cell = 0;                   ///< of one of them, in the middle
+};
+
+/// Nothing where there is no type, or all of it can be read.
+[[nodiscard]] std::optional<TypeSize> unreadable_type(const JobPrediction& prediction, double viewing_distance_mm);
+
+/// "2.1 mm (6 pt)".
+[[nodiscard]] std::string type_size_text(double mm);
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/colour/whole_verdict.h"
+
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
+#include "base/contracts.h"
+
+namespace voxtone::slicer {
+
+WholeVerdict judge_whole(std::span<const double> difference, std::span<const double> weight,
+                         std::span<const char> flecked, const VerdictLimits& limits) {
+    constexpr double much = 0.1, most = 0.5;
+    VOXTONE_EXPECT(difference.size() == weight.size() && (flecked.empty() || flecked.size() == weight.size()));
+    double all = 0, off = 0, wrong = 0;
+    for (std::size_t i = 0; i < weight.size(); ++i) {
+        all += weight[i], off += weight[i] * difference[i];
+        if (difference[i] > limits.bad || (!flecked.empty() && flecked[i] != 0)) wrong += weight[i];
+    }
+    if (!(all > 0)) return {};
+    WholeVerdict whole{.mean = off / all, .wrong_share = wrong / all};
+    using enum io::VerdictLevel;
+    whole.level = whole.mean > limits.bad || whole.wrong_share > most    ? bad
+                  : whole.mean > limits.good || whole.wrong_share > much ? fair
+                                                                         : good;
+    return whole;
+}
+
+double weighted_percentile(std::span<const double> difference, std::span<const double> weight, double part) {
+    std::vector<std::size_t> order(difference.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return difference[i]; });
+    const double all = std::accumulate(weight.begin(), weight.end(), 0.0);
+    double sum = 0;
+    for (const std::size_t i : order)
+        if (sum += weight[i]; sum >= part * all) return difference[i];
+    return order.empty() ? 0 : difference[order.back()];
+}
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What a verdict looks at: from where places are seen, where they are, what of the type is read, how even paper is.
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "base/random.h"
+#include "slicer/colour/evenness.h"
+#include "slicer/colour/place_words.h"
+#include "slicer/colour/sides_seen.h"
+#include "slicer/colour/tried_advice.h"
+#include "slicer/colour/type_size.h"
+
+using namespace voxtone;
+using namespace voxtone::slicer;
+
+namespace {
+
+constexpr double voxel_mm = 0.1;
+
+void add_box(VisibleSurface& surface, const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+    const auto first = static_cast<std::uint32_t>(surface.positions_mm.size());
+    for (int c = 0; c < 8; ++c)
+        surface.positions_mm.emplace_back(c & 1 ? high.x() : low.x(), c & 2 ? high.y() : low.y(),
+                                          c & 4 ? high.z() : low.z());
+    for (const auto& [a, b, c] : std::vector<std::array<std::uint32_t, 3>>{{0, 2, 3},
+                                                                           {0, 3, 1},
+                                                                           {0, 1, 5},
+                                                                           {0, 5, 4},
+                                                                           {2, 6, 7},
+                                                                           {2, 7, 3},
+                                                                           {0, 4, 6},
+                                                                           {0, 6, 2},
+                                                                           {1, 3, 7},
+                                                                           {1, 7, 5},
+                                                                           {4, 5, 7},
+                                                                           {4, 7, 6}})
+        surface.triangles.push_back({first + a, first + b, first + c});
+    surface.source_triangle.assign(surface.triangles.size(), 0);
+    surface.source_uv.resize(surface.triangles.size());
+}
+
+/// A cube of 4 mm, and a roof of 4 mm over its left half, 0.5 mm above it.
+struct RoofedCube {
+    RoofedCube() {
+        VisibleSurface shape;
+        add_box(shape, {0, 0, 0}, {4, 4, 4});
+        add_box(shape, {0, 0, 4.5}, {2, 4, 5});
+        body.surface = SurfaceIndex(std::move(shape));
+        body.grid.size = {40, 40, 50};
+        body.grid.pitch_mm = {voxel_mm, voxel_mm, voxel_mm};
+        body.grid.origin_mm = Eigen::Vector3d::Zero();
+        volume = optics::make_resin_volume({40, 40, 50}, {voxel_mm, voxel_mm, voxel_mm}, [](int x, int, int z) {
+            return z < 40 || (z >= 45 && x < 20) ? optics::Material{1} : optics::air;
+        });
+        surface = optics::find_surface({.volume = &volume}, {1, 1, 1}, optics::SurfacePart::all);
+    }
+    /// Mean over the cells that look so and lie within half a millimetre of a place.
+    [[nodiscard]] double weight(const SidesSeen& sides, const Eigen::Vector3d& at, const Eigen::Vector3d& out) const {
+        double sum = 0;
+        int n = 0;
+        for (std::size_t i = 0; i < surface.cells.size(); ++i) {
+            const auto &c = surface.cells[i].centre_mm, &d = surface.cells[i].normal;
+            if ((Eigen::Vector3d(c[0], c[1], c[2]) - at).norm() < 0.5 &&
+                Eigen::Vector3d(d[0], d[1], d[2]).dot(out) > 0.95)
+                sum += sides.weight(i), ++n;
+        }
+        REQUIRE(n > 10);
+        return sum / n;
+    }
+    JobBody body;
+    optics::ResinVolume volume;
+    optics::Surface surface;
+};
+
+/// A slab's top of 20 x 12 mm in cells of 0.1 mm: white, with what `ink` says in black; printed as `print` says.
+struct Page {
+    template <class Ink, class Print>
+    Page(const Ink& ink, const Print& print) {
+        p.volume = optics::make_resin_volume({200, 120, 2}, {voxel_mm, voxel_mm, voxel_mm},
+                                             [](int, int, int) { return optics::Material{1}; });
+        p.predicted.surface = optics::find_surface({.volume = &p.volume}, {1, 1, 1}, optics::SurfacePart::top);
+        for (const optics::SurfaceCell& cell : p.predicted.surface.cells) {
+            const bool black = ink(cell.cell[0], cell.cell[1]);
+            p.target.push_back(Eigen::Vector3f::Constant(black ? 0.01f : 1.0f));
+            p.predicted.rgb.push_back(Eigen::Vector3f::Constant(print(cell.cell[0], cell.cell[1], black)));
+        }
+        p.seen.regions = halftone::colour_regions(p.predicted.surface, p.target);
+    }
+    JobPrediction p;
+};
+
+/// Rows of strokes, half as wide as they are apart: of 2 mm height in the upper half, of 1 mm in the lower one.
+bool lines_of_type(int x, int y) {
+    const bool upper = y >= 70 && y < 90, lower = y >= 30 && y < 40;
+    return x >= 10 && x < 190 && ((upper && x % 12 < 4) || (lower && x % 6 < 2));
+}
+
+}  // namespace
+
+TEST_CASE(
+    "What lies open to the sky counts whole, walls less, the underside hardly, and what is roofed over by its sides") {
+    const RoofedCube cube;
+    const SidesSeen sides(cube.body, cube.surface, Progress());
+    CHECK(cube.weight(sides, {3.2, 2, 4}, {0, 0, 1}) > 0.9);
+    CHECK(cube.weight(sides, {1, 2, 5}, {0, 0, 1}) == Approx(1).margin(0.02));
+    CHECK(cube.weight(sides, {2, 0, 2}, {0, -1, 0}) == Approx(0.71).margin(0.03));
+    CHECK(cube.weight(sides, {2, 2, 0}, {0, 0, -1}) == Approx(0.18).margin(0.03));
+    const double under_roof = cube.weight(sides, {0.7, 2, 4}, {0, 0, 1});
+    CHECK((under_roof > 0.05 && under_roof < 0.4));
+    std::vector<std::uint32_t> front, under;
+    for (std::uint32_t i = 0; i < cube.surface.cells.size(); ++i) {
+        if (cube.surface.cells[i].normal[1] < -0.9f) front.push_back(i);
+        if (cube.surface.cells[i].normal[2] < -0.9f && cube.surface.cells[i].centre_mm[2] < 0.05f) under.push_back(i);
+    }
+    CHECK(sides.main_side(front) == Side::front);
+    CHECK(sides.main_side(under) == Side::bottom);
+    // The same from every run.
+    const SidesSeen again(cube.body, cube.surface, Progress());
+    for (std::size_t i = 0; i < cube.surface.cells.size(); ++i) REQUIRE(again.weight(i) == sides.weight(i));
+}
+
+TEST_CASE("A place is said in words, by thirds of the box") {
+    const std::array<double, 3> box{30, 30, 60}, flat{40, 30, 4};
+    CHECK(place_in_box({5, 3, 55}, box, false) == "upper left front");
+    CHECK(place_in_box({25, 28, 5}, box, false) == "lower right back");
+    CHECK(place_in_box({15, 15, 30}, box, false) == "middle");
+    CHECK(place_in_box({15, 1, 30}, box, false) == "front");
+    CHECK(place_in_box({35, 25, 4}, flat, true) == "upper right");
+    // A plate has no front to speak of.
+    CHECK(place_in_box({15, 0.1, 55}, {30, 2, 60}, false) == "upper");
+}
+
+TEST_CASE("Below the size where its contrast is lost type is said to be unreadable, and nothing where all is read") {
+    const auto small_is_lost = [](int, int y, bool black) { return black ? (y < 50 ? 0.5f : 0.05f) : 1.0f; };
+    const Page page(lines_of_type, small_is_lost);
+    const auto type = unreadable_type(page.p, 300);
+    REQUIRE(type);
+    CHECK(type->smallest_mm == Approx(1 / 0.72).margin(0.05));
+    CHECK(type->largest_mm == Approx(2 / 0.72).margin(0.05));
+    CHECK((type->below_mm > type->smallest_mm && type->below_mm < type->largest_mm));
+    CHECK(type->unread == 30);
+    CHECK(type->contrast_asked > 0.9);
+    CHECK(type->contrast < 0.5);
+    const Page sharp(lines_of_type, [](int, int, bool black) { return black ? 0.05f : 1.0f; });
+    CHECK_FALSE(unreadable_type(sharp.p, 300));
+    // Sight has its limit, too: nobody reads 1.4 mm from six metres.
+    CHECK(unreadable_type(sharp.p, 3000));
+    const Page all_lost(lines_of_type, [](int, int, bool black) { return black ? 0.6f : 1.0f; });
+    const auto all = unreadable_type(all_lost.p, 300);
+    REQUIRE(all);
+    CHECK(all->unread == all->letters);
+    // A few spots are no type, nor is a checkerboard that stands on nothing.
+    const auto spots = [](int x, int y) { return (x == 20 || x == 150) && y >= 50 && y < 60; };
+    CHECK_FALSE(unreadable_type(Page(spots, [](int, int, bool black) { return black ? 0.6f : 1.0f; }).p, 300));
+    CHECK(type_size_text(2.117) == "2.1 mm (6 pt)");
+    CHECK(type_size_text(0.53) == "0.5 mm (1.5 pt)");
+}
+
+TEST_CASE("Paper that is grey all over is even, and flecked paper is not, however near its mean is") {
+    const auto blank = [](int, int) { return false; };
+    const auto unevenness = [&](const auto& print) {
+        const Page page(blank, print);
+        REQUIRE(page.p.seen.regions.size() == 1);
+        return unevenness_of(page.p.seen.regions[0], halftone::CellNeighbours(page.p.predicted.surface), page.p.target,
+                             page.p.predicted.rgb);
+    };
+    CHECK(unevenness([](int, int, bool) { return 0.8f; }) < 1e-3);
+    // Nor is a shade that fades over the page a fleck.
+    CHECK(unevenness([](int x, int, bool) { return 0.7f + 0.3f * float(x) / 200; }) < 0.2);
+    const auto flecked = [](float by) {
+        return [by](int x, int y, bool) {
+            return 0.85f + by * float(RandomStream(3, std::uint64_t(x / 2 * 100 + y / 2)).uniform() - 0.5);
+        };
+    };
+    CHECK(unevenness(flecked(0.02f)) < flecked_above);
+    CHECK(unevenness(flecked(0.2f)) > flecked_above);
+}
+
+TEST_CASE("What a larger print comes to never rises with its size, and never falls below what resins reach") {
+    const MeanParts mean{.reach = 0.8, .thin = 2, .neighbours = 3, .wall_mm = 0.5, .thick_walls = 0.4};
+    double before = mean_when_larger(mean, 1, 0.7, 2);
+    CHECK(before == Approx(mean.sum()));
+    for (double k = 1.1; k < 10; k *= 1.1) {
+        const double now = mean_when_larger(mean, k, 0.7, 2);
+        CHECK(now <= before);
+        CHECK(now >= mean.reach);
+        before = now;
+    }
+    CHECK(mean_when_larger(mean, 4, 1, 2) == Approx(0.8 + 0.4 + 0.75));  // walls are thick then
+}
+
+TEST_CASE("What a longer loop comes to goes on from its last gains") {
+    CHECK(mean_of_longer_loop({5}, 9) == 5);
+    CHECK(mean_of_longer_loop({8, 4}, 0) == 4);
+    CHECK(mean_of_longer_loop({8, 4, 2}, 2) == Approx(2 - 1 - 0.5));
+    CHECK(mean_of_longer_loop({8, 4, 4.5}, 5) == 4.5);  // it gained nothing
+    CHECK(mean_of_longer_loop({8, 4}, 8) > 1.8);
+}
