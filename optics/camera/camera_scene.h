@@ -30,9 +30,6 @@ struct Coat {
     double mean = 0;       ///< F of light from all sides: `mean_reflectance(eta)`
 };
 
-/// Share of even light from all sides that a smooth surface mirrors: 2 times the integral of mu F(mu) over (0, 1).
-[[nodiscard]] double mean_reflectance(double eta);
-
 /// A body that is a diffuser of known colour throughout its surface.
 class DiffuseBody {
 public:

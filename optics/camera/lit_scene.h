@@ -22,6 +22,9 @@ struct MetInAir {
     Coat coat{};          ///< over them
 };
 
+/// Share of even light from all sides that a smooth surface mirrors: 2 times the integral of mu F(mu) over (0, 1).
+[[nodiscard]] double mean_reflectance(double eta);
+
 /// A scene made ready for paths.
 class LitScene {
 public:

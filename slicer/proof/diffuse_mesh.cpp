@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "optics/camera/lit_scene.h"
+
 namespace voxtone::slicer {
 
 namespace {

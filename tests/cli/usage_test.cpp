@@ -364,7 +364,11 @@ TEST_CASE("Quiet verbs that make files say nothing, those that are asked answer"
     CHECK(report.at("threads") == 0);
     CHECK(report.at("depth") == "1mm");
     CHECK(report.at("load").is_array());
-    CHECK(std::filesystem::exists(folder / "out/for-customer.html"));
+    // What is for the customer shows a draft for what it is, and holds no scripts or voxels.
+    const std::string page = read_file(folder / "out/for-customer.html");
+    CHECK_THAT(page,
+               Contains("marker.obj") && Contains("As you asked for it") && Contains("colours that are in reach"));
+    CHECK_THAT(page, !Contains("As the print will look") && !Contains("<script"));
     const auto dump = nlohmann::json::parse(run_program("tray --dump-default --gap 3mm").out);
     CHECK(dump.at("gap") == "3mm");
     CHECK(dump.at("format") == "voxtone-job");
