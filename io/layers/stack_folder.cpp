@@ -224,7 +224,7 @@ void expect_free_for_stack(const fs::path& out) {
             "{}: holds {} already, which would be replaced: name another folder, or allow it with --overwrite",
             out.string(), stack_in_words(out)));
     if (!is_there(out)) return;
-    constexpr std::array kept{lock_name, checkpoint_name, skin_name, shards_name, parts_name};
+    constexpr std::array kept{lock_name, checkpoint_name, skin_name, shards_name, parts_name, models_name};
     for (const fs::directory_entry& entry : fs::directory_iterator(out)) {
         const std::string name = entry.path().filename().string();
         // Half-written ones are of another host, or of a living job.

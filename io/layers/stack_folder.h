@@ -39,6 +39,8 @@ inline constexpr std::string_view checkpoint_name = "loop.checkpoint";
 inline constexpr std::string_view skin_name = "skin.mixtures", shards_name = "shards";
 /// What a tray keeps of its parts, a folder for each.
 inline constexpr std::string_view parts_name = "parts";
+/// Meshes that were given from a program, which its print keeps (python/voxtone/verbs.py): there before the stack is.
+inline constexpr std::string_view models_name = "models";
 
 /// Throws InputError where `out` holds a stack, or something else than what a job without end left and what shards and
 /// the appearance loop keep there. Nothing there is free.
