@@ -62,7 +62,7 @@ def test_mistakes_are_python_errors():
 def test_types_for_editors_are_python():
     tree = ast.parse(stub())
     names = {node.target.id for node in tree.body if isinstance(node, ast.AnnAssign)}
-    assert names == set(option_table())
+    assert names == set(option_table()) - {"serve"}  # a service, whose name a module has
 
 
 def test_printers_and_resin_sets():

@@ -28,6 +28,8 @@ class Asking:
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir()
         self._folder = folder
+        self.nowhere = folder / "nowhere"  #: for questions about no file
+        self.nowhere.mkdir()
         self._lock = threading.Lock()
         self._slots = threading.BoundedSemaphore(_at_once)
         self._asked: Dict[str, "subprocess.Popen[bytes]"] = {}
@@ -102,8 +104,14 @@ def _end(child: "subprocess.Popen[bytes]") -> None:
 
 
 def _state_of(at: Path) -> List[Any]:
-    return sorted((os.path.relpath(os.path.join(below, name), at), os.lstat(os.path.join(below, name)).st_mtime_ns)
-                  for below, _, names in os.walk(at) for name in names)
+    """Of what was handed in; what is arriving, or is ours, has a hidden name."""
+    found = []
+    for below, _, names in os.walk(at):
+        for name in names:
+            if not name.startswith("."):
+                told = os.lstat(os.path.join(below, name))
+                found.append((os.path.relpath(os.path.join(below, name), at), told.st_mtime_ns, told.st_size))
+    return sorted(found)
 
 
 def _last_event(data: bytes) -> Dict[str, Any]:

@@ -117,7 +117,7 @@ class Routes:
 
     def _list(self, what: str) -> Callable[..., None]:
         def do(door: Door, query: Dict[str, str]) -> None:
-            door.send_json(self._shop.asking.ask(["list", what, "--json"], self._shop.uploads.folder.parent / "asking", what)["result"])
+            door.send_json(self._shop.asking.ask(["list", what, "--json"], self._shop.asking.nowhere, what)["result"])
         return do
 
     # Files.
