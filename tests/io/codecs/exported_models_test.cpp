@@ -4,18 +4,8 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Geometry>
-#include <catch2/catch.hpp>
-
-#include "tests/io/models/model_checks.h"
+#include "tests/io/models/model_test.h"
 #include "tests/places.h"
-
-using namespace voxtone;
-using namespace voxtone::io;
-using namespace voxtone::test;
-using Catch::Contains;
-using Eigen::Vector3d;
-using Eigen::Vector3f;
 
 namespace {
 

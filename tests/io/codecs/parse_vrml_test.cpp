@@ -4,40 +4,18 @@
 #include <numbers>
 
 #include <zlib.h>
-#include <Eigen/Geometry>
-#include <catch2/catch.hpp>
-
-#include "base/error.h"
-#include "tests/io/models/model_checks.h"
-#include "tests/io/models/model_samples.h"
-
-using namespace voxtone;
-using namespace voxtone::io;
-using namespace voxtone::test;
-using Catch::Contains;
-using Eigen::Vector2f;
-using Eigen::Vector3d;
-using Eigen::Vector3f;
+#include "tests/io/models/model_test.h"
 
 namespace {
 
 const std::string vrml_2 = "#VRML V2.0 utf8\n";
 
 ModelFile read_vrml_of(const std::string& nodes, const Files& others = {}) {
-    const Folder folder;
-    Files files{{"a.wrl", vrml_2 + nodes}};
-    files.insert(files.end(), others.begin(), others.end());
-    return read_model_here(folder.write(files));
+    return read_alone({{"a.wrl", vrml_2 + nodes}}, others);
 }
 
 std::string error_of_wrl(const std::string& bytes, const std::string& name = "a.wrl") {
-    const Folder folder;
-    try {
-        (void)read_model_here(folder.write({{name, bytes}}));
-    } catch (const InputError& e) {
-        return e.what();
-    }
-    return "no error";
+    return refusal_by([&] { return read_alone({{name, bytes}}); });
 }
 
 /// A square in x and y, corners 0 1 2 3, cut in two along its diagonal, with more fields.
@@ -49,17 +27,6 @@ std::string shape(const std::string& appearance, const std::string& geometry) {
     return "Shape { appearance Appearance { " + appearance + " } " + geometry + " }\n";
 }
 const std::string red_material = "material Material { diffuseColor 0.5 0 0 }";
-
-Vector3d corner_place(const ModelFile& file, std::size_t t, std::size_t c) {
-    return file.mesh.positions[file.mesh.triangles[t][c]];
-}
-
-double volume_of(const ModelFile& file) {
-    double six = 0;
-    for (std::size_t t = 0; t < file.mesh.triangles.size(); ++t)
-        six += corner_place(file, t, 0).dot(corner_place(file, t, 1).cross(corner_place(file, t, 2)));
-    return six / 6;
-}
 
 /// Corners that are one: of a closed surface there are two more than edges less faces.
 bool is_closed_ball(const ModelFile& file) { return 2 * file.mesh.positions.size() == file.mesh.triangles.size() + 4; }
@@ -227,17 +194,17 @@ TEST_CASE("VRML: groups place their shapes, and names are used again") {
 TEST_CASE("VRML: simple shapes are closed, and as large as they say") {
     const auto made = [](const std::string& geometry) { return read_vrml_of("Shape { geometry " + geometry + " }"); };
     const ModelFile box = made("Box { size 15 10 6 }");
-    CHECK(volume_of(box) == Approx(900));
+    CHECK(volume_of(box.mesh) == Approx(900));
     CHECK(is_closed_ball(box));
-    CHECK(volume_of(made("Box { }")) == Approx(8));
+    CHECK(volume_of(made("Box { }").mesh) == Approx(8));
     const double round = 48 * std::sin(std::numbers::pi / 48);  // of a polygon of 96 corners
     const ModelFile cylinder = made("Cylinder { radius 2 height 3 }"), cone = made("Cone { bottomRadius 2 height 3 }");
-    CHECK(volume_of(cylinder) == Approx(round * 4 * 3));
+    CHECK(volume_of(cylinder.mesh) == Approx(round * 4 * 3));
     CHECK(is_closed_ball(cylinder));
-    CHECK(volume_of(cone) == Approx(round * 4));
+    CHECK(volume_of(cone.mesh) == Approx(round * 4));
     CHECK(is_closed_ball(cone));
     const ModelFile ball = made("Sphere { radius 5 }");
-    CHECK(volume_of(ball) == Approx(4 * std::numbers::pi / 3 * 125).epsilon(0.003));
+    CHECK(volume_of(ball.mesh) == Approx(4 * std::numbers::pi / 3 * 125).epsilon(0.003));
     CHECK(is_closed_ball(ball));
     CHECK(made("Cylinder { top FALSE bottom FALSE }").mesh.triangles.size() == 192);
     const ModelFile grid = made(

@@ -4,16 +4,8 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include "tests/io/models/model_test.h"
 
-#include <catch2/catch.hpp>
-
-#include "model_checks.h"
-
-using namespace voxtone;
-using namespace voxtone::io;
-using namespace voxtone::test;
-using Catch::Contains;
-using Eigen::Vector3f;
 using Eigen::Vector4d;
 using Eigen::Vector4f;
 

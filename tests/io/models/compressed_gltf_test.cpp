@@ -10,41 +10,20 @@
 
 #include <fmt/format.h>
 #include <meshoptimizer.h>
-#include <Eigen/Geometry>
-#include <catch2/catch.hpp>
 
-#include "base/error.h"
 #include "compressed_samples.h"
 #include "io/codecs/draco_mesh.h"
 #include "io/codecs/meshopt_stream.h"
-#include "model_checks.h"
-#include "model_samples.h"
-
-using namespace voxtone;
-using namespace voxtone::io;
-using namespace voxtone::test;
-using Catch::Contains;
-using Eigen::Vector2f;
-using Eigen::Vector3d;
-using Eigen::Vector3f;
+#include "tests/io/models/model_test.h"
 
 namespace {
 
 ModelFile read_glb(const std::string& bytes, const Files& others = {}, const ReadOptions& options = {}) {
-    const Folder folder;
-    Files files{{"a.glb", bytes}, {"t.png", four_colours()}};
-    files.insert(files.end(), others.begin(), others.end());
-    return read_model_here(folder.write(files), options);
+    return read_alone({{"a.glb", bytes}, {"t.png", four_colours()}}, others, options);
 }
 
-/// What refuses a file; of one sentence.
 std::string refusal_of(const std::string& bytes, const Files& others = {}, const ReadOptions& options = {}) {
-    try {
-        (void)read_glb(bytes, others, options);
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "no error";
+    return refusal_by([&] { return read_glb(bytes, others, options); });
 }
 
 /// Edges that one triangle has and no other the other way round.
@@ -134,12 +113,8 @@ std::string draco_head(bool sequential, std::uint64_t faces, std::uint64_t point
 }
 
 std::string draco_refusal(const std::string& stream, std::vector<DracoAttribute> attributes = {{0, 5126}}) {
-    try {
-        (void)decode_draco(std::as_bytes(std::span(stream)), attributes, std::uint64_t{1} << 31);
-    } catch (const InputError& error) {
-        return error.what();
-    }
-    return "no error";
+    return refusal_by(
+        [&] { return decode_draco(std::as_bytes(std::span(stream)), attributes, std::uint64_t{1} << 31); });
 }
 
 MeshoptStream stream_of(const std::string& bytes, std::int64_t count, std::int64_t stride, const std::string& mode,

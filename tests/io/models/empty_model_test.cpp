@@ -2,27 +2,12 @@
 //
 // Files of points, of lines, of what is hidden: what there is in place of faces is told, not that there are none alone.
 #include <string>
-
-#include <catch2/catch.hpp>
-
-#include "base/error.h"
-#include "io/codecs/read_here.h"
-#include "model_samples.h"
-
-using namespace voxtone;
-using namespace voxtone::test;
-using Catch::Matchers::Contains;
+#include "tests/io/models/model_test.h"
 
 namespace {
 
 std::string refusal(const std::string& name, const std::string& bytes) {
-    const Folder folder;
-    try {
-        (void)io::read_model_here(folder.write({{name, bytes}}));
-    } catch (const InputError& error) {
-        return error.what();
-    }
-    return "no error";
+    return refusal_by([&] { return read_alone({{name, bytes}}); });
 }
 
 /// A glTF of one node with a primitive of this mode over three points.

@@ -1,81 +1,30 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
-#include <Eigen/Geometry>
-#include <catch2/catch.hpp>
 
-#include "base/error.h"
-#include "io/codecs/read_here.h"
-#include "io/models/model_reader.h"
+#include "io/files/base64.h"
 #include "io/pictures/texture.h"
-#include "model_checks.h"
-#include "model_samples.h"
 #include "optics/colour/colour.h"
-
-using namespace voxtone;
-using namespace voxtone::io;
-using namespace voxtone::test;
-using Catch::Contains;
-using Eigen::Vector2f;
-using Eigen::Vector3d;
-using Eigen::Vector3f;
+#include "tests/io/models/compressed_samples.h"
+#include "tests/io/models/model_test.h"
 
 namespace {
 
-/// A glTF file put together: accessors and views are made as data is added.
-struct Builder {
-    std::string binary, views, accessors;
-    int count = 0;
-
-    int add(const std::string& bytes, int component_type, std::size_t n, const std::string& type,
-            const std::string& more = "") {
-        while (binary.size() % 4) binary += '\0';
-        const std::string comma = count ? "," : "";
-        views += fmt::format(R"({}{{"buffer":0,"byteOffset":{},"byteLength":{}}})", comma, binary.size(), bytes.size());
-        accessors += fmt::format(R"({}{{"bufferView":{},"componentType":{},"count":{},"type":"{}"{}}})", comma, count,
-                                 component_type, n, type, more);
-        binary += bytes;
-        return count++;
-    }
+struct Builder : GltfBuilder {
     int floats(const std::vector<float>& values, const std::string& type) {
-        return add(raw(values), 5126, values.size() / (type == "VEC2" ? 2 : type == "VEC3" ? 3 : 4), type);
-    }
-    std::string file(const std::string& rest) const {
-        return glb(
-            fmt::format(
-                R"({{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":{}}}],"bufferViews":[{}],"accessors":[{}],{}}})",
-                binary.size(), views, accessors, rest),
-            binary);
+        return data(raw(values), 5126, values.size() / (type == "VEC2" ? 2 : type == "VEC3" ? 3 : 4), type);
     }
 };
 
 std::string base64_of(const std::string& bytes) {
-    static const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        std::uint32_t three = 0;
-        for (std::size_t k = 0; k < 3; ++k)
-            three = three << 8 | (i + k < bytes.size() ? static_cast<std::uint8_t>(bytes[i + k]) : 0u);
-        for (std::size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? digits[three >> (18 - 6 * k) & 63] : '=';
-    }
-    return text;
+    return base64({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
 }
 
 const std::vector<float> triangle{0, 0, 0, 1, 0, 0, 0, 1, 0};
 
-ModelFile read(const std::string& bytes, const Files& others = {}) {
-    const Folder folder;
-    Files files{{"a.glb", bytes}};
-    files.insert(files.end(), others.begin(), others.end());
-    return read_model_here(folder.write(files));
-}
+ModelFile read(const std::string& bytes, const Files& others = {}) { return read_alone({{"a.glb", bytes}}, others); }
 
 std::string error_of(const std::string& bytes) {
-    try {
-        (void)read(bytes);
-    } catch (const InputError& e) {
-        return e.what();
-    }
-    return "no error";
+    return refusal_by([&] { return read(bytes); });
 }
 
 }  // namespace
@@ -105,7 +54,7 @@ TEST_CASE("glTF models") {
         // As meshes are quantised: x of the largest and the least, y, and half of z. Then z up: (x, -z, y).
         const auto positions = [&](const std::string& bytes, int type) {
             Builder b;
-            const int p = b.add(bytes, type, 4, "VEC3", R"(,"normalized":true)");
+            const int p = b.data(bytes, type, 4, "VEC3", R"(,"normalized":true)");
             return read(b.file(fmt::format(R"("nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":)"
                                            R"({{"POSITION":{}}},"mode":5}}]}}])",
                                            p)))
@@ -155,10 +104,10 @@ TEST_CASE("glTF models") {
         CHECK_THAT(error_of(b.file(nodes + primitive(1, p) + "]}]")), Contains("no faces"));
 
         Builder s;
-        const int zeros_and =
-            s.add(raw(triangle), 5126, 3, "VEC3",
-                  R"(,"sparse":{"count":1,"indices":{"bufferView":1,"componentType":5121},"values":{"bufferView":2}})");
-        s.add(std::string("\2", 1), 5121, 1, "SCALAR");
+        const int zeros_and = s.data(
+            raw(triangle), 5126, 3, "VEC3",
+            R"(,"sparse":{"count":1,"indices":{"bufferView":1,"componentType":5121},"values":{"bufferView":2}})");
+        s.data(std::string("\2", 1), 5121, 1, "SCALAR");
         s.floats({5, 6, 7}, "VEC3");
         const ModelFile sparse = read(s.file(nodes + primitive(4, zeros_and) + "]}]"));
         CHECK((sparse.mesh.positions[2] - Vector3d(5, -7, 6)).norm() < 1e-6);
@@ -167,8 +116,8 @@ TEST_CASE("glTF models") {
         Builder b;
         const int p = b.floats(triangle, "VEC3"), uv = b.floats({0.25f, 0.25f, 0.75f, 0.25f, 0.25f, 0.75f}, "VEC2");
         const int rgb =
-            b.add(raw(std::vector<std::uint16_t>{65535, 65535, 65535, 32768, 0, 65535, 0, 65535, 65535, 0, 0, 0}), 5123,
-                  3, "VEC4", R"(,"normalized":true)");
+            b.data(raw(std::vector<std::uint16_t>{65535, 65535, 65535, 32768, 0, 65535, 0, 65535, 65535, 0, 0, 0}),
+                   5123, 3, "VEC4", R"(,"normalized":true)");
         const ModelFile file = read(
             b.file(fmt::format(
                 R"("nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":{},"TEXCOORD_1":{},"COLOR_0":{}}},"material":0}}]}}],)"
@@ -228,8 +177,8 @@ TEST_CASE("glTF models") {
     SECTION("what cannot be gives a clear error") {
         Builder b;
         const int p = b.floats(triangle, "VEC3"),
-                  far = b.add(raw(std::vector<std::uint16_t>{0, 1, 3}), 5123, 3, "SCALAR");
-        const int bomb = b.add(std::string(12, '\0'), 5126, 2000000000, "VEC3");
+                  far = b.data(raw(std::vector<std::uint16_t>{0, 1, 3}), 5123, 3, "SCALAR");
+        const int bomb = b.data(std::string(12, '\0'), 5126, 2000000000, "VEC3");
         const int nan = b.floats({0, 0, 0, NAN, 0, 0, 0, INFINITY, 0}, "VEC3");
         const auto mesh = [&](const std::string& primitive) {
             return b.file(R"("nodes":[{"mesh":0}],"meshes":[{"primitives":[)" + primitive + "]}]");
@@ -269,11 +218,11 @@ TEST_CASE("glTF in the pose of the file, with its copies, and without what it hi
         return file.mesh.positions[file.mesh.triangles[t][c]];
     };
     SECTION("a skin moves its mesh by its joints, and not by the node") {
-        const int joints = b.add(std::string(12, '\0'), 5121, 3, "VEC4"),
+        const int joints = b.data(std::string(12, '\0'), 5121, 3, "VEC4"),
                   weights = b.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
         // Inverse bind: ten times as small. The joint stands at (0, 5, 0), turned by 90 degrees about z.
         const int bind =
-            b.add(raw(std::vector<float>{0.1F, 0, 0, 0, 0, 0.1F, 0, 0, 0, 0, 0.1F, 0, 0, 0, 0, 1}), 5126, 1, "MAT4");
+            b.data(raw(std::vector<float>{0.1F, 0, 0, 0, 0, 0.1F, 0, 0, 0, 0, 0.1F, 0, 0, 0, 0, 1}), 5126, 1, "MAT4");
         const ModelFile file = read(b.file(fmt::format(
             R"("scene":0,"scenes":[{{"nodes":[0,1]}}],"nodes":[{{"mesh":0,"skin":0,"translation":[100,0,0],"scale":[7,7,7]}},)"
             R"({{"translation":[0,5,0],"rotation":[0,0,0.70710678,0.70710678]}}],"skins":[{{"joints":[1],"inverseBindMatrices":{}}}],)"
@@ -373,10 +322,10 @@ TEST_CASE("glTF as the world writes it") {
             CAPTURE(more);
             const std::vector<std::uint8_t> bytes{0, 0, 0, 255, 51, 0, 255, 0, 0, 0, 0, 255};
             const std::vector<std::uint16_t> words{0, 0, 0, 65535, 13107, 0, 65535, 0, 0, 0, 0, 65535};
-            CHECK(near(colour(b.add(raw(bytes).substr(0, 9), 5121, 3, "VEC3", more)), {1, 0.2f, 0}));
-            CHECK(near(colour(b.add(raw(bytes), 5121, 3, "VEC4", more)), {0.2f, 0, 1}));
-            CHECK(near(colour(b.add(raw(words).substr(0, 18), 5123, 3, "VEC3", more)), {1, 0.2f, 0}));
-            CHECK(near(colour(b.add(raw(words), 5123, 3, "VEC4", more)), {0.2f, 0, 1}));
+            CHECK(near(colour(b.data(raw(bytes).substr(0, 9), 5121, 3, "VEC3", more)), {1, 0.2f, 0}));
+            CHECK(near(colour(b.data(raw(bytes), 5121, 3, "VEC4", more)), {0.2f, 0, 1}));
+            CHECK(near(colour(b.data(raw(words).substr(0, 18), 5123, 3, "VEC3", more)), {1, 0.2f, 0}));
+            CHECK(near(colour(b.data(raw(words), 5123, 3, "VEC4", more)), {0.2f, 0, 1}));
         }
         CHECK(near(colour(b.floats({0, 0, 0, 1, 0.2f, 0, 1, 0, 0}, "VEC3")), {1, 0.2f, 0}));
         CHECK(near(colour(b.floats({0, 0, 0, 1, 0.2f, 0, 1, 1, 0, 0, 0, 1}, "VEC4")), {0.2f, 0, 1}));
@@ -477,7 +426,7 @@ TEST_CASE("glTF as the world writes it") {
         }
     }
     SECTION("a skin whose joints stand outside the scene, under two roots") {
-        const int joints = b.add(std::string("\0\0\0\0\1\0\0\0\0\0\0\0", 12), 5121, 3, "VEC4"),
+        const int joints = b.data(std::string("\0\0\0\0\1\0\0\0\0\0\0\0", 12), 5121, 3, "VEC4"),
                   weights = b.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
         const ModelFile file = read(b.file(fmt::format(
             R"("scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0,"skin":0}},{{"translation":[0,5,0]}},)"

@@ -4,17 +4,10 @@
 #include <filesystem>
 
 #include <fmt/format.h>
-#include <catch2/catch.hpp>
 
-#include "base/error.h"
 #include "io/files/zip_reader.h"
-#include "model_checks.h"
-#include "model_samples.h"
+#include "tests/io/models/model_test.h"
 
-using namespace voxtone;
-using namespace voxtone::io;
-using namespace voxtone::test;
-using Catch::Contains;
 namespace fs = std::filesystem;
 
 namespace {
@@ -41,12 +34,7 @@ ModelFile read_zip(const Files& parts, const std::string& inner, std::uint64_t m
 }
 
 std::string refusal_of(const Files& parts, const std::string& inner = "", const ReadOptions& options = {}) {
-    try {
-        (void)read_zip(parts, inner, options);
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "no error";
+    return refusal_by([&] { return read_zip(parts, inner, options); });
 }
 
 /// Of a sample with one picture, whose coordinates reach over it.

@@ -6,8 +6,9 @@
 
 #include <string>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
+#include "base/error.h"
 #include "io/codecs/read_here.h"
 #include "io/models/model_reader.h"
 #include "io/pictures/texture.h"
@@ -33,7 +34,35 @@ inline bool near(const Eigen::Vector3f& a, const Eigen::Vector3f& b, float margi
 }
 
 /// The first of the files, written into `folder`.
-inline io::ModelFile read(const Folder& folder, const Files& files) { return io::read_model_here(folder.write(files)); }
+inline io::ModelFile read(const Folder& folder, const Files& files, const io::ReadOptions& options = {}) {
+    return io::read_model_here(folder.write(files), options);
+}
+/// The same in a folder of its own, `others` beside it.
+inline io::ModelFile read_alone(Files files, const Files& others = {}, const io::ReadOptions& options = {}) {
+    files.insert(files.end(), others.begin(), others.end());
+    return read(Folder(), files, options);
+}
+
+/// What refuses the reading of a file, in one sentence.
+template <class Read>
+[[nodiscard]] std::string refusal_by(Read&& reading) {
+    try {
+        (void)reading();
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return "no error";
+}
+
+inline Eigen::Vector3d corner_place(const io::ModelFile& file, std::size_t t, std::size_t c) {
+    return file.mesh.positions[file.mesh.triangles[t][c]];
+}
+inline double volume_of(const io::TexturedMesh& mesh) {
+    double six = 0;
+    for (const auto& t : mesh.triangles)
+        six += mesh.positions[t[0]].dot(mesh.positions[t[1]].cross(mesh.positions[t[2]]));
+    return six / 6;
+}
 
 inline std::string warnings(const io::ModelFile& file) {
     std::string all;

@@ -6,19 +6,9 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <catch2/catch.hpp>
 
-#include "base/error.h"
-#include "io/codecs/read_here.h"
 #include "io/models/mtl_library.h"
-#include "model_checks.h"
-#include "model_samples.h"
-
-using namespace voxtone;
-using namespace voxtone::io;
-using namespace voxtone::test;
-using Catch::Contains;
-using Eigen::Vector3f;
+#include "tests/io/models/model_test.h"
 
 namespace {
 
@@ -26,11 +16,7 @@ const std::string corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0.25 0.25\nv
 const std::string face = "f 1/1 2/2 3/3\n";
 const Vector3f red(1, 0, 0), blue(0, 0, 1), white(1, 1, 1);
 
-ModelFile obj(const Folder& folder, const std::string& text, Files others) {
-    Files files{{"a.obj", text}};
-    files.insert(files.end(), others.begin(), others.end());
-    return read(folder, files);
-}
+ModelFile obj(const std::string& text, const Files& others) { return read_alone({{"a.obj", text}}, others); }
 
 /// A GLB of one triangle, or of two over four vertices, with such colours.
 struct Painted {
@@ -60,19 +46,17 @@ struct Painted {
             R"("nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0{}}},"indices":2{}}}]}}]{}}})",
             generator, binary.size(), at_colours, at_colours, std::max<std::size_t>(4 * colours.size(), 4), at_index,
             2 * indices, vertices, count, type, indices, colour, of_primitive, rest);
-        const Folder folder;
-        return read_model_here(folder.write({{"a.glb", glb(json, binary)}, {"t.png", four_colours()}}));
+        return read_alone({{"a.glb", glb(json, binary)}, {"t.png", four_colours()}});
     }
 };
 
 }  // namespace
 
 TEST_CASE("A material is of the library that was named last before its use") {
-    const Folder folder;
     const Files both{{"x.mtl", "newmtl m\nKd 1 0 0\n"}, {"y.mtl", "newmtl m\nKd 0 0 1\nnewmtl n\nKd 0 1 0\n"}};
     const std::string use = "usemtl m\n" + face;
     const auto colours = [&](const std::string& text) {
-        const ModelFile file = obj(folder, text, both);
+        const ModelFile file = obj(text, both);
         std::vector<Vector3f> all;
         for (std::size_t t = 0; t < file.mesh.triangles.size(); ++t) all.push_back(corner_colour(file.mesh, t, 0));
         CHECK_THAT(warnings(file), Contains("Several libraries of a.obj have the material 'm', and not alike"));
@@ -87,20 +71,19 @@ TEST_CASE("A material is of the library that was named last before its use") {
     CHECK(colours("mtllib x.mtl y.mtl\n" + corners + use) == All{red});          // of a line the first
     // What the last does not have an earlier one may; alike in both, nothing is said; the same one again is one
     // material.
-    const ModelFile earlier = obj(folder, "mtllib y.mtl\nmtllib z.mtl\n" + corners + "usemtl n\n" + face,
+    const ModelFile earlier = obj("mtllib y.mtl\nmtllib z.mtl\n" + corners + "usemtl n\n" + face,
                                   {both[1], {"z.mtl", "newmtl m\nKd 0 0 1\n"}});
     CHECK(near(corner_colour(earlier.mesh, 0, 0), {0, 1, 0}));
     CHECK(earlier.warnings.empty());
     const std::string again = "mtllib x.mtl\nmtllib z.mtl\n" + use;
-    const ModelFile alike = obj(folder, corners + again + again, {both[0], {"z.mtl", "newmtl m\nKd 1 0 0\nNs 5\n"}});
+    const ModelFile alike = obj(corners + again + again, {both[0], {"z.mtl", "newmtl m\nKd 1 0 0\nNs 5\n"}});
     CHECK(alike.warnings.empty());
     CHECK(alike.mesh.materials.size() == 1);
 }
 
 TEST_CASE("A picture by an unknown name is lost colour where there is one and no map_Kd") {
-    const Folder folder;
     const auto with = [&](const std::string& material) {
-        return obj(folder, "mtllib a.mtl\n" + corners + "usemtl m\n" + face,
+        return obj("mtllib a.mtl\n" + corners + "usemtl m\n" + face,
                    {{"a.mtl", "newmtl m\n" + material}, {"t.png", four_colours()}});
     };
     for (const std::string name : {"map_albedo", "map_baseColor", "map_diffuse", "MAP_Color", "map_Kc"}) {
@@ -116,9 +99,8 @@ TEST_CASE("A picture by an unknown name is lost colour where there is one and no
 }
 
 TEST_CASE("The range that a material gives its picture") {
-    const Folder folder;
     const auto with = [&](const std::string& map, bool deep = false) {
-        return corner_colour(obj(folder, "mtllib a.mtl\n" + corners + "usemtl m\n" + face,
+        return corner_colour(obj("mtllib a.mtl\n" + corners + "usemtl m\n" + face,
                                  {{"a.mtl", "newmtl m\n" + map + "\nnewmtl n\nmap_Kd t.png\n"},
                                   {"t.png", png(1, 1, {200, 100, 0, 255}, deep)}})
                                  .mesh,
@@ -145,10 +127,8 @@ TEST_CASE("The range that a material gives its picture") {
 }
 
 TEST_CASE("A material whose only colour is white has none") {
-    const Folder folder;
     const auto with = [&](const std::string& mtl) {
-        return obj(folder, "mtllib a.mtl\n" + corners + "usemtl m\n" + face,
-                   {{"a.mtl", mtl}, {"t.png", four_colours()}});
+        return obj("mtllib a.mtl\n" + corners + "usemtl m\n" + face, {{"a.mtl", mtl}, {"t.png", four_colours()}});
     };
     CHECK_FALSE(with("newmtl m\nKd 1 1 1\n").has_colour);
     CHECK_FALSE(with("newmtl m\nKd 255 255 255\n").has_colour);
@@ -175,12 +155,9 @@ TEST_CASE("Floats of glTF go by the rule of all formats, and stay linear") {
     // Too bright throughout, in glTF, OBJ and PLY: all are clamped to one.
     const auto lost = Contains("clamping makes all of them one: they are LOST");
     CHECK_THAT(with({2.5f, 3.5f, 4.5f, 5.5f, 6.5f, 7.5f, 1.5f, 2.5f, 3.5f}).lost_colour, lost);
-    const Folder folder;
-    CHECK_THAT(obj(folder, "v 0 0 0 2.5 3.5 4.5\nv 1 0 0 5.5 6.5 7.5\nv 0 1 0 1.5 1.25 3.5\nf 1 2 3\n", {}).lost_colour,
-               lost);
-    CHECK_THAT(obj(folder, "v 0 0 0 -1 -2 -3\nv 1 0 0 -4 -5 -6\nv 0 1 0 -1 0 0\nf 1 2 3\n", {}).lost_colour, lost);
-    CHECK(obj(folder, "v 0 0 0 2.5 2.5 2.5\nv 1 0 0 2.5 2.5 2.5\nv 0 1 0 2.5 2.5 2.5\nf 1 2 3\n", {})
-              .lost_colour.empty());
+    CHECK_THAT(obj("v 0 0 0 2.5 3.5 4.5\nv 1 0 0 5.5 6.5 7.5\nv 0 1 0 1.5 1.25 3.5\nf 1 2 3\n", {}).lost_colour, lost);
+    CHECK_THAT(obj("v 0 0 0 -1 -2 -3\nv 1 0 0 -4 -5 -6\nv 0 1 0 -1 0 0\nf 1 2 3\n", {}).lost_colour, lost);
+    CHECK(obj("v 0 0 0 2.5 2.5 2.5\nv 1 0 0 2.5 2.5 2.5\nv 0 1 0 2.5 2.5 2.5\nf 1 2 3\n", {}).lost_colour.empty());
 }
 
 TEST_CASE("As many colours as faces are the faces', any other number is lost") {
@@ -262,14 +239,8 @@ TEST_CASE("A PLY of assimp that is no PLY says how to write one") {
                "end_header\n";
     };
     const std::string vertex = raw<float>({0.25f, 0.25f, 0.25f, 0.5f, 0.5f, 0.5f, 1});
-    const Folder folder;
-    const auto refusal = [&](const std::string& bytes) -> std::string {
-        try {
-            (void)read(folder, {{"a.ply", bytes}});
-        } catch (const InputError& error) {
-            return error.what();
-        }
-        return "no error";
+    const auto refusal = [](const std::string& bytes) {
+        return refusal_by([&] { return read_alone({{"a.ply", bytes}}); });
     };
     std::string body;
     for (int i = 0; i < 3; ++i) body += vertex;

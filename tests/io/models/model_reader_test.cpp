@@ -6,15 +6,11 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <Eigen/Geometry>
-#include <catch2/catch.hpp>
 
-#include "base/error.h"
 #include "base/warning.h"
 #include "io/models/mtl_library.h"
 #include "io/pictures/texture.h"
-#include "model_checks.h"
-#include "model_samples.h"
+#include "tests/io/models/model_test.h"
 
 #ifdef __SANITIZE_ADDRESS__
 // OpenImageIO's PNG reader jumps past the destructor of a message when a file is broken. That the leak is its own is
@@ -25,22 +21,7 @@ extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() { return "leak:PNGInput::PngReadCallback\n"; }
 #endif
 
-using namespace voxtone;
-using namespace voxtone::io;
-using namespace voxtone::test;
-using Catch::Contains;
-using Eigen::Vector2f;
-using Eigen::Vector3d;
-using Eigen::Vector3f;
-
 namespace {
-
-double volume(const TexturedMesh& mesh) {
-    double sum = 0;
-    for (const auto& t : mesh.triangles)
-        sum += mesh.positions[t[0]].dot(mesh.positions[t[1]].cross(mesh.positions[t[2]])) / 6;
-    return sum;
-}
 
 const std::string square =
     "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0.25 0.25\nvt 0.75 0.25\nvt 0.75 0.75\nvt 0.25 0.75\n";
@@ -241,12 +222,7 @@ TEST_CASE("OBJ models") {
     }
     SECTION("what is no model gives a clear error") {
         const auto error = [&](const std::string& text) {
-            try {
-                (void)read(folder, {{"bad.obj", text}});
-            } catch (const InputError& e) {
-                return std::string(e.what());
-            }
-            return std::string("no error");
+            return refusal_by([&] { return read(folder, {{"bad.obj", text}}); });
         };
         CHECK_THAT(error(""), Contains("empty"));
         CHECK_THAT(error("v 0 0 0\nv 1 0 0\nv 0 1 0\n"), Contains("bad.obj"));
@@ -725,7 +701,7 @@ TEST_CASE("3MF models", "[slow]") {
                 R"(<object id="3"><components><component objectid="2" transform="2 0 0 0 3 0 0 0 -1 10 0 0"/></components></object>)",
             R"(<item objectid="2"/><item objectid="3" transform="0 1 0 -1 0 0 0 0 1 0 0 100"/>)");
         REQUIRE(file.mesh.triangles.size() == 8);
-        CHECK(volume(file.mesh) == Approx(1 / 6.0 + 1));
+        CHECK(volume_of(file.mesh) == Approx(1 / 6.0 + 1));
         // (1, 0, 0) of the component goes to (12, 0, 0), then by the item (x, y, z) -> (-y, x, z + 100) to (0, 12,
         // 100).
         bool found = false;
@@ -740,7 +716,7 @@ TEST_CASE("3MF models", "[slow]") {
         const TexturedMesh plain = read3(body, R"(<item objectid="2"/>)").mesh,
                            mirrored = read3(body, R"(<item objectid="3"/>)").mesh;
         REQUIRE(mirrored.triangles.size() == 4);
-        CHECK(volume(mirrored) == Approx(1));
+        CHECK(volume_of(mirrored) == Approx(1));
         for (std::size_t c = 0; c < 3; ++c) {
             const Vector3d place = plain.positions[plain.triangles[0][c]],
                            moved(10 - 2 * place.x(), 3 * place.y(), place.z());
@@ -842,7 +818,7 @@ TEST_CASE("3MF models", "[slow]") {
             read3(R"(<object id="3"><components><component objectid="9" p:path="/3D/o.model"/></components></object>)" +
                       object(R"(id="4" type="support")", 1),
                   R"(<item objectid="3"/><item objectid="4"/>)", {{"3D/o.model", other}});
-        CHECK(volume(file.mesh) == Approx(8 / 6.0));
+        CHECK(volume_of(file.mesh) == Approx(8 / 6.0));
         CHECK_THAT(warnings(file), Contains("support"));
         CHECK_THAT(
             warnings(read3(object(R"(id="2")", 1, {R"(slic3rpe:mmu_segmentation="4")"}), R"(<item objectid="2"/>)")),
@@ -857,12 +833,7 @@ TEST_CASE("3MF models", "[slow]") {
     }
     SECTION("what cannot be gives a clear error") {
         const auto error = [&](const std::string& resources, const std::string& build = R"(<item objectid="2"/>)") {
-            try {
-                (void)read3(resources, build);
-            } catch (const InputError& e) {
-                return std::string(e.what());
-            }
-            return std::string("no error");
+            return refusal_by([&] { return read3(resources, build); });
         };
         CHECK_THAT(error(""), Contains("object 2"));
         CHECK_THAT(error(R"(<object id="2"><mesh><vertices/><triangles/></mesh></object>)"), Contains("no faces"));

@@ -6,26 +6,11 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <catch2/catch.hpp>
 
-#include "base/error.h"
-#include "io/codecs/read_here.h"
 #include "io/models/slicer_roles.h"
-#include "model_samples.h"
-
-using namespace voxtone;
-using namespace voxtone::io;
-using namespace voxtone::test;
-using Catch::Contains;
-using Eigen::Vector3f;
+#include "tests/io/models/model_test.h"
 
 namespace {
-
-std::string warnings(const ModelFile& file) {
-    std::string all;
-    for (const std::string& warning : file.warnings) all += warning + "\n";
-    return all;
-}
 
 std::string object(const std::string& attributes, const std::vector<std::string>& triangles = {}) {
     return fmt::format("<object {}>{}</object>", attributes, threemf_tetrahedron(1, triangles));
@@ -58,12 +43,7 @@ ModelFile read_package(const Folder& folder, const Files& parts) {
 }
 
 std::string refusal(const Folder& folder, const Files& parts) {
-    try {
-        (void)read_package(folder, parts);
-    } catch (const InputError& error) {
-        return error.what();
-    }
-    return "no error";
+    return refusal_by([&] { return read_package(folder, parts); });
 }
 
 /// Of all corners of a triangle, which are alike.

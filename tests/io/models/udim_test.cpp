@@ -2,17 +2,7 @@
 #include "io/models/udim.h"
 
 #include <array>
-
-#include <catch2/catch.hpp>
-
-#include "model_checks.h"
-
-using namespace voxtone;
-using namespace voxtone::io;
-using namespace voxtone::test;
-using Catch::Contains;
-using Eigen::Vector2f;
-using Eigen::Vector3f;
+#include "tests/io/models/model_test.h"
 
 namespace {
 
