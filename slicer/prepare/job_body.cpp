@@ -139,6 +139,19 @@ void mark_body(const ResolvedJob& job, const PrinterProfile& printer, const Soli
     body.relief = relief_of(laid.embossed, body.grid, job.colour.depth_mm);
 }
 
+void say_if_lying(const ResolvedJob& job, JobBody& body) {
+    const auto& positions = body.model.mesh.positions;
+    const auto say = [&](const char* why, const char* turn) {
+        body.notes.push_back(
+            fmt::format("{} stands on its {}: it is printed lying. To stand it up: --rotate {}", job.model, why, turn));
+    };
+    if (job.placement.rotation != Eigen::Matrix3d::Identity()) return;
+    if (body.model.format == "OBJ" && looks_y_up(positions))
+        say("y axis, as most OBJ files do, and a printer's z axis points up", "x90");
+    if (body.model.format == "VRML" && looks_z_up_before(positions))
+        say("z axis, and the y axis of VRML points up", "x-90");
+}
+
 }  // namespace
 
 void check_model(const ResolvedJob& job) {
@@ -170,12 +183,7 @@ JobBody read_body(const ResolvedJob& job, Progress& progress) {
     append(body.notes, sources.notes);
     append(body.warnings, body.model.warnings);
     refuse_lost_colour(job, body.model);
-    const bool turned = job.placement.rotation != Eigen::Matrix3d::Identity();
-    if (body.model.format == "OBJ" && !turned && looks_y_up(body.model.mesh.positions))
-        body.notes.push_back(fmt::format(
-            "{} stands on its y axis, as most OBJ files do, and a printer's z axis points up: it is printed "
-            "lying. To stand it up: --rotate x90",
-            job.model));
+    say_if_lying(job, body);
     body.placement = place(body.model, job.placement, job.model);
     if (!body.model.has_colour)
         body.warnings.push_back(named_warning("no-colour", "the model has no colour: it is printed white"));

@@ -55,4 +55,11 @@ bool looks_y_up(std::span<const Eigen::Vector3d> positions) {
     return on_y >= 0.2 && on_y >= 2.5 * on_z;
 }
 
+bool looks_z_up_before(std::span<const Eigen::Vector3d> turned) {
+    std::vector<Eigen::Vector3d> as_if_y_up;
+    as_if_y_up.reserve(turned.size());
+    for (const Eigen::Vector3d& p : turned) as_if_y_up.emplace_back(p.x(), -p.y(), p.z());
+    return looks_y_up(as_if_y_up);
+}
+
 }  // namespace voxtone::slicer

@@ -15,4 +15,8 @@ namespace voxtone::slicer {
 /// that stand on both (a cube) or on neither (a ball) give false.
 [[nodiscard]] bool looks_y_up(std::span<const Eigen::Vector3d> positions);
 
+/// The same for files whose y axis points up by their format, and which were turned, (x, y, z) to (x, -z, y): true
+/// where the model stands on its lowest z as it was written, and not on its lowest y.
+[[nodiscard]] bool looks_z_up_before(std::span<const Eigen::Vector3d> turned);
+
 }  // namespace voxtone::slicer

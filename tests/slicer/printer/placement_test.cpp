@@ -259,6 +259,11 @@ TEST_CASE("A model that stands on its y axis is told from one that stands on z, 
     CHECK(looks_y_up(table(1)));
     CHECK_FALSE(looks_y_up(table(2)));
     CHECK_FALSE(looks_y_up(table(0)));
+    for (int up = 0; up < 3; ++up) {
+        std::vector<Vector3d> turned = table(up);
+        for (Vector3d& p : turned) p = Vector3d(p.x(), -p.z(), p.y());
+        CHECK(looks_z_up_before(turned) == (up == 2));
+    }
     std::vector<Vector3d> cube, ball;
     for (int c = 0; c < 8; ++c) cube.push_back({double(c & 1), double(c >> 1 & 1), double(c >> 2)});
     for (int i = 0; i < 2000; ++i) {
