@@ -154,11 +154,27 @@ std::optional<Triangles> constrained(const Outline& outline) {
     return triangles;
 }
 
+/// Cosine of the angle between two triangles of a quad, one of them from `i` on; that of no area lies across any.
+double flatness(std::span<const Eigen::Vector3d> quad, std::size_t i) {
+    const auto normal = [&](std::size_t k) {
+        const Eigen::Vector3d &a = quad[k % 4], &b = quad[(k + 1) % 4], &c = quad[(k + 2) % 4];
+        return Eigen::Vector3d((b - a).cross(c - a).normalized());
+    };
+    return normal(i).dot(normal(i + 2));
+}
+
+/// Of a convex quad: along one diagonal, unless it folds less at the other.
+Triangles quad_triangles(std::span<const Eigen::Vector3d> quad) {
+    constexpr double alike = 1e-6;  // folds of a thousandth of a radian, which are the rounding of a flat one
+    if (flatness(quad, 1) > flatness(quad, 0) + alike) return {{0, 1, 3}, {1, 2, 3}};
+    return {{0, 1, 2}, {0, 2, 3}};
+}
+
 Triangles cut(std::span<const Eigen::Vector3d> corners, std::string_view file) {
     const bool finite = std::ranges::all_of(corners, [](const Eigen::Vector3d& c) { return c.allFinite(); });
     if (!finite) return without_inside(corners.size());
     const Outline outline = flattened(corners);
-    if (is_convex(outline)) return without_inside(corners.size());
+    if (is_convex(outline)) return corners.size() == 4 ? quad_triangles(corners) : without_inside(corners.size());
     if (corners.size() > most_corners)
         throw InputError(
             fmt::format("{}: a face has {} corners and is not convex, and such faces are cut into triangles up to {} "

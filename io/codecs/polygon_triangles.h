@@ -4,7 +4,8 @@
 // triangulation of their outline (CGAL), in the plane that lies nearest to them (M. E. Newell's normal). Holes that are
 // joined to the outline by a bridge come out as holes. Where an outline crosses itself it is cut as if it were convex,
 // which closes a surface as well as any: what lies doubly within it cancels. Convex ones of more than 1,000 corners are
-// halved again and again, as the slivers of a fan all lie at one corner.
+// halved again and again, as the slivers of a fan all lie at one corner. A convex quad that is not flat is cut along
+// the diagonal at which it folds less.
 #pragma once
 
 #include <array>

@@ -117,3 +117,25 @@ TEST_CASE("A face is cut alike from any corner on, and from behind") {
         }
     }
 }
+
+TEST_CASE("A quad that is not flat is cut along the diagonal at which it folds less") {
+    // Its corner c is lifted: by the normals (0, 0, 1) and (-1, -1, 1), cos = 1 / sqrt(3), at b-d; at a-c 1/2.
+    const Eigen::Vector3d a(0, 0, 0), b(1, 0, 0), c(1, 1, 1), d(0, 1, 0);
+    const auto diagonal = [](const std::vector<Eigen::Vector3d>& quad) {
+        const auto triangles = polygon_triangles(quad);
+        REQUIRE(triangles.size() == 2);
+        std::multiset<std::uint32_t> corners;
+        for (const auto& triangle : triangles) corners.insert(triangle.begin(), triangle.end());
+        std::vector<Eigen::Vector3d> ends;
+        for (std::uint32_t i = 0; i < 4; ++i)
+            if (corners.count(i) == 2) ends.push_back(quad[i]);
+        return ends;
+    };
+    CHECK(diagonal({a, b, c, d}) == std::vector{b, d});
+    CHECK(diagonal({b, c, d, a}) == std::vector{b, d});
+    // Lifted as a float is rounded: flat, from its first place on.
+    const Eigen::Vector3d almost(1, 1, 1e-7);
+    CHECK(diagonal({a, b, almost, d}) == std::vector{a, almost});
+    // A corner amid a side: no triangle without an area.
+    CHECK(diagonal({a, {0.5, 0, 0}, b, d}) == std::vector<Eigen::Vector3d>{{0.5, 0, 0}, d});
+}
