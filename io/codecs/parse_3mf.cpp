@@ -18,11 +18,11 @@
 #include "base/warning.h"
 #include "io/codecs/cut_volumes.h"
 #include "io/codecs/texture_baker.h"
-#include "io/codecs/threemf_namespace.h"
 #include "io/codecs/threemf_part.h"
 #include "io/models/model_text.h"
 #include "io/models/painted_triangles.h"
 #include "io/models/slicer_roles.h"
+#include "io/models/threemf_namespace.h"
 #include "io/models/threemf_package.h"
 
 namespace voxtone::io {
@@ -43,7 +43,7 @@ std::string_view what_extends(std::string_view extension) {
         {"/slice/", "slices in place of its mesh"},
         {"/booleanoperations/", "boolean operations of bodies"},
         {"/displacement/", "a displaced surface"},
-        {"/volumetric/", "colours or shapes given by a volume"},
+        {"/volumetric/", "colours or shapes given by a volume (Volumetric Extension 1.0.0)"},
         {"/implicit/", "shapes given by formulas"}};
     for (const auto& [part, words] : known)
         if (extension.find(part) != extension.npos) return words;
@@ -234,8 +234,8 @@ private:
         if (!object.volume.empty() && !part.plain_volumes.contains(object.volume)) {
             parts_.has_colour = true;
             lose_colour(
-                fmt::format("{} gives colours by a volume (volumedata {}), which is not read: they are LOST. Export "
-                            "it with colours of vertices or a texture",
+                fmt::format("{} gives colours by a volume (volumedata {}, Volumetric Extension 1.0.0), which is not "
+                            "read: they are LOST. Export it with colours of vertices or a texture",
                             context_.name(), printable(object.volume)));
         }
         if (object.has_beams) {

@@ -19,6 +19,7 @@
 #include "base/printable.h"
 #include "base/warning.h"
 #include "io/codecs/polygon_triangles.h"
+#include "io/codecs/tiled_textures.h"
 #include "io/models/colour_range.h"
 #include "io/pictures/srgb_code.h"
 #include "io/scenes/fbx_mesh.h"
@@ -64,6 +65,7 @@ struct FbxColour {
     PartMaterial as_it_is;  ///< with its texture
     Eigen::Vector3f rgb = Eigen::Vector3f::Ones();
     bool has_map = false;
+    std::string file;  ///< of its texture, where it may be one of several tiles
     FbxTextureLay lay;
 };
 
@@ -79,6 +81,7 @@ public:
         for (const auto& [id, node] : objects_)
             if (node->name == "Model" && !has_parent_.contains(id)) read_models(id);
         if (parts_.materials.empty()) parts_.materials.emplace_back();
+        tiles_.lay(parts_, context_);
         report();
         return std::move(parts_);
     }
@@ -375,9 +378,12 @@ private:
         } else if (content) {
             material.image = context_.add_image_bytes(parts_, label, tree_.content(content), context_.decode_options());
         } else {
-            auto there = std::ranges::find_if(names, [&](const auto& name) { return context_.finds(name); });
+            auto there = std::ranges::find_if(
+                names, [&](const auto& name) { return tile_file(name, {}) || context_.finds(name); });
             if (there == names.end()) there = names.begin();
-            material.image = context_.add_image_file(parts_, *there, context_.decode_options());
+            made.file = *there;
+            if (!tile_file(*there, {}))
+                material.image = context_.add_image_file(parts_, *there, context_.decode_options());
         }
         material.wrap_u = number(texture, "WrapModeU", 0) == 1 ? Wrap::clamp : Wrap::repeat;
         material.wrap_v = number(texture, "WrapModeV", 0) == 1 ? Wrap::clamp : Wrap::repeat;
@@ -413,6 +419,7 @@ private:
         if (!added) return known->second;
         const FbxColour& found = colour(id);
         PartMaterial made = found.as_it_is;
+        if (shown == Shown::as_it_is && !found.file.empty()) tiles_.note(known->second, found.file);
         if (shown != Shown::as_it_is) {
             made.image = -1;
             made.opaque = false;
@@ -602,6 +609,7 @@ private:
     FbxTree tree_;
     ModelParts parts_;
     FbxPlace top_;  ///< from the file's axes to z up
+    TiledTextures tiles_;
     bool by_blender_ = false, linear_colours_ = false, left_aside_ = false;
     std::map<std::int64_t, const FbxNode*> objects_;
     std::map<std::int64_t, std::vector<Link>> links_;  ///< by the parent

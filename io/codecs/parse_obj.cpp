@@ -15,6 +15,7 @@
 #include "base/printable.h"
 #include "base/warning.h"
 #include "io/codecs/polygon_triangles.h"
+#include "io/codecs/tiled_textures.h"
 #include "io/models/colour_range.h"
 #include "io/models/model_text.h"
 #include "io/models/mtl_library.h"
@@ -264,21 +265,10 @@ private:
                 written[face.material].reset();
         }
         for (std::size_t n = 0; n < file_.materials.size(); ++n) {
-            if (!written[n] || !has_neighbours(*written[n], used[n])) continue;
+            if (!written[n] || !has_neighbours(*written[n], used[n], context_)) continue;
             marked_[n] = written[n]->marked;
-            warn(named_warning(
-                "which-colour",
-                fmt::format("The texture '{}' of {} was taken for one of several tiles (UDIM): coordinates lie beyond "
-                            "it, and its neighbours are there.",
-                            printable(found_[n]->map_kd), context_.name())));
+            warn(taken_for_tiles(found_[n]->map_kd, context_.name()));
         }
-    }
-
-    bool has_neighbours(const WrittenTile& written, const std::set<UvTile>& used) {
-        if (written.tile != UvTile{} && !used.contains(written.tile)) return false;
-        return std::ranges::any_of(used, [&](const UvTile& tile) {
-            return tile != written.tile && context_.finds(*tile_file(written.marked, tile));
-        });
     }
 
     /// An index into the materials of the parts. `tile`: of a texture that is cut into tiles.
@@ -478,10 +468,7 @@ private:
                 "there and the material's own colour is used.",
                 faces, context_.name(), printable(file_.materials[name])));
         for (const auto& [name, faces] : beyond_tiles_)
-            parts_.lose_colour(fmt::format(
-                "{} faces of {} lie over several tiles of the texture '{}' or in none: its colours are LOST there and "
-                "the material's own colour is used. Cut the coordinates where tiles end.",
-                faces, context_.name(), printable(marked_[name])));
+            parts_.lose_colour(beyond_tiles(faces, marked_[name], context_.name()));
         if (const auto white = static_cast<std::size_t>(std::ranges::count(white_, true)))
             parts_.lose_colour(white_without_colour(white, "vertices", context_.name()));
         if (paint_left_aside_)

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "io/codecs/threemf_namespace.h"
 #include "io/files/xml_reader.h"
+#include "io/models/threemf_namespace.h"
 
 namespace voxtone::io {
 

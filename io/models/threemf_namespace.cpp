@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "io/codecs/threemf_namespace.h"
+#include "io/models/threemf_namespace.h"
 
 namespace voxtone::io {
 

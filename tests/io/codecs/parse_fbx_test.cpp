@@ -1,22 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/codecs/parse_fbx.h"
 
-#include <Eigen/Geometry>
-#include <catch2/catch.hpp>
-
-#include "base/error.h"
 #include "io/files/base64.h"
 #include "tests/io/codecs/fbx_bytes.h"
-#include "tests/io/models/model_checks.h"
-#include "tests/io/models/model_samples.h"
-
-using namespace voxtone;
-using namespace voxtone::io;
-using namespace voxtone::test;
-using Catch::Contains;
-using Eigen::Vector2f;
-using Eigen::Vector3d;
-using Eigen::Vector3f;
+#include "tests/io/models/model_test.h"
 
 namespace {
 
@@ -61,23 +48,11 @@ const Records z_up{fbx_property("UpAxis", {2}),
 constexpr std::int64_t plate = 10, geometry = 20, paint = 30, picture = 40, film = 50;
 
 ModelFile read_fbx(const std::string& bytes, const Files& others = {}) {
-    const Folder folder;
-    Files files{{"a.fbx", bytes}};
-    files.insert(files.end(), others.begin(), others.end());
-    return read_model_here(folder.write(files));
+    return read_alone({{"a.fbx", bytes}}, others);
 }
 
 std::string error_of_fbx(const std::string& bytes) {
-    try {
-        (void)read_fbx(bytes);
-    } catch (const InputError& e) {
-        return e.what();
-    }
-    return "no error";
-}
-
-Vector3d place_of(const ModelFile& file, std::size_t t, std::size_t c) {
-    return file.mesh.positions[file.mesh.triangles[t][c]];
+    return refusal_by([&] { return read_fbx(bytes); });
 }
 
 /// The corner (2, 2, 0) of the plate below models with these properties, outermost first.
@@ -89,7 +64,7 @@ Vector3d far_corner(const std::vector<Records>& models, const Records& settings 
         links.push_back(fbx_link(id, i == 0 ? 0 : id - 1));
         if (i + 1 == models.size()) links.push_back(fbx_link(geometry, id));
     }
-    return place_of(read_fbx(fbx_scene(settings, objects, links)), 0, 2);
+    return corner_place(read_fbx(fbx_scene(settings, objects, links)), 0, 2);
 }
 
 /// The plate with a layer more and a material.
@@ -111,7 +86,7 @@ TEST_CASE("FBX: meshes of both headers, packed or not, stand in mm and z up") {
             CHECK_FALSE(file.has_colour);
             REQUIRE(file.mesh.triangles.size() == 3);
             CHECK(file.mesh.positions.size() == 5);
-            CHECK(place_of(file, 0, 2) == Vector3d(2, 2, 0));
+            CHECK(corner_place(file, 0, 2) == Vector3d(2, 2, 0));
             CHECK(file.warnings.empty());
         }
 }
@@ -129,8 +104,8 @@ TEST_CASE("FBX: axes of the file are turned to z up, and mirrors turn the triang
     const ModelFile file =
         read_fbx(fbx_scene(z_up, {mesh(geometry), model(plate, {fbx_property("Lcl Scaling", {-1, 1, 1})})},
                            {fbx_link(plate, 0), fbx_link(geometry, plate)}));
-    CHECK(place_of(file, 0, 1) == Vector3d(-2, 2, 0));
-    CHECK(place_of(file, 0, 2) == Vector3d(-2, 0, 0));
+    CHECK(corner_place(file, 0, 1) == Vector3d(-2, 2, 0));
+    CHECK(corner_place(file, 0, 2) == Vector3d(-2, 0, 0));
 }
 
 TEST_CASE("FBX: the chain of transformations") {
@@ -286,6 +261,34 @@ TEST_CASE("FBX: textures within the file and beside it, by the coordinates that 
                      {{"skin.png", four_colours()}});
         CHECK_THAT(bare.lost_colour, Contains("no texture coordinates"));
     }
+    SECTION("in tiles: by a mark in the name, or where neighbours of the one that is named are there") {
+        // The square in the first tile, the triangle in the second, or over both.
+        const auto lying = [&](double u) {
+            std::vector<double> places = uv;
+            places.insert(places.end(), {1.25, 0.25, u, 0.25});
+            return layer("LayerElementUV", "ByPolygonVertex", "IndexToDirect",
+                         {{"UV", {fbx_reals(places)}},
+                          {"UVIndex", {fbx_indices(std::vector<std::int32_t>{0, 1, 2, 3, 4, 4, 5})}}});
+        };
+        const auto tiled = [&](const std::string& name, double u, const Files& there) {
+            return read_fbx(scene({texture({}, name)}, {fbx_link(picture, paint, "DiffuseColor")}, {lying(u)}), there);
+        };
+        const Files both{{"s.1001.png", png(1, 1, {255, 0, 0, 255})}, {"s.1002.png", four_colours()}};
+        for (const char* name : {"s.<UDIM>.png", "s.1001.png"}) {
+            const ModelFile file = tiled(name, 1.75, both);
+            CHECK(near(corner_colour(file.mesh, 0, 0), red));
+            CHECK(near(corner_colour(file.mesh, 2, 0), blue));
+            CHECK(near(corner_colour(file.mesh, 2, 2), white));
+            CHECK(file.lost_colour.empty());
+            CHECK(warnings(file).empty() == (name[2] == '<'));
+        }
+        CHECK_THAT(warnings(tiled("s.1001.png", 1.75, both)), Contains("UDIM") && Contains("[which-colour]"));
+        CHECK(
+            near(corner_colour(tiled("s.1001.png", 0.75, both).mesh, 2, 0), red));  // repeated, as a face is over both
+        CHECK(near(corner_colour(tiled("s.1001.png", 1.75, {both[0]}).mesh, 2, 0), red));
+        CHECK_THAT(tiled("s.<UDIM>.png", 0.75, both).lost_colour, Contains("1 faces") && Contains("<UDIM>"));
+        CHECK_THAT(tiled("s.<UDIM>.png", 1.75, {both[0]}).lost_colour, Contains("s.1002.png") && Contains("LOST"));
+    }
     SECTION("placed on the surface: coordinates move the other way") {
         const ModelFile file = read_fbx(scene({texture({fbx_property("Translation", {0, 0.5, 0})}, "skin.png")},
                                               {fbx_link(picture, paint, "DiffuseColor")}, {first}),
@@ -421,7 +424,7 @@ TEST_CASE("FBX as text is the same file") {
                  base64({reinterpret_cast<const std::uint8_t*>(picture_bytes.data()), picture_bytes.size()}));
     const ModelFile file = read_fbx(with);
     REQUIRE(file.mesh.triangles.size() == 3);
-    CHECK(place_of(file, 0, 2) == Vector3d(2, 2, 0));
+    CHECK(corner_place(file, 0, 2) == Vector3d(2, 2, 0));
     CHECK(near(corner_colour(file.mesh, 0, 0), {1, 0, 0}));
     // Cut anywhere: a model, where all behind the faces is gone, or a sentence.
     for (std::size_t length = 0; length < with.size(); ++length) {
