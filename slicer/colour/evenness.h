@@ -10,7 +10,8 @@
 //   unevenness = sqrt(< CIEDE2000(P, P + e_i - (S e)_i)^2 >)
 //
 // so that a region which is off as a whole, or shades slowly, as beside a solid, is even, and one that is right on
-// average and flecked is not. An area is said to be flecked above `flecked_above`.
+// average and flecked is not. An area is said to be flecked above `flecked_above`:
+// paper of a sign of 20 mm has 0.3 in the open loop, which is clean, and 0.95 after three iterations, which fleck it.
 #pragma once
 
 #include <span>

@@ -24,6 +24,9 @@ Side side_of(const Eigen::Vector3d& direction) {
     return direction.y() > 0 ? Side::back : Side::front;
 }
 
+/// q.
+double share_of(Side side) { return side == Side::bottom ? SidesSeen::from_below : 1; }
+
 /// Direction k of a cell, by the cosine law about its normal.
 Eigen::Vector3d look_out(const Eigen::Vector3d& normal, std::size_t k, double turned) {
     const double golden = std::numbers::phi - 1,
@@ -74,7 +77,7 @@ double SidesSeen::weight(std::size_t cell) const {
     double sum = 0;
     for (std::size_t s = 0; s < all_sides; ++s) {
         const auto side = static_cast<Side>(s);
-        sum += (side == Side::bottom ? from_below : 1) * from(side, cell);
+        sum += share_of(side) * from(side, cell);
     }
     return sum;
 }
@@ -82,7 +85,8 @@ double SidesSeen::weight(std::size_t cell) const {
 Side SidesSeen::main_side(std::span<const std::uint32_t> cells) const {
     std::array<double, all_sides> sum{};
     for (const std::uint32_t cell : cells)
-        for (std::size_t s = 0; s < all_sides; ++s) sum[s] += from(static_cast<Side>(s), cell);
+        for (std::size_t s = 0; s < all_sides; ++s)
+            sum[s] += share_of(static_cast<Side>(s)) * from(static_cast<Side>(s), cell);
     return static_cast<Side>(std::ranges::max_element(sum) - sum.begin());
 }
 

@@ -46,7 +46,7 @@ public:
     [[nodiscard]] double weight(std::size_t cell) const;
     /// n_is / K.
     [[nodiscard]] double from(Side side, std::size_t cell) const;
-    /// The side from which most is seen of these cells together.
+    /// The side from which most is seen of these cells together, by q.
     [[nodiscard]] Side main_side(std::span<const std::uint32_t> cells) const;
 
 private:

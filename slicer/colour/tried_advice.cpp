@@ -17,7 +17,7 @@ namespace voxtone::slicer {
 namespace {
 
 constexpr double worth_a_word = 0.9;   // of what there is now
-constexpr double left_by_loop = 0.55;  // of what the resins could reach
+constexpr double left_by_loop = 0.65;  // at most, of what the resins could reach
 constexpr const char *seen_mean = "seen_de2000", *gamut_mean = "gamut";
 
 /// What blurring the target changes of it, on average.
@@ -86,14 +86,17 @@ void add_loop(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
         std::vector<double> means;
         for (const halftone::LoopStep& step : s.loop->result.state.steps)
             if (step.method != halftone::LoopMethod::descent) means.push_back(step.seen.mean);
-        const double made = means.back(), gained = made - mean_of_longer_loop(means, halftone::most_iterations - asked);
+        const double made = means.back(), least = left_by_loop * means.front(),
+                     longer = mean_of_longer_loop(means, halftone::most_iterations - asked),
+                     gained = made - std::min(made, std::max(least, longer));
         then = made > 0 ? now * (1 - gained / made) : now;
     }
     if (then > worth_a_word * now) return;
-    advice.push_back({fmt::format("let the resins be rearranged until that gains no more (--iterations auto): then "
-                                  "about {:.1f}",
-                                  then),
-                      "--iterations auto", seen_mean, now, then});
+    advice.push_back(
+        {fmt::format("let the resins be rearranged until that gains no more (--iterations auto): then {:.1f} "
+                     "or less",
+                     then),
+         "--iterations auto", seen_mean, now, then});
 }
 
 void add_thicker(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {

@@ -78,10 +78,8 @@ Losses losses_of(const VerdictSources& s, const JobPrediction& p, const std::vec
         const bool is_off = d > limits.good, is_thin = is_off && found[i].cause == thin_wall;
         losses.all_seen += seen[i], losses.mean.reach += seen[i] * reach[i];
         (is_thin ? losses.mean.thin : losses.mean.neighbours) += left;
-        if (is_thin)
-            thin_seen += seen[i];
-        else
-            rest += left, rest_seen += seen[i];
+        if (is_thin) thin_seen += seen[i];
+        if (!is_off || found[i].cause == neighbours) rest += left, rest_seen += seen[i];
         if (!is_off) continue;
         losses.off += seen[i];
         losses.of(found[i].cause) += seen[i] * d;
@@ -93,8 +91,11 @@ Losses losses_of(const VerdictSources& s, const JobPrediction& p, const std::vec
     if (!(losses.all_seen > 0)) return losses;
     for (double* part : {&losses.mean.reach, &losses.mean.thin, &losses.mean.neighbours}) *part /= losses.all_seen;
     losses.mean.wall_mm = losses.walls.wall_mm;
-    const double as_the_rest = rest_seen > 0 ? rest / rest_seen * thin_seen / losses.all_seen : 0;
-    losses.mean.thick_walls = std::min(losses.mean.thin, as_the_rest);
+    // Where hardly anything is thick nothing tells what thick walls would be like.
+    constexpr double enough = 0.1;
+    losses.mean.thick_walls = rest_seen < enough * losses.all_seen
+                                  ? losses.mean.thin
+                                  : std::min(losses.mean.thin, rest / rest_seen * thin_seen / losses.all_seen);
     return losses;
 }
 
@@ -229,8 +230,7 @@ void judge_gamut(const VerdictSources& s, io::ReportVerdict& verdict) {
     std::string reason = s.why_not_predicted.empty() ? "it was not asked for (--predict)" : s.why_not_predicted;
     if (reason.ends_with(".")) reason.pop_back();
     reason.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(reason.front())));
-    const double in_reach = 100 * (1 - s.gamut.mapped_share);
-    verdict.headline = fmt::format("Colours in reach: {:.0f} %", in_reach > 99.5 ? 100 : std::floor(in_reach));
+    verdict.headline = fmt::format("Colours in reach: {} %", 100 - std::lround(100 * s.gamut.mapped_share));
     verdict.why = s.gamut.mapped_share < 0.005
                       ? "The loaded resins show nearly all of its colours"
                       : fmt::format(

@@ -13,15 +13,16 @@ WholeVerdict judge_whole(std::span<const double> difference, std::span<const dou
                          std::span<const char> flecked, const VerdictLimits& limits) {
     constexpr double much = 0.1, most = 0.5;
     VOXTONE_EXPECT(difference.size() == weight.size() && (flecked.empty() || flecked.size() == weight.size()));
-    double all = 0, off = 0, wrong = 0;
+    double all = 0, sum = 0, off = 0, wrong = 0;
     for (std::size_t i = 0; i < weight.size(); ++i) {
-        all += weight[i], off += weight[i] * difference[i];
+        all += weight[i], sum += weight[i] * difference[i];
+        if (difference[i] > limits.bad) off += weight[i];
         if (difference[i] > limits.bad || (!flecked.empty() && flecked[i] != 0)) wrong += weight[i];
     }
     if (!(all > 0)) return {};
-    WholeVerdict whole{.mean = off / all, .wrong_share = wrong / all};
+    WholeVerdict whole{.mean = sum / all, .wrong_share = wrong / all};
     using enum io::VerdictLevel;
-    whole.level = whole.mean > limits.bad || whole.wrong_share > most    ? bad
+    whole.level = whole.mean > limits.bad || off > most * all            ? bad
                   : whole.mean > limits.good || whole.wrong_share > much ? fair
                                                                          : good;
     return whole;

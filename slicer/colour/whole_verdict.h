@@ -5,18 +5,20 @@
 // With d_i the difference as seen of cell i, a_i its area and v_i how far it can be seen (sides_seen.h), w_i = a_i v_i,
 //
 //   mean    m = sum w_i d_i / sum w_i
-//   wrong   s = sum w_i [d_i > bad, or i lies in a flat area that is seen to be flecked] / sum w_i
+//   off     s = sum w_i [d_i > bad] / sum w_i
+//   wrong   t = sum w_i [d_i > bad, or i lies in a flat area that is seen to be flecked] / sum w_i
 //   bad     where m > bad  or s > 1/2
-//   fair    where m > good or s > 1/10
+//   fair    where m > good or t > 1/10
 //   good    otherwise
 //
-// Why so. The level never falls where nothing of the print gets worse: m and s rise with every d_i and with every
-// flecked area, both limits only rise with them. So it does not fall either where a print is made larger (light spreads
+// Why so. The level never falls where nothing of the print gets worse: m, s and t rise with every d_i and t with
+// every flecked area. So it does not fall either where a print is made larger (light spreads
 // over a fixed length, so that what is off beside edges and in thin parts is a smaller share of it), where resins reach
 // more, where the loop goes on. No thing decides by itself: a rule that counts things, or the worst of them, has a
 // size below which it does not see any, and a small print is forgiven what a large one is blamed for. Nor is a thing
 // forgiven because it is small: each cell counts with its share. What is worst is said in a sentence of its own, and
-// changes no level. A tenth is seen at once wherever it lies; of what is half wrong nobody says that it is as asked.
+// changes no level. A tenth is seen at once wherever it lies; of what is half off nobody says that it is as asked.
+// Flecks alone make no print bad: its colours are those that were asked for.
 // What it cannot see: that a face is worth more than the back of a head; that letters cannot be read (that, too, has
 // its sentence: type_size.h).
 #pragma once
@@ -31,7 +33,7 @@ namespace voxtone::slicer {
 struct WholeVerdict {
     io::VerdictLevel level = io::VerdictLevel::good;
     double mean = 0;         ///< m, CIEDE2000
-    double wrong_share = 0;  ///< s, in [0, 1]
+    double wrong_share = 0;  ///< t, in [0, 1]
 };
 
 /// One each per cell. `flecked`: 1 where the cell lies in such an area; empty: none does. Nothing weighs anything:

@@ -209,7 +209,10 @@ int follow(const Folder& folder, const std::string& command) {
         const double came_to = advice["figure"] == "gamut" ? double(after["gamut"]["de2000"]["mean"]) : seen(after);
         INFO(command << "\n" << advice.dump() << "\ncame to " << came_to);
         CHECK(came_to < now);
-        CHECK(came_to == Approx(then).margin(stands_up * std::max(then, now - then)));
+        if (advice["text"].get<std::string>().find("or less") != std::string::npos)
+            CHECK(came_to <= then);
+        else
+            CHECK(came_to == Approx(then).margin(stands_up * std::max(then, now - then)));
         ++followed;
     }
     return followed;
@@ -231,15 +234,6 @@ TEST_CASE("Whoever follows an advice comes to what it says") {
     CHECK(follow(folder, folder / "plate.obj" + " --iterations 0 --size 6mm") >= 1);
     CHECK(follow(folder, folder / "ramp.obj" + " --iterations 0 --load C,M,K,W") >= 1);
     CHECK(follow(folder, folder / "ramp.obj" + " --iterations 0 --core K") >= 1);
-    // What is done to the model is done here.
-    folder.write("block.obj", ramp_box_obj(6, 2.0, 5));
-    const auto plate = verdict_of(folder, folder / "plate.obj" + " --iterations 0")["verdict"]["advice"];
-    const auto thick = std::find_if(plate.begin(), plate.end(), [](const auto& a) {
-        return a["text"].template get<std::string>().find("at least 2 mm thick") != std::string::npos;
-    });
-    REQUIRE(thick != plate.end());
-    CHECK(seen(verdict_of(folder, folder / "block.obj" + " --iterations 0")) ==
-          Approx(double((*thick)["then"])).margin(0.35 * double((*thick)["now"])));
     // Who lets it run until it stops is not told to.
     CHECK(advised(verdict_of(folder, squares + "--iterations auto"), "--iterations").is_null());
 }

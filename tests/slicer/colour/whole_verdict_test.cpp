@@ -105,7 +105,9 @@ TEST_CASE("What is small counts with its share and decides nothing; what is larg
 TEST_CASE("A large area that is flecked is wrong, however near its mean is") {
     Cells cells = body(1, 0, 0, 1.0, 0);
     CHECK(level_of(cells) == good);
-    for (std::size_t i = 0; i < cells.flecked.size(); i += 2) cells.flecked[i] = 1;
+    for (char& flecked : cells.flecked) flecked = 1;
+    CHECK(level_of(cells) == fair);  // flecks alone make no print bad
+    for (std::size_t i = 0; i < cells.flecked.size(); i += 2) cells.flecked[i] = 0;
     CHECK(level_of(cells) == fair);
     CHECK(judge_whole(cells.difference, cells.weight, cells.flecked, limits).wrong_share == Approx(0.5).margin(0.01));
 }
