@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "base/warning.h"
-#include "io/files/files_beside.h"
+#include "io/disk/files_beside.h"
 #include "io/files/packed_values.h"
 #include "io/files/sandbox.h"
 #include "io/files/zip_reader.h"

@@ -10,8 +10,8 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "io/disk/files_beside.h"
 #include "io/files/file_reader.h"
-#include "io/files/files_beside.h"
 #include "io/files/isolate.h"
 #include "tests/io/files/taken_program.h"
 #include "tests/io/files/temporary_folder.h"

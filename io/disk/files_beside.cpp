@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "io/files/files_beside.h"
+#include "io/disk/files_beside.h"
 
 #include <algorithm>
 #include <system_error>
