@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <limits>
 
+#include <fmt/core.h>
+
 #include "base/control_group.h"
 #include "base/grant.h"
 
@@ -28,6 +30,12 @@ std::uint64_t machine_memory_bytes() {
     rlimit space{};
     const bool limited = getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY;
     return std::min(resident_memory_bytes(), limited ? static_cast<std::uint64_t>(space.rlim_cur) : no_limit);
+}
+
+std::string memory_text(std::uint64_t bytes) {
+    constexpr double mib = 1 << 20, mib_per_gib = 1024;
+    const double amount = static_cast<double>(bytes) / mib;
+    return amount < mib_per_gib ? fmt::format("{:.0f} MiB", amount) : fmt::format("{:.2f} GiB", amount / mib_per_gib);
 }
 
 }  // namespace voxtone

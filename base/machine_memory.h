@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 namespace voxtone {
 
@@ -14,5 +15,8 @@ namespace voxtone {
 
 /// The same without the address space, which is a limit of its own for every program that is started.
 [[nodiscard]] std::uint64_t resident_memory_bytes();
+
+/// In the unit in which it is allowed (--memory): "1.49 GiB", "812 MiB".
+[[nodiscard]] std::string memory_text(std::uint64_t bytes);
 
 }  // namespace voxtone

@@ -12,7 +12,7 @@
 
 #include "base/counted.h"
 #include "base/error.h"
-#include "base/memory_text.h"
+#include "base/machine_memory.h"
 #include "base/progress_bar.h"
 #include "io/disk/disk_space.h"
 #include "io/files/json_writer.h"

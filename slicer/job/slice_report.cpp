@@ -3,7 +3,7 @@
 
 #include <fmt/core.h>
 
-#include "base/memory_text.h"
+#include "base/machine_memory.h"
 #include "base/process_usage.h"
 #include "base/progress_bar.h"
 #include "base/warning.h"

@@ -6,7 +6,7 @@
 
 #include <fmt/core.h>
 
-#include "base/memory_text.h"
+#include "base/machine_memory.h"
 #include "halftone/loop/appearance_loop.h"
 #include "slicer/options/auto_limits.h"
 

@@ -11,7 +11,6 @@
 #include "slicer/layers/mixture_body.h"
 #include "slicer/layers/plain_body.h"
 #include "slicer/tray/finished_stack.h"
-#include "slicer/tray/joined_parts.h"
 #include "slicer/tray/part_outline.h"
 
 namespace voxtone::slicer {

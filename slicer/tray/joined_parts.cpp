@@ -20,6 +20,7 @@
 #include "slicer/plans/job_names.h"
 #include "slicer/prepare/joined_body.h"
 #include "slicer/solid/solid.h"
+#include "slicer/tray/part_outline.h"
 
 namespace voxtone::slicer {
 
@@ -145,23 +146,6 @@ SliceOptions options_of(const ReadyPart& first, const std::filesystem::path& fol
     options.resume = false;
     return options;
 }
-
-}  // namespace
-
-std::uint64_t voxels_of(const JobBody& body) {
-    const Solid solid(*body.solid, body.grid, body.relief);
-    constexpr int layers_at_once = 16;
-    std::uint64_t voxels = 0;
-    SpanSlab spans;
-    for (int first = 0; first < body.grid.size[2]; first += layers_at_once) {
-        const int last = std::min(first + layers_at_once, body.grid.size[2]);
-        solid.slab(first, last, spans);
-        for (int k = first; k < last; ++k) voxels += spans.voxels_of_layer(k);
-    }
-    return voxels;
-}
-
-namespace {
 
 /// What more than one of the bodies fills. The joined part has core resin there; told, as it may not be meant.
 double shared_mm3(const std::vector<ReadyPart>& parts, const std::vector<Copy>& kind, const JobBody& whole,

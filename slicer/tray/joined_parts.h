@@ -22,7 +22,4 @@ inline constexpr double near_mm = 2;
 /// jobs of the parts throw.
 void join_near_parts(std::vector<ReadyPart>& parts, const std::filesystem::path& out, Progress& progress);
 
-/// That the body fills, without those of thin features.
-[[nodiscard]] std::uint64_t voxels_of(const JobBody& body);
-
 }  // namespace voxtone::slicer

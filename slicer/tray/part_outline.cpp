@@ -45,6 +45,19 @@ Outline outline_of(const JobBody& body) {
     return outline;
 }
 
+std::uint64_t voxels_of(const JobBody& body) {
+    const Solid solid(*body.solid, body.grid, body.relief);
+    constexpr int layers_at_once = 16;
+    std::uint64_t voxels = 0;
+    SpanSlab spans;
+    for (int first = 0; first < body.grid.size[2]; first += layers_at_once) {
+        const int last = std::min(first + layers_at_once, body.grid.size[2]);
+        solid.slab(first, last, spans);
+        for (int k = first; k < last; ++k) voxels += spans.voxels_of_layer(k);
+    }
+    return voxels;
+}
+
 void take_at(Outline& plate, const Outline& outline, double x_mm, double y_mm) {
     const int left = static_cast<int>(std::floor(x_mm / nest_cell_mm)),
               front = static_cast<int>(std::floor(y_mm / nest_cell_mm));

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The outline of a part from above, and what of the plate parts take whose places are given.
+// The outline of a part from above, its voxels, and what of the plate parts take whose places are given.
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -26,6 +27,8 @@ void take_voxels(Outline& outline, const VoxelGrid& grid, int j, int begin, int 
 
 /// What stands above each cell of the plate.
 [[nodiscard]] Outline outline_of(const JobBody& body);
+/// That the body fills, without those of thin features.
+[[nodiscard]] std::uint64_t voxels_of(const JobBody& body);
 
 /// Adds an outline whose corner lies at a place that is no whole number of cells. Beyond the plate: left out.
 void take_at(Outline& plate, const Outline& outline, double x_mm, double y_mm);

@@ -5,7 +5,7 @@
 
 #include <fmt/core.h>
 
-#include "base/memory_text.h"
+#include "base/machine_memory.h"
 #include "base/process_usage.h"
 #include "base/progress_bar.h"
 #include "base/warning.h"
@@ -15,7 +15,7 @@
 #include "io/report/report.h"
 #include "slicer/kept/report_files.h"
 #include "slicer/plans/part_about.h"
-#include "slicer/tray/joined_parts.h"
+#include "slicer/tray/part_outline.h"
 
 namespace voxtone::slicer {
 

@@ -91,7 +91,7 @@ TEST_CASE("A thin wall gets its word, limits are the user's, and --strict makes 
     CHECK(run_program(slice + "--verdict-good 6").exit_code == 2);
 }
 
-TEST_CASE("Whoever lacks a resin is told which, and what it would bring; whoever has all is not sent for more") {
+TEST_CASE("Whoever lacks a resin is told which, and what it would bring, whoever has all is not sent for more") {
     const Folder folder("reach");
     io::Picture8 red{30, 30, 3, {}};
     for (int i = 0; i < 30 * 30; ++i) red.codes.insert(red.codes.end(), {255, 0, 0});

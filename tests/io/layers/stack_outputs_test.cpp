@@ -336,10 +336,10 @@ TEST_CASE("resin sets", "[resin-file]") {
     const auto family_of = [&](const std::string& key) {
         std::string own = text;
         own.insert(own.find("\"channels\""), key);
-        const std::string file = (folder.path() / "own.json").string();
-        std::ofstream(file) << own;
-        CHECK(find_resin_set(file).resins.size() == ours.resins.size());
-        return resin_family(file);
+        const std::string own_file = (folder.path() / "own.json").string();
+        std::ofstream(own_file) << own;
+        CHECK(find_resin_set(own_file).resins.size() == ours.resins.size());
+        return resin_family(own_file);
     };
     CHECK(family_of("").empty());
     CHECK(family_of("\"family\": \"Mine\", ") == "Mine");

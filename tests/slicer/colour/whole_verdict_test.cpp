@@ -85,7 +85,7 @@ TEST_CASE("The level does not fall where any cells come nearer, as with better r
     }
 }
 
-TEST_CASE("What is small counts with its share and decides nothing; what is large and wrong is seen") {
+TEST_CASE("What is small counts with its share and decides nothing, what is large and wrong is seen") {
     // A glint of a hundredth, 16 off, on a cow that is 1.15 off elsewhere: README's own example was called bad for it.
     Cells cells = body(1, 0, 0, 1.15, 0);
     for (int i = 0; i < 20; ++i) cells.difference[std::size_t(i)] = 16;
