@@ -36,6 +36,7 @@ inline io::Report report(const std::string& title) {
         .sentence = "It will look much as asked.",
         .seen_mean = 3.0,
         .seen_p95 = 6.0,
+        .reach_mean = std::nullopt,
         .viewing_distance_mm = 300,
         .good_up_to = 2.5,
         .bad_above = 5,
