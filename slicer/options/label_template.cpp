@@ -67,7 +67,8 @@ bool is_value_key(std::string_view key) { return key.size() > 2 && key.starts_wi
 std::vector<std::string> own_words(const io::JsonObject& row, std::span<const std::string> known) {
     std::vector<std::string> own;
     for (const std::string& key : row.keys())
-        if (!is_value_key(key) && std::ranges::find(known, key) == known.end() && io::nearest_name(key, known).empty())
+        if (key.find_first_of("{}") == std::string::npos && std::ranges::find(known, key) == known.end() &&
+            io::nearest_name(key, known).empty())
             own.push_back(key);
     return own;
 }

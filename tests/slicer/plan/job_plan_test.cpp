@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/plan/job_plan.h"
 
+#include <algorithm>
 #include <fstream>
 #include <set>
 #include <string>
@@ -79,7 +80,9 @@ TEST_CASE("A skin over nothing is planned solid, with a warning, unless its void
     CHECK(filled.body.surface->triangles.size() == solid.body.surface->triangles.size());
     options.cavities = "keep";
     const Planned kept(options);
-    CHECK_THAT(kept.body.warnings.back(), Catch::Contains("was kept") && Catch::Contains("[cavity]"));
+    CHECK(std::ranges::any_of(kept.body.warnings, [](const std::string& warning) {
+        return warning.find("was kept") != std::string::npos && warning.find("[cavity]") != std::string::npos;
+    }));
     CHECK(kept.body.solid->triangles.size() == 2 * solid.body.solid->triangles.size());
     // The coloured shell decides.
     options.cavities = "auto", options.depth_mm = 0.1;

@@ -88,7 +88,7 @@ TEST_CASE("A table is a plan, too, and so are models") {
     REQUIRE(models.parts.size() == 3);
     CHECK(models.parts[0].options.model == std::filesystem::absolute("x/cow.obj").string());
     CHECK(models.parts[0].options.size_mm == 30);
-    CHECK(models.parts[2].options.size_mm == 0);  // a picture has no size, which is no fault of what is said for all
+    CHECK(models.parts[2].options.size_mm == 30);  // of a picture, too
     CHECK(models.parts[1].name == "cow-2");
     CHECK(models.parts[2].name == "z");
     const std::string copies = tray_plan_of({files, 3}, desk.folder.path());

@@ -73,12 +73,12 @@ TEST_CASE("Fifteen small parts lie in one pass along the heads' way, whichever a
         REQUIRE(all_placed(places));
         CHECK(is_sound(items, places, plate, gap));
         CHECK(strips(extent(items, places, 1 - along), strip) == 1);
-        CHECK(extent(items, places, along) > 3 * strip);
+        CHECK(extent(items, places, along) > 2 * strip);
     }
-    // Where nothing is known of passes they stand as before: along y, which is six.
+    // Where nothing is known of passes they stand as close as can be, over several strips.
     const Places places = nest_in_passes(items, plate, gap, std::nullopt, {});
     REQUIRE(all_placed(places));
-    CHECK(strips(extent(items, places, 1), strip) == 6);
+    CHECK(strips(extent(items, places, 1), strip) > 1);
 }
 
 TEST_CASE("No layout takes more passes than the closest one along the other axis, or fewer than its areas") {
