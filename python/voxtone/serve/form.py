@@ -17,7 +17,7 @@ from .limits import Limits
 from .refusal import Refusal
 
 #: Where results go, how much of the machine a job has, how the program talks, what only a cluster wants.
-decided_here = frozenset({"mesh", "out", "for-printer", "overwrite", "report", "resume", "mixtures", "job", "dump-default", "json",
+decided_here = frozenset({"model", "out", "for-printer", "overwrite", "report", "resume", "mixtures", "job", "dump-default", "json",
                           "progress", "quiet", "threads", "shard", "until", "fail-fast", "quick", "orientations"})
 #: Shown first; all others behind "more".
 basic = ("printer", "resins", "size", "unit", "width", "thickness", "quality", "label")
