@@ -284,7 +284,7 @@ Eigen::Matrix2d EdgeObjective::covariance(const Minimum& minimum, double g, doub
     }
     add(by_mu);
     const auto count = static_cast<double>(slabs_.size());
-    if (count > 1) sum += disagree * (count / (count - 1));  // the minimum has taken one slab's share of freedom
+    sum += disagree / count;  // as far as one of them pulls: of one alone, which pulls nowhere at its minimum, nothing
     return sum;
 }
 
