@@ -22,7 +22,7 @@ using Eigen::Vector3d;
 
 constexpr double points_a_limit = 3;
 constexpr std::uint64_t most_points = 200'000, seed = 1;
-constexpr double looking_away = -0.5;     // the cosine of 120 degrees
+constexpr double looking_away = -0.866;   // the cosine of 150 degrees
 constexpr double shortest_in_limits = 2;  // of what is told
 constexpr std::size_t fewest_points = 6;
 

@@ -3,9 +3,9 @@
 // Walls and rods that may break: where the body is thinner than the printer's maker asks for.
 //
 // From points all over the visible surface a line goes straight inward. Where it leaves the body again nearer than the
-// limit, through a face that looks away by more than 120 degrees (an edge of a thick body is no wall), the body is thin
-// there. Points that lie near each other are one place, told if it is longer than twice the limit: the tips of cones
-// and the edges of blades are thin on any print, and do no harm.
+// limit, through a face that looks away by more than 150 degrees (an edge of a thick body is no wall, sharp as it may
+// be), the body is thin there. Points that lie near each other are one place, told if it is longer than twice the
+// limit: the tips of cones and the edges of blades are thin on any print, and do no harm.
 #pragma once
 
 #include <cstdint>

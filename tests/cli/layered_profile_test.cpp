@@ -47,7 +47,7 @@ std::string write_map(const Folder& folder, const io::ProfileMap& map = two_halv
 /// The slab of the map's own picture, 1 mm thick.
 std::string slab_job(const Folder& folder, const std::string& map) {
     return fmt::format(
-        "slice --quiet --load W,K --laminate-thickness 0.6mm --laminate-steps 16 --thickness 1.08mm --show "
+        "slice --load W,K --laminate-thickness 0.6mm --laminate-steps 16 --thickness 1.08mm --show "
         "layered-profile "
         "--profiles {} {}",
         map, folder / "map.png");
