@@ -207,8 +207,8 @@ TEST_CASE("Roles are understood in any case") {
 TEST_CASE("The summary names the report and the time of the whole job") {
     const Folder folder("summary");
     folder.write("marker.obj", marker_obj());
-    const Outcome outcome = run_program("slice --quiet --iterations 0 --predict none " + (folder / "marker.obj") +
-                                        " -o " + (folder / "out"));
+    const Outcome outcome =
+        run_program("slice --iterations 0 --predict none " + (folder / "marker.obj") + " -o " + (folder / "out"));
     REQUIRE(outcome.exit_code == 0);
     CHECK_THAT(outcome.out, Contains("report: " + (folder / "out/report.html")) && Contains("done in "));
 }
@@ -216,7 +216,7 @@ TEST_CASE("The summary names the report and the time of the whole job") {
 TEST_CASE("Manual pages hold every option, and man finds nothing wrong with them") {
     const Folder folder("manual");
     REQUIRE(run_program("manual " + folder.path().string()).exit_code == 0);
-    CHECK(read_tree(folder.path()).size() == 16);
+    CHECK(read_tree(folder.path()).size() == 17);
     for (const std::string verb : {"slice", "tray", "estimate", "merge", "batch", "status", "serve", "task", "predict",
                                    "proof", "verify", "target", "list", "laminate", "calibrate"}) {
         const std::string page = without_roff(read_file(folder / ("voxtone-" + verb + ".1")));

@@ -145,7 +145,7 @@ TEST_CASE("Colour that is lost is said once, with --strict it ends the job with 
     folder.write("red.obj", "mtllib m.mtl\n" + corners + "usemtl white\n" + faces + "usemtl red\nf 2 3 4\n");
     const Outcome red = run_program("slice --strict --quiet " + (folder / "red.obj") + options + (folder / "f"));
     CHECK(red.exit_code == 0);
-    CHECK(red.err.find("white") == std::string::npos);
+    CHECK(red.err.find("all white") == std::string::npos);
     // Pictures are textures already.
     CHECK(run_program("slice p.png --texture q.png -o " + (folder / "g")).exit_code == 2);
 }
