@@ -12,6 +12,7 @@
 
 #include "io/pictures/picture_writer.h"
 #include "run_program.h"
+#include "tests/places.h"
 #include "tests/io/files/schema.h"
 
 using namespace voxtone;
@@ -36,7 +37,7 @@ bool has_stage(const nlohmann::json& report, const std::string& name) {
 TEST_CASE("White everywhere needs no loop and no prediction, and looks as asked") {
     const Folder folder("white");
     folder.write("white.obj", white_box());
-    const std::string slice = "slice --quiet --overwrite " + folder / "white.obj" + " -o " + folder / "out";
+    const std::string slice = "slice --overwrite " + folder / "white.obj" + " -o " + folder / "out";
     const Outcome quick = run_program(slice);
     REQUIRE(quick.exit_code == 0);
     CHECK_THAT(quick.out, Contains("nothing to rearrange and nothing to predict"));
@@ -57,7 +58,7 @@ TEST_CASE("White everywhere needs no loop and no prediction, and looks as asked"
 TEST_CASE("A model that lost its colours is never said to look as asked") {
     const Folder folder("lost");
     folder.write("box.obj", "mtllib gone.mtl\nusemtl painted\n" + white_box());
-    const std::string slice = "slice --quiet --overwrite " + folder / "box.obj" + " -o " + folder / "out";
+    const std::string slice = "slice --overwrite " + folder / "box.obj" + " -o " + folder / "out";
     const Outcome printed = run_program(slice);
     REQUIRE(printed.exit_code == 0);
     CHECK_THAT(printed.out, Contains("It will not look as asked. The material library 'gone.mtl'"));
@@ -69,7 +70,7 @@ TEST_CASE("A thin wall gets its word, limits are the user's, and --strict makes 
     const Folder folder("thin");
     folder.write("plate.obj", ramp_box_obj(6, 0.5, 5));
     const std::string slice =
-        "slice --quiet --overwrite --iterations 0 " + folder / "plate.obj" + " -o " + folder / "out ";
+        "slice --overwrite --iterations 0 " + folder / "plate.obj" + " -o " + folder / "out ";
     const Outcome plain = run_program(slice);
     REQUIRE(plain.exit_code == 0);
     const auto verdict = report_in(folder)["verdict"];
@@ -114,12 +115,12 @@ TEST_CASE("Whoever lacks a resin is told which, and what it would bring, whoever
 
 TEST_CASE("Of a white sheet it is said that its red is orange and that its fine type cannot be read") {
     const Folder folder("sheet");
-    // 10 x 6 mm at 0.1 mm: a red square of 2 mm in a corner, and lines of 0.2 mm, 0.3 mm apart.
+    // 10 x 6 mm at 0.1 mm: a red square of 2 mm in a corner, and lines of 0.1 mm, 0.2 mm apart.
     io::Picture8 sheet{100, 60, 3, {}};
     for (int y = 0; y < 60; ++y)
         for (int x = 0; x < 100; ++x) {
             const bool red = x >= 70 && x < 90 && y >= 10 && y < 30,
-                       ink = x >= 10 && x < 50 && y >= 20 && y < 50 && x % 5 < 2;
+                       ink = x >= 10 && x < 50 && y >= 20 && y < 50 && x % 3 < 1;
             for (int c = 0; c < 3; ++c) sheet.codes.push_back(ink || (red && c > 0) ? 0 : 255);
         }
     const std::vector<std::uint8_t> png = io::png_bytes(sheet);
@@ -240,8 +241,8 @@ TEST_CASE("Whoever follows an advice comes to what it says") {
 
 TEST_CASE("Over a dark core the advice is a white one, and nothing else first") {
     const Folder folder("core");
-    folder.write("ramp.obj", ramp_box_obj(6, 5, 4));
-    const auto draft = verdict_of(folder, folder / "ramp.obj" + " --quality draft --core K");
+    const std::string cow = source_dir() + "/examples/models/spot/spot.obj --size 12mm";
+    const auto draft = verdict_of(folder, cow + " --quality draft --core K");
     INFO(draft["verdict"].dump(1));
     REQUIRE_FALSE(draft["verdict"]["advice"].empty());
     CHECK(draft["verdict"]["advice"][0]["options"] == "--core W");
