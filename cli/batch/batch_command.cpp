@@ -116,7 +116,6 @@ Command add_batch_command(CLI::App& program) {
     add_plan_options(*command, *arguments);
     add_batch_options(*command, *arguments);
     add_cluster_options(*command, arguments->cluster);
-    arguments->run.console.answers = true;
     add_run_options(*command, arguments->run);
     arguments->run.console.grace = std::chrono::seconds(28);  // jobs save themselves first
     add_example(*command, "plan.csv -o out/monday");

@@ -72,7 +72,6 @@ Command add_task_command(CLI::App& program) {
         ->check(CLI::Range(0, 4096));
     command->add_flag("--last", arguments->last,
                       "when all tasks have ended: note what became of the jobs, and draw the summary");
-    arguments->console.answers = true;
     add_console_options(*command, arguments->console);
     arguments->console.grace = std::chrono::seconds(50);  // the work saves itself first
     add_example(*command, "out/monday --job cow --stage layers --shard 3/16");

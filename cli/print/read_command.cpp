@@ -52,7 +52,6 @@ Command add_read_command(CLI::App& program) {
                          {"model", "printer", "unit", "size", "scale", "width", "height", "dpi", "thickness", "rotate",
                           "texture", "read-memory", "read-time", "read-size", "read-pixels"});
     command->get_option("model")->required();
-    arguments->console.answers = true;
     add_console_options(*command, arguments->console);
     add_example(*command, "cow.obj logo.png");
     return [arguments] {

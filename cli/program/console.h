@@ -20,7 +20,6 @@ struct ConsoleOptions {
     bool json = false;
     bool quiet = false;
     bool openjd = false;                   ///< messages of Open Job Description
-    bool answers = false;                  ///< the text is what the verb is asked for: --quiet leaves it
     std::chrono::milliseconds grace{800};  ///< that a verb has to end after a request to stop
 };
 
