@@ -93,10 +93,11 @@ TEST_CASE("Every help says in words what its options are, and ends with a comman
         const std::string line =
             help.substr(begin + mark.size(), help.find('\n', begin + mark.size()) - begin - mark.size());
         CHECK(line.starts_with(command.empty() ? "slice " : command + " "));
-        if (command == "list" || command.starts_with("laminate dataset") || command == "calibrate simulate-profile" ||
-            command == "calibrate edge samples" || command == "calibrate edge chart" || command == "calibrate target" ||
-            command == "calibrate chart" || command == "laminate predict" || command == "laminate targets" ||
-            command == "laminate print" || command.starts_with("target"))
+        if (command == "list" || command == "serve" || command.starts_with("laminate dataset") ||
+            command == "calibrate simulate-profile" || command == "calibrate edge samples" ||
+            command == "calibrate edge chart" || command == "calibrate target" || command == "calibrate chart" ||
+            command == "laminate predict" || command == "laminate targets" || command == "laminate print" ||
+            command.starts_with("target"))
             continue;  // these would do their work
         const int code =
             run_shell("cd '" + empty.path().string() + "' && " + program() + " " + line + " >/dev/null 2>&1");
