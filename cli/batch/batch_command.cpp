@@ -50,8 +50,7 @@ void add_batch_options(CLI::App& command, BatchArguments& arguments) {
     add_count(command, "--jobs", arguments.batch.jobs,
               "most jobs at once; 0: as many as cores (--threads) and memory allow")
         ->check(CLI::Range(0, 1024));
-    add_value(command, "--memory", arguments.memory_gib, "memory for all jobs together, GiB; 0: the machine's")
-        ->type_name("GIB")
+    add_memory(command, "--memory", arguments.memory_gib, "memory for all jobs together, GiB; 0: the machine's")
         ->check(CLI::Range(0.0, 1e6));
     add_count(command, "--retries", arguments.batch.retries,
               "how often a job is tried again that failed for no fault of its own (exit code 75, stopped, killed), "
@@ -69,10 +68,9 @@ void add_batch_options(CLI::App& command, BatchArguments& arguments) {
                     "in the place of a plan: slice the models in this folder and those that arrive there, once they "
                     "have not changed for 3 s, until it is stopped; empty: do not")
         ->type_name("FOLDER");
-    add_value(command, "--wait-for-files", arguments.batch.wait_s,
-              "with --watch: how many seconds a model waits for files that it names (material library, textures, "
-              "buffers) and that are not there yet, before it is sliced without; what comes later has it sliced again")
-        ->type_name("SECONDS")
+    add_time(command, "--wait-for-files", arguments.batch.wait_s,
+             "with --watch: how long, s, a model waits for files that it names (material library, textures, buffers) "
+             "and that are not there yet, before it is sliced without; what comes later has it sliced again")
         ->check(CLI::Range(0.0, 1e6));
     command.add_flag("--print-commands", arguments.print_commands,
                      "print the command of each job, quoted for a shell, and stop");

@@ -112,9 +112,7 @@ Command add_serve_command(CLI::App& program) {
         ->type_name("N")
         ->capture_default_str()
         ->check(CLI::Range(1, 256));
-    command->add_option("--memory", arguments->memory_gib, "memory for all jobs; 0: the machine's")
-        ->type_name("GIB")
-        ->capture_default_str()
+    add_memory(*command, "--memory", arguments->memory_gib, "memory for all jobs, GiB; 0: the machine's")
         ->check(CLI::NonNegativeNumber);
     command
         ->add_option("--keep-days", arguments->keep_days,
@@ -122,11 +120,8 @@ Command add_serve_command(CLI::App& program) {
         ->type_name("DAYS")
         ->capture_default_str()
         ->check(CLI::NonNegativeNumber);
-    command
-        ->add_option("--keep-size", arguments->keep_size_gib,
-                     "remove the oldest that ended where all take more, and say so a day before; 0: keep them")
-        ->type_name("GIB")
-        ->capture_default_str()
+    add_memory(*command, "--keep-size", arguments->keep_size_gib,
+               "remove the oldest that ended where all take more, GiB, and say so a day before; 0: keep them")
         ->check(CLI::NonNegativeNumber);
     command->add_flag("--browser,!--no-browser", arguments->browser,
                       "open the page where there is a desktop (default), or not");

@@ -130,11 +130,8 @@ Command add_predict_command(CLI::App& program) {
              ->capture_default_str()});
     arguments->model.add(*command, "--predict", "--model", o.model);
     add_foreign_stack_options(*command, o.resins, o.assign, o.nearest, o.printer, o.pitch);
-    group("Run", {command
-                      ->add_option("--memory", o.memory_gib,
-                                   "most memory for volume and prediction, GiB; 0: half of the machine's")
-                      ->type_name("GIB")
-                      ->capture_default_str(),
+    group("Run", {add_memory(*command, "--memory", o.memory_gib,
+                             "most memory for volume and prediction, GiB; 0: half of the machine's"),
                   add_threads_option(*command, o.threads),
                   add_seed_option(*command, o.quality.seed, "seed of what is random (monte-carlo)")});
     add_console_options(*command, arguments->console);

@@ -139,9 +139,7 @@ Command add_proof_command(CLI::App& program) {
                ->type_name("PX")
                ->capture_default_str()});
     add_foreign_stack_options(*command, o.resins, o.assign, o.nearest, o.printer, o.pitch);
-    group("Run", {command->add_option("--memory", o.memory_gib, "most memory, GiB; 0: half of the machine's")
-                      ->type_name("GIB")
-                      ->capture_default_str(),
+    group("Run", {add_memory(*command, "--memory", o.memory_gib, "most memory, GiB; 0: half of the machine's"),
                   add_threads_option(*command, o.threads), add_seed_option(*command, o.seed, "seed of the paths")});
     add_console_options(*command, arguments->console);
     arguments->console.grace = std::chrono::seconds(20);  // what was drawn is written first

@@ -2,6 +2,7 @@
 #include <memory>
 #include <utility>
 
+#include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
 #include "cli/print/job_options.h"
@@ -39,6 +40,9 @@ int run(const SliceArguments& arguments) {
     return run_on_console(arguments.console, [&](Progress& progress) {
         tell_notes(options, progress);
         const slicer::TrayModels many = many_models(arguments.job, options);
+        if (many.files.size() > 1)
+            progress.note(fmt::format("{} models become the parts of one tray; `voxtone batch` makes a job of each",
+                                      many.files.size()));
         if (!many.empty() || slicer::is_tray(options)) return run_tray(options, many, progress);
         if (!options.shard.empty()) return slicer::run_shard_job(options, progress);
         slicer::SliceResult result = slicer::run_slice_job(options, progress);

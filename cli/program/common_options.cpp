@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/error.h"
 #include "base/units.h"
 
 namespace voxtone::cli {
@@ -33,6 +34,32 @@ CLI::Option* LengthOptions::add(CLI::App& command, const char* name, std::option
 
 void LengthOptions::read() const {
     for (const Length& length : lengths_) length.set(length.text);
+}
+
+namespace {
+
+/// Its text becomes what `parse` makes of it, before the parser takes it for a number.
+CLI::Option* in_units(CLI::Option* option, double (*parse)(std::string_view, std::string_view)) {
+    const std::string name = option->get_name();
+    const auto convert = [=](std::string& text) {
+        try {
+            text = fmt::format("{}", parse(text, name));
+        } catch (const UsageError& error) {
+            return std::string(error.what()).substr(name.size() + 2);  // the parser names the option itself
+        }
+        return std::string();
+    };
+    return option->transform(CLI::Validator(convert, ""));
+}
+
+}  // namespace
+
+CLI::Option* add_memory(CLI::App& command, const char* name, double& gib, const char* help) {
+    return in_units(add_value(command, name, gib, help)->type_name("GIB"), parse_memory_gib);
+}
+
+CLI::Option* add_time(CLI::App& command, const char* name, double& seconds, const char* help) {
+    return in_units(add_value(command, name, seconds, help)->type_name("S"), parse_time_s);
 }
 
 void add_run_options(CLI::App& command, RunOptions& options) {

@@ -76,6 +76,10 @@ template <class Value>
 CLI::Option* add_value(CLI::App& command, const char* name, Value& value, const char* help) {
     return command.add_option(name, value, help)->capture_default_str();
 }
+/// What takes units as lengths do: memory ("2GiB"; a bare number is in GiB, kept so) and times ("2min"; s).
+/// base/units.h.
+CLI::Option* add_memory(CLI::App& command, const char* name, double& gib, const char* help);
+CLI::Option* add_time(CLI::App& command, const char* name, double& seconds, const char* help);
 /// One that counts something.
 template <class Value>
 CLI::Option* add_count(CLI::App& command, const char* name, Value& value, const char* help) {

@@ -52,6 +52,13 @@ std::string set_behind(const std::string& text, const std::string& mark) {
     return set;
 }
 
+/// "0 to 1000" for "0.000000 to 1000.000000".
+std::string without_zeros(std::string range) {
+    const std::string zeros = ".000000";
+    for (std::size_t at = 0; (at = range.find(zeros)) != std::string::npos;) range.erase(at, zeros.size());
+    return range;
+}
+
 /// "NAME: foo not in {a,b}" and "NAME: Value 7 not in range 0 to 5".
 std::string rule_message(const CLI::Option& option, const std::string& text) {
     const std::string name = option.get_name(), said = text.substr(std::min(text.size(), name.size() + 2));
@@ -61,7 +68,7 @@ std::string rule_message(const CLI::Option& option, const std::string& text) {
     const std::size_t at = said.find(range);
     if (said.starts_with(value) && at != std::string::npos)
         return fmt::format("{}: {} is not {}", name, said.substr(value.size(), at - value.size()),
-                           said.substr(at + range.size()));
+                           without_zeros(said.substr(at + range.size())));
     return fmt::format("{}: {}", name, said);
 }
 

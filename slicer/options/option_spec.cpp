@@ -90,6 +90,12 @@ struct MemberSetter {
     void operator()(OptionSpec::Length length) const {
         options.*length.mm = parse_length_mm(value, "--" + spec.option);
     }
+    void operator()(double SliceOptions::*number) const {
+        const std::string what = "--" + spec.option;
+        options.*number = spec.metavar == "GIB" ? parse_memory_gib(value, what)
+                          : spec.metavar == "S" ? parse_time_s(value, what)
+                                                : parse_number<double>(spec.option, value);
+    }
     template <class Number>
     void operator()(Number SliceOptions::*number) const {
         options.*number = parse_number<Number>(spec.option, value);

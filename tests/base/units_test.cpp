@@ -58,3 +58,21 @@ TEST_CASE("A comma between digits may part decimals, another does not") {
     CHECK_THROWS_WITH(parse_length_mm("6 parsec", "--size"), Catch::Matchers::Contains("unknown unit 'parsec'"));
     CHECK(parse_length_mm("  60  ", "--size") == 60);
 }
+
+TEST_CASE("Memory and times take units as lengths do, and say those that they know") {
+    CHECK(parse_memory_gib("2", "--memory") == 2);
+    CHECK(parse_memory_gib("2GiB", "--memory") == 2);
+    CHECK(parse_memory_gib("512 MiB", "--memory") == 0.5);
+    CHECK(parse_memory_gib("1TiB", "--memory") == 1024);
+    CHECK(parse_memory_gib("1GB", "--memory") == Approx(1e9 / (1 << 30)));
+    CHECK(parse_memory_gib("64kB", "--memory") == Approx(64e3 / (1 << 30)));
+    CHECK(parse_time_s("90", "--read-time") == 90);
+    CHECK(parse_time_s("1.5min", "--read-time") == 90);
+    CHECK(parse_time_s("2h", "--read-time") == 7200);
+    CHECK(parse_time_s("1 d", "--read-time") == 86400);
+    using Catch::Matchers::Contains;
+    // A gigabit is no gigabyte, and a letter alone is both.
+    CHECK_THROWS_WITH(parse_memory_gib("2G", "--memory"), Contains("--memory: '2G'") && Contains("GiB"));
+    CHECK_THROWS_WITH(parse_memory_gib("lots", "--memory"), Contains("is not an amount of memory") && Contains("2GiB"));
+    CHECK_THROWS_WITH(parse_time_s("2m", "--read-time"), Contains("unknown unit 'm'") && Contains("min"));
+}

@@ -82,7 +82,10 @@ struct Bench {
 TEST_CASE("Several models are a tray, one is the print that it would be alone") {
     const Bench bench("many");
     const std::string marker = bench.folder / "marker.obj", ramp = bench.folder / "ramp.obj";
-    REQUIRE(run_program("slice " + marker + " " + ramp + quick + "-o " + (bench.folder / "a")).exit_code == 0);
+    const auto sliced =
+        run_program("slice " + marker + " " + ramp + quick + "--memory 1500MB -o " + (bench.folder / "a"));
+    REQUIRE(sliced.exit_code == 0);
+    CHECK(sliced.err.starts_with("2 models become the parts of one tray"));
     REQUIRE(run_program("tray " + marker + " " + ramp + bare + "-o " + (bench.folder / "b")).exit_code == 0);
     REQUIRE(bench.tray(R"({"model": "marker.obj"}, {"model": "ramp.obj"})").exit_code == 0);
     CHECK(layers_in(bench.folder / "a").size() > 50);
