@@ -111,7 +111,7 @@ Picture read_picture_here(const std::filesystem::path& path, const ReadOptions& 
                           options.texture_filter == TextureFilter::nearest);
 }
 
-std::vector<std::byte> answer(std::span<const std::byte> bytes) {
+Packing answer(std::span<const std::byte> bytes) {
     const ReadRequest request = unpack_request(bytes);
     ReadOptions options;
     options.texture = request.texture;
@@ -122,14 +122,14 @@ std::vector<std::byte> answer(std::span<const std::byte> bytes) {
     if (!request.sees_folder) help.ask_for_folder = ask_for_folder;
     switch (request.kind) {
         case ReadKind::model:
-            return pack(parse_model(request.path, options, help));
+            return packing_of(parse_model(request.path, options, help));
         case ReadKind::side_files:
-            return pack(names_beside(request.path, options, help));
+            return packing_of(names_beside(request.path, options, help));
         case ReadKind::picture:
-            return pack(decode_picture(request.path, options, help.others));
+            return packing_of(decode_picture(request.path, options, help.others));
         case ReadKind::device_profile:
-            return pack(
-                decode_device_profile(read_bytes(request.path, request.max_file_bytes), request.path, request.samples));
+            return packing_of(pack(decode_device_profile(read_bytes(request.path, request.max_file_bytes), request.path,
+                                                         request.samples)));
         default:
             break;
     }

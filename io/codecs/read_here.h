@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "io/decoders/decode_options.h"
+#include "io/files/packed_values.h"
 #include "io/models/model_reader.h"
 #include "io/pictures/picture.h"
 
@@ -23,6 +24,6 @@ namespace voxtone::io {
                                         const OtherDecoder& others = {});
 
 /// Answers a packed ReadRequest (io/files/file_reader.h).
-[[nodiscard]] std::vector<std::byte> answer(std::span<const std::byte> request);
+[[nodiscard]] Packing answer(std::span<const std::byte> request);
 
 }  // namespace voxtone::io

@@ -392,6 +392,10 @@ IsolatedProgram::Pieces IsolatedProgram::result_in_pieces(const Progress* progre
         }
         return {bytes, [this, at = isolation::head_bytes](void* to, std::size_t size) mutable {
                     fetch_to(to, result_.get(), at, size, what_);
+                    constexpr std::size_t much = std::size_t{1} << 20;  // memory that is held here now
+                    if (size >= much)
+                        fallocate(result_.get(), FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, static_cast<off_t>(at),
+                                  static_cast<off_t>(size));
                     at += size;
                 }};
     }

@@ -8,11 +8,13 @@
 // throws InputError when the bytes are cut short, and takes no more than some ten times their size of memory.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -27,6 +29,14 @@ namespace voxtone::io {
 
 class PackedWriter {
 public:
+    /// Takes the next bytes.
+    using Take = std::function<void(const void* from, std::size_t size)>;
+
+    PackedWriter() = default;
+    /// To somewhere else than `bytes`.
+    explicit PackedWriter(Take take) : take_(std::move(take)) {}
+    /// As they are, without their number.
+    void add(std::span<const std::byte> as_they_are) { raw(as_they_are.data(), as_they_are.size()); }
     template <class... Values>
     void operator()(const Values&... values) {
         (put(values), ...);
@@ -38,6 +48,7 @@ private:
     static constexpr bool is_plain = std::is_arithmetic_v<Value> || std::is_enum_v<Value>;
 
     void raw(const void* data, std::size_t size) {
+        if (take_) return take_(data, size);
         const std::size_t at = bytes.size();
         bytes.resize(at + size);
         if (size) std::memcpy(bytes.data() + at, data, size);
@@ -70,7 +81,20 @@ private:
         describe(w, value);
     }
     { describe(*this, value); }
+
+    Take take_;
 };
+
+/// A value on its way out, which it keeps until it is written, once.
+using Packing = std::function<void(PackedWriter& to)>;
+template <class Value>
+[[nodiscard]] Packing packing(Value value) {
+    return [value = std::make_shared<const Value>(std::move(value))](PackedWriter& to) { to(*value); };
+}
+/// What is packed already.
+[[nodiscard]] inline Packing packing_of(std::vector<std::byte> bytes) {
+    return [bytes = std::move(bytes)](PackedWriter& to) { to.add(bytes); };
+}
 
 /// How many bytes PackedWriter makes of values.
 class PackedSize {
@@ -172,8 +196,14 @@ private:
             values.resize(count(least_bytes));
             for (Value& value : values) get(value);
         } else {
-            values.resize(count(sizeof(Value)));
-            raw(values.data(), values.size() * sizeof(Value));
+            const std::size_t n = count(sizeof(Value));
+            values.reserve(n);
+            // Memory is taken with what fills it: a picture is not held twice, as bytes that are to come and as zeros.
+            constexpr std::size_t piece = (std::size_t{16} << 20) / sizeof(Value);
+            for (std::size_t at = 0; at < n; at = values.size()) {
+                values.resize(std::min(n, at + piece));
+                raw(values.data() + at, (values.size() - at) * sizeof(Value));
+            }
         }
     }
     template <class Value>

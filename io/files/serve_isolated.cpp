@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/files/serve_isolated.h"
 
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <memory>
 #include <new>
 #include <optional>
 
 #include "base/error.h"
 #include "io/files/isolate_protocol.h"
-#include "io/files/packed_values.h"
 #include "io/files/sandbox.h"
 
 namespace voxtone::io {
@@ -21,7 +22,7 @@ namespace {
 
 using namespace isolation;
 
-using Work = std::function<std::vector<std::byte>(std::span<const std::byte>)>;
+using Work = std::function<Packing(std::span<const std::byte>)>;
 
 std::uint8_t missing_walls = 0;
 
@@ -49,11 +50,37 @@ bool read_all(int fd, void* data, std::size_t size) {
     return true;
 }
 
-bool write_answer(Outcome outcome, int code, const void* data, std::size_t size) {
+bool begin_answer(Outcome outcome, int code) {
     const unsigned char head[head_bytes] = {static_cast<unsigned char>(outcome), static_cast<unsigned char>(code),
                                             missing_walls};
-    return ftruncate(result_fd, 0) == 0 && lseek(result_fd, 0, SEEK_SET) == 0 &&
-           write_all(result_fd, head, head_bytes) && write_all(result_fd, data, size);
+    return ftruncate(result_fd, 0) == 0 && lseek(result_fd, 0, SEEK_SET) == 0 && write_all(result_fd, head, head_bytes);
+}
+
+bool write_answer(Outcome outcome, int code, const void* data, std::size_t size) {
+    return begin_answer(outcome, code) && write_all(result_fd, data, size);
+}
+
+/// Writes what is dropped then: whole pages of it go back to the system piece by piece, for the file takes as much.
+bool write_and_drop(const void* data, std::size_t size) {
+    static const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+    constexpr std::size_t piece = std::size_t{16} << 20;
+    auto* at = static_cast<char*>(const_cast<void*>(data));
+    for (std::size_t done = 0; done < size; done += piece) {
+        const std::size_t now = std::min(piece, size - done);
+        if (!write_all(result_fd, at + done, now)) return false;
+        void* begin = at + done;
+        std::size_t space = now;
+        if (now > page && std::align(page, page, begin, space)) madvise(begin, space / page * page, MADV_DONTNEED);
+    }
+    return true;
+}
+
+/// Leaves a result; where the file runs out, the word for it.
+void write_result(const Packing& result) {
+    bool good = begin_answer(Outcome::result, 0);
+    PackedWriter writer([&](const void* data, std::size_t size) { good = good && write_and_drop(data, size); });
+    if (good) result(writer);
+    if (!good) write_answer(Outcome::no_memory, 0, nullptr, 0);
 }
 
 void say_answered() {
@@ -86,9 +113,7 @@ std::optional<std::vector<std::byte>> next_request() {
 
 void answer_one(const Work& work, std::span<const std::byte> request) {
     try {
-        std::vector<std::byte> bytes = work(request);
-        write_or_tell(Outcome::result, 0, bytes.data(), bytes.size());
-        bytes = {};  // who reads the answer now has memory for it
+        write_result(work(request));
         say_answered();
     } catch (const Error& error) {
         leave(Outcome::error, static_cast<int>(error.exit_code()), error.what());

@@ -8,12 +8,15 @@
 #include <span>
 #include <vector>
 
+#include "io/files/packed_values.h"
+
 namespace voxtone::io {
 
 /// Raises the walls (io/files/sandbox.h), then does the work on one request after the other and leaves each result (or
-/// the error that it threw), until no more is to come; then it ends the process. Returns only when it was started by
+/// the error that it threw), until no more is to come; then it ends the process. Memory of a result is given back while
+/// it is written. Returns only when it was started by
 /// hand. The process must have no other thread: it would stay outside the walls.
-void serve_isolated(const std::function<std::vector<std::byte>(std::span<const std::byte> request)>& work);
+void serve_isolated(const std::function<Packing(std::span<const std::byte> request)>& work);
 
 /// Amid its work: asks the program that started this one (IsolatedProgram::answer_by), and waits. Throws InputError
 /// where it refuses.

@@ -9,7 +9,8 @@
 
 int main() {
     voxtone::io::StackService service;
-    voxtone::io::serve_isolated([&](std::span<const std::byte> request) { return service.answer(request); });
+    voxtone::io::serve_isolated(
+        [&](std::span<const std::byte> request) { return voxtone::io::packing_of(service.answer(request)); });
     std::fputs("voxtone-read-stack reads layer stacks for voxtone, which starts it; it has no use by hand\n", stderr);
     return 2;
 }

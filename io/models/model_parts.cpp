@@ -50,6 +50,8 @@ void check(const ModelParts& parts) {
 
 std::vector<std::byte> pack(const ModelParts& parts) { return packed(parts); }
 
+Packing packing_of(ModelParts parts) { return packing(std::move(parts)); }
+
 ModelParts unpack_model(std::span<const std::byte> bytes) {
     PackedReader reader(bytes);
     return unpack_model(reader);

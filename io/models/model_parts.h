@@ -16,6 +16,7 @@
 
 #include <Eigen/Core>
 
+#include "io/files/packed_values.h"
 #include "io/models/side_file.h"
 #include "io/pictures/decoded_image.h"
 #include "io/pictures/texture.h"
@@ -83,6 +84,7 @@ class PackedReader;
 /// To bytes and back, on one machine. What comes back is not believed: unpacking throws InputError when the bytes are
 /// cut short, or are no model or picture whose parts fit together.
 [[nodiscard]] std::vector<std::byte> pack(const ModelParts& parts);
+[[nodiscard]] Packing packing_of(ModelParts parts);
 [[nodiscard]] ModelParts unpack_model(std::span<const std::byte> bytes);
 [[nodiscard]] ModelParts unpack_model(PackedReader& reader);
 

@@ -16,11 +16,11 @@ namespace {
 
 using namespace voxtone;
 
-std::vector<std::byte> answer(std::span<const std::byte> bytes) {
+io::Packing answer(std::span<const std::byte> bytes) {
     const io::ReadRequest request = io::unpack_request(bytes);
-    if (request.kind == io::ReadKind::photograph) return pack(io::decode_photograph(request.path));
+    if (request.kind == io::ReadKind::photograph) return packing_of(io::decode_photograph(request.path));
     if (request.kind != io::ReadKind::other_picture) throw InputError("what is to be read is no picture");
-    return pack(io::decode_other(
+    return packing_of(io::decode_other(
         request.bytes, request.format, request.path,
         {.max_pixels = request.max_pixels, .use_profile = request.use_profile, .turn_upright = request.turn_upright}));
 }

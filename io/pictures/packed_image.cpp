@@ -20,6 +20,8 @@ void check_decoded(const DecodedImage& image) {
 
 std::vector<std::byte> pack(const DecodedImage& image) { return packed(image); }
 
+Packing packing_of(DecodedImage image) { return packing(std::move(image)); }
+
 DecodedImage unpack_image(std::span<const std::byte> bytes) {
     PackedReader reader(bytes);
     return unpack_image(reader);

@@ -24,6 +24,7 @@ void describe(Stream& stream, Image& i) {
 void check_decoded(const DecodedImage& image);
 
 [[nodiscard]] std::vector<std::byte> pack(const DecodedImage& image);
+[[nodiscard]] Packing packing_of(DecodedImage image);
 /// Throws InputError when the bytes are cut short, or are no picture.
 [[nodiscard]] DecodedImage unpack_image(std::span<const std::byte> bytes);
 [[nodiscard]] DecodedImage unpack_image(PackedReader& reader);

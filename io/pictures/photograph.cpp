@@ -27,6 +27,8 @@ void describe(Stream& stream, Photo& p) {
 
 std::vector<std::byte> pack(const Photograph& photograph) { return packed(photograph); }
 
+Packing packing_of(Photograph photograph) { return packing(std::move(photograph)); }
+
 Photograph unpack_photograph(std::span<const std::byte> bytes) {
     auto photograph = unpacked<Photograph>(bytes);
     const std::uint64_t pixels = std::uint64_t{photograph.width_px} * photograph.height_px;

@@ -15,6 +15,7 @@
 #include <Eigen/Core>
 
 #include "base/progress.h"
+#include "io/files/packed_values.h"
 
 namespace voxtone::io {
 
@@ -46,6 +47,7 @@ void make_linear(Photograph& photograph);
 /// To bytes and back, on one machine; samples that are not finite come back as 0. Unpacking throws InputError when the
 /// bytes are no photograph.
 [[nodiscard]] std::vector<std::byte> pack(const Photograph& photograph);
+[[nodiscard]] Packing packing_of(Photograph photograph);
 [[nodiscard]] Photograph unpack_photograph(std::span<const std::byte> bytes);
 
 }  // namespace voxtone::io

@@ -3,9 +3,12 @@
 
 #include <fcntl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <thread>
@@ -13,6 +16,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "io/files/packed_values.h"
 #include "tests/io/files/taken_program.h"
 #include "tests/io/files/temporary_folder.h"
 
@@ -36,6 +40,19 @@ double processor_s_of_children() {
     getrusage(RUSAGE_CHILDREN, &usage);
     const auto seconds = [](const timeval& time) { return double(time.tv_sec) + 1e-6 * double(time.tv_usec); };
     return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+/// In files without a name that this process has open.
+std::size_t bytes_in_memory_files() {
+    std::size_t bytes = 0;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+        std::error_code gone;
+        struct stat about {};
+        if (std::filesystem::read_symlink(entry.path(), gone).string().starts_with("/memfd:") &&
+            stat(entry.path().c_str(), &about) == 0)
+            bytes += static_cast<std::size_t>(about.st_blocks) * 512;
+    }
+    return bytes;
 }
 
 std::string text_of(const std::vector<std::byte>& bytes) {
@@ -157,6 +174,49 @@ TEST_CASE("work in another program", "[slow]") {
         CHECK_THROWS_AS(ask("pause", {.memory_bytes = 0}, &progress), Cancelled);
         user.join();
     }
+}
+
+TEST_CASE("A large result is held once: what is fetched of it leaves the memory that it came in") {
+    constexpr std::size_t size = (std::size_t{40} << 20) + 12345;
+    IsolatedProgram program("test.obj", test::misbehaving_program(), bytes_of("make " + std::to_string(size)), {});
+    IsolatedProgram::Pieces pieces = program.result_in_pieces(nullptr);
+    REQUIRE(pieces.size == size);
+    CHECK(bytes_in_memory_files() >= size);
+    std::vector<std::byte> first(std::size_t{30} << 20), last(size - first.size());
+    pieces.fetch(first.data(), first.size());
+    CHECK(bytes_in_memory_files() <= last.size() + (1 << 20));
+    pieces.fetch(last.data(), last.size());
+    CHECK(bytes_in_memory_files() <= 1 << 20);
+    std::size_t wrong = 0;
+    for (std::size_t i = 0; i < size; ++i)
+        wrong += (i < first.size() ? first[i] : last[i - first.size()]) != static_cast<std::byte>(i * 7);
+    CHECK(wrong == 0);
+}
+
+TEST_CASE("Values are the same bytes packed at once and piece by piece, and come back from either") {
+    const std::vector<std::uint32_t> many((std::size_t{9} << 20) + 5, 7);  // more than the reader takes in one piece
+    const std::vector<std::string> words{"", "one", std::string(5000, 'x')};
+    const std::vector<std::byte> at_once = [&] {
+        PackedWriter writer;
+        writer(many, words);
+        return writer.bytes;
+    }();
+    std::vector<std::byte> in_pieces;
+    packing(many)(*std::make_unique<PackedWriter>([&](const void* from, std::size_t size) {
+        const auto* const first = static_cast<const std::byte*>(from);
+        in_pieces.insert(in_pieces.end(), first, first + size);
+    }));
+    REQUIRE(in_pieces.size() < at_once.size());
+    CHECK(std::equal(in_pieces.begin(), in_pieces.end(), at_once.begin()));
+    std::vector<std::uint32_t> same;
+    std::vector<std::string> same_words;
+    PackedReader reader(at_once);
+    reader(same, same_words);
+    reader.expect_end();
+    CHECK(same == many);
+    CHECK(same_words == words);
+    PackedReader cut(std::span<const std::byte>(at_once).first(in_pieces.size() - 1));
+    CHECK_THROWS_WITH(cut(same), Contains("cut short"));
 }
 
 TEST_CASE("another program is given no open file") {

@@ -98,6 +98,6 @@ Bytes misbehave(std::span<const std::byte> request) {
 }  // namespace
 
 int main() {
-    io::serve_isolated(misbehave);
+    io::serve_isolated([](std::span<const std::byte> wish) { return io::packing_of(misbehave(wish)); });
     return 2;
 }

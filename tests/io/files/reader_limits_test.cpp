@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <new>
 
 #include <catch2/catch.hpp>
 
@@ -50,6 +51,8 @@ int read_with_address_space(const fs::path& model, std::uint64_t bytes) {
             (void)read_model(model);
         } catch (const Error& error) {
             code = static_cast<int>(error.exit_code());
+        } catch (const std::bad_alloc&) {
+            code = static_cast<int>(ExitCode::unfinished);  // as the program tells it (cli/program/outcome.cpp)
         } catch (...) {
             code = 1;
         }
@@ -67,9 +70,9 @@ TEST_CASE("the largest texture fits what its reader may take", "[limits][slow]")
     const TemporaryFolder folder;
     ReadOptions options;
     CHECK(options.max_pixels == std::uint64_t{16384} * 16384);
-    // The pixels twice (decoded, and on their way out) and what a decoder needs besides, which does not grow with them.
+    // The pixels once, a piece of them on its way out, and what a decoder needs besides: neither grows with them.
     write_square(folder.path() / "a.png", 4096);
-    options.memory_bytes = (2 * 64 + 24) * mib;
+    options.memory_bytes = (64 + 16 + 24) * mib;
     CHECK(read_picture(folder.path() / "a.png", options).width_px == 4096);
 }
 
@@ -85,9 +88,11 @@ TEST_CASE("lack of memory is no fault of the file, and no loss of its colours", 
         CHECK_THROWS_WITH(read_model(model, options), Contains("48 MB") && Contains("--read-memory"));
     }
     SECTION("a limit of the machine, of which the reader has enough to start or not even that") {
-        for (const std::uint64_t space : {100 * mib, 130 * mib}) {
+        for (const std::uint64_t space : {60 * mib, 100 * mib, 130 * mib}) {
             INFO(space / mib << " MiB");
-            CHECK(read_with_address_space(model, space) == static_cast<int>(ExitCode::try_again));
+            const int code = read_with_address_space(model, space);
+            // The reader ran out, or it did not and who asked it did.
+            CHECK((code == static_cast<int>(ExitCode::try_again) || code == static_cast<int>(ExitCode::unfinished)));
         }
     }
     SECTION("enough") { CHECK(read_model(model).mesh.triangles.size() == 1); }
