@@ -2,6 +2,7 @@
 #include "slicer/options/mark_words.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <functional>
@@ -187,6 +188,22 @@ void complete_mark(MarkOptions& mark, bool ground_said) {
     mark.size_mm = mark.kind == MarkKind::gs1_128 ? usual_bars_mm : code ? usual_code_mm : usual_em_mm;
 }
 
+/// Where the '=' of a known word stands within another word: "A-17, size=6pt" would print just that. npos: nowhere.
+std::size_t equals_within(MarkFamily family, std::string_view spelled) {
+    const std::vector<std::string> keys = words_of(family);
+    const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == ','; };
+    for (std::size_t i = spelled.find('='); i != std::string_view::npos; i = spelled.find('=', i + 1)) {
+        std::size_t key = i;
+        while (key > 0 && (std::isalnum(static_cast<unsigned char>(spelled[key - 1])) != 0 || spelled[key - 1] == '-'))
+            --key;
+        std::size_t before = key;
+        while (before > 0 && is_blank(spelled[before - 1])) --before;
+        const bool begins = before == 0 || spelled[before - 1] == ';';
+        if (!begins && before < key && std::ranges::find(keys, spelled.substr(key, i - key)) != keys.end()) return i;
+    }
+    return std::string_view::npos;
+}
+
 }  // namespace
 
 bool is_mark_subject(std::string_view key) { return kinds_by_key.contains(key); }
@@ -226,8 +243,10 @@ std::string spell_mark(const MarkWords& words) {
     std::string spelled;
     for (const auto& [key, value] : words) {
         spelled += fmt::format("{}{}=", spelled.empty() ? "" : "; ", key);
+        const bool hides_word = equals_within(MarkFamily::label, value) != std::string::npos ||
+                                equals_within(MarkFamily::decal, value) != std::string::npos;
         for (const char c : value) {
-            if (c == ';' || c == '\\') spelled += '\\';
+            if (c == ';' || c == '\\' || (c == '=' && hides_word)) spelled += '\\';
             spelled += c == '\n' ? "\\n" : std::string(1, c);
         }
     }
@@ -239,6 +258,12 @@ MarkOptions parse_mark(MarkFamily family, const std::string& spelled) {
     const std::vector<std::string> keys = words_of(family);
     MarkOptions mark;
     mark.said = subject_of(family, words);
+    if (const std::size_t equals = equals_within(family, spelled); equals != std::string::npos) {
+        const std::string here = spelled.substr(0, equals);
+        refuse_mark(mark.said, fmt::format("words about it stand behind semicolons: write '; {0}=' (or {0}\\= where it "
+                                           "is meant to be read so)",
+                                           here.substr(here.find_last_of(" \t,") + 1)));
+    }
     std::vector<std::string> said_keys;
     bool has_subject = false;
     for (const auto& [key, value] : words) {

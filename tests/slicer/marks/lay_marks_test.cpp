@@ -334,6 +334,14 @@ TEST_CASE("A mark is spelled by its subject and words about it") {
         }
         return std::string("taken");
     };
+    // Words that stand with the text would be printed with it.
+    for (const char* together : {"A-17 size=6pt", "A-17, place=bottom", "A; place=top size=3mm", "text=A, size=3mm"})
+        CHECK_THAT(fault(MarkFamily::label, together), Contains("behind semicolons") && Contains("; "));
+    CHECK_THAT(fault(MarkFamily::decal, "logo.png size=20mm"), Contains("write '; size='"));
+    for (const char* meant : {"y=2 x=3", "A size\\=6pt", "qr=https://example.org/?a=1&size=3", "text=size=6pt"})
+        CHECK_NOTHROW(label(meant));
+    const std::string literal = spell_mark({{"text", "A size=6pt"}});
+    CHECK(label(literal).text == "A size=6pt");
     CHECK_THAT(fault(MarkFamily::label, "A; sise=3pt"), Contains("'sise' is none of its words") && Contains("size"));
     CHECK_THAT(fault(MarkFamily::label, "A; place=beneath"), Contains("unseen, flattest, front"));
     CHECK_THAT(fault(MarkFamily::label, "A; size=0"), Contains("not above 0"));
