@@ -236,6 +236,13 @@ MarkWords split_mark(MarkFamily family, std::string_view spelled) {
         else if (!trimmed_word(raw[w]).empty())
             words.emplace_back("", trimmed_word(raw[w]));
     }
+    if (const std::size_t stray = equals_within(family, spelled); stray != std::string::npos) {
+        const std::string here(spelled.substr(0, stray));
+        refuse_mark(subject_of(family, words),
+                    fmt::format("words about it stand behind semicolons: write '; {0}=' (or {0}\\= where it "
+                                "is meant to be read so)",
+                                here.substr(here.find_last_of(" \t,") + 1)));
+    }
     return words;
 }
 
@@ -258,12 +265,6 @@ MarkOptions parse_mark(MarkFamily family, const std::string& spelled) {
     const std::vector<std::string> keys = words_of(family);
     MarkOptions mark;
     mark.said = subject_of(family, words);
-    if (const std::size_t equals = equals_within(family, spelled); equals != std::string::npos) {
-        const std::string here = spelled.substr(0, equals);
-        refuse_mark(mark.said, fmt::format("words about it stand behind semicolons: write '; {0}=' (or {0}\\= where it "
-                                           "is meant to be read so)",
-                                           here.substr(here.find_last_of(" \t,") + 1)));
-    }
     std::vector<std::string> said_keys;
     bool has_subject = false;
     for (const auto& [key, value] : words) {

@@ -22,6 +22,7 @@ namespace voxtone::slicer {
 enum class MarkFamily : std::uint8_t { label, decal };
 
 /// Key and value of each word, unescaped, the first with the key "text" or "file" where it has none; and back again.
+/// Throws UsageError where a word stands within another, without a semicolon: it would be printed with it.
 using MarkWords = std::vector<std::pair<std::string, std::string>>;
 [[nodiscard]] MarkWords split_mark(MarkFamily family, std::string_view spelled);
 [[nodiscard]] std::string spell_mark(const MarkWords& words);
