@@ -150,7 +150,7 @@ TEST_CASE("An interrupted loop is not thrown away, not taken for another job's, 
     CHECK_THROWS_WITH(slicer::run_slice_job(other, stages), Catch::Contains("belongs to a job with other options"));
     CHECK(stages.begun.empty());
     // A resin set of the same name that says something else.
-    std::string resins = read_file(source_dir() + "/data/resins/j750-opaque.json");
+    std::string resins = read_file(source_dir() + "/data/resins/j750-vivid.json");
     folder.write("mine.json", resins);
     other = small_slab(folder, "out");
     other.resume = true;
@@ -163,7 +163,7 @@ TEST_CASE("An interrupted loop is not thrown away, not taken for another job's, 
     folder.write("mine.json", resins);
     CHECK_THROWS_AS(slicer::run_slice_job(other, quiet), InputError);
     // The set of the program in a file of another name is the same job; no more iterations are made.
-    folder.write("mine.json", read_file(source_dir() + "/data/resins/j750-opaque.json"));
+    folder.write("mine.json", read_file(source_dir() + "/data/resins/j750-vivid.json"));
     (void)slicer::run_slice_job(other, quiet);
     CHECK(run_program("verify --quiet " + (folder / "out")).exit_code == 0);
     // Of three that were made the last is lost where its state took too long to write.

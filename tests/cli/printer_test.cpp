@@ -43,8 +43,9 @@ TEST_CASE("A job leaves what the printer takes, hands it over where it is told t
     CHECK(names_in(printer).contains("HOW-TO-PRINT.html"));
     CHECK(run_program("verify " + printer.string()).exit_code == 0);
     const std::string page = read_file(printer / "HOW-TO-PRINT.html");
-    for (const char* words : {"High Mix", "Voxel Print utility", "27 um", "VeroMgnt", "205, 25, 110", "slice_00037.png",
-                              "600 x 300 dpi", "voxtone target marker --printer stratasys-j750-hm", "box.obj"})
+    for (const char* words :
+         {"High Mix", "Voxel Print utility", "27 um", "VeroMGT-V", "205, 25, 110", "slice_00037.png", "600 x 300 dpi",
+          "voxtone target marker --printer stratasys-j750-hm", "box.obj"})
         CHECK_THAT(page, Contains(words));
     // 3 x 2 mm of it lie on the tray, and all of it is coloured: 6 of 22 mm2.
     CHECK_THAT(page, Contains("0.06 of 0.22 cm<sup>2</sup>") && Contains("facing down"));

@@ -113,8 +113,8 @@ TEST_CASE("A tray of a model, a box, and stacks that were sliced before, voxel f
     const Shelf shelf("voxels");
     shelf.slice("--formats png,gcvf");
     const std::string parts = R"({"model": "marker.obj"},
-        {"box": [2, 1.5, 1], "mixture": {"W": 1, "VeroCyan": 3}, "copies": 2, "name": "patch"},
-        {"cylinder": {"diameter": 3, "height": 1}, "resin": "VeroCyan", "at": [10, 10, 0.5]},
+        {"box": [2, 1.5, 1], "mixture": {"W": 1, "C": 3}, "copies": 2, "name": "patch"},
+        {"cylinder": {"diameter": 3, "height": 1}, "resin": "C", "at": [10, 10, 0.5]},
         {"stack": "old"}, {"gcvf": "old/stack.gcvf", "name": "boxed", "at": [14, 3, 0.5]})";
     const Outcome made = shelf.tray(parts);
     CAPTURE(made.err);
@@ -202,7 +202,7 @@ TEST_CASE("A stack of other cartridges is printed by roles in a tray, and that i
 TEST_CASE("A tray may be of components alone, and is estimated") {
     const Shelf shelf("alone");
     const std::string parts =
-        R"({"box": [6, 4, 2], "mixture": {"VeroCyan": 1, "VeroMagenta": 1}, "copies": 3}, {"cylinder": {"diameter": 5, "height": 2}, "resin": "k"})";
+        R"({"box": [6, 4, 2], "mixture": {"C": 1, "VeroMagentaV": 1}, "copies": 3}, {"cylinder": {"diameter": 5, "height": 2}, "resin": "k"})";
     REQUIRE(shelf.tray(parts).exit_code == 0);
     const json manifest = json_in(shelf.folder / "out/manifest.json");
     std::map<std::string, double> ml;

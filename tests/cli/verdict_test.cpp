@@ -227,13 +227,14 @@ TEST_CASE("Whoever follows an advice comes to what it says") {
         return (x / 6 + y / 6) % 2 ? std::array{205, 190, 120} : std::array{90, 120, 140};
     });
     folder.write("plate.obj", ramp_box_obj(6, 0.5, 5));
-    folder.write("ramp.obj", ramp_box_obj(6, 5, 4));  // red to green
+    folder.write("ramp.obj", ramp_box_obj(6, 5, 4));   // red to green
+    folder.write("small.obj", ramp_box_obj(4, 4, 3));  // the size advised is one that is predicted unasked
     const std::string squares = folder / "squares.png" + " --thickness 2mm --resins vero-opaque --width 4.8mm ";
     CHECK(follow(folder, squares + "--iterations 0") >= 2);
     CHECK(follow(folder, squares + "--iterations 1") >= 1);
     CHECK(follow(folder, folder / "plate.obj" + " --iterations 0 --size 6mm") >= 1);
     CHECK(follow(folder, folder / "ramp.obj" + " --iterations 0 --load C,M,K,W") >= 1);
-    CHECK(follow(folder, folder / "ramp.obj" + " --iterations 0 --core K") >= 1);
+    CHECK(follow(folder, folder / "small.obj" + " --iterations 0 --core K") >= 1);
     // Who lets it run until it stops is not told to.
     CHECK(advised(verdict_of(folder, squares + "--iterations auto"), "--iterations").is_null());
 }

@@ -69,14 +69,14 @@ TEST_CASE("A job is its options and what its inputs hold, not where they lie") {
     other.model = desk / "copy/another name.obj";
     CHECK(same(other));
     other.resins = desk / "mine.json";
-    desk.write("mine.json", std::string(io::known_resin_set_text("j750-opaque").value()));
+    desk.write("mine.json", std::string(io::known_resin_set_text("j750-vivid").value()));
     CHECK(same(other));
 
     // What is in the files counts ...
     desk.write("copy/skin.png", "blue");
     CHECK_FALSE(same(other));
     desk.write("copy/skin.png", "red");
-    desk.write("mine.json", std::string(io::known_resin_set_text("j750-opaque").value()) + "\n");
+    desk.write("mine.json", std::string(io::known_resin_set_text("j750-vivid").value()) + "\n");
     CHECK_FALSE(same(other));
     // ... and what the options say.
     for (const auto& change : std::initializer_list<void (*)(SliceOptions&)>{

@@ -96,6 +96,8 @@ struct ListeningProgress final : Progress {
 };
 
 const std::vector<std::string> sample_colours{"#00aeef=C", "#ec008c=m", "#fff200=VeroYellow", "#282828=K", "#dcded8=W"};
+/// Of the set that printers of Vivid cartridges take.
+const std::vector<std::string> vivid_colours{"#00aeef=C", "#ec008c=m", "#fff200=VeroYellowV", "#282828=K", "#dcded8=W"};
 
 }  // namespace
 
@@ -138,11 +140,10 @@ TEST_CASE("A foreign folder is cropped to its body and has the assigned resins")
     CHECK(stack.corner_mm[2] == Approx(2 * 0.03));
     // The printer's profile gives the pitch too.
     const StackVolume of_printer = read_stack_volume(
-        {.stack = folder.path().string(), .printer = "stratasys-j750-hq", .assign = assigned(sample_colours)},
-        progress);
+        {.stack = folder.path().string(), .printer = "stratasys-j750-hq", .assign = assigned(vivid_colours)}, progress);
     CHECK(of_printer.volume.pitch_mm()[2] == Approx(0.014));
     // A colour that is no material leaves holes.
-    auto without_cyan = sample_colours;
+    auto without_cyan = vivid_colours;
     without_cyan[0] = "#00aeef=none";
     const StackVolume holes = read_stack_volume(
         {.stack = folder.path().string(), .printer = "stratasys-j750-hq", .assign = assigned(without_cyan)}, progress);
@@ -226,7 +227,7 @@ TEST_CASE("What is known of a stack is told before its layers are kept, and can 
         CHECK(head.size == std::array<int, 3>{nx, ny, nz});
         CHECK(head.pitch_mm[2] == Approx(0.027));
         CHECK(head.solid_voxels == solid);
-        CHECK(head.resin_set == (told == 1 ? "j750-opaque" : "vero-opaque"));  // its printer's; a container names none
+        CHECK(head.resin_set == (told == 1 ? "j750-vivid" : "vero-opaque"));  // its printer's; a container names none
         CHECK(head.has_white);
         CHECK_FALSE(head.of_picture);
         throw UsageError("no");
@@ -322,7 +323,11 @@ TEST_CASE("What a stack lacks is said with what to do") {
     CHECK_THAT(message({.stack = layers}, ExitCode::invalid_input), Contains("--pitch") && Contains("--printer"));
     CHECK_THAT(message({.stack = layers, .printer = "stratasys-j750-hm"}, ExitCode::invalid_input),
                Contains("--assign") && Contains("#00aeef=?") && Contains("C, M, Y, K, W"));
-    auto some = sample_colours;
+    // A name of other cartridges than the printer's set is of.
+    CHECK_THAT(message({.stack = layers, .printer = "stratasys-j750-hm", .assign = assigned(sample_colours)},
+                       ExitCode::invalid_input),
+               Contains("'VeroYellow'") && Contains("'j750-vivid'") && Contains("--resins"));
+    auto some = vivid_colours;
     some.pop_back();
     CHECK_THAT(
         message({.stack = layers, .printer = "stratasys-j750-hm", .assign = assigned(some)}, ExitCode::invalid_input),

@@ -39,7 +39,7 @@ TEST_CASE("A cylinder stands where its size says, its resins in their shares") {
     Progress progress;
     const OpenedJob common = common_of();
     const ReadyComponent made = prepare_component(
-        part_of(ComponentKind::cylinder, {6, 6, 2}, {{"verowhite", 1}, {"c", 2}, {"VeroCyan", 1}}), common, progress);
+        part_of(ComponentKind::cylinder, {6, 6, 2}, {{"verowhite", 1}, {"c", 2}, {"VeroCyanV", 1}}), common, progress);
     const double voxel_mm3 = made.layers->grid().voxel_volume_mm3(), mm3 = std::acos(-1) * 9 * 2;
     CHECK(double(made.all_voxels()) * voxel_mm3 == Approx(mm3).epsilon(0.005));
     CHECK(double(made.voxels[0]) * voxel_mm3 == Approx(0.75 * mm3).epsilon(0.005));
