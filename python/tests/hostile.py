@@ -26,7 +26,7 @@ def requests(port: int, token: str, cookie: str, job: str, upload: str) -> Itera
     json_type, raw_type = ("Content-Type", "application/json"), ("Content-Type", "application/octet-stream")
     good = json.dumps({"upload": upload, "options": {"quality": "draft"}}).encode()
     reads = ["/", "/plain", "/jobs", f"/jobs/{job}", f"/jobs/{job}/report", f"/jobs/{job}/printer.zip", f"/jobs/{job}/log", "/events",
-             "/options", "/openapi.json", "/printers", f"/uploads/{upload}", "/page/page.js", "/shop"]
+             f"/uploads/{upload}/read?name=box.glb", f"/uploads/{upload}/look?name=box.glb", f"/jobs/{job}/look?name=box.glb", "/options", "/openapi.json", "/printers", f"/uploads/{upload}", "/page/page.js", "/shop"]
     writes = [("POST", "/jobs"), ("POST", "/estimate"), ("POST", "/uploads?name=a.obj"), ("POST", f"/jobs/{job}/cancel"), ("DELETE", f"/jobs/{job}"),
               ("POST", "/plain")]
 
@@ -114,6 +114,13 @@ def requests(port: int, token: str, cookie: str, job: str, upload: str) -> Itera
         yield Hostile(f"upload name {name[:20]!r}", request("POST", f"/uploads?name={said}", [host, bearer, raw_type], b"v 0 0 0\n"))
         if "%" not in name and name:
             yield Hostile(f"picture name {name[:20]!r}", request("GET", f"/uploads/{upload}/picture?name={said}", [host, bearer]))
+
+    for what, at in itertools.product(("read", "look"), (f"/uploads/{upload}", f"/jobs/{job}")):
+        for said in ("", "?name=", "?name=..%2Ftoken", "?name=%2Fetc%2Fpasswd", "?name=box.glb&options=%5B%5D", "?name=box.glb&options=%7B", "?name=box.glb&options=1", "?name=no.obj",
+                     "?name=box.glb&options=" + "%5B" * 1000, "?name=box.glb&name=a", "?name=box.glb&options=%7B%22picture%22%3A%22%2Ftmp%2Fevil.png%22%7D",
+                     "?name=box.glb&options=%7B%22overwrite%22%3Atrue%7D", "?name=box.glb&options=%7B%22texture%22%3A%22..%2Fx.png%22%7D",
+                     "?name=box.glb&options=%7B%22size%22%3A%22banana%22%7D"):
+            yield Hostile(f"{what} {at[:4]} {said[:30]}", request("GET", f"{at}/{what}{said}", [host, bearer]))
 
     # What a job is asked to be.
     bad: List[object] = [[], 1, "x", None, {"upload": upload, "options": []}, {"upload": upload, "options": {"size": {"a": 1}}}, {"upload": [], "options": {}},

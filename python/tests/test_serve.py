@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import threading
 import time
+import urllib.parse
 import zipfile
 
 import pytest
@@ -87,6 +88,34 @@ def test_an_estimate_is_the_consoles(shop, model):
         assert told[key] == console[key]
     full = shop.ask("POST", "/estimate", {"upload": upload, "options": {"size": "5mm"}, "full": True})["result"]
     assert sum(resin["ml"] for resin in full["resins"]) == pytest.approx(full["ml"], rel=1e-3)
+
+
+def test_what_a_file_holds_is_told_and_shown(shop, model, tmp_path):
+    upload = shop.upload(model)
+    def look(path, name="box.glb", **options):
+        query = f"?name={name}&options={urllib.parse.quote(json.dumps(options))}"
+        told = shop.ask("GET", f"{path}/read{query}")
+        return told["result"]["files"][0], shop.request("GET", f"{path}/look{query}")
+    contents, (status, picture, headers) = look(f"/uploads/{upload}")
+    assert contents == {**voxtone.read(model).result()["files"][0], "file": "box.glb"}
+    assert (status, headers["Content-Type"]) == (200, "image/png")
+    voxtone.read(model, picture=tmp_path / "console.png").result()
+    assert picture == (tmp_path / "console.png").read_bytes()
+    # As it is read with what was chosen; what reading does not look at changes nothing.
+    larger, (_, turned, _) = look(f"/uploads/{upload}", size="12mm", rotate="x90", quality="draft")
+    assert larger["size_mm"][0] == pytest.approx(12) and turned != picture
+    job = hand_in(shop, model, held=True)
+    assert look(f"/jobs/{job}")[1][1] == picture
+    shop.ask("DELETE", f"/jobs/{job}")
+    # What cannot be read has the console's sentence, and no picture.
+    broken = tmp_path / "broken.glb"
+    broken.write_bytes(b"glTF" + bytes(100))
+    with pytest.raises(voxtone.Error) as console:
+        voxtone.slice(broken, out=tmp_path / "out").result()
+    contents, (status, said, _) = look(f"/uploads/{shop.upload(broken)}", "broken.glb")
+    assert status == 404 and json.loads(said)["error"] == contents["error"]
+    assert contents["error"] + " [invalid-input]" == str(console.value).replace(str(broken), "broken.glb")
+    assert not list((shop.folder / "asking").glob("*/picture.png"))
 
 
 def test_a_newer_estimate_takes_the_place_of_an_older(shop, model):

@@ -131,7 +131,7 @@ ColouredSurface recoloured(ColouredSurface surface, std::span<const Eigen::Vecto
 }
 
 io::LinearPicture side_by_side(std::span<const Preview> views) {
-    constexpr std::uint32_t columns = 4, gap_px = 8;
+    constexpr std::uint32_t columns = 4, gap_px = views_gap_px;
     VOXTONE_EXPECT(!views.empty());
     std::uint32_t width = 0, height = 0;
     for (const Preview& view : views) {

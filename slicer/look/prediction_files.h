@@ -53,7 +53,8 @@ namespace voxtone::slicer {
 /// The same in other colours of its vertices.
 [[nodiscard]] ColouredSurface recoloured(ColouredSurface surface, std::span<const Eigen::Vector3f> rgb);
 
-/// Pictures side by side, four in a row, a little apart.
+constexpr int views_gap_px = 8;
+/// Pictures side by side, four in a row, so far apart.
 [[nodiscard]] io::LinearPicture side_by_side(std::span<const Preview> views);
 
 }  // namespace voxtone::slicer

@@ -22,7 +22,7 @@ constexpr double most_pixels = 1 << 26;
 constexpr std::uint32_t band_rows_px = 16;
 constexpr int most_samples = 8;
 constexpr std::uint32_t nothing = std::numeric_limits<std::uint32_t>::max();
-/// Shading of the three-quarter view: factor of a face that is turned away from the light, and the light's direction as
+/// Shading: factor of a face that is turned away from the light, and the light's direction as
 /// seen (right, up, towards the viewer).
 constexpr double least_light = 0.6;
 const Eigen::Vector3d light_direction = Eigen::Vector3d(0.25, 0.75, 0.6).normalized();
@@ -174,7 +174,7 @@ std::vector<std::vector<std::uint32_t>> triangles_of_bands(const ColouredSurface
     return result;
 }
 
-/// Factor of the three-quarter view's light at the corners of every triangle. Normals are averaged where faces meet
+/// Factor of the light at the corners of every triangle. Normals are averaged where faces meet
 /// within 45 degrees of their mean, so that a smooth body looks smooth and an edge stays an edge.
 std::vector<std::array<float, 3>> light_on(const ColouredSurface& surface, const Eigen::Matrix3d& axes) {
     const auto twice_area = [&](const std::array<std::uint32_t, 3>& t) -> Eigen::Vector3d {
@@ -249,7 +249,7 @@ std::vector<Preview> render(std::span<const ColouredSurface> surfaces, View view
     const auto samples = static_cast<std::uint32_t>(options.samples);
     const auto bands = triangles_of_bands(shape, projection, band_rows_px * samples);
     std::vector<std::array<float, 3>> light;  // empty: not lit
-    if (view == View::three_quarter) light = light_on(shape, axes);
+    if (options.lit || view == View::three_quarter) light = light_on(shape, axes);
     std::vector<Preview> previews(surfaces.size(),
                                   {view, options.px_per_mm, {projection.width_px, projection.height_px, {}}});
     for (Preview& preview : previews)

@@ -5,8 +5,8 @@
 //
 // A pixel has s x s samples. It shows the mean, in linear light, of the triangles that its samples see, each with its
 // colour in the middle of its samples there; so colours should be filtered to the width of a pixel. Coverage is the
-// share of samples that see anything. Colours are exact: no lighting, except in the three-quarter view, where a factor
-// in [0.6, 1] tells faces apart, so that its colours are not those of the print.
+// share of samples that see anything. Colours are exact: no lighting, except in the three-quarter view and where it is
+// asked for: a factor in [0.6, 1] tells faces apart there, so that colours are not those of the print.
 //
 // Method: a depth buffer over the samples, in bands of rows. Edges are tested in double precision in an order that the
 // two triangles of an edge share, so that no sample falls between them; of triangles at one depth the lower number is
@@ -44,6 +44,7 @@ struct PreviewOptions {
     /// Asks for the colour at every sample instead of once per triangle and pixel: for colours that are not filtered to
     /// the width of a pixel and would be aliased.
     bool colour_per_sample = false;
+    bool lit = false;  ///< all views, as the three-quarter view is
 };
 
 struct Preview {

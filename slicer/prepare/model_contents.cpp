@@ -67,7 +67,7 @@ void take_size(const ResolvedJob& job, const Placement& placement, ModelContents
     }
 }
 
-void read_picture_file(ResolvedJob& job, Progress& progress, ModelContents& contents) {
+void read_picture_file(ResolvedJob& job, Progress& progress, ModelContents& contents, const MeshViewer& view) {
     contents.format = "picture";
     const io::Picture picture = read_input_picture(job, progress);
     contents.picture_px = {picture.width_px, picture.height_px};
@@ -75,14 +75,18 @@ void read_picture_file(ResolvedJob& job, Progress& progress, ModelContents& cont
     contents.warnings = picture.warnings;
     if (!(picture.dpi_x > 0) && !is_sized(job.picture)) {
         contents.notes.emplace_back("the picture says nothing about its size: give --width, --height, --size or --dpi");
+        constexpr double any_width_mm = 100;
+        job.picture.width_mm = any_width_mm;
+        if (view) view(make_picture_slab(picture, job.picture).model.mesh, true);
         return;
     }
     contents.unit_is = is_sized(job.picture) ? "asked" : "file";
     io::ModelFile slab = make_picture_slab(picture, job.picture).model;
     take_size(job, place(slab, job.placement, job.model), contents);
+    if (view) view(slab.mesh, true);
 }
 
-void read_model_file(const ResolvedJob& job, Progress& progress, ModelContents& contents) {
+void read_model_file(const ResolvedJob& job, Progress& progress, ModelContents& contents, const MeshViewer& view) {
     const JobBody body = read_body(job, progress);
     contents.format = body.model.format;
     contents.unit_is = body.placement.unit_assumed ? "assumed" : job.placement.unit ? "asked" : "file";
@@ -95,11 +99,12 @@ void read_model_file(const ResolvedJob& job, Progress& progress, ModelContents& 
     contents.warnings = body.warnings;
     contents.notes = body.notes;
     take_size(job, body.placement, contents);
+    if (view) view(body.model.mesh, false);
 }
 
 }  // namespace
 
-ModelContents read_contents(const SliceOptions& options, Progress& progress) {
+ModelContents read_contents(const SliceOptions& options, Progress& progress, const MeshViewer& view) {
     ModelContents contents;
     contents.file = options.model;
     try {
@@ -109,9 +114,9 @@ ModelContents read_contents(const SliceOptions& options, Progress& progress) {
         ResolvedJob job = resolve(options);
         check_model(job);
         if (job.is_picture)
-            read_picture_file(job, progress, contents);
+            read_picture_file(job, progress, contents, view);
         else
-            read_model_file(job, progress, contents);
+            read_model_file(job, progress, contents, view);
     } catch (const UsageError&) {
         throw;
     } catch (const Error& error) {

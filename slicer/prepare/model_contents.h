@@ -5,12 +5,14 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "base/error.h"
 #include "base/progress.h"
+#include "io/models/mesh.h"
 #include "io/models/side_file.h"
 #include "slicer/options/slice_options.h"
 
@@ -43,7 +45,12 @@ struct ModelContents {
     std::string refused;                       ///< why a job would refuse it as it is; empty: it would not for its size
 };
 
-/// What is wrong with a file is in its contents. Throws UsageError for options that are wrong, Cancelled.
-[[nodiscard]] ModelContents read_contents(const SliceOptions& options, Progress& progress);
+/// Looks at a mesh in mm as long as there is one. Of a picture it is the slab that it is printed as, 100 mm wide where
+/// nothing says how wide.
+using MeshViewer = std::function<void(const io::TexturedMesh& mesh_mm, bool is_picture)>;
+
+/// What is wrong with a file is in its contents. `view` is called once for what can be read. Throws UsageError for
+/// options that are wrong, Cancelled, what `view` throws.
+[[nodiscard]] ModelContents read_contents(const SliceOptions& options, Progress& progress, const MeshViewer& view = {});
 
 }  // namespace voxtone::slicer

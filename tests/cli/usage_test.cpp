@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What the program says to command lines that it cannot follow, and that every failure is told in the same voice.
+#include <filesystem>
 #include <fstream>
 #include <string>
 
@@ -8,6 +9,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "io/pictures/picture.h"
 #include "run_program.h"
 #include "tests/io/files/schema.h"
 #include "tests/outcomes.h"
@@ -353,6 +355,40 @@ TEST_CASE("What is in files is told in the time of reading them, all of them wha
     CHECK_THAT(told_of_plate(""), Contains("0.4 mm over") && Contains("[fragile]"));
     CHECK_THAT(told_of_plate("--printer generic "), !Contains("[fragile]"));
     refused("read " + (folder / "nothing.obj"), 4, "");
+}
+
+TEST_CASE("A model is seen before anything is done with it") {
+    const Folder folder("seen");
+    const std::string picture = source_dir() + "/examples/models/spot/spot_texture.png",
+                      cow = source_dir() + "/examples/models/spot/spot.obj";
+    struct Seen {
+        double width_px, height_px, share;
+    };
+    const auto drawn = [&](const std::string& arguments) {
+        const Outcome outcome = run_program("read --quiet " + arguments + " --picture " + (folder / "seen.png"));
+        INFO(outcome.err);
+        CHECK(outcome.exit_code == 0);
+        const auto texels = voxtone::io::read_picture_with_alpha(folder / "seen.png").texels;
+        double covered = 0;
+        for (std::size_t at = 3; at < texels.srgb8.size(); at += 4) covered += texels.srgb8[at] / 255.0;
+        return Seen{double(texels.width_px), double(texels.height_px), covered / double(texels.pixels())};
+    };
+    const Seen body = drawn(cow);  // from three sides
+    CHECK(body.width_px <= 720);
+    CHECK(body.width_px > 2 * body.height_px);
+    CHECK(body.share > 0.3);
+    CHECK(body.share < 0.7);
+    const std::string again = fmt::format("read {} --picture {}", cow, folder / "seen.png");
+    CHECK_THAT(run_program(again).err, Contains("--overwrite"));
+    const Seen slab = drawn(picture + " --overwrite --picture-width 200");
+    CHECK(slab.width_px <= 200);
+    CHECK(slab.width_px > 195);
+    CHECK(slab.share > 0.85);
+    refused(fmt::format("read {} {} --picture {}", cow, picture, folder / "two.png"), 2, "one file");
+    refused(fmt::format("read {} --picture {}", cow, folder / "seen.jpg"), 2, "PNG");
+    folder.write("empty.obj", "");
+    CHECK(run_program(fmt::format("read {} --picture {}", folder / "empty.obj", folder / "none.png")).exit_code == 3);
+    CHECK(!std::filesystem::exists(folder / "none.png"));
 }
 
 TEST_CASE("A quiet job leaves a typed report and a page for the customer") {

@@ -19,7 +19,8 @@ from . import process
 from .refusal import Refusal
 
 _at_once = 2
-_kept = 500
+_kept = 300
+_picture = "picture.png"
 _longest_s = 180
 
 
@@ -36,9 +37,10 @@ class Asking:
         self._newest: Dict[str, object] = {}
         self._answers: "collections.OrderedDict[str, Dict[str, Any]]" = collections.OrderedDict()
 
-    def ask(self, words: Sequence[str], at: Path, who: str) -> Dict[str, Any]:
-        """The result of `voxtone WORDS --json` in the folder `at`. Raises Refusal with the program's own sentence."""
-        key = hashlib.sha256(json.dumps([list(words), str(at), _state_of(at)]).encode()).hexdigest()
+    def ask(self, words: Sequence[str], at: Path, who: str, drawn: bool = False) -> Dict[str, Any]:
+        """The result of `voxtone WORDS --json` in the folder `at`; where it is to be `drawn`, with a "picture", the bytes of
+        a PNG. Raises Refusal with the program's own sentence."""
+        key = hashlib.sha256(json.dumps([list(words), drawn, str(at), _state_of(at)]).encode()).hexdigest()
         with self._lock:
             known = self._answers.get(key)
             if known is not None:
@@ -51,7 +53,7 @@ class Asking:
         if not self._slots.acquire(timeout=_longest_s):
             raise Refusal(429, "others ask much just now; ask again in a minute")
         try:
-            answer = self._run(words, at, who, me)
+            answer = self._run(words, at, who, me, drawn)
         finally:
             self._slots.release()
         with self._lock:
@@ -60,8 +62,10 @@ class Asking:
                 self._answers.popitem(last=False)
         return answer
 
-    def _run(self, words: Sequence[str], at: Path, who: str, me: object) -> Dict[str, Any]:
+    def _run(self, words: Sequence[str], at: Path, who: str, me: object, drawn: bool) -> Dict[str, Any]:
         work = Path(tempfile.mkdtemp(dir=self._folder))
+        if drawn:
+            words = [words[0], f"--picture={work / _picture}", *words[1:]]
         try:
             with open(work / "out", "wb") as out, open(work / "said", "wb") as said:
                 with self._lock:
@@ -85,7 +89,8 @@ class Asking:
     def _answer(work: Path, code: int, is_overtaken: Any) -> Dict[str, Any]:
         last = _last_event((work / "out").read_bytes())
         if last.get("event") == "result":
-            return {"result": last["result"], "warnings": last["warnings"]}
+            picture = work / _picture
+            return {"result": last["result"], "warnings": last["warnings"], **({"picture": picture.read_bytes()} if picture.is_file() else {})}
         if code < 0 and is_overtaken():
             raise _overtaken()
         message = last.get("message") or (work / "said").read_text(errors="replace").strip().removeprefix("voxtone: ")

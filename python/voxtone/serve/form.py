@@ -42,7 +42,13 @@ def form() -> Dict[str, Any]:
             "flag": option.flag, "many": option.many, "separator": option.separator, "rare": option.rare, "help": option.help,
             "basic": option.name in basic})
     return {"groups": [{"name": name, "options": options} for name, options in groups.items()], "basic": list(basic),
-            "reads": "read" in option_table()}
+            "reads": [option.name for option in read_options()]}
+
+
+def read_options() -> List[Option]:
+    """Those that say how a file is read, and so what is seen of it before it is sliced."""
+    shown = {option.name for option in shown_options()}
+    return [option for option in option_table()["read"].options if option.name in shown]
 
 
 def _texts(value: Any) -> Iterator[str]:
@@ -99,6 +105,16 @@ def checked_options(options: Any, verb: str = "slice") -> Dict[str, Any]:
             raise Refusal(400, str(error)) from error
         checked[option.name] = value
     return checked
+
+
+def checked_read_options(text: str) -> Dict[str, Any]:
+    """From an address: an object in JSON; of it what reading takes."""
+    try:
+        said = json.loads(text or "{}")
+    except (ValueError, RecursionError) as error:
+        raise Refusal(400, f"the options are no JSON: {error}") from error
+    taken = {option.name for option in read_options()}
+    return {name: value for name, value in checked_options(said).items() if name in taken}
 
 
 def _option(command: Command, name: str) -> Option:

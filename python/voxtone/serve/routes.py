@@ -13,7 +13,7 @@ from ..options import option_table
 from . import pages
 from .door import Door
 from .downloads import file_name, send_file, send_zip
-from .form import form, options_of_job_file, shell_line
+from .form import checked_model, checked_read_options, form, option_words, options_of_job_file, shell_line
 from .openapi import document
 from .refusal import Refusal
 from .shop import Shop
@@ -57,7 +57,8 @@ class Routes:
             Route("POST", "/uploads", "hand in a file: raw bytes, ?name=cow.obj; &into=UPLOAD adds it to others", self._upload, "bytes"),
             Route("GET", "/uploads/{upload}", "its files, and which are models", self._uploaded),
             Route("GET", "/uploads/{upload}/picture", "a picture that was handed in, ?name=", self._uploaded_picture),
-            Route("GET", "/uploads/{upload}/read", "what a model holds, ?name=", self._read),
+            Route("GET", "/uploads/{upload}/read", "what a file holds, ?name=; &options= as a job has them, in JSON", self._read),
+            Route("GET", "/uploads/{upload}/look", "the same as a picture from three sides", self._look),
             Route("GET", "/uploads/{upload}/job-file", "the options of a job file that was handed in, ?name=", self._job_file),
             Route("POST", "/estimate", "what a job will take; \"full\" asks for each resin, too", self._estimate, "estimate"),
             Route("GET", "/jobs", "all jobs, in the order of the queue", self._jobs),
@@ -68,6 +69,8 @@ class Routes:
             *(Route("POST", f"/jobs/{{id}}/{name}", what, self._act(name)) for name, what in _acts.items()),
             Route("GET", "/jobs/{id}/events", "the program's own events, from the first on, until it ends", self._events),
             Route("GET", "/jobs/{id}/files", "what was handed in for it", self._job_files),
+            Route("GET", "/jobs/{id}/read", "what a file of it holds, ?name=&options=", self._read),
+            Route("GET", "/jobs/{id}/look", "the same as a picture from three sides", self._look),
             Route("GET", "/jobs/{id}/report", "report.html", self._made("report.html", "text/html; charset=utf-8")),
             Route("GET", "/jobs/{id}/report.json", "report.json", self._made("report.json", "application/json")),
             Route("GET", "/jobs/{id}/manifest.json", "manifest.json", self._made("manifest.json", "application/json")),
@@ -153,11 +156,23 @@ class Routes:
             raise Refusal(404, "that is no picture that a browser shows")
         send_file(door, self._shop.uploads.path(upload), name, kind)
 
-    def _read(self, door: Door, query: Dict[str, str], upload: str) -> None:
-        if "read" not in option_table():
-            raise Refusal(404, "this voxtone cannot tell what a file holds")
-        name = self._file_of(upload, query)
-        door.send_json(self._shop.asking.ask(["read", "--json", "--", name], self._shop.uploads.path(upload), f"read {upload} {name}"))
+    def _contents(self, query: Dict[str, str], of: Dict[str, str]) -> Dict[str, Any]:
+        """What is read of a file, and its picture: one run tells both."""
+        at = self._shop.uploads.path(of["upload"]) if "upload" in of else self._shop.store.get(of["id"]).input
+        name = checked_model(query.get("name"), [str(file["name"]) for file in files_of(at)])
+        options = checked_read_options(query.get("options", ""))
+        who = f"read {at.parent.name}/{at.name} {name}"
+        return self._shop.asking.ask(["read", "--json", *option_words(options, "read"), "--", name], at, who, drawn=True)
+
+    def _read(self, door: Door, query: Dict[str, str], **of: str) -> None:
+        told = self._contents(query, of)
+        door.send_json({"result": told["result"], "warnings": told["warnings"], "has_picture": "picture" in told})
+
+    def _look(self, door: Door, query: Dict[str, str], **of: str) -> None:
+        told = self._contents(query, of)
+        if "picture" not in told:
+            raise Refusal(404, told["result"]["files"][0].get("error") or "there is no picture of it")
+        door.send_bytes(told["picture"], "image/png")
 
     def _job_file(self, door: Door, query: Dict[str, str], upload: str) -> None:
         file = self._shop.uploads.path(upload) / self._file_of(upload, query)

@@ -80,6 +80,25 @@ double covered_px(const io::LinearPicture& picture) {
 
 }  // namespace
 
+TEST_CASE("Lit views tell faces apart that plain ones show alike") {
+    Body body;
+    body.add_box(Vector3d(0, 0, 0), Vector3d(4, 2, 2), {0.5f, 0.5f, 0.5f});
+    body.add_box(Vector3d(4, 0, 0), Vector3d(8, 2, 2), {0.5f, 0.5f, 0.5f});
+    for (auto& p : body.positions) p = Eigen::AngleAxisd(0.5, Vector3d::UnitX()) * p;
+    PreviewOptions options;
+    const auto shades = [&](bool lit) {
+        options.lit = lit;
+        const Preview front = render(body.surface(), View::front, options).front();
+        float low = 1, high = 0;
+        for (const Vector4f& pixel : front.picture.pixels)
+            if (pixel[3] == 1) low = std::min(low, pixel[0]), high = std::max(high, pixel[0]);
+        return std::array{low, high};
+    };
+    CHECK(shades(false) == std::array{0.5f, 0.5f});
+    CHECK(shades(true)[0] >= 0.5f * 0.6f);
+    CHECK(shades(true)[1] - shades(true)[0] > 0.05f);
+}
+
 TEST_CASE("Every view shows its side, the right way round") {
     struct Expected {
         View view;

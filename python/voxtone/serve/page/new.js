@@ -82,30 +82,40 @@ export class Group {
         make("button", {type: "button", onclick: () => this.remove()}, "Discard")));
     document.getElementById("groups").prepend(this.element);
     for (const model of this.models) this.show(model);
+    // What is seen of them comes first: estimates take the same processor.
+    this.seen = Promise.race([Promise.all(this.models.map((model) => this.read(model))), new Promise((done) => setTimeout(done, 2000))]);
     this.changed();
-    for (const model of this.models) this.read(model);
   }
 
   show(model) {
     model.views = make("div", {className: "views"});
     model.told = make("div", {}, make("p", {className: "soft"}, "reading …"));
-    model.holds = make("p", {className: "soft"});
+    model.holds = make("div");
     const file = this.files.find((one) => one.name === model.name);
     const remove = make("button", {type: "button", title: `leave out ${model.name}`, onclick: () => this.leaveOut(model)}, "×");
     const alone = make("button", {type: "button", title: `options of its own for ${model.name}`, onclick: () => this.alone(model)}, "options of its own");
     model.element = make("li", {}, model.views, make("div", {}, make("h3", {}, model.name, " ", make("span", {className: "soft"}, file ? bytesText(file.bytes) : "")), model.holds, model.told),
       make("div", {className: "acts"}, this.models.length > 1 ? alone : null, this.models.length > 1 ? remove : null));
-    if (file?.picture && this.source.upload)
-      model.views.append(make("img", {src: `/uploads/${this.source.upload}/picture?name=${encodeURIComponent(model.name)}`, alt: model.name, onerror: (event) => event.target.remove()}));
     this.list.append(model.element);
   }
 
-  /// What the file holds, where the program can tell.
+  /// What the file holds, in words and from three sides, as it is read with what was chosen.
   async read(model) {
-    if (!this.source.upload || !table.reads) return;
-    const told = await ask("GET", `/uploads/${this.source.upload}/read?name=${encodeURIComponent(model.name)}`).catch(() => null);
-    const file = told?.result.files?.[0];
-    if (file && !file.error) model.holds.textContent = contentsText(file);
+    const chosen = JSON.stringify(Object.fromEntries(Object.entries(this.form.values).filter(([option]) => table.reads.includes(option))));
+    if (model.readWith === chosen) return;
+    model.readWith = chosen;
+    const at = this.source.upload ? `/uploads/${this.source.upload}` : `/jobs/${this.source.job}`;
+    const query = `name=${encodeURIComponent(model.name)}&options=${encodeURIComponent(chosen)}`;
+    const told = await ask("GET", `${at}/read?${query}`).catch(() => null);
+    if (model.readWith !== chosen) return;
+    const file = told?.result.files[0];
+    if (!file || file.error) {  // the estimate says why
+      model.readWith = null;
+      return;
+    }
+    model.holds.replaceChildren(make("p", {className: "soft"}, contentsText(file)));
+    if (!model.figures) model.told.replaceChildren(...file.warnings.map((text) => make("p", {className: "warned"}, text)));
+    if (told.has_picture) model.views.replaceChildren(make("img", {src: `${at}/look?${query}`, alt: file.format === "picture" ? model.name : `${model.name} from the right, the front and above`}));
   }
 
   body(model, more = {}) {
@@ -119,10 +129,15 @@ export class Group {
       (Array.isArray(value) ? value : [value]).map((one) => one === true ? `--${option}` : one === false ? `--no-${option}` : `--${option}=${shellWord(String(one))}`));
     this.line.textContent = ["voxtone slice", ...this.models.map((model) => shellWord(model.name)), ...words, "-o", shellWord(`out/${name.replace(/\.[^.]*$/, "")}`)].join(" ");
     this.plate?.changed();
-    setTimeout(() => { if (round === this.round) this.estimate(round); }, 120);
+    setTimeout(() => {
+      if (round !== this.round) return;
+      for (const model of this.models) this.read(model);
+      this.estimate(round);
+    }, 120);
   }
 
   async estimate(round) {
+    await this.seen;
     for (const full of [false, true]) {
       for (const model of this.models) {
         if (round !== this.round) return;
@@ -199,10 +214,11 @@ export class Group {
   }
 }
 
-/// Of `voxtone read`: what stands in the file, before any option.
+/// Of `voxtone read`.
 function contentsText(file) {
-  const unit = {assumed: ", unit assumed", asked: ", unit as asked"}[file.unit?.is] ?? "";
-  const size = file.size_mm ? `${sizeText(file.size_mm)} in the file${unit}` : "";
+  const name = {1: "mm", 10: "cm", 25.4: "inch", 304.8: "foot", 1000: "m"}[file.unit?.mm] ?? `${file.unit?.mm} mm`;
+  const unit = {assumed: "mm assumed, for the file says no unit", asked: `unit as asked: ${name}`, file: `unit by the file: ${name}`}[file.unit?.is] ?? "";
+  const size = file.size_mm ? `${sizeText(file.size_mm)}${unit && ` (${unit})`}` : "";
   const counts = file.triangles ? `${file.triangles} triangles${file.parts > 1 ? ` in ${file.parts} parts` : ""}` : "";
   const missing = (file.beside ?? []).filter((one) => !one.found).map((one) => one.file);
   return [file.format, size, counts, file.colour.length ? `colour: ${file.colour.join(", ")}` : "no colour",
