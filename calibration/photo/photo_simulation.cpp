@@ -18,8 +18,8 @@ namespace voxtone::calibration {
 namespace {
 
 using std::numbers::pi;
-constexpr double gap_mm = 8, chart_rim_mm = 4, margin = 0.06;
-constexpr double sheet = 0.03, chart_black = 0.04, patch_share = 0.84;
+constexpr double gap_mm = 8, chart_rim_mm = 4;
+constexpr double chart_black = 0.04, patch_share = 0.84;
 constexpr double white_level = 0.8;
 enum Stream : std::uint32_t { dust_stream = 1, scratch_stream = 2, noise_stream = 3, chart_stream = 4 };
 
@@ -47,13 +47,13 @@ struct Dirt {
 /// Everything that lies on the table, in the target's coordinates.
 class Table {
 public:
-    Table(const Target& target, const TargetColours& colours, const CheckerChart& chart, const PhotoOptions& o)
-        : target_(target), scene_(target, colours), chart_(chart), options_(o) {
+    Table(const FlatThing& thing, const CheckerChart& chart, const PhotoOptions& o)
+        : thing_(thing), chart_(chart), options_(o) {
         const bool turned = o.checker_turns % 2 != 0;
         const Eigen::Vector2d chart_size = o.checker_cell_mm * Eigen::Vector2d(turned ? chart.rows : chart.columns,
                                                                                turned ? chart.columns : chart.rows);
-        const Eigen::Vector2d middle(target.size_mm.x() + gap_mm + chart_rim_mm + chart_size.x() / 2,
-                                     target.size_mm.y() / 2);
+        const Eigen::Vector2d middle(thing.size_mm.x() + gap_mm + chart_rim_mm + chart_size.x() / 2,
+                                     thing.size_mm.y() / 2);
         chart_area_ = {middle - chart_size / 2, middle + chart_size / 2};
         chart_middle_ = middle;
         for (std::size_t p = 0; p < chart.linear_srgb.size(); ++p) {
@@ -61,7 +61,7 @@ public:
             chart_colours_.push_back(chart.linear_srgb[p]);
             for (double& value : chart_colours_.back()) value *= 1 + o.checker_error * normal(random);
         }
-        all_.max_mm = target.size_mm;
+        all_.max_mm = thing.size_mm;
         if (o.checker) {
             const Area rim = chart_area_.shrunk(-chart_rim_mm);
             all_.min_mm = all_.min_mm.cwiseMin(rim.min_mm);
@@ -79,10 +79,10 @@ public:
     }
 
     [[nodiscard]] Eigen::Vector3d at(const Eigen::Vector2d& p) const {
-        if (p.x() >= 0 && p.y() >= 0 && p.x() <= target_.size_mm.x() && p.y() <= target_.size_mm.y())
-            return dirty(p, scene_.at(p));
+        if (p.x() >= 0 && p.y() >= 0 && p.x() <= thing_.size_mm.x() && p.y() <= thing_.size_mm.y())
+            return dirty(p, thing_.at(p));
         if (options_.checker && chart_area_.shrunk(-chart_rim_mm).contains(p)) return chart_colour(p);
-        return Eigen::Vector3d::Constant(sheet);
+        return Eigen::Vector3d::Constant(options_.sheet);
     }
 
 private:
@@ -116,11 +116,11 @@ private:
     }
 
     void spread_dirt() {
-        last_bucket_ = (target_.size_mm / bucket_mm).cast<int>();
+        last_bucket_ = (thing_.size_mm / bucket_mm).cast<int>();
         buckets_.resize(index(last_bucket_.x(), last_bucket_.y()) + 1);
         const auto somewhere = [&](RandomStream& random) {
             const double x = random.uniform(), y = random.uniform();
-            return Eigen::Vector2d(x * target_.size_mm.x(), y * target_.size_mm.y());
+            return Eigen::Vector2d(x * thing_.size_mm.x(), y * thing_.size_mm.y());
         };
         for (int i = 0; i < options_.dust; ++i) {
             RandomStream random(options_.seed, std::uint64_t(i), dust_stream);
@@ -146,8 +146,7 @@ private:
         return colour;
     }
 
-    const Target& target_;
-    const TargetScene scene_;
+    const FlatThing& thing_;
     const CheckerChart& chart_;
     const PhotoOptions& options_;
     Area chart_area_, all_;
@@ -179,7 +178,7 @@ Eigen::Matrix3d camera(const Area& all, const PhotoOptions& o) {
             low = low.cwiseMin(p);
             high = high.cwiseMax(p);
         }
-    const Eigen::Vector2d room = Eigen::Vector2d(o.width_px, o.height_px) * (1 - 2 * margin);
+    const Eigen::Vector2d room = Eigen::Vector2d(o.width_px, o.height_px) * (1 - 2 * o.margin);
     const double scale = std::min(room.x() / (high - low).x(), room.y() / (high - low).y());
     const Eigen::Vector2d shift = Eigen::Vector2d(o.width_px, o.height_px) / 2 - scale * (low + high) / 2;
     Eigen::Matrix3d fit = Eigen::Matrix3d::Identity();
@@ -206,6 +205,29 @@ public:
 private:
     double distance_;
     Eigen::Vector3d place_;
+};
+
+/// Moves places of the picture towards its middle by the cube of their distance, 1 being a corner's.
+class Lens {
+public:
+    explicit Lens(const PhotoOptions& o) : middle_(o.width_px / 2.0, o.height_px / 2.0), bend_(o.lens) {}
+    [[nodiscard]] Eigen::Vector2d bent(const Eigen::Vector2d& px) const {
+        const Eigen::Vector2d off = px - middle_;
+        return middle_ + off * (1 - bend_ * off.squaredNorm() / middle_.squaredNorm());
+    }
+    /// The inverse, by iteration.
+    [[nodiscard]] Eigen::Vector2d straight(const Eigen::Vector2d& px) const {
+        if (bend_ == 0) return px;
+        Eigen::Vector2d off = px - middle_;
+        constexpr int rounds = 12;
+        for (int round = 0; round < rounds; ++round)
+            off = (px - middle_) / (1 - bend_ * off.squaredNorm() / middle_.squaredNorm());
+        return middle_ + off;
+    }
+
+private:
+    Eigen::Vector2d middle_;
+    double bend_;
 };
 
 void blur(std::vector<Eigen::Vector3f>& pixels, std::uint32_t width, std::uint32_t height, double sigma) {
@@ -261,6 +283,9 @@ void PhotoOptions::validate() const {
     if (lamp_mm != 0) range("lamp distance", lamp_mm, 300, 1e9);
     range("lamp azimuth", lamp_azimuth_deg, -360, 360);
     range("blur", blur_px, 0, 100);
+    range("margin", margin, 0, 0.4);
+    range("lens", lens, -0.2, 0.2);
+    range("sheet", sheet, 0, 1);
     range("vignetting", vignetting, 0, 0.9);
     range("exposure", exposure, 1e-3, 100);
     for (const double gain : white_balance) range("white balance", gain, 0.05, 20);
@@ -275,10 +300,16 @@ void PhotoOptions::validate() const {
 }
 
 SimulatedPhoto simulate_photo(const Target& target, const TargetColours& colours, const CheckerChart& chart,
-                              const PhotoOptions& o) {
+                              const PhotoOptions& options) {
+    const TargetScene scene(target, colours);
+    return simulate_photo({target.size_mm, [&](const Eigen::Vector2d& p) { return scene.at(p); }}, chart, options);
+}
+
+SimulatedPhoto simulate_photo(const FlatThing& thing, const CheckerChart& chart, const PhotoOptions& o) {
     o.validate();
-    const Table table(target, colours, chart, o);
+    const Table table(thing, chart, o);
     const Eigen::Matrix3d H = camera(table.all(), o), back = H.inverse();
+    const Lens lens(o);
     const Lamp lamp(table.all(), o);
     const Eigen::Matrix3d seen = camera_colours(o);
 
@@ -292,8 +323,8 @@ SimulatedPhoto simulate_photo(const Target& target, const TargetColours& colours
         for (std::uint32_t x = 0; x < o.width_px; ++x) {
             Eigen::Vector3d sum = Eigen::Vector3d::Zero();
             for (int s = 0; s < o.rays * o.rays; ++s) {
-                const Eigen::Vector3d at(x + (s % o.rays + 0.5) / o.rays, double(y) + (s / o.rays + 0.5) / o.rays, 1);
-                const Eigen::Vector3d there = back * at;
+                const Eigen::Vector2d at(x + (s % o.rays + 0.5) / o.rays, double(y) + (s / o.rays + 0.5) / o.rays);
+                const Eigen::Vector3d there = back * lens.straight(at).homogeneous();
                 const Eigen::Vector2d p(there.x() / there.z(), there.y() / there.z());
                 sum += lamp.at(p) * table.at(p);
             }
@@ -317,8 +348,9 @@ SimulatedPhoto simulate_photo(const Target& target, const TargetColours& colours
             photo.pixels[i] = signal.cwiseMax(0).cwiseMin(1).cast<float>();
         }
     });
-    const auto pixel = [&](const Eigen::Vector2d& p) -> Eigen::Vector2d { return (H * p.homogeneous()).hnormalized(); };
-    const Eigen::Vector2d& size = target.size_mm;
+    const auto pixel = [H, lens](const Eigen::Vector2d& p) { return lens.bent((H * p.homogeneous()).hnormalized()); };
+    result.to_px = pixel;
+    const Eigen::Vector2d& size = thing.size_mm;
     for (const Eigen::Vector2d& p :
          {Eigen::Vector2d(0, size.y()), Eigen::Vector2d(size), Eigen::Vector2d(size.x(), 0), Eigen::Vector2d(0, 0)})
         result.target_corners_px.push_back(pixel(p));

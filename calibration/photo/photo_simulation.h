@@ -9,10 +9,12 @@
 // target.
 //
 // Simpler than the world: squares have the reflectance of patches without end (no light crosses an edge), mixtures are
-// smooth, the lens neither distorts nor flares, and camera and chart see colours that a matrix can relate exactly.
+// smooth, the lens distorts by its cubic term alone and does not flare, and camera and chart see colours that a matrix
+// can relate exactly.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -28,10 +30,13 @@ struct PhotoOptions {
     int rays = 3;                                     ///< along each side of a pixel, 1 to 16
     double tilt_x_deg = 0, tilt_y_deg = 0;            ///< of the camera about the picture's axes, +-50
     double turn_deg = 0;                              ///< of the picture
+    double margin = 0.06;                             ///< of the picture, free on each side, [0, 0.4]
     double distance = 3;                              ///< of the camera, in widths of the scene, >= 1
     double lamp_mm = 1000;                            ///< distance of the lamp, 0: far away; >= 100
     double lamp_azimuth_deg = 120;
     double blur_px = 0.8;                            ///< standard deviation
+    double lens = 0;          ///< barrel distortion: so much nearer lie the picture's corners to its middle, [-0.2, 0.2]
+    double sheet = 0.03;      ///< reflectance of what all lies on, [0, 1]
     double vignetting = 0.1;                         ///< light lost in the corners of the picture, [0, 0.9]
     double exposure = 1;                             ///< 1: a perfect white is at 0.8 in the brightest channel
     Eigen::Vector3d white_balance{0.62, 1.0, 0.75};  ///< of the camera's channels
@@ -54,10 +59,20 @@ struct SimulatedPhoto {
     io::Photograph photograph;
     std::vector<Eigen::Vector2d> target_corners_px;  ///< upper left, upper right, lower right, lower left of the target
     std::vector<Eigen::Vector2d> checker_corners_px;  ///< of the chart's cells, in the chart's own order
+    std::function<Eigen::Vector2d(const Eigen::Vector2d&)> to_px;  ///< from mm of the target
 };
 
 /// `colours` are those of the target (target_scene.h). The same bits for any number of threads.
 [[nodiscard]] SimulatedPhoto simulate_photo(const Target& target, const TargetColours& colours,
                                             const CheckerChart& chart, const PhotoOptions& options);
+
+/// Anything flat, mm from its lower left corner, in linear sRGB.
+struct FlatThing {
+    Eigen::Vector2d size_mm = Eigen::Vector2d::Zero();
+    std::function<Eigen::Vector3d(const Eigen::Vector2d&)> at;
+};
+/// The same of it.
+[[nodiscard]] SimulatedPhoto simulate_photo(const FlatThing& thing, const CheckerChart& chart,
+                                            const PhotoOptions& options);
 
 }  // namespace voxtone::calibration

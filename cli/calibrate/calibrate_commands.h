@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// `voxtone calibrate` and its steps, one file each; what they run is one of `jobs`, which outlive them.
+// `voxtone calibrate` and its steps, and `voxtone compare`, one file each; what they run is one of `jobs`, which
+// outlive them.
 #pragma once
 
 #include "cli/calibrate/calibrate_jobs.h"
@@ -9,6 +10,8 @@
 namespace voxtone::cli {
 
 Command add_calibrate_command(CLI::App& program, const CalibrateJobs& jobs);
+
+Command add_compare_command(CLI::App& program, const CalibrateJobs& jobs);
 
 Command add_calibrate_target_command(CLI::App& calibrate, const CalibrateJobs& jobs);
 Command add_calibrate_chart_command(CLI::App& calibrate, const CalibrateJobs& jobs);

@@ -7,6 +7,7 @@
 
 #include "calibration/bench/bench_photo_job.h"
 #include "calibration/bench/bench_simulation_job.h"
+#include "calibration/compare/compare_job.h"
 #include "calibration/edge/dictionary_job.h"
 #include "calibration/edge/edge_fit_job.h"
 #include "calibration/edge/edge_samples_job.h"
@@ -24,6 +25,8 @@ namespace voxtone::cli {
 /// All null in `voxtone`, which runs none of them.
 struct CalibrateJobs {
     JobResult (*check)(const calibration::CheckJob& job, Progress& progress) = nullptr;
+    JobResult (*compare)(const calibration::CompareJob& job, const calibration::PredictPrint& predict,
+                         Progress& progress) = nullptr;
     JobResult (*edge_dictionary)(const calibration::DictionaryJob& job, Progress& progress) = nullptr;
     JobResult (*edge_fit)(const calibration::EdgeFitJob& job, Progress& progress) = nullptr;
     JobResult (*edge_photo)(const calibration::BenchPhotoJob& job, Progress& progress) = nullptr;

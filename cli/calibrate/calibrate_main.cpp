@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// voxtone-calibrate: what `voxtone calibrate` becomes (cli/calibrate/calibrate_program.h), with the same command line.
+// voxtone-calibrate: what `voxtone calibrate` and `voxtone compare` become (cli/calibrate/calibrate_program.h), with
+// the same command line.
 #include "base/cancel_on_signal.h"
 #include "cli/calibrate/calibrate_commands.h"
 #include "cli/calibrate/calibrate_jobs.h"
@@ -9,6 +10,7 @@
 namespace {
 
 constexpr voxtone::cli::CalibrateJobs jobs{.check = voxtone::calibration::run_check_job,
+                                           .compare = voxtone::calibration::run_compare_job,
                                            .edge_dictionary = voxtone::calibration::run_dictionary_job,
                                            .edge_fit = voxtone::calibration::run_edge_fit_job,
                                            .edge_photo = voxtone::calibration::run_bench_photo_job,
@@ -38,5 +40,6 @@ int main(int argc, char** argv) {
     using namespace voxtone::cli;
     voxtone::catch_stop_signals();
     const auto add = [](CLI::App& program) { return add_calibrate_command(program, jobs); };
-    return run_program(command_words(argc, argv), {{"calibrate", add}});
+    const auto add_compare = [](CLI::App& program) { return add_compare_command(program, jobs); };
+    return run_program(command_words(argc, argv), {{"compare", add_compare}, {"calibrate", add}});
 }

@@ -40,4 +40,10 @@ Command add_calibrate_elsewhere(CLI::App& app, const char* program, const Words&
     };
 }
 
+Command add_compare_elsewhere(CLI::App& app, const char* program, const Words& words) {
+    return [compare = add_compare_command(app, no_jobs), program, words]() -> int {
+        become_calibrate_program(program, words);
+    };
+}
+
 }  // namespace voxtone::cli

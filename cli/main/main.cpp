@@ -11,6 +11,7 @@ int main(int argc, char** argv) {
     voxtone::catch_stop_signals();
     const Words words = command_words(argc, argv);
     const auto add_calibrate = [&](CLI::App& app) { return add_calibrate_elsewhere(app, argv[0], words); };
+    const auto add_compare = [&](CLI::App& app) { return add_compare_elsewhere(app, argv[0], words); };
     return run_program(words, {{"slice", add_slice_command},
                                {"tray", add_tray_command},
                                {"read", add_read_command},
@@ -18,6 +19,7 @@ int main(int argc, char** argv) {
                                {"merge", add_merge_command},
                                {"predict", add_predict_command},
                                {"proof", add_proof_command},
+                               {"compare", add_compare},
                                {"verify", add_verify_command},
                                {"target", add_target_command},
                                {"batch", add_batch_command},

@@ -307,6 +307,11 @@ ReadStack read_stack(const ResolvedPrediction& job, Progress& progress) {
     const auto check_head = [&](const StackHead& head) {
         constexpr double read_s_per_voxel = 1e-8;
         stack.head = head;
+        if (job.only_from_above && !seen_from_above(job, head))
+            throw InputError(fmt::format(
+                "{}: the stack is a body; photographs are compared with slabs and pictures so far, which are flat: see "
+                "a body from the camera's place with `voxtone proof {} --camera X,Y,Z`, and compare by eye",
+                job.requested.stack, job.requested.stack));
         expect_white(job, head);
         expect_files_fit(job, seen_from_above(job, head));
         expect_memory(job, head);
@@ -428,13 +433,11 @@ void add_means(const SurfacePrediction& prediction, PredictFigures& figures) {
     figures.largest_error = *std::max_element(errors.begin(), errors.end());
 }
 
-}  // namespace
-
-ResolvedPrediction resolve(const PredictOptions& o) {
+/// All but that there are files.
+ResolvedPrediction checked_options(const PredictOptions& o) {
     const auto need = [](bool good, std::string_view key, const std::string& value, std::string_view rule) {
         if (!good) throw UsageError(fmt::format("--{} {}: {}", key, value, rule));
     };
-    need(!o.files.empty(), "out", "(none)", "name a file: -o FILE.png");
     ResolvedPrediction job;
     job.requested = o;
     need(!o.lit || std::any_of(o.files.begin(), o.files.end(), [](const auto& f) { return extension(f) == ".glb"; }),
@@ -472,16 +475,12 @@ ResolvedPrediction resolve(const PredictOptions& o) {
     return job;
 }
 
-PredictResult run_predict_job(const PredictOptions& options, Progress& progress) {
-    const ResolvedPrediction job = resolve(options);
-    const std::vector<std::filesystem::path> files(options.files.begin(), options.files.end());
-    io::expect_apart_from_layers(options.stack, files);
-    io::expect_outputs(files, options.overwrite);
-    const ThreadLimit threads(static_cast<std::size_t>(options.threads));
-    PredictFigures figures;
+/// `figures`: all but the time of writing and the means.
+PredictedStack predict_checked(const ResolvedPrediction& job, PredictFigures& figures, Progress& progress) {
+    const PredictOptions& options = job.requested;
     Stopwatch watch;
-    const ReadStack read = read_stack(job, progress);
-    const StackVolume& stack = read.volume;
+    ReadStack read = read_stack(job, progress);
+    StackVolume& stack = read.volume;
     figures.read_s = watch.lap();
 
     look_from(job, read, figures);
@@ -512,7 +511,35 @@ PredictResult run_predict_job(const PredictOptions& options, Progress& progress)
     if (quick) prediction = averaged(prediction, std::move(*cells.averaged_over), seen_part(figures));
     progress.end_stage();
     figures.predict_s = watch.lap();
+    return {std::move(stack), std::move(prediction)};
+}
 
+}  // namespace
+
+ResolvedPrediction resolve(const PredictOptions& o) {
+    if (o.files.empty()) throw UsageError("--out (none): name a file: -o FILE.png");
+    return checked_options(o);
+}
+
+PredictedStack predict_from_above(const PredictOptions& options, Progress& progress) {
+    ResolvedPrediction job = checked_options(options);
+    job.only_from_above = true;
+    const ThreadLimit threads(static_cast<std::size_t>(options.threads));
+    PredictFigures figures;
+    return predict_checked(job, figures, progress);
+}
+
+PredictResult run_predict_job(const PredictOptions& options, Progress& progress) {
+    const ResolvedPrediction job = resolve(options);
+    const std::vector<std::filesystem::path> files(options.files.begin(), options.files.end());
+    io::expect_apart_from_layers(options.stack, files);
+    io::expect_outputs(files, options.overwrite);
+    const ThreadLimit threads(static_cast<std::size_t>(options.threads));
+    PredictFigures figures;
+    const PredictedStack predicted = predict_checked(job, figures, progress);
+    const StackVolume& stack = predicted.stack;
+    const SurfacePrediction& prediction = predicted.prediction;
+    Stopwatch watch;
     progress.begin_stage("write", 0);
     figures.from_above ? write_from_above(job, stack, prediction) : write_body(job, stack, prediction, progress);
     write_pages(job, stack, prediction, figures);

@@ -12,6 +12,7 @@
 #include "base/named_values.h"
 #include "base/progress.h"
 #include "optics/scene/backing.h"
+#include "slicer/look/surface_prediction.h"
 #include "slicer/options/model_choice.h"
 #include "slicer/options/option_words.h"
 #include "slicer/predict/stack_volume.h"
@@ -62,10 +63,20 @@ struct ResolvedPrediction {
     LightOutside outside = LightOutside::lost;
     PredictedView view = PredictedView::automatic;
     std::uint64_t memory_bytes = 0;
+    bool only_from_above = false;  ///< bodies are refused
 };
 
 /// Throws UsageError naming option, value and rule.
 [[nodiscard]] ResolvedPrediction resolve(const PredictOptions& options);
+
+/// A stack, and what its print will look like.
+struct PredictedStack {
+    StackVolume stack;
+    SurfacePrediction prediction;
+};
+
+/// A slab's, for those who go on with it: writes nothing, and asks for no files. Throws Error (with its exit code).
+[[nodiscard]] PredictedStack predict_from_above(const PredictOptions& options, Progress& progress);
 
 struct PredictResult {
     std::string json;  ///< one JSON object, "format": "voxtone-prediction"

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "calibration/compare/compare_job.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "calibration/compare/compare_page.h"
+#include "calibration/compare/print_difference.h"
+#include "io/disk/output_files.h"
+#include "io/files/json_writer.h"
+#include "io/files/whole_file.h"
+
+namespace voxtone::calibration {
+
+namespace {
+
+constexpr const char* page_file = "compare.html";
+constexpr const char* json_file = "compare.json";
+
+void add_summary(io::JsonWriter& json, const optics::DifferenceSummary& s) {
+    json.key("ciede2000").begin_object().add("mean", s.mean).add("median", s.median);
+    json.add("percentile_95", s.percentile_95).add("max", s.max).end_object();
+}
+
+void add_reading(io::JsonWriter& json, const PrintReading& r, const PredictedPrint& print) {
+    const Eigen::Vector2d s = print.size();
+    json.begin_object().add("photograph", r.photograph);
+    json.add("size_px", std::array{r.width_px, r.height_px});
+    json.key("corners_px").begin_list();
+    for (const Eigen::Vector2d& corner :
+         {Eigen::Vector2d(0, 0), Eigen::Vector2d(s.x(), 0), s, Eigen::Vector2d(0, s.y())})
+        json.value(r.found.place.to_px(corner));
+    json.end_list().add("px_per_cell", r.found.place.px_per_cell()).add("correlation", r.found.correlation);
+    json.add("turned_deg", r.found.turned_deg).add("checker", r.has_checker);
+    json.add("light", r.light_from_ground ? "ground" : "even").add("light_falls_to", r.light_falls_to);
+    json.add("clipped", r.clipped);
+    if (r.camera_blur_mm) json.add("camera_blur_mm", *r.camera_blur_mm);
+    json.end_object();
+}
+
+void add_parts(io::JsonWriter& json, const PrintDifference& d) {
+    json.key("mean_ciede2000").begin_object().add("as_taken", d.as_taken).add("after_exposure", d.after_exposure);
+    json.add("after_cast", d.after_cast).add("after_blur", d.after_spread).end_object();
+    json.add("exposure_ev", d.exposure_ev).add("cast", d.cast);
+    json.key("blur_mm").begin_object().add("all", d.spread_mm).add("print", d.print_spread_mm).end_object();
+}
+
+void add_resins(io::JsonWriter& json, const PredictedPrint& print, const PrintDifference& d) {
+    json.key("resins").begin_list();
+    for (std::size_t r = 0; r < d.hints.resins.size(); ++r) {
+        const ResinHint& hint = d.hints.resins[r];
+        json.begin_object().add("resin", print.resins[r]).add("extinction_change", hint.change);
+        json.add("error", hint.error).add("explained", hint.explained);
+        json.add("named", d.hints.named == r).end_object();
+    }
+    json.end_list();
+}
+
+void add_regions(io::JsonWriter& json, const PrintDifference& d) {
+    json.key("regions").begin_list();
+    for (std::size_t i = 0; i < std::min(shown_tiles, d.tiles.size()); ++i) {
+        const PrintTile& tile = d.tiles[i];
+        json.begin_object().add("corner_mm", tile.corner_mm).add("size_mm", tile.size_mm);
+        json.add("predicted", tile.predicted).add("printed", tile.printed).add("lab", tile.off_lab);
+        json.add("ciede2000", tile.ciede2000).add("words", tile_words(tile)).end_object();
+    }
+    json.end_list();
+}
+
+std::string comparison_json(const CompareJob& job, const PredictedPrint& print,
+                            const std::vector<PrintReading>& readings, const PrintDifference& d) {
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-compare").add("version", 1).add("stack", job.stack);
+    json.add("model", print.model).add("cells", std::array{print.columns, print.rows}).add("cell_mm", print.cell_mm);
+    json.add("viewing_distance_mm", job.viewing_distance_mm);
+    json.key("photographs").begin_list();
+    for (const PrintReading& reading : readings) add_reading(json, reading, print);
+    json.end_list();
+    add_summary(json, d.ciede2000);
+    add_parts(json, d);
+    json.add("causes", d.causes);
+    add_resins(json, print, d);
+    add_regions(json, d);
+    json.end_object();
+    return json.text();
+}
+
+std::string comparison_text(const CompareJob& job, const PredictedPrint& print,
+                            const std::vector<PrintReading>& readings, const PrintDifference& d) {
+    std::string text;
+    for (const PrintReading& reading : readings) text += reading_words(reading, print) + "\n";
+    text += fmt::format("{}: the print {}\n", job.stack, difference_words(d, job.viewing_distance_mm));
+    for (const std::string& cause : d.causes) text += fmt::format("  {}\n", cause);
+    for (std::size_t i = 0; i < std::min<std::size_t>(3, d.tiles.size()); ++i)
+        text += fmt::format("  {:.1f} mm right, {:.1f} mm down of the upper left corner: {}\n",
+                            d.tiles[i].corner_mm.x(), d.tiles[i].corner_mm.y(), tile_words(d.tiles[i]));
+    return text + fmt::format("page: {}\n", (std::filesystem::path(job.out) / page_file).string());
+}
+
+std::vector<io::Photograph> read_all(const CompareJob& job, Progress& progress) {
+    std::vector<io::Photograph> photos;
+    for (const std::string& file : job.photos) photos.push_back(io::read_photograph(file, &progress));
+    return photos;
+}
+
+}  // namespace
+
+void CompareJob::validate() const {
+    if (photos.empty()) throw UsageError("compare: no photograph; give PHOTO... and then the stack that was printed");
+    if (photos.size() > 1 && (read.corners || read.checker_corners))
+        throw UsageError("corners given by hand are those of one photograph; compare such photographs one by one");
+    if (read.checker_corners && checker == "none")
+        throw UsageError("--checker-corners: would be ignored: say which chart it is (--checker colorchecker24)");
+    if (!(viewing_distance_mm >= 10 && viewing_distance_mm <= 1e5))
+        throw UsageError(
+            fmt::format("--viewing-distance: {:g} mm; it lies between 10 mm and 100 m", viewing_distance_mm));
+}
+
+JobResult run_compare_job(const CompareJob& job, const PredictPrint& predict, Progress& progress) {
+    job.validate();
+    ReadPrintOptions options = job.read;
+    if (job.checker != "none") options.checker = find_checker(job.checker);
+    const std::filesystem::path folder = io::make_folder_for(job.out, {page_file, json_file}, job.overwrite);
+    std::vector<io::Photograph> photos = read_all(job, progress);
+    const PredictedPrint print = predict(progress);
+    std::vector<PrintReading> readings;
+    progress.begin_stage("photographs", photos.size(), "photographs");
+    for (io::Photograph& photo : photos) {
+        progress.check_cancelled();
+        readings.push_back(read_print(std::move(photo), print, options));
+        for (const std::string& warning : readings.back().warnings) progress.warn(warning);
+        progress.advance();
+    }
+    progress.end_stage();
+    const PrintDifference difference = difference_of(print, readings);
+    const std::string json = comparison_json(job, print, readings, difference);
+    io::write_whole_file(folder / json_file, json + "\n");
+    io::write_whole_file(folder / page_file, compare_page(print, readings, difference, job.viewing_distance_mm));
+    return {json, comparison_text(job, print, readings, difference)};
+}
+
+}  // namespace voxtone::calibration

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Which one resin's extinction, were it another, would explain what is left between a print and its prediction.
+//
+// Tiles of the print are the samples: y = mean over a tile of ln(seen / predicted), by channel of linear sRGB. For each
+// resin by itself
+//
+//   y_tc = k_c + delta s_tc + error,    s = d ln rgb / d ln extinction (predicted_print.h)
+//
+// least squares, k_c what exposure and white balance leave. A resin is named where it explains much of what k leaves,
+// surely, and more than any other does. One at a time, since together they cannot be told apart: all extinctions
+// larger by as much look the same on a thick body. Cannot see: wrong albedos, other than as a wrong extinction; two
+// resins that are off.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace voxtone::calibration {
+
+/// Of a tile; one entry of `by_extinction` for each resin.
+struct ResinSample {
+    Eigen::Vector3d log_ratio = Eigen::Vector3d::Zero();
+    std::vector<Eigen::Vector3d> by_extinction;
+    double weight = 1;
+};
+
+struct ResinHint {
+    double change = 0;     ///< of the extinction, relative: 0.1 is ten percent more than the set has
+    double error = 0;      ///< its standard error
+    double explained = 0;  ///< share of the squares
+};
+
+struct ResinHints {
+    std::vector<ResinHint> resins;
+    std::optional<std::size_t> named;
+};
+
+[[nodiscard]] ResinHints hint_at_resins(std::span<const ResinSample> samples, std::size_t resins);
+
+}  // namespace voxtone::calibration

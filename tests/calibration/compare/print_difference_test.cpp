@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "calibration/compare/print_difference.h"
+
+#include <catch2/catch.hpp>
+
+#include "calibration/compare/print_spread.h"
+#include "compare_samples.h"
+
+using namespace voxtone;
+using namespace voxtone::calibration;
+using namespace voxtone::calibration::testing;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// A reading without a camera: every cell as it is.
+PrintReading reading_of(const PredictedPrint& print) {
+    PrintReading reading;
+    reading.cells.value = print.rgb;
+    reading.cells.good.assign(print.cells(), 1);
+    reading.camera_blur_mm = 0;
+    return reading;
+}
+
+}  // namespace
+
+TEST_CASE("the Gaussian of cells is the integral over both cells") {
+    // A step from 0 to 1 at x = 0, smoothed: its mean over cell n is the integral of Phi(x / s).
+    std::vector<Eigen::Vector3f> step(40, Eigen::Vector3f::Zero());
+    for (std::size_t i = 20; i < 40; ++i) step[i].setOnes();
+    for (const double sigma : {0.3, 0.7, 2.0}) {
+        const auto spread = spread_cells(step, 40, {sigma, 0});
+        for (int n = -6; n < 6; ++n) {
+            double mean = 0;
+            for (int k = 0; k < 1000; ++k) mean += 0.5 * std::erfc(-(n + (k + 0.5) / 1000) / sigma / std::sqrt(2)) / 1000;
+            CHECK(double(spread[std::size_t(20 + n)][0]) == Approx(mean).margin(1e-5));
+        }
+    }
+}
+
+TEST_CASE("exposure, a cast and a spread are told apart and by how much") {
+    const PredictedPrint print = discs();
+    PrintReading reading = reading_of(print);
+    reading.cells.value = spread_cells(print.rgb, print.columns, 0.06 * print.cell_mm.cwiseInverse());
+    for (Eigen::Vector3f& rgb : reading.cells.value) rgb = rgb.cwiseProduct(Eigen::Vector3f(1.1f, 1, 0.9f)) * 1.2311f;
+    const PrintDifference d = difference_of(print, {reading});
+    CHECK(d.exposure_ev == Approx(0.3).margin(0.03));
+    CHECK(d.cast[0] / d.cast[2] == Approx(1.1 / 0.9).epsilon(0.01));
+    CHECK(d.print_spread_mm == Approx(0.06).margin(0.003));
+    REQUIRE(d.causes.size() == 3);
+    CHECK_THAT(d.causes[0], Contains("exposure") && Contains("brighter"));
+    CHECK_THAT(d.causes[1] + d.causes[2], Contains("cast") && Contains("0.06 mm"));
+    CHECK(d.as_taken > d.after_exposure);
+    CHECK(d.after_exposure > d.after_cast);
+    CHECK(d.after_cast > d.after_spread);
+    CHECK(d.after_spread < 0.1);
+}
+
+TEST_CASE("with a checker a cast is the print's own and counts") {
+    const PredictedPrint print = discs();
+    PrintReading reading = reading_of(print);
+    for (Eigen::Vector3f& rgb : reading.cells.value) rgb = rgb.cwiseProduct(Eigen::Vector3f(1.1f, 1, 0.9f));
+    CHECK(difference_of(print, {reading}).ciede2000.mean < 0.1);
+    reading.has_checker = true;
+    const PrintDifference d = difference_of(print, {reading});
+    CHECK(d.ciede2000.mean > 2);
+    CHECK_THAT(d.causes.at(0), Contains("by the colour checker"));
+}
+
+TEST_CASE("the resin whose extinction is off is named, and by how much") {
+    PredictedPrint print = discs();
+    print.resins = {"Cyan (C)", "Magenta (M)", "White (W)"};
+    for (const Eigen::Vector3f& rgb : print.rgb) {
+        const Eigen::Vector3f absorbed = -rgb.array().log().matrix();
+        print.by_extinction.emplace_back(-0.5f * absorbed.cwiseProduct(Eigen::Vector3f(1, 0.2f, 0.1f)));
+        print.by_extinction.emplace_back(-0.5f * absorbed.cwiseProduct(Eigen::Vector3f(0.1f, 1, 0.3f)));
+        print.by_extinction.emplace_back(0.3f * absorbed);
+    }
+    for (std::size_t off = 0; off < 3; ++off) {
+        PrintReading reading = reading_of(print);
+        for (std::size_t cell = 0; cell < print.cells(); ++cell)
+            reading.cells.value[cell] = reading.cells.value[cell].cwiseProduct(
+                (0.1f * print.by_extinction[3 * cell + off]).array().exp().matrix());
+        const PrintDifference d = difference_of(print, {reading});
+        REQUIRE(d.hints.named == off);
+        CHECK(d.hints.resins[off].change == Approx(0.1).margin(0.02));
+        CHECK_THAT(d.causes.back(), Contains(print.resins[off]) && Contains("larger"));
+    }
+    const PrintDifference none = difference_of(print, {reading_of(print)});
+    CHECK_FALSE(none.hints.named);
+    CHECK(none.causes.empty());
+}
+
+TEST_CASE("tiles say what a person would") {
+    PrintTile tile;
+    tile.off_lab = {3.14, 0.2, -0.4};
+    CHECK(tile_words(tile) == "printed 3.1 lighter than predicted");
+    tile.off_lab = {-1, 0.4, -2.5};
+    CHECK(tile_words(tile) == "printed 2.5 bluer and 1.0 darker than predicted");
+    tile.off_lab = {0.1, 0.1, 0.1};
+    CHECK(tile_words(tile) == "printed as predicted");
+}
+
+TEST_CASE("the worst places come first, and photographs are averaged") {
+    const PredictedPrint print = discs();
+    PrintReading bad = reading_of(print);
+    for (int row = 40; row < 56; ++row)
+        for (int column = 70; column < 90; ++column) bad.cells.value[print.index(column, row)] *= 1.5f;
+    const PrintDifference one = difference_of(print, {bad});
+    const PrintTile& worst = one.tiles.front();
+    CHECK(worst.corner_mm.x() > 69 * 0.0847 - 0.7);
+    CHECK(worst.corner_mm.x() < 90 * 0.0847);
+    CHECK(worst.corner_mm.y() > 40 * 0.0847 - 0.7);
+    CHECK(worst.corner_mm.y() < 56 * 0.0847);
+    CHECK(worst.off_lab[0] > 1);
+    CHECK_THAT(tile_words(worst), Contains("lighter"));
+    const PrintDifference both = difference_of(print, {bad, reading_of(print)});
+    CHECK(both.tiles.front().off_lab[0] < 0.8 * worst.off_lab[0]);
+}

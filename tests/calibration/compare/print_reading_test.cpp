@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "calibration/compare/print_reading.h"
+
+#include <catch2/catch.hpp>
+
+#include "calibration/compare/print_difference.h"
+#include "compare_samples.h"
+
+using namespace voxtone;
+using namespace voxtone::calibration;
+using namespace voxtone::calibration::testing;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const CheckerChart& no_chart() {
+    static const CheckerChart chart = find_checker("colorchecker24");
+    return chart;
+}
+
+SimulatedPhoto photo_of(const PredictedPrint& print, const PhotoOptions& o, double blur_mm = 0) {
+    return simulate_photo(thing_of(print, blur_mm), no_chart(), o);
+}
+
+/// The largest distance, in cells, between where cells were found and where they are.
+double worst_place(const FoundPrint& found, const SimulatedPhoto& photo, const PredictedPrint& print) {
+    double worst = 0;
+    for (int j = 0; j <= 8; ++j)
+        for (int i = 0; i <= 12; ++i) {
+            const Eigen::Vector2d cell(print.columns * i / 12.0, print.rows * j / 8.0);
+            const Eigen::Vector2d mm = cell.cwiseProduct(print.cell_mm);
+            const Eigen::Vector2d truth =
+                photo.to_px({mm.x(), print.rows * print.cell_mm.y() - mm.y()});
+            worst = std::max(worst, (found.place.to_px(cell) - truth).norm() / found.place.px_per_cell());
+        }
+    return worst;
+}
+
+std::string refusal(const io::Photograph& photo, const PredictedPrint& print, const ReadPrintOptions& options = {}) {
+    try {
+        (void)read_print(photo, print, options);
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return {};
+}
+
+}  // namespace
+
+TEST_CASE("a print is found to a quarter of a cell: tilted by 20 degrees, behind a lens, in uneven light") {
+    const PredictedPrint print = discs();
+    for (const double turn : {4.0, 94.0, 184.0, 274.0}) {
+        PhotoOptions o = hand_camera();
+        o.turn_deg = turn;
+        const SimulatedPhoto photo = photo_of(print, o);
+        const PrintReading reading = read_print(photo.photograph, print, {});
+        INFO(turn);
+        CHECK(worst_place(reading.found, photo, print) < 0.25);
+        CHECK(reading.found.correlation > 0.9);
+        CHECK(reading.light_from_ground);
+        CHECK(reading.light_falls_to < 0.97);
+        CHECK(reading.found.turned_deg % 180 == (int(turn) / 90 * 90) % 180);
+    }
+}
+
+TEST_CASE("a print that is as predicted differs by little, whatever the camera") {
+    const PredictedPrint print = discs();
+    const PrintReading reading = read_print(photo_of(print, hand_camera()).photograph, print, {});
+    const PrintDifference d = difference_of(print, {reading});
+    CHECK(d.ciede2000.mean < 0.6);
+    CHECK(d.print_spread_mm < 0.03);
+}
+
+TEST_CASE("corners given by hand do as well, in any order round the print") {
+    const PredictedPrint print = discs();
+    PhotoOptions o = hand_camera();
+    o.sheet = 0.7;  // as light as the print
+    const SimulatedPhoto photo = photo_of(print, o);
+    ReadPrintOptions options;
+    options.corners = {photo.target_corners_px[2], photo.target_corners_px[1], photo.target_corners_px[0],
+                       photo.target_corners_px[3]};
+    for (Eigen::Vector2d& corner : *options.corners) corner += Eigen::Vector2d(5, -4);
+    CHECK(worst_place(read_print(photo.photograph, print, options).found, photo, print) < 0.25);
+    std::swap((*options.corners)[0], (*options.corners)[1]);
+    CHECK_THAT(refusal(photo.photograph, print, options), Contains("--corners") && Contains("one after the other"));
+}
+
+TEST_CASE("what is wrong with a photograph of a print is told in a sentence") {
+    const PredictedPrint print = discs();
+    CHECK_THAT(refusal(photo_of(discs(2), hand_camera()).photograph, print),
+               Contains("no photograph of out/discs") && Contains("--corners"));
+    PhotoOptions o = hand_camera();
+    o.mirrored = true;
+    CHECK_THAT(refusal(photo_of(print, o).photograph, print), Contains("mirrored") && Contains("along x"));
+    o = hand_camera();
+    o.width_px = 180, o.height_px = 140;
+    CHECK_THAT(refusal(photo_of(print, o).photograph, print), Contains("too small") && Contains("--cell"));
+    o = hand_camera();
+    o.exposure = 0.01;
+    CHECK_THAT(refusal(photo_of(print, o).photograph, print), Contains("expose"));
+    o = hand_camera();
+    o.exposure = 20;
+    CHECK_THAT(refusal(photo_of(print, o).photograph, print), Contains("out/discs") || Contains("overexposed"));
+    o = hand_camera();
+    o.margin = 0;
+    CHECK_THAT(refusal(photo_of(print, o).photograph, print), Contains("--corners"));
+    PredictedPrint stretched = print;
+    stretched.cell_mm.x() *= 1.6;
+    CHECK_THAT(refusal(photo_of(stretched, hand_camera()).photograph, print), Contains("to 1"));
+    PredictedPrint plain = print;
+    plain.rgb.assign(plain.rgb.size(), Eigen::Vector3f(0.5f, 0.5f, 0.5f));
+    CHECK_THAT(refusal(photo_of(plain, hand_camera()).photograph, plain), Contains("of one colour"));
+}

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `compare` as a user runs it, on photographs of prints that the fast predictor did not make: Monte Carlo pictures
+// before the camera of the rehearsals, developed to JPEG as a phone does.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+
+#include <fmt/format.h>
+#include <jpeglib.h>
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "calibration/compare/print_difference.h"
+#include "io/files/whole_file.h"
+#include "io/pictures/photograph.h"
+#include "io/pictures/picture_writer.h"
+#include "io/pictures/srgb_code.h"
+#include "io/profiles/resin_file.h"
+#include "run_program.h"
+#include "slicer/predict/top_print.h"
+#include "tests/calibration/compare/compare_samples.h"
+#include "tests/io/files/schema.h"
+
+using namespace voxtone;
+using namespace voxtone::test;
+using calibration::testing::hand_camera;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// Patches of many colours under discs, 144 x 96 pixels.
+void write_picture(const std::string& file) {
+    io::Picture8 picture{144, 96, 3, std::vector<std::uint8_t>(std::size_t(144 * 96 * 3), 230)};
+    RandomStream random(7, 0);
+    const auto paint = [&](auto&& inside) {
+        std::array<std::uint8_t, 3> code{};
+        for (std::uint8_t& value : code) value = std::uint8_t(20 + 225 * random.uniform());
+        for (int y = 0; y < 96; ++y)
+            for (int x = 0; x < 144; ++x)
+                if (inside(x, y)) std::copy(code.begin(), code.end(), picture.codes.begin() + 3 * (y * 144 + x));
+    };
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 6; ++column)
+            paint([&](int x, int y) { return x / 24 == column && x % 24 > 3 && y / 32 == row && y % 32 > 5; });
+    for (int disc = 0; disc < 14; ++disc) {
+        const double u = 144 * random.uniform(), v = 96 * random.uniform(), r = 2 + 4 * random.uniform();
+        paint([&](int x, int y) { return std::hypot(x - u, y - v) < r; });
+    }
+    io::write_whole_file(file, io::png_bytes(picture));
+}
+
+/// 12 x 8 x 2 mm; sliced once for all.
+struct Sliced {
+    Folder folder{"compare"};
+    std::string stack = folder / "out";
+    Sliced() {
+        write_picture(folder / "picture.png");
+        const Outcome made = run_program("slice --quiet --no-report --iterations 0 --predict none --width 12mm "
+                                         "--thickness 2mm " +
+                                         folder / "picture.png" + " -o " + stack);
+        INFO(made.err);
+        REQUIRE(made.exit_code == 0);
+    }
+};
+const Sliced& sliced() {
+    static const Sliced made;
+    return made;
+}
+
+calibration::PredictedPrint predicted(const slicer::PredictOptions& options) {
+    Progress silent;
+    const slicer::TopPrint top = slicer::predict_top_print(options, silent);
+    calibration::PredictedPrint print;
+    print.name = options.stack;
+    print.columns = top.columns, print.rows = top.rows;
+    print.cell_mm = {top.cell_mm[0], top.cell_mm[1]};
+    print.rgb = top.rgb;
+    print.resins = top.resins;
+    print.by_extinction = top.by_extinction;
+    print.seen = slicer::eye_over(top, 300);
+    return print;
+}
+
+/// As it is taken for printed: by light paths, 64 a cell, with resins of this set.
+calibration::PredictedPrint printed(const std::string& resins = {}) {
+    slicer::PredictOptions options;
+    options.stack = sliced().stack;
+    options.model = "monte-carlo";
+    options.quality.paths = 64;
+    options.resins = resins;
+    return predicted(options);
+}
+const calibration::PredictedPrint& as_foretold() {
+    static const calibration::PredictedPrint print = printed();
+    return print;
+}
+
+void write_jpeg(const std::string& file, const io::Photograph& photo) {
+    std::FILE* out = std::fopen(file.c_str(), "wb");
+    REQUIRE(out != nullptr);
+    jpeg_compress_struct info{};
+    jpeg_error_mgr errors{};
+    info.err = jpeg_std_error(&errors);
+    jpeg_create_compress(&info);
+    jpeg_stdio_dest(&info, out);
+    info.image_width = photo.width_px;
+    info.image_height = photo.height_px;
+    info.input_components = 3;
+    info.in_color_space = JCS_RGB;
+    jpeg_set_defaults(&info);
+    jpeg_set_quality(&info, 92, TRUE);
+    jpeg_start_compress(&info, TRUE);
+    std::vector<std::uint8_t> row(std::size_t{3} * photo.width_px);
+    for (std::uint32_t y = 0; y < photo.height_px; ++y) {
+        for (std::uint32_t x = 0; x < photo.width_px; ++x)
+            for (int c = 0; c < 3; ++c) row[3 * x + std::size_t(c)] = io::linear_to_srgb8(photo.pixels[photo.index(x, y)][c]);
+        std::uint8_t* rows = row.data();
+        jpeg_write_scanlines(&info, &rows, 1);
+    }
+    jpeg_finish_compress(&info);
+    jpeg_destroy_compress(&info);
+    std::fclose(out);
+}
+
+std::string photographed(const Folder& folder, const calibration::PredictedPrint& print,
+                         const calibration::PhotoOptions& camera, double blur_mm = 0) {
+    const std::string file = folder / "photograph.jpg";
+    write_jpeg(file, simulate_photo(calibration::testing::thing_of(print, blur_mm),
+                                    calibration::find_checker("colorchecker24"), camera)
+                         .photograph);
+    return file;
+}
+
+Outcome compare(const Folder& folder, const std::string& photograph, const std::string& more = "") {
+    return run_program("compare --quiet --json --overwrite " + more + " " + photograph + " " + sliced().stack + " -o " +
+                       folder / "compared");
+}
+
+nlohmann::json comparison(const Folder& folder, const std::string& photograph, const std::string& more = "") {
+    const Outcome outcome = compare(folder, photograph, more);
+    INFO(outcome.out << outcome.err);
+    REQUIRE(outcome.exit_code == 0);
+    const std::string json = read_file(folder / "compared/compare.json");
+    CHECK(io::schema_faults("compare", json) == std::vector<std::string>{});
+    return nlohmann::json::parse(json);
+}
+
+bool names(const nlohmann::json& compared, const std::string& cause) {
+    for (const std::string sentence : compared["causes"])
+        if (sentence.starts_with(cause)) return true;
+    return false;
+}
+
+}  // namespace
+
+TEST_CASE("a photographed print differs by as much as the print itself does") {
+    const Folder folder("true");
+    slicer::PredictOptions options;
+    options.stack = sliced().stack;
+    calibration::PrintReading exact;
+    exact.cells.value = as_foretold().rgb;
+    exact.cells.good.assign(as_foretold().cells(), 1);
+    const double truth = difference_of(predicted(options), {exact}).ciede2000.mean;
+
+    const nlohmann::json compared = comparison(folder, photographed(folder, as_foretold(), hand_camera()));
+    CHECK(compared["ciede2000"]["mean"].get<double>() == Approx(truth).margin(0.4));
+    CHECK(compared["photographs"][0]["correlation"] > 0.8);
+    CHECK(compared["photographs"][0]["light"] == "ground");
+    CHECK_FALSE(names(compared, "resin"));
+    CHECK_FALSE(names(compared, "blur"));
+    const std::string page = read_file(folder / "compared/compare.html");
+    CHECK_THAT(page, Contains("Printed and predicted") && Contains("than predicted") && Contains("id=\"cut\""));
+}
+
+TEST_CASE("an exposure larger by 0.3 EV is told as that, and as nothing else") {
+    const Folder folder("exposure");
+    calibration::PhotoOptions camera = hand_camera();
+    camera.exposure = 0.7;
+    const nlohmann::json usual = comparison(folder, photographed(folder, as_foretold(), camera));
+    camera.exposure *= std::exp2(0.3);
+    const nlohmann::json more = comparison(folder, photographed(folder, as_foretold(), camera));
+    CHECK(more["exposure_ev"].get<double>() - usual["exposure_ev"].get<double>() == Approx(0.3).margin(0.03));
+    CHECK(more["ciede2000"]["mean"].get<double>() == Approx(usual["ciede2000"]["mean"].get<double>()).margin(0.1));
+    CHECK(names(usual, "exposure"));
+}
+
+TEST_CASE("droplets that spread by 0.06 mm are told as blur") {
+    const Folder folder("blur");
+    const nlohmann::json compared = comparison(folder, photographed(folder, as_foretold(), hand_camera(), 0.06));
+    CHECK(names(compared, "blur"));
+    CHECK(compared["blur_mm"]["print"].get<double>() == Approx(0.06).margin(0.02));
+    CHECK_FALSE(names(compared, "resin"));
+}
+
+TEST_CASE("a resin whose extinction is off by a tenth is named") {
+    const Folder folder("resin");
+    optics::ResinSet set = io::find_resin_set("j750-opaque");
+    for (double& sigma_t : set.resins[std::size_t(set.find("M"))].sigma_t_per_mm) sigma_t *= 1.1;
+    io::write_whole_file(folder / "changed.json", io::resin_set_text(set));
+    const nlohmann::json compared =
+        comparison(folder, photographed(folder, printed(folder / "changed.json"), hand_camera()));
+    REQUIRE(names(compared, "resin: VeroMagenta"));
+    CHECK(compared["resins"][1]["extinction_change"].get<double>() == Approx(0.1).margin(0.05));
+}
+
+TEST_CASE("what cannot be compared is told in a sentence") {
+    const Folder folder("refused");
+    const std::string photo = photographed(folder, calibration::testing::discs(), hand_camera());
+    const Outcome other = compare(folder, photo);
+    CHECK(other.exit_code == 3);
+    CHECK_THAT(other.out + other.err, Contains("is no photograph of"));
+    CHECK(run_program("compare " + photo + " -o " + folder / "a").exit_code == 2);
+    folder.write("no.nef", "MM no picture");
+    CHECK_THAT(compare(folder, folder / "no.nef").out, Contains("no.nef"));
+    const Outcome none = run_program("compare " + photo + " " + folder / "nothing" + " -o " + folder / "b");
+    CHECK(none.exit_code != 0);
+    CHECK_THAT(none.err, Contains("nothing"));
+    calibration::PhotoOptions camera = hand_camera();
+    camera.sheet = 0;
+    camera.electrons = 0;
+    CHECK_THAT(run_program("compare --overwrite " + photographed(folder, as_foretold(), camera) + " " + sliced().stack +
+                           " -o " + folder / "compared")
+                   .err,
+               Contains("stays in the comparison. [uneven-ground]"));
+    camera = hand_camera();
+    camera.exposure = 1.15;
+    CHECK_THAT(run_program("compare --overwrite " + photographed(folder, as_foretold(), camera) + " " + sliced().stack +
+                           " -o " + folder / "compared")
+                   .err,
+               Contains("were left out. [clipped-print]"));
+}
+
+TEST_CASE("a body is not compared, and it is said what can be done") {
+    const Folder folder("body");
+    folder.write("ball.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 4 0 0\nvertex 0 4 0\n"
+                             "endloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 4 0\nvertex 0 0 "
+                             "4\nendloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 0 4\nvertex 4 "
+                             "0 0\nendloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 4 0 0\nvertex 0 0 4\nvertex "
+                             "0 4 0\nendloop\nendfacet\nendsolid a\n");
+    REQUIRE(run_program("slice --quiet --no-report --quality draft --unit mm " + folder / "ball.stl" + " -o " +
+                        folder / "body")
+                .exit_code == 0);
+    const std::string photo = photographed(folder, calibration::testing::discs(), hand_camera());
+    const Outcome outcome = run_program("compare " + photo + " " + folder / "body" + " -o " + folder / "compared");
+    CHECK(outcome.exit_code == 3);
+    CHECK_THAT(outcome.err, Contains("the stack is a body") && Contains("voxtone proof"));
+}
