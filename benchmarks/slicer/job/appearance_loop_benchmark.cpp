@@ -53,7 +53,7 @@ namespace fs = std::filesystem;
 
 struct Arguments {
     fs::path models = fs::path(test::source_dir()) / "../shared/models", work = "build/loop-benchmark";
-    std::string only, crop, resins = "vero-opaque";
+    std::string only, crop, resins;
     std::vector<std::string> set;
     std::uint32_t paths = 256, body_paths = 64;
     std::size_t windows = 40;
@@ -252,7 +252,7 @@ int main(int argc, char** argv) {
     app.add_option("--models", a.models, "folder of the models")->capture_default_str();
     app.add_option("--only", a.only, "only targets whose name contains this");
     app.add_option("--crop", a.crop, "only the middle of each target, WIDTHxHEIGHT in mm: 6x4");
-    app.add_option("--resins", a.resins, "set or file, of both prints")->capture_default_str();
+    app.add_option("--resins", a.resins, "set or file, of both prints; the printer's default where none is named");
     app.add_option("--set", a.set, "KEY=VALUE: option of slice for the loop's prints; may be repeated");
     app.add_option("--paths", a.paths, "Monte Carlo paths per cell, channel and half")->capture_default_str();
     app.add_option("--viewing-distance", a.viewing_distance_mm, "mm")->capture_default_str();
