@@ -25,6 +25,7 @@ struct BatchArguments {
     double memory_gib = 0;
     bool print_commands = false;
     std::string watch;
+    bool only_tell = false;
     ClusterOptions cluster;
     RunOptions run;
 };
@@ -72,6 +73,9 @@ void add_batch_options(CLI::App& command, BatchArguments& arguments) {
              "with --watch: how long, s, a model waits for files that it names (material library, textures, buffers) "
              "and that are not there yet, before it is sliced without; what comes later has it sliced again")
         ->check(CLI::Range(0.0, 1e6));
+    command.add_flag("--only-tell", arguments.only_tell,
+                     "with --watch: tell of models that are complete, with --json as events \"arrived\" with the files "
+                     "beside them, and slice none: for a program with a queue of its own");
     command.add_flag("--print-commands", arguments.print_commands,
                      "print the command of each job, quoted for a shell, and stop");
 }
@@ -94,12 +98,14 @@ int run(const CLI::App& command, const BatchArguments& arguments) {
                              : "--watch takes the place of a plan; give one of them");
     if (!arguments.watch.empty() && arguments.print_commands)
         throw UsageError("--print-commands is for a plan; what will arrive in a folder is not known");
+    if (arguments.only_tell && arguments.watch.empty()) throw UsageError("--only-tell is for --watch");
     if (arguments.cluster.any()) return run_on_cluster(plan, batch, arguments.cluster, arguments.run);
     if (arguments.print_commands)
         return run_on_console(
             options, [&](Progress& progress) { return slicer::print_batch_commands(plan, batch.program, progress); });
     const std::unique_ptr<slicer::BatchView> view = make_batch_view(options.console);
     return run_on_console(options, [&](Progress& progress) -> JobResult {
+        if (arguments.only_tell) slicer::run_arrivals_job(arguments.watch, plan, batch, *view, progress);
         if (!arguments.watch.empty()) slicer::run_watch_job(arguments.watch, plan, batch, *view, progress);
         return slicer::run_batch_job(plan, batch, *view, progress);
     });

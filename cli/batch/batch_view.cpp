@@ -86,6 +86,12 @@ public:
         print_out(json.end_object().text() + "\n");
         std::fflush(stdout);
     }
+    void arrived(const slicer::ArrivedModel& of) override {
+        io::JsonWriter json;
+        json.begin_object().add("event", "arrived").add("model", of.model).add("beside", of.beside);
+        print_out(json.add("again", of.again).end_object().text() + "\n");
+        std::fflush(stdout);
+    }
 };
 
 class LinesView final : public slicer::BatchView {
@@ -97,6 +103,10 @@ public:
         unchanged_ += event.kind == Kind::unchanged;
         if (event.kind == Kind::unchanged && unchanged_ > most_unchanged) return;  // the result counts them
         std::fputs(printable(line_of(event) + "\n").c_str(), stderr);
+    }
+
+    void arrived(const slicer::ArrivedModel& of) override {
+        std::fputs(printable(fmt::format("{}: has arrived\n", of.model)).c_str(), stderr);
     }
 
 private:
@@ -113,6 +123,10 @@ public:
         if (event.kind == Kind::started || event.kind == Kind::unchanged) return;
         wipe();
         std::fputs(printable(line_of(event) + "\n").c_str(), stderr);
+    }
+    void arrived(const slicer::ArrivedModel& of) override {
+        wipe();
+        std::fputs(printable(fmt::format("{}: has arrived\n", of.model)).c_str(), stderr);
     }
     bool wants_snapshot() override { return since_drawn_.total() > 0.25; }
     void show(const BatchSnapshot& all) override {

@@ -28,10 +28,10 @@ namespace fs = std::filesystem;
 
 struct ServeArguments {
     std::string folder = "shop", listen = "127.0.0.1";
-    std::vector<std::string> hosts;
+    std::vector<std::string> hosts, watched, sbatch;
     int port = 8750, jobs = 1;
     double memory_gib = 0, keep_days = 0, keep_size_gib = 0;
-    bool browser = true;
+    bool browser = true, slurm = false;
 };
 
 /// Where the package lies that goes with the running program: in its build's sources, or around it in a wheel. Empty:
@@ -64,6 +64,9 @@ std::string find_python() {
 std::vector<std::string> words_of(const ServeArguments& arguments) {
     std::vector<std::string> words{"-m", "voxtone.serve", "--folder", arguments.folder, "--listen", arguments.listen};
     for (const std::string& host : arguments.hosts) words.insert(words.end(), {"--host", host});
+    for (const std::string& watch : arguments.watched) words.insert(words.end(), {"--watch", watch});
+    if (arguments.slurm) words.emplace_back("--slurm");
+    for (const std::string& option : arguments.sbatch) words.insert(words.end(), {"--sbatch-option", option});
     words.insert(words.end(), {"--port", std::to_string(arguments.port), "--jobs", std::to_string(arguments.jobs)});
     words.insert(words.end(), {"--memory", fmt::format("{}", arguments.memory_gib)});
     words.insert(words.end(), {"--keep-days", fmt::format("{}", arguments.keep_days)});
@@ -123,10 +126,27 @@ Command add_serve_command(CLI::App& program) {
     add_memory(*command, "--keep-size", arguments->keep_size_gib,
                "remove the oldest that ended where all take more, GiB, and say so a day before; 0: keep them")
         ->check(CLI::NonNegativeNumber);
+    command
+        ->add_option(
+            "--watch", arguments->watched,
+            "a queue with a name: models that arrive in the folder are sliced, once they are complete, with the "
+            "options of the job file SHOP/watch/NAME.json, where there is one")
+        ->type_name("NAME=FOLDER")
+        ->allow_extra_args(false);
+    command->add_flag("--slurm", arguments->slurm,
+                      "hand jobs to Slurm, as `voxtone batch --slurm` does; the shop lies where all nodes see it");
+    command
+        ->add_option("--sbatch-option", arguments->sbatch,
+                     "with --slurm: an option of sbatch without its dashes, such as partition=long")
+        ->type_name("OPTION")
+        ->allow_extra_args(false);
     command->add_flag("--browser,!--no-browser", arguments->browser,
                       "open the page where there is a desktop (default), or not");
     add_example(*command, "--folder shop");
-    return [arguments]() -> int { become_service(*arguments); };
+    return [arguments]() -> int {
+        if (!arguments->sbatch.empty() && !arguments->slurm) throw UsageError("--sbatch-option is for --slurm");
+        become_service(*arguments);
+    };
 }
 
 }  // namespace voxtone::cli

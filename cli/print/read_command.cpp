@@ -99,7 +99,6 @@ Command add_read_command(CLI::App& program) {
     add_overwrite_option(*command, arguments->overwrite);
     add_console_options(*command, arguments->console);
     add_example(*command, "cow.obj logo.png");
-    add_example(*command, "cow.obj --picture cow.png");
     return [arguments] {
         return run_on_console(arguments->console, [&](Progress& progress) { return run(*arguments, progress); });
     };

@@ -7,6 +7,7 @@
 #include "cli/program/option_text.h"
 #include "io/files/json_writer.h"
 #include "io/programs/build_identity.h"
+#include "slicer/options/option_table.h"
 
 namespace voxtone::cli {
 
@@ -25,15 +26,26 @@ std::string default_of(const CLI::Option& option) {
     return usual == "\"\"" ? "" : usual;
 }
 
-void add_option(io::JsonWriter& json, const CLI::Option& option, bool rare) {
+/// What another value leaves of a finished job (slicer/kept): its stack, the loop that `--keep-loop` kept, or nothing.
+/// Of options of no job: nothing is said.
+std::string_view leaves_of(const std::string& name) {
+    const slicer::OptionSpec* const spec = slicer::find_option(name);
+    if (!spec || spec->is_preset()) return "nothing";
+    if (spec->decides >= slicer::Decides::work) return "stack";
+    return spec->decides > slicer::Decides::bits && name != "iterations" ? "loop" : "nothing";
+}
+
+void add_option(io::JsonWriter& json, const CLI::Option& option, bool rare, bool of_job) {
     const bool positional = option.get_positional(), flag = option.get_items_expected_max() == 0;
     const OptionText text = option_text(option, positional);
-    json.begin_object().add("name", positional ? option.get_single_name() : option.get_lnames().front());
+    const std::string name = positional ? option.get_single_name() : option.get_lnames().front();
+    json.begin_object().add("name", name);
     json.add("positional", positional).add("required", option.get_required()).add("flag", flag);
     json.add("can_be_turned_off", can_be_turned_off(option));
     json.add("many", option.get_items_expected_max() >= CLI::detail::expected_max_vector_size);
     json.add("separator", option.get_delimiter() ? std::string(1, option.get_delimiter()) : std::string());
     json.add("value", text.value).add("default", default_of(option)).add("choices", text.choices);
+    if (of_job) json.add("leaves", leaves_of(name));
     json.add("group", option.get_group()).add("rare", rare).add("help", text.help).end_object();
 }
 
@@ -44,7 +56,7 @@ void add_options(io::JsonWriter& json, const CLI::App& command) {
         if (option->get_group().empty() || option->get_lnames() == std::vector<std::string>{"help"}) continue;
         if (option->get_name() == "--help-all") continue;
         const auto group = std::ranges::find(groups, option->get_group(), &OptionGroup::heading);
-        add_option(json.line(), *option, group != groups.end() && group->rare);
+        add_option(json.line(), *option, group != groups.end() && group->rare, command.get_name() == "slice");
     }
     json.end_list();
 }

@@ -78,6 +78,13 @@ Arrivals::Arrived Arrivals::poll() {
     return arrived;
 }
 
+std::vector<fs::path> Arrivals::beside(const fs::path& model) const {
+    std::vector<fs::path> files;
+    if (const auto known = models_.find(model.string()); known != models_.end())
+        for (const auto& [file, stamp] : known->second.beside) files.emplace_back(file);
+    return files;
+}
+
 /// A side file that has changed, or that may be one of the missing, asks for the names anew.
 void Arrivals::look_after_side_files(Model& model) const {
     if (model.stage == Stage::named) return;

@@ -52,6 +52,8 @@ public:
     /// Looks at the folder: what has become complete since the last time. Throws FileError where the folder cannot be
     /// looked into.
     [[nodiscard]] Arrived poll();
+    /// The files of the folder that a model which was told names, by name.
+    [[nodiscard]] std::vector<std::filesystem::path> beside(const std::filesystem::path& model) const;
 
 private:
     struct Seen {

@@ -204,13 +204,19 @@ public:
         (void)arrivals_.poll();
     }
 
-    /// Looks where it is time to.
-    void look(WatchedJobs& jobs) {
-        if (clock_() < next_look_s_) return;
+    /// Looks where it is time to: what has become complete.
+    [[nodiscard]] std::vector<ArrivedModel> look() {
+        if (clock_() < next_look_s_) return {};
         const Arrivals::Arrived arrived = arrivals_.poll();
         tell(arrived);
-        for (const std::filesystem::path& model : arrived.models) jobs.take(model);
         next_look_s_ = clock_() + (arrived.is_reading ? look_soon_s : look_every_s);
+        std::vector<ArrivedModel> models;
+        for (const std::filesystem::path& model : arrived.models) {
+            models.push_back({model.string(), {}, std::ranges::find(arrived.again, model) != arrived.again.end()});
+            for (const std::filesystem::path& file : arrivals_.beside(model))
+                models.back().beside.push_back(file.string());
+        }
+        return models;
     }
 
 private:
@@ -254,7 +260,7 @@ void run_watch_job(const std::filesystem::path& watched, const PlanOptions& plan
     progress.note(fmt::format("watching {}; Ctrl-C ends it", watched.string()));
     std::size_t summed_up = 0;
     for (;;) {
-        arriving.look(jobs);
+        for (const ArrivedModel& arrived : arriving.look()) jobs.take(arrived.model);
         jobs.queue_what_waits();
         const bool busy = queue.step();
         expect_no_stop(queue, folder, progress);
@@ -265,6 +271,18 @@ void run_watch_job(const std::filesystem::path& watched, const PlanOptions& plan
         }
         constexpr std::chrono::milliseconds idle(100);
         if (!busy) std::this_thread::sleep_for(idle);
+    }
+}
+
+void run_arrivals_job(const std::filesystem::path& watched, const PlanOptions& plan, const BatchOptions& options,
+                      BatchView& view, Progress& progress) {
+    WatchedFolder arriving(watched, plan, options, progress);
+    progress.note(fmt::format("watching {}; Ctrl-C ends it", watched.string()));
+    for (;;) {
+        for (const ArrivedModel& arrived : arriving.look()) view.arrived(arrived);
+        progress.check_cancelled();
+        constexpr std::chrono::milliseconds idle(100);
+        std::this_thread::sleep_for(idle);
     }
 }
 

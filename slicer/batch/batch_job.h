@@ -23,6 +23,10 @@ JobResult run_batch_job(const PlanOptions& plan, const BatchOptions& options, Ba
 [[noreturn]] void run_watch_job(const std::filesystem::path& folder, const PlanOptions& plan,
                                 const BatchOptions& options, BatchView& view, Progress& progress);
 
+/// The same, and what arrives is told of (BatchView::arrived) and not sliced: for who has a queue of his own.
+[[noreturn]] void run_arrivals_job(const std::filesystem::path& folder, const PlanOptions& plan,
+                                   const BatchOptions& options, BatchView& view, Progress& progress);
+
 /// The commands of a plan, one a line for a shell.
 [[nodiscard]] JobResult print_batch_commands(const PlanOptions& plan, const std::filesystem::path& program,
                                              Progress& progress);

@@ -29,6 +29,13 @@ struct JobEvent {
     double seconds = 0;  ///< that the attempt took
 };
 
+/// A model that has become complete in a watched folder (arrivals.h).
+struct ArrivedModel {
+    std::string model;
+    std::vector<std::string> beside;  ///< files of the folder that it names, and that are there
+    bool again = false;               ///< it arrived before, and these have changed since
+};
+
 struct BatchSnapshot {
     struct Running {
         std::string name;
@@ -44,6 +51,7 @@ class BatchView {
 public:
     virtual ~BatchView() = default;
     virtual void notify(const JobEvent& event) = 0;
+    virtual void arrived(const ArrivedModel&) {}
     /// Whether `show` wants to be called; asked many times a second.
     virtual bool wants_snapshot() { return false; }
     virtual void show(const BatchSnapshot&) {}

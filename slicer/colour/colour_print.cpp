@@ -175,7 +175,8 @@ JobPrediction ColourPrint::predict(optics::ResinVolume volume, Progress& progres
 }
 
 void ColourPrint::evaluate(const io::StackDescription&, Progress& progress) {
-    if (std::error_code not_there; foreign_skin_) std::filesystem::remove(job_.options.loop.mixtures, not_there);
+    const bool is_replaced = foreign_skin_ && !job_.options.keep_loop;
+    if (std::error_code not_there; is_replaced) std::filesystem::remove(job_.options.loop.mixtures, not_there);
     if (!volume_) return;
     std::string why_not;
     try {

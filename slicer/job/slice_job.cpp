@@ -139,6 +139,15 @@ SliceResult keep_loop(const PreparedJob& ready, Progress& progress) {
     return {std::move(kept.json), std::move(kept.text), kept.exit_code};
 }
 
+/// Beside the stack, for another job of this body. One that was left out is no work to spare.
+void keep_loop_besides(const PreparedJob& ready) {
+    const ResolvedJob& options = ready.job.options;
+    if (!options.keep_loop || options.loop.iterations == 0) return;
+    (void)ready.print->keep_loop();
+    LoopCheckpoint::remove_from(options.out);
+    set_stop_advice({});
+}
+
 const io::StackDescription& finish_stack(PreparedJob& ready, io::LayerStackWriter& writer, Progress& progress) {
     const Stopwatch watch;
     progress.begin_stage(name_of(Phase::finish), 0);
@@ -196,6 +205,7 @@ SliceResult run_slice_job(const SliceOptions& requested, Progress& progress) {
     const LayerRange& range = plan.layers;
     io::LayerStackWriter writer(std::move(folder), job.describe(plan.grid, range), job.outputs());
     print->rearrange(progress);
+    keep_loop_besides(ready);
     LayerWatchers watchers;
     if (job.options.report) {
         watchers.thumbnails.emplace(range.first, range.layers(), plan.grid, job.palette());

@@ -108,6 +108,7 @@ struct ResolvedJob {
     std::vector<io::LayerFormat> formats;  ///< empty: the printer's
     std::optional<LayerRange> layers;      ///< nothing: all
     Until until = Until::end;
+    bool keep_loop = false;                ///< what the loop came to stays beside the stack
     bool sharded = false;                  ///< a part of the layers is made, to be merged
     std::optional<io::ShardNumber> shard;  ///< nothing, where sharded: as the scheduler says
 

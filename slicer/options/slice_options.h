@@ -82,6 +82,7 @@ struct SliceOptions {
     int threads = 0;
     std::string shard;          ///< "i/n"; "auto": as the scheduler says; empty: the whole
     std::string until = "end";  ///< or "loop"
+    bool keep_loop = false;
 
     double read_memory_gib = 0;  ///< of the program that reads the model; 0: half of the machine's, 8 at most
     double read_time_s = 120;    ///< of the processor

@@ -341,6 +341,29 @@ wait $!
     CHECK_THAT(after, Contains("LOST") && Contains("[lost-colour]>"));
 }
 
+TEST_CASE("Of what arrives in a watched folder may be told alone") {
+    const Workshop shop("batch-watch-tell");
+    fs::create_directory(shop.folder / "in");
+    shop.folder.write("in/s.obj",
+                      "mtllib s.mtl\nusemtl a\nv 0 0 0\nv 3 0 0\nv 0 2 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n");
+    shop.folder.write("in/s.mtl", "newmtl a\nKd 0.8 0.1 0.1\n");
+    shop.folder.write("watch.sh", fmt::format(R"(set -u
+{0} batch --watch {1} -o {2} --json --only-tell >{3} 2>&1 &
+for i in $(seq 600); do [ $(grep -c arrived {3}) -ge 1 ] && break; sleep 0.1; done
+kill -TERM $!
+wait $!
+)",
+                                              program(), shop.at("in"), shop.at("out"), shop.at("said")));
+    CHECK(run_shell("sh " + shop.at("watch.sh")) == 85);
+    const std::string said = read_file(shop.folder / "said");
+    CHECK_THAT(said, Contains(fmt::format(R"({{"event": "arrived", "model": "{}", "beside": ["{}"], "again": false}})",
+                                          shop.at("in/s.obj"), shop.at("in/s.mtl"))));
+    CHECK_FALSE(fs::exists(shop.folder / "out"));
+    const Outcome outcome = run_program("batch --only-tell plan.jsonl -o " + shop.at("out"));
+    CHECK(outcome.exit_code == 2);
+    CHECK_THAT(outcome.err, Contains("--only-tell is for --watch"));
+}
+
 TEST_CASE("A watched folder's models are sliced when they are complete, and again when they are written anew") {
     const Workshop shop("batch-watch");
     fs::create_directory(shop.folder / "in");

@@ -276,6 +276,33 @@ TEST_CASE("The report of a tray shows its components") {
     CHECK(double(most) < 1.05 * 4 * 3 * px_per_mm * px_per_mm);
 }
 
+TEST_CASE("A finished job keeps its loop for one of another report or other layers") {
+    const Folder folder("keep-loop");
+    folder.write("ramp.obj", ramp_box_obj(3, 2, 1));
+    const auto slice = [&](const std::string& options, const std::string& out) {
+        const Outcome made = run_program("slice --iterations 1 --predict none --no-report " + (folder / "ramp.obj") +
+                                         " " + options + " -o " + (folder / out));
+        CAPTURE(made.err);
+        REQUIRE(made.exit_code == 0);
+        return made.err.find("the appearance loop was run before") != std::string::npos;
+    };
+    const std::string skin = folder / "out/skin.mixtures";
+    CHECK_FALSE(slice("", "plain"));
+    CHECK_FALSE(std::filesystem::exists(folder / "plain/skin.mixtures"));
+    CHECK_FALSE(slice("--keep-loop", "out"));
+    CHECK(layers_of(folder / "out") == layers_of(folder / "plain"));
+    const std::string kept = read_file(skin);
+    CHECK(slice("--keep-loop --overwrite --layers 0-20", "out"));
+    CHECK_FALSE(slice("--layers 0-20", "few"));
+    CHECK(layers_of(folder / "out") == layers_of(folder / "few"));
+    CHECK(read_file(skin) == kept);
+    // Another job's is replaced.
+    CHECK_FALSE(slice("--keep-loop --overwrite --size 2mm", "out"));
+    CHECK(read_file(skin) != kept);
+    CHECK(slice("--keep-loop --overwrite --size 2mm --layers 0-10", "out"));
+    CHECK_FALSE(std::filesystem::exists(folder / "out/loop.checkpoint"));
+}
+
 TEST_CASE("A job that was done is a part with the loop that it kept") {
     const Shelf shelf("jobs");
     const std::string looped = " --size 2mm --iterations 1 --predict none --no-report ";

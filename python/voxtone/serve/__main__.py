@@ -13,10 +13,12 @@ from pathlib import Path
 from ..errors import Error
 from ..options import option_table
 from . import walls
+from .cluster import Cluster
 from .door import Service
 from .limits import GB, Limits
 from .routes import Routes
 from .shop import Shop, ShopIsTaken
+from .watch import NoQueue
 
 
 def _options() -> argparse.Namespace:
@@ -29,6 +31,9 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--memory", type=float, default=0)
     parser.add_argument("--keep-days", type=float, default=0)
     parser.add_argument("--keep-size", type=float, default=0)
+    parser.add_argument("--watch", action="append", default=[])
+    parser.add_argument("--slurm", action="store_true")
+    parser.add_argument("--sbatch-option", action="append", default=[])
     parser.add_argument("--no-browser", action="store_true")
     return parser.parse_args()
 
@@ -52,7 +57,11 @@ def _wait_for_signal() -> None:
 
 def serve(options: argparse.Namespace) -> int:
     limits = Limits()
-    shop = Shop(options.folder, limits, options.jobs, int(options.memory * GB), options.keep_days, int(options.keep_size * GB))
+    cluster = Cluster(tuple(options.sbatch_option)) if options.slurm else None
+    if cluster and cluster.why_not():
+        raise NoQueue(cluster.why_not())
+    shop = Shop(options.folder, limits, options.jobs, int(options.memory * GB), options.keep_days, int(options.keep_size * GB), cluster)
+    shop.watch(options.watch)
     option_table()
     service = Service((options.listen, options.port), shop.token, limits, options.host, Routes(shop))
     name = "127.0.0.1" if options.listen in ("127.0.0.1", "localhost", "0.0.0.0", "::", "::1") else options.listen
@@ -79,7 +88,7 @@ def main() -> int:
     options = _options()
     try:
         return serve(options)
-    except ShopIsTaken as refusal:
+    except (ShopIsTaken, NoQueue) as refusal:
         _say(f"voxtone: {refusal} [invalid-input]")
         return 3
     except Error as error:

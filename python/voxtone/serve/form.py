@@ -17,7 +17,7 @@ from .limits import Limits
 from .refusal import Refusal
 
 #: Where results go, how much of the machine a job has, how the program talks, what only a cluster wants.
-decided_here = frozenset({"model", "out", "for-printer", "overwrite", "report", "resume", "mixtures", "job", "dump-default", "json",
+decided_here = frozenset({"model", "out", "for-printer", "overwrite", "report", "resume", "keep-loop", "mixtures", "job", "dump-default", "json",
                           "progress", "quiet", "threads", "shard", "until", "fail-fast", "quick", "orientations"})
 #: Shown first; all others behind "more".
 basic = ("printer", "resins", "size", "unit", "width", "thickness", "quality", "label")
@@ -39,7 +39,7 @@ def form() -> Dict[str, Any]:
     for option in shown_options():
         groups.setdefault(option.group, []).append({
             "name": option.name, "value": option.value, "default": option.default, "choices": list(option.choices),
-            "flag": option.flag, "many": option.many, "separator": option.separator, "rare": option.rare, "help": option.help,
+            "flag": option.flag, "many": option.many, "separator": option.separator, "rare": option.rare, "help": option.help, "leaves": option.leaves,
             "basic": option.name in basic})
     return {"groups": [{"name": name, "options": options} for name, options in groups.items()], "basic": list(basic),
             "reads": [option.name for option in read_options()]}
@@ -172,8 +172,16 @@ def words_of(what: Dict[str, Any], at: Path, plan: str = "") -> List[str]:
 
 
 def command_of(what: Dict[str, Any], at: Path, out: Path, threads: int, more: Sequence[str] = ()) -> List[str]:
-    run = ["--json", f"--out={out}", *more, *([f"--threads={threads}"] if threads else [])]
+    kept = ["--keep-loop"] if _has_loop(what) else []
+    run = ["--json", f"--out={out}", *kept, *more, *([f"--threads={threads}"] if threads else [])]
     return [what["verb"], *run, *words_of(what, at, PLAN)]
+
+
+def _has_loop(what: Dict[str, Any]) -> bool:
+    """Whether one may be run: what it comes to stays with the job, for when it is changed (again.py)."""
+    said = {**what["options"]}
+    iterations = said.get("iterations", 0 if said.get("quality") == "draft" else "auto")
+    return what["verb"] == "slice" and str(iterations) != "0" and said.get("show", "colour") == "colour"
 
 
 def shell_line(what: Dict[str, Any]) -> str:

@@ -10,7 +10,7 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
-from typing import Dict, IO, List, Optional, Sequence
+from typing import Dict, IO, List, Optional, Sequence, Union
 
 from ..program import environment, program
 from . import walls
@@ -25,14 +25,15 @@ def folders_of_program() -> List[str]:
     return parts + [os.environ[name] for name in ("VOXTONE_HELPERS",) if name in os.environ]
 
 
-def start(words: Sequence[str], at: Path, read: Sequence[Path], write: Path, out: IO[bytes], said: IO[bytes],
-          lock: Optional[int] = None) -> "subprocess.Popen[bytes]":
-    """The program begins in the folder `at`, so that names of files mean those in it."""
+def start(words: Sequence[str], at: Path, read: Sequence[Path], write: Path, out: Union[IO[bytes], int], said: Union[IO[bytes], int],
+          lock: Optional[int] = None, tied: bool = False) -> "subprocess.Popen[bytes]":
+    """The program begins in the folder `at`, so that names of files mean those in it. `tied`: it ends with the thread that
+    starts it."""
     temporary = write / "tmp"
     temporary.mkdir(exist_ok=True)
     variables: Dict[str, str] = {**environment(), "TMPDIR": str(temporary)}
     paths = [word for path in (*folders_of_program(), *map(str, read)) for word in ("--read", path)]
-    command = [sys.executable, "-I", "-S", _walls, str(-1 if lock is None else lock), *paths, "--write", str(write), "--",
+    command = [sys.executable, "-I", "-S", _walls, str(-1 if lock is None else lock), *paths, "--write", str(write), *(["--tied", str(os.getpid())] if tied else []), "--",
                program(), *words]
     return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=out, stderr=said, cwd=at, env=variables,
                             start_new_session=True, pass_fds=[] if lock is None else [lock])

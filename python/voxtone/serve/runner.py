@@ -13,7 +13,9 @@ import time
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional
 
-from . import process
+from . import again, process
+from .cluster import Cluster, ClusterRun
+from .cluster import at_once as in_slurm_at_once
 from .files import tree_bytes
 from .form import command_of
 from .limits import Limits, bytes_text, free_bytes
@@ -23,6 +25,8 @@ from .store import CANCELLED, DONE, FAILED, HELD, RUNNING, WAITING, Job, Store, 
 _look_s = 0.5  #: at what runs
 _most_kills = 3
 _most_tries_again = 20
+_known_loop = "the appearance loop was run before"  #: as the program notes it
+_all_of_it = "all of it"
 _save_s = 30  #: that jobs have to save themselves
 
 
@@ -34,6 +38,8 @@ class Running:
         self.rest = b""
         self.last: Dict[str, Any] = {}
         self.warnings: List[str] = []
+        self.stages = 0  #: that it began, of this try
+        self.known_loops = 0  #: that were run before
         self.asked = ""  #: the wish that it was told of
         self.asked_at = 0.0
 
@@ -62,10 +68,36 @@ class Running:
         os.close(lock)
         return True
 
+    def end(self, wish: str, late: bool) -> bool:
+        """Whether it was told to."""
+        return process.send(self.job.lock, signal.SIGKILL if late else signal.SIGINT if wish == "cancel" else signal.SIGTERM)
+
+
+class InSlurm(Running):
+    """Its events are made of what its tasks write."""
+
+    def __init__(self, job: Job, cluster: Cluster, at: int) -> None:
+        super().__init__(job, None, at)
+        self._run = ClusterRun(job, cluster)
+
+    def has_ended(self) -> bool:
+        event = self._run.event()
+        if event:
+            self.warnings = event.pop("warnings", self.warnings)
+            with open(self.job.events, "ab") as out:
+                out.write(json.dumps(event, separators=(",", ":")).encode() + b"\n")
+        return self._run.is_over
+
+    def end(self, wish: str, late: bool) -> bool:
+        return wish == "stop" or self._run.cancel()  # a service that ends leaves it there
+
 
 class Runner:
-    def __init__(self, store: Store, limits: Limits, at_once: int = 1, memory_bytes: int = 0) -> None:
-        self._store, self._limits, self._at_once = store, limits, at_once
+    """`cluster`: what Slurm is asked with, where jobs are handed to it."""
+
+    def __init__(self, store: Store, limits: Limits, at_once: int = 1, memory_bytes: int = 0, cluster: Optional[Cluster] = None) -> None:
+        self._store, self._limits, self.cluster = store, limits, cluster
+        self._at_once = in_slurm_at_once if cluster else at_once
         self._memory = memory_bytes or os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
         self._running: Dict[str, Running] = {}
         self._wake = threading.Condition()
@@ -140,6 +172,7 @@ class Runner:
             for running in list(self._running.values()):
                 self._guarded(running.job, functools.partial(self._look_at, running))
             if self._stopping:
+                self._running = {key: running for key, running in self._running.items() if not isinstance(running, InSlurm)}  # they go on
                 if not self._running:
                     return
                 continue
@@ -167,6 +200,9 @@ class Runner:
 
     def _find_again(self, job: Job) -> None:
         """A job that ran when the service ended: at work still, or over."""
+        if job.state.in_slurm:
+            self._running[job.id] = InSlurm(job, self.cluster or Cluster(), job.events.stat().st_size if job.events.is_file() else 0)
+            return
         events = job.events.read_bytes() if job.events.is_file() else b""
         begin = events.rfind(b'{"event":"start"')
         running = Running(job, None, max(begin, 0))
@@ -185,7 +221,7 @@ class Runner:
     def _has_memory(self, job: Job) -> bool:
         def needs(one: Job) -> int:
             return int((one.what.get("estimate") or {}).get("memory_bytes") or self._memory // 2)
-        return not self._running or sum(needs(r.job) for r in self._running.values()) + needs(job) <= self._memory
+        return bool(self.cluster) or not self._running or sum(needs(r.job) for r in self._running.values()) + needs(job) <= self._memory
 
     def _has_room(self, job: Job) -> bool:
         wanted = self._limits.free_bytes + int((job.what.get("estimate") or {}).get("disk_bytes") or 0)
@@ -205,7 +241,8 @@ class Runner:
             self._find_again(job)  # nobody but we starts it: it was begun before
             return
         try:
-            self._store.change(job, state=RUNNING, wish="", tries=job.state.tries + 1, started=time.time(), message="", ended=0)
+            self._store.change(job, state=RUNNING, wish="", tries=job.state.tries + 1, started=time.time(), message="", ended=0,
+                               in_slurm=bool(self.cluster))
             threads = max(1, (os.cpu_count() or 1) // self._at_once) if self._at_once > 1 else 0
             words = command_of(job.what, job.input, job.out, threads, _how_to_begin(job.out))
             end = job.events.stat().st_size if job.events.exists() else 0
@@ -214,6 +251,9 @@ class Runner:
                 out.write(begin + json.dumps({"event": "start", "try": job.state.tries, "at": time.time()},
                                              separators=(",", ":")).encode() + b"\n")
                 out.flush()
+                if self.cluster:
+                    self._running[job.id] = InSlurm(job, self.cluster, end)
+                    return
                 child = process.start(words, job.input, [job.input], job.folder, out, said, lock)
         finally:
             os.close(lock)
@@ -230,7 +270,7 @@ class Runner:
         wish = "stop" if self._stopping else job.state.wish
         if wish in ("cancel", "hold", "stop") and (wish != running.asked or time.time() - running.asked_at > _save_s):
             late = wish == running.asked
-            if process.send(job.lock, signal.SIGKILL if late else signal.SIGINT if wish == "cancel" else signal.SIGTERM):
+            if running.end(wish, late):
                 running.asked, running.asked_at = wish, time.time()
                 self._store.tell(job)
 
@@ -243,7 +283,11 @@ class Runner:
             if kind == "start":
                 job.progress = {"stage": "starts"}
                 running.warnings = []
+                running.stages = running.known_loops = 0
+            elif kind == "note" and str(event.get("message", "")).startswith(_known_loop):
+                running.known_loops += 1
             elif kind == "stage" and event.get("state") == "begin":
+                running.stages += 1
                 job.progress = {**job.progress, "stage": event.get("stage"), "done": 0, "steps": event.get("steps"),
                                 "unit": event.get("unit")}
             elif kind == "progress":
@@ -266,8 +310,11 @@ class Runner:
         if last.get("event") == "result":
             result = last["result"] if isinstance(last.get("result"), dict) else {}
             verdict = result.get("verdict")
+            reused = _reused(job, running)
+            if reused == _all_of_it:
+                ended["warnings"] = job.state.warnings
             self._store.change(job, state=DONE, exit_code=0 if code is None else code, message="", bytes=tree_bytes(job.folder),
-                               verdict=verdict if isinstance(verdict, dict) else None, **ended)
+                               verdict=verdict if isinstance(verdict, dict) else None, reused=reused, made_by=again.this_program(), **ended)
             return
         if last.get("event") == "error":
             code = int(last.get("exit_code") or 1)
@@ -295,6 +342,15 @@ class Runner:
         if code == 75 and job.state.tries < _most_tries_again:
             return {"state": WAITING, "message": message, "not_before": time.time() + min(600, 5 * 2 ** job.state.tries)}
         return {"state": FAILED, "exit_code": code, "message": message or f"ended with exit code {code}"}
+
+
+def _reused(job: Job, running: Running) -> str:
+    """As the program told: it began nothing, or took loops for done."""
+    if job.what.get("takes") == again.STACK and not running.stages:
+        return _all_of_it
+    if not running.known_loops:
+        return ""
+    return "what the appearance loop came to" if job.what["verb"] == "slice" else f"what the loops of {running.known_loops} parts came to"
 
 
 def _how_to_begin(out: Path) -> List[str]:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-import threading
 import time
 from pathlib import Path
 from typing import Any, Dict, List, Optional
 
 from . import process
 from .asking import Asking
+from .cluster import Cluster
 from .events import News
 from .files import read_json, write_json
 from .form import (checked_model, checked_options, checked_parts, option_words, words_of)
@@ -20,6 +20,7 @@ from .runner import Runner
 from .store import HELD, WAITING, Job, Store
 from .tokens import Token
 from .upload import Uploads, files_of, likely_models
+from .watch import Watch, watches_of
 
 _format = {"format": "voxtone-shop", "version": 1}
 
@@ -30,18 +31,18 @@ class ShopIsTaken(Exception):
 
 class Shop:
     def __init__(self, folder: Path, limits: Limits, at_once: int = 1, memory_bytes: int = 0, keep_days: float = 0,
-                 keep_bytes: int = 0) -> None:
+                 keep_bytes: int = 0, cluster: Optional[Cluster] = None) -> None:
         self.folder, self.limits = folder.resolve(), limits
         self._claim()
         self.news = News()
         self.token = Token(self.folder / "token")
         self.uploads = Uploads(self.folder / "uploads", limits)
         self.store = Store(self.folder / "jobs", limits, self._tell)
-        self.runner = Runner(self.store, limits, at_once, memory_bytes)
+        self.runner = Runner(self.store, limits, at_once, memory_bytes, cluster)
         self.runner.tell_shop = lambda: self.news.tell("shop")
         self.asking = Asking(self.folder / "asking")
         self.retention = Retention(self.store, keep_days, keep_bytes)
-        self._hand_in = threading.Lock()
+        self.watches: List[Watch] = []
 
     def _claim(self) -> None:
         """A folder that is not there, is empty or is a shop's. Raises ShopIsTaken."""
@@ -59,11 +60,19 @@ class Shop:
         if known is None:
             write_json(self.folder / "shop.json", _format)
 
+    def watch(self, words: List[str]) -> None:
+        """NAME=FOLDER of each queue. Raises NoQueue."""
+        self.watches = watches_of(self, words)
+
     def begin(self) -> None:
         self.runner.begin()
         self.retention.begin()
+        for watch in self.watches:
+            watch.begin()
 
     def stop(self) -> None:
+        for watch in self.watches:
+            watch.stop()
         self.news.close()
         self.runner.stop()
 
@@ -71,7 +80,7 @@ class Shop:
         job.revision = self.news.tell(job.id)
 
     def state(self) -> Dict[str, Any]:
-        return {"paused": self.runner.paused, "keeps": self.retention.sentence()}
+        return {"paused": self.runner.paused, "keeps": self.retention.sentence(), "watches": [watch.state() for watch in self.watches]}
 
     # Handing in.
 
@@ -99,8 +108,9 @@ class Shop:
         return {"verb": "slice", "model": checked_model(model, names), "parts": None,
                 "options": checked_options(asked.get("options", {}))}
 
-    def hand_in(self, asked: Dict[str, Any], key: str = "") -> List[Job]:
-        """`copies` jobs of one request. Asked twice with one key they are the same jobs."""
+    def hand_in(self, asked: Dict[str, Any], key: str = "", queue: str = "") -> List[Job]:
+        """`copies` jobs of one request. Asked twice with one key they are the same jobs. `queue`: the hot folder that they
+        came by."""
         source = self.source_of(asked)
         what = self.checked(asked, source)
         copies = asked.get("copies", 1)
@@ -110,11 +120,14 @@ class Shop:
         name = asked.get("name") or what["model"] or f"tray of {len(what['parts'])}"
         if not isinstance(name, str) or len(name) > 300:
             raise Refusal(400, "\"name\" is a text of up to 300 characters")
+        what["queue"] = queue
         what["name"] = "".join(c for c in name if c.isprintable()).strip() or "job"
         what["estimate"] = _figures(asked.get("estimate"))
         what["changed_from"] = asked.get("changed_from") if isinstance(asked.get("changed_from"), str) else None
         state = HELD if asked.get("held") is True else WAITING
-        jobs = [self.store.add({**what, "key": f"{key}-{copy}" if key else "", **(_numbered(what, copy, copies))}, source, state)
+        # A cluster's tasks begin in an empty folder (docs/batch.md).
+        finished = None if "upload" in asked or self.runner.cluster else self.store.get(str(asked["job"]))
+        jobs = [self.store.add({**what, "key": f"{key}-{copy}" if key else "", **(_numbered(what, copy, copies))}, source, state, finished)
                 for copy in range(copies)]
         self.runner.wake()
         return jobs

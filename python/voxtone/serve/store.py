@@ -15,6 +15,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional
 
+from . import again
 from .files import link_tree, read_json, sync_folder, write_json
 from .limits import Limits
 from .refusal import Refusal
@@ -42,6 +43,9 @@ class State:
     bytes: int = 0  #: on disk, once it has ended
     kept: bool = False  #: never goes by age or size
     leaves: float = 0  #: when it goes; 0: it does not
+    in_slurm: bool = False  #: where it runs
+    made_by: str = ""  #: the program, once it is done
+    reused: str = ""  #: in words: what was not made anew
 
 
 @dataclass
@@ -69,11 +73,15 @@ class Job:
     def lock(self) -> Path:
         return self.folder / "running.lock"
 
+    @property
+    def keeps_loop(self) -> bool:
+        return (self.out / again.SKIN).is_file()
+
     def summary(self) -> Dict[str, Any]:
         told = asdict(self.state)
         return {"id": self.id, **{key: self.what.get(key) for key in ("name", "verb", "model", "parts", "options", "created",
-                                                                      "estimate", "changed_from")},
-                **told, "revision": self.revision, "progress": self.progress,
+                                                                      "estimate", "changed_from", "queue")},
+                **told, "revision": self.revision, "progress": self.progress, "keeps_loop": self.keeps_loop,
                 "has_report": (self.out / "report.html").is_file(), "has_stack": (self.out / "manifest.json").is_file()}
 
 
@@ -122,14 +130,16 @@ class Store:
         with self.lock:
             return self._jobs.get(self._by_key.get(key, ""))
 
-    def add(self, what: Dict[str, Any], source: Path, state: str = WAITING) -> Job:
-        """Once it returns the job is there, whatever happens. One key is one job."""
+    def add(self, what: Dict[str, Any], source: Path, state: str = WAITING, finished: Optional[Job] = None) -> Job:
+        """Once it returns the job is there, whatever happens. One key is one job. `finished`: whose files it takes, and
+        what of its results stays."""
         job_id = new_id()
         new = self.folder / f".{job_id}.new"
         try:
             new.mkdir()
             link_tree(source, new / "input")
             (new / "out").mkdir()
+            what = {**what, "takes": self._take_over(what, finished, new / "out")}
             with self.lock:
                 known = self.handed_in(what.get("key") or "")
                 if known:
@@ -138,6 +148,8 @@ class Store:
                     raise Refusal(429, f"{self._limits.jobs} jobs are here, and no more are taken; remove some that are done")
                 order = 1 + max([job.state.order for job in self._jobs.values()], default=0)
                 job = Job(job_id, self.folder / job_id, {**what, "created": time.time()}, State(state=state, order=order))
+                if finished and what["takes"] == again.STACK:  # nothing is said of it anew
+                    job.state.warnings = finished.state.warnings
                 write_json(new / "state.json", asdict(job.state))
                 write_json(new / "job.json", job.what)
                 os.rename(new, job.folder)
@@ -147,6 +159,15 @@ class Store:
             shutil.rmtree(new, ignore_errors=True)
         self._news(job)
         return job
+
+    @staticmethod
+    def _take_over(what: Dict[str, Any], finished: Optional[Job], out: Path) -> str:
+        if finished is None or finished.state.state != DONE:
+            return again.NOTHING
+        stays = again.what_stays(finished.what, what)
+        if stays == again.STACK and finished.state.made_by != again.this_program():
+            return again.NOTHING
+        return again.take_over(finished.out, out, stays)
 
     def change(self, job: Job, lasting: bool = True, **changes: Any) -> None:
         with self.lock:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Becomes a program that sees the files of its job alone (Landlock, Linux 5.19), run by its file:
 
-    python3 -I walls.py LOCK --read PATH... --write PATH... -- PROGRAM ARGUMENT...
+    python3 -I walls.py LOCK --read PATH... --write PATH... [--tied PID] -- PROGRAM ARGUMENT...
 
 The descriptor LOCK (-1: none) is locked by who started it and stays so until the program and all that it starts have
 ended; the file says who that is, "PID START_TIME". Where the kernel knows no Landlock there are no walls: names of files
@@ -10,11 +10,13 @@ from __future__ import annotations
 
 import ctypes
 import os
+import signal
 import sys
 from typing import Dict, List, Sequence
 
 _create_ruleset, _add_rule, _restrict_self = 444, 445, 446
 _no_new_privileges = 38
+_signal_with_parent = 1
 _path_beneath = 1
 #: linux/landlock.h: execute, write, read file, read dir, remove dir, remove file, make char, dir, reg, sock, fifo, block,
 #: sym, refer (2), truncate (3).
@@ -88,13 +90,17 @@ def start_time(pid: int) -> str:
 
 def main() -> None:
     lock, words = int(sys.argv[1]), sys.argv[2:]
-    paths: Dict[str, List[str]] = {"--read": [], "--write": []}
+    paths: Dict[str, List[str]] = {"--read": [], "--write": [], "--tied": []}
     while words[0] != "--":
         paths[words[0]].append(words[1])
         words = words[2:]
     if lock >= 0:
         os.ftruncate(lock, 0)
         os.pwrite(lock, f"{os.getpid()} {start_time(os.getpid())}\n".encode(), 0)
+    for parent in paths["--tied"]:
+        _libc.prctl(_signal_with_parent, signal.SIGTERM, 0, 0, 0)
+        if os.getppid() != int(parent):  # it has ended already
+            return
     build_walls(paths["--read"], paths["--write"])
     os.execv(words[1], words[1:])
 

@@ -130,6 +130,10 @@ TEST_CASE("A model waits for the files that it names, one after the other, and i
     CHECK(inbox.at(100).empty());       // each that comes gives the others time
     CHECK(inbox.at(103) == "s.obj");
     CHECK(inbox.at(500).empty());
+    const fs::path folder = inbox.folder.path();
+    CHECK(inbox.arrivals.beside(folder / "s.obj") ==
+          std::vector{folder / "s.mtl", folder / "tex.png", folder / "textures/more.png"});
+    CHECK(inbox.arrivals.beside(folder / "other.obj").empty());
 }
 
 TEST_CASE("What does not come in time is done without, and done again when it comes") {

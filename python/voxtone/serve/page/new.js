@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What was dropped: handed in, read, chosen for, estimated, sliced. Files that came together are a group with one form.
 import {Form} from "./form.js";
-import {Plate} from "./plate.js";
+import {ownOf, Plate} from "./plate.js";
 import {alertOf, ask, bytesText, guarded, key, make, say, shellWord, sizeText, timeText} from "./tools.js";
 
 let table, lists;
@@ -63,7 +63,7 @@ async function handIn(files) {
 }
 
 export class Group {
-  /// `source`: {upload} or {job}, whose files they are.
+  /// `source`: {upload} or {job}, whose files they are. `from`: the finished job that is changed.
   constructor(source, files, models, options = {}, from = null) {
     Object.assign(this, {source, files, from, models: models.map((name) => ({name, figures: null})), who: key(), key: key(), round: 0});
     this.list = make("ul", {className: "models"});
@@ -73,7 +73,8 @@ export class Group {
     this.slice = make("button", {type: "button", className: "main", onclick: guarded(() => this.handIn(false))}, "Slice");
     this.plateHere = make("div");
     this.tray = make("button", {type: "button", onclick: guarded(() => this.showPlate())}, "Arrange as one tray");
-    this.element = make("article", {className: "group"}, this.list, this.form.element,
+    this.stays = make("p", {className: "soft"});
+    this.element = make("article", {className: "group"}, this.list, this.stays, this.form.element,
       make("details", {}, make("summary", {}, "The same at the console"), this.line,
         make("button", {type: "button", onclick: () => navigator.clipboard?.writeText(this.line.textContent)}, "copy")),
       this.plateHere,
@@ -129,6 +130,7 @@ export class Group {
       (Array.isArray(value) ? value : [value]).map((one) => one === true ? `--${option}` : one === false ? `--no-${option}` : `--${option}=${shellWord(String(one))}`));
     this.line.textContent = ["voxtone slice", ...this.models.map((model) => shellWord(model.name)), ...words, "-o", shellWord(`out/${name.replace(/\.[^.]*$/, "")}`)].join(" ");
     this.plate?.changed();
+    this.stays.textContent = this.from ? staysText(this.from, this.form.values) : "";
     setTimeout(() => {
       if (round !== this.round) return;
       for (const model of this.models) this.read(model);
@@ -183,8 +185,8 @@ export class Group {
     this.changed();
   }
 
-  async showPlate() {
-    this.plate = new Plate(this, lists.printers);
+  async showPlate(parts = null) {
+    this.plate = new Plate(this, lists.printers, parts);
     this.plateHere.replaceChildren(this.plate.element);
     this.tray.hidden = true;
     this.slice.textContent = "Slice the tray";
@@ -198,7 +200,7 @@ export class Group {
       } else {
         for (const [at, model] of this.models.entries())
           await ask("POST", "/jobs", this.body(model, {copies: Math.max(1, Math.round(Number(this.copies.value)) || 1), held,
-            estimate: model.figures, changed_from: this.from}), {"Idempotency-Key": `${this.key}-${at}`});
+            estimate: model.figures, changed_from: this.from?.id}), {"Idempotency-Key": `${this.key}-${at}`});
       }
     } finally {
       this.slice.disabled = false;
@@ -212,6 +214,19 @@ export class Group {
     this.element.remove();
     document.getElementById("new-title").scrollIntoView({block: "nearest"});
   }
+}
+
+/// What of a finished job is not made anew (again.py decides), before it is sliced again.
+function staysText(job, values) {
+  if (job.state !== "done") return "";
+  if (job.parts) return "Parts that stay as they are keep what their loops came to.";
+  const leaves = new Map(table.groups.flatMap((group) => group.options).map((option) => [option.name, option.leaves]));
+  const changed = [...new Set([...Object.keys(job.options), ...Object.keys(values)])].filter((name) => String(job.options[name] ?? "") !== String(values[name] ?? ""));
+  const anew = changed.filter((name) => leaves.get(name) === "nothing");
+  if (anew.length) return `${anew.join(", ")}: the print is another, and all of it is made anew.`;
+  if (changed.some((name) => leaves.get(name) === "loop"))
+    return job.keeps_loop ? "What the appearance loop came to stays; layers and report are made anew." : "All of it is made anew.";
+  return "Nothing that the print depends on is changed: the finished one is taken over.";
 }
 
 /// Of `voxtone read`.
@@ -229,10 +244,11 @@ export async function changeAndSliceAgain(job) {
   await known;
   const told = await ask("GET", `/jobs/${job.id}/files`);
   if (job.parts) {
-    const group = new Group({job: job.id}, told.files, [...new Set(job.parts.map((part) => part.model).filter(Boolean))], job.options, job.id);
-    return group.showPlate();
+    const group = new Group({job: job.id}, told.files, [...new Set(job.parts.map((part) => part.model).filter(Boolean))], {...job.options, ...ownOf(job.parts[0])}, job);
+    group.element.scrollIntoView();
+    return group.showPlate(job.parts);
   }
-  new Group({job: job.id}, told.files, [job.model], job.options, job.id).element.scrollIntoView();
+  new Group({job: job.id}, told.files, [job.model], job.options, job).element.scrollIntoView();
 }
 
 export function listen() {

@@ -7,7 +7,8 @@ import {alertOf, ask} from "./tools.js";
 const queue = new Queue((job) => result.show(job));
 const result = new Result(queue);
 
-function tellShop({paused, keeps}) {
+function tellShop({paused, keeps, watches}) {
+  queue.watch(watches);
   document.getElementById("shop").textContent = paused || keeps;
   document.getElementById("shop").className = paused ? "failed" : "";
 }

@@ -9,24 +9,48 @@ const svgOf = (kind, attributes = {}) => {
   return made;
 };
 
+const turn = "z90";
+const ownOptions = ["size", "scale", "unit", "width", "thickness", "rotate"];
+
+function said(part) {
+  const words = part.rotate ? part.rotate.split(",") : [];
+  const turned = words.at(-1) === turn;
+  return {turned, rotate: (turned ? words.slice(0, -1) : words).join(",")};
+}
+
+/// What the parts of a tray have of their own, which the form says of all.
+export function ownOf(part) {
+  const {rotate} = said(part);
+  const own = Object.fromEntries(Object.entries(part).filter(([name]) => ownOptions.includes(name) && name !== "rotate"));
+  return rotate ? {...own, rotate} : own;
+}
+
 export class Plate {
-  constructor(group, printers) {
+  /// `parts`: of a tray that is changed, which lie as they lay.
+  constructor(group, printers, parts = null) {
     this.group = group;
     this.printers = printers;
     this.svg = svgOf("svg", {class: "plate", role: "group", "aria-label": "the tray from above"});
     this.told = make("p", {className: "soft", role: "status"});
     this.rows = make("ul", {className: "models"});
     this.element = make("div", {}, make("p", {}, "Drag parts; arrow keys move the chosen one by 1 mm, with Shift by 10, R turns it, L locks it, Delete takes it away."),
-      make("div", {className: "acts"}, make("button", {type: "button", onclick: () => { this.arrange(); this.draw(); }}, "arrange"),
+      make("div", {className: "acts"}, make("button", {type: "button", onclick: () => { this.byHand = false; this.arrange(); this.draw(); }}, "arrange"),
         ...group.models.map((model) => make("button", {type: "button", onclick: () => { this.add(model); this.arrange(); this.draw(); }}, `one more ${model.name}`))),
       this.svg, this.told);
-    this.places = group.models.map((model) => this.place(model));
-    this.arrange();
+    this.byHand = Boolean(parts);  // then it is not arranged anew where an estimate comes
+    this.places = parts ? parts.flatMap((part) => this.placesOf(part)) : group.models.map((model) => this.place(model));
+    if (!parts) this.arrange();
     this.draw();
   }
 
   place(model) {
     return {model, x: 0, y: 0, turned: false, locked: false};
+  }
+
+  placesOf(part) {
+    const model = this.group.models.find((one) => one.name === part.model);
+    const at = Array.isArray(part.at?.[0]) ? part.at : part.at ? [part.at] : Array(part.copies ?? 1).fill([0, 0]);
+    return model ? at.map(([x, y]) => ({model, x, y, turned: said(part).turned, locked: false})) : [];
   }
 
   add(model) {
@@ -45,7 +69,7 @@ export class Plate {
   }
 
   changed() {
-    this.arrange();
+    if (!this.byHand) this.arrange();
     this.draw();
   }
 
@@ -122,6 +146,7 @@ export class Plate {
     event.preventDefault();
     this.chosen = place;
     if (place.locked) return;
+    this.byHand = true;
     const scale = this.svg.getScreenCTM().a;
     this.held = this.seen(...this.bed());  // what is under the hand stays there
     const begin = {x: event.clientX, y: event.clientY, px: place.x, py: place.y};
@@ -148,6 +173,7 @@ export class Plate {
     else if (event.key === "l" || event.key === "L") place.locked = !place.locked;
     else if (event.key === "Delete" && this.places.length > 1) this.places = this.places.filter((one) => one !== place);
     else return;
+    this.byHand = true;
     event.preventDefault();
     this.draw();
   }
@@ -161,7 +187,7 @@ export class Plate {
     }
     const own = this.ownOptions();
     return [...kinds.values()].map((places) => {
-      const rotate = [own.rotate, places[0].turned ? "z90" : ""].filter(Boolean).join(",");
+      const rotate = [own.rotate, places[0].turned ? turn : ""].filter(Boolean).join(",");
       const at = places.map((place) => [Math.max(0, place.x), Math.max(0, place.y)]);
       return {model: places[0].model.name, ...own, ...(rotate ? {rotate} : {}), copies: places.length, at: at.length > 1 ? at : at[0]};
     });
@@ -169,8 +195,7 @@ export class Plate {
 
   /// Of parts; the rest are the tray's.
   ownOptions() {
-    const parts = ["size", "scale", "unit", "width", "thickness", "rotate"];
-    return Object.fromEntries(Object.entries(this.group.form.values).filter(([name]) => parts.includes(name)));
+    return Object.fromEntries(Object.entries(this.group.form.values).filter(([name]) => ownOptions.includes(name)));
   }
 
   options() {

@@ -20,6 +20,32 @@ export class Queue {
     this.rows = new Map();
     this.chosen = chosen;
     this.element = document.getElementById("jobs");
+    this.only = "";  // the queue whose jobs are shown; empty: all
+    this.watches = [];
+  }
+
+  /// Hot folders: what each waits for and said of late, and a choice of whose jobs are seen.
+  watch(watches) {
+    this.watches = watches;
+    const place = document.getElementById("watches");
+    const open = place.querySelector("select") === document.activeElement;
+    if (!watches.length || open) return;
+    const choice = make("select", {"aria-label": "which jobs are shown"}, make("option", {value: ""}, "all queues"), make("option", {value: "-"}, "handed in here"),
+      ...watches.map(({name}) => make("option", {value: name}, name)));
+    choice.value = this.only;
+    choice.addEventListener("change", () => {
+      this.only = choice.value;
+      for (const row of this.rows.values()) this.hideOthers(row);
+      this.arrange();
+    });
+    place.replaceChildren(make("p", {}, choice), ...watches.flatMap(({name, folder, options, waits, why, said}) => [
+      make("p", {className: "soft"}, make("b", {}, name), ` takes what arrives in ${folder}, with ${options ? `the options of watch/${options}` : "default options"}`),
+      waits ? make("p", {className: "warned"}, `${name}: ${waits} cannot be taken yet: ${why}`) : null,
+      ...said.map((text) => make("p", {className: "soft"}, `${name}: ${text}`))].filter(Boolean)));
+  }
+
+  hideOthers(row) {
+    row.hidden = Boolean(this.only) && (row.job.queue || "-") !== this.only;
   }
 
   all(jobs) {
@@ -49,13 +75,14 @@ export class Queue {
 
   arrange() {
     const sorted = [...this.jobs.values()].sort(before);
+    const seen = sorted.filter((job) => !this.rows.get(job.id)?.hidden);
     let at = this.element.firstElementChild;
     for (const job of sorted) {
       const row = this.rows.get(job.id);
       if (row === at) at = at.nextElementSibling;
       else this.element.insertBefore(row, at);
     }
-    const count = (state) => sorted.filter((job) => job.state === state).length;
+    const count = (state) => seen.filter((job) => job.state === state).length;
     const told = ["running", "waiting", "held", "failed", "done"].filter(count).map((state) => `${count(state)} ${state}`).join(", ");
     document.getElementById("counts").textContent = told && `(${told})`;
     document.getElementById("empty").hidden = sorted.length > 0;
@@ -68,11 +95,14 @@ export class Queue {
       this.rows.set(job.id, row);
       row.name = make("button", {type: "button", className: "name", onclick: () => this.chosen(row.job)}, job.name);
       row.state = make("span");
+      row.of = make("span", {className: "soft"});
       row.told = make("div");
       row.acts = make("div", {className: "acts"});
-      row.append(make("div", {className: "head"}, row.name, row.state), row.told, row.acts);
+      row.append(make("div", {className: "head"}, make("span", {}, row.name, row.of), row.state), row.told, row.acts);
     }
     row.job = job;
+    row.of.textContent = job.queue ? ` ${job.queue}` : "";
+    this.hideOthers(row);
     row.state.className = `state ${job.state}`;
     row.state.textContent = job.wish === "cancel" ? "ends" : job.wish === "hold" ? "saves itself" : job.state;
     this.tell(row, job);
@@ -101,7 +131,7 @@ export class Queue {
     }
     if (job.message && job.state !== "running") lines.push(make("p", {className: job.state === "failed" ? "failed" : "soft"}, job.message));
     if (job.verdict) lines.push(make("p", {}, job.verdict.sentence));
-    if (job.state === "done") lines.push(make("p", {className: "soft"}, `made in ${timeText(job.seconds)}`, job.warnings.length ? `, ${job.warnings.length} warnings` : ""));
+    if (job.state === "done") lines.push(make("p", {className: "soft"}, `made in ${timeText(job.seconds)}`, job.reused ? `, not anew: ${job.reused}` : "", job.warnings.length ? `, ${job.warnings.length} warnings` : ""));
     if (job.state === "waiting" && job.estimate?.seconds) lines.push(make("p", {className: "soft"}, `will take about ${timeText(job.estimate.seconds)}`));
     if (job.leaves) lines.push(make("p", {className: "warned"}, `goes ${new Date(job.leaves * 1000).toLocaleString()}, unless it is kept`));
     row.told.replaceChildren(...lines);

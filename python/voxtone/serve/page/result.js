@@ -48,6 +48,7 @@ export class Result {
     const figures = [job.state, job.seconds ? timeText(job.seconds) : "", job.bytes ? bytesText(job.bytes) : ""].filter(Boolean).join(", ");
     return [
       make("p", {className: "soft"}, figures),
+      job.reused ? make("p", {className: "soft"}, `taken over from the finished one: ${job.reused}`) : null,
       job.message ? make("p", {className: job.state === "failed" ? "failed" : "soft"}, job.message) : null,
       job.verdict ? make("p", {}, job.verdict.sentence) : null,
       ...job.warnings.map((text) => make("p", {className: "warned"}, text)),
