@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Jobs that Slurm runs. Each is a batch of one in the job's own folder (`voxtone batch --slurm`), whose command is safe to
+"""Jobs that Slurm runs. Each is a batch of one in SHOP/jobs/ID/cluster (`voxtone batch --slurm`), whose command is safe to
 repeat: it hands over what is left, and nothing that waits or runs. So a service that was killed asks for all of them
-again. What became of a job stands in batch/out.json, which its tasks write (data/schema/batch-job.schema.json)."""
+again. What became of a job its tasks write (data/schema/batch-job.schema.json); a whole stack moves to SHOP/jobs/ID/out."""
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
 import threading
@@ -22,7 +23,7 @@ at_once = 500  #: in Slurm; its queue is longer than ours may be
 _handing_over = threading.BoundedSemaphore(2)
 _look_s = 2.0
 _plan = ".cluster.jsonl"
-_name = "out"  #: of the one job: SHOP/jobs/ID/out is what it makes
+_name = "out"  #: of the one job
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,11 @@ class Cluster:
 
     def words(self, job: Job) -> List[str]:
         said = [f"--sbatch-option={option}" for option in self.sbatch_options]
-        return ["batch", "--slurm", "--json", f"--out={job.folder}", *said, "--", str(job.input / _plan)]
+        return ["batch", "--slurm", "--json", f"--out={folder_of(job)}", *said, "--", str(job.input / _plan)]
+
+
+def folder_of(job: Job) -> Path:
+    return job.folder / "cluster"
 
 
 def write_plan(job: Job) -> None:
@@ -62,7 +67,12 @@ class ClusterRun:
 
     def begin(self) -> None:
         """Once there is a place for it: estimates take a processor."""
-        if self._child or self._is_there or not _handing_over.acquire(blocking=False):
+        if self._child or self._is_there:
+            return
+        if (self._job.out / "manifest.json").is_file():  # when the service was killed it had moved there
+            self._is_there = True
+            return
+        if not _handing_over.acquire(blocking=False):
             return
         self._has_slot = True
         try:
@@ -114,12 +124,22 @@ class ClusterRun:
                 continue
             if event.get("event") == "error":
                 return str(event.get("message"))
-        state = read_json(self._job.folder / "batch" / f"{_name}.json") or {}
+        state = self._told_by_tasks()
         return str(state.get("message") or "Slurm took no job; what was said tells why")
 
+    def _told_by_tasks(self) -> Dict[str, Any]:
+        return read_json(folder_of(self._job) / "batch" / f"{_name}.json") or {}
+
+    def _take_result(self) -> None:
+        made = folder_of(self._job) / _name
+        if made.is_dir():
+            shutil.rmtree(self._job.out, ignore_errors=True)
+            os.rename(made, self._job.out)
+
     def _state(self) -> Optional[Dict[str, Any]]:
-        state = read_json(self._job.folder / "batch" / f"{_name}.json") or {}
+        state = self._told_by_tasks()
         if state.get("state") == "done":
+            self._take_result()
             return self._over({"event": "result", "result": read_json(self._job.out / "report.json") or {},
                                "warnings": list((state.get("figures") or {}).get("warnings") or [])})
         if state.get("state") == "failed":
@@ -128,7 +148,7 @@ class ClusterRun:
         return {"event": "stage", "stage": stage, "state": "begin", "steps": 0} if self._job.progress.get("stage") != stage else None
 
     def numbers(self) -> List[str]:
-        folder = self._job.folder / "batch" / "slurm"
+        folder = folder_of(self._job) / "batch" / "slurm"
         stages = (read_json(folder / _name / "submission.json") or {}).get("stages") or []
         closing = (read_json(folder / ".last.json") or {}).get("number")
         return [str(number) for stage in stages for number in stage.get("numbers") or []] + ([str(closing)] if closing else [])
