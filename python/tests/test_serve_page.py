@@ -45,7 +45,7 @@ def faults(browser):
 
 def set_option(browser, name, value):
     browser.evaluate(f"""(() => {{
-        const field = [...document.querySelectorAll('.group .field')].find((one) => one.querySelector('label').innerText.trim() === {json.dumps(name)});
+        const field = [...document.querySelectorAll('.group .field')].find((one) => one.querySelector('label').textContent.trim() === {json.dumps(name)});
         const input = field.querySelector('input, select');
         input.value = {json.dumps(value)};
         input.dispatchEvent(new Event(input.tagName === 'SELECT' ? 'change' : 'input', {{bubbles: true}}));
@@ -65,8 +65,10 @@ def test_dropped_estimated_sliced_and_looked_at(shop, browser, tmp_path):
     browser.wait("document.querySelector('.models img')?.naturalWidth > 300")
     assert browser.evaluate("document.querySelector('.models').innerText").count("colour: vertices") == 1
     seen = browser.evaluate("document.querySelector('.models img').src")
-    set_option(browser, "size", "5mm")
+    set_option(browser, "rotate", "x90")
     browser.wait(f"document.querySelector('.models img').src !== '{seen}' && document.querySelector('.models img').naturalWidth > 300")
+    set_option(browser, "rotate", "")
+    set_option(browser, "size", "5mm")
     browser.wait("document.querySelector('.models').innerText.includes('5.00 × 2.50 × 1.25 mm')")
     assert browser.evaluate("document.querySelector('.field.changed label').innerText") == "size"
     set_option(browser, "size", "banana")

@@ -357,7 +357,7 @@ wait $!
     CHECK(run_shell("sh " + shop.at("watch.sh")) == 85);
     const std::string said = read_file(shop.folder / "said");
     CHECK_THAT(said, Contains(fmt::format(R"({{"event": "arrived", "model": "{}", "beside": ["{}"], "again": false}})",
-                                          shop.at("in/s.obj"), shop.at("in/s.mtl"))));
+                                          (shop.folder / "in/s.obj"), (shop.folder / "in/s.mtl"))));
     CHECK_FALSE(fs::exists(shop.folder / "out"));
     const Outcome outcome = run_program("batch --only-tell plan.jsonl -o " + shop.at("out"));
     CHECK(outcome.exit_code == 2);

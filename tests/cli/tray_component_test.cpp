@@ -297,9 +297,9 @@ TEST_CASE("A finished job keeps its loop for one of another report or other laye
     CHECK(layers_of(folder / "out") == layers_of(folder / "few"));
     CHECK(read_file(skin) == kept);
     // Another job's is replaced.
-    CHECK_FALSE(slice("--keep-loop --overwrite --size 2mm", "out"));
+    CHECK_FALSE(slice("--keep-loop --overwrite --size 4mm", "out"));
     CHECK(read_file(skin) != kept);
-    CHECK(slice("--keep-loop --overwrite --size 2mm --layers 0-10", "out"));
+    CHECK(slice("--keep-loop --overwrite --size 4mm --layers 0-10", "out"));
     CHECK_FALSE(std::filesystem::exists(folder / "out/loop.checkpoint"));
 }
 

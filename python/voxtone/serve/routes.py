@@ -182,8 +182,7 @@ class Routes:
 
     def _estimate(self, door: Door, query: Dict[str, str]) -> None:
         asked = door.json_body()
-        who = str(asked.get("who") or asked.get("upload"))[:80] + (" full" if asked.get("full") is True else "")
-        door.send_json(self._shop.estimate(asked, who))
+        door.send_json(self._shop.estimate(asked, str(asked.get("who") or asked.get("upload"))[:80]))
 
     # Jobs.
 

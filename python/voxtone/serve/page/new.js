@@ -4,6 +4,7 @@ import {Form} from "./form.js";
 import {ownOf, Plate} from "./plate.js";
 import {alertOf, ask, bytesText, guarded, key, make, say, shellWord, sizeText, timeText} from "./tools.js";
 
+const seen = ["rotate", "texture"];  // what changes the picture of a model
 let table, lists;
 const known = Promise.all([ask("GET", "/options"), ask("GET", "/printers"), ask("GET", "/resins")])
   .then(([options, printers, resins]) => { table = options; lists = {printers, resins}; });
@@ -100,9 +101,9 @@ export class Group {
     this.list.append(model.element);
   }
 
-  /// What the file holds, in words and from three sides, as it is read with what was chosen.
+  /// What the file holds, in words and from three sides; sizes as they are chosen the estimate tells.
   async read(model) {
-    const chosen = JSON.stringify(Object.fromEntries(Object.entries(this.form.values).filter(([option]) => table.reads.includes(option))));
+    const chosen = JSON.stringify(Object.fromEntries(Object.entries(this.form.values).filter(([option]) => seen.includes(option) && table.reads.includes(option))));
     if (model.readWith === chosen) return;
     model.readWith = chosen;
     const at = this.source.upload ? `/uploads/${this.source.upload}` : `/jobs/${this.source.job}`;
@@ -135,7 +136,7 @@ export class Group {
       if (round !== this.round) return;
       for (const model of this.models) this.read(model);
       this.estimate(round);
-    }, 120);
+    }, 80);
   }
 
   async estimate(round) {
@@ -232,8 +233,8 @@ function staysText(job, values) {
 /// Of `voxtone read`.
 function contentsText(file) {
   const name = {1: "mm", 10: "cm", 25.4: "inch", 304.8: "foot", 1000: "m"}[file.unit?.mm] ?? `${file.unit?.mm} mm`;
-  const unit = {assumed: "mm assumed, for the file says no unit", asked: `unit as asked: ${name}`, file: `unit by the file: ${name}`}[file.unit?.is] ?? "";
-  const size = file.size_mm ? `${sizeText(file.size_mm)}${unit && ` (${unit})`}` : "";
+  const unit = {assumed: "mm assumed, for it says no unit", file: `unit: ${name}`}[file.unit?.is] ?? "";
+  const size = file.size_mm ? `${sizeText(file.size_mm)} in the file${unit && ` (${unit})`}` : "";
   const counts = file.triangles ? `${file.triangles} triangles${file.parts > 1 ? ` in ${file.parts} parts` : ""}` : "";
   const missing = (file.beside ?? []).filter((one) => !one.found).map((one) => one.file);
   return [file.format, size, counts, file.colour.length ? `colour: ${file.colour.join(", ")}` : "no colour",
