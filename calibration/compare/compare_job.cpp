@@ -110,6 +110,9 @@ std::vector<io::Photograph> read_all(const CompareJob& job, Progress& progress) 
 
 void CompareJob::validate() const {
     if (photos.empty()) throw UsageError("compare: no photograph; give PHOTO... and then the stack that was printed");
+    for (const std::string& photo : photos)
+        if (std::filesystem::is_directory(photo))
+            throw UsageError(fmt::format("{}: is a folder; give the photographs first, and the stack last", photo));
     if (photos.size() > 1 && (read.corners || read.checker_corners))
         throw UsageError("corners given by hand are those of one photograph; compare such photographs one by one");
     if (read.checker_corners && checker == "none")

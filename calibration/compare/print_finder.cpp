@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include <fmt/format.h>
@@ -66,11 +67,15 @@ cv::Mat difference_from_ground(const cv::Mat& bgr) {
     return difference;
 }
 
-std::vector<cv::Point> largest_contour(const cv::Mat& mask) {
+/// Of things of some size, the largest first.
+std::vector<std::vector<cv::Point>> contours_of(const cv::Mat& mask) {
     std::vector<std::vector<cv::Point>> contours;
     cv::findContours(mask, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
-    const auto largest = std::ranges::max_element(contours, {}, [](const auto& c) { return cv::contourArea(c); });
-    return largest == contours.end() ? std::vector<cv::Point>{} : *largest;
+    std::erase_if(contours, [&](const auto& c) {
+        return c.size() < 8 || cv::contourArea(c) < least_share * mask.cols * mask.rows;
+    });
+    std::ranges::sort(contours, [](const auto& a, const auto& b) { return cv::contourArea(a) > cv::contourArea(b); });
+    return contours;
 }
 
 /// The hull's four corners, or nothing where it has not four.
@@ -145,7 +150,7 @@ PrintCorners checked_corners(const io::Photograph& photo, const PrintCorners& co
     return c;
 }
 
-PrintCorners find_print(const io::Photograph& photo) {
+std::vector<PrintCorners> find_prints(const io::Photograph& photo) {
     std::vector<std::uint8_t> codes = finder_bgr(photo);
     const cv::Mat whole(int(photo.height_px), int(photo.width_px), CV_8UC3, codes.data());
     const double scale = std::min(1.0, finder_px / std::max(whole.cols, whole.rows));
@@ -159,23 +164,33 @@ PrintCorners find_print(const io::Photograph& photo) {
     const cv::Mat brush = cv::getStructuringElement(cv::MORPH_RECT, {reach, reach});
     cv::morphologyEx(mask, mask, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_RECT, {3, 3}));
     cv::morphologyEx(mask, mask, cv::MORPH_CLOSE, brush);
-    const std::vector<cv::Point> contour = largest_contour(mask);
-    if (contour.size() < 8 || cv::contourArea(contour) < least_share * small.cols * small.rows)
+    const std::vector<std::vector<cv::Point>> contours = contours_of(mask);
+    if (contours.empty())
         throw InputError(
             fmt::format("{}: no print is found: nothing of size differs from the ground; {}", photo.name, by_hand()));
-    const cv::Rect box = cv::boundingRect(contour);
-    if (box.x <= 1 || box.y <= 1 || box.x + box.width >= small.cols - 1 || box.y + box.height >= small.rows - 1)
+    std::vector<PrintCorners> found;
+    bool cut_off = false;
+    for (const std::vector<cv::Point>& contour : contours) {
+        const cv::Rect box = cv::boundingRect(contour);
+        if (box.x <= 1 || box.y <= 1 || box.x + box.width >= small.cols - 1 || box.y + box.height >= small.rows - 1) {
+            cut_off = true;
+            continue;
+        }
+        const std::optional<PrintCorners> rough = four_corners(contour);
+        if (!rough) continue;
+        PrintCorners corners = refined(*rough, contour);
+        for (Eigen::Vector2d& corner : corners) corner /= scale;
+        found.push_back(checked_corners(photo, corners));
+    }
+    if (found.empty() && cut_off)
         throw InputError(fmt::format(
             "{}: what differs from the ground reaches the edge of the picture, so the print is cut off or the ground "
             "is not of one colour; {}",
             photo.name, by_hand()));
-    const std::optional<PrintCorners> rough = four_corners(contour);
-    if (!rough)
+    if (found.empty())
         throw InputError(
             fmt::format("{}: what differs from the ground has not four corners; {}", photo.name, by_hand()));
-    PrintCorners corners = refined(*rough, contour);
-    for (Eigen::Vector2d& corner : corners) corner /= scale;
-    return checked_corners(photo, corners);
+    return found;
 }
 
 }  // namespace voxtone::calibration

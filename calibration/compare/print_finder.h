@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Where a print lies in its photograph: the largest thing with four corners that differs from the ground around it.
+// Where a print may lie in its photograph: things with four corners that differ from the ground around them.
 //
 // The ground's colour is a plane over the picture, fitted to a band along its border; a pixel differs by how far its
 // code values lie from that. Sides are lines through the edge's points, corners their crossings: blur rounds a corner,
-// it does not move an edge. Cannot tell a print from ground of its own colour, nor from a second thing that touches it.
+// it does not move an edge. Cannot tell a print from ground of its own colour, nor from a second thing that touches
+// it; which of them is the print the prediction tells (print_place.h).
 #pragma once
 
 #include <array>
-#include <optional>
+#include <vector>
 
 #include "calibration/photo/rectify.h"
 #include "io/pictures/photograph.h"
@@ -17,8 +18,8 @@ namespace voxtone::calibration {
 
 using PrintCorners = std::array<Eigen::Vector2d, 4>;  ///< px, clockwise as seen
 
-/// `photograph`: linear. Throws InputError that says what to try.
-[[nodiscard]] PrintCorners find_print(const io::Photograph& photograph);
+/// The largest first, one at least. `photograph`: linear. Throws InputError that says what to try.
+[[nodiscard]] std::vector<PrintCorners> find_prints(const io::Photograph& photograph);
 
 /// Corners by hand, in any order round it. Throws InputError where they are no four-sided figure in the picture.
 [[nodiscard]] PrintCorners checked_corners(const io::Photograph& photograph, const PrintCorners& corners);

@@ -83,33 +83,26 @@ double correlation_of(const cv::Mat& a, const cv::Mat& b) {
 }
 
 /// The prediction in at most this many cells a side.
-struct CoarsePrint {
-    cv::Mat picture;
-    double cells = 1;  ///< of the prediction a side of its own
-};
-
-CoarsePrint coarse_of(const PredictedPrint& print, int most) {
+cv::Mat coarse_of(const PredictedPrint& print, int most) {
     const double by = std::max(1.0, double(std::max(print.columns, print.rows)) / most);
-    const cv::Mat whole = picture_of(print.rgb, print.columns, print.rows);
-    CoarsePrint coarse;
     const cv::Size size(std::max(4, int(std::lround(print.columns / by))),
                         std::max(4, int(std::lround(print.rows / by))));
-    cv::resize(whole, coarse.picture, size, 0, 0, cv::INTER_AREA);
-    coarse.cells = by;
+    cv::Mat coarse;
+    cv::resize(picture_of(print.rgb, print.columns, print.rows), coarse, size, 0, 0, cv::INTER_AREA);
     return coarse;
 }
 
 struct Pose {
     Rectification place;
-    bool mirrored = false;
     double correlation = -2;
 };
 
-/// The best of the eight ways a print can lie.
-std::array<Pose, 2> best_poses(const io::Photograph& photo, const PrintCorners& px, const PredictedPrint& print) {
+/// The best of the eight ways in which each of these may be the print: as it is, and mirrored.
+std::array<Pose, 2> best_poses(const io::Photograph& photo, const std::vector<PrintCorners>& may_be,
+                               const PredictedPrint& print) {
     constexpr int coarse_cells = 64;
-    const CoarsePrint coarse = coarse_of(print, coarse_cells);
-    const cv::Mat expected = features(coarse.picture.clone(), 1);
+    const cv::Mat coarse = coarse_of(print, coarse_cells);
+    const cv::Mat expected = features(coarse.clone(), 1);
     cv::Scalar mean, deviation;
     cv::meanStdDev(expected, mean, deviation);
     if (std::max({deviation[0], deviation[1], deviation[2]}) < least_pattern)
@@ -119,19 +112,20 @@ std::array<Pose, 2> best_poses(const io::Photograph& photo, const PrintCorners& 
                         print.name));
     const PrintCorners own = own_corners(print.size());
     const Eigen::Vector3d no_clip = Eigen::Vector3d::Constant(INFINITY);
-    std::array<Pose, 2> best;  // as it is, and mirrored
-    for (std::size_t turn = 0; turn < 4; ++turn)
-        for (const bool mirrored : {false, true}) {
-            PrintCorners order;
-            for (std::size_t c = 0; c < 4; ++c) order[c] = px[(mirrored ? 4 + turn - c : c + turn) % 4];
-            Pose pose{Rectification::fit(own, order), mirrored, 0};
-            const Eigen::Vector2d grid(coarse.picture.cols, coarse.picture.rows);
-            const PrintPlace place(Rectification::fit(own_corners(grid), order), grid);
-            const CellSamples seen = sample_cells(photo, place, coarse.picture.cols, coarse.picture.rows, no_clip);
-            pose.correlation =
-                correlation_of(features(picture_of(seen.value, coarse.picture.cols, coarse.picture.rows), 1), expected);
-            if (pose.correlation > best[mirrored].correlation) best[mirrored] = pose;
-        }
+    const Eigen::Vector2d grid(coarse.cols, coarse.rows);
+    std::array<Pose, 2> best;
+    for (const PrintCorners& px : may_be)
+        for (std::size_t turn = 0; turn < 4; ++turn)
+            for (const bool mirrored : {false, true}) {
+                PrintCorners order;
+                for (std::size_t c = 0; c < 4; ++c) order[c] = px[(mirrored ? 4 + turn - c : c + turn) % 4];
+                const PrintPlace place(Rectification::fit(own_corners(grid), order), grid);
+                const CellSamples seen = sample_cells(photo, place, coarse.cols, coarse.rows, no_clip);
+                const double correlation =
+                    correlation_of(features(picture_of(seen.value, coarse.cols, coarse.rows), 1), expected);
+                if (correlation > best[mirrored].correlation)
+                    best[mirrored] = {Rectification::fit(own, order), correlation};
+            }
     return best;
 }
 
@@ -252,8 +246,9 @@ CellSamples sample_cells(const io::Photograph& photo, const PrintPlace& place, i
     return samples;
 }
 
-FoundPrint place_print(const io::Photograph& photo, const PrintCorners& corners, const PredictedPrint& print) {
-    const std::array<Pose, 2> poses = best_poses(photo, corners, print);
+FoundPrint place_print(const io::Photograph& photo, const std::vector<PrintCorners>& may_be,
+                       const PredictedPrint& print) {
+    const std::array<Pose, 2> poses = best_poses(photo, may_be, print);
     check_pose(photo, print, poses);
     FoundPrint found{PrintPlace(poses[0].place, print.size()), 0, 0};
     if (found.place.px_per_cell() < 1)

@@ -52,8 +52,9 @@ struct FoundPrint {
     int turned_deg = 0;      ///< clockwise in the photograph: 0, 90, 180, 270
 };
 
-/// `photograph`: linear. Throws InputError: another print, a mirrored one, other proportions, too few pixels.
-[[nodiscard]] FoundPrint place_print(const io::Photograph& photograph, const PrintCorners& corners,
+/// `may_be`: corners of what may be the print; what correlates best is. `photograph`: linear. Throws InputError:
+/// another print, a mirrored one, other proportions, too few pixels.
+[[nodiscard]] FoundPrint place_print(const io::Photograph& photograph, const std::vector<PrintCorners>& may_be,
                                      const PredictedPrint& print);
 
 /// The photograph cell by cell: the mean over each cell's square.

@@ -146,8 +146,9 @@ PrintReading read_print(io::Photograph photo, const PredictedPrint& print, const
     reading.height_px = photo.height_px;
     const Eigen::Vector3d clip = clipping_level(photo);
     decode(photo, options.coding);
-    const PrintCorners corners = options.corners ? checked_corners(photo, *options.corners) : find_print(photo);
-    reading.found = place_print(photo, corners, print);
+    const std::vector<PrintCorners> may_be =
+        options.corners ? std::vector{checked_corners(photo, *options.corners)} : find_prints(photo);
+    reading.found = place_print(photo, may_be, print);
     reading.cells = sample_cells(photo, reading.found.place, print.columns, print.rows, clip);
     check_exposure(reading, photo);
     if (const auto blur_px = edge_blur_px(photo, reading.found.place))

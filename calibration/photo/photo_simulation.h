@@ -34,9 +34,9 @@ struct PhotoOptions {
     double distance = 3;                              ///< of the camera, in widths of the scene, >= 1
     double lamp_mm = 1000;                            ///< distance of the lamp, 0: far away; >= 100
     double lamp_azimuth_deg = 120;
-    double blur_px = 0.8;                            ///< standard deviation
-    double lens = 0;          ///< barrel distortion: so much nearer lie the picture's corners to its middle, [-0.2, 0.2]
-    double sheet = 0.03;      ///< reflectance of what all lies on, [0, 1]
+    double blur_px = 0.8;  ///< standard deviation
+    double lens = 0;       ///< barrel distortion: so much nearer lie the picture's corners to its middle, [-0.2, 0.2]
+    double sheet = 0.03;   ///< reflectance of what all lies on, [0, 1]
     double vignetting = 0.1;                         ///< light lost in the corners of the picture, [0, 0.9]
     double exposure = 1;                             ///< 1: a perfect white is at 0.8 in the brightest channel
     Eigen::Vector3d white_balance{0.62, 1.0, 0.75};  ///< of the camera's channels
@@ -58,7 +58,7 @@ struct PhotoOptions {
 struct SimulatedPhoto {
     io::Photograph photograph;
     std::vector<Eigen::Vector2d> target_corners_px;  ///< upper left, upper right, lower right, lower left of the target
-    std::vector<Eigen::Vector2d> checker_corners_px;  ///< of the chart's cells, in the chart's own order
+    std::vector<Eigen::Vector2d> checker_corners_px;               ///< of the chart's cells, in the chart's own order
     std::function<Eigen::Vector2d(const Eigen::Vector2d&)> to_px;  ///< from mm of the target
 };
 

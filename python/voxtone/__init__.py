@@ -17,11 +17,11 @@ from .options import Command, Option, option_table
 from .prints import Print, open_print as open
 from .program import program, version
 from .remote import connect
-from .verbs import (batch, calibrate, estimate, laminate, list, merge, predict, printers, proof, read, resin_sets,
-                    slice, status, target, tray, verify)
+from .verbs import (batch, calibrate, compare, estimate, laminate, list, merge, predict, printers, proof, read,
+                    resin_sets, slice, status, target, tray, verify)
 
 __all__ = ["Bug", "Cancelled", "CheckFailed", "Command", "Error", "FileError", "InputError", "Job", "Killed", "Mesh",
            "Option", "Print", "ProgramMissing", "Stopped", "TryAgain", "Unfinished", "UsageError", "Warned", "batch",
-           "calibrate", "connect", "estimate", "laminate", "list", "merge", "open", "option_table", "predict", "printers",
-           "program", "proof", "read", "read_mesh", "resin_sets", "slice", "status", "target", "tray", "verify",
-           "version"]
+           "calibrate", "compare", "connect", "estimate", "laminate", "list", "merge", "open", "option_table", "predict",
+           "printers", "program", "proof", "read", "read_mesh", "resin_sets", "slice", "status", "target", "tray",
+           "verify", "version"]

@@ -56,9 +56,10 @@ struct Sliced {
     std::string stack = folder / "out";
     Sliced() {
         write_picture(folder / "picture.png");
-        const Outcome made = run_program("slice --quiet --no-report --iterations 0 --predict none --width 12mm "
-                                         "--thickness 2mm " +
-                                         folder / "picture.png" + " -o " + stack);
+        const Outcome made = run_program(
+            "slice --quiet --no-report --iterations 0 --predict none --width 12mm "
+            "--thickness 2mm " +
+            folder / "picture.png" + " -o " + stack);
         INFO(made.err);
         REQUIRE(made.exit_code == 0);
     }
@@ -114,7 +115,8 @@ void write_jpeg(const std::string& file, const io::Photograph& photo) {
     std::vector<std::uint8_t> row(std::size_t{3} * photo.width_px);
     for (std::uint32_t y = 0; y < photo.height_px; ++y) {
         for (std::uint32_t x = 0; x < photo.width_px; ++x)
-            for (int c = 0; c < 3; ++c) row[3 * x + std::size_t(c)] = io::linear_to_srgb8(photo.pixels[photo.index(x, y)][c]);
+            for (int c = 0; c < 3; ++c)
+                row[3 * x + std::size_t(c)] = io::linear_to_srgb8(photo.pixels[photo.index(x, y)][c]);
         std::uint8_t* rows = row.data();
         jpeg_write_scanlines(&info, &rows, 1);
     }
@@ -233,11 +235,12 @@ TEST_CASE("what cannot be compared is told in a sentence") {
 
 TEST_CASE("a body is not compared, and it is said what can be done") {
     const Folder folder("body");
-    folder.write("ball.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 4 0 0\nvertex 0 4 0\n"
-                             "endloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 4 0\nvertex 0 0 "
-                             "4\nendloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 0 4\nvertex 4 "
-                             "0 0\nendloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 4 0 0\nvertex 0 0 4\nvertex "
-                             "0 4 0\nendloop\nendfacet\nendsolid a\n");
+    folder.write("ball.stl",
+                 "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 4 0 0\nvertex 0 4 0\n"
+                 "endloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 4 0\nvertex 0 0 "
+                 "4\nendloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 0 4\nvertex 4 "
+                 "0 0\nendloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 4 0 0\nvertex 0 0 4\nvertex "
+                 "0 4 0\nendloop\nendfacet\nendsolid a\n");
     REQUIRE(run_program("slice --quiet --no-report --quality draft --unit mm " + folder / "ball.stl" + " -o " +
                         folder / "body")
                 .exit_code == 0);

@@ -32,6 +32,7 @@ const std::vector<std::string> every_command{"",
                                              "task",
                                              "predict",
                                              "proof",
+                                             "compare",
                                              "verify",
                                              "target",
                                              "target marker",
@@ -217,9 +218,9 @@ TEST_CASE("The summary names the report and the time of the whole job") {
 TEST_CASE("Manual pages hold every option, and man finds nothing wrong with them") {
     const Folder folder("manual");
     REQUIRE(run_program("manual " + folder.path().string()).exit_code == 0);
-    CHECK(read_tree(folder.path()).size() == 17);
+    CHECK(read_tree(folder.path()).size() == 18);
     for (const std::string verb : {"slice", "tray", "estimate", "merge", "batch", "status", "serve", "task", "predict",
-                                   "proof", "verify", "target", "list", "laminate", "calibrate"}) {
+                                   "proof", "compare", "verify", "target", "list", "laminate", "calibrate"}) {
         const std::string page = without_roff(read_file(folder / ("voxtone-" + verb + ".1")));
         const std::vector<std::string> options = option_words(run_program(verb + " --help-all").out);
         CHECK(options.size() >= (verb == "status" ? 2u : 3u));

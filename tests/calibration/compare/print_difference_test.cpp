@@ -32,7 +32,8 @@ TEST_CASE("the Gaussian of cells is the integral over both cells") {
         const auto spread = spread_cells(step, 40, {sigma, 0});
         for (int n = -6; n < 6; ++n) {
             double mean = 0;
-            for (int k = 0; k < 1000; ++k) mean += 0.5 * std::erfc(-(n + (k + 0.5) / 1000) / sigma / std::sqrt(2)) / 1000;
+            for (int k = 0; k < 1000; ++k)
+                mean += 0.5 * std::erfc(-(n + (k + 0.5) / 1000) / sigma / std::sqrt(2)) / 1000;
             CHECK(double(spread[std::size_t(20 + n)][0]) == Approx(mean).margin(1e-5));
         }
     }

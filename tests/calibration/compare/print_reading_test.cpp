@@ -29,8 +29,7 @@ double worst_place(const FoundPrint& found, const SimulatedPhoto& photo, const P
         for (int i = 0; i <= 12; ++i) {
             const Eigen::Vector2d cell(print.columns * i / 12.0, print.rows * j / 8.0);
             const Eigen::Vector2d mm = cell.cwiseProduct(print.cell_mm);
-            const Eigen::Vector2d truth =
-                photo.to_px({mm.x(), print.rows * print.cell_mm.y() - mm.y()});
+            const Eigen::Vector2d truth = photo.to_px({mm.x(), print.rows * print.cell_mm.y() - mm.y()});
             worst = std::max(worst, (found.place.to_px(cell) - truth).norm() / found.place.px_per_cell());
         }
     return worst;
@@ -110,4 +109,26 @@ TEST_CASE("what is wrong with a photograph of a print is told in a sentence") {
     PredictedPrint plain = print;
     plain.rgb.assign(plain.rgb.size(), Eigen::Vector3f(0.5f, 0.5f, 0.5f));
     CHECK_THAT(refusal(photo_of(plain, hand_camera()).photograph, plain), Contains("of one colour"));
+}
+
+TEST_CASE("a checker beside the print tells the camera's colours from the print's") {
+    const PredictedPrint print = discs();
+    PhotoOptions o = hand_camera();
+    o.checker = true;
+    o.checker_cell_mm = 2.5;
+    o.margin = 0.1;
+    o.lens = 0;
+    o.matrix = 1;  // sensor's colours
+    o.white_balance = {0.62, 1, 0.75};
+    ReadPrintOptions options;
+    options.checker = no_chart();
+    const SimulatedPhoto photo = photo_of(print, o);
+    const PrintReading reading = read_print(photo.photograph, print, options);
+    CHECK(reading.has_checker);
+    const PrintDifference d = difference_of(print, {reading});
+    CHECK(d.ciede2000.mean < 1);
+    CHECK(d.cast[0] == Approx(1).margin(0.03));
+    CHECK(d.cast[2] == Approx(1).margin(0.03));
+    // Without it the sensor's colours are taken for the print's.
+    CHECK(difference_of(print, {read_print(photo.photograph, print, {})}).ciede2000.mean > 2 * d.ciede2000.mean);
 }
