@@ -84,8 +84,8 @@ Command add_read_command(CLI::App& program) {
         "others from being told");
     arguments->job.takes_many = true;
     add_some_job_options(*command, arguments->job,
-                         {"model", "printer", "unit", "size", "scale", "width", "height", "dpi", "thickness", "rotate",
-                          "texture", "read-memory", "read-time", "read-size", "read-pixels"});
+                         {"model", "printer", "unit", "size", "scale", "width", "height", "dpi", "thickness", "cut-out",
+                          "rotate", "texture", "read-memory", "read-time", "read-size", "read-pixels"});
     command->get_option("model")->required();
     command
         ->add_option("--picture", arguments->picture,
@@ -97,6 +97,7 @@ Command add_read_command(CLI::App& program) {
         ->check(CLI::Range(slicer::least_views_px, slicer::most_views_px))
         ->capture_default_str();
     add_overwrite_option(*command, arguments->overwrite);
+    arguments->console.answers = true;
     add_console_options(*command, arguments->console);
     add_example(*command, "cow.obj logo.png");
     return [arguments] {

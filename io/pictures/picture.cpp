@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/pictures/picture.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
+#include "base/error.h"
 #include "base/warning.h"
 #include "io/files/file_reader.h"
+#include "io/pictures/alpha_picture.h"
 #include "io/pictures/packed_image.h"
 
 namespace voxtone::io {
@@ -23,9 +27,10 @@ bool is_invisible(const TexelImage& texels) {
 
 }  // namespace
 
-Picture read_picture(const std::filesystem::path& path, const ReadOptions& options) {
-    return finish_picture(read_picture_with_alpha(path, options), path.filename().string(),
-                          options.texture_filter == TextureFilter::nearest);
+Picture read_picture(const std::filesystem::path& path, const ReadOptions& options, PictureAlpha alpha) {
+    const auto finish = alpha == PictureAlpha::cut ? finish_cut_out : finish_picture;
+    return finish(read_picture_with_alpha(path, options), path.filename().string(),
+                  options.texture_filter == TextureFilter::nearest);
 }
 
 DecodedImage read_picture_with_alpha(const std::filesystem::path& path, const ReadOptions& options) {
@@ -46,8 +51,10 @@ void show_if_invisible(DecodedImage& image, const std::string& name) {
     image.has_alpha = false;
 }
 
-Picture finish_picture(DecodedImage image, const std::string& name, bool nearest) {
-    show_if_invisible(image, name);
+namespace {
+
+/// All but its texture.
+Picture picture_of(DecodedImage& image) {
     Picture picture;
     picture.width_px = image.texels.width_px;
     picture.height_px = image.texels.height_px;
@@ -57,11 +64,63 @@ Picture finish_picture(DecodedImage image, const std::string& name, bool nearest
     picture.warnings = std::move(image.warnings);
     picture.lost_colour = std::move(image.lost_colour);
     if (!picture.lost_colour.empty()) picture.warnings.push_back(named_warning("lost-colour", picture.lost_colour));
+    return picture;
+}
+
+std::vector<std::uint16_t> alpha_of(const TexelImage& texels) {
+    std::vector<std::uint16_t> alpha(texels.pixels());
+    for (std::size_t i = 0; i < alpha.size(); ++i)
+        alpha[i] = static_cast<std::uint16_t>(texels.alpha(i) * 65535.0f + 0.5f);
+    return alpha;
+}
+
+constexpr std::uint16_t half_alpha = 32768;
+
+/// What is less than half opaque takes the colour of the smallest square around it that has some.
+void spread_colours(TexelImage& texels, const std::vector<std::uint16_t>& alpha) {
+    const AlphaPicture smaller(texels);
+    constexpr float least = 1e-3f;
+    for (std::size_t i = 0; i < alpha.size(); ++i) {
+        if (alpha[i] >= half_alpha) {
+            texels.set_opaque(i);
+            continue;
+        }
+        const float x = float(i % texels.width_px) + 0.5f, y = float(i / texels.width_px) + 0.5f;
+        Eigen::Vector4f found = Eigen::Vector4f::Zero();
+        for (float lod = 1; found[3] < least && lod < 32; ++lod) found = smaller.sample(x, y, lod);
+        if (found[3] > 0) texels.set(i, (found.head<3>() / found[3]).cwiseMin(1));
+    }
+}
+
+}  // namespace
+
+Picture finish_picture(DecodedImage image, const std::string& name, bool nearest) {
+    show_if_invisible(image, name);
+    Picture picture = picture_of(image);
     if (image.has_alpha) {
         picture.warnings.push_back(
             named_warning("transparent", fmt::format("{} has transparent pixels; they were laid over white.", name)));
         compose_over(image.texels, Eigen::Vector3f::Ones());
     }
+    picture.texture = std::make_shared<const Texture>(std::move(image.texels), Wrap::clamp, Wrap::clamp, nearest);
+    return picture;
+}
+
+Picture finish_cut_out(DecodedImage image, const std::string& name, bool nearest) {
+    Picture picture = picture_of(image);
+    picture.alpha = alpha_of(image.texels);
+    const auto opaque = std::ranges::count_if(picture.alpha, [](std::uint16_t alpha) { return alpha >= half_alpha; });
+    if (opaque == 0)
+        throw InputError(
+            fmt::format("{}: is transparent all over, so that nothing of it is left to print; leave "
+                        "--cut-out out, or save it with what is to be printed opaque",
+                        name));
+    if (std::size_t(opaque) == picture.alpha.size())
+        throw InputError(
+            fmt::format("{}: has no transparent pixels that it could be cut along; leave --cut-out out, "
+                        "or save it as a PNG or WebP whose background is transparent",
+                        name));
+    spread_colours(image.texels, picture.alpha);
     picture.texture = std::make_shared<const Texture>(std::move(image.texels), Wrap::clamp, Wrap::clamp, nearest);
     return picture;
 }

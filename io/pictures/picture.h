@@ -3,6 +3,7 @@
 // A picture as the input of a job: upright (EXIF orientation applied), in linear sRGB, alpha composed over white.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -21,10 +22,17 @@ struct Picture {
     double pixel_aspect = 1;      ///< height of a pixel by its width
     std::vector<std::string> warnings;
     std::string lost_colour;  ///< that of the warnings which tells of lost colours; empty: none is lost
+    /// Of a picture that is to be cut to shape: rows from the top, 65535 is opaque; its texture has alpha nowhere. Else
+    /// empty.
+    std::vector<std::uint16_t> alpha;
 };
 
+/// What becomes of it.
+enum class PictureAlpha : std::uint8_t { over_white, cut };
+
 /// Under the same walls as `read_model`. Throws FileError, InputError.
-[[nodiscard]] Picture read_picture(const std::filesystem::path& path, const ReadOptions& options = {});
+[[nodiscard]] Picture read_picture(const std::filesystem::path& path, const ReadOptions& options = {},
+                                   PictureAlpha alpha = PictureAlpha::over_white);
 
 /// The same as it is in the file, alpha and all.
 [[nodiscard]] DecodedImage read_picture_with_alpha(const std::filesystem::path& path, const ReadOptions& options = {});
@@ -35,5 +43,9 @@ void show_if_invisible(DecodedImage& image, const std::string& name);
 
 /// A decoded picture, composed over white. `name` is for the warning of that. `nearest`: Texture.
 [[nodiscard]] Picture finish_picture(DecodedImage image, const std::string& name, bool nearest = false);
+
+/// The same to be cut to shape where alpha is a half: colours are as in the file, without their alpha, and where alpha
+/// is less those of what is nearest and opaque. Throws InputError where it is opaque everywhere, or nowhere.
+[[nodiscard]] Picture finish_cut_out(DecodedImage image, const std::string& name, bool nearest = false);
 
 }  // namespace voxtone::io

@@ -26,6 +26,7 @@ struct PictureOptions {
     /// How large it is, by the first that is above 0; none: by the picture's own resolution.
     double width_mm = 0, height_mm = 0, dpi = 0, size_mm = 0;  ///< `size_mm`: of the longer of width and height
     double thickness_mm = 4;
+    bool cut_out = false;                              ///< transparent pixels are no print
     optics::Backing backing = optics::Backing::black;  ///< what lies under it
 };
 

@@ -27,6 +27,7 @@ struct SliceOptions {
     bool flip_x = false, flip_y = false, swap_xy = false;
     double width_mm = 0, height_mm = 0, dpi = 0;  ///< of pictures; all 0, and size_mm: as the file has it
     double thickness_mm = 4;
+    bool cut_out = false;                 ///< transparent pixels are no print
     std::string texture;                  ///< file; empty: the mesh's own
     std::string texture_filter = "file";  ///< as the file says, nearest, linear
     std::string backing = "black";

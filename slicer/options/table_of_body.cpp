@@ -178,6 +178,16 @@ std::vector<OptionSpec> size_entries() {
                    return unless(is_picture, "it is for pictures; open sheets of a mesh have a --sheet-thickness");
                }},
                .rule = [](const O& o) { return unless(o.thickness_mm > 0, "must be above 0"); }}),
+        plain(&O::cut_out, at(&Job::picture, &PictureOptions::cut_out),
+              {.key = "cut-out",
+               .group = group,
+               .help = "pictures: print what is opaque alone, cut to shape where alpha is a half; sizes are of that",
+               .idle = {[](const O&, bool is_picture) {
+                            return unless(is_picture, "it is for pictures; a model has a shape of its own");
+                        },
+                        [](const O& o, bool) {
+                            return unless(!is_layered(o), "a map of profiles lies on a whole picture");
+                        }}}),
     };
 }
 

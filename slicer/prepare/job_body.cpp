@@ -30,7 +30,11 @@ void append(std::vector<std::string>& to, const std::vector<std::string>& from) 
 }
 
 io::ModelFile read_input(const ResolvedJob& job, io::ModelSources& sources, const Progress& progress) {
-    if (job.is_picture) return make_picture_slab(read_input_picture(job, progress), job.picture).model;
+    if (job.is_picture) {
+        PictureSlab slab = make_picture_slab(read_input_picture(job, progress), job.picture);
+        append(sources.notes, slab.notes);
+        return std::move(slab.model);
+    }
     io::ReadOptions reading = job.reading;
     reading.progress = &progress;
     reading.texture = job.texture;
@@ -42,7 +46,8 @@ VisibleSurface picture_surface(const io::TexturedMesh& mesh) {
     VisibleSurface surface;
     surface.positions_mm = mesh.positions;
     const Eigen::Vector2f zero(0, 0), one_u(1, 0), one_v(0, 1);
-    for (std::uint32_t t = 0; t < PictureSlab::top_triangles; ++t) {
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        if (mesh.material_of_triangle[t] != PictureSlab::face_material) continue;
         surface.triangles.push_back(mesh.triangles[t]);
         surface.source_triangle.push_back(t);
         surface.source_uv.push_back({zero, one_u, one_v});
@@ -164,7 +169,8 @@ io::Picture read_input_picture(const ResolvedJob& job, const Progress& progress)
     io::ReadOptions reading = job.reading;
     reading.progress = &progress;
     try {
-        return io::read_picture(job.model, reading);
+        return io::read_picture(job.model, reading,
+                                job.picture.cut_out ? io::PictureAlpha::cut : io::PictureAlpha::over_white);
     } catch (const InputError& error) {
         if (io::is_picture_name(job.model)) throw;
         throw InputError(fmt::format("{}; if it is a model, export it as one that can be read ({})", error.what(),
@@ -246,10 +252,11 @@ VisibleSurface coloured_surface_of(const JobBody& body, const RepairedMesh& repa
 }
 
 MeshBoundary boundary_of(const JobBody& body) {
-    VOXTONE_EXPECT(!body.is_picture);
     const Eigen::Vector3d& corner = body.grid.origin_mm;
-    // A wrapped body's visible surface is the mesh that the wrap stands for: colours and depths are its own.
-    if (body.repair.wrapped_faces > 0) return {body.solid->positions_mm, body.solid->triangles, corner};
+    // A wrapped body's visible surface is the mesh that the wrap stands for: colours and depths are its own. A
+    // picture's is its face alone.
+    if (body.is_picture || body.repair.wrapped_faces > 0)
+        return {body.solid->positions_mm, body.solid->triangles, corner};
     return {body.surface->positions_mm, body.surface->triangles, corner};
 }
 

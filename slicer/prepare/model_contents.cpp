@@ -81,9 +81,10 @@ void read_picture_file(ResolvedJob& job, Progress& progress, ModelContents& cont
         return;
     }
     contents.unit_is = is_sized(job.picture) ? "asked" : "file";
-    io::ModelFile slab = make_picture_slab(picture, job.picture).model;
-    take_size(job, place(slab, job.placement, job.model), contents);
-    if (view) view(slab.mesh, true);
+    PictureSlab slab = make_picture_slab(picture, job.picture);
+    contents.notes = slab.notes;
+    take_size(job, place(slab.model, job.placement, job.model), contents);
+    if (view) view(slab.model.mesh, true);
 }
 
 void read_model_file(const ResolvedJob& job, Progress& progress, ModelContents& contents, const MeshViewer& view) {

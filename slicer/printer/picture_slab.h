@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // A picture as a print: a flat slab, width x (width * height_px / width_px) x thickness, with the picture on its top,
-// seen from above with the picture's upper edge at +y. Pixels are square unless the file gives two resolutions.
+// seen from above with the picture's upper edge at +y. Pixels are square unless the file gives two resolutions. One
+// that has alpha is cut to shape along its outline (picture_outline.h), upright: width and height are those of what is
+// left.
 #pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
 
 #include "io/models/mesh.h"
 #include "io/pictures/picture.h"
@@ -11,9 +17,10 @@
 namespace voxtone::slicer {
 
 struct PictureSlab {
-    /// The closed box; its first two triangles are the top and carry the picture, all others are plain.
+    /// The closed body; its first triangles are the top and carry the picture, all others are plain.
     io::ModelFile model;
-    static constexpr std::size_t top_triangles = 2;
+    std::vector<std::string> notes;
+    static constexpr std::uint32_t face_material = 0;
 };
 
 /// Whether the options say how large a picture is.

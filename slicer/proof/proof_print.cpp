@@ -2,6 +2,7 @@
 #include "slicer/proof/proof_print.h"
 
 #include <algorithm>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -35,6 +36,33 @@ io::ColouredMesh box_mesh(const Box& box, const Eigen::Vector3f& rgb) {
     mesh.rgb.assign(8, rgb);
     mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                       {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+    return mesh;
+}
+
+/// A picture's slab that is cut to shape is no box.
+bool fills_its_box(const optics::ResinVolume& volume) {
+    const auto& [nx, ny, nz] = volume.size();
+    for (int y = 0; y < ny; ++y)
+        for (int x = 0; x < nx; ++x)
+            if (volume.at(x, y, nz / 2) == 0) return false;
+    return true;
+}
+
+/// A picture's slab in white, whose top lies a little below its coloured face.
+io::ColouredMesh slab_below(const ProofPrint& print, const SolidMesh& solid) {
+    constexpr double below_mm = 0.01;
+    if (fills_its_box(print.stack.volume)) {
+        Box slab = print.box;
+        slab.high.z() -= below_mm;
+        return box_mesh(slab, Eigen::Vector3f::Ones());
+    }
+    io::ColouredMesh mesh;
+    double top_mm = -std::numeric_limits<double>::infinity();
+    for (const Vector3d& p : solid.positions_mm) top_mm = std::max(top_mm, p.z());
+    for (const Vector3d& p : solid.positions_mm)
+        mesh.positions_mm.push_back(Vector3d(p.x(), p.y(), std::min(p.z(), top_mm - below_mm)).cast<float>());
+    mesh.rgb.assign(mesh.positions_mm.size(), Eigen::Vector3f::Ones());
+    mesh.triangles = solid.triangles;
     return mesh;
 }
 
@@ -88,7 +116,8 @@ ColouredSurface target_of(const JobBody& body, const SurfaceColour& requested) {
 
 void find_surface_of(ProofPrint& print, Progress& progress) {
     const auto& body = print.body.body;
-    if (print.stack.of_picture || (body && body->is_picture)) {
+    const bool of_picture = print.stack.of_picture || (body && body->is_picture);
+    if (of_picture && fills_its_box(print.stack.volume)) {
         print.boundary.emplace(
             boundary_of(box_mesh(print.box, Eigen::Vector3f::Ones()), vector_of(print.stack.corner_mm)));
         print.boundary_is = "box";
@@ -148,12 +177,8 @@ std::vector<std::unique_ptr<const DiffuseMesh>> make_target(const ProofPrint& pr
                                    vector_of(print.stack.corner_mm) + moved_mm};
     std::vector<std::unique_ptr<const DiffuseMesh>> parts;
     parts.push_back(std::make_unique<const DiffuseMesh>(colours.mesh, moved_mm, white, gloss));
-    if (body.is_picture) {  // its coloured surface is a sheet: the slab below it
-        Box slab = print.box;
-        slab.high.z() -= 0.01;
-        parts.push_back(
-            std::make_unique<const DiffuseMesh>(box_mesh(slab, Eigen::Vector3f::Ones()), moved_mm, white, gloss));
-    }
+    if (body.is_picture)  // its coloured surface is a sheet: the slab below it
+        parts.push_back(std::make_unique<const DiffuseMesh>(slab_below(print, *body.solid), moved_mm, white, gloss));
     progress.end_stage();
     return parts;
 }

@@ -10,6 +10,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "io/pictures/picture_writer.h"
 #include "run_program.h"
 #include "tests/places.h"
 
@@ -234,4 +235,55 @@ TEST_CASE("A picture becomes a slab with its colours on top, upright") {
     const Bitmap bottom = read_png(layer_path(folder, 3));
     CHECK(std::count(bottom.pixels.begin(), bottom.pixels.end(), bottom.pixels.front()) ==
           std::ptrdiff_t(bottom.pixels.size()));
+}
+
+TEST_CASE("A picture with alpha is cut to shape, and printed, estimated and looked at so") {
+    const Folder folder("cut-out");
+    // A ring of blue around a hole; what is transparent is red below.
+    const auto picture = [&](const std::string& name, double inner, double outer) {
+        voxtone::io::Picture8 codes{60, 60, 4, {}};
+        for (int y = 0; y < 60; ++y)
+            for (int x = 0; x < 60; ++x) {
+                const double r = std::hypot(x - 29.5, y - 29.5);
+                const bool ink = r < outer && r > inner;
+                const std::array<std::uint8_t, 4> pixel{std::uint8_t(ink ? 40 : 255), std::uint8_t(ink ? 90 : 0),
+                                                        std::uint8_t(ink ? 200 : 0), std::uint8_t(ink ? 255 : 0)};
+                codes.codes.insert(codes.codes.end(), pixel.begin(), pixel.end());
+            }
+        const auto bytes = voxtone::io::png_bytes(codes);
+        folder.write(name, std::string(bytes.begin(), bytes.end()));
+        return folder / name;
+    };
+    const std::string ring = picture("ring.png", 12, 24), body = ring + " --cut-out --width 6mm --thickness 1.5mm ";
+    const Outcome made = run_program("slice --iterations 0 --predict transport " + body + "-o " + folder / "out");
+    INFO(made.err);
+    REQUIRE(made.exit_code == 0);
+    CHECK_THAT(made.err, Catch::Matchers::Contains("cut to shape: 1 piece with 1 hole"));
+    // The ring, and not its picture, is 6 mm wide: 142 columns.
+    CHECK(manifest(folder)["size_px"] == nlohmann::json({142, 71}));
+    const Bitmap top = read_png(layer_path(folder, 50));
+    const auto is_air = [&](int x, int y) { return top.at(x, y) == std::array<std::uint8_t, 4>{0, 0, 0, 0}; };
+    CHECK((is_air(2, 1) && is_air(139, 69) && is_air(71, 35)));  // corners and hole
+    CHECK_FALSE((is_air(71, 9) || is_air(20, 35)));
+    const double mm3 = 3.14159265 * (3 * 3 - 1.5 * 1.5) * 1.5;
+    CHECK(double(manifest(folder)["body_voxels"]) * 0.0423333 * 0.0846667 * 0.027 == Approx(mm3).epsilon(0.03));
+    const auto estimate = nlohmann::json::parse(run_program("estimate --json --quiet " + body).out.substr(0))["result"];
+    CHECK(estimate.dump().find("ml") != std::string::npos);
+    // Blue to its rim: no red shines through it.
+    const auto report = nlohmann::json::parse(read_file(folder.path() / "out/report.json"));
+    CHECK_THAT(report["verdict"]["regions"].dump(), !Catch::Matchers::Contains("red"));
+    REQUIRE(run_program("proof " + folder / "out" + " --spp 2 --size 64x48 --with-target -o " + folder / "proof.png")
+                .exit_code == 0);
+    const auto refused = [&](const std::string& words, const char* why) {
+        const Outcome outcome =
+            run_program("slice --quiet --iterations 0 --predict none " + words + " -o " + folder / "no");
+        CHECK(outcome.exit_code != 0);
+        CHECK_THAT(outcome.err, Catch::Matchers::Contains(why));
+        CHECK(std::count(outcome.err.begin(), outcome.err.end(), '\n') == 1);
+        CHECK_FALSE(std::filesystem::exists(folder / "no"));
+    };
+    refused(picture("none.png", 70, 80) + " --cut-out --width 6mm", "transparent all over");
+    refused(picture("all.png", -1, 80) + " --cut-out --width 6mm", "no transparent pixels");
+    folder.write("marker.obj", marker_obj());
+    refused(folder / "marker.obj" + " --cut-out", "it is for pictures");
 }
