@@ -31,7 +31,7 @@ void JobOutlook::expect(std::vector<ExpectedStage> stages) { to_come_ = std::mov
 /// Stages that were expected before this one are over or were left out.
 void JobOutlook::begin(std::string_view stage, double now_s) {
     began_s_ = reached_s_ = now_s;
-    share_ = 0;
+    share_ = first_step_ = 0;
     marks_.assign(1, {0, now_s});
     running_ = true;
     expected_s_ = 0;
@@ -61,7 +61,7 @@ double JobOutlook::left_by_steps() const {
     constexpr double expected_share = 0.5;
     constexpr std::size_t one_step = 2;  // the beginning and it
     const double taken_s = reached_s_ - began_s_;
-    if (marks_.size() <= one_step && expected_s_ > 0)
+    if ((marks_.size() <= one_step || share_ <= first_step_) && expected_s_ > 0)
         return (taken_s + expected_share * expected_s_ * pace()) / (share_ + expected_share) * (1 - share_);
     const auto later =
         std::find_if(marks_.begin(), marks_.end(), [&](const auto& mark) { return mark.first > share_ / 2; });
@@ -88,7 +88,8 @@ bool JobOutlook::overdue(double now_s) const {
            now_s - began_s_ > twice * expected_s_ * pace() + slack_s;
 }
 
-std::optional<double> JobOutlook::seconds_left(double share, double now_s) {
+std::optional<double> JobOutlook::seconds_left(double share, double now_s, double first_step) {
+    first_step_ = std::max(first_step_, first_step);
     if (to_come_.empty() && expected_s_ == 0) return std::nullopt;
     if (running_ && share > share_) {
         share_ = share;
@@ -106,7 +107,8 @@ std::optional<double> JobOutlook::seconds_left(double share, double now_s) {
 }
 
 double JobOutlook::steadily(double left_s) {
-    constexpr double gross = 2, slack_s = 10;
+    const bool tells_parts = first_step_ > 0;
+    const double gross = tells_parts ? 1.2 : 2, slack_s = tells_parts ? 2 : 10;
     if (!told_s_ || left_s < *told_s_ || left_s > gross * *told_s_ + slack_s) told_s_ = left_s;
     return *told_s_;
 }

@@ -43,8 +43,9 @@ void OpenJobProgress::write_state(double now_s) {
     std::string text = in_stage_ ? stage_.name : "between two stages";
     if (in_stage_ && stage_.steps > 0) text += fmt::format(", {} of {} {}", steps_done, stage_.steps, stage_.unit);
     sink_(status(text));
-    const double share = stage_.steps > 0 ? double(steps_done) / double(stage_.steps) : 0;
-    const std::optional<double> left_s = in_stage_ ? outlook_.seconds_left(share, now_s) : std::nullopt;
+    const std::optional<double> left_s =
+        in_stage_ ? outlook_.seconds_left(stage_.share(steps_done, part()), now_s, part() > 0 ? stage_.first_step() : 0)
+                  : std::nullopt;
     if (!left_s) return;
     constexpr double most = 99.9;  // until the result is there
     const double gone_s = now_s - began_s_, percent = 100 * gone_s / std::max(gone_s + *left_s, 1e-3);
@@ -72,9 +73,12 @@ void OpenJobProgress::on_stage(std::string_view name, std::uint64_t steps, std::
     const std::lock_guard lock(mutex_);
     stage_ = {std::string(name), steps, std::string(unit), clock_()};
     outlook_.begin(name, stage_.began_s);
+    begin_step();
     in_stage_ = has_begun_ = true;
     write_state(stage_.began_s);
 }
+
+void OpenJobProgress::on_advance(std::uint64_t /*done*/) { begin_step(); }
 
 void OpenJobProgress::on_stage_end() {
     const std::lock_guard lock(mutex_);

@@ -20,7 +20,7 @@
 
 namespace voxtone {
 
-class OpenJobProgress final : public Progress, public ShowsOutlook {
+class OpenJobProgress final : public Progress, public ShowsOutlook, public ShowsParts {
 public:
     OpenJobProgress(TextSink sink, SecondsClock clock, bool ticks = false);
 
@@ -34,6 +34,7 @@ public:
 
 private:
     void on_stage(std::string_view name, std::uint64_t steps, std::string_view unit) override;
+    void on_advance(std::uint64_t done) override;
     void on_stage_end() override;
     void on_warning(const std::string& message) override;
     void on_note(const std::string& message) override;

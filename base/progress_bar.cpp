@@ -23,10 +23,6 @@ constexpr int widest_bar = 30, narrowest_bar = 8;
 constexpr double seconds_before_estimate = 1;  // an estimate from less jumps about
 constexpr std::string_view erase_line = "\r\x1b[K";
 
-double share_done(const Stage& stage, std::uint64_t done) {
-    return stage.steps == 0 ? 0 : std::min(1.0, static_cast<double>(done) / static_cast<double>(stage.steps));
-}
-
 /// "1842/3920 layers", "1842 layers" where the length is unknown.
 std::string count_text(const Stage& stage, std::uint64_t done) {
     return stage.steps == 0 ? fmt::format("{} {}", done, stage.unit)
@@ -145,12 +141,14 @@ void ProgressBar::on_stage(std::string_view name, std::uint64_t steps, std::stri
     stage_ = {printable(name), steps, printable(unit), clock_()};
     outlook_.begin(name, stage_.began_s);
     shown_ = 0;
+    begin_step();
     in_stage_ = true;
     next_draw_s_ = stage_.began_s + seconds_between_drawings;
     write("");
 }
 
 void ProgressBar::on_advance(std::uint64_t done) {
+    begin_step();
     const double now_s = clock_();
     if (now_s < next_draw_s_.load(std::memory_order_relaxed)) return;
     const std::unique_lock lock(mutex_, std::try_to_lock);  // another thread draws already: let it
@@ -190,7 +188,9 @@ void ProgressBar::write(std::string_view text) {
 std::string ProgressBar::time_text() {
     const double now_s = clock_(), elapsed_s = now_s - stage_.began_s;
     std::string left = time_left_text(stage_, shown_, elapsed_s);
-    if (const auto job = outlook_.seconds_left(share_done(stage_, shown_), now_s)) left = left_text(*job);
+    if (const auto job =
+            outlook_.seconds_left(stage_.share(shown_, part()), now_s, part() > 0 ? stage_.first_step() : 0))
+        left = left_text(*job);
     const bool counts = stage_.steps > 0 && shown_ > 0;
     if (left.empty()) return duration_text(elapsed_s);
     return counts ? left : duration_text(elapsed_s) + "  " + left;
@@ -201,8 +201,8 @@ std::string ProgressBar::time_text() {
 std::string ProgressBar::drawing() {
     const int columns = look_.columns() - 1;  // the last column would wrap on some terminals
     const double elapsed_s = clock_() - stage_.began_s;
-    const double share = share_done(stage_, shown_);
-    const std::string percent = stage_.steps ? fmt::format("  {:3.0f} %", std::floor(share * 100)) : "";
+    const double share = stage_.share(shown_, part());
+    const std::string percent = stage_.steps || share > 0 ? fmt::format("  {:3.0f} %", std::floor(share * 100)) : "";
     const std::string time = "  " + time_text();
     const std::string count = shown_ || stage_.steps ? "  " + count_text(stage_, shown_) : "";
     const std::string rate = shown_ && elapsed_s >= seconds_before_estimate
@@ -217,7 +217,7 @@ std::string ProgressBar::drawing() {
     if (room < 0) return "";
     const bool with_percent = fits(percent), with_time = fits(time), with_count = fits(count), with_rate = fits(rate);
     constexpr int frame = 4;  // two spaces and two brackets
-    const int bar = stage_.steps ? std::min(widest_bar, room - frame) : 0;
+    const int bar = stage_.steps || share > 0 ? std::min(widest_bar, room - frame) : 0;
     return stage_.name + (bar >= narrowest_bar ? "  " + bar_text(share, bar, look_.unicode) : "") +
            (with_percent ? percent : "") + (with_count ? count : "") + (with_rate ? rate : "") +
            (with_time ? time : "");
@@ -234,7 +234,11 @@ void ProgressLines::tick() {
     const std::lock_guard lock(mutex_);
     const double now_s = clock_();
     if (!in_stage_ || now_s - said_s_ < longest_silence_s) return;
-    write(fmt::format("{}{} after {}{}\n", stage_.name, stage_.steps ? ": " + count_text(stage_, done()) : "",
+    const std::string count = stage_.steps ? count_text(stage_, done()) : "";
+    const std::string percent =
+        part() > 0 ? fmt::format("{:.0f} %", std::floor(100 * stage_.share(done(), part()))) : "";
+    const std::string so_far = percent.empty() || count.empty() ? percent + count : percent + " (" + count + ")";
+    write(fmt::format("{}{} after {}{}\n", stage_.name, so_far.empty() ? "" : ": " + so_far,
                       duration_text(now_s - stage_.began_s), time_text(now_s)));
 }
 
@@ -252,12 +256,14 @@ void ProgressLines::on_stage(std::string_view name, std::uint64_t steps, std::st
     const std::lock_guard lock(mutex_);
     stage_ = {printable(name), steps, printable(unit), clock_()};
     outlook_.begin(name, stage_.began_s);
+    begin_step();
     in_stage_ = true;
     next_line_ = std::max<std::uint64_t>(1, (steps + 9) / 10);
 }
 
 void ProgressLines::on_advance(std::uint64_t done) {
     constexpr double shortest_pause_s = 2;
+    begin_step();
     if (done < next_line_.load(std::memory_order_relaxed)) return;
     const std::lock_guard lock(mutex_);
     if (stage_.steps == 0 || done < next_line_ || done >= stage_.steps) return;
@@ -296,7 +302,9 @@ void ProgressLines::write(const std::string& text) {
 /// ", about 2 min left", of the job, else of the stage.
 std::string ProgressLines::time_text(double now_s) {
     std::string left = time_left_text(stage_, done(), now_s - stage_.began_s);
-    if (const auto job = outlook_.seconds_left(share_done(stage_, done()), now_s)) left = left_text(*job);
+    if (const auto job =
+            outlook_.seconds_left(stage_.share(done(), part()), now_s, part() > 0 ? stage_.first_step() : 0))
+        left = left_text(*job);
     return left.empty() ? left : ", " + left;
 }
 

@@ -17,6 +17,7 @@
 
 #include "base/job_outlook.h"
 #include "base/progress.h"
+#include "base/step_part.h"
 #include "base/ticker.h"
 
 namespace voxtone {
@@ -36,6 +37,11 @@ struct Stage {
     std::string unit;
     double began_s = 0;
     /// To so many steps in all, but not to fewer than are done.
+    /// `part`: of the step that runs. Of a stage of unknown length, that is taken for one step.
+    [[nodiscard]] double share(std::uint64_t done, double part) const {
+        return steps == 0 ? part : std::min(1.0, (static_cast<double>(done) + part) / static_cast<double>(steps));
+    }
+    [[nodiscard]] double first_step() const { return share(1, 0) > 0 ? share(1, 0) : 1; }
     void shorten(std::uint64_t to, std::uint64_t done) { steps = std::min(steps, std::max(to, done)); }
 };
 
@@ -46,7 +52,7 @@ struct Stage {
 /// per stage when it is done:
 ///     layers  [=========>          ]  47 %  1842/3920 layers  61/s  34 s left
 /// The time left is that of the whole job where its stages are expected (base/job_outlook.h): "about 2 min left".
-class ProgressBar final : public Progress, public ShowsOutlook {
+class ProgressBar final : public Progress, public ShowsOutlook, public ShowsParts {
 public:
     struct Look {
         std::function<int()> columns;  ///< width of the terminal now
@@ -85,7 +91,7 @@ private:
 
 /// Lines for a log, as few as tell that the work goes on: tenths of a stage and its end, nothing of what takes less
 /// than a second, no two tenths within two seconds, and a sign of life every 20 s (some schedulers end silent jobs).
-class ProgressLines final : public Progress, public ShowsOutlook {
+class ProgressLines final : public Progress, public ShowsOutlook, public ShowsParts {
 public:
     ProgressLines(TextSink sink, SecondsClock clock, bool ticks = false);
 

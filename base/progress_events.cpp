@@ -68,6 +68,7 @@ void ProgressEvents::on_stage(std::string_view name, std::uint64_t steps, std::s
         const std::lock_guard lock(mutex_);
         stage_ = {json_quoted(name), steps, json_quoted(unit), clock_()};
         outlook_.begin(name, stage_.began_s);
+        begin_step();
         in_stage_ = true;
         next_event_s_ = stage_.began_s + seconds_between_events;
     }
@@ -76,6 +77,7 @@ void ProgressEvents::on_stage(std::string_view name, std::uint64_t steps, std::s
 }
 
 void ProgressEvents::on_advance(std::uint64_t done) {
+    begin_step();
     const double now_s = clock_();
     if (now_s < next_event_s_.load(std::memory_order_relaxed)) return;
     const std::unique_lock lock(mutex_, std::try_to_lock);
@@ -85,11 +87,11 @@ void ProgressEvents::on_advance(std::uint64_t done) {
 
 void ProgressEvents::tell_progress(std::uint64_t done, double now_s) {
     next_event_s_ = now_s + seconds_between_events;
-    const double share = stage_.steps ? std::min(1.0, double(done) / double(stage_.steps)) : 0;
-    const std::optional<double> left_s = outlook_.seconds_left(share, now_s);
-    sink_(fmt::format("{{\"event\":\"progress\",\"stage\":{},\"done\":{},\"steps\":{},\"seconds\":{:.2f}{}}}\n",
-                      stage_.name, done, stage_.steps, now_s - stage_.began_s,
-                      left_s ? fmt::format(",\"job_seconds_left\":{:.0f}", *left_s) : ""));
+    const std::optional<double> left_s =
+        outlook_.seconds_left(stage_.share(done, part()), now_s, part() > 0 ? stage_.first_step() : 0);
+    sink_(fmt::format("{{\"event\":\"progress\",\"stage\":{},\"done\":{},\"steps\":{}{},\"seconds\":{:.2f}{}}}\n",
+                      stage_.name, done, stage_.steps, part() > 0 ? fmt::format(",\"part\":{:.3f}", part()) : "",
+                      now_s - stage_.began_s, left_s ? fmt::format(",\"job_seconds_left\":{:.0f}", *left_s) : ""));
 }
 
 void ProgressEvents::on_stage_end() {

@@ -3,6 +3,7 @@
 // Progress for programs: one JSON object per line (NDJSON), each with an "event":
 //   {"event":"stage","stage":"layers","state":"begin","steps":3920,"unit":"layers"}   ("steps" 0: unknown)
 //   {"event":"progress","stage":"layers","done":1842,"steps":3920,"seconds":30.21,"job_seconds_left":95}
+//     with "part":0.37 before "seconds" where it is known how far the running step is;
 //     at most ten a second, at least one; "steps" become fewer where the work turns out to be shorter;
 //     "job_seconds_left" where the job's stages are known
 //   {"event":"stage","stage":"layers","state":"end","done":3920,"seconds":64.80}
@@ -20,7 +21,7 @@
 
 namespace voxtone {
 
-class ProgressEvents final : public Progress, public ShowsOutlook {
+class ProgressEvents final : public Progress, public ShowsOutlook, public ShowsParts {
 public:
     ProgressEvents(TextSink sink, SecondsClock clock, bool ticks = false);
 

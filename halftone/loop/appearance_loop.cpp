@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/job_outlook.h"
 #include "base/parallel.h"
+#include "base/step_part.h"
 #include "base/stopwatch.h"
 #include "halftone/loop/eye_filter.h"
 #include "halftone/loop/loop_measure.h"
@@ -147,6 +148,7 @@ public:
     [[nodiscard]] LoopResult finish();
 
 private:
+    [[nodiscard]] PartRange this_part(double to);
     [[nodiscard]] int iterations_made() const { return static_cast<int>(state_.steps.size()) - 1; }
     [[nodiscard]] bool has_gradient() const { return descent_wanted_ && state_.has_gradient; }
     void notify() {
@@ -207,6 +209,7 @@ private:
     std::optional<MisfitFunction> misfit_;
     const bool descent_wanted_;  ///< after feedback, where the model has a gradient
     Stopwatch watch_;
+    double step_part_ = 0;  ///< of the step that the progress counts
 
     LoopState state_;
     Colours rgb_;                                      ///< of the last print
@@ -264,10 +267,16 @@ void LoopRun::prepare_misfit() {
                     &wide_filter(), contrast_part_of_cells());
 }
 
+/// From where the step that the progress counts is to this share of it: a prediction may have something before it.
+PartRange LoopRun::this_part(double to) { return {&progress_, std::exchange(step_part_, to), to}; }
+
 void LoopRun::predict_open_loop() {
     // A print that takes more memory than is allowed says so before anything is predicted.
     optics::ResinVolume print = task_.open_loop();
-    if (options_.intent != Intent::absolute) state_.white = sequence_->twin(*task_.scene.volume, &progress_).value;
+    if (options_.intent != Intent::absolute) {
+        const PartRange part = this_part(0.5);
+        state_.white = sequence_->twin(*task_.scene.volume, &progress_).value;
+    }
     watch_.lap();
     predict(std::move(print), LoopMethod::open_loop);
     state_.open = state_.shown = rgb_;
@@ -370,7 +379,10 @@ void LoopRun::print_and_predict(const SkinMixtures& mixtures, LoopMethod method)
 void LoopRun::predict(optics::ResinVolume volume, LoopMethod method) {
     settle();
     print_ = std::move(volume);
-    const optics::Appearance seen = sequence_->next(print_, &progress_);
+    const optics::Appearance seen = [&] {
+        const PartRange part = this_part(1);
+        return sequence_->next(print_, &progress_);
+    }();
     rgb_ = relative_.colours(seen);
     if (correction_.any()) {
         corrections_ = correction_.of_surface(print_, *task_.surface, &progress_);
@@ -390,6 +402,7 @@ void LoopRun::predict(optics::ResinVolume volume, LoopMethod method) {
     state_.steps.push_back(step);
     progress_.note(report_line(state_));
     progress_.advance();
+    step_part_ = 0;
     expect_steps(progress_, ++predictions_ + predictions_left());
 }
 
@@ -482,6 +495,7 @@ bool LoopRun::move_downhill() {
     Colours by_colour = (*misfit_)(rgb_, seen_).by_colour;
     if (correction_.any()) optics::correct_derivatives(corrections_, by_colour);
     const std::vector<float> seed = relative_.adjoint(by_colour);
+    const PartRange part = this_part(0.5);
     std::vector<float> mixture_gradient = task_.mixture_gradient(
         [&](const LoopTask::GradientVisitor& visit) { return sequence_->gradient(seed, visit, &progress_); });
     if (mixture_gradient.empty()) return false;

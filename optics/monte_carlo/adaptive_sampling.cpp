@@ -2,11 +2,13 @@
 #include "optics/monte_carlo/adaptive_sampling.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <vector>
 
 #include "base/contracts.h"
 #include "base/parallel.h"
+#include "base/step_part.h"
 
 namespace voxtone::optics {
 namespace {
@@ -41,6 +43,26 @@ std::vector<Task> make_tasks(std::size_t channels, std::vector<std::uint32_t>& d
     return tasks;
 }
 
+/// Nobody knows how many rounds there will be: each takes half of what is left.
+class PartOfRounds {
+public:
+    PartOfRounds(const Progress* progress, bool has_more) : progress_(progress), has_more_(has_more) {}
+    void begin_round(std::size_t tasks) {
+        low_ = high_;
+        high_ = has_more_ ? (1 + low_) / 2 : 1;
+        tasks_ = tasks;
+        done_ = 0;
+    }
+    void end_task() { tell_part(progress_, low_ + (high_ - low_) * double(++done_) / double(tasks_)); }
+
+private:
+    const Progress* progress_;
+    bool has_more_;
+    double low_ = 0, high_ = 0;
+    std::size_t tasks_ = 0;
+    std::atomic<std::size_t> done_{0};
+};
+
 }  // namespace
 
 PathAddress path_address(const Surface& surface, std::size_t channels, const MonteCarloOptions& options,
@@ -58,15 +80,18 @@ Appearance draw_paths(std::size_t cells, std::size_t channels, const MonteCarloO
     std::vector<Share> shares;
     summary = {};
     summary.values = values;
+    PartOfRounds parts(progress, options.error > 0);
     for (;;) {
         const std::vector<Task> tasks = make_tasks(channels, drawn, wanted, shares);
         if (tasks.empty()) break;
+        parts.begin_round(tasks.size());
         parallel_for(
             0, tasks.size(), 1,
             [&](std::size_t t) {
                 if (progress) progress->check_cancelled();
                 trace(tasks[t].channel, std::span(shares).subspan(tasks[t].first, tasks[t].last - tasks[t].first),
                       tallies);
+                parts.end_task();
             },
             progress);
         for (const Share& share : shares) summary.paths += share.count;

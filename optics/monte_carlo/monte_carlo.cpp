@@ -6,6 +6,7 @@
 
 #include "base/contracts.h"
 #include "base/error.h"
+#include "base/step_part.h"
 #include "optics/monte_carlo/adaptive_sampling.h"
 #include "optics/monte_carlo/directional_paths.h"
 #include "optics/monte_carlo/path_entries.h"
@@ -162,8 +163,12 @@ TwinAppearances MonteCarlo::predict_with_twin(const Scene& scene, const Surface&
     others.seed = ~options_.seed;
     Scene other = scene;
     other.volume = &twin;
-    Appearance body = predict(scene, surface, progress);
-    return {std::move(body), MonteCarlo(others).predict(other, surface, progress)};
+    const auto half = [&](const MonteCarlo& model, const Scene& of, double from) {
+        const PartRange range(progress, from, from + 0.5);
+        return model.predict(of, surface, progress);
+    };
+    Appearance body = half(*this, scene, 0);
+    return {std::move(body), half(MonteCarlo(others), other, 0.5)};
 }
 
 Appearance MonteCarlo::predict(const Scene& scene, const Surface& surface, const Progress* progress) const {

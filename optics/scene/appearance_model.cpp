@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "base/step_part.h"
+
 namespace voxtone::optics {
 namespace {
 
@@ -33,8 +35,12 @@ TwinAppearances AppearanceModel::predict_with_twin(const Scene& scene, const Sur
                                                    const Progress* progress) const {
     Scene other = scene;
     other.volume = &twin;
-    Appearance body = predict(scene, surface, progress);
-    return {std::move(body), predict(other, surface, progress)};
+    const auto half = [&](const Scene& of, double from) {
+        const PartRange range(progress, from, from + 0.5);
+        return predict(of, surface, progress);
+    };
+    Appearance body = half(scene, 0);
+    return {std::move(body), half(other, 0.5)};
 }
 
 std::unique_ptr<AppearanceSequence> AppearanceModel::sequence(const Scene& scene, const Surface& surface,

@@ -6,6 +6,7 @@
 
 #include "base/contracts.h"
 #include "base/error.h"
+#include "base/step_part.h"
 #include "optics/transport/viewing_sequence.h"
 
 namespace voxtone::optics {
@@ -34,8 +35,12 @@ TwinAppearances TransportPredictor::predict_with_twin(const Scene& scene, const 
                                                       const ResinVolume& twin, const Progress* progress) const {
     VOXTONE_EXPECT(scene.volume && scene.resins);
     ViewingSequence sequence(scene, surface, options_, progress);
-    Appearance body = sequence.only(*scene.volume, progress);
-    return {std::move(body), sequence.only(twin, progress)};
+    const auto half = [&](const ResinVolume& volume, double from) {
+        const PartRange range(progress, from, from + 0.5);
+        return sequence.only(volume, progress);
+    };
+    Appearance body = half(*scene.volume, 0);
+    return {std::move(body), half(twin, 0.5)};
 }
 
 std::size_t TransportPredictor::least_bytes(double solid_mm3, const std::array<double, 3>& pitch_mm) const {

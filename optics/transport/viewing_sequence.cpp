@@ -7,6 +7,7 @@
 #include "base/contracts.h"
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/step_part.h"
 #include "base/stopwatch.h"
 #include "optics/transport/refinement.h"
 #include "optics/transport/seen_medium.h"
@@ -118,6 +119,12 @@ ViewingTransport::Media ViewingSequence::media_of_live(std::size_t channel) cons
     return media_of_grid(live_grid(), halftone_, *scene_.resins, channel);
 }
 
+/// Of as many as are to come.
+PartRange ViewingSequence::next_solve(const Progress* progress) {
+    const double of_one = 1.0 / double(std::max<std::size_t>(1, solves_)), low = double(solved_++) * of_one;
+    return {progress, low, low + of_one};
+}
+
 template <class Done>
 void ViewingSequence::solve(bool receives, Effort effort, const Progress* progress, Done&& done) {
     std::vector<float> at_ghosts;
@@ -128,6 +135,7 @@ void ViewingSequence::solve(bool receives, Effort effort, const Progress* progre
         if (receives)
             for (const std::uint32_t place : live().shape->received) at_ghosts.push_back(ghosts_[c][place]);
         ViewingField& field = grids_.bring(live(), c);
+        const PartRange part = next_solve(progress);
         transport_->solve(media, field, effort.sweeps, summary_, progress, at_ghosts);
         for (const auto& [block, place] : live().shape->sent)
             ghosts_[c][place] = transport_->mean_phi(live_grid().blocks[block]);
@@ -188,6 +196,10 @@ Appearance ViewingSequence::predict(const ResinVolume& volume, Effort effort, co
         grids_.make_all(progress);
         summary_.grid_s += making.total();
     }
+    const bool goes_round = tiles.size() > 1 && tiles[0].light[0].empty();
+    const int rounds = goes_round ? std::max(0, effort.rounds - (ghosts_.empty() ? 0 : 1)) : 0;
+    solves_ = static_cast<std::size_t>(rounds + 1) * tiles.size() * channels();
+    solved_ = 0;
     if (tiles[0].light[0].empty()) begin(effort.rounds, progress);
     Appearance appearance;
     appearance.channels = channels();
@@ -270,6 +282,8 @@ bool ViewingSequence::gradient(std::span<const float> adjoint_seed, const Gradie
     VOXTONE_EXPECT(volume_ != nullptr && keeps_light_);
     const std::size_t needed = gradient_bytes();
     require_memory("the gradient of a print needs ", needed, options_.memory_bytes, "or take larger cells");
+    solves_ = grids_.tiles().size() * channels();
+    solved_ = 0;
     // Backwards: the tile that was solved last is still at hand.
     for (std::size_t t = grids_.tiles().size(); t-- > 0;) {
         prepare(t, progress);
@@ -282,6 +296,7 @@ bool ViewingSequence::gradient(std::span<const float> adjoint_seed, const Gradie
         std::vector<float> by_sigma_t(grid.cells()), by_sigma_s(grid.cells());
         for (std::size_t c = 0; c < channels(); ++c) {
             const ViewingTransport::Media media = media_of_live(c);
+            const PartRange part = next_solve(progress);
             transport_->solve_adjoint(media, light_of(adjoint_seed, c), options_.adjoint_sweeps, summary_, progress);
             transport_->derivatives(grids_.bring(tile, c), by_sigma_t, by_sigma_s, progress);
             grids_.put_away(tile, c);

@@ -31,6 +31,7 @@
 #include <span>
 #include <vector>
 
+#include "base/step_part.h"
 #include "optics/media/effective_medium.h"
 #include "optics/transport/sequence_state.h"
 #include "optics/transport/tile_grids.h"
@@ -93,6 +94,7 @@ private:
     void solve(bool receives, Effort effort, const Progress* progress, Done&& done);
     /// For the first time: diffusion alone, until light has come around.
     void begin(int rounds, const Progress* progress);
+    [[nodiscard]] PartRange next_solve(const Progress* progress);
     /// Light that stands for d F / d value.
     [[nodiscard]] std::vector<float> light_of(std::span<const float> adjoint_seed, std::size_t channel) const;
     void read_appearance(std::size_t channel, Appearance& to) const;
@@ -110,6 +112,7 @@ private:
     std::size_t live_ = 0;
     std::unique_ptr<ViewingTransport> transport_;  ///< of the live tile
     const ResinVolume* volume_ = nullptr;          ///< of the last prediction
+    std::size_t solves_ = 0, solved_ = 0;          ///< of the prediction or gradient that runs
     TransportSummary summary_;
 };
 

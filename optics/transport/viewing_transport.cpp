@@ -9,6 +9,7 @@
 
 #include "base/contracts.h"
 #include "base/parallel.h"
+#include "base/step_part.h"
 #include "base/stopwatch.h"
 #include "optics/numerics/portable_math.h"
 #include "optics/numerics/prefetch.h"
@@ -692,6 +693,7 @@ void ViewingTransport::iterate(Sweeps sweeps, TransportSummary& summary) {
         enter(false);
         check();
         const int made = k + 1;
+        tell_part(progress_, double(1 + made) / (1 + sweeps.most));
         const bool more = made < sweeps.most && (made < sweeps.least || !(relative_change() < sweeps.enough));
         if (more) reflect();
         summary.diffusion_s += watch.lap();
@@ -725,6 +727,7 @@ void ViewingTransport::solve(const Media& media, ViewingField& field, Sweeps swe
     }
     if (sweeps.most > 0) make_equations(widened_, core_widened_);
     summary.diffusion_s += watch.lap();
+    tell_part(progress_, 1.0 / (1 + sweeps.most));
     iterate(sweeps, summary);
     end(summary);
     TransportSummary first_guess;  // diffusion alone: what is clipped of it does not matter to the sweeps to come

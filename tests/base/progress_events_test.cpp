@@ -104,3 +104,38 @@ TEST_CASE("Events come by themselves where nothing is reported", "[slow]") {
     while (told < 3) std::this_thread::yield();
     SUCCEED("the ticker told; without it this would not end");
 }
+
+TEST_CASE("Inside of a step its share is told, and the time left does not stand still") {
+    std::string text;
+    double now_s = 0;
+    ProgressEvents events([&](std::string_view piece) { text += piece; }, [&] { return now_s; });
+    const Progress& inside = events;
+    events.expect({{"loop", 100}});
+    events.begin_stage("loop", 10, "predictions");
+    const auto last = [&](const std::string& key) {
+        const std::size_t at = text.rfind("\"" + key + "\":");
+        return at == std::string::npos ? -1 : std::stod(text.substr(at + key.size() + 3));
+    };
+    // Four times as slow as expected, steadily: within the first of ten predictions that is found out, and told.
+    double left_before = 1e9;
+    int still = 0;
+    for (int k = 1; k <= 20; ++k) {
+        now_s += 2;
+        const PartRange half(&inside, k <= 10 ? 0 : 0.5, k <= 10 ? 0.5 : 1);
+        tell_part(&inside, k % 10 == 0 ? 1 : k % 10 / 10.0);
+        events.tick();
+        CHECK(last("part") == Approx(k / 20.0));
+        const double left = last("job_seconds_left");
+        still = left == left_before ? still + 1 : 0;
+        CHECK(still < 4);
+        left_before = left;
+    }
+    CHECK(left_before > 130);  // of 360, and 60 by the clock and what was expected
+    tell_part(&inside, 0.1);
+    CHECK(events.part() == 1);
+    events.advance();
+    CHECK(events.part() == 0);
+    tell_part(nullptr, 1);
+    const Progress silent;
+    tell_part(&silent, 1);  // shows no parts
+}

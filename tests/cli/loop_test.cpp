@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "run_program.h"
 #include "slicer/job/slice_job.h"
+#include "tests/counted_parts.h"
 #include "tests/places.h"
 
 using namespace voxtone;
@@ -265,4 +266,26 @@ TEST_CASE("Large bodies are rearranged without being asked, and what that takes 
     CHECK(small.err.find("GiB of memory at the least, and 819 MiB are allowed: allow more (--memory)") !=
           std::string::npos);
     CHECK_FALSE(std::filesystem::exists(std::filesystem::path(folder / "small") / "manifest.json"));
+}
+
+TEST_CASE("Each prediction of a loop tells how far it is") {
+    const Folder folder("parts");
+    for (const std::string method : {"descent", "feedback"}) {
+        CountedParts parts;
+        slicer::SliceOptions options = small_slab(folder, method);
+        options.loop_method = method;
+        options.iterations = "4";
+        options.predict = "none";
+        (void)slicer::run_slice_job(options, parts);
+        std::size_t predictions = 0;
+        for (const std::vector<double>& step : parts.told) {
+            if (step.empty()) continue;
+            ++predictions;
+            CAPTURE(method, predictions, step);
+            CHECK(step.size() >= 6);
+            CHECK(std::ranges::is_sorted(step));
+            CHECK(step.back() == Approx(1));
+        }
+        CHECK(predictions >= 5);
+    }
 }

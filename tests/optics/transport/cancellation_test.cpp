@@ -17,6 +17,7 @@
 #include "optics/transport/viewing_grid_builder.h"
 #include "optics/transport/viewing_palette.h"
 #include "optics/transport/viewing_sequence.h"
+#include "tests/counted_parts.h"
 
 using namespace voxtone::optics;
 using voxtone::Cancelled;
@@ -136,4 +137,41 @@ TEST_CASE("A sequence that is cancelled solves nothing first", "[cancellation]")
                         seed, [](const ResinGradient&, const VoxelBox&) { FAIL("nothing to visit"); }, &stopped.stop),
                     Cancelled);
     CHECK(seen.summary().diffusion_s == diffusion_s);
+}
+
+TEST_CASE("A prediction tells how far it is, sweep by sweep and path by path, to its end and never back") {
+    const Stopped slab;
+    const auto told_by = [](const auto& work) {
+        const voxtone::test::CountedParts parts;
+        work(&parts);
+        const std::vector<double> told = parts.told.back();
+        CHECK(std::ranges::is_sorted(told));
+        REQUIRE_FALSE(told.empty());
+        CHECK(told.front() < 0.2);
+        CHECK(told.back() == Approx(1));
+        double longest = told.front();
+        for (std::size_t i = 1; i < told.size(); ++i) longest = std::max(longest, told[i] - told[i - 1]);
+        CHECK(longest < 0.26);
+        return told.size();
+    };
+    const std::size_t channels = slab.resins.channels.size();
+    CHECK(told_by([&](const Progress* progress) {
+              (void)TransportPredictor().predict_with_twin(slab.scene, slab.surface, slab.volume, progress);
+          }) >= 4 * channels);
+    ViewingSequence sequence(slab.scene, slab.surface, Stopped::on_viewing_cells());
+    std::vector<float> seed;
+    CHECK(told_by([&](const Progress* progress) { seed = sequence.next(slab.volume, progress).value; }) >=
+          2 * channels);
+    CHECK(told_by([&](const Progress* progress) {
+              (void)sequence.gradient(
+                  seed, [](const ResinGradient&, const VoxelBox&) {}, progress);
+          }) >= 2 * channels);
+    TransportOptions tiles = Stopped::on_viewing_cells();
+    tiles.tile_cells = 8, tiles.tile_halo = 4;
+    CHECK(told_by([&](const Progress* progress) {
+              (void)TransportPredictor(tiles).predict(slab.scene, slab.surface, progress);
+          }) > 3 * channels);
+    CHECK(told_by([&](const Progress* progress) {
+              (void)MonteCarlo({.paths = 200}).predict_with_twin(slab.scene, slab.surface, slab.volume, progress);
+          }) >= 8);
 }

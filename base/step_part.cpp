@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/step_part.h"
+
+#include <algorithm>
+
+namespace voxtone {
+
+void ShowsParts::tell(double share) const {
+    const double part = low_ + (high_ - low_) * std::clamp(share, 0.0, 1.0);
+    double before = part_;
+    while (part > before)
+        if (part_.compare_exchange_weak(before, part)) {
+            on_part(part);
+            return;
+        }
+}
+
+void tell_part(const Progress* progress, double share) {
+    if (const auto* const shows = dynamic_cast<const ShowsParts*>(progress)) shows->tell(share);
+}
+
+PartRange::PartRange(const Progress* progress, double low, double high)
+    : shows_(dynamic_cast<const ShowsParts*>(progress)) {
+    if (!shows_) return;
+    before_ = shows_->range();
+    const double width = before_.high - before_.low;
+    shows_->set_range({before_.low + low * width, before_.low + high * width});
+}
+
+PartRange::~PartRange() {
+    if (!shows_) return;
+    shows_->tell(1);
+    shows_->set_range(before_);
+}
+
+}  // namespace voxtone
