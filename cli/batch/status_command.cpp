@@ -20,6 +20,7 @@ Command add_status_command(CLI::App& program) {
     auto arguments = std::make_shared<Arguments>();
     CLI::App* command = program.add_subcommand("status", "Say how far a batch is, while it runs or after");
     command->add_option("batch", arguments->out, "folder of the batch")->required()->type_name("FOLDER");
+    arguments->console.answers = true;
     add_console_options(*command, arguments->console);
     add_example(*command, "out/monday");
     return [arguments] {

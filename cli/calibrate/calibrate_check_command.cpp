@@ -38,6 +38,7 @@ Command add_calibrate_check_command(CLI::App& calibrate, const CalibrateJobs& jo
     add_overwrite_option(*command, a.job.overwrite);
     add_patch_map_options(*command, a.job.map);
     add_patch_options(*command, a.run.lengths, a.patches, a.job.measured);
+    a.run.console.answers = true;
     add_run_options(*command, a.run);
     add_example(*command, "my-resins.json other-patches.csv -o check.html");
     return [arguments, &jobs] { return run(*arguments, jobs); };

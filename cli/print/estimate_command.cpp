@@ -78,6 +78,7 @@ Command add_estimate_command(CLI::App& program) {
         ->add_flag("--quick", arguments->quick,
                    "leave out how much of each resin: colours are not separated, which takes most of the time")
         ->group("Run");
+    arguments->console.answers = true;
     add_console_options(*command, arguments->console);
     add_example(*command, "cow.obj --size 60mm");
     return [arguments] { return run(*arguments); };

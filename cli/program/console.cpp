@@ -56,10 +56,10 @@ void print_text(const JobResult& result) {
     if (!result.text.empty() && result.text.back() != '\n') print_out("\n");
 }
 
-JobResult run_with_text(bool quiet, const std::function<JobResult(Progress&)>& work, std::chrono::milliseconds grace) {
-    const std::unique_ptr<Progress> progress = make_console_progress(quiet);
-    JobResult result = work_until_stopped(work, *progress, Messages::text, grace);
-    print_text(result);
+JobResult run_with_text(const ConsoleOptions& options, const std::function<JobResult(Progress&)>& work) {
+    const std::unique_ptr<Progress> progress = make_console_progress(options.quiet);
+    JobResult result = work_until_stopped(work, *progress, Messages::text, options.grace);
+    if (!options.quiet || options.answers || result.exit_code != ExitCode::done) print_text(result);
     return result;
 }
 
@@ -92,13 +92,17 @@ void add_console_options(CLI::App& command, ConsoleOptions& options) {
         ->check(CLI::IsMember({"auto", "openjd"}))
         ->excludes(json)
         ->group("Run");
-    command.add_flag("--quiet", options.quiet, "no progress, warnings only")->group("Run");
+    command
+        .add_flag("--quiet", options.quiet,
+                  options.answers ? "the answer, warnings and errors: no progress"
+                                  : "warnings and errors: no progress, and no summary of what is done")
+        ->group("Run");
 }
 
 int run_on_console(const ConsoleOptions& options, const std::function<JobResult(Progress&)>& work) {
     const JobResult result = options.json     ? run_with_events(work, options.grace)
                              : options.openjd ? run_for_openjd(work, options.grace)
-                                              : run_with_text(options.quiet, work, options.grace);
+                                              : run_with_text(options, work);
     return static_cast<int>(result.exit_code);
 }
 

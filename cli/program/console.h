@@ -19,6 +19,7 @@ namespace voxtone::cli {
 struct ConsoleOptions {
     bool json = false;
     bool quiet = false;
+    bool answers = false;                  ///< its text is what the verb is asked for: --quiet leaves it
     bool openjd = false;                   ///< messages of Open Job Description
     std::chrono::milliseconds grace{800};  ///< that a verb has to end after a request to stop
 };

@@ -246,8 +246,7 @@ TEST_CASE("A model whose name is no UTF-8 goes through plan, submission and task
     fs::create_directory(shop.folder.path() / "models");
     for (const char* name : {"caf\xE9.obj", "box2.obj"})
         fs::rename(shop.folder.path() / name, shop.folder.path() / "models" / name);
-    const std::string common =
-        fmt::format("--preset {} -o {} --quiet", shop.folder / "quick.json", shop.folder / "out");
+    const std::string common = fmt::format("--preset {} -o {}", shop.folder / "quick.json", shop.folder / "out");
     const Outcome submitted =
         run_program(fmt::format("batch {} {} --slurm --threads 1 --shards 2", shop.folder / "models", common));
     INFO(submitted.err);

@@ -391,12 +391,20 @@ TEST_CASE("A model is seen before anything is done with it") {
     CHECK(!std::filesystem::exists(folder / "none.png"));
 }
 
-TEST_CASE("A quiet job leaves a typed report and a page for the customer") {
+TEST_CASE("A quiet job that is done says nothing, and leaves a typed report and a page for the customer") {
     const Folder folder("quiet");
     folder.write("marker.obj", marker_obj());
-    const std::string slice = "slice --quiet --quality draft " + (folder / "marker.obj") + " -o " + (folder / "out");
-    const Outcome made = run_program(slice);
-    CHECK(made.exit_code == 0);
+    const std::string slice = "slice --quiet --quality draft --load W " + (folder / "marker.obj") + " -o ";
+    const auto is_silent = [](const std::string& words) {
+        const Outcome outcome = run_program(words);
+        INFO(words << "\n" << outcome.out << outcome.err);
+        return outcome.exit_code == 0 && outcome.out.empty() && outcome.err.empty();
+    };
+    CHECK(is_silent(slice + (folder / "out")));
+    CHECK(is_silent(slice + (folder / "out")));  // done before
+    CHECK(is_silent("verify --quiet " + (folder / "out")));
+    const Outcome lost = run_program("verify --quiet " + (folder / "none"));
+    CHECK((lost.exit_code != 0 && lost.out.empty() && !lost.err.empty()));
     CHECK_THAT(run_program("estimate --quiet --quick " + (folder / "marker.obj")).out, Contains("ml"));
     // The report has the job's options as its job file has them.
     const auto report = nlohmann::json::parse(read_file(folder / "out/report.json")).at("job");
