@@ -90,15 +90,20 @@ void put_at(std::uint32_t cell, const optics::Surface& surface, io::ReportRegion
     }
 }
 
+bool is_graphics(const JobPrediction& p) {
+    constexpr double of_graphics = 0.3;
+    double flat = 0, all = 0;
+    for (const ColourRegion& of : p.seen.regions) flat += of.area_mm2;
+    for (const optics::SurfaceCell& cell : p.predicted.surface.cells) all += static_cast<double>(cell.area_mm2);
+    return flat >= of_graphics * all;
+}
+
 /// Fine detail of graphics that lost much of its contrast; nothing where that is hardly anywhere.
 std::optional<Row> lost_detail(const JobPrediction& p) {
     constexpr float strong = 0.08f, enough = 0.6f;
-    constexpr double least_lost_mm2 = 0.25, of_graphics = 0.3;
+    constexpr double least_lost_mm2 = 0.25;
     const optics::Surface& surface = p.predicted.surface;
-    double flat = 0, all = 0;
-    for (const ColourRegion& of : p.seen.regions) flat += of.area_mm2;
-    for (const optics::SurfaceCell& cell : surface.cells) all += static_cast<double>(cell.area_mm2);
-    if (flat < of_graphics * all) return std::nullopt;
+    if (!is_graphics(p)) return std::nullopt;
     Row row;
     io::ReportRegion& region = row.said;
     double kept = 0;
@@ -120,6 +125,25 @@ std::optional<Row> lost_detail(const JobPrediction& p) {
     region.contrast = std::max(0.0, kept / region.area_mm2), region.contrast_asked = 1;
     region.why = fmt::format("keeps {:.2f} of its contrast: type as fine as that is hard to read", region.contrast);
     region.good = false;
+    return row;
+}
+
+/// Of pictures: fine lines that run together, whether the eye would tell them apart from its distance or not.
+std::optional<Row> lost_lines_row(const RegionSources& s) {
+    const JobPrediction& p = s.prediction;
+    const auto lost = s.is_picture && is_graphics(p) ? lost_lines(p) : std::nullopt;
+    if (!lost) return std::nullopt;
+    const std::uint32_t middle = lost->cells[lost->cells.size() / 2];
+    Row row;
+    row.cells = lost->cells;
+    row.said.kind = "fine detail";
+    row.said.asked = text_of(p.target[middle]);
+    row.printed = p.predicted.rgb[middle].cast<double>();
+    put_at(middle, p.predicted.surface, row.said);
+    row.said.area_mm2 = lost->area_mm2;
+    row.said.contrast = lost->kept, row.said.contrast_asked = 1;
+    row.said.why = fmt::format("runs together: lines as fine as that keep {:.2f} of their contrast", lost->kept);
+    row.said.good = false;
     return row;
 }
 
@@ -325,6 +349,7 @@ JudgedRegions judge_regions(const RegionSources& s, const ThinWalls& walls) {
     // What the size of type says the contrast of fine detail need not.
     auto more = small_type(s);
     if (!more) more = lost_detail(p);
+    if (!more) more = lost_lines_row(s);
     for (auto& row : {std::move(more), thin_walls(s, walls)})
         if (row) say_where(s, rows.emplace_back(*row));
     for (Row& row : rows) judged.rows.push_back(std::move(row.said));

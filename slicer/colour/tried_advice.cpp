@@ -51,6 +51,13 @@ double most_larger(const AdviceSources& s) {
     return most;
 }
 
+/// By a number of iterations, and not by what there was to gain: another size would be cut short elsewhere.
+bool is_cut_short(const AdviceSources& s) {
+    const int asked = s.job.options.loop.iterations.value_or(-1);
+    return s.loop && asked >= 0 && asked < halftone::most_iterations &&
+           s.loop->result.why_stopped == halftone::all_iterations_made;
+}
+
 void add_larger(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     constexpr double fourfold = 4;
     const double thick_mm = 2 * s.job.options.colour.depth_mm, most = std::min(fourfold, most_larger(s));
@@ -61,7 +68,7 @@ void add_larger(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     double k = 1.25;
     while (k < most && then(k) > good) k *= 1.1;
     if (then(k) > good) k = 2;
-    const bool for_type = type_k > k || now <= good;
+    const bool for_type = type_k > k || now <= good || is_cut_short(s);
     if (for_type) k = type_k;
     k = std::min(k, most);
     const Eigen::Vector3d& extent = s.body.placement.extent_mm;
@@ -69,7 +76,7 @@ void add_larger(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     const double mean = then(to_mm / edge_mm);
     if (to_mm <= edge_mm || (mean > worth_a_word * now && !(for_type && type_k > 1))) return;
     const std::string options = fmt::format("{} {:g}mm", s.body.is_picture ? "--width" : "--size", to_mm);
-    advice.push_back({fmt::format("print it larger ({}): then about {:.1f}{}", options, mean,
+    advice.push_back({fmt::format("print it larger ({}): then {:.1f} at best{}", options, mean,
                                   type_k > 1 && to_mm >= type_k * edge_mm ? ", and all type can be read" : ""),
                       options, seen_mean, now, mean});
 }
@@ -80,14 +87,12 @@ void add_loop(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     if (!s.loop) {
         if (s.job.resins.set.resins.size() < 2) return;
         then = s.mean.reach + left_by_loop * (now - s.mean.reach);
-    } else if (const int asked = s.job.options.loop.iterations.value_or(-1);
-               asked >= 0 && asked < halftone::most_iterations &&
-               s.loop->result.why_stopped == halftone::all_iterations_made) {
+    } else if (is_cut_short(s)) {
         std::vector<double> means;
         for (const halftone::LoopStep& step : s.loop->result.state.steps)
             if (step.method != halftone::LoopMethod::descent) means.push_back(step.seen.mean);
         const double made = means.back(), least = left_by_loop * means.front(),
-                     longer = mean_of_longer_loop(means, halftone::most_iterations - asked),
+                     longer = mean_of_longer_loop(means, halftone::most_iterations - *s.job.options.loop.iterations),
                      gained = made - std::min(made, std::max(least, longer));
         then = made > 0 ? now * (1 - gained / made) : now;
     }
@@ -156,7 +161,6 @@ std::vector<io::ReportAdvice> tried_advice(const AdviceSources& s) {
     add_loop(s, advice);
     add_thicker(s, advice);
     add_larger(s, advice);
-    std::ranges::stable_sort(advice, {}, &io::ReportAdvice::then);
     if (s.mean.reach >= (1 - worth_a_word) * s.mean.sum()) {
         std::vector<io::ReportAdvice> more = advice_on_reach(s.job, s.body);
         // What lies under the colour is the first thing to put right.

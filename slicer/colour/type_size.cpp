@@ -39,6 +39,9 @@ public:
                 for (const std::uint32_t cell : p.seen.regions[r].cells) ground_[cell] = static_cast<int>(r);
     }
 
+    /// Besides, what hangs together on a ground and is no letter, as fine lines side by side are.
+    std::vector<std::vector<std::uint32_t>> patterns;
+
     [[nodiscard]] std::vector<Glyph> letters() {
         std::vector<Glyph> found;
         std::vector<char> taken(ground_.size());
@@ -46,9 +49,13 @@ public:
             if (taken[first] || ground_[first] != none) continue;
             Glyph letter;
             int on = none;
-            if (collect(first, taken, letter.cells, on) && measure(letter, on)) found.push_back(std::move(letter));
+            if (!collect(first, taken, letter.cells, on)) continue;
+            if (measure(letter, on))
+                found.push_back(std::move(letter));
+            else
+                patterns.push_back(std::move(letter.cells));
         }
-        keep_type(found);
+        keep_type(found, patterns);
         return found;
     }
 
@@ -110,7 +117,7 @@ private:
     }
 
     /// Those that stand among others of their size, with the size of their face.
-    static void keep_type(std::vector<Glyph>& letters) {
+    static void keep_type(std::vector<Glyph>& letters, std::vector<std::vector<std::uint32_t>>& others) {
         constexpr double alike = 1.8, reach = 4, percentile = 0.8;
         std::ranges::stable_sort(letters, {}, [](const Glyph& letter) { return letter.middle.x(); });
         const double widest = letters.empty() ? 0 : std::ranges::max_element(letters, {}, &Glyph::width_mm)->width_mm;
@@ -132,6 +139,8 @@ private:
             std::nth_element(heights.begin(), at, heights.end());
             letter.size_mm = *at / capitals;
         }
+        for (const Glyph& letter : letters)
+            if (letter.size_mm == 0) others.push_back(letter.cells);
         std::erase_if(letters, [](const Glyph& letter) { return letter.size_mm == 0; });
     }
 
@@ -227,6 +236,39 @@ std::optional<TypeSize> unreadable_type(const JobPrediction& p, double viewing_d
     }
     type.cell = unread[unread.size() / 2]->cells.front();
     return type;
+}
+
+std::optional<LostLines> lost_lines(const JobPrediction& p) {
+    constexpr float differs = 0.1f;  // Oklab's lightness
+    constexpr double enough = 0.6, least_mm2 = 1;
+    TypeFinder finder(p);
+    (void)finder.letters();
+    const halftone::CellNeighbours cells(p.predicted.surface);
+    const auto lightness = [](const Eigen::Vector3f& rgb) {
+        return float(optics::oklab_from_linear_srgb(rgb.cast<double>().cwiseMax(0))[0]);
+    };
+    LostLines lost;
+    double asked = 0, kept = 0;
+    for (const std::vector<std::uint32_t>& pattern : finder.patterns)
+        for (const std::uint32_t cell : pattern) {
+            float target = 0, print = 0;
+            int around = 0;
+            cells.visit_around(cell, [&](std::size_t other) {
+                target += lightness(p.target[other]), print += lightness(p.predicted.rgb[other]);
+                ++around;
+            });
+            if (around == 0) continue;
+            target = lightness(p.target[cell]) - target / float(around);
+            print = lightness(p.predicted.rgb[cell]) - print / float(around);
+            if (std::abs(target) < differs) continue;
+            const double area = double(p.predicted.surface.cells[cell].area_mm2);
+            lost.area_mm2 += area;
+            asked += area * double(std::abs(target)), kept += area * double(target > 0 ? print : -print);
+            lost.cells.push_back(cell);
+        }
+    if (lost.area_mm2 < least_mm2 || kept >= enough * asked) return std::nullopt;
+    lost.kept = std::max(0.0, kept / asked);
+    return lost;
 }
 
 std::string type_size_text(double mm) {

@@ -20,6 +20,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "slicer/colour/job_prediction.h"
 
@@ -36,6 +37,16 @@ struct TypeSize {
 
 /// Nothing where there is no type, or all of it can be read.
 [[nodiscard]] std::optional<TypeSize> unreadable_type(const JobPrediction& prediction, double viewing_distance_mm);
+
+/// Lines side by side, or other detail on a ground, that are no letters and run together: cell against the cells around
+/// it, in Oklab's lightness, they keep less than 0.6 of what was asked for. It counts what the eye at its distance may
+/// not resolve, too: who sets such lines means to see them.
+struct LostLines {
+    std::vector<std::uint32_t> cells;
+    double area_mm2 = 0, kept = 0;
+};
+/// Nothing where that is less than 1 mm2.
+[[nodiscard]] std::optional<LostLines> lost_lines(const JobPrediction& prediction);
 
 /// "2.1 mm (6 pt)".
 [[nodiscard]] std::string type_size_text(double mm);

@@ -140,8 +140,10 @@ TEST_CASE("Of a white sheet it is said that its red is orange and that its fine 
     CHECK(of("solid")["asked"] == "red (255, 0, 0)");
     CHECK_FALSE(of("solid")["good"].get<bool>());
     CHECK(of("paper")["asked"] == "white (255, 255, 255)");
-    // Type comes first, and how small.
-    WANTED(regions[0]["kind"] == "small type");
+    // Lines of 0.1 mm are no letters of 3 mm, but are lost as much.
+    CHECK_THAT(of("fine detail")["why"].get<std::string>(), Contains("runs together"));
+    CHECK_FALSE(of("fine detail")["good"].get<bool>());
+    CHECK(double(of("fine detail")["contrast"]) < 0.6);
     // A figure that a kind is not judged by is none, and not 0.
     CHECK((of("solid").contains("de2000") && of("solid").contains("rim")));
     CHECK_FALSE(of("paper").contains("rim"));
@@ -195,27 +197,42 @@ std::string with_options(std::string command, const std::string& more) {
 
 /// Does what each advice says and looks whether it comes to what was said. How many there were.
 int follow(const Folder& folder, const std::string& command) {
-    constexpr double stands_up = 0.35;  // of what the advice says it gains or leaves, the larger
     const auto report = verdict_of(folder, command + " ");
     int followed = 0;
     for (const auto& advice : report["verdict"]["advice"]) {
-        const std::string options = advice["options"];
+        const std::string options = advice["options"], text = advice["text"];
         const double now = advice["now"], then = advice["then"];
         CHECK(then < now);
-        CHECK_THAT(advice["text"].get<std::string>(), Contains(fmt::format("{:.1f}", then)));
+        CHECK_THAT(text, Contains(fmt::format("{:.1f}", then)));
         if (options.empty()) continue;
         const auto after = verdict_of(folder, with_options(command + " ", options));
         const double came_to = advice["figure"] == "gamut" ? double(after["gamut"]["de2000"]["mean"]) : seen(after);
         INFO(command << "\n" << advice.dump() << "\ncame to " << came_to);
-        WANTED(came_to < now);
-        CHECK(came_to < 1.1 * now);
-        if (advice["text"].get<std::string>().find("or less") != std::string::npos)
+        CHECK(came_to < now);
+        if (text.find("or less") != std::string::npos)
             CHECK(came_to <= then);
+        else if (text.find("at best") != std::string::npos)
+            CHECK(came_to >= then);
         else
-            WANTED(came_to == Approx(then).margin(stands_up * std::max(then, now - then)));
+            CHECK(came_to == Approx(then).margin(std::max(0.5, 0.15 * then)));
         ++followed;
     }
     return followed;
+}
+
+/// A block of 6 x 5 x 3 mm with a fin of this thickness on it, red to green.
+std::string finned_obj(double fin_mm) {
+    std::string text;
+    for (const auto& [y, z] : {std::pair{std::array{0.0, 5.0}, std::array{0.0, 3.0}},
+                               std::pair{std::array{2.5 - fin_mm / 2, 2.5 + fin_mm / 2}, std::array{2.5, 7.0}}})
+        for (std::size_t c = 0; c < 8; ++c)
+            text +=
+                fmt::format("v {} {} {} {}\n", c & 1 ? 6 : 0, y[c >> 1 & 1], z[c >> 2], c & 1 ? "0 0.5 0" : "0.6 0 0");
+    for (const int first : {1, 9})
+        for (const auto& f : {std::array{0, 2, 3, 1}, std::array{4, 5, 7, 6}, std::array{0, 1, 5, 4},
+                              std::array{2, 6, 7, 3}, std::array{0, 4, 6, 2}, std::array{1, 3, 7, 5}})
+            text += fmt::format("f {} {} {} {}\n", f[0] + first, f[1] + first, f[2] + first, f[3] + first);
+    return text;
 }
 
 }  // namespace
@@ -231,12 +248,22 @@ TEST_CASE("Whoever follows an advice comes to what it says") {
     folder.write("small.obj", ramp_box_obj(4, 4, 3));  // the size advised is one that is predicted unasked
     const std::string squares = folder / "squares.png" + " --thickness 2mm --resins vero-opaque --width 4.8mm ";
     CHECK(follow(folder, squares + "--iterations 0") >= 2);
-    CHECK(follow(folder, squares + "--iterations 1") >= 1);
     CHECK(follow(folder, folder / "plate.obj" + " --iterations 0 --size 6mm") >= 1);
     CHECK(follow(folder, folder / "ramp.obj" + " --iterations 0 --load C,M,K,W") >= 1);
     CHECK(follow(folder, folder / "small.obj" + " --iterations 0 --core K") >= 1);
-    // Who lets it run until it stops is not told to.
+    // Who lets it run until it stops is not told to; of another size after a loop that was cut short nothing is known.
     CHECK(advised(verdict_of(folder, squares + "--iterations auto"), "--iterations").is_null());
+    CHECK(advised(verdict_of(folder, squares + "--iterations 1"), "--width").is_null());
+    // Thicker walls are another model.
+    for (const double fin_mm : {0.6, 2.0}) folder.write(fmt::format("fin{}.obj", fin_mm), finned_obj(fin_mm));
+    const auto thin = verdict_of(folder, folder / "fin0.6.obj" + " --unit mm --iterations 0"),
+               thick = verdict_of(folder, folder / "fin2.obj" + " --unit mm --iterations 0");
+    const auto& told = thin["verdict"]["advice"];
+    const auto walls = std::find_if(told.begin(), told.end(), [](const auto& advice) {
+        return advice["text"].template get<std::string>().starts_with("make walls");
+    });
+    REQUIRE(walls != told.end());
+    CHECK(seen(thick) == Approx(double((*walls)["then"])).epsilon(0.15));
 }
 
 TEST_CASE("Over a dark core the advice is a white one, and nothing else first") {
