@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <set>
 #include <span>
@@ -509,7 +510,7 @@ private:
         material.image = picture_index(part, id);
         if (const auto found = part.textures.find(id); found != part.textures.end()) {
             const ThreemfTexture& texture = found->second;
-            material.name = texture.path;
+            material.name = std::filesystem::path(texture.path).stem().string();
             material.wrap_u = texture.wrap_u;
             material.wrap_v = texture.wrap_v;
             material.nearest = texture.nearest;

@@ -77,8 +77,9 @@ void add_customer_warnings(std::string& html, const Report& report) {
 
 }  // namespace
 
-std::string customer_html(const Report& report) {
+std::string customer_html(const Report& report, const std::string& customer) {
     std::string html = page_start(report.title, customer_style, "");
+    if (!customer.empty()) html += fmt::format("<p>For {}</p>\n", html_text(customer));
     add_customer_pictures(html, report);
     html += fmt::format("<p>Size: {:.1f} x {:.1f} x {:.1f} mm (width, depth, height as it is printed)</p>\n",
                         report.size_mm[0], report.size_mm[1], report.size_mm[2]);

@@ -10,6 +10,7 @@
 
 namespace voxtone::io {
 
-[[nodiscard]] std::string customer_html(const Report& report);
+/// `customer`: who ordered it; may be empty.
+[[nodiscard]] std::string customer_html(const Report& report, const std::string& customer = {});
 
 }  // namespace voxtone::io

@@ -40,6 +40,7 @@ struct ViewerSurface {
     std::array<std::uint32_t, 2> size_px{};     ///< of a picture: columns along +x, rows from the largest y; 0: a body
     std::vector<std::uint16_t> positions;       ///< of a body, three a vertex: 0 is low_mm, 65535 is high_mm
     std::vector<std::uint32_t> triangles;       ///< of a body, three vertices each, counter-clockwise from outside
+    std::size_t clear = 0;                      ///< of a body: so many of the last of `triangles` are seen through
     std::vector<std::uint8_t> covered;          ///< of a picture: 0 where there is nothing
     std::vector<ViewerLook> looks;              ///< target first, print second where there are such
     std::string asked = "target";               ///< the looks that the probe compares, by their names

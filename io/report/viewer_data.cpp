@@ -143,7 +143,9 @@ void add_surface(JsonWriter& json, const ViewerSurface& s) {
         add_parts(json, s);
     } else {
         json.add("positions", packed.positions);
+        VOXTONE_EXPECT(s.clear <= s.triangles.size() && s.clear % 3 == 0);
         json.add("indices", s.triangles.size()).add("triangles", packed.triangles);
+        if (s.clear > 0) json.add("clear", s.clear);
     }
     json.add("asked", s.asked).add("expected", s.expected).add("to_scale", s.to_scale);
     json.add("note", s.note).key("looks").begin_list();

@@ -22,8 +22,8 @@ constexpr std::uint8_t side_grey = 200;
 /// A surface while it is put together: places in mm.
 struct Shape {
     std::vector<Eigen::Vector3d> positions;
-    std::vector<std::uint32_t> triangles;
-    std::vector<std::vector<std::uint8_t>> rgb;  ///< by look
+    std::vector<std::uint32_t> triangles, clear;  ///< clear: those that are seen through
+    std::vector<std::vector<std::uint8_t>> rgb;   ///< by look
     io::ViewerDifferences seen, single;
 };
 
@@ -35,7 +35,9 @@ Shape shape_of_body(const io::ViewerSurface& s, const std::vector<const io::View
         shape.positions.emplace_back(decoded(s.positions[v], s.low_mm[0], s.high_mm[0]),
                                      decoded(s.positions[v + 1], s.low_mm[1], s.high_mm[1]),
                                      decoded(s.positions[v + 2], s.low_mm[2], s.high_mm[2]));
-    shape.triangles = s.triangles;
+    const auto clear = s.triangles.end() - std::ptrdiff_t(s.clear);
+    shape.triangles.assign(s.triangles.begin(), clear);
+    shape.clear.assign(clear, s.triangles.end());
     for (const io::ViewerLook* look : looks) shape.rgb.push_back(look->rgb);
     shape.seen = s.seen, shape.single = s.single;
     return shape;
@@ -54,6 +56,30 @@ void add_slab(const io::ViewerSurface& s, Shape& shape) {
     for (const std::uint32_t corner :
          {0, 2, 3, 0, 3, 1, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5})
         shape.triangles.push_back(first + corner);
+}
+
+/// Below a picture that is cut to shape: its outline, pixel by pixel, down to a bottom of its shape.
+void add_cut_slab(Shape& shape) {
+    const auto face = static_cast<std::uint32_t>(shape.positions.size());
+    const std::vector<std::uint32_t> top = shape.triangles;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+    for (std::size_t t = 0; t < top.size(); ++t) edges.emplace_back(top[t], top[t % 3 == 2 ? t - 2 : t + 1]);
+    std::ranges::sort(edges);
+    for (const double part : {1.0, 0.0})  // the upper rim, which is grey too, and the bottom
+        for (std::uint32_t p = 0; p < face; ++p) {
+            const Eigen::Vector3d at = shape.positions[p];
+            shape.positions.emplace_back(at.x(), at.y(), part * at.z());
+            for (auto& rgb : shape.rgb) rgb.insert(rgb.end(), 3, side_grey);
+            if (!shape.seen.empty()) shape.seen.push_back(0);
+            if (!shape.single.empty()) shape.single.push_back(0);
+        }
+    for (const auto& [a, b] : edges)
+        if (!std::ranges::binary_search(edges, std::pair{b, a}))
+            for (const std::uint32_t corner : {b + face, a + face, a + 2 * face, b + face, a + 2 * face, b + 2 * face})
+                shape.triangles.push_back(corner);
+    for (std::size_t t = 0; t + 2 < top.size(); t += 3)
+        for (const std::uint32_t corner : {top[t], top[t + 2], top[t + 1]})
+            shape.triangles.push_back(corner + 2 * face);
 }
 
 /// A corner in the middle of each pixel that is covered.
@@ -86,7 +112,10 @@ Shape shape_of_picture(const io::ViewerSurface& s, const std::vector<const io::V
             triangle(corner[pixel], corner[pixel + columns], corner[pixel + 1]);
             triangle(corner[pixel + 1], corner[pixel + columns], corner[pixel + columns + 1]);
         }
-    add_slab(s, shape);
+    if (std::ranges::find(s.covered, 0) == s.covered.end())
+        add_slab(s, shape);
+    else
+        add_cut_slab(shape);
     return shape;
 }
 
@@ -111,6 +140,7 @@ void append(Shape& to, const Shape& from, const Eigen::Vector3d& at_mm) {
     const auto first = static_cast<std::uint32_t>(to.positions.size());
     for (const Eigen::Vector3d& p : from.positions) to.positions.emplace_back(p + at_mm);
     for (const std::uint32_t corner : from.triangles) to.triangles.push_back(first + corner);
+    for (const std::uint32_t corner : from.clear) to.clear.push_back(first + corner);
     for (std::size_t l = 0; l < to.rgb.size(); ++l)
         to.rgb[l].insert(to.rgb[l].end(), from.rgb[l].begin(), from.rgb[l].end());
     to.seen.insert(to.seen.end(), from.seen.begin(), from.seen.end());
@@ -130,6 +160,8 @@ io::ViewerSurface encoded(Shape&& shape, std::vector<std::pair<std::string, std:
             out.positions.push_back(
                 static_cast<std::uint16_t>(std::lround(65535 * (p[a] - low[a]) / std::max(1e-6, high[a] - low[a]))));
     out.triangles = std::move(shape.triangles);
+    out.triangles.insert(out.triangles.end(), shape.clear.begin(), shape.clear.end());
+    out.clear = shape.clear.size();
     for (std::size_t l = 0; l < looks.size(); ++l)
         out.looks.push_back({std::move(looks[l].first), std::move(looks[l].second), std::move(shape.rgb[l])});
     if (shape.seen.size() == shape.positions.size()) out.seen = std::move(shape.seen);
@@ -158,6 +190,7 @@ io::ViewerSurface compose_surfaces(std::span<const PlacedSurface> surfaces) {
         looks.emplace_back(look->name, look->caption);
     const std::size_t places = whole.positions.size();
     io::ViewerSurface out = encoded(std::move(whole), std::move(looks));
+    out.asked = surfaces[0].surface->asked, out.expected = surfaces[0].surface->expected;
     out.place_mm = place_mm;
     out.note = fmt::format("{} places up to {:.2f} mm apart; each part's own page shows it finer.", places, place_mm);
     return out;
@@ -168,7 +201,9 @@ ColouredSurface coloured_surface(const io::ViewerSurface& body, const io::Viewer
                                  std::vector<std::array<std::uint32_t, 3>>& triangles) {
     positions_mm = shape_of_body(body, {}).positions;
     triangles.clear();
-    for (std::size_t t = 0; t + 2 < body.triangles.size(); t += 3)
+    constexpr std::size_t one_of = 6;  // of what is clear: a lattice, through which one sees what it holds
+    const std::size_t opaque = body.triangles.size() - body.clear;
+    for (std::size_t t = 0; t + 2 < body.triangles.size(); t += t < opaque ? 3 : 3 * one_of)
         triangles.push_back({body.triangles[t], body.triangles[t + 1], body.triangles[t + 2]});
     return {positions_mm, triangles, [&look, &triangles](std::uint32_t t, float u, float v) -> Eigen::Vector3f {
                 const auto at = [&](std::uint32_t corner) {

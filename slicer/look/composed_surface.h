@@ -22,7 +22,8 @@ struct PlacedSurface {
 /// is printed as, with grey sides. Contract: there is a surface that stands somewhere.
 [[nodiscard]] io::ViewerSurface compose_surfaces(std::span<const PlacedSurface> surfaces);
 
-/// A body's surface in one of its looks, to be drawn. Keeps a reference; `positions_mm` and `triangles` are filled.
+/// A body's surface in one of its looks, to be drawn, of what is clear a lattice. Keeps a reference; `positions_mm` and
+/// `triangles` are filled.
 [[nodiscard]] ColouredSurface coloured_surface(const io::ViewerSurface& body, const io::ViewerLook& look,
                                                std::vector<Eigen::Vector3d>& positions_mm,
                                                std::vector<std::array<std::uint32_t, 3>>& triangles);

@@ -23,4 +23,10 @@ std::string about_part(const TrayPart& part) {
     return about;
 }
 
+std::string customer_of(const TrayPart& part) {
+    for (const auto& [name, value] : part.values)
+        if (name == "customer") return value;
+    return {};
+}
+
 }  // namespace voxtone::slicer

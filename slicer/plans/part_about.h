@@ -13,4 +13,7 @@ namespace voxtone::slicer {
 /// "customer Klein; serial 007; label \"No. 7\""; empty: there is nothing to say.
 [[nodiscard]] std::string about_part(const TrayPart& part);
 
+/// Of its texts the one called customer; the others may be the shop's own. Empty: there is none.
+[[nodiscard]] std::string customer_of(const TrayPart& part);
+
 }  // namespace voxtone::slicer

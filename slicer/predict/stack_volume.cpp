@@ -24,6 +24,7 @@
 #include "slicer/options/option_words.h"
 #include "slicer/predict/foreign_body.h"
 #include "slicer/predict/swapped_colours.h"
+#include "slicer/predict/tray_part.h"
 #include "slicer/printer/printer.h"
 
 namespace voxtone::slicer {
@@ -204,7 +205,18 @@ std::uint64_t printed_voxels(const io::StackDescription& stack) {
     return sum;
 }
 
-StackVolume read_own(const io::StackReader& stack, const StackVolumeOptions& options, Progress& progress) {
+/// Throws InputError where the part of a tray lies beyond its layers.
+LayerWindow window_in(const LayerWindow& whole, const std::optional<LayerWindow>& part, const std::string& name) {
+    if (!part) return whole;
+    for (std::size_t a = 0; a < 3; ++a)
+        if (part->corner[a] + part->size[a] > whole.size[a])
+            throw InputError(
+                fmt::format("{}: tray.json places it beyond the tray's layers; make the tray again", name));
+    return *part;
+}
+
+StackVolume read_own(const io::StackReader& stack, const StackVolumeOptions& options,
+                     const std::optional<LayerWindow>& part, Progress& progress) {
     if (!options.assign.empty() || options.nearest || options.pitch_mm || !options.printer.empty())
         throw UsageError(
             fmt::format("{}: has a manifest that says what its colours and sizes are; leave --assign, "
@@ -236,12 +248,16 @@ StackVolume read_own(const io::StackReader& stack, const StackVolumeOptions& opt
         std::swap(size[0], size[1]);
         std::swap(pitch_mm[0], pitch_mm[1]);
     }
-    const LayerWindow window{{}, {size[0], size[1], static_cast<int>(description.layers)}};
-    report_assignment(options, assignment, window, pitch_mm, printed_voxels(description), result.of_picture);
+    const LayerWindow window =
+        window_in({{}, {size[0], size[1], static_cast<int>(description.layers)}}, part, options.stack);
+    const std::uint64_t room =
+        std::uint64_t(window.size[0]) * std::uint64_t(window.size[1]) * std::uint64_t(window.size[2]);
+    report_assignment(options, assignment, window, pitch_mm, std::min(room, printed_voxels(description)),
+                      result.of_picture);
     LayerVolume volume(window, pitch_mm, assignment.material_of, options.memory_bytes);
-    progress.begin_stage("read layers", description.layers, "layers");
+    progress.begin_stage("read layers", static_cast<std::uint64_t>(window.size[2]), "layers");
     parallel_for(
-        0, description.layers, 1,
+        static_cast<std::size_t>(window.corner[2]), static_cast<std::size_t>(window.corner[2] + window.size[2]), 1,
         [&](std::size_t k) {
             const auto index = static_cast<std::uint32_t>(k);
             io::LayerRuns layer = stack.read(index, assignment.palette);
@@ -257,6 +273,7 @@ StackVolume read_own(const io::StackReader& stack, const StackVolumeOptions& opt
     result.white = assignment.white;
     result.corner_mm = description.origin_mm;
     result.corner_mm[2] += description.first_layer * pitch_mm[2];
+    for (std::size_t a = 0; a < 3; ++a) result.corner_mm[a] += window.corner[a] * pitch_mm[a];
     return result;
 }
 
@@ -493,9 +510,10 @@ ColourAssignment parse_assignment(const std::string& text) {
 }
 
 StackVolume read_stack_volume(const StackVolumeOptions& options, Progress& progress) {
-    const io::StackReader stack(options.stack);
-    return stack.kind() == io::StackReader::Kind::voxtone ? read_own(stack, options, progress)
-                                                          : read_foreign(stack, options, progress);
+    const std::optional<TrayPart> part = find_tray_part(options.stack);
+    const io::StackReader stack(part ? part->stack : options.stack);
+    if (stack.kind() != io::StackReader::Kind::voxtone) return read_foreign(stack, options, progress);
+    return read_own(stack, options, part ? std::optional(part->window) : std::nullopt, progress);
 }
 
 }  // namespace voxtone::slicer

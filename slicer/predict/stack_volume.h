@@ -49,7 +49,7 @@ struct StackHead {
 };
 
 struct StackVolumeOptions {
-    std::string stack{};    ///< output folder, folder of PNG layers, GCVF file
+    std::string stack{};    ///< output folder, a tray's parts/NAME, folder of PNG layers, GCVF file
     std::string resins{};   ///< set or file; empty: that of the job that made the stack, else the printer's
     std::string printer{};  ///< foreign stacks: the pitch of this profile, and how its bitmaps lie
     std::optional<std::array<double, 3>> pitch_mm{};  ///< foreign stacks: of columns, rows, layers

@@ -127,14 +127,6 @@ bool is_clear(const ReadyComponent& component, const OpenedJob& common) {
     return voxels > 0 && per_mm < clear_per_mm * voxels;
 }
 
-/// Leaves a lattice, through which one sees what it holds.
-void thin_out(std::vector<std::array<std::uint32_t, 3>>& triangles) {
-    constexpr std::size_t one_of = 6;
-    std::vector<std::array<std::uint32_t, 3>> left;
-    for (std::size_t t = 0; t < triangles.size(); t += one_of) left.push_back(triangles[t]);
-    triangles = std::move(left);
-}
-
 }  // namespace
 
 std::optional<io::ViewerSurface> component_surface(const ReadyComponent& component, const OpenedJob& common,
@@ -160,13 +152,15 @@ std::optional<io::ViewerSurface> component_surface(const ReadyComponent& compone
         const std::uint32_t* voxels = counts.at(cell.cell[0], cell.cell[1], cell.cell[2]);
         looks.looks[0].rgb.push_back(component.is_one_mixture ? of_all : colour.of({voxels, voxels + resins}));
     }
-    if (is_clear(component, common)) thin_out(mesh.triangles);
     if (mesh.triangles.empty()) return std::nullopt;
-    return viewer_body(mesh, looks, std::ranges::max(counts.cell_mm()), bytes);
+    io::ViewerSurface made = viewer_body(mesh, looks, std::ranges::max(counts.cell_mm()), bytes);
+    if (is_clear(component, common)) made.clear = made.triangles.size();
+    return made;
 }
 
 io::ViewerSurface with_looks_of(io::ViewerSurface surface, const io::ViewerSurface& other) {
     const io::ViewerLook own = surface.looks.at(0);
+    surface.asked = other.asked, surface.expected = other.expected;
     surface.looks.clear();
     for (const io::ViewerLook& look : other.looks) surface.looks.push_back({look.name, look.caption, own.rgb});
     const std::size_t places = surface.positions.size() / 3;

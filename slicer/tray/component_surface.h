@@ -2,8 +2,8 @@
 //
 // The surface of a component for the tray's page, from its voxels alone: cells of a fraction of a millimetre, half of
 // whose voxels hold resin at least, in the colour that the mixture of their resins has in a thick layer: of a finished
-// print cell by cell, of what is one mixture that of all; what is clear is a lattice. No prediction: light that spreads
-// between cells is left out.
+// print cell by cell, of what is one mixture that of all; what is clear is seen through. No prediction: light that
+// spreads between cells is left out.
 #pragma once
 
 #include <optional>

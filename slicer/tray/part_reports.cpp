@@ -15,6 +15,7 @@
 #include "io/report/report_json.h"
 #include "slicer/kept/report_files.h"
 #include "slicer/plan/phase_estimates.h"
+#include "slicer/plans/part_about.h"
 #include "slicer/prepare/phase.h"
 #include "slicer/tray/component_surface.h"
 #include "slicer/tray/tray_layers.h"
@@ -86,7 +87,8 @@ public:
         for (const io::ReportStage& stage : report.stages) report.total_seconds += stage.seconds;
         part_.report = io::report_json(report);
         io::write_whole_file(ready.job.options.out / report_file::figures, part_.report);
-        io::write_whole_file(ready.job.options.out / report_file::customer_page, io::customer_html(report));
+        io::write_whole_file(ready.job.options.out / report_file::customer_page,
+                             io::customer_html(report, customer_of(part_.part)));
         const fs::path page = ready.job.options.out / report_file::page;
         if (is_all) {
             std::error_code not_there;

@@ -109,6 +109,26 @@ TEST_CASE("Several models are a tray, one is the print that it would be alone") 
 
     REQUIRE(run_program("tray " + marker + quick + "-o " + (bench.folder / "one")).exit_code == 0);
     REQUIRE(run_program("slice " + marker + quick + "-o " + (bench.folder / "alone")).exit_code == 0);
+    // A part of the tray can be looked at alone: it is what it would be alone.
+    const auto cells_of = [&](const std::string& stack) {
+        const Outcome seen = run_program("predict --json --quiet --view body --cell 0.3mm --overwrite " + stack +
+                                         " -o " + (bench.folder / "seen.png"));
+        INFO(seen.err);
+        REQUIRE(seen.exit_code == 0);
+        return json::parse(seen.out.substr(seen.out.rfind("{\"event\":\"result\"")))["result"]["cells"];
+    };
+    CHECK(cells_of(bench.folder / "a/parts/marker") == cells_of(bench.folder / "alone"));
+    CHECK(cells_of(bench.folder / "a") > cells_of(bench.folder / "alone"));
+    for (const char* stack : {"a", "a/parts/ramp", "a/parts/ramp/"}) {
+        const Outcome proof = run_program("proof --spp 8 --size 32x24 --overwrite " + (bench.folder / stack) + " -o " +
+                                          (bench.folder / "proof.png"));
+        INFO(proof.err);
+        CHECK(proof.exit_code == 0);
+        CHECK_THAT(proof.err, Contains("part of a tray") || Contains("tray of many parts"));
+    }
+    const Outcome gone = run_program("proof " + (bench.folder / "a/parts/nobody") + " -o " + (bench.folder / "p.png"));
+    CHECK(gone.exit_code == 3);
+    CHECK_THAT(gone.err, Contains("no such part") || Contains("does not say that such a part"));
     CHECK(layers_in(bench.folder / "one") == layers_in(bench.folder / "alone"));
     CHECK(read_json(bench.folder / "one/manifest.json")["content_sha256"] ==
           read_json(bench.folder / "alone/manifest.json")["content_sha256"]);
@@ -293,8 +313,8 @@ TEST_CASE("Shards of a tray that loops, merged, are the tray") {
     const Bench bench("shards");
     bench.folder.write("tray.json", R"({"format": "voxtone-tray", "version": 1, "parts": [
         {"model": "marker.obj", "copies": 2}, {"model": "ramp.obj", "size": "2mm", "at": [10, 2, 1]}]})");
-    const std::string words =
-        "slice --quiet --predict none " + (bench.folder / "tray.json") + " --size 2mm --iterations 1 -o ";
+    const std::string told = "slice --predict none " + (bench.folder / "tray.json") + " --size 2mm --iterations 1 -o ",
+                      words = "slice --quiet" + told.substr(std::string("slice").size());
     const std::string whole = bench.folder / "whole", cut = bench.folder / "cut";
     REQUIRE(run_program(words + whole).exit_code == 0);
     constexpr int shards = 2;
@@ -308,7 +328,7 @@ TEST_CASE("Shards of a tray that loops, merged, are the tray") {
         CAPTURE(made.err);
         REQUIRE(made.exit_code == 0);
     }
-    CHECK_THAT(run_program(words + cut + fmt::format(" --shard 1/{}", shards)).out, Contains("made already"));
+    CHECK_THAT(run_program(told + cut + fmt::format(" --shard 1/{}", shards)).out, Contains("made already"));
     const Outcome merged = run_program("merge --quiet " + cut);
     CAPTURE(merged.err);
     REQUIRE(merged.exit_code == 0);
@@ -323,7 +343,7 @@ TEST_CASE("Shards of a tray that loops, merged, are the tray") {
     REQUIRE(b["parts"].size() == 2);
     for (std::size_t p = 0; p < 2; ++p) CHECK(a["parts"][p]["at_px"] == b["parts"][p]["at_px"]);
     // Merged is done.
-    CHECK_THAT(run_program(words + cut).out, Contains("nothing was done"));
+    CHECK_THAT(run_program(told + cut).out, Contains("nothing was done"));
     CHECK_THAT(run_program("merge " + cut).out, Contains("merged already"));
     CHECK(run_program(words + cut + " --trays 2 --shard 1/2").exit_code == 2);
 }

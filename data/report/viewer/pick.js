@@ -17,8 +17,15 @@ const pickPicture = (surface, ray) => {
   return covered[place] ? { at, place, normal: [0, 0, 1], column, row } : null;
 };
 
+/// Through what is clear, unless there is nothing else.
 /// T. Moeller, B. Trumbore, "Fast, minimum storage ray/triangle intersection", J. Graphics Tools 2 (1997), both sides.
 const pickBody = (surface, ray, plane) => {
+  const { triangles, clear } = surface;
+  const end = triangles.length - clear;
+  return pickAmong(surface, ray, plane, 0, end) || (clear ? pickAmong(surface, ray, plane, end, triangles.length) : null);
+};
+
+const pickAmong = (surface, ray, plane, first, end) => {
   const { positions: p, triangles } = surface;
   const [fx, fy, fz] = ray.from;
   const [dx, dy, dz] = ray.along;
@@ -26,7 +33,7 @@ const pickBody = (surface, ray, plane) => {
   let found = -1;
   let foundU = 0;
   let foundV = 0;
-  for (let t = 0; t < triangles.length; t += 3) {
+  for (let t = first; t < end; t += 3) {
     const a = 3 * triangles[t], b = 3 * triangles[t + 1], c = 3 * triangles[t + 2];
     const ux = p[b] - p[a], uy = p[b + 1] - p[a + 1], uz = p[b + 2] - p[a + 2];
     const vx = p[c] - p[a], vy = p[c + 1] - p[a + 1], vz = p[c + 2] - p[a + 2];

@@ -25,6 +25,7 @@ uniform vec3 towards;       // the viewer
 uniform vec4 cut;           // what is beyond it is not drawn
 uniform bool textured;
 uniform sampler2D leftTexture, rightTexture;
+uniform float opacity;
 in vec3 at, facing, left, right;
 in vec2 uv;
 out vec4 colour;
@@ -39,7 +40,10 @@ void main() {
     if (dot(n, towards) < 0.0) n = -n;
     shown.rgb *= 0.35 + 0.65 * max(0.0, dot(n, light));
   }
-  colour = vec4(shown.rgb, 1.0);
+  // What is clear is seen most where one looks along it.
+  float shown_part = opacity;
+  if (opacity < 1.0) shown_part = mix(0.5, opacity, abs(dot(normalize(facing), towards)));
+  colour = vec4(shown.rgb, 1.0) * shown_part;
 }`;
 
 const ATTRIBUTES = ["place", "normal", "leftColour", "rightColour", "texel"];
@@ -66,7 +70,7 @@ class Scene {
     this.surface = surface;
     this.program = this.link();
     this.uniforms = {};
-    for (const name of ["toClip", "divider", "light", "towards", "cut", "textured", "leftTexture", "rightTexture"])
+    for (const name of ["toClip", "divider", "light", "towards", "cut", "textured", "leftTexture", "rightTexture", "opacity"])
       this.uniforms[name] = gl.getUniformLocation(this.program, name);
     this.looks = new Map();
     this.array = null;
@@ -213,8 +217,10 @@ class Scene {
     gl.uniform4fv(this.uniforms.cut, this.section ? this.section.plane : [0, 0, 0, 1]);
     gl.uniform1i(this.uniforms.leftTexture, 0);
     gl.uniform1i(this.uniforms.rightTexture, 1);
+    gl.uniform1f(this.uniforms.opacity, 1);
     this.drawSurface(state);
     if (this.section) this.drawSection();
+    if (this.surface.clear) this.drawClear(state);
   }
 
   drawSurface(state) {
@@ -223,7 +229,7 @@ class Scene {
     const right = this.looks.get(state.right);
     gl.bindVertexArray(this.array);
     gl.uniform1i(this.uniforms.textured, this.surface.isPicture ? 1 : 0);
-    if (state.lit && !this.surface.isPicture && !this.normalBuffer) this.addNormals();
+    if ((state.lit || this.surface.clear) && !this.surface.isPicture && !this.normalBuffer) this.addNormals();
     if (this.surface.isPicture) {
       this.bindTextures(left, right);
       gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
@@ -232,7 +238,26 @@ class Scene {
     this.attribute("leftColour", left, 3, gl.UNSIGNED_BYTE, true);
     this.attribute("rightColour", right, 3, gl.UNSIGNED_BYTE, true);
     this.bindTextures(this.blank(), this.blank());
-    gl.drawElements(gl.TRIANGLES, this.surface.triangles.length, gl.UNSIGNED_INT, 0);
+    gl.drawElements(gl.TRIANGLES, this.surface.triangles.length - this.surface.clear, gl.UNSIGNED_INT, 0);
+  }
+
+  /// Over all that is behind it or in it, and hides nothing.
+  drawClear(state) {
+    const gl = this.gl;
+    gl.bindVertexArray(this.array);
+    gl.uniform1i(this.uniforms.textured, 0);
+    gl.uniform4fv(this.uniforms.cut, this.section ? this.section.plane : [0, 0, 0, 1]);
+    gl.uniform1f(this.uniforms.opacity, 0.12);
+    this.attribute("leftColour", this.looks.get(state.left), 3, gl.UNSIGNED_BYTE, true);
+    this.attribute("rightColour", this.looks.get(state.right), 3, gl.UNSIGNED_BYTE, true);
+    this.bindTextures(this.blank(), this.blank());
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    gl.depthMask(false);
+    const { length } = this.surface.triangles;
+    gl.drawElements(gl.TRIANGLES, this.surface.clear, gl.UNSIGNED_INT, 4 * (length - this.surface.clear));
+    gl.depthMask(true);
+    gl.disable(gl.BLEND);
   }
 
   drawSection() {

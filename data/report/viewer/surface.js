@@ -9,6 +9,8 @@ class Surface {
     this.places = packed.places;
     this.placeMm = packed.place_mm;
     this.note = packed.note;
+    /// Of a body: so many of the last indices of its triangles are of what is seen through.
+    this.clear = packed.clear || 0;
     this.isPicture = Boolean(packed.size_px);
     this.size = packed.size_px;
     /// Names of the looks that are compared.

@@ -54,20 +54,60 @@ TEST_CASE("Surfaces stand at all their places, with their colours and difference
     CHECK(whole.single.empty());
 }
 
+TEST_CASE("What is clear comes last, wherever it stands", "[look]") {
+    io::ViewerSurface clear = triangle(10, {"print"});
+    clear.expected = "colours in reach";
+    const io::ViewerSurface body = triangle(100, {"print"});
+    clear.clear = 3;
+    const std::array placed{PlacedSurface{&clear, {{0, 0, 0}, {9, 0, 0}}}, PlacedSurface{&body, {{1, 1, 1}}}};
+    const io::ViewerSurface whole = compose_surfaces(placed);
+    CHECK(whole.triangles == std::vector<std::uint32_t>{6, 7, 8, 0, 1, 2, 3, 4, 5});
+    CHECK(whole.clear == 6);
+    CHECK(whole.expected == "colours in reach");  // what is compared stays what it was
+    // Fixed pictures show all of what hides nothing, and some of what would.
+    std::vector<Eigen::Vector3d> positions;
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    (void)coloured_surface(whole, whole.looks[0], positions, triangles);
+    CHECK(triangles == std::vector<std::array<std::uint32_t, 3>>{{6, 7, 8}, {0, 1, 2}});
+}
+
+TEST_CASE("A picture that is cut to shape is a slab of its shape", "[look]") {
+    io::ViewerSurface picture;
+    picture.size_px = {4, 4};
+    picture.low_mm = {0, 0, 2}, picture.high_mm = {4, 4, 2};
+    picture.covered.assign(16, 1);
+    picture.covered[15] = 0;  // the lower right
+    picture.looks.push_back({"print", "", std::vector<std::uint8_t>(48, 7)});
+    const std::array placed{PlacedSurface{&picture, {{0, 0, 0}}}};
+    const io::ViewerSurface whole = compose_surfaces(placed);
+    // 15 middles, a grey rim and a bottom; 9 squares of 2 triangles less the half that the missing corner takes, twice,
+    // and walls along their rim.
+    CHECK(whole.positions.size() == 3 * 45);
+    CHECK(whole.triangles.size() % 3 == 0);
+    const std::size_t face = 17, rim = 12;
+    CHECK(whole.triangles.size() == 3 * (2 * face + 2 * (rim - 1)));
+    double volume = 0;
+    for (std::size_t t = 0; t < whole.triangles.size(); t += 3)
+        volume += place(whole, whole.triangles[t])
+                      .dot(place(whole, whole.triangles[t + 1]).cross(place(whole, whole.triangles[t + 2]))) /
+                  6;
+    CHECK(volume == Approx(2 * 8.5).epsilon(1e-3));
+}
+
 TEST_CASE("A picture is a slab with its colours on top and a side all round", "[look]") {
     io::ViewerSurface picture;
     picture.size_px = {3, 2};
     picture.low_mm = {0, 0, 0}, picture.high_mm = {3, 2, 1.5};
-    picture.covered = {1, 1, 1, 1, 1, 0};
+    picture.covered.assign(6, 1);
     picture.looks = {{"target", "", {}}};
     for (int n = 0; n < 18; ++n) picture.looks[0].rgb.push_back(std::uint8_t(n));
     const std::array placed{PlacedSurface{&picture, {{5, 0, 0}}}};
     const io::ViewerSurface slab = compose_surfaces(placed);
-    REQUIRE(slab.positions.size() / 3 == 5 + 8);
+    REQUIRE(slab.positions.size() / 3 == 6 + 8);
     CHECK((place(slab, 0) - Eigen::Vector3d(5.5, 1.5, 1.5)).norm() < 1e-3);  // the first row is the far one
     CHECK((place(slab, 4) - Eigen::Vector3d(6.5, 0.5, 1.5)).norm() < 1e-3);
     CHECK(slab.looks[0].rgb[3 * 4] == 12);
-    CHECK(slab.triangles.size() / 3 == 3 + 10);  // the corner that nothing covers has none
+    CHECK(slab.triangles.size() / 3 == 4 + 10);
     for (std::size_t t = 0; t < slab.triangles.size(); t += 3) {
         const Eigen::Vector3d p = place(slab, slab.triangles[t]), q = place(slab, slab.triangles[t + 1]),
                               r = place(slab, slab.triangles[t + 2]);

@@ -113,6 +113,7 @@ TEST_CASE("An order sheet's own columns are texts for labels, and a slip of the 
     CHECK_THAT(plan.notes[0], Contains("customer, order no, serial are no key") && Contains("{customer}"));
     CHECK(about_part(plan.parts[0]) == "customer Klein; order no 4711; serial 007; label \"Klein 007\"");
     CHECK(about_part(plan.parts[1]) == "customer Grün");
+    CHECK(customer_of(plan.parts[0]) == "Klein");
     // Words of an order sheet are near to no key.
     for (const char* word : {"customer",      "serial", "order", "number",  "material", "price",    "date",    "notes",
                              "status",        "email",  "phone", "address", "comment",  "delivery", "artikel", "kunde",

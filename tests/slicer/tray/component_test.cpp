@@ -106,6 +106,15 @@ TEST_CASE("A component is shown as its shape, in the colour of its mixture") {
     CHECK(rgb(both)[0] > rgb(cyan)[0] + 10);
     CHECK(rgb(both)[0] < rgb(white)[0] - 10);
 
+    // White is opaque, and clear resin is seen through.
+    CHECK(white.clear == 0);
+    const OpenedJob with_clear = common_of("vero-opaque-clear");
+    const ReadyComponent block =
+        prepare_component(part_of(ComponentKind::box, {4, 4, 2}, {{"T", 1}}), with_clear, progress);
+    const auto clear = component_surface(block, with_clear, 1'000'000, progress);
+    REQUIRE(clear);
+    CHECK(clear->clear == clear->triangles.size());
+
     // Beside a body that is shown as asked for and as expected, with differences.
     io::ViewerSurface body = cyan;
     body.looks = {{"target", "", cyan.looks[0].rgb}, {"print", "", cyan.looks[0].rgb}};

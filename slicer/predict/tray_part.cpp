@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/predict/tray_part.h"
+
+#include <filesystem>
+
+#include <fmt/core.h>
+
+#include "base/error.h"
+#include "io/files/json_object.h"
+#include "io/layers/stack_folder.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char *parts_folder = "parts", *tray_file = "tray.json";
+
+LayerWindow window_of(const io::JsonObject& part) {
+    constexpr double most = 1 << 24;
+    const std::vector<std::vector<double>> at = part.number_lists("at_px", 0, 0, most);
+    const std::vector<double> size = part.numbers("size_px", 3, 1, most);
+    if (at.empty() || at.front().size() != 3) part.fail("at_px", "must have a place of three numbers");
+    LayerWindow window;
+    for (std::size_t a = 0; a < 3; ++a) {
+        window.corner[a] = static_cast<int>(at.front()[a]);
+        window.size[a] = static_cast<int>(size[a]);
+    }
+    return window;
+}
+
+}  // namespace
+
+std::optional<TrayPart> find_tray_part(const std::string& folder) {
+    std::error_code none;
+    const fs::path path = fs::path(folder).lexically_normal() / "", part = path.parent_path(),
+                   parts = part.parent_path(), tray = parts.parent_path();
+    if (parts.filename() != parts_folder || fs::exists(part / io::manifest_name, none)) return std::nullopt;
+    const fs::path file = tray / tray_file;
+    if (!fs::exists(file, none)) return std::nullopt;
+    const std::string name = part.filename().string();
+    for (const io::JsonObject& one : io::JsonObject::read(file).objects("parts")) {
+        const bool has_report = one.has("report") && one.is_text("report");
+        const std::string of_report = has_report ? fs::path(one.text("report")).parent_path().filename().string() : "";
+        if (one.text("name") == name || of_report == name)
+            return TrayPart{tray.empty() ? "." : tray.string(), window_of(one)};
+    }
+    throw InputError(fmt::format("{}: {} does not say that such a part is on the tray; name the tray's folder", folder,
+                                 file.string()));
+}
+
+}  // namespace voxtone::slicer

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// One part of a tray's stack: OUT/parts/NAME holds no layers, and stands for its box in those of OUT.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "slicer/layers/layer_volume.h"
+
+namespace voxtone::slicer {
+
+struct TrayPart {
+    std::string stack;   ///< folder of the tray
+    LayerWindow window;  ///< of its first copy there
+};
+
+/// Nothing where that is no folder of a tray's part. Throws FileError, InputError where its tray.json cannot be read,
+/// or does not know it.
+[[nodiscard]] std::optional<TrayPart> find_tray_part(const std::string& folder);
+
+}  // namespace voxtone::slicer
