@@ -19,14 +19,22 @@ import voxtone
 draft = {"quality": "draft", "report": True}
 
 
+#: The service with other limits, so that nobody waits for its own: {"head_s": 3}.
+_with_limits = """import functools, json, sys
+from voxtone.serve import __main__ as service
+service.Limits = functools.partial(service.Limits, **json.loads(sys.argv.pop(1)))
+sys.exit(service.main())"""
+
+
 class Served:
-    def __init__(self, folder: Path, *options: str) -> None:
+    def __init__(self, folder: Path, *options: str, limits: Optional[Dict[str, float]] = None) -> None:
         self.folder, self.options = folder, options
+        self.code = ["-c", _with_limits, json.dumps(limits)] if limits else ["-m", "voxtone.serve"]
         self.port = 0
         self.start()
 
     def start(self) -> None:
-        words = [sys.executable, "-m", "voxtone.serve", "--folder", str(self.folder), "--port", str(self.port), "--no-browser", *self.options]
+        words = [sys.executable, *self.code, "--folder", str(self.folder), "--port", str(self.port), "--no-browser", *self.options]
         self.process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.address = self.process.stdout.readline().strip()
         if not self.address:

@@ -34,7 +34,7 @@ def shop(tmp_path_factory):
 
 
 def test_what_a_change_does_not_touch_is_not_made_anew(shop, tmp_path):
-    model = write_box(tmp_path / "box.glb", (4, 3, 2))
+    model = write_box(tmp_path / "box.glb", (2, 1.2, 1))
     first = hand_in(shop, model, options=quick)
     shop.wait_for(first, "done", seconds=120)
     assert loops_of(shop, first) == 1
@@ -52,22 +52,22 @@ def test_what_a_change_does_not_touch_is_not_made_anew(shop, tmp_path):
     assert loops_of(shop, layers) == 0 and "layers" in stages_of(shop, layers) and told["reused"] == "what the appearance loop came to"
     assert bits(shop.folder / "jobs" / layers / "out") == console_bits(model, tmp_path / "layers", **quick, layers="2-20")
     # What the loop depends on.
-    size, told = again(size="5mm")
+    size, told = again(size="2.5mm")
     assert loops_of(shop, size) == 1 and told["reused"] == ""
-    assert bits(shop.folder / "jobs" / size / "out") == console_bits(model, tmp_path / "size", **quick, size="5mm")
+    assert bits(shop.folder / "jobs" / size / "out") == console_bits(model, tmp_path / "size", **quick, size="2.5mm")
     # And what was changed is changed again.
-    last = shop.ask("POST", "/jobs", {"job": size, "model": "box.glb", "options": {**quick, "size": "5mm", "layers": "3-30"}})["id"]
+    last = shop.ask("POST", "/jobs", {"job": size, "model": "box.glb", "options": {**quick, "size": "2.5mm", "layers": "3-30"}})["id"]
     shop.wait_for(last, "done", seconds=120)
     assert loops_of(shop, last) == 0
 
 
 def test_parts_of_a_tray_that_stay_keep_their_loops(shop, tmp_path):
-    models = [write_box(tmp_path / f"{name}.glb", size) for name, size in (("one", (4, 3, 2)), ("two", (3, 3, 2)))]
+    models = [write_box(tmp_path / f"{name}.glb", size) for name, size in (("one", (2, 1.2, 1)), ("two", (1.5, 1.5, 1)))]
     parts = [{"model": model.name, **quick} for model in models]
     first = hand_in(shop, *models, parts=parts)
     shop.wait_for(first, "done", seconds=120)
     assert loops_of(shop, first) == 2
-    parts[1]["size"] = "3.2mm"
+    parts[1]["size"] = "1.6mm"
     changed = shop.ask("POST", "/jobs", {"job": first, "parts": parts})["id"]
     told = shop.wait_for(changed, "done", seconds=120)
     assert loops_of(shop, changed) == 1 and told["reused"] == "what the loops of 1 parts came to"
