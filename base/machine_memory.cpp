@@ -10,7 +10,6 @@
 #include <fmt/core.h>
 
 #include "base/control_group.h"
-#include "base/grant.h"
 
 namespace voxtone {
 

@@ -12,7 +12,6 @@
 #include <oneapi/tbb/parallel_for_each.h>
 
 #include "base/control_group.h"
-#include "base/grant.h"
 
 #ifdef __SANITIZE_THREAD__
 #include <exception>

@@ -2,11 +2,13 @@
 #include "optics/transport/tile_grids.h"
 
 #include <algorithm>
+#include <atomic>
 #include <type_traits>
 #include <utility>
 
 #include "base/contracts.h"
 #include "base/parallel.h"
+#include "base/step_part.h"
 #include "optics/transport/refinement.h"
 #include "optics/transport/viewing_grid_builder.h"
 #include "optics/transport/viewing_palette.h"
@@ -186,7 +188,11 @@ void TileGrids::make_all(const Progress* progress) {
     if (missing.size() < 2 || store_) return;
     const double all = static_cast<double>(tiles_[0].bytes) * static_cast<double>(tiles_.size()) + expected_light();
     if (options_.memory_bytes > 0 && !(slack * all < static_cast<double>(options_.memory_bytes))) return;
-    parallel_for(0, missing.size(), 1, [&](std::size_t i) { missing[i]->shape = shape_of(*missing[i], progress); });
+    std::atomic<std::size_t> made{0};
+    parallel_for(0, missing.size(), 1, [&](std::size_t i) {
+        missing[i]->shape = shape_of(*missing[i], progress);
+        tell_part(progress, double(++made) / double(missing.size()));
+    });
     for (Tile* const tile : missing) measure(*tile);
 }
 

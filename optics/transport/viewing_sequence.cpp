@@ -121,7 +121,8 @@ ViewingTransport::Media ViewingSequence::media_of_live(std::size_t channel) cons
 
 /// Of as many as are to come.
 PartRange ViewingSequence::next_solve(const Progress* progress) {
-    const double of_one = 1.0 / double(std::max<std::size_t>(1, solves_)), low = double(solved_++) * of_one;
+    const double of_one = (1 - solves_from_) / double(std::max<std::size_t>(1, solves_)),
+                 low = solves_from_ + double(solved_++) * of_one;
     return {progress, low, low + of_one};
 }
 
@@ -193,6 +194,10 @@ Appearance ViewingSequence::predict(const ResinVolume& volume, Effort effort, co
         if (tile.shape) tile.shape->filled = nullptr;
     if (keeps_light_) {
         const Stopwatch making;
+        constexpr double share_of_grids = 0.3;  // about, of the first prediction
+        const bool are_made = std::ranges::all_of(tiles, [](const Tile& tile) { return tile.shape != nullptr; });
+        solves_from_ = are_made ? 0 : share_of_grids;
+        const PartRange part(progress, 0, solves_from_);
         grids_.make_all(progress);
         summary_.grid_s += making.total();
     }
@@ -283,7 +288,7 @@ bool ViewingSequence::gradient(std::span<const float> adjoint_seed, const Gradie
     const std::size_t needed = gradient_bytes();
     require_memory("the gradient of a print needs ", needed, options_.memory_bytes, "or take larger cells");
     solves_ = grids_.tiles().size() * channels();
-    solved_ = 0;
+    solved_ = 0, solves_from_ = 0;
     // Backwards: the tile that was solved last is still at hand.
     for (std::size_t t = grids_.tiles().size(); t-- > 0;) {
         prepare(t, progress);

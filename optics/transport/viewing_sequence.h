@@ -113,6 +113,7 @@ private:
     std::unique_ptr<ViewingTransport> transport_;  ///< of the live tile
     const ResinVolume* volume_ = nullptr;          ///< of the last prediction
     std::size_t solves_ = 0, solved_ = 0;          ///< of the prediction or gradient that runs
+    double solves_from_ = 0;                       ///< the share of it that is over before them
     TransportSummary summary_;
 };
 

@@ -248,8 +248,10 @@ std::optional<LostLines> lost_lines(const JobPrediction& p) {
         return float(optics::oklab_from_linear_srgb(rgb.cast<double>().cwiseMax(0))[0]);
     };
     LostLines lost;
-    double asked = 0, kept = 0;
-    for (const std::vector<std::uint32_t>& pattern : finder.patterns)
+    double asked_of_all = 0, kept_of_all = 0;
+    for (const std::vector<std::uint32_t>& pattern : finder.patterns) {
+        std::vector<std::uint32_t> fine;
+        double area_mm2 = 0, asked = 0, kept = 0;
         for (const std::uint32_t cell : pattern) {
             float target = 0, print = 0;
             int around = 0;
@@ -262,12 +264,16 @@ std::optional<LostLines> lost_lines(const JobPrediction& p) {
             print = lightness(p.predicted.rgb[cell]) - print / float(around);
             if (std::abs(target) < differs) continue;
             const double area = double(p.predicted.surface.cells[cell].area_mm2);
-            lost.area_mm2 += area;
-            asked += area * double(std::abs(target)), kept += area * double(target > 0 ? print : -print);
-            lost.cells.push_back(cell);
+            fine.push_back(cell);
+            area_mm2 += area, asked += area * double(std::abs(target)),
+                kept += area * double(target > 0 ? print : -print);
         }
-    if (lost.area_mm2 < least_mm2 || kept >= enough * asked) return std::nullopt;
-    lost.kept = std::max(0.0, kept / asked);
+        if (area_mm2 < least_mm2 || kept >= enough * asked) continue;
+        lost.cells.insert(lost.cells.end(), fine.begin(), fine.end());
+        lost.area_mm2 += area_mm2, asked_of_all += asked, kept_of_all += kept;
+    }
+    if (lost.cells.empty()) return std::nullopt;
+    lost.kept = std::max(0.0, kept_of_all / asked_of_all);
     return lost;
 }
 

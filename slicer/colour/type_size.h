@@ -45,7 +45,7 @@ struct LostLines {
     std::vector<std::uint32_t> cells;
     double area_mm2 = 0, kept = 0;
 };
-/// Nothing where that is less than 1 mm2.
+/// Of pieces with 1 mm2 and more of it; nothing where there is none.
 [[nodiscard]] std::optional<LostLines> lost_lines(const JobPrediction& prediction);
 
 /// "2.1 mm (6 pt)".

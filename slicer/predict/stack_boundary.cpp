@@ -12,7 +12,7 @@
 #include "slicer/options/job_file.h"
 #include "slicer/options/option_values.h"
 #include "slicer/options/resolve_job.h"
-#include "slicer/predict/tray_part.h"
+#include "slicer/predict/part_in_tray.h"
 #include "slicer/prepare/job_body.h"
 #include "slicer/printer/printer.h"
 
@@ -54,7 +54,7 @@ bool fits(const VoxelGrid& grid, const StackVolume& stack) {
 StackBody body_of_stack(const std::string& stack, const StackVolume& volume, Progress& progress) {
     const fs::path job_file = fs::path(stack) / job_file_name;
     std::error_code none;
-    if (find_tray_part(stack)) return {{}, "it is one part of a tray"};
+    if (find_part_in_tray(stack)) return {{}, "it is one part of a tray"};
     if (!fs::exists(job_file, none)) return {{}, fmt::format("there is no {} to name its model", job_file.string())};
     try {
         SliceOptions requested;

@@ -23,8 +23,8 @@
 #include "slicer/options/option_values.h"
 #include "slicer/options/option_words.h"
 #include "slicer/predict/foreign_body.h"
+#include "slicer/predict/part_in_tray.h"
 #include "slicer/predict/swapped_colours.h"
-#include "slicer/predict/tray_part.h"
 #include "slicer/printer/printer.h"
 
 namespace voxtone::slicer {
@@ -510,7 +510,7 @@ ColourAssignment parse_assignment(const std::string& text) {
 }
 
 StackVolume read_stack_volume(const StackVolumeOptions& options, Progress& progress) {
-    const std::optional<TrayPart> part = find_tray_part(options.stack);
+    const std::optional<PartInTray> part = find_part_in_tray(options.stack);
     const io::StackReader stack(part ? part->stack : options.stack);
     if (stack.kind() != io::StackReader::Kind::voxtone) return read_foreign(stack, options, progress);
     return read_own(stack, options, part ? std::optional(part->window) : std::nullopt, progress);

@@ -13,7 +13,6 @@
 #include <catch2/catch.hpp>
 
 #include "base/control_group.h"
-#include "base/grant.h"
 #include "tests/outcomes.h"
 
 using namespace voxtone;

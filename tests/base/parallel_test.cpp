@@ -8,7 +8,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "base/grant.h"
+#include "base/control_group.h"
 #include "base/random.h"
 
 using namespace voxtone;

@@ -10,13 +10,13 @@
 
 namespace voxtone::slicer {
 
-struct TrayPart {
+struct PartInTray {
     std::string stack;   ///< folder of the tray
     LayerWindow window;  ///< of its first copy there
 };
 
 /// Nothing where that is no folder of a tray's part. Throws FileError, InputError where its tray.json cannot be read,
 /// or does not know it.
-[[nodiscard]] std::optional<TrayPart> find_tray_part(const std::string& folder);
+[[nodiscard]] std::optional<PartInTray> find_part_in_tray(const std::string& folder);
 
 }  // namespace voxtone::slicer

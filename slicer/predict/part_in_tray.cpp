@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "slicer/predict/tray_part.h"
+#include "slicer/predict/part_in_tray.h"
 
 #include <filesystem>
 
@@ -32,7 +32,7 @@ LayerWindow window_of(const io::JsonObject& part) {
 
 }  // namespace
 
-std::optional<TrayPart> find_tray_part(const std::string& folder) {
+std::optional<PartInTray> find_part_in_tray(const std::string& folder) {
     std::error_code none;
     const fs::path path = fs::path(folder).lexically_normal() / "", part = path.parent_path(),
                    parts = part.parent_path(), tray = parts.parent_path();
@@ -44,7 +44,7 @@ std::optional<TrayPart> find_tray_part(const std::string& folder) {
         const bool has_report = one.has("report") && one.is_text("report");
         const std::string of_report = has_report ? fs::path(one.text("report")).parent_path().filename().string() : "";
         if (one.text("name") == name || of_report == name)
-            return TrayPart{tray.empty() ? "." : tray.string(), window_of(one)};
+            return PartInTray{tray.empty() ? "." : tray.string(), window_of(one)};
     }
     throw InputError(fmt::format("{}: {} does not say that such a part is on the tray; name the tray's folder", folder,
                                  file.string()));
