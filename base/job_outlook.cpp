@@ -58,7 +58,7 @@ double JobOutlook::pace() const {
 
 /// When the last step was done.
 double JobOutlook::left_by_steps() const {
-    constexpr double expected_share = 0.5;
+    const double expected_share = first_step_ > 0 ? 0.25 : 0.5;
     constexpr std::size_t one_step = 2;  // the beginning and it
     const double taken_s = reached_s_ - began_s_;
     if ((marks_.size() <= one_step || share_ <= first_step_) && expected_s_ > 0)
@@ -108,7 +108,7 @@ std::optional<double> JobOutlook::seconds_left(double share, double now_s, doubl
 
 double JobOutlook::steadily(double left_s) {
     const bool tells_parts = first_step_ > 0;
-    const double gross = tells_parts ? 1.2 : 2, slack_s = tells_parts ? 2 : 10;
+    const double gross = tells_parts ? 1.1 : 2, slack_s = tells_parts ? 1 : 10;
     if (!told_s_ || left_s < *told_s_ || left_s > gross * *told_s_ + slack_s) told_s_ = left_s;
     return *told_s_;
 }

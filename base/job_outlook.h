@@ -10,7 +10,8 @@
 // stage is often unlike the others (it sets things up), so it alone counts with what was expected, as if half the stage
 // had gone that way; later ones are measured since the stage was half as far. A time that was told is not taken back
 // for a little more: it stands still until it is true, unless the work will take twice as long. A stage that tells of
-// parts of its steps (base/step_part.h) is measured more often, so that a fifth more is enough.
+// parts of its steps (base/step_part.h) is measured more often: what was expected counts half as much beside its first
+// one, and a tenth more is enough.
 #pragma once
 
 #include <cstdint>

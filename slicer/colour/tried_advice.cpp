@@ -119,8 +119,9 @@ void add_thicker(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) 
 double mean_when_larger(const MeanParts& mean, double k, double exponent, double thick_mm) {
     const double open = thick_mm - mean.wall_mm, left = thick_mm - k * mean.wall_mm;
     const double through = open > 0 ? std::max(0.0, left / open) : 0;
-    return mean.reach + mean.thick_walls + (mean.thin - mean.thick_walls) * through +
-           mean.neighbours * std::pow(k, -exponent);
+    // Where nothing is thick nobody knows what thick walls are like: at best, as asked.
+    const double thick = mean.thick_walls < mean.thin ? mean.thick_walls : 0;
+    return mean.reach + (mean.thin - thick) * through + (mean.neighbours + thick) * std::pow(k, -exponent);
 }
 
 double mean_of_longer_loop(const std::vector<double>& means, int more) {

@@ -5,7 +5,8 @@
 // The verdict's mean m is taken for a sum: what no mixture reaches (reach_mean), what is lost in thin walls, what light
 // does between neighbours. Then
 //
-//   larger by k   reach + thin max(0, 2 depth - k wall) / (2 depth - wall) + neighbours k^-e. Light spreads over a
+//   larger by k   reach + (thin - thick) max(0, 2 depth - k wall) / (2 depth - wall) + (neighbours + thick) k^-e, thick
+//                 what thin walls are off that are thick (0: not known). Light spreads over a
 //                 fixed length, so that what is off is a band of fixed width: e = 1 beside edges. Where details are no
 //                 wider than the band, e is less: it is measured on the target itself, blurred by 0.5 and by 0.25 mm,
 //                 e = log2 of the ratio of what the two change, at most 1. What goes farther than 0.5 mm grows no less:

@@ -240,7 +240,7 @@ std::optional<TypeSize> unreadable_type(const JobPrediction& p, double viewing_d
 
 std::optional<LostLines> lost_lines(const JobPrediction& p) {
     constexpr float differs = 0.1f;  // Oklab's lightness
-    constexpr double enough = 0.6, least_mm2 = 1;
+    constexpr double enough = 0.6, least_mm2 = 1, all_fine = 0.6;
     TypeFinder finder(p);
     (void)finder.letters();
     const halftone::CellNeighbours cells(p.predicted.surface);
@@ -268,11 +268,11 @@ std::optional<LostLines> lost_lines(const JobPrediction& p) {
             area_mm2 += area, asked += area * double(std::abs(target)),
                 kept += area * double(target > 0 ? print : -print);
         }
-        if (area_mm2 < least_mm2 || kept >= enough * asked) continue;
+        if (double(fine.size()) < all_fine * double(pattern.size()) || kept >= enough * asked) continue;
         lost.cells.insert(lost.cells.end(), fine.begin(), fine.end());
         lost.area_mm2 += area_mm2, asked_of_all += asked, kept_of_all += kept;
     }
-    if (lost.cells.empty()) return std::nullopt;
+    if (lost.area_mm2 < least_mm2) return std::nullopt;
     lost.kept = std::max(0.0, kept_of_all / asked_of_all);
     return lost;
 }

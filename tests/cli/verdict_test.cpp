@@ -220,14 +220,14 @@ int follow(const Folder& folder, const std::string& command) {
     return followed;
 }
 
-/// A block of 6 x 5 x 3 mm with a fin of this thickness on it, red to green.
+/// A block of 6 x 5 x 3 mm with a fin of this thickness on it, of soft colours, which all sets reach.
 std::string finned_obj(double fin_mm) {
     std::string text;
     for (const auto& [y, z] : {std::pair{std::array{0.0, 5.0}, std::array{0.0, 3.0}},
                                std::pair{std::array{2.5 - fin_mm / 2, 2.5 + fin_mm / 2}, std::array{2.5, 7.0}}})
         for (std::size_t c = 0; c < 8; ++c)
-            text +=
-                fmt::format("v {} {} {} {}\n", c & 1 ? 6 : 0, y[c >> 1 & 1], z[c >> 2], c & 1 ? "0 0.5 0" : "0.6 0 0");
+            text += fmt::format("v {} {} {} {}\n", c & 1 ? 6 : 0, y[c >> 1 & 1], z[c >> 2],
+                                c & 1 ? "0.3 0.45 0.35" : "0.6 0.35 0.35");
     for (const int first : {1, 9})
         for (const auto& f : {std::array{0, 2, 3, 1}, std::array{4, 5, 7, 6}, std::array{0, 1, 5, 4},
                               std::array{2, 6, 7, 3}, std::array{0, 4, 6, 2}, std::array{1, 3, 7, 5}})

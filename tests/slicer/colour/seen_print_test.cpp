@@ -190,7 +190,9 @@ TEST_CASE("What a larger print comes to never rises with its size, and never fal
         CHECK(now >= mean.reach);
         before = now;
     }
-    CHECK(mean_when_larger(mean, 4, 1, 2) == Approx(0.8 + 0.4 + 0.75));  // walls are thick then
+    CHECK(mean_when_larger(mean, 4, 1, 2) == Approx(0.8 + 0.1 + 0.75));  // walls are thick then
+    const MeanParts all_thin{.reach = 0.8, .thin = 2, .neighbours = 0, .wall_mm = 0.5, .thick_walls = 2};
+    CHECK(mean_when_larger(all_thin, 4, 1, 2) == Approx(0.8));
 }
 
 TEST_CASE("What a longer loop comes to goes on from its last gains") {
