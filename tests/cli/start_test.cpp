@@ -76,8 +76,8 @@ TEST_CASE("calibrate is a verb like the others, in a program of its own") {
 TEST_CASE("help, completion and mistakes need no program but voxtone itself") {
     const auto run = [](const std::string& arguments) { return run_with_helpers_in("/nowhere", arguments); };
     for (const std::string verb :
-         {"slice", "estimate", "predict", "proof", "compare", "verify", "list", "laminate", "laminate search", "calibrate",
-          "calibrate fit", "calibrate photo", "calibrate profile", "calibrate target"}) {
+         {"slice", "estimate", "predict", "proof", "compare", "verify", "list", "laminate", "laminate search",
+          "calibrate", "calibrate fit", "calibrate photo", "calibrate profile", "calibrate target"}) {
         INFO(verb);
         const Outcome help = run(verb + " --help");
         CHECK(help.exit_code == 0);
