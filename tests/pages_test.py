@@ -111,8 +111,8 @@ def columns():
             fault(page, f"{count} words, more than {most}")
     tracked = subprocess.run(["git", "ls-files", "-z", "*.md"], cwd=ROOT, capture_output=True, text=True).stdout.split("\0")
     total = sum((ROOT / page).stat().st_size for page in tracked if page and (ROOT / page).exists())
-    if total > 139600:
-        fault("all pages", f"{total} bytes, more than 139,600: say it once, where it belongs")
+    if total > 139900:
+        fault("all pages", f"{total} bytes, more than 139,900: say it once, where it belongs")
     for page in PAGES:
         for number, line in enumerate(page.read_text().split("\n"), 1):
             if len(line) > 120 and not line.startswith(("|", "![")):
