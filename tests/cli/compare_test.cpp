@@ -231,7 +231,7 @@ TEST_CASE("what cannot be compared is told in a sentence") {
                    .err,
                Contains("stays in the comparison. [uneven-ground]"));
     camera = hand_camera();
-    camera.exposure = 1.15;
+    camera.exposure = 1.8;
     CHECK_THAT(run_program("compare --overwrite " + photographed(folder, as_foretold(), camera) + " " + sliced().stack +
                            " -o " + folder / "compared")
                    .err,
