@@ -240,7 +240,7 @@ std::optional<TypeSize> unreadable_type(const JobPrediction& p, double viewing_d
 
 std::optional<LostLines> lost_lines(const JobPrediction& p) {
     constexpr float differs = 0.1f;  // Oklab's lightness
-    constexpr double enough = 0.6, least_mm2 = 1, all_fine = 0.6;
+    constexpr double enough = 0.6, least_mm2 = 1, all_fine = 0.25;
     TypeFinder finder(p);
     (void)finder.letters();
     const halftone::CellNeighbours cells(p.predicted.surface);

@@ -45,7 +45,7 @@ struct LostLines {
     std::vector<std::uint32_t> cells;
     double area_mm2 = 0, kept = 0;
 };
-/// Of pieces that are nearly all edge; nothing where that is less than 1 mm2.
+/// Of pieces of which a quarter is edge; nothing where that is less than 1 mm2.
 [[nodiscard]] std::optional<LostLines> lost_lines(const JobPrediction& prediction);
 
 /// "2.1 mm (6 pt)".
