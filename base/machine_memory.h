@@ -10,7 +10,7 @@
 namespace voxtone {
 
 /// The least of the physical memory, the limits of this process's control groups (control_group.h), what Slurm says
-/// that its job was given (grant.h), and its address space (`ulimit -v`).
+/// that its job was given (control_group.h), and its address space (`ulimit -v`).
 [[nodiscard]] std::uint64_t machine_memory_bytes();
 
 /// The same without the address space, which is a limit of its own for every program that is started.

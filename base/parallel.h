@@ -21,7 +21,7 @@
 
 namespace voxtone {
 
-/// Limits the number of threads while it lives; 0 means one per core that this process was given (grant.h).
+/// Limits the number of threads while it lives; 0 means one per core that this process was given (control_group.h).
 class ThreadLimit {
 public:
     explicit ThreadLimit(std::size_t threads);
