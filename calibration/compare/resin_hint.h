@@ -10,8 +10,8 @@
 // least squares, k_c what exposure and white balance leave. A resin is named where it explains half of what k leaves,
 // surely, and more than any other does. One at a time, since together they cannot be told apart: all extinctions larger
 // by as much look the same on a thick body. Cannot see: the predictor's own errors, of which it makes extinctions too
-// (of the fast one yellow 28 %, tests/cli/compare_test.cpp); wrong albedos, other than as a wrong extinction; two resins
-// that are off.
+// (of the fast one yellow 28 %, tests/cli/compare_test.cpp); wrong albedos, other than as a wrong extinction; two
+// resins that are off.
 #pragma once
 
 #include <optional>

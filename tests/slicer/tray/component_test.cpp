@@ -108,7 +108,7 @@ TEST_CASE("A component is shown as its shape, in the colour of its mixture") {
 
     // White is opaque, and clear resin is seen through.
     CHECK(white.clear == 0);
-    const OpenedJob with_clear = common_of("vero-opaque-clear");
+    const OpenedJob with_clear = common_of("vero-opaque-clear", {"C", "M", "Y", "K", "W", "T"});
     const ReadyComponent block =
         prepare_component(part_of(ComponentKind::box, {4, 4, 2}, {{"T", 1}}), with_clear, progress);
     const auto clear = component_surface(block, with_clear, 1'000'000, progress);
