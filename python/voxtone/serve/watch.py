@@ -145,10 +145,10 @@ class Watch:
                 self._copy(upload, file)
             if _key(self.name, files) != key:
                 return  # it was written anew meanwhile, and will arrive again
-            asked = {"upload": upload, "model": model.relative_to(self.folder).as_posix(), "options": options}
+            name = model.relative_to(self.folder).as_posix()
             if self._shop.store.handed_in(f"{key}-0") is None:  # not before a service that was killed could note it
-                self._leave_earlier(asked["model"])
-                self._shop.hand_in(asked, key, queue=self.name)
+                self._leave_earlier(name)
+                self._shop.hand_in({"upload": upload, "model": name, "options": options}, key, queue=self.name)
         finally:
             shutil.rmtree(self._shop.uploads.folder / upload, ignore_errors=True)
         self._taken.add(key)
