@@ -53,6 +53,13 @@ def test_several_meshes_are_one_print_that_can_be_made_again(tmp_path):
     assert (out / "model.glb").read_bytes() == b"somebody's own"
 
 
+def test_what_is_wrong_with_a_file_is_the_message(tmp_path):
+    with pytest.raises(voxtone.Error, match="does not exist"):
+        voxtone.read(tmp_path / "nothing.obj").result()
+    with pytest.raises(voxtone.Error):  # nothing was made, and nothing of it is looked for
+        voxtone.slice(tmp_path / "nothing.obj", out=tmp_path / "never").result()
+
+
 def test_cancel(tmp_path):
     out = tmp_path / "large"
     with voxtone.slice(box((60, 60, 60)), out=out, quality="best") as job:

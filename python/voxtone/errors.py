@@ -90,9 +90,16 @@ _kinds = {kind.exit_code: kind
           for kind in (Bug, UsageError, InputError, FileError, Unfinished, CheckFailed, TryAgain, Stopped)}
 
 
+def _said_of_files(result: Any) -> str:
+    """What `voxtone read` found wrong with each file, which stands in its result."""
+    files = result.get("files", []) if isinstance(result, dict) else []
+    return "; ".join(str(one["error"]) for one in files if isinstance(one, dict) and one.get("error"))
+
+
 def error_of(exit_code: int, message: str, result: Optional[Any] = None) -> Error:
     if exit_code < 0:
         return Killed(message or f"voxtone was killed by signal {-exit_code}", result)
-    error = _kinds.get(exit_code, Error)(message or f"voxtone ended with exit code {exit_code}", result)
+    message = message or _said_of_files(result) or f"voxtone ended with exit code {exit_code}"
+    error = _kinds.get(exit_code, Error)(message, result)
     error.exit_code = exit_code
     return error

@@ -118,7 +118,8 @@ class _Meshes:
         return kept
 
     def cleanup(self, succeeded: bool) -> None:
-        if self._folder and (succeeded or any(one != self._folder for one in self._folder.parent.iterdir())):
+        out = self._folder.parent if self._folder else None
+        if out and out.is_dir() and (succeeded or any(one != self._folder for one in out.iterdir())):
             return  # also of a job that was stopped, and can go on
         for file in self._made:
             file.unlink(missing_ok=True)
