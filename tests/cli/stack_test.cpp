@@ -260,14 +260,15 @@ TEST_CASE("A picture with alpha is cut to shape, and printed, estimated and look
     REQUIRE(made.exit_code == 0);
     CHECK_THAT(made.err, Catch::Matchers::Contains("cut to shape: 1 piece with 1 hole"));
     // The ring, and not its picture, is 6 mm wide: 142 columns.
-    CHECK(manifest(folder)["size_px"] == nlohmann::json({142, 71}));
+    const auto description = manifest(folder);
+    CHECK(description["size_px"] == nlohmann::json({142, 71}));
     const Bitmap top = read_png(layer_path(folder, 50));
-    const auto is_air = [&](int x, int y) { return top.at(x, y) == std::array<std::uint8_t, 4>{0, 0, 0, 0}; };
+    const auto is_air = [&](int x, int y) { return top.at(x, y) == std::array<std::uint8_t, 4>{0, 0, 0, 255}; };
     CHECK((is_air(2, 1) && is_air(139, 69) && is_air(71, 35)));  // corners and hole
     CHECK_FALSE((is_air(71, 9) || is_air(20, 35)));
     const double mm3 = 3.14159265 * (3 * 3 - 1.5 * 1.5) * 1.5;
     double ml = 0;
-    for (const auto& resin : manifest(folder)["resins"]) ml += double(resin["ml"]);
+    for (const auto& resin : description["resins"]) ml += double(resin["ml"]);
     CHECK(1000 * ml == Approx(mm3).epsilon(0.03));
     CHECK_THAT(run_program("estimate " + body).out, Catch::Matchers::Contains(fmt::format("{:.3f} ml", ml)));
     // Blue to its rim: no red shines through it.
