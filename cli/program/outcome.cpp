@@ -7,6 +7,8 @@
 #include <exception>
 #include <new>
 #include <string>
+#include <string_view>
+#include <system_error>
 
 #include <poll.h>
 #include <unistd.h>
@@ -56,6 +58,13 @@ int end_with(Messages messages, ExitCode code, const std::string& what) {
     return static_cast<int>(code);
 }
 
+/// The library's own, and TBB's, which tells it in words alone.
+bool is_lack_of_threads(const std::exception& error) {
+    const auto* const system = dynamic_cast<const std::system_error*>(&error);
+    return (system && system->code() == std::errc::resource_unavailable_try_again) ||
+           std::string_view(error.what()).starts_with("pthread_create has failed");
+}
+
 int end_with_current_exception(Messages messages) {
     try {
         throw;
@@ -67,6 +76,10 @@ int end_with_current_exception(Messages messages) {
     } catch (const ContractViolation& error) {
         return end_with(messages, ExitCode::bug, fmt::format("a bug of ours, please report it: {}", error.what()));
     } catch (const std::exception& error) {
+        if (is_lack_of_threads(error))
+            return end_with(messages, ExitCode::try_again,
+                            "the machine has no room for another thread: memory or the number of processes is limited; "
+                            "try fewer --threads, or again when less runs");
         return end_with(messages, ExitCode::bug,
                         fmt::format("an unexpected failure, please report it: {}", error.what()));
     } catch (...) {

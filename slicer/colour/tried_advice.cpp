@@ -9,8 +9,10 @@
 #include "halftone/loop/appearance_loop.h"
 #include "halftone/loop/eye_filter.h"
 #include "slicer/colour/type_size.h"
+#include "slicer/options/auto_limits.h"
 #include "slicer/prepare/resin_choice.h"
 #include "slicer/surface/target_cells.h"
+#include "slicer/surface/visible_surface.h"
 
 namespace voxtone::slicer {
 
@@ -75,7 +77,11 @@ void add_larger(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     const double edge_mm = s.body.is_picture ? extent.x() : extent.maxCoeff(), to_mm = rounded_mm(k * edge_mm);
     const double mean = then(to_mm / edge_mm);
     if (to_mm <= edge_mm || (mean > worth_a_word * now && !(for_type && type_k > 1))) return;
-    const std::string options = fmt::format("{} {:g}mm", s.body.is_picture ? "--width" : "--size", to_mm);
+    std::string options = fmt::format("{} {:g}mm", s.body.is_picture ? "--width" : "--size", to_mm);
+    // Where nothing else would tell what it comes to.
+    const double area_mm2 = coloured_area_mm2(*s.body.surface) * std::pow(to_mm / edge_mm, 2);
+    if (!s.loop && s.job.options.prediction.automatic && area_mm2 > 100 * auto_prediction_cm2)
+        options += fmt::format(" --predict {}", name_of(PredictionModel::transport));
     advice.push_back({fmt::format("print it larger ({}): then {:.1f} at best{}", options, mean,
                                   type_k > 1 && to_mm >= type_k * edge_mm ? ", and all type can be read" : ""),
                       options, seen_mean, now, mean});

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <new>
 #include <string>
+#include <system_error>
 
 #include <unistd.h>
 #include <catch2/catch.hpp>
@@ -63,6 +64,13 @@ TEST_CASE("Whatever is thrown has an exit code and, with --json, an event") {
     });
     expect(1, "an unexpected failure", []() -> int { throw std::runtime_error("odd"); });
     expect(1, "no known kind", []() -> int { throw 7; });
+    expect(1, "odd", []() -> int { throw std::system_error(std::make_error_code(std::errc::io_error), "odd"); });
+    expect(75, "another thread", []() -> int {  // as a thread that finds no room
+        throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again), "pthread_create");
+    });
+    expect(75, "another thread", []() -> int {
+        throw std::runtime_error("pthread_create has failed: Resource temporarily unavailable");  // TBB's
+    });
     const Told memory = told_of(cli::Messages::events, []() -> int { throw std::bad_alloc(); });
     CHECK(memory.exit_code >= 5);
     CHECK_THAT(nlohmann::json::parse(memory.out).at("message").get<std::string>(), Contains("memory"));

@@ -137,7 +137,7 @@ TEST_CASE("A job that fails in Slurm stands as failed, stops no other, and goes 
     OneNodeSlurm slurm;
     // It is estimated, and then is no model any more.
     REQUIRE(run_shell("scontrol update partitionname=main state=down") == 0);
-    const std::string options = "--slurm --shards 2 --threads 1 --throttle 2 --sbatch-option comment=x --quiet";
+    const std::string options = "--slurm --shards 2 --threads 1 --throttle 2 --sbatch-option comment=x";
     const Outcome first = shop.batch("cluster", options);
     INFO(first.err);
     REQUIRE(first.exit_code == 0);

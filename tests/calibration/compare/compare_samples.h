@@ -16,7 +16,7 @@ namespace voxtone::calibration::testing {
 inline PredictedPrint discs(std::uint64_t seed = 1) {
     PredictedPrint print;
     print.name = "out/discs";
-    print.model = "transport";
+    print.model = "monte-carlo";  // that names resins, too
     print.columns = 142, print.rows = 95;
     print.cell_mm = {0.0847, 0.0847};
     print.rgb.assign(std::size_t(142 * 95), Eigen::Vector3f(0.75f, 0.76f, 0.72f));

