@@ -7,12 +7,10 @@ namespace voxtone {
 
 void ShowsParts::tell(double share) const {
     const double part = low_ + (high_ - low_) * std::clamp(share, 0.0, 1.0);
-    double before = part_;
-    while (part > before)
-        if (part_.compare_exchange_weak(before, part)) {
-            on_part(part);
-            return;
-        }
+    const std::scoped_lock lock(telling_);  // threads tell one after the other, so that it never goes back
+    if (part <= part_) return;
+    part_ = part;
+    on_part(part);
 }
 
 void tell_part(const Progress* progress, double share) {

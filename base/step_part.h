@@ -6,6 +6,7 @@
 #pragma once
 
 #include <atomic>
+#include <mutex>
 
 #include "base/progress.h"
 
@@ -34,6 +35,7 @@ protected:
     virtual void on_part(double /*part*/) const {}
 
 private:
+    mutable std::mutex telling_;
     mutable std::atomic<double> part_{0}, low_{0}, high_{1};
 };
 
