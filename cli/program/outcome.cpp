@@ -58,7 +58,7 @@ int end_with(Messages messages, ExitCode code, const std::string& what) {
     return static_cast<int>(code);
 }
 
-/// The library's own, and TBB's, which tells it in words alone.
+/// The library's own, and TBB's, which tells it in words alone (a std::runtime_error of oneTBB 2021.8).
 bool is_lack_of_threads(const std::exception& error) {
     const auto* const system = dynamic_cast<const std::system_error*>(&error);
     return (system && system->code() == std::errc::resource_unavailable_try_again) ||
