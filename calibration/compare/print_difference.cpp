@@ -119,7 +119,7 @@ struct TileSums {
     int column = 0, row = 0, columns = 0, rows = 0;
 };
 
-/// Squares of at least a millimetre, some two hundred of them at most.
+/// Squares of at least 0.7 mm, some two hundred of them at most.
 std::vector<TileSums> tiles_of(const PredictedPrint& print, const Picture& printed, const Picture& predicted,
                                const std::vector<std::uint8_t>& counts) {
     const Eigen::Vector2d size_mm = print.size().cwiseProduct(print.cell_mm);
