@@ -295,6 +295,7 @@ TEST_CASE("everything is compiled without fused multiply-adds: the same bits on 
 
 TEST_CASE("no path of this machine is compiled in but into two sources: a compiler cache answers for other clones") {
     const std::string here = voxtone::test::source_dir();
+    const std::string told = "\"" + here;  // a folder in quotes begins with it: a short one may be a part of another
     std::size_t units = 0;
     for (const std::string& line : lines_of(fs::path(voxtone::test::build_dir()) / "compile_commands.json")) {
         if (line.find("\"command\":") == std::string::npos || line.find("/tests/places.cpp") != std::string::npos ||
@@ -303,7 +304,7 @@ TEST_CASE("no path of this machine is compiled in but into two sources: a compil
         ++units;
         INFO(line);
         for (std::size_t at = line.find(" -D"); at != std::string::npos; at = line.find(" -D", at + 1))
-            CHECK(line.substr(at, line.find(' ', at + 1) - at).find(here) == std::string::npos);
+            CHECK(line.substr(at, line.find(' ', at + 1) - at).find(told) == std::string::npos);
     }
     CHECK(units > 50);
     for (const std::string& line : lines_of(fs::path(voxtone::test::build_dir()) / "build.ninja"))

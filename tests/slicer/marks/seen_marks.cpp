@@ -73,7 +73,8 @@ std::string code_in(const GreyPicture& picture) {
         hints.setBinarizer(how);
         const ZXing::Result result =
             ZXing::ReadBarcode({picture.pixels.data(), picture.width, picture.height, ZXing::ImageFormat::Lum}, hints);
-        if (result.isValid() && !result.isMirrored()) return result.text();
+        // Bytes: a text is what each version of ZXing makes of them.
+        if (result.isValid() && !result.isMirrored()) return {result.bytes().begin(), result.bytes().end()};
     }
     return {};
 }
