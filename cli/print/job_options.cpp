@@ -2,6 +2,8 @@
 #include "cli/print/job_options.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <string>
 #include <vector>
 
 #include <fmt/core.h>
@@ -9,6 +11,7 @@
 #include <CLI/CLI.hpp>
 
 #include "base/error.h"
+#include "io/layers/layer_format.h"
 #include "slicer/options/job_file.h"
 #include "slicer/options/option_scope.h"
 #include "slicer/options/option_table.h"
@@ -98,6 +101,27 @@ std::optional<std::string> said(const JobArguments& arguments, const OptionSpec&
     return value.empty() && !spec.bare.empty() ? spec.bare : value;
 }
 
+/// `-o x.gcvf` is that one file; all else that a job leaves (report, figures) lies in the folder x beside it.
+void take_one_file(slicer::SliceOptions& options) {
+    std::filesystem::path folder = options.out;
+    if (folder.extension() != ".gcvf") return;
+    if (!options.for_printer.empty())
+        throw UsageError(
+            fmt::format("-o {0} is what goes to the printer, and --for-printer {1} names another place for it: name a "
+                        "folder by -o, or leave --for-printer out",
+                        options.out, options.for_printer));
+    options.for_printer = options.out;
+    options.out = folder.replace_extension().string();
+}
+
+/// What is to be handed over is made.
+void add_format_for_printer(slicer::SliceOptions& options) {
+    const std::string gcvf(name_of(io::LayerFormat::gcvf));
+    if (std::filesystem::path(options.for_printer).extension() == ".gcvf" &&
+        std::ranges::find(options.formats, gcvf) == options.formats.end())
+        options.formats.push_back(gcvf);
+}
+
 }  // namespace
 
 void add_some_job_options(CLI::App& command, JobArguments& arguments, const std::vector<std::string>& keys) {
@@ -142,6 +166,8 @@ slicer::SliceOptions options_of(const JobArguments& arguments) {
     }
     if (std::any_of(named.begin(), named.end(), slicer::decides_scope)) options.named.clear();
     options.named.insert(options.named.end(), named.begin(), named.end());
+    take_one_file(options);
+    add_format_for_printer(options);
     return options;
 }
 

@@ -53,9 +53,9 @@ Command add_merge_command(CLI::App& program) {
         ->default_str("false");
     command
         ->add_option("--for-printer", arguments->for_printer,
-                     "put what the printer's computer takes, and how to print it, here too: a folder, or one ZIP file; "
-                     "OUT/printer has it in any case")
-        ->type_name("FOLDER|FILE.zip");
+                     "put what the printer's computer takes, and how to print it, here too: a folder, one ZIP file, or "
+                     "the GCVF file alone; OUT/printer has it in any case")
+        ->type_name("FOLDER|FILE.zip|FILE.gcvf");
     add_count(*command, "--shards", options.shards,
               "how many shards there are known to be, all made: one that is not seen yet, as on a network file system, "
               "is waited for, for a minute; 0: those that lie there")

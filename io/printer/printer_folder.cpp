@@ -7,6 +7,8 @@
 #include <array>
 #include <cerrno>
 #include <cstdio>
+#include <fstream>
+#include <iterator>
 #include <system_error>
 
 #include <fmt/core.h>
@@ -29,6 +31,8 @@ constexpr std::string_view manifest_begin = "<script type=\"application/json\" i
                            manifest_end = "</script>";
 
 bool is_packed(const fs::path& target) { return target.extension() == ".zip"; }
+/// The container that the printer reads, without the page.
+bool is_container(const fs::path& target) { return target.extension() == ".gcvf"; }
 
 /// A second name of the file, or where there can be none a copy.
 void link_or_copy(const fs::path& from, const fs::path& to) {
@@ -79,7 +83,25 @@ bool is_printer_folder(const fs::path& folder) {
     });
 }
 
+/// A file is a GCVF by what its container must hold.
+bool is_gcvf(const fs::path& file) {
+    try {
+        return fs::is_regular_file(file) && ZipReader(file).find("ConfigFile.xml").has_value();
+    } catch (const Error&) {
+        return false;
+    }
+}
+
+bool same_bytes(const fs::path& one, const fs::path& other) {
+    if (!fs::is_regular_file(one) || !fs::is_regular_file(other)) return false;
+    if (fs::equivalent(one, other)) return true;
+    if (fs::file_size(one) != fs::file_size(other)) return false;
+    std::ifstream a(one, std::ios::binary), b(other, std::ios::binary);
+    return std::equal(std::istreambuf_iterator<char>(a), {}, std::istreambuf_iterator<char>(b));
+}
+
 bool holds_this(const fs::path& out, const fs::path& target) {
+    if (is_container(target)) return same_bytes(out / printer_folder_name / gcvf_name, target);
     const std::optional<std::string> page = page_of(out / printer_folder_name);
     return page && page == page_of(target);
 }
@@ -124,6 +146,20 @@ void rename_over(const fs::path& made, const fs::path& target) {
     fs::rename(target, old);
     fs::rename(made, target);
     fs::remove_all(old);
+}
+
+void copy_container(const fs::path& folder, const fs::path& target) {
+    if (!fs::exists(folder / gcvf_name))
+        throw InputError(
+            fmt::format("--for-printer {}: {} has no GCVF file, since none was asked for: make it again with "
+                        "--formats gcvf, or name a folder or a .zip file",
+                        target.string(), folder.string()));
+    const fs::path made = part_path(target);
+    std::error_code ignored;
+    fs::remove(made, ignored);
+    link_or_copy(folder / gcvf_name, made);
+    sync_file_system(fs::absolute(made).parent_path());
+    fs::rename(made, target);
 }
 
 void copy_folder(const fs::path& folder, const fs::path& target, const Progress* progress) {
@@ -196,7 +232,9 @@ void expect_printer_target(const fs::path& out, const fs::path& target, bool ove
                         "anyway; name a place outside of it, or leave --for-printer out",
                         target.string(), (out / printer_folder_name).string()));
     if (!fs::exists(target) || is_empty_folder(target) || holds_this(out, target)) return;
-    const bool ours = fs::is_directory(target) ? is_printer_folder(target) : page_of(target).has_value();
+    const bool ours = fs::is_directory(target) ? is_printer_folder(target)
+                      : is_container(target)   ? is_gcvf(target)
+                                               : page_of(target).has_value();
     if (!ours)
         throw InputError(
             fmt::format("--for-printer {}: is there, and nothing that was made for a printer here (or "
@@ -220,7 +258,9 @@ bool hand_to_printer(const fs::path& out, const fs::path& target, bool overwrite
     if (holds_this(out, target)) return false;
     make_folders_for(fs::absolute(target));
     try {
-        if (is_packed(target))
+        if (is_container(target))
+            copy_container(folder, target);
+        else if (is_packed(target))
             pack(folder, target, progress);
         else
             copy_folder(folder, target, progress);

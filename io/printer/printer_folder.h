@@ -6,7 +6,8 @@
 // The files are those of the stack itself (hard links, so that they take no room twice), or copies where the file
 // system has no links. The page carries the manifest, so that the folder can be verified alone, wherever it was copied.
 //
-// The same folder, or one ZIP file of it, may be put elsewhere too: whole or not there, like all that is written.
+// The same folder, one ZIP file of it, or its GCVF file alone may be put elsewhere too: whole or not there, like all
+// that is written.
 #pragma once
 
 #include <cstdint>
@@ -42,9 +43,9 @@ void make_printer_folder(const std::filesystem::path& from, std::span<const std:
 /// Nothing where the page has none.
 [[nodiscard]] std::optional<std::string> manifest_in_page(std::string_view page);
 
-/// Before time is spent: whether OUT/printer may be put to `target` (a folder, or a file whose name ends in .zip).
-/// What is there already may be what `out` holds now; else with `overwrite` a printer's folder or file, and never
-/// anything else. Throws InputError.
+/// Before time is spent: whether OUT/printer may be put to `target` (a folder, or a file whose name ends in .zip or
+/// .gcvf). What is there already may be what `out` holds now; else with `overwrite` a printer's folder or file, and
+/// never anything else. Throws InputError.
 void expect_printer_target(const std::filesystem::path& out, const std::filesystem::path& target, bool overwrite);
 
 /// Puts OUT/printer to `target`; false: it is there already. Throws as expect_printer_target, FileError, TryAgain,

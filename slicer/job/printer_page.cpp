@@ -97,9 +97,13 @@ void hand_over(const std::filesystem::path& out, const std::filesystem::path& ta
                Progress& progress) {
     if (target.empty()) return;
     const bool made = io::hand_to_printer(out, target, overwrite, &progress);
-    progress.note(fmt::format(
-        "{}: {}", target.string(),
-        made ? "what the printer's computer takes, and how to print it" : "holds this print for the printer already"));
+    const bool alone = target.extension() == ".gcvf";
+    const std::string with =
+        alone ? fmt::format("; how to print it: {}", (out / io::printer_folder_name / io::how_to_print_name).string())
+              : ", and how to print it";
+    progress.note(
+        fmt::format("{}: {}", target.string(),
+                    made ? "what the printer's computer takes" + with : "holds this print for the printer already"));
 }
 
 }  // namespace voxtone::slicer

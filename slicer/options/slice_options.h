@@ -72,7 +72,7 @@ struct SliceOptions {
     std::string mixtures;  ///< file of what the loop came to; empty: the output folder's, if there is one
 
     std::vector<std::string> formats;  ///< empty: the printer's default
-    std::string for_printer;           ///< folder or .zip file, besides OUT/printer; empty: there alone
+    std::string for_printer;           ///< folder, .zip or .gcvf file, besides OUT/printer; empty: there alone
     bool overwrite = false;
     bool strict = false;
     bool report = true;

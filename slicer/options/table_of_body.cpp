@@ -19,6 +19,10 @@ std::vector<io::LayerFormat> formats_of(const SliceOptions& o) {
     return formats;
 }
 
+bool holds_gcvf(const std::vector<std::string>& formats) {
+    return std::ranges::find(formats, name_of(io::LayerFormat::gcvf)) != formats.end();
+}
+
 std::vector<OptionSpec> files_entries() {
     const std::string group = "Input and output";
     return {
@@ -48,7 +52,8 @@ std::vector<OptionSpec> files_entries() {
                .letter = "o",
                .metavar = "FOLDER",
                .group = group,
-               .help = "output folder; nothing is written outside it, but for --for-printer",
+               .help = "output folder; nothing is written outside it, but for --for-printer. x.gcvf: that file, all "
+                       "else in the folder x",
                .names = Names::output,
                .decides = Decides::work,
                .rule = [](const O& o) { return unless(!o.out.empty(), "name the output folder: -o FOLDER"); }}),
@@ -73,15 +78,17 @@ std::vector<OptionSpec> files_entries() {
              },
          .resolve = [](const O& o, Job& job) { job.formats = formats_of(o); }},
         {.key = "for-printer",
-         .metavar = "FOLDER|FILE.zip",
+         .metavar = "FOLDER|FILE.zip|FILE.gcvf",
          .group = group,
-         .help = "put what the printer's computer takes, and how to print it, here too: a folder, or one ZIP file; "
-                 "OUT/printer has it in any case",
+         .help = "put what the printer's computer takes, and how to print it, here too: a folder, one ZIP file, or the "
+                 "GCVF file alone; OUT/printer has it in any case",
          .member = &O::for_printer,
          .names = Names::output,
          .decides = Decides::this_run,
          .rule =
              [](const O& o) {
+                 if (std::filesystem::path(o.for_printer).extension() == ".gcvf" && !holds_gcvf(o.formats))
+                     return std::string_view("wants gcvf among the formats, which is what would be handed over");
                  return unless(
                      o.for_printer.empty() || (o.shard.empty() && o.until == name_of(Until::end)),
                      "there is no whole print to hand over yet; say it to `voxtone merge`, or to the job that "

@@ -49,8 +49,10 @@ std::vector<std::string_view> companions_of_tray() {
 /// Where the tray goes besides, numbered like its folder; empty: nowhere.
 fs::path printer_target(const OpenedTray& tray, int number) {
     const fs::path target = tray.plan.common.for_printer;
-    if (target.empty() || target.extension() != ".zip") return target.empty() ? target : folder_of_tray(target, number);
-    return folder_of_tray(fs::path(target).replace_extension(), number).string() + ".zip";
+    if (target.empty()) return target;
+    const fs::path kind = target.extension();
+    if (kind != ".zip" && kind != ".gcvf") return folder_of_tray(target, number);
+    return folder_of_tray(fs::path(target).replace_extension(), number).string() + kind.string();
 }
 
 /// This very tray, with every part that can be made.

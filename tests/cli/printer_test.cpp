@@ -73,6 +73,23 @@ TEST_CASE("A job leaves what the printer takes, hands it over where it is told t
     // The place for it is no part of the job: job.json does not keep it.
     CHECK(read_file(folder / "other/job.json").find("usb") == std::string::npos);
 
+    // -o x.gcvf: the file alone, and all else beside it; by a second time it is there, and another takes its place
+    // where that is allowed.
+    const std::string one = quick + box(folder) + " -o " + (folder / "one.gcvf");
+    REQUIRE(run_program(one).exit_code == 0);
+    CHECK(read_file(folder / "one.gcvf") == read_file(folder / "one/printer/stack.gcvf"));
+    CHECK(run_program("verify " + (folder / "one.gcvf")).exit_code == 0);
+    CHECK(run_program(one).exit_code == 0);
+    fs::remove_all(folder.path() / "one");
+    CHECK_THAT(run_program(one + " --depth 0.9mm").err, Contains("one.gcvf: holds another print"));
+    CHECK(run_program(one + " --depth 0.9mm --overwrite").exit_code == 0);
+    CHECK(read_file(folder / "one.gcvf") == read_file(folder / "one/printer/stack.gcvf"));
+    folder.write("mine.gcvf", "a letter");
+    CHECK_THAT(run_program(quick + box(folder) + " --overwrite -o " + (folder / "mine.gcvf")).err,
+               Contains("nothing that was made for a printer"));
+    CHECK(read_file(folder / "mine.gcvf") == "a letter");
+    CHECK_THAT(run_program(one + " --for-printer " + (folder / "two.zip")).err, Contains("names another place"));
+
     CHECK_THAT(
         run_program(quick + box(folder) + " --shard 1/2 --for-printer " + (folder / "x") + " -o " + (folder / "y")).err,
         Contains("voxtone merge"));
