@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <numeric>
+#include <span>
+#include <vector>
 
 #include "base/random.h"
 #include "halftone/loop/minimal_depth_separation.h"
@@ -47,6 +50,15 @@ TEST_CASE("Colours go into the gamut whether or not the lattice around them lies
         stayed += got == rgb;
         as_computed += (got - wanted).norm() < 1e-6f;
         most = std::max(most, difference(got, wanted));
+    }
+    // Each layer of a recipe is a whole.
+    std::vector<float> fractions(layers.size() * 5);
+    for (int i = 0; i < 50; ++i) {
+        recipes.separate({float(random.uniform()), float(random.uniform()), float(random.uniform())}, fractions);
+        for (std::size_t l = 0; l < layers.size(); ++l) {
+            const auto layer = std::span(fractions).subspan(5 * l, 5);
+            CHECK(std::accumulate(layer.begin(), layer.end(), 0.0) == Approx(1).margin(2e-6));
+        }
     }
     INFO(stayed << " stayed, " << as_computed << " as computed one by one, off by " << most << " at most");
     CHECK(stayed > colours / 50);

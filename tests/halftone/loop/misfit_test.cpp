@@ -62,6 +62,21 @@ TEST_CASE("The misfit is 0 at the target, and its derivative is that of differen
                       Approx(difference).epsilon(0.05).margin((contrast ? 0.02 : 0.002) * double(largest)));
             }
         }
+        // Of many cells at once, up and down by turns and in patches: what each part of the filter gives counts.
+        for (const int patch : {1, 4, 9}) {
+            constexpr float step = 0.001f;
+            auto up = shown, down = shown;
+            double expected = 0;
+            for (int y = n / 4; y < 3 * n / 4; ++y)
+                for (int x = n / 4; x < 3 * n / 4; ++x) {
+                    const auto cell = std::size_t(y * n + x);
+                    const float way = (x / patch + y / patch) % 2 == 0 ? step : -step;
+                    up[cell].array() += way, down[cell].array() -= way;
+                    expected += 2 * double(way) * double(here.by_colour[cell].sum());
+                }
+            CAPTURE(patch);
+            CHECK(misfit(up).value - misfit(down).value == Approx(expected).epsilon(0.02));
+        }
     }
 }
 

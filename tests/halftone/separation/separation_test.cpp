@@ -288,6 +288,28 @@ TEST_CASE("A spectral set is separated by the colour of its spectrum under D65",
     CHECK(summary.max < 3);  // at the edge of the gamut
 }
 
+TEST_CASE("Options of the separation that mean nothing are refused by name") {
+    const optics::ShellAppearance appearance = appearance_of(optics::vero_opaque());
+    const auto refuses = [&](double SeparationOptions::*option, const char* name) {
+        SeparationOptions options;
+        options.nodes = 2;
+        options.*option = 0;
+        CHECK_THROWS_WITH(Separation(appearance, options), Catch::Contains(name) && Catch::Contains("must be above 0"));
+        options.*option = 0.01;
+        CHECK_NOTHROW(Separation(appearance, options));
+    };
+    refuses(&SeparationOptions::ink_penalty, "ink_penalty");
+    refuses(&SeparationOptions::clear_penalty, "clear_penalty");
+    refuses(&SeparationOptions::lightness_weight, "weights");
+    refuses(&SeparationOptions::chroma_weight, "weights");
+    refuses(&SeparationOptions::hue_weight, "weights");
+    for (const int nodes : {1, 66}) {
+        SeparationOptions options;
+        options.nodes = nodes;
+        CHECK_THROWS_WITH(Separation(appearance, options), Catch::Contains("2 to 65"));
+    }
+}
+
 TEST_CASE("A set with a residual is separated by its corrected colours", "[slow]") {
     optics::ResinSet set = optics::vero_opaque();
     // Cyan and yellow together darker and greener than physics says, pale magenta redder.
