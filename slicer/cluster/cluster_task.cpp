@@ -215,7 +215,7 @@ private:
         return result(ExitCode::done, "done");
     }
 
-    /// To the queue, where it came from there.
+    /// To the queue, where it came from there and nobody takes it out.
     JobResult try_again(const NextStep& step) {
         const int got_on = tries_that_got_on();
         change_state(batch_, job_.name, progress_, [&](JobState& state) {
@@ -225,7 +225,8 @@ private:
             state.message = fmt::format("{}: {}", stage_text(), step.message);
             state.attempts_that_got_on = got_on;
         });
-        if (!allocation_.task.empty() && requeue_in_slurm(allocation_.task)) {
+        const std::string& own = allocation_.task;
+        if (!own.empty() && !is_taken_out_of_slurm(own) && requeue_in_slurm(own)) {
             // Slurm ends this task now; one that ended by itself before would be counted as failed.
             std::this_thread::sleep_for(std::chrono::duration<double>(options_.requeue_patience_s));
         }

@@ -149,6 +149,15 @@ std::optional<SlurmTime> slurm_time(const std::string& task) {
     return SlurmTime{*left_s, *limit_s};
 }
 
+bool is_taken_out_of_slurm(const std::string& task) {
+    const std::array<std::string, 4> arguments{"squeue", "--noheader", "--format=%t %L", "--jobs=" + task};
+    const CommandOutput said = run_command(arguments);
+    std::istringstream words(said.out);
+    std::string state, left;
+    words >> state >> left;
+    return said.exit_code == 0 && state == "CG" && duration_s(left).value_or(1) > 0;  // completing
+}
+
 bool requeue_in_slurm(const std::string& task) {
     const std::array<std::string, 3> arguments{"scontrol", "requeue", task};
     return run_command(arguments).exit_code == 0;

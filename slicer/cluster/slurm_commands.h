@@ -53,6 +53,9 @@ struct SlurmTime {
 };
 /// What a task that runs has of its time; nothing: it has no limit, or Slurm does not say.
 [[nodiscard]] std::optional<SlurmTime> slurm_time(const std::string& task);
+/// Whether somebody takes the task out while it has time left (scancel, scontrol requeue). One that puts itself back
+/// then is in the queue again, cancelled or not.
+[[nodiscard]] bool is_taken_out_of_slurm(const std::string& task);
 /// Puts the task back: false where Slurm refuses. Slurm ends its processes soon after.
 [[nodiscard]] bool requeue_in_slurm(const std::string& task);
 

@@ -22,8 +22,11 @@
 #include <set>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include <fmt/core.h>
+
+#include "tests/places.h"
 
 namespace voxtone::test {
 
@@ -64,27 +67,18 @@ int free_port() {
     return ntohs(address.sin_port);
 }
 
+/// That of python/tests/one_node_slurm.py, too.
 std::string configuration(const fs::path& at) {
-    const std::string host = short_host_name(), user = user_name();
-    std::string text = fmt::format(
-        "ClusterName=voxtonetest\nSlurmctldHost={}(127.0.0.1)\nSlurmUser={}\nSlurmdUser={}\n", host, user, user);
-    text += fmt::format("SlurmctldPort={}\nSlurmdPort={}\n", free_port(), free_port());
-    text += fmt::format("AuthType=auth/munge\nCredType=cred/munge\nAuthInfo=socket={},cred_expire=5\n",
-                        (at / "munge.socket").string());
-    for (const char* name : {"SlurmctldLogFile=controller.log", "SlurmdLogFile=node.log", "StateSaveLocation=state",
-                             "SlurmdSpoolDir=spool", "SlurmctldPidFile=controller.pid", "SlurmdPidFile=node.pid"}) {
-        const std::string line = name;
-        const std::size_t value = line.find('=') + 1;
-        text += line.substr(0, value) + (at / line.substr(value)).string() + "\n";
-    }
-    text +=
-        "MpiDefault=none\nProctrackType=proctrack/linuxproc\nTaskPlugin=task/none\nSwitchType=switch/none\n"
-        "SelectType=select/cons_tres\nSelectTypeParameters=CR_Core_Memory\nJobAcctGatherType=jobacct_gather/none\n"
-        "AccountingStorageType=accounting_storage/none\nReturnToService=2\nSlurmdTimeout=6\n"
-        "MessageTimeout=5\nKillWait=2\nMinJobAge=300\nMaxArraySize=11\nSlurmdParameters=config_overrides\n"
-        "SchedulerParameters=batch_sched_delay=0,sched_interval=1,bf_interval=1\n";
-    text += fmt::format("NodeName={} NodeAddr=127.0.0.1 CPUs=2 RealMemory=4000 State=UNKNOWN\n", host);
-    return text + "PartitionName=main Nodes=ALL Default=YES MaxTime=INFINITE State=UP\n";
+    std::string text = read_file(fs::path(source_dir()) / "tests/data/one-node-slurm.conf");
+    const std::array<std::pair<const char*, std::string>, 5> words{{{"@HOST@", short_host_name()},
+                                                                    {"@USER@", user_name()},
+                                                                    {"@FOLDER@", at.string()},
+                                                                    {"@CONTROLLER_PORT@", std::to_string(free_port())},
+                                                                    {"@NODE_PORT@", std::to_string(free_port())}}};
+    for (const auto& [word, value] : words)
+        for (std::size_t i = 0; (i = text.find(word, i)) != std::string::npos; i += value.size())
+            text.replace(i, std::string(word).size(), value);
+    return text;
 }
 
 /// Parents of all processes.

@@ -181,6 +181,26 @@ TEST_CASE("A loop that Slurm asks to stop saves itself, is put back into the que
     CHECK(shop.stack("cluster/loop") == shop.stack("local/loop"));
 }
 
+TEST_CASE("A job that is cancelled while it runs stays out of Slurm, and goes on when it is submitted again") {
+    if (lacks_slurm()) return;
+    const Workshop shop;
+    shop.plan(line("loop", "\"size\": 5, \"iterations\": 8, \"viewing-distance\": 200, "));
+    const OneNodeSlurm slurm;
+    REQUIRE(shop.batch("cluster", "--slurm --threads 1").exit_code == 0);
+    const fs::path checkpoint = shop.folder.path() / "cluster/loop/loop.checkpoint";
+    REQUIRE(OneNodeSlurm::wait_until([&] { return fs::exists(checkpoint); }));
+    REQUIRE(run_shell("scancel 1") == 0);
+    if (!OneNodeSlurm::queue_empties()) FAIL(slurm.logs());
+    CHECK(shop.state("loop")["state"] == "failed");
+    CHECK_THAT(shop.state("loop")["message"].get<std::string>(), Contains("its tasks ended before it was done"));
+    CHECK_THAT(OneNodeSlurm::ask("scontrol show job 1"), Contains("JobState=CANCELLED") && Contains("Restarts=0"));
+    REQUIRE(shop.batch("cluster", "--slurm --threads 1").exit_code == 0);
+    REQUIRE(OneNodeSlurm::queue_empties());
+    INFO(shop.said("loop"));
+    CHECK(shop.state("loop")["state"] == "done");
+    CHECK_THAT(shop.said("loop"), Contains("--resume"));
+}
+
 TEST_CASE("The shards of a tray on a cluster merge to the bits of one go") {
     if (lacks_slurm()) return;
     const Workshop shop;

@@ -151,6 +151,8 @@ TEST_CASE("A task whose time is over goes again where it keeps what it did, and 
     // Stopped for another reason, or by one that says nothing of time.
     for (const char* left : {"15:00", "1-00:00:00", "UNLIMITED", ""})
         CHECK_THAT(message_of("0", left, 5), Contains("requeue 17") && !Contains("time="));
+    // Who is cancelled stays so.
+    CHECK_THAT(message_of("auto", "CG 15:00", 5), !Contains("requeue"));
 }
 
 TEST_CASE("A task that is for a person to mend says so, and its words stay in a file of its own") {

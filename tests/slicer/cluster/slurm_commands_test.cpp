@@ -130,6 +130,20 @@ TEST_CASE("What a task has of its time is read as squeue writes it") {
     CHECK_FALSE(slurm_time("17"));
 }
 
+TEST_CASE("A task is taken out where Slurm ends it before its time is over") {
+    const StandIns slurm;
+    const auto is_taken_out = [&](const std::string& said) {
+        slurm.program("squeue", "echo \"$@\" >$AT/asked; echo '" + said + "'");
+        return is_taken_out_of_slurm("17_3");
+    };
+    CHECK(is_taken_out("CG 15:00"));
+    CHECK(is_taken_out("CG UNLIMITED"));
+    CHECK(slurm.text("asked") == "--noheader --format=%t %L --jobs=17_3\n");
+    for (const char* other : {"CG 0:00", "R 15:00", "PD 15:00", ""}) CHECK_FALSE(is_taken_out(other));
+    slurm.program("squeue", "echo 'CG 15:00'; exit 1");
+    CHECK_FALSE(is_taken_out_of_slurm("17"));
+}
+
 TEST_CASE("An allocation is that of a job, or of one task of an array") {
     {
         const SlurmEnvironment none({}, {}, {});
