@@ -42,6 +42,7 @@ class Running:
         self.known_loops = 0  #: that were run before
         self.asked = ""  #: the wish that it was told of
         self.asked_at = 0.0
+        self.may_go_again = True  #: by itself, where it says so
 
     def new_events(self) -> List[Dict[str, Any]]:
         with open(self.job.events, "rb") as file:
@@ -86,6 +87,7 @@ class InSlurm(Running):
             self.warnings = event.pop("warnings", self.warnings)
             with open(self.job.events, "ab") as out:
                 out.write(json.dumps(event, separators=(",", ":")).encode() + b"\n")
+        self.may_go_again = not self._run.was_there  # its tasks have tried as often as they may
         return self._run.is_over
 
     def end(self, wish: str, late: bool) -> bool:
@@ -330,7 +332,7 @@ class Runner:
             return {"state": CANCELLED, "message": ""}
         if wish == "hold":
             return {"state": HELD, "message": "held; goes on from where it was"}
-        if self._stopping or wish == "go on" or code is None or code == 85:
+        if self._stopping or wish == "go on" or code is None or code == 85 and running.may_go_again:
             return {"state": WAITING, "message": "was interrupted; goes on from where it was"}
         if code < 0:
             if job.state.kills + 1 >= _most_kills:
@@ -339,7 +341,7 @@ class Runner:
                                    "choose less size, draft quality, or ask who looks after the machine"}
             return {"state": WAITING, "kills": job.state.kills + 1, "not_before": time.time() + 2,
                     "message": f"was killed from outside (signal {-code}); tried again"}
-        if code == 75 and job.state.tries < _most_tries_again:
+        if code == 75 and running.may_go_again and (self.cluster or job.state.tries < _most_tries_again):  # Slurm may be away for days
             return {"state": WAITING, "message": message, "not_before": time.time() + min(600, 5 * 2 ** job.state.tries)}
         return {"state": FAILED, "exit_code": code, "message": message or f"ended with exit code {code}"}
 
