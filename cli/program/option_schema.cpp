@@ -2,6 +2,7 @@
 #include "cli/program/option_schema.h"
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
 #include "cli/program/option_text.h"
@@ -26,13 +27,20 @@ std::string default_of(const CLI::Option& option) {
     return usual == "\"\"" ? "" : usual;
 }
 
-/// What another value leaves of a finished job (slicer/kept): its stack, the loop that `--keep-loop` kept, or nothing.
-/// Of options of no job: nothing is said.
-std::string_view leaves_of(const std::string& name) {
+/// What another value leaves of a finished job (slicer/kept), the more the greater.
+enum class Leaves { nothing, settled_loop, loop, stack };
+constexpr std::array leaves_words{"nothing", "settled-loop", "loop", "stack"};
+
+Leaves leaves_of(const std::string& name) {
     const slicer::OptionSpec* const spec = slicer::find_option(name);
-    if (!spec || spec->is_preset()) return "nothing";
-    if (spec->decides >= slicer::Decides::work) return "stack";
-    return spec->decides > slicer::Decides::bits && name != "iterations" ? "loop" : "nothing";
+    if (!spec) return Leaves::nothing;
+    Leaves least = Leaves::stack;
+    for (const auto& [choice, values] : spec->presets)
+        for (const auto& [set, value] : values) least = std::min(least, leaves_of(set));
+    if (spec->is_preset()) return least;
+    if (spec->decides >= slicer::Decides::work) return Leaves::stack;
+    if (spec->decides <= slicer::Decides::bits) return Leaves::nothing;
+    return name == "iterations" ? Leaves::settled_loop : Leaves::loop;
 }
 
 void add_option(io::JsonWriter& json, const CLI::Option& option, bool rare, bool of_job) {
@@ -45,7 +53,7 @@ void add_option(io::JsonWriter& json, const CLI::Option& option, bool rare, bool
     json.add("many", option.get_items_expected_max() >= CLI::detail::expected_max_vector_size);
     json.add("separator", option.get_delimiter() ? std::string(1, option.get_delimiter()) : std::string());
     json.add("value", text.value).add("default", default_of(option)).add("choices", text.choices);
-    if (of_job) json.add("leaves", leaves_of(name));
+    if (of_job) json.add("leaves", leaves_words.at(std::size_t(leaves_of(name))));
     json.add("group", option.get_group()).add("rare", rare).add("help", text.help).end_object();
 }
 

@@ -61,6 +61,25 @@ def test_what_a_change_does_not_touch_is_not_made_anew(shop, tmp_path):
     assert loops_of(shop, last) == 0
 
 
+def test_a_loop_that_ended_by_itself_is_that_of_best_quality_too(shop, tmp_path):
+    model, settles = write_box(tmp_path / "box.glb", (2, 1.2, 1)), {"loop-method": "feedback"}
+    good = hand_in(shop, model, options=settles)
+    shop.wait_for(good, "done", seconds=120)
+
+    def again(**options):
+        job = shop.ask("POST", "/jobs", {"job": good, "model": "box.glb", "options": {**settles, **options}})["id"]
+        return job, shop.wait_for(job, "done", seconds=120)["reused"]
+
+    def skin(job):
+        return (shop.folder / "jobs" / job / "out/skin.mixtures").read_bytes()
+    best, reused = again(quality="best")
+    assert loops_of(shop, best) == 0 and reused == "what the appearance loop came to"
+    assert bits(shop.folder / "jobs" / best / "out") == console_bits(model, tmp_path / "best", **settles, quality="best")
+    first = skin(good)
+    shorter, reused = again(iterations=1)  # has to end before
+    assert loops_of(shop, shorter) == 1 and reused == "" and skin(shorter) != first and skin(good) == first
+
+
 def test_parts_of_a_tray_that_stay_keep_their_loops(shop, tmp_path):
     models = [write_box(tmp_path / f"{name}.glb", size) for name, size in (("one", (2, 1.2, 1)), ("two", (1.5, 1.5, 1)))]
     parts = [{"model": model.name, **quick} for model in models]

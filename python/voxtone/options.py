@@ -30,7 +30,7 @@ class Option:
     group: str
     rare: bool
     help: str
-    leaves: str = ""  #: of a finished job, where it has another value: "stack", "loop", "nothing"
+    leaves: str = ""  #: of a finished job, where it has another value: "stack", "loop", "settled-loop", "nothing"
 
     @property
     def keyword(self) -> str:

@@ -24,8 +24,7 @@ bool is_there(const fs::path& file) {
 
 bool skin_is_foreign(const OpenedJob& job, const Progress& progress) {
     try {
-        SkinFile::expect_same_job(job.options.loop.mixtures, opened_loop_identity(job, &progress),
-                                  job.options.loop.iterations);
+        SkinFile::expect_same_job(job.options.loop.mixtures, opened_loop_identity(job, &progress), job.options.loop);
         return false;
     } catch (const InputError&) {
         return true;

@@ -46,7 +46,7 @@ ColourPrint::ColourPrint(const OpenedJob& job, const JobBody& body, const JobIde
       why_no_loop_(plan.loop.why_not) {}
 
 SkinFile ColourPrint::skin_file() const {
-    return {job_.options.loop.mixtures, identity_.opened_loop, identity_.loop, job_.options.loop.iterations};
+    return {job_.options.loop.mixtures, identity_.opened_loop, identity_.loop, job_.options.loop};
 }
 
 bool ColourPrint::may_loop() const {

@@ -74,7 +74,7 @@ void expect_own_loop(const OpenedJob& job, const Progress* progress) {
     if (options.layered || options.loop.iterations == 0 || is_replaced) return;
     if (options.until == Until::loop && options.overwrite) return;
     if (std::error_code none; !std::filesystem::exists(options.loop.mixtures, none)) return;
-    SkinFile::expect_same_job(options.loop.mixtures, opened_loop_identity(job, progress), options.loop.iterations);
+    SkinFile::expect_same_job(options.loop.mixtures, opened_loop_identity(job, progress), options.loop);
 }
 
 void expect_disk_space(const std::filesystem::path& out, std::uint64_t needed_bytes, Progress& progress) {

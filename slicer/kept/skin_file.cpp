@@ -40,9 +40,23 @@ void skin_in(Stream& stream, Skin& skin) {
     stream(state.steps, state.open, state.shown, result.in_gamut, result.why_stopped, result.remarks);
 }
 
-std::uint64_t digest_of_job(std::string_view identity, std::optional<int> iterations) {
-    const std::string text = fmt::format("{}\niterations={}\nvoxtone {}\n", identity,
-                                         iterations ? fmt::format("{}", *iterations) : "auto", io::build_identity());
+/// A loop without a limit ends where it gains no more: `auto` and `long` differ from where the first ends all the same.
+constexpr std::string_view settled = "settled";
+
+std::string length_of(const JobLoopOptions& loop) {
+    return loop.iterations ? std::to_string(*loop.iterations) : loop.patient ? "long" : "auto";
+}
+
+std::string settled_length_of(const JobLoopOptions& loop) {
+    return loop.iterations ? length_of(loop) : std::string(settled);
+}
+
+bool has_settled(const SavedSkin& skin) {
+    return skin.result.state.steps.size() <= std::size_t(halftone::most_iterations);  // the first is the open loop
+}
+
+std::uint64_t digest_of_job(std::string_view identity, std::string_view length) {
+    const std::string text = fmt::format("{}\niterations={}\nvoxtone {}\n", identity, length, io::build_identity());
     return io::xxh64({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
@@ -103,10 +117,11 @@ bool fits_together(const SavedSkin& skin, std::size_t layers) {
 }  // namespace
 
 SkinFile::SkinFile(std::filesystem::path file, std::string_view opened_identity, std::string_view loop_identity,
-                   std::optional<int> iterations)
+                   const JobLoopOptions& loop)
     : file_(std::move(file)),
-      opened_digest_(digest_of_job(opened_identity, iterations)),
-      digest_(digest_of_job(loop_identity, iterations)) {}
+      asked_{digest_of_job(opened_identity, length_of(loop)), digest_of_job(loop_identity, length_of(loop))},
+      settled_{digest_of_job(opened_identity, settled_length_of(loop)),
+               digest_of_job(loop_identity, settled_length_of(loop))} {}
 
 bool SkinFile::exists() const {
     std::error_code none;
@@ -116,7 +131,7 @@ bool SkinFile::exists() const {
 bool SkinFile::is_of_this_job() const {
     try {
         const std::vector<std::uint8_t> head = head_of(file_);
-        return number_in(head, 0) == opened_digest_ && number_in(head, 1) == digest_;
+        return is_ours({number_in(head, 0), number_in(head, 1)});
     } catch (const InputError&) {
         return false;
     }
@@ -131,7 +146,8 @@ void SkinFile::write(const SavedSkin& skin) const {
         const auto* const bytes = static_cast<const std::uint8_t*>(data);
         file.insert(file.end(), bytes, bytes + size);
     };
-    for (const std::uint64_t number : {opened_digest_, digest_, std::uint64_t{values.bytes.size()}})
+    const Owner& owner = has_settled(skin) ? settled_ : asked_;
+    for (const std::uint64_t number : {owner.opened, owner.job, std::uint64_t{values.bytes.size()}})
         put(&number, number_size);
     const std::vector<std::byte> small = io::deflated(values.bytes, quick_and_small);
     put(small.data(), small.size());
@@ -149,7 +165,7 @@ SavedSkin SkinFile::read(std::size_t layers) const {
     std::uint64_t sum = 0;
     std::memcpy(&sum, bytes.data() + body.size(), number_size);
     if (io::xxh64(body) != sum) fail_broken(file_);
-    if (number_in(bytes, 0) != opened_digest_ || number_in(bytes, 1) != digest_) fail_foreign(file_);
+    if (!is_ours({number_in(bytes, 0), number_in(bytes, 1)})) fail_foreign(file_);
     SavedSkin skin;
     try {
         const std::vector<std::byte> values =
@@ -165,9 +181,11 @@ SavedSkin SkinFile::read(std::size_t layers) const {
 }
 
 void SkinFile::expect_same_job(const std::filesystem::path& file, std::string_view opened_identity,
-                               std::optional<int> iterations) {
+                               const JobLoopOptions& loop) {
     if (std::error_code none; !std::filesystem::exists(file, none)) return;
-    if (number_in(head_of(file), 0) != digest_of_job(opened_identity, iterations)) fail_foreign(file);
+    const SkinFile own(file, opened_identity, {}, loop);
+    const std::uint64_t owner = number_in(head_of(file), 0);
+    if (owner != own.asked_.opened && owner != own.settled_.opened) fail_foreign(file);
 }
 
 }  // namespace voxtone::slicer

@@ -6,15 +6,14 @@
 // agree, however much memory each has.
 //
 // It belongs to one job, as a checkpoint does (loop_checkpoint.h): to what the inputs hold, all options that decide the
-// loop, --iterations among them, and the version of the program; another job's is refused. The file: magic, digest of
-// what is known of the job before its model is read, digest of the job, size of what follows before it was deflated,
-// that, XXH64 of all before.
+// loop, --iterations among them, and the version of the program; another job's is refused. A loop that settled before
+// --iterations auto would have ended it is that of `long`, too. The file: magic, digest of what is known of the job
+// before its model is read, digest of the job, size of what follows before it was deflated, that, XXH64 of all before.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,6 +23,7 @@
 #include "halftone/loop/appearance_loop.h"
 #include "halftone/separation/mixture.h"
 #include "optics/scene/surface.h"
+#include "slicer/options/resolved_job.h"
 
 namespace voxtone::slicer {
 
@@ -41,9 +41,9 @@ struct SavedSkin {
 
 class SkinFile {
 public:
-    /// `opened_identity`, `loop_identity`: as LoopCheckpoint takes them. `iterations`: as JobLoopOptions has them.
+    /// `opened_identity`, `loop_identity`: as LoopCheckpoint takes them. Of `loop`: how long it may go on.
     SkinFile(std::filesystem::path file, std::string_view opened_identity, std::string_view loop_identity,
-             std::optional<int> iterations);
+             const JobLoopOptions& loop);
 
     [[nodiscard]] const std::filesystem::path& path() const { return file_; }
     [[nodiscard]] bool exists() const;
@@ -57,11 +57,18 @@ public:
 
     /// What of `read` can be said before the model is read. Nothing there is no fault.
     static void expect_same_job(const std::filesystem::path& file, std::string_view opened_identity,
-                                std::optional<int> iterations);
+                                const JobLoopOptions& loop);
 
 private:
+    /// Of a job, before its model is read and after.
+    struct Owner {
+        std::uint64_t opened = 0, job = 0;
+        bool operator==(const Owner&) const = default;
+    };
+    [[nodiscard]] bool is_ours(const Owner& owner) const { return owner == asked_ || owner == settled_; }
+
     std::filesystem::path file_;
-    std::uint64_t opened_digest_, digest_;
+    Owner asked_, settled_;  ///< one where there is a limit
 };
 
 }  // namespace voxtone::slicer

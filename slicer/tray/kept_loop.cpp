@@ -27,7 +27,7 @@ std::string why_no_kept_loop(const std::string& folder, const OpenedJob& job, co
             "\"stack\")",
             folder);
     try {
-        SkinFile::expect_same_job(kept_in(folder), opened_loop_identity(job, &progress), job.options.loop.iterations);
+        SkinFile::expect_same_job(kept_in(folder), opened_loop_identity(job, &progress), job.options.loop);
         return {};
     } catch (const TryAgain&) {
         throw;
@@ -53,8 +53,7 @@ bool take_kept_loop(const std::string& name, const std::string& folder, const Sl
 
 bool is_loop_of(const std::string& name, const PreparedJob& ready, Progress& progress) {
     const JobLoopOptions& loop = ready.job.options.loop;
-    if (SkinFile(loop.mixtures, ready.identity.opened_loop, ready.identity.loop, loop.iterations).is_of_this_job())
-        return true;
+    if (SkinFile(loop.mixtures, ready.identity.opened_loop, ready.identity.loop, loop).is_of_this_job()) return true;
     progress.note(
         fmt::format("{}: the appearance loop is run again: a file beside the model holds something else than when "
                     "it was run",

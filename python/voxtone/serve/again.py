@@ -13,8 +13,8 @@ from ..options import option_table
 from ..program import program, version
 from .files import link_tree
 
-#: What is kept: all, what the loop came to, what the loops of a tray's parts came to, nothing.
-STACK, LOOP, PARTS, NOTHING = "stack", "loop", "parts", "nothing"
+#: What is kept: all, what the loop came to, that where it ended by itself, what the loops of a tray's parts came to, nothing.
+STACK, LOOP, SETTLED_LOOP, PARTS, NOTHING = "stack", "loop", "settled-loop", "parts", "nothing"
 SKIN = "skin.mixtures"
 
 
@@ -30,7 +30,7 @@ def what_stays(before: Dict[str, Any], now: Dict[str, Any]) -> str:
     left = {table.get(name, NOTHING) for name in changed_options(before["options"], now["options"])}
     if now["verb"] == "tray":
         return STACK if left <= {STACK} and before["parts"] == now["parts"] else PARTS
-    return NOTHING if NOTHING in left else LOOP if LOOP in left else STACK
+    return NOTHING if NOTHING in left else LOOP if left & {LOOP, SETTLED_LOOP} else STACK
 
 
 def take_over(finished: Path, out: Path, stays: str) -> str:

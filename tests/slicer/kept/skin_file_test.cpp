@@ -35,12 +35,19 @@ SavedSkin some_skin(std::size_t cells) {
     return skin;
 }
 
+JobLoopOptions until(std::optional<int> iterations, bool patient = false) {
+    JobLoopOptions loop;
+    loop.iterations = iterations;
+    loop.patient = patient;
+    return loop;
+}
+
 }  // namespace
 
 TEST_CASE("What the loop came to comes back as it was, for its own job alone", "[loop]") {
     const io::TemporaryFolder folder;
     const auto path = folder.path() / "skin.mixtures";
-    const SkinFile file(path, "opened", "job", 8);
+    const SkinFile file(path, "opened", "job", until(8));
     CHECK_FALSE(file.exists());
     CHECK_THROWS_AS(file.read(layers), FileError);
     const SavedSkin skin = some_skin(30);
@@ -55,13 +62,14 @@ TEST_CASE("What the loop came to comes back as it was, for its own job alone", "
     CHECK(file.is_of_this_job());
 
     CHECK_THROWS_AS(file.read(layers + 1), FileError);
-    for (const SkinFile& other : {SkinFile(path, "opened", "job", 9), SkinFile(path, "opened", "another", 8),
-                                  SkinFile(path, "unopened", "job", 8)}) {
+    for (const SkinFile& other :
+         {SkinFile(path, "opened", "job", until(9)), SkinFile(path, "opened", "another", until(8)),
+          SkinFile(path, "unopened", "job", until(8))}) {
         CHECK_FALSE(other.is_of_this_job());
         CHECK_THROWS_AS(other.read(layers), InputError);
     }
-    CHECK_NOTHROW(SkinFile::expect_same_job(path, "opened", 8));
-    CHECK_THROWS_AS(SkinFile::expect_same_job(path, "unopened", 8), InputError);
+    CHECK_NOTHROW(SkinFile::expect_same_job(path, "opened", until(8)));
+    CHECK_THROWS_AS(SkinFile::expect_same_job(path, "unopened", until(8)), InputError);
 
     SavedSkin none;
     none.left_out = "There was too little memory.";
@@ -69,10 +77,36 @@ TEST_CASE("What the loop came to comes back as it was, for its own job alone", "
     CHECK(file.read(layers).left_out == none.left_out);
 }
 
+TEST_CASE("A loop that settled is that of auto and of long, one that had to end is not", "[loop]") {
+    const io::TemporaryFolder folder;
+    const auto path = folder.path() / "skin.mixtures";
+    const auto is_of = [&](const JobLoopOptions& loop) {
+        const bool is = SkinFile(path, "opened", "job", loop).is_of_this_job();
+        if (is)
+            CHECK_NOTHROW(SkinFile::expect_same_job(path, "opened", loop));
+        else
+            CHECK_THROWS_AS(SkinFile::expect_same_job(path, "opened", loop), InputError);
+        return is;
+    };
+    const JobLoopOptions automatic = until(std::nullopt), patient = until(std::nullopt, true);
+    SavedSkin skin = some_skin(5);
+    for (const bool settles : {true, false}) {
+        skin.result.state.steps.resize(std::size_t(halftone::most_iterations) + (settles ? 0 : 1));
+        SkinFile(path, "opened", "job", automatic).write(skin);
+        CHECK(is_of(automatic));
+        CHECK(is_of(patient) == settles);
+        SkinFile(path, "opened", "job", patient).write(skin);
+        CHECK(is_of(patient));
+        CHECK(is_of(automatic) == settles);
+        for (const int limit : {halftone::most_iterations - 1, halftone::most_iterations})
+            CHECK_FALSE(is_of(until(limit)));
+    }
+}
+
 TEST_CASE("A skin file that was cut or changed anywhere is refused", "[loop]") {
     const io::TemporaryFolder folder;
     const auto path = folder.path() / "skin.mixtures";
-    const SkinFile file(path, "opened", "job", 8);
+    const SkinFile file(path, "opened", "job", until(8));
     file.write(some_skin(5));
     const std::string bytes = io::text_of(path);
     for (std::size_t at = 0; at < bytes.size(); ++at) {

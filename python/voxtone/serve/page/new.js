@@ -225,8 +225,11 @@ function staysText(job, values) {
   const changed = [...new Set([...Object.keys(job.options), ...Object.keys(values)])].filter((name) => String(job.options[name] ?? "") !== String(values[name] ?? ""));
   const anew = changed.filter((name) => leaves.get(name) === "nothing");
   if (anew.length) return `${anew.join(", ")}: the print is another, and all of it is made anew.`;
-  if (changed.some((name) => leaves.get(name) === "loop"))
-    return job.keeps_loop ? "What the appearance loop came to stays; layers and report are made anew." : "All of it is made anew.";
+  const loop = changed.filter((name) => leaves.get(name).endsWith("loop"));
+  if (loop.length && !job.keeps_loop) return "All of it is made anew.";
+  if (loop.some((name) => leaves.get(name) === "settled-loop"))
+    return "What the appearance loop came to stays where it would end as it did; layers and report are made anew.";
+  if (loop.length) return "What the appearance loop came to stays; layers and report are made anew.";
   return "Nothing that the print depends on is changed: the finished one is taken over.";
 }
 
