@@ -128,7 +128,13 @@ def requests(port: int, token: str, cookie: str, job: str, upload: str) -> Itera
                          {"upload": upload, "model": "no.obj"}, {"upload": upload, "copies": 10 ** 9}, {"upload": upload, "copies": -1}, {"upload": upload, "copies": "2"},
                          {"upload": upload, "copies": 1.5}, {"upload": upload, "name": ["x"]}, {"upload": upload, "name": "x" * 10000}, {"upload": upload, "parts": []},
                          {"upload": upload, "parts": [1]}, {"upload": upload, "parts": [{"model": "../x.obj"}]}, {"upload": upload, "parts": [{"model": "box.glb"}] * 501},
-                         {"upload": upload, "parts": [{"stack": "/etc"}]}, {"upload": upload, "parts": [{"model": "box.glb", "out": "/tmp/x"}]}]
+                         {"upload": upload, "parts": [{"stack": "/etc"}]}, {"upload": upload, "parts": [{"model": "box.glb", "out": "/tmp/x"}]},
+                         {"upload": upload, "copies": True}]
+    deep: object = 1
+    for _ in range(100):
+        deep = [deep]
+    for value in (float("nan"), float("inf"), deep):  # what no browser reads, and what a store cannot read again
+        bad.append({"upload": upload, "parts": [{"model": "box.glb", "at": [value, 0]}]})
     for name, value in (("out", "/tmp/evil"), ("for-printer", "/tmp/evil"), ("for_printer", "x"), ("overwrite", True), ("job", "/etc/passwd"), ("threads", 4096), ("dump-default", True),
                         ("json", False), ("mixtures", "/etc/passwd"), ("shard", "1/2"), ("until", "loop"), ("resume", True), ("mesh", "/etc/passwd"), ("no-such", 1), ("", 1), ("-o", "x"),
                         ("--out", "/tmp/evil"), ("printer", "/etc/passwd"), ("printer", "../../x.json"), ("resins", "~/x"), ("texture", "/etc/passwd"), ("texture", "a/../../b"),
@@ -142,7 +148,8 @@ def requests(port: int, token: str, cookie: str, job: str, upload: str) -> Itera
         skip = skip or path == "/jobs" and isinstance(value, dict) and not {"iterations", "printer"}.isdisjoint(value.get("options") or []) and "/" not in str(value)
         if not skip:
             yield Hostile(f"{path} {json.dumps(value)[:60]}", request("POST", path, [host, bearer, json_type], json.dumps(value).encode()))
-    for body in (b"{", b"", b"\xff\xfe", b"[" * 100000, b'{"upload": "' + b"a" * 2000000 + b'"}', b"null", b'{"a": 1e999, "upload": NaN}', b"{} {}", b"\x00" * 100):
+    for body in (b"{", b"", b"\xff\xfe", b"[" * 100000, b'{"upload": "' + b"a" * 2000000 + b'"}', b"null", b'{"a": 1e999, "upload": NaN}', b"{} {}", b"\x00" * 100,
+                 b'{"upload": "%s", "parts": [{"model": "box.glb", "at": [1e999, 0]}]}' % upload.encode()):
         yield Hostile(f"json {body[:12]!r}", request("POST", "/jobs", [host, bearer, json_type], body))
     for key in ("x", "a b c d e f g", "../../../etc", "é" * 10, "k" * 200):
         yield Hostile(f"key {key[:8]}", request("POST", "/jobs", [host, bearer, json_type, ("Idempotency-Key", key)], good))

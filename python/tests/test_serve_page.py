@@ -2,13 +2,15 @@
 """The page in a real browser. With VOXTONE_PICTURES=FOLDER it leaves pictures of its states there, to look at."""
 import json
 import os
+import subprocess
 import time
 from pathlib import Path
 
 import pytest
 
 from browser import Browser, chromium
-from shops import Served, write_box
+from shops import Served, bits, write_box
+from voxtone.program import program as voxtone_program
 
 pytestmark = pytest.mark.skipif(not chromium(), reason="there is no Chromium here (Debian: chromium)")
 pictures = os.environ.get("VOXTONE_PICTURES")
@@ -120,6 +122,7 @@ def test_a_tray_is_arranged_dragged_and_sliced(shop, browser, tmp_path):
     models = [write_box(tmp_path / f"{name}.glb", size) for name, size in (("one", (6, 3, 1.5)), ("two", (4, 4, 2)))]
     browser.choose_files("#choose", [str(model) for model in models])
     browser.wait("document.querySelectorAll('.models li p:not(.soft)').length >= 4")
+    assert browser.evaluate("document.querySelector('.group code').textContent") == "voxtone slice one.glb -o out/one\nvoxtone slice two.glb -o out/two"
     set_option(browser, "quality", "draft")
     click(browser, "Arrange as one tray")
     click(browser, "one more two.glb")
@@ -138,10 +141,13 @@ def test_a_tray_is_arranged_dragged_and_sliced(shop, browser, tmp_path):
     browser.press("r", "r")
     browser.evaluate("document.querySelectorAll('svg.plate g')[0].dispatchEvent(new KeyboardEvent('keydown', {key: 'ArrowUp', shiftKey: true}))")
     shoot(browser, "tray")
+    console = browser.evaluate("document.querySelector('.group code').textContent").replace("\nvoxtone", f" && {voxtone_program()}")
     click(browser, "Slice the tray")
     browser.wait("document.querySelector('#jobs .state.done')", 60)
     job = shop.ask("GET", "/jobs")["jobs"][0]
-    assert sum(part["copies"] for part in job["parts"]) == 3 and any(part.get("rotate") == "z90" for part in job["parts"])
+    assert sum(part["copies"] for part in job["parts"]) == 3 and any(part.get("rotate") == "z90" for part in job["parts"]) and job["name"] == "tray of 3"
+    subprocess.run(console, shell=True, check=True, cwd=tmp_path, capture_output=True)
+    assert bits(tmp_path / "out/tray") == bits(shop.folder / "jobs" / job["id"] / "out")
     assert faults(browser) == []
 
 
@@ -187,7 +193,11 @@ def test_forty_jobs_one_of_them_failed_one_with_a_long_name_also_on_a_phone_and_
     shop.wait_for(shop.ask("POST", "/jobs", {"upload": shop.upload(broken)})["id"], "failed")
     shop.wait_for(shop.ask("POST", "/jobs", {"upload": upload, "options": {"quality": "draft"}})["id"], "done")
     shop.ask("POST", "/jobs", {"upload": upload, "held": True, "copies": 37})
-    shop.ask("POST", "/jobs", {"upload": upload, "held": True, "name": "Ein_sehr_langer_Name_ohne_jede_Luecke_" * 6})
+    long_name = "Ein_sehr_langer_Name_ohne_jede_Luecke_"
+    shop.ask("POST", "/jobs", {"upload": upload, "held": True, "name": long_name * 6})
+    browser.choose_files("#choose", [str(write_box(tmp_path / f"{name}.glb")) for name in (long_name * 3, "short")])
+    click(browser, "Arrange as one tray")
+    browser.wait("document.querySelectorAll('svg.plate g').length === 2")
     browser.wait("document.querySelectorAll('#jobs li').length === 40")
     for width, dark in ((1200, False), (400, False), (400, True), (1200, True)):
         browser.set_size(width, 900, dark)
@@ -212,6 +222,24 @@ def test_all_of_it_by_keyboard(shop, browser, tmp_path):
     browser.evaluate("document.querySelector('#jobs button[aria-label^=release]').focus()")
     browser.press("Enter", "\r")
     browser.wait("document.querySelector('#jobs .state.done')", 60)
+    assert browser.evaluate("document.getElementById('jobs').contains(document.activeElement)")  # its buttons are others now
+
+
+def test_who_works_elsewhere_on_the_page_stays_there(shop, browser, tmp_path):
+    upload = shop.upload(write_box(tmp_path / "box.glb"))
+    job = shop.ask("POST", "/jobs", {"upload": upload, "held": True, "options": {"quality": "draft"}})["id"]
+    browser.wait("document.querySelector('#jobs li')")
+    browser.evaluate("document.querySelector('#jobs .name').click()")
+    browser.evaluate("document.getElementById('choose').focus(); scrollTo(0, 0)")
+    shop.ask("POST", f"/jobs/{job}/release", {})
+    browser.wait("document.querySelector('#result iframe')", 60)
+    assert browser.evaluate("[document.activeElement.id, scrollY]") == ["choose", 0]
+    # What is shown follows what others do, and reports stay as they are looked at.
+    browser.evaluate("document.querySelector('#result iframe').seen = true")
+    for act, offered in (("keep", "may go by age"), ("unkeep", "keep")):
+        shop.ask("POST", f"/jobs/{job}/{act}", {})
+        browser.wait(f"[...document.querySelectorAll('#result button')].some((one) => one.innerText === '{offered}')")
+    assert browser.evaluate("document.querySelector('#result iframe').seen")
 
 
 def test_two_hundred_jobs_are_there_within_a_second(shop, browser, tmp_path):

@@ -18,7 +18,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any, Dict, Iterable, Optional, Tuple
 
 from .limits import Limits, bytes_text
-from .refusal import Refusal
+from .refusal import Refusal, json_of
 from .tokens import Token
 
 _page_policy = ("default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self'; frame-src 'self'; "
@@ -314,10 +314,7 @@ class Door(BaseHTTPRequestHandler):
         if self.content_type() != "application/json":
             raise Refusal(415, "say it as JSON, with Content-Type: application/json")
         data = b"".join(self.read_body(self.server.limits.text_bytes))
-        try:
-            value = json.loads(data or b"{}")
-        except (ValueError, RecursionError) as error:
-            raise Refusal(400, f"the body is no JSON: {error}") from error
+        value = json_of(data or b"{}", "the body")
         if not isinstance(value, dict):
             raise Refusal(400, "the body is an object")
         return value

@@ -14,7 +14,7 @@ from typing import Any, Dict, Iterator, List, Sequence
 from ..options import Command, Option, option_table
 from .files import checked_path, write_json
 from .limits import Limits
-from .refusal import Refusal
+from .refusal import Refusal, json_of
 
 #: Where results go, how much of the machine a job has, how the program talks, what only a cluster wants.
 decided_here = frozenset({"model", "out", "for-printer", "overwrite", "report", "resume", "keep-loop", "mixtures", "job", "dump-default", "json",
@@ -109,10 +109,7 @@ def checked_options(options: Any, verb: str = "slice") -> Dict[str, Any]:
 
 def checked_read_options(text: str) -> Dict[str, Any]:
     """From an address: an object in JSON; of it what reading takes."""
-    try:
-        said = json.loads(text or "{}")
-    except (ValueError, RecursionError) as error:
-        raise Refusal(400, f"the options are no JSON: {error}") from error
+    said = json_of(text or "{}", "what is said of options")
     taken = {option.name for option in read_options()}
     return {name: value for name, value in checked_options(said).items() if name in taken}
 
@@ -159,13 +156,17 @@ def option_words(options: Dict[str, Any], verb: str = "slice") -> List[str]:
     return [word for name, value in options.items() for word in command.option(name).words(value)]
 
 
+def _plan_of(what: Dict[str, Any]) -> Dict[str, Any]:
+    return {"format": "voxtone-tray", "version": 1, "parts": what["parts"]}
+
+
 def words_of(what: Dict[str, Any], at: Path, plan: str = "") -> List[str]:
     """Options and model. A tray's plan is written into the folder of its models, for it names them from there; without a
     name it has one of its own, hidden."""
     words = option_words(what["options"], what["verb"])
     if what["verb"] != "tray":
         return [*words, "--", what["model"]]
-    text = {"format": "voxtone-tray", "version": 1, "parts": what["parts"]}
+    text = _plan_of(what)
     plan = plan or f".tray-{hashlib.sha256(json.dumps(text).encode()).hexdigest()[:16]}.json"
     write_json(at / plan, text, lasting=False)
     return [*words, "--", plan]
@@ -187,16 +188,14 @@ def _has_loop(what: Dict[str, Any]) -> bool:
 def shell_line(what: Dict[str, Any]) -> str:
     """That does the same at the console, where the files are."""
     name = what.get("model") or PLAN
+    plan = [shlex.join(["printf", "%s", json.dumps(_plan_of(what))]) + f" >{PLAN}"] if what["verb"] == "tray" else []
     out = "out/" + Path(name).stem
-    return shlex.join(["voxtone", what["verb"], name, *option_words(what["options"], what["verb"]), "-o", out])
+    return "\n".join([*plan, shlex.join(["voxtone", what["verb"], name, *option_words(what["options"], what["verb"]), "-o", out])])
 
 
 def options_of_job_file(text: bytes) -> Dict[str, Any]:
     """Of a job file (data/schema/job.schema.json): its model by its last name, and what of it may be said here."""
-    try:
-        told = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise Refusal(400, f"the job file is no JSON: {error}") from error
+    told = json_of(text, "the job file")
     if not isinstance(told, dict) or told.get("format") != "voxtone-job":
         raise Refusal(400, "this is no job file: \"format\" is not \"voxtone-job\"")
     names = {option.name for option in option_table()["slice"].options}

@@ -19,7 +19,7 @@ from .retention import Retention
 from .runner import Runner
 from .store import HELD, WAITING, Job, Store
 from .tokens import Token
-from .upload import Uploads, files_of, likely_models
+from .upload import Uploads, files_of, is_id, likely_models
 from .watch import Watch, watches_of
 
 _format = {"format": "voxtone-shop", "version": 1}
@@ -114,16 +114,16 @@ class Shop:
         source = self.source_of(asked)
         what = self.checked(asked, source)
         copies = asked.get("copies", 1)
-        if not isinstance(copies, int) or not 1 <= copies <= self.limits.copies:
+        if isinstance(copies, bool) or not isinstance(copies, int) or not 1 <= copies <= self.limits.copies:
             raise Refusal(400, f"\"copies\" is a number from 1 to {self.limits.copies}")
         self._ask_console(what, source)
-        name = asked.get("name") or what["model"] or f"tray of {len(what['parts'])}"
+        name = asked.get("name") or what["model"] or f"tray of {sum(_copies(part) for part in what['parts'])}"
         if not isinstance(name, str) or len(name) > 300:
             raise Refusal(400, "\"name\" is a text of up to 300 characters")
         what["queue"] = queue
         what["name"] = "".join(c for c in name if c.isprintable()).strip() or "job"
         what["estimate"] = _figures(asked.get("estimate"))
-        what["changed_from"] = asked.get("changed_from") if isinstance(asked.get("changed_from"), str) else None
+        what["changed_from"] = asked.get("changed_from") if is_id(str(asked.get("changed_from"))) else None
         state = HELD if asked.get("held") is True else WAITING
         # A cluster's tasks begin in an empty folder (docs/batch.md).
         finished = None if "upload" in asked or self.runner.cluster else self.store.get(str(asked["job"]))
@@ -143,6 +143,11 @@ class Shop:
         quick = [] if asked.get("full") is True else ["--quick"]
         words = ["estimate", "--json", *quick, *words_of(what, source)]
         return self.asking.ask(words, source, f"estimate {who}")
+
+
+def _copies(part: Dict[str, Any]) -> int:
+    copies = part.get("copies", 1)
+    return copies if isinstance(copies, int) and not isinstance(copies, bool) else 1
 
 
 def _numbered(what: Dict[str, Any], copy: int, copies: int) -> Dict[str, Any]:

@@ -77,10 +77,10 @@ export class Group {
     this.stays = make("p", {className: "soft"});
     this.element = make("article", {className: "group"}, this.list, this.stays, this.form.element,
       make("details", {}, make("summary", {}, "The same at the console"), this.line,
-        make("button", {type: "button", onclick: () => navigator.clipboard?.writeText(this.line.textContent)}, "copy")),
+        make("button", {type: "button", hidden: !navigator.clipboard, onclick: () => { this.tellConsole(); navigator.clipboard.writeText(this.line.textContent); say("copied"); }}, "copy")),
       this.plateHere,
       make("div", {className: "acts"}, this.slice, make("label", {}, "copies ", this.copies), this.tray,
-        make("button", {type: "button", onclick: () => this.handIn(true)}, "Hand in, held"),
+        make("button", {type: "button", onclick: guarded(() => this.handIn(true))}, "Hand in, held"),
         make("button", {type: "button", onclick: () => this.remove()}, "Discard")));
     document.getElementById("groups").prepend(this.element);
     for (const model of this.models) this.show(model);
@@ -126,17 +126,24 @@ export class Group {
 
   changed() {
     const round = ++this.round;
-    const name = this.models[0]?.name ?? "";
-    const words = Object.entries(this.form.values).flatMap(([option, value]) =>
-      (Array.isArray(value) ? value : [value]).map((one) => one === true ? `--${option}` : one === false ? `--no-${option}` : `--${option}=${shellWord(String(one))}`));
-    this.line.textContent = ["voxtone slice", ...this.models.map((model) => shellWord(model.name)), ...words, "-o", shellWord(`out/${name.replace(/\.[^.]*$/, "")}`)].join(" ");
     this.plate?.changed();
+    this.tellConsole();
     this.stays.textContent = this.from ? staysText(this.from, this.form.values) : "";
     setTimeout(() => {
       if (round !== this.round) return;
       for (const model of this.models) this.read(model);
       this.estimate(round);
     }, 80);
+  }
+
+  /// A command for each print; a tray's plan is a file.
+  tellConsole() {
+    const wordsOf = (values) => Object.entries(values).flatMap(([option, value]) =>
+      (Array.isArray(value) ? value : [value]).map((one) => one === true ? `--${option}` : one === false ? `--no-${option}` : `--${option}=${shellWord(String(one))}`));
+    const lines = this.plate ? [`printf %s ${shellWord(JSON.stringify({format: "voxtone-tray", version: 1, parts: this.plate.parts()}))} >tray.json`,
+      ["voxtone tray tray.json", ...wordsOf(this.plate.options()), "-o out/tray"].join(" ")] :
+      this.models.map(({name}) => ["voxtone slice", shellWord(name), ...wordsOf(this.form.values), "-o", shellWord(`out/${name.replace(/\.[^.]*$/, "")}`)].join(" "));
+    this.line.textContent = lines.join("\n");
   }
 
   async estimate(round) {
@@ -189,7 +196,8 @@ export class Group {
   async showPlate(parts = null) {
     this.plate = new Plate(this, lists.printers, parts);
     this.plateHere.replaceChildren(this.plate.element);
-    this.tray.hidden = true;
+    this.tellConsole();
+    this.tray.hidden = this.copies.parentNode.hidden = true;
     this.slice.textContent = "Slice the tray";
   }
 
@@ -261,10 +269,11 @@ export function listen() {
   for (const kind of ["dragenter", "dragover"])
     document.addEventListener(kind, (event) => { event.preventDefault(); place.classList.add("over"); });
   document.addEventListener("dragleave", (event) => { if (!event.relatedTarget) place.classList.remove("over"); });
-  document.addEventListener("drop", async (event) => {
+  const drop = guarded(async (transfer) => take(await dropped(transfer)));
+  document.addEventListener("drop", (event) => {
     event.preventDefault();
     place.classList.remove("over");
-    take(await dropped(event.dataTransfer));
+    drop(event.dataTransfer);
   });
   for (const id of ["choose", "choose-folder"])
     document.getElementById(id).addEventListener("change", (event) => {

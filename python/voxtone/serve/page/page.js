@@ -2,10 +2,12 @@
 import {listen} from "./new.js";
 import {Queue} from "./queue.js";
 import {Result} from "./result.js";
-import {alertOf, ask} from "./tools.js";
+import {alertOf, ask, Refused} from "./tools.js";
 
 const queue = new Queue((job) => result.show(job));
 const result = new Result(queue);
+
+const away = "The service cannot be reached; what was handed in goes on with it. This page looks again by itself.";
 
 function tellShop({paused, keeps, watches}) {
   queue.watch(watches);
@@ -33,13 +35,16 @@ async function follow() {
   news.addEventListener("open", () => alertOf(""));
   news.addEventListener("error", () => {
     news.close();
-    alertOf("The service cannot be reached; what was handed in goes on with it. This page looks again by itself.");
+    alertOf(away);
     setTimeout(again, 2000);
   });
 }
 
 function again() {
-  follow().catch(() => setTimeout(again, 3000));
+  follow().catch((error) => {
+    alertOf(error instanceof Refused ? error.message : away);
+    setTimeout(again, 3000);
+  });
 }
 
 listen();

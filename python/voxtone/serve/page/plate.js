@@ -18,6 +18,11 @@ function said(part) {
   return {turned, rotate: (turned ? words.slice(0, -1) : words).join(",")};
 }
 
+/// Up to a tenth of a millimetre, but for what rounding adds.
+function tenths(mm) {
+  return Math.ceil(10 * mm - 0.001) / 10;
+}
+
 /// What the parts of a tray have of their own, which the form says of all.
 export function ownOf(part) {
   const {rotate} = said(part);
@@ -82,14 +87,14 @@ export class Plate {
     for (const place of free) {
       const [w, d] = this.size(place);
       for (;;) {
-        if (x > 0 && x + w > width) { x = 0; y += deep + gap; deep = 0; }
+        if (x > 0 && x + w > width) { x = 0; y = tenths(y + deep + gap); deep = 0; }
         Object.assign(place, {x, y});
         const hit = locked.find((other) => this.overlap(place, other, gap));
         if (!hit) break;
         const right = hit.x + this.size(hit)[0] + gap;
         if (right + w > width) { x = 0; y = Math.max(y + deep, hit.y + this.size(hit)[1]) + gap; deep = 0; } else x = right;
       }
-      x += w + gap;
+      x = tenths(x + w + gap);
       deep = Math.max(deep, d);
     }
   }
@@ -114,6 +119,7 @@ export class Plate {
     const wrong = this.places.filter((place) => this.isWrong(place)).length;
     this.told.textContent = `${this.places.length} parts on ${width} × ${depth} mm` + (wrong ? `; ${wrong} overlap or hang over the edge` : "");
     this.told.className = wrong ? "failed" : "soft";
+    if (this.group.plate === this) this.group.tellConsole();
     if (chosen >= 0 && this.focused) this.svg.querySelectorAll("g")[chosen]?.focus();
   }
 
@@ -133,7 +139,7 @@ export class Plate {
     group.append(svgOf("rect", {class: `part${this.isWrong(place) ? " overlap" : ""}`, x: place.x, y: depth - place.y - d, width: w, height: d,
       "stroke-dasharray": place.locked ? "2 1" : "none"}));
     const text = svgOf("text", {x: place.x + 1, y: depth - place.y - d / 2, "font-size": font});
-    text.textContent = `${place.model.name.slice(0, Math.max(3, Math.floor(1.7 * w / font)))}${place.locked ? " 🔒" : ""}`;
+    text.textContent = `${place.model.name.slice(0, Math.max(3, Math.floor(1.5 * (w - 1) / font)))}${place.locked ? " 🔒" : ""}`;
     group.append(text);
     group.addEventListener("focus", () => { this.chosen = place; this.focused = true; });
     group.addEventListener("blur", () => { this.focused = false; });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // All jobs, as the service tells of them while it happens.
-import {ask, guarded, make, say, timeText} from "./tools.js";
+import {ask, guarded, keepingFocus, make, say, timeText} from "./tools.js";
 
 const places = {running: 0, waiting: 1, held: 1, failed: 2, done: 2, cancelled: 2};
 const acts = {
@@ -21,27 +21,31 @@ export class Queue {
     this.chosen = chosen;
     this.element = document.getElementById("jobs");
     this.only = "";  // the queue whose jobs are shown; empty: all
-    this.watches = [];
   }
 
   /// Hot folders: what each waits for and said of late, and a choice of whose jobs are seen.
   watch(watches) {
-    this.watches = watches;
     const place = document.getElementById("watches");
-    const open = place.querySelector("select") === document.activeElement;
-    if (!watches.length || open) return;
+    const names = watches.map(({name}) => name).join(" ");
+    if (place.dataset.names !== names) {  // else the choice stays, which may be open
+      place.dataset.names = names;
+      place.replaceChildren(...(names ? [make("p", {}, this.choice(watches)), make("div")] : []));
+    }
+    if (names) place.lastChild.replaceChildren(...watches.flatMap(({name, folder, options, waits, why, said}) => [
+      make("p", {className: "soft"}, make("b", {}, name), ` takes what arrives in ${folder}, with ${options ? `the options of watch/${options}` : "default options"}`),
+      waits ? make("p", {className: "warned"}, `${name}: ${waits} cannot be taken yet: ${why}`) : null,
+      ...said.map((text) => make("p", {className: "soft"}, `${name}: ${text}`))].filter(Boolean)));
+  }
+
+  choice(watches) {
     const choice = make("select", {"aria-label": "which jobs are shown"}, make("option", {value: ""}, "all queues"), make("option", {value: "-"}, "handed in here"),
       ...watches.map(({name}) => make("option", {value: name}, name)));
-    choice.value = this.only;
     choice.addEventListener("change", () => {
       this.only = choice.value;
       for (const row of this.rows.values()) this.hideOthers(row);
       this.arrange();
     });
-    place.replaceChildren(make("p", {}, choice), ...watches.flatMap(({name, folder, options, waits, why, said}) => [
-      make("p", {className: "soft"}, make("b", {}, name), ` takes what arrives in ${folder}, with ${options ? `the options of watch/${options}` : "default options"}`),
-      waits ? make("p", {className: "warned"}, `${name}: ${waits} cannot be taken yet: ${why}`) : null,
-      ...said.map((text) => make("p", {className: "soft"}, `${name}: ${text}`))].filter(Boolean)));
+    return choice;
   }
 
   hideOthers(row) {
@@ -67,13 +71,19 @@ export class Queue {
   }
 
   gone(id) {
+    const row = this.rows.get(id), next = row?.nextElementSibling ?? row?.previousElementSibling;
+    if (row?.contains(document.activeElement)) next?.querySelector(".name").focus({preventScroll: true});
     this.jobs.delete(id);
-    this.rows.get(id)?.remove();
+    row?.remove();
     this.rows.delete(id);
     this.arrange();
   }
 
   arrange() {
+    keepingFocus(this.element, () => this.place());
+  }
+
+  place() {
     const sorted = [...this.jobs.values()].sort(before);
     const seen = sorted.filter((job) => !this.rows.get(job.id)?.hidden);
     let at = this.element.firstElementChild;
@@ -86,6 +96,7 @@ export class Queue {
     const told = ["running", "waiting", "held", "failed", "done"].filter(count).map((state) => `${count(state)} ${state}`).join(", ");
     document.getElementById("counts").textContent = told && `(${told})`;
     document.getElementById("empty").hidden = sorted.length > 0;
+    document.getElementById("none").hidden = !sorted.length || seen.length > 0;
   }
 
   row(job) {
@@ -108,8 +119,8 @@ export class Queue {
     this.tell(row, job);
     if (row.actsOf !== job.state) {
       row.actsOf = job.state;
-      row.acts.replaceChildren(...acts[job.state].map((act) => this.button(act, job)),
-        ...(job.has_stack ? [make("a", {className: "button", href: `/jobs/${job.id}/printer.zip`, download: ""}, "for the printer (ZIP)")] : []));
+      keepingFocus(row.acts, () => row.acts.replaceChildren(...acts[job.state].map((act) => this.button(act, job)),
+        ...(job.has_stack ? [make("a", {className: "button", href: `/jobs/${job.id}/printer.zip`, download: ""}, "for the printer (ZIP)")] : [])));
     }
     return row;
   }
@@ -131,7 +142,7 @@ export class Queue {
     }
     if (job.message && job.state !== "running") lines.push(make("p", {className: job.state === "failed" ? "failed" : "soft"}, job.message));
     if (job.verdict) lines.push(make("p", {}, job.verdict.sentence));
-    if (job.state === "done") lines.push(make("p", {className: "soft"}, `made in ${timeText(job.seconds)}`, job.reused ? `, not anew: ${job.reused}` : "", job.warnings.length ? `, ${job.warnings.length} warnings` : ""));
+    if (job.state === "done") lines.push(make("p", {className: "soft"}, `made in ${timeText(job.seconds)}`, job.reused ? `, not anew: ${job.reused}` : "", job.warnings.length ? `, ${job.warnings.length} warning${job.warnings.length > 1 ? "s" : ""}` : ""));
     if (job.state === "waiting" && job.estimate?.seconds) lines.push(make("p", {className: "soft"}, `will take about ${timeText(job.estimate.seconds)}`));
     if (job.leaves) lines.push(make("p", {className: "warned"}, `goes ${new Date(job.leaves * 1000).toLocaleString()}, unless it is kept`));
     row.told.replaceChildren(...lines);

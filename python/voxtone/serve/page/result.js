@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One job: what it came to, its report in place, and beside another's.
 import {changeAndSliceAgain} from "./new.js";
-import {ask, bytesText, guarded, key, make, timeText} from "./tools.js";
+import {ask, bytesText, guarded, keepingFocus, key, make, timeText} from "./tools.js";
 
 export class Result {
   constructor(queue) {
@@ -14,21 +14,28 @@ export class Result {
 
   show(job) {
     this.id = job.id;
-    this.shown = job.state;
+    this.reports = null;
+    this.tell(job);
     this.element.hidden = false;
     this.queue.choose(job.id);
-    const title = document.getElementById("result-title");
-    title.textContent = job.name;
-    this.reports = make("div", {className: "reports"});
-    if (job.has_report) this.reports.append(report(job));
-    this.body.replaceChildren(...this.words(job), this.acts(job), make("details", {}, make("summary", {}, "The same at the console"), make("code", {}, job.command)), this.reports);
-    title.focus();
+    document.getElementById("result-title").focus({preventScroll: true});
     this.element.scrollIntoView({block: "start"});
   }
 
-  /// Where the job that is shown came to another state.
+  /// Where the job that is shown came to another state: who works elsewhere on the page stays there.
   take(job) {
-    if (job.id === this.id && job.state !== this.shown) this.show(job);
+    if (job.id === this.id && this.shown !== shownOf(job)) keepingFocus(this.body, () => this.tell(job));
+  }
+
+  tell(job) {
+    this.shown = shownOf(job);
+    document.getElementById("result-title").textContent = job.name;
+    if (!this.reports || (job.has_report && !this.reports.firstChild)) this.reports = make("div", {className: "reports"}, job.has_report ? report(job) : null);
+    const beside = this.body.querySelector("select")?.value;
+    const parts = [...this.words(job), this.acts(job, beside), make("details", {}, make("summary", {}, "The same at the console"), make("code", {}, job.command))];
+    for (const old of [...this.body.children]) if (old !== this.reports) old.remove();  // a frame that is moved begins anew
+    if (this.reports.parentNode !== this.body) this.body.append(this.reports);
+    this.reports.before(...parts);
   }
 
   gone(id) {
@@ -55,10 +62,11 @@ export class Result {
     ].filter(Boolean);
   }
 
-  acts(job) {
+  acts(job, besides = "") {
     const others = [...this.queue.jobs.values()].filter((other) => other.has_report && other.id !== job.id);
     const beside = make("select", {"aria-label": "compare with"}, make("option", {value: ""}, "compare with …"),
       ...others.map((other) => make("option", {value: other.id}, `${other.name} (${Object.entries(other.options).map(([name, value]) => `${name} ${value}`).join(", ") || "as it comes"})`)));
+    beside.value = others.some((other) => other.id === besides) ? besides : "";
     beside.addEventListener("change", () => {
       const other = this.queue.jobs.get(beside.value);
       this.reports.classList.toggle("two", Boolean(other));
@@ -76,6 +84,10 @@ export class Result {
       make("a", {className: "button", href: `/jobs/${job.id}/log`, download: ""}, "what was said"),
       job.has_report && others.length ? beside : null);
   }
+}
+
+function shownOf(job) {
+  return `${job.state} ${job.kept}`;
 }
 
 function report(job) {

@@ -49,6 +49,16 @@ export function say(text) {
   document.getElementById("said").textContent = text;
 }
 
+/// Who has the focus inside keeps it, or one that says the same has it then.
+export function keepingFocus(place, change) {
+  const focused = place.contains(document.activeElement) ? document.activeElement : null;
+  const alike = focused && [focused.tagName, focused.textContent].join(" ");
+  change();
+  if (!focused || document.activeElement === focused) return;
+  const same = focused.isConnected ? focused : [...place.querySelectorAll("button, a, select, summary")].find((one) => [one.tagName, one.textContent].join(" ") === alike);
+  (same ?? place.querySelector("button, a"))?.focus({preventScroll: true});
+}
+
 export function timeText(seconds) {
   if (seconds < 1) return "below a second";
   if (seconds < 90) return `${Math.round(seconds)} s`;
