@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
 from browser import Browser, chromium
 from shops import Served, bits, write_box
@@ -91,6 +92,19 @@ def test_dropped_estimated_sliced_and_looked_at(shop, browser, tmp_path):
     browser.wait("document.querySelector('.group .models')?.innerText.includes('5.00 × 2.50')")
     assert faults(browser) == []
     assert shop.ask("GET", "/jobs")["jobs"][0]["options"] == {"size": "5mm", "quality": "draft"}
+
+
+def test_what_a_model_names_is_added_and_pictures_beside_it_can_be_meant(shop, browser, tmp_path):
+    (tmp_path / "named.obj").write_text("mtllib colours.mtl\nv 0 0 0\nv 5 0 0\nv 0 5 0\nv 0 0 5\nusemtl a\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n")
+    (tmp_path / "colours.mtl").write_text("newmtl a\nKd 1 0 0\n")
+    Image.new("RGB", (40, 30), "red").save(tmp_path / "beside.png", dpi=(300, 300))
+    browser.choose_files("#choose", [str(tmp_path / name) for name in ("named.obj", "beside.png")])
+    browser.wait("document.querySelector('.models')?.innerText.includes('LOST')")
+    browser.choose_files(".group .acts input[type=file]", [str(tmp_path / "colours.mtl")])
+    browser.wait("!document.querySelector('.models').innerText.includes('LOST') && document.querySelector('.models').innerText.includes('colour: materials')")
+    click(browser, "print beside.png")
+    browser.wait("document.querySelectorAll('.group').length === 2 && document.querySelector('.models').innerText.includes('3.39 × 2.54 × 4.00 mm')")
+    assert not browser.evaluate("[...document.querySelectorAll('button')].some((one) => one.innerText === 'print beside.png')")
 
 
 def test_two_browsers_see_the_same_and_one_that_comes_back(shop, browser, tmp_path):

@@ -30,12 +30,13 @@ async function dropped(transfer) {
   return entries.length ? found : [...transfer.files].map((file) => ({file, name: file.name}));
 }
 
-async function handIn(files) {
+/// To files that are there, or as new ones.
+async function send(files, upload = null) {
   alertOf("");
   const bar = make("progress", {max: files.reduce((sum, one) => sum + one.file.size, 0) || 1, value: 0});
   const told = make("p", {}, "Handing in ", String(files.length), files.length === 1 ? " file " : " files ", bar);
   document.getElementById("groups").prepend(told);
-  let upload = null, here = null;
+  let here = null;
   try {
     for (const {file, name} of files) {
       const address = `/uploads?name=${encodeURIComponent(name)}${upload ? `&into=${upload}` : ""}`;
@@ -46,7 +47,11 @@ async function handIn(files) {
   } finally {
     told.remove();
   }
-  if (!here) return;
+  return here;
+}
+
+async function handIn(files) {
+  const here = await send(files), {upload} = here;
   await known;
   const jobFiles = here.files.filter((file) => file.name.toLowerCase().endsWith(".json"));
   let options = {};
@@ -59,7 +64,8 @@ async function handIn(files) {
   if (!here.models.length)
     return alertOf(jobFiles.length ? `the job file names its model; drop the two together` :
       `none of ${here.files.map((file) => file.name).join(", ")} is a model or picture that can be sliced`);
-  new Group({upload}, here.files, here.models, options);
+  const group = new Group({upload}, here.files, here.models, options);
+  group.offer(here.files.filter(({name, picture}) => picture && !here.models.includes(name)).map(({name}) => name));
   say(`${here.models.length} handed in`);
 }
 
@@ -73,6 +79,7 @@ export class Group {
     this.copies = make("input", {type: "number", min: 1, max: 200, value: 1, "aria-label": "copies"});
     this.slice = make("button", {type: "button", className: "main", onclick: guarded(() => this.handIn(false))}, "Slice");
     this.plateHere = make("div");
+    const more = make("input", {type: "file", multiple: true, onchange: guarded(() => this.addFiles(more))});
     this.tray = make("button", {type: "button", onclick: guarded(() => this.showPlate())}, "Arrange as one tray");
     this.stays = make("p", {className: "soft"});
     this.element = make("article", {className: "group"}, this.list, this.stays, this.form.element,
@@ -81,6 +88,7 @@ export class Group {
       this.plateHere,
       make("div", {className: "acts"}, this.slice, make("label", {}, "copies ", this.copies), this.tray,
         make("button", {type: "button", onclick: guarded(() => this.handIn(true))}, "Hand in, held"),
+        source.upload ? make("label", {className: "button", title: "what a model names: its textures, its material library"}, "Add files", more) : null,
         make("button", {type: "button", onclick: () => this.remove()}, "Discard")));
     document.getElementById("groups").prepend(this.element);
     for (const model of this.models) this.show(model);
@@ -179,6 +187,23 @@ export class Group {
         result.price ? `, ${result.price.toFixed(2)} ${result.currency}` : "", `, ${bytesText(result.memory_bytes)} of memory`),
       ...[...new Set([...result.warnings, ...warnings])].map((text) => make("p", {className: "warned"}, text)),
       ...result.notes.map((text) => make("p", {className: "soft"}, text)));
+  }
+
+  /// Beside those that are there: what was not found is looked for again.
+  async addFiles(input) {
+    const files = [...input.files].map((file) => ({file, name: file.name}));
+    input.value = "";
+    if (!files.length) return;
+    this.files = (await send(files, this.source.upload)).files;
+    for (const model of this.models) model.readWith = null;
+    this.changed();
+  }
+
+  /// Pictures beside models are taken for their textures; who means them themselves says so.
+  offer(pictures) {
+    if (!pictures.length) return;
+    this.list.after(make("p", {className: "soft"}, "Taken for textures: ", ...pictures.map((name) => make("button", {type: "button", title: `print the picture ${name}`,
+      onclick: (event) => { event.target.remove(); new Group(this.source, this.files, [name], this.form.values); }}, `print ${name}`))));
   }
 
   alone(model) {
