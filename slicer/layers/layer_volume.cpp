@@ -21,7 +21,7 @@ void expect_volume_fits(const std::array<int, 3>& size, double bytes, std::uint6
     if (bytes <= double(most_bytes)) return;
     const double gib = 1.0 / (1 << 30);
     throw ResourceError(fmt::format(
-        "the volume of {} x {} x {} voxels needs about {:.2g} GiB, more than the {:.2g} GiB that are allowed for it; "
+        "the volume of {} x {} x {} voxels needs about {:.3g} GiB, more than the {:.3g} GiB that are allowed for it; "
         "allow more "
         "(--memory), or predict a part of the print or a smaller print",
         size[0], size[1], size[2], bytes * gib, double(most_bytes) * gib));

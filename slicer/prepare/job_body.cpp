@@ -100,7 +100,7 @@ std::string words_for_place(const Eigen::Vector3d& at, const Eigen::AlignedBox3d
 std::string wall_text(const ThinWall& wall, const JobBody& body, const Eigen::AlignedBox3d& box) {
     const io::TexturedMesh& mesh = body.model.mesh;
     const std::string& name = mesh.materials[mesh.material_of_triangle[wall.source_triangle]].name;
-    return fmt::format("{:.2g} mm over {:.2g} mm {} ({:.1f}, {:.1f}, {:.1f} mm{})", wall.thickness_mm, wall.length_mm,
+    return fmt::format("{:.2g} mm over {:.3g} mm {} ({:.1f}, {:.1f}, {:.1f} mm{})", wall.thickness_mm, wall.length_mm,
                        words_for_place(wall.middle_mm, box), wall.middle_mm.x(), wall.middle_mm.y(), wall.middle_mm.z(),
                        mesh.materials.size() > 1 && !name.empty() ? ", material " + printable(name) : "");
 }

@@ -223,16 +223,22 @@ void plug_crossed(const SolidMesh& given, SolidMesh& solid, EnclosureOptions enc
     }
 }
 
-std::string listed(const std::vector<Cavity>& cavities, double body_mm3) {
+double volume_of(const std::vector<Cavity>& cavities) {
     double volume = 0;
     for (const Cavity& cavity : cavities) volume += cavity.volume_mm3;
+    return volume;
+}
+
+std::string listed(const std::vector<Cavity>& cavities, double outer_mm3) {
+    const double volume = volume_of(cavities), share = 100 * volume / outer_mm3;
     const auto& at = cavities[0].centre_mm;
     return fmt::format(
-        "{} of {}, {:.2g} % of what the outer surface encloses, {}at {:.1f}, {:.1f}, {:.1f} mm from the "
-        "model's corner, {} {:.2g} mm",
+        "{} of {}, {} % of what the outer surface encloses, {}at {:.1f}, {:.1f}, {:.1f} mm from the "
+        "model's corner, {} {:.3g} mm",
         cavities.size() == 1 ? "A void" : fmt::format("{} voids", cavities.size()),
         volume < 1000 ? fmt::format("{:.3g} mm^3", volume) : fmt::format("{:.3g} ml", volume / 1000),
-        100 * volume / body_mm3, cavities.size() == 1 ? "" : "the largest ", at[0], at[1], at[2],
+        share < 10 ? fmt::format("{:.2g}", share) : fmt::format("{:.0f}", share),
+        cavities.size() == 1 ? "" : "the largest ", at[0], at[1], at[2],
         cavities.size() == 1 ? "behind a wall of" : "behind walls from",
         std::ranges::min(cavities, {}, &Cavity::wall_mm).wall_mm);
 }
@@ -268,10 +274,11 @@ std::vector<std::string> cavity_sentences(const std::vector<Cavity>& cavities, c
                                           double body_mm3) {
     std::vector<Cavity> full, kept, crossed;
     for (const Cavity& cavity : cavities) (cavity.filled ? full : cavity.crossed ? crossed : kept).push_back(cavity);
+    const double outer_mm3 = body_mm3 + volume_of(kept) + volume_of(crossed);  // what is void is not of the material
     std::vector<std::string> sentences;
     if (!full.empty())
         sentences.push_back(fmt::format(
-            "{}{}, {} filled with resin; --cavities keep leaves that to support material.", listed(full, body_mm3),
+            "{}{}, {} filled with resin; --cavities keep leaves that to support material.", listed(full, outer_mm3),
             options.mode == CavityMode::automatic
                 ? fmt::format(", thinner than the coloured shell of {:.2g} mm", options.shell_mm)
                 : "",
@@ -280,12 +287,12 @@ std::vector<std::string> cavity_sentences(const std::vector<Cavity>& cavities, c
         sentences.push_back(
             fmt::format("{}, {} kept: support material fills {}, and cannot be washed out. To print solid there: "
                         "--cavities fill.",
-                        listed(kept, body_mm3), kept.size() == 1 ? "was" : "were", kept.size() == 1 ? "it" : "them"));
+                        listed(kept, outer_mm3), kept.size() == 1 ? "was" : "were", kept.size() == 1 ? "it" : "them"));
     if (!crossed.empty())
         sentences.push_back(fmt::format(
             "{}, should be filled and {} not: walls cross one another there, and support material fills "
             "{}. Unite them in a mesh editor (boolean union), or --repair wrap.",
-            listed(crossed, body_mm3), crossed.size() == 1 ? "was" : "were", crossed.size() == 1 ? "it" : "them"));
+            listed(crossed, outer_mm3), crossed.size() == 1 ? "was" : "were", crossed.size() == 1 ? "it" : "them"));
     return sentences;
 }
 

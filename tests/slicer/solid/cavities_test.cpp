@@ -165,7 +165,7 @@ TEST_CASE("Sentences name volume, place, share and wall", "[cavities]") {
     thin.volume_mm3 = 250, thin.wall_mm = 0.12, thin.centre_mm = {1, 2, 3}, thin.filled = true;
     Cavity thick;
     thick.volume_mm3 = 100, thick.wall_mm = 5;
-    const std::vector<std::string> said = cavity_sentences({thin, thin, thick}, {}, 1000);
+    const std::vector<std::string> said = cavity_sentences({thin, thin, thick}, {}, 900);  // and 100 of void
     REQUIRE(said.size() == 2);
     CHECK(said[0] ==
           "2 voids of 500 mm^3, 50 % of what the outer surface encloses, the largest at 1.0, 2.0, 3.0 mm from the "
@@ -173,7 +173,10 @@ TEST_CASE("Sentences name volume, place, share and wall", "[cavities]") {
           "--cavities keep leaves that to support material.");
     CHECK(said[1].starts_with("A void of 100 mm^3, 10 % of what the outer surface encloses, at 0.0, 0.0, 0.0 mm"));
     CHECK(said[1].find("--cavities fill") != std::string::npos);
-    thick.volume_mm3 = 12'340;
-    CHECK(cavity_sentences({thick}, {}, 20'000)[0].starts_with("A void of 12.3 ml, 62 % of"));
+    thick.volume_mm3 = 17'600;  // larger than its walls
+    CHECK(cavity_sentences({thick}, {}, 9'400)[0].starts_with("A void of 17.6 ml, 65 % of"));
+    CHECK(cavity_sentences({thick}, {}, 4)[0].starts_with("A void of 17.6 ml, 100 % of"));
+    thick.crossed = true;
+    CHECK(cavity_sentences({thick}, {}, 9'400)[0].starts_with("A void of 17.6 ml, 65 % of"));
     CHECK(cavity_sentences({}, {}, 1).empty());
 }
