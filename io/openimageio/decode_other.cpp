@@ -47,7 +47,8 @@ bool is_converted_here(const OIIO::ImageSpec& spec) {
 }
 
 /// What a reader says, if anything, and what follows from it.
-std::string why_not(const std::string& said) {
+std::string why_not(const std::string& all_said) {
+    const std::string said = all_said.substr(0, all_said.find('\n'));  // what follows says it again
     if (said.empty()) return "; it is damaged, cut short or of a kind that is not read here: save it as PNG";
     for (const char* const word : {"unsupported", "not supported"})
         if (OIIO::Strutil::icontains(said, word))
@@ -322,11 +323,37 @@ private:
         take_colours(is_float);
         if (is_float)
             read_colours<float>(samples_.floats, OIIO::TypeDesc::FLOAT, 1.0f);
+        else if (spec_.format.size() > 2)
+            read_long_numbers();
         else if (spec_.format.size() > 1)
             read_colours<std::uint16_t>(samples_.words, OIIO::TypeDesc::UINT16, 65535);
         else
             read_colours<std::uint8_t>(samples_.bytes, OIIO::TypeDesc::UINT8, 255);
         if (!is_openexr()) samples_.icc_profile = profile();
+    }
+
+    /// Whole numbers of 32 bits are often codes of fewer: NumPy's are saved so.
+    void read_long_numbers() {
+        constexpr std::uint32_t most_byte = 255, most_word = 65535;
+        std::vector<std::uint32_t> numbers;
+        const bool is_signed = spec_.format.is_signed();
+        const std::uint32_t white = is_signed ? 0x7fffffff : 0xffffffff;
+        read_colours<std::uint32_t>(numbers, spec_.format, white);
+        std::uint32_t brightest = 0;
+        for (std::size_t i = 0; i < numbers.size(); ++i) {
+            if (is_signed && numbers[i] > white) numbers[i] = 0;  // negative
+            if (i % 4 != 3) brightest = std::max(brightest, numbers[i]);
+        }
+        const std::uint32_t most = brightest <= most_byte ? most_byte : brightest <= most_word ? most_word : white;
+        for (std::size_t i = 0; i < numbers.size(); ++i) {
+            const double share = std::min(1.0, double(numbers[i]) / (i % 4 == 3 && numbers[i] > most ? white : most));
+            samples_.words.push_back(static_cast<std::uint16_t>(share * most_word + 0.5));
+        }
+        if (most != white && brightest > 0)
+            warn(named_warning("colour-range",
+                               fmt::format("No sample of the picture {} is above {}, of 32 bits: they were taken as "
+                                           "codes of {} bits.",
+                                           name_, most, most == most_byte ? 8 : 16)));
     }
 
     [[nodiscard]] std::vector<std::uint8_t> profile() const {
@@ -539,6 +566,8 @@ DecodedImage decode_other(std::span<const std::byte> bytes, const std::string& f
                           const DecodeOptions& options) {
     check_declared_size(bytes, format, name, options);
     use_no_threads();
+    const std::vector<std::byte> told = format == "psd" ? with_transparent_index(bytes) : std::vector<std::byte>();
+    if (!told.empty()) bytes = told;
     try {
         const Choice choice = choose_picture(bytes, format, name);
         OpenPicture file(bytes, format, name, choice.raw);  // anew: not every reader finds its way back

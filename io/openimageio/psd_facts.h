@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What a Photoshop file says of itself that OpenImageIO does not tell.
-// Source: Adobe Photoshop File Formats Specification, 2019: file header; image resource 1057; layer records.
+// Source: Adobe Photoshop File Formats Specification, 2019: file header; image resources 1047 and 1057; layer records.
 #pragma once
 
 #include <cstddef>
@@ -18,5 +18,9 @@ struct PsdFacts {
 
 /// Of a file that is cut short what could be read.
 [[nodiscard]] PsdFacts psd_facts(std::span<const std::byte> file);
+
+/// A file of a palette that does not say which index is transparent, saying that 256 is, which is none: of others
+/// OpenImageIO 2.4 promises four channels and gives three. Empty: it is no such file.
+[[nodiscard]] std::vector<std::byte> with_transparent_index(std::span<const std::byte> file);
 
 }  // namespace voxtone::io

@@ -322,6 +322,49 @@ TEST_CASE("TIFF of floating point is linear light, and refused where its numbers
     CHECK_THROWS_WITH(decode_photograph(file), Contains("64-bit"));
 }
 
+TEST_CASE("floating point that is no light is refused, though its black is black") {
+    const auto read = [](std::initializer_list<float> greys) {
+        std::string pfm("Pf\n" + std::to_string(greys.size()) + " 1\n-1.0\n");
+        for (const float value : greys) {
+            const auto bits = std::bit_cast<std::array<char, 4>>(value);
+            pfm.append(bits.begin(), bits.end());
+        }
+        return decode_image(std::as_bytes(std::span(pfm)), "a.pfm", {.others = decode_other});
+    };
+    CHECK_THROWS_WITH(read({0, 0, 197.4f, 40.5f}), Contains("a.pfm") && Contains("100 % are 1 or more") &&
+                                                       Contains("up to 197.4") && Contains("divide its samples"));
+    CHECK_THROWS_WITH(read({1.5f, 8.5f}), Contains("1 or more"));
+    CHECK_NOTHROW(read({0, 0.5f, 8.5f}));  // light, with a lamp in it
+    CHECK_NOTHROW(read({0, 1, 1}));
+}
+
+TEST_CASE("whole numbers of 32 bits are codes of as many bits as they need") {
+    const auto read = [](double white, OIIO::TypeDesc type) {
+        const TemporaryFolder folder;
+        const std::string file = (folder.path() / "a.tif").string();
+        const auto out = OIIO::ImageOutput::create(file);
+        REQUIRE((out && out->open(file, OIIO::ImageSpec(2, 1, 3, type))));
+        std::vector<std::uint32_t> pixels;
+        for (const double share : {200 / 255.0, 40 / 255.0, 40 / 255.0, 1.0, 1.0, 1.0})
+            pixels.push_back(static_cast<std::uint32_t>(share * white + 0.5));
+        REQUIRE(out->write_image(type, pixels.data()));
+        REQUIRE(out->close());
+        return decoded(read_bytes(file, 1 << 24));
+    };
+    const auto first = [](const DecodedImage& image) {
+        return Vector3d(
+            image.texels.rgb(0).cast<double>().unaryExpr([](double v) { return 255 * optics::srgb_encode(v); }));
+    };
+    for (const double white : {255.0, 65535.0, 4294967295.0}) {
+        const DecodedImage image = read(white, OIIO::TypeDesc::UINT32);
+        CHECK(near(first(image), {200, 40, 40}, 0.5));
+        CHECK(image.warnings.empty() == (white > 65535));
+        if (white <= 65535) CHECK_THAT(image.warnings.at(0), Contains("of 32 bits") && Contains("[colour-range]"));
+    }
+    CHECK(near(first(read(2147483647.0, OIIO::TypeDesc::INT32)), {200, 40, 40}, 0.5));
+    CHECK(near(first(read(255, OIIO::TypeDesc::INT32)), {200, 40, 40}, 0.5));
+}
+
 TEST_CASE("floating point with a profile is coded as the profile says") {
     TiffPage page{.bits = 32, .pixel = {200 * 257, 40 * 257, 40 * 257}};
     page.profile = swapped_profile();
@@ -388,6 +431,20 @@ TEST_CASE("PSD of layers without a picture of all of them is lost colour, and on
     CHECK(near(codes_of(inks), {200, 40, 40}, 1));
     REQUIRE(inks.warnings.size() == 1);
     CHECK_THAT(inks.warnings[0], Contains("CMYK") && Contains("no profile") && Contains("[picture-colours]"));
+
+    // Its pixels are index 7: in each of the three lists of 256 that stand behind the head.
+    std::string indexed = psd_of({7}, {}, true, 2);
+    std::string palette(768, '\0');
+    palette[7] = '\xc8', palette[256 + 7] = palette[512 + 7] = '\x28';
+    indexed.replace(26, 4, big(palette.size()) + palette);
+    CHECK(near(codes_of(decoded_psd(indexed)), {200, 40, 40}, 0.5));
+    CHECK(decoded_psd(indexed).warnings.empty());
+    CHECK_FALSE(decoded_psd(indexed).has_alpha);
+    const std::string clear = "8BIM" + big(1047, 2) + big(0, 2) + big(2) + big(7, 2);
+    const std::size_t resources = 26 + 4 + palette.size();
+    indexed.replace(resources, 4, big(clear.size() + 30));
+    indexed.insert(resources + 4, clear);
+    CHECK(decoded_psd(indexed).has_alpha);
 
     const std::string whole = psd_of({0, 0, 0}, {red, blue}, false);
     const PsdFacts facts = psd_facts(std::as_bytes(std::span(whole)));
@@ -457,6 +514,7 @@ TEST_CASE("PFM is linear light, and Radiance's gamma of 2.2 is coded as sRGB is"
 TEST_CASE("whole files of kinds that are not read are not called damaged") {
     std::string psd("8BPS\0\1\0\0\0\0\0\0\0\1\0\0\0\2\0\0\0\2\0\x8\0\x8", 26);  // duotone
     psd.append(16, '\0');
+    CHECK_THROWS_WITH(decode_image(std::as_bytes(std::span(psd)), "a", {.others = decode_other}), !Contains("\n"));
     for (const std::string& file : {psd, std::string("P1\n2 2\n0110\n")})
         CHECK_THROWS_WITH(decode_image(std::as_bytes(std::span(file)), "a", {.others = decode_other}),
                           Contains("of a kind that is not read") && !Contains("()"));
