@@ -57,6 +57,10 @@ std::int32_t ParseContext::add(ModelParts& parts, const std::string& key, Decode
 
 std::int32_t ParseContext::add_image_file(ModelParts& parts, const std::string& file, const DecodeOptions& decode) {
     if (const auto known = images_.find(file); known != images_.end()) return known->second;
+    if (const auto inside = data_of_uri(file)) {  // too long a name to be said
+        const std::string name = fmt::format("{} ({})", file.substr(0, file.find_first_of(";,")), images_.size() + 1);
+        return images_[file] = add_image_bytes(parts, name, *inside, decode);
+    }
     std::optional<std::vector<std::byte>> bytes;
     try {
         bytes = read_side_file(file);

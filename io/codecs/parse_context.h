@@ -45,8 +45,8 @@ public:
     [[nodiscard]] const ReadOptions& options() const { return options_; }
     /// The bytes of a file that the model names; nothing where there is none. Throws FileError, InputError.
     [[nodiscard]] std::optional<std::vector<std::byte>> read_side_file(const std::string& name);
-    /// Whether there is such a file.
-    [[nodiscard]] bool finds(const std::string& name) { return find(name).has_value(); }
+    /// Whether there is such a file, or the name itself holds it ("data:").
+    [[nodiscard]] bool finds(const std::string& name) { return name.starts_with("data:") || find(name).has_value(); }
     /// All that were asked for, with what was read of them.
     [[nodiscard]] const std::vector<SideFile>& side_files() const { return side_files_; }
     /// What was taken instead of what the model named, in whole sentences.

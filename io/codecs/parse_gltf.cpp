@@ -23,7 +23,6 @@
 #include "io/codecs/draco_mesh.h"
 #include "io/codecs/gltf_data.h"
 #include "io/codecs/meshopt_stream.h"
-#include "io/files/base64.h"
 #include "io/models/colour_range.h"
 #include "io/models/model_text.h"
 #include "io/models/weld.h"
@@ -209,13 +208,9 @@ private:
     }
 
     std::optional<std::vector<std::byte>> data_uri(const std::string& uri) const {
-        if (!uri.starts_with("data:")) return std::nullopt;
-        const std::size_t comma = uri.find(',');
-        if (comma == std::string::npos) fail("a data URI has no data");
-        const std::string data = decode_uri(std::string_view(uri).substr(comma + 1));
-        if (uri.rfind(";base64", comma) != std::string::npos) return base64_bytes(data);
-        const auto* first = reinterpret_cast<const std::byte*>(data.data());
-        return std::vector<std::byte>(first, first + data.size());
+        auto data = data_of_uri(uri);
+        if (!data && uri.starts_with("data:")) fail("a data URI has no data");
+        return data;
     }
 
     void read_buffers() {

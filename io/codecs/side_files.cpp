@@ -13,6 +13,7 @@
 
 #include "base/printable.h"
 #include "base/warning.h"
+#include "io/files/base64.h"
 #include "io/files/read_bytes.h"
 
 namespace voxtone::io {
@@ -286,6 +287,15 @@ std::string decode_uri(std::string_view uri) {
         }
     }
     return text;
+}
+
+std::optional<std::vector<std::byte>> data_of_uri(std::string_view uri) {
+    const std::size_t comma = uri.find(',');
+    if (!uri.starts_with("data:") || comma == uri.npos) return std::nullopt;
+    const std::string data = decode_uri(uri.substr(comma + 1));
+    if (uri.substr(0, comma).find(";base64") != uri.npos) return base64_bytes(data);
+    const auto* const first = reinterpret_cast<const std::byte*>(data.data());
+    return std::vector<std::byte>(first, first + data.size());
 }
 
 }  // namespace voxtone::io

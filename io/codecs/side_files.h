@@ -78,5 +78,7 @@ private:
 
 /// Decodes %XX of a URI; a broken escape stays as it is.
 [[nodiscard]] std::string decode_uri(std::string_view uri);
+/// What a URI holds itself (RFC 2397, "data:"); nothing: it names a file.
+[[nodiscard]] std::optional<std::vector<std::byte>> data_of_uri(std::string_view uri);
 
 }  // namespace voxtone::io

@@ -17,20 +17,6 @@ namespace {
 constexpr int round_segments = 96;  // of a circle
 constexpr double no_index = -1;
 
-/// Numbers `size` at a time; what is left over is none.
-template <class Vector>
-std::vector<Vector> tuples(const VrmlScene& scene, const VrmlNode& node, const char* field, const char* of_it) {
-    std::vector<Vector> all;
-    const VrmlNode* const inner = scene.node(node, field);
-    if (!inner) return all;
-    const std::vector<double>& numbers = inner->numbers(of_it);
-    constexpr auto size = static_cast<std::size_t>(Vector::SizeAtCompileTime);
-    for (std::size_t i = 0; i + size <= numbers.size(); i += size)
-        all.push_back(Eigen::Map<const Eigen::Matrix<double, Vector::SizeAtCompileTime, 1>>(numbers.data() + i)
-                          .template cast<typename Vector::Scalar>());
-    return all;
-}
-
 class VrmlShape {
 public:
     VrmlShape(const VrmlScene& scene, const VrmlNode& node, const std::string& file)
@@ -59,8 +45,27 @@ private:
     // ---- faces of any shape
 
     void take_lists() {
-        made_.uv = tuples<Eigen::Vector2f>(scene_, node_, "texCoord", "point");
-        made_.colours = tuples<Eigen::Vector3f>(scene_, node_, "color", "color");
+        made_.uv = tuples<Eigen::Vector2f>("texCoord", "point");
+        made_.colours = tuples<Eigen::Vector3f>("color", "color");
+    }
+
+    /// The numbers of a field's node, some at a time. Were one left over, all behind a mistake would be shifted.
+    template <class Vector>
+    [[nodiscard]] std::vector<Vector> tuples(const char* field, const char* of_it) const {
+        std::vector<Vector> all;
+        const VrmlNode* const inner = scene_.node(node_, field);
+        if (!inner) return all;
+        const std::vector<double>& numbers = inner->numbers(of_it);
+        constexpr auto size = static_cast<std::size_t>(Vector::SizeAtCompileTime);
+        if (numbers.size() % size != 0)
+            fail(
+                fmt::format("its {} has {} numbers, which are no {} each (a comma stands between numbers here, and a "
+                            "point within one)",
+                            field, numbers.size(), size == 2 ? "two" : "three"));
+        for (std::size_t i = 0; i < numbers.size(); i += size)
+            all.push_back(Eigen::Map<const Eigen::Matrix<double, Vector::SizeAtCompileTime, 1>>(numbers.data() + i)
+                              .template cast<typename Vector::Scalar>());
+        return all;
     }
 
     /// One of a list of `size`; -1 where it has none.
@@ -70,7 +75,7 @@ private:
 
     void indexed() {
         take_lists();
-        made_.points = tuples<Eigen::Vector3d>(scene_, node_, "coord", "point");
+        made_.points = tuples<Eigen::Vector3d>("coord", "point");
         const std::vector<double>&places = node_.numbers("coordIndex"), &uv = node_.numbers("texCoordIndex"),
               &colours = node_.numbers("colorIndex");
         const bool laid = !made_.uv.empty();

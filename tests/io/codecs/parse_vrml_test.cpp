@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include <zlib.h>
+#include "io/files/base64.h"
 #include "tests/io/models/model_test.h"
 
 namespace {
@@ -109,6 +110,15 @@ TEST_CASE("VRML: textures by name, by the first of several that is there, by pix
         shape(image + " textureTransform TextureTransform { rotation 1.5707963 scale 1 2 }", square(quarters)),
         picture);
     CHECK((turned.mesh.corner_uv[0][1] - Vector2f(-0.25f, 1.5f)).norm() < 1e-5f);
+    const std::string png = four_colours(),
+                      inside = "data:image/png;base64," +
+                               base64({reinterpret_cast<const std::uint8_t*>(png.data()), png.size()});
+    const ModelFile within = read_vrml_of(shape("texture ImageTexture { url \"" + inside + "\" }", square(quarters)));
+    CHECK(near(corner_colour(within.mesh, 0, 0), blue));
+    CHECK(warnings(within).empty());
+    const ModelFile spoilt =
+        read_vrml_of(shape("texture ImageTexture { url \"data:image/png,none\" }", square(quarters)));
+    CHECK_THAT(spoilt.lost_colour, Contains("'data:image/png (1)'") && !Contains("none"));
     const ModelFile gone =
         read_vrml_of(shape(red_material + " texture ImageTexture { url \"gone.png\" }", square(quarters)));
     CHECK_THAT(gone.lost_colour, Contains("gone.png"));
@@ -289,6 +299,22 @@ TEST_CASE("VRML: what is not read is refused by name, what is damaged with its l
         doubled += "DEF n" + std::to_string(i + 1) + " Group { children [ USE n" + std::to_string(i) + " USE n" +
                    std::to_string(i) + " ] }\n";
     CHECK_THAT(fails(doubled), Contains("USE"));
+}
+
+TEST_CASE("VRML: numbers that are left over are no points, places or colours") {
+    // A comma stands between numbers, so that it makes two of one.
+    CHECK_THAT(refusal_by([] {
+                   return read_vrml_of(shape("",
+                                             "geometry IndexedFaceSet { coord Coordinate { point [0 0 0, 1,5 0 0, "
+                                             "0 1 0] } coordIndex [0 1 2] }"));
+               }),
+               Contains("line 2") && Contains("coord has 10 numbers") && Contains("three each") && Contains("comma"));
+    CHECK_THAT(refusal_by([] {
+                   return read_vrml_of(shape("", square("texCoord TextureCoordinate { point [0 0, 1 0, 1] }")));
+               }),
+               Contains("texCoord has 5 numbers") && Contains("two each"));
+    CHECK_THAT(refusal_by([] { return read_vrml_of(shape("", square("color Color { color [1 0 0 1] }"))); }),
+               Contains("color has 4 numbers"));
 }
 
 TEST_CASE("VRML: packed by gzip, whatever its name, and cut anywhere") {
