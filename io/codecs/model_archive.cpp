@@ -97,8 +97,8 @@ void ModelArchive::add_parts(const std::string& below) {
         const std::string path = slashed(names[i]);
         if (leads_out(path))
             throw InputError(
-                fmt::format("{} has a part '{}', whose path leads out of the archive; it is damaged or "
-                            "made to write over files: pack it again",
+                fmt::format("{} has a part '{}', whose path could lead out of the archive ('..'); it is "
+                            "damaged or made to write over files: pack it again",
                             name_, printable(names[i])));
         const bool is_folder = names[i].ends_with('/') || names[i].ends_with('\\');
         if (!is_folder && !path.empty() && !is_left_aside(path))
@@ -207,6 +207,11 @@ void ModelArchive::refuse_without_model() const {
     std::vector<std::string> all;
     for (const auto& [path, part] : parts_) {
         all.push_back(path);
+        if (extension_of(path) == "zip")
+            throw InputError(
+                fmt::format("{} holds an archive within an archive ('{}'), and only one within another is opened: "
+                            "unpack it and give the one with the model",
+                            name_, printable(path)));
         if (extension_of(path) == "model")
             throw InputError(
                 fmt::format("{} is a 3MF model by what is in it, and models are known by their names: "

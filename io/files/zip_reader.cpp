@@ -138,7 +138,13 @@ std::vector<Byte> ZipReader::unpack(std::size_t index, std::uint64_t most) const
     const std::string part = fmt::format("{}: part '{}'", name_, names_.at(index));
     const std::uint64_t size = checked_size(index, std::min(most, limits_.part_bytes), part);
     const std::unique_ptr<zip_file_t, CloseZipPart> file(zip_fopen_index(handle_->zip, index, 0));
-    if (!file) throw InputError(fmt::format("{}: cannot be unpacked ({})", part, zip_strerror(handle_->zip)));
+    if (!file) {
+        const int why = zip_error_code_zip(zip_get_error(handle_->zip));
+        throw InputError(fmt::format("{}: cannot be unpacked ({}){}", part, zip_strerror(handle_->zip),
+                                     why == ZIP_ER_NOPASSWD      ? "; unpack the archive and give what is in it"
+                                     : why == ZIP_ER_COMPNOTSUPP ? "; pack it again as an ordinary ZIP (deflate)"
+                                                                 : ""));
+    }
     // What arrives decides: a part that only claims its size costs no memory, and nothing beyond the size is taken.
     std::vector<Byte> bytes;
     constexpr std::size_t step = std::size_t{1} << 20;

@@ -28,6 +28,9 @@ constexpr std::string_view from_cad =
                                "open it in MeshLab and export it as PLY (colours of vertices) or OBJ "
                                "(textures)",
                            from_its_program = "open it in the program that made it and export it as GLB, 3MF or OBJ",
+                           from_draco =
+                               "unpack it (draco_decoder -i IN -o OUT.ply does), or export it as GLB, which may be "
+                               "compressed with Draco",
                            from_slicer = "open it in a slicer (PrusaSlicer reads it) and export it as 3MF",
                            from_scan =
                                "it holds voxels of a scan and no surface; segment it (3D Slicer does) and "
@@ -69,9 +72,10 @@ constexpr Kind step{"a STEP file", "step stp p21 stpz", from_cad}, iges{"an IGES
     x3d{"an X3D scene", "x3d x3dv x3db x3dz", from_meshlab}, blend{"a Blender file", "blend blend1", from_blender},
     dae{"a Collada scene", "dae zae", from_blender}, usd{"a USD scene", "usd usda usdc usdz", from_blender},
     max3ds{"a 3D Studio model", "3ds", from_meshlab}, alembic{"an Alembic scene", "abc", from_blender},
-    off{"an OFF model", "off coff noff", from_meshlab}, amf{"an AMF model", "amf", from_slicer},
-    dcm{"a DICOM file of a scanner", "dcm dicom ima", from_scan}, nifti{"a NIfTI scan", "nii nii.gz", from_scan},
-    nrrd{"an NRRD volume", "nrrd nhdr", from_scan}, meta{"a MetaImage volume", "mha mhd", from_scan},
+    off{"an OFF model", "off coff noff", from_meshlab}, draco{"a bare Draco stream", "drc", from_draco},
+    amf{"an AMF model", "amf", from_slicer}, dcm{"a DICOM file of a scanner", "dcm dicom ima", from_scan},
+    nifti{"a NIfTI scan", "nii nii.gz", from_scan}, nrrd{"an NRRD volume", "nrrd nhdr", from_scan},
+    meta{"a MetaImage volume", "mha mhd", from_scan},
     vtk{"a VTK file", "vtk vtu vtp vti vts vtr vtm pvd", "open it in ParaView and export its surface as PLY or GLB"},
     vdb{"an OpenVDB volume", "vdb nvdb", from_volume}, las{"a point cloud (LAS)", "las laz", from_points},
     e57{"a point cloud (E57)", "e57", from_points}, pcd{"a point cloud (PCD)", "pcd", from_points},
@@ -99,7 +103,7 @@ constexpr Kind by_name[] = {
      from_its_program},
     {"a DXF drawing", "dxf", drawn},
     {"a scene of another program",
-     "ma mb max c4d lwo lxo hip hiplc bgeo ztl zpr spp mud skb dts ms3d x b3d mdl md2 md3 bvh pmx vox binvox ctm drc "
+     "ma mb max c4d lwo lxo hip hiplc bgeo ztl zpr spp mud skb dts ms3d x b3d mdl md2 md3 bvh pmx vox binvox ctm "
      "lib4d u3d prc cob glsl unitypackage uasset",
      from_its_program},
     {"a scan", "mnc mgh mgz hdr.gz img par rec czi lif oib nd2 mrc map", from_scan},
@@ -120,13 +124,13 @@ constexpr Kind by_name[] = {
 };
 
 constexpr const Kind* by_mark[] = {
-    &kinds::step,  &kinds::iges,  &kinds::ifc,  &kinds::ole,    &kinds::rhino,   &kinds::dwg,  &kinds::x3d,
-    &kinds::blend, &kinds::dae,   &kinds::usd,  &kinds::max3ds, &kinds::alembic, &kinds::off,  &kinds::amf,
-    &kinds::dcm,   &kinds::nifti, &kinds::nrrd, &kinds::meta,   &kinds::vtk,     &kinds::vdb,  &kinds::las,
-    &kinds::e57,   &kinds::pcd,   &kinds::zip,  &kinds::rar,    &kinds::seven,   &kinds::gzip, &kinds::xz,
-    &kinds::bzip,  &kinds::zstd,  &kinds::tar,  &kinds::svg,    &kinds::pdf,     &kinds::eps,  &kinds::heic,
-    &kinds::avif,  &kinds::jxl,   &kinds::jp2,  &kinds::xcf,    &kinds::dds,     &kinds::ktx,  &kinds::film,
-    &kinds::html,  &kinds::lfs,   &kinds::xml,  &kinds::zeros,  &kinds::job};
+    &kinds::step,  &kinds::iges, &kinds::ifc,   &kinds::ole,    &kinds::rhino,   &kinds::dwg,   &kinds::x3d,
+    &kinds::blend, &kinds::dae,  &kinds::usd,   &kinds::max3ds, &kinds::alembic, &kinds::off,   &kinds::draco,
+    &kinds::amf,   &kinds::dcm,  &kinds::nifti, &kinds::nrrd,   &kinds::meta,    &kinds::vtk,   &kinds::vdb,
+    &kinds::las,   &kinds::e57,  &kinds::pcd,   &kinds::zip,    &kinds::rar,     &kinds::seven, &kinds::gzip,
+    &kinds::xz,    &kinds::bzip, &kinds::zstd,  &kinds::tar,    &kinds::svg,     &kinds::pdf,   &kinds::eps,
+    &kinds::heic,  &kinds::avif, &kinds::jxl,   &kinds::jp2,    &kinds::xcf,     &kinds::dds,   &kinds::ktx,
+    &kinds::film,  &kinds::html, &kinds::lfs,   &kinds::xml,    &kinds::zeros,   &kinds::job};
 
 /// Bytes at a place that no other kind has there.
 struct Mark {
@@ -148,6 +152,7 @@ constexpr Mark marks[] = {
     {&kinds::off, "COFF"sv},
     {&kinds::off, "NOFF"sv},
     {&kinds::off, "STOFF"sv},
+    {&kinds::draco, "DRACO"sv},
     {&kinds::dcm, "DICM"sv, 128},
     {&kinds::nifti, "n+1\0"sv, 344},
     {&kinds::nifti, "ni1\0"sv, 344},

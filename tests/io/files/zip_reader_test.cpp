@@ -74,3 +74,20 @@ TEST_CASE("A spoilt part is refused", "[zip]") {
     const ZipReader zip(file);
     CHECK_THROWS_WITH(zip.read("part"), Contains("part 'part'"));
 }
+
+TEST_CASE("A part that is locked, or packed in another way, is refused with a way out", "[zip]") {
+    const TemporaryFolder folder;
+    const auto file = archive(folder, {{"part", "some text"}});
+    const auto bytes = read_whole_file(file, 1 << 20);
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    const std::size_t entry = text.find("PK\1\2");
+    const auto changed = [&](std::size_t local, std::size_t in_entry, std::uint8_t value) {
+        auto other = bytes;
+        other[local] = other[entry + in_entry] = value;
+        return std::vector<std::byte>(reinterpret_cast<const std::byte*>(other.data()),
+                                      reinterpret_cast<const std::byte*>(other.data()) + other.size());
+    };
+    const auto locked = changed(6, 8, static_cast<std::uint8_t>(bytes[6] | 1)), other = changed(8, 10, 77);
+    CHECK_THROWS_WITH(ZipReader(locked, "a.zip").read("part"), Contains("password") && Contains("unpack the archive"));
+    CHECK_THROWS_WITH(ZipReader(other, "a.zip").read("part"), Contains("ordinary ZIP"));
+}

@@ -61,6 +61,7 @@ const std::vector<Sample>& samples() {
         {"part.usdc", "PXR-USDC", "a USD scene"},
         {"part.usda", "#usda 1.0", "a USD scene"},
         {"part.off", "OFF\n3 1 0\n", "an OFF model"},
+        {"part.drc", "DRACO\2\2\1\1", "a bare Draco stream"},
         {"part.3ds", std::string("MM\x0a\0\0\0\x02\0\0\0", 10), "a 3D Studio model"},
         {"part.amf", "<?xml version=\"1.0\"?><amf unit=\"millimeter\"></amf>", "an AMF model"},
         {"part.sldprt", "\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "a SolidWorks"},
