@@ -142,7 +142,7 @@ std::optional<Row> lost_lines_row(const RegionSources& s) {
     put_at(middle, p.predicted.surface, row.said);
     row.said.area_mm2 = lost->area_mm2;
     row.said.contrast = lost->kept, row.said.contrast_asked = 1;
-    row.said.why = fmt::format("runs together: lines as fine as that keep {:.2f} of their contrast", lost->kept);
+    row.said.why = fmt::format("runs together: what is as fine as that keeps {:.2f} of its contrast", lost->kept);
     row.said.good = false;
     return row;
 }
@@ -150,7 +150,7 @@ std::optional<Row> lost_lines_row(const RegionSources& s) {
 /// What cannot be read for its size.
 std::optional<Row> small_type(const RegionSources& s) {
     const JobPrediction& p = s.prediction;
-    const auto type = s.is_picture ? unreadable_type(p, s.viewing_distance_mm) : std::nullopt;
+    const auto type = unreadable_type(p, s.viewing_distance_mm);
     if (!type) return std::nullopt;
     Row row;
     row.said.kind = "small type";

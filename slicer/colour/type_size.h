@@ -2,19 +2,16 @@
 //
 // Down to which size the type of a printed picture can be read.
 //
-// Letters are connected cells of no flat region that stand on one (paper or a solid: halftone/loop/colour_regions.h)
-// and differ from it in lightness; pieces between two flat regions are their blurred border. Each has a height along y;
-// what has at least three others of about its height within a few letters' widths is type. Its size is that of the
-// face, 1/0.72 of the height of capitals, which is the 80th percentile of the heights around: 1 pt = 0.3528 mm. Letters
-// that have run together in the target are as high as their line.
+// Letters are what stands in rows (type_rows.h). Their size is that of the face, 1/0.72 of the height of capitals,
+// which is the 80th percentile of the heights in the row: 1 pt = 0.3528 mm. Letters that have run together in the
+// target are as high as their line.
 //
 // A letter is read where the contrast (a - b) / (a + b) of luminance, of the letter against what lies within 0.5 mm of
 // it, is a half or more (ISO 9241-303 asks for as much of characters), or, where less was asked for, at least 0.6 of
 // that; and where its x-height, half of the face, is five minutes of arc from the viewing distance, which is what
 // normal sight reads (Snellen). The size below which type cannot be read is the one that divides those that are read
 // from those that are not with the fewest on the wrong side.
-// What it cannot see: type on bodies, whose textures are full of small things in rows; faces of other proportions, type
-// on textures, letters of more than 1 mm2 in one piece (solids).
+// What it cannot see: faces of other proportions, and what type_rows.h does not.
 #pragma once
 
 #include <cstdint>
@@ -38,14 +35,15 @@ struct TypeSize {
 /// Nothing where there is no type, or all of it can be read.
 [[nodiscard]] std::optional<TypeSize> unreadable_type(const JobPrediction& prediction, double viewing_distance_mm);
 
-/// Lines side by side, or other detail on a ground, that are no letters and run together: cell against the cells around
-/// it, in Oklab's lightness, they keep less than 0.6 of what was asked for. It counts what the eye at its distance may
-/// not resolve, too: who sets such lines means to see them.
+/// Lines side by side, or other detail on a ground, that are no letters and run together. With t and q how far a cell's
+/// lightness (Oklab) is from the mean of those within half a millimetre, of target and print, a piece keeps sum t q /
+/// sum t^2, and is lost below 0.6: a line 0.1 mm wide is, a spot of a millimetre is not, however its edge is blurred.
+/// It counts what the eye at its distance may not resolve, too: who sets such lines means to see them.
 struct LostLines {
     std::vector<std::uint32_t> cells;
     double area_mm2 = 0, kept = 0;
 };
-/// Of pieces of which a quarter is edge; nothing where that is less than 1 mm2.
+/// Of a picture's slab; nothing where that is less than 1 mm2.
 [[nodiscard]] std::optional<LostLines> lost_lines(const JobPrediction& prediction);
 
 /// "2.1 mm (6 pt)".

@@ -174,8 +174,10 @@ void add_worst(io::ReportVerdict& verdict) {
     where.push_back(fmt::format("{}{}", worst.pieces > 1 ? "the largest " : "", worst.place));
     if (!worst.from.empty()) where.push_back("seen " + worst.from);
     const char* lead = verdict.level == io::VerdictLevel::good ? "But" : "Worst:";
-    verdict.but = worst.type_mm ? fmt::format("{} {} {}.", lead, what, worst.why)
-                                : fmt::format("{} {} ({}) {}.", lead, what, fmt::join(where, ", "), worst.why);
+    // Of a page its size says where it is.
+    verdict.but = worst.type_mm && worst.from.empty()
+                      ? fmt::format("{} {} {}.", lead, what, worst.why)
+                      : fmt::format("{} {} ({}) {}.", lead, what, fmt::join(where, ", "), worst.why);
     verdict.but_mm = worst.place_mm, verdict.but_normal = worst.normal;
 }
 

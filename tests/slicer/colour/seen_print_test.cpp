@@ -13,6 +13,7 @@
 #include "slicer/colour/sides_seen.h"
 #include "slicer/colour/tried_advice.h"
 #include "slicer/colour/type_size.h"
+#include "slicer/laminates/dot_letters.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;
@@ -93,11 +94,18 @@ struct Page {
     JobPrediction p;
 };
 
-/// Rows of strokes, half as wide as they are apart: of 2 mm height in the upper half, of 1 mm in the lower one.
-bool lines_of_type(int x, int y) {
-    const bool upper = y >= 70 && y < 90, lower = y >= 30 && y < 40;
-    return x >= 10 && x < 190 && ((upper && x % 12 < 4) || (lower && x % 6 < 2));
+/// Capitals of dots of this many cells; they stand on a line and begin at a column.
+bool is_letter(int x, int y, int line, int dot) {
+    const std::string text = "SLICED AT SIX BY WHOMEVER HAS ONE";
+    const int i = (x - 10) / dot, j = 6 - (y - line) / dot;
+    if (x < 10 || y < line || j < 0 || i / 6 >= int(text.size()) || i % 6 == 5) return false;
+    if (text[std::size_t(i / 6)] == ' ') return false;
+    const auto rows = dot_letter(text[std::size_t(i / 6)]);
+    return (rows[std::size_t(j)] >> (4 - i % 6) & 1) != 0;
 }
+
+/// A line of letters of 1.4 mm height in the upper half, of 0.7 mm in the lower one.
+bool lines_of_type(int x, int y) { return x < 190 && (is_letter(x, y, 70, 2) || is_letter(x, y, 30, 1)); }
 
 }  // namespace
 
@@ -139,10 +147,10 @@ TEST_CASE("Below the size where its contrast is lost type is said to be unreadab
     const Page page(lines_of_type, small_is_lost);
     const auto type = unreadable_type(page.p, 300);
     REQUIRE(type);
-    CHECK(type->smallest_mm == Approx(1 / 0.72).margin(0.05));
-    CHECK(type->largest_mm == Approx(2 / 0.72).margin(0.05));
+    CHECK(type->smallest_mm == Approx(0.7 / 0.72).margin(0.05));
+    CHECK(type->largest_mm == Approx(1.4 / 0.72).margin(0.05));
     CHECK((type->below_mm > type->smallest_mm && type->below_mm < type->largest_mm));
-    CHECK(type->unread == 30);
+    CHECK(type->unread == 24);
     CHECK(type->contrast_asked > 0.9);
     CHECK(type->contrast < 0.5);
     const Page sharp(lines_of_type, [](int, int, bool black) { return black ? 0.05f : 1.0f; });
