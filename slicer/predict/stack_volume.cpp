@@ -17,6 +17,7 @@
 #include "io/layers/stack_reader.h"
 #include "io/models/model_reader.h"
 #include "io/pictures/picture_series.h"
+#include "io/profiles/resin_family.h"
 #include "io/profiles/resin_file.h"
 #include "slicer/layers/layer_volume.h"
 #include "slicer/options/job_file.h"
@@ -48,15 +49,17 @@ struct Assignment {
     int white = -1;
 };
 
+std::string in_lower_case(std::string text) {
+    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return text;
+}
+
 /// By role first, then by name, in any case of letters.
 int find_resin(const optics::ResinSet& set, const std::string& name) {
     if (const int found = set.find(name); found >= 0) return found;
-    const auto lower = [](std::string text) {
-        for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-        return text;
-    };
     for (std::size_t r = 0; r < set.resins.size(); ++r)
-        if (lower(set.resins[r].name) == lower(name) || lower(set.resins[r].role) == lower(name))
+        if (in_lower_case(set.resins[r].name) == in_lower_case(name) ||
+            in_lower_case(set.resins[r].role) == in_lower_case(name))
             return static_cast<int>(r);
     return -1;
 }
@@ -348,19 +351,24 @@ struct BitmapFrame {
     std::array<double, 3> pitch_mm{};  ///< along the model's x, y, z
     io::Orientation orientation;
     optics::ResinSet resins;
+    std::string family;                  ///< of the resins' cartridges
+    std::vector<Cartridges> cartridges;  ///< of the printer
 };
 
 /// The printer that was named mirrors what it prints, so its bitmaps are mirrored; without one what their slicer says.
 BitmapFrame foreign_frame(const io::StackReader& stack, const StackVolumeOptions& options, Progress& progress) {
     std::optional<PrinterProfile> printer;
     if (!options.printer.empty()) printer = find_printer(options.printer);
-    BitmapFrame frame{foreign_pitch_mm(stack, options, printer), {}, {}};
-    if (!options.resins.empty() || printer)
-        frame.resins = io::find_resin_set(options.resins.empty() ? printer->default_resins : options.resins);
+    BitmapFrame frame{foreign_pitch_mm(stack, options, printer), {}, {}, {}, {}};
+    if (const std::string set = !options.resins.empty() ? options.resins
+                                : printer               ? printer->default_resins
+                                                        : "";
+        !set.empty())
+        frame.resins = io::find_resin_set(set), frame.family = io::resin_family(set);
     else
-        frame.resins = optics::vero_opaque();
+        frame.resins = optics::vero_opaque(), frame.family = io::resin_family(frame.resins.name);
     if (printer)
-        frame.orientation = printer->orientation;
+        frame.orientation = printer->orientation, frame.cartridges = printer->cartridges;
     else if (stack.orientation() && *stack.orientation() != io::Orientation{}) {
         frame.orientation = *stack.orientation();
         progress.note(
@@ -371,6 +379,37 @@ BitmapFrame foreign_frame(const io::StackReader& stack, const StackVolumeOptions
     }
     if (frame.orientation.swap_xy) std::swap(frame.pitch_mm[0], frame.pitch_mm[1]);
     return frame;
+}
+
+/// A printer's computer, and HOW-TO-PRINT, call a resin by its cartridge ("VeroYL-V"): its role, where the set does not
+/// have the name itself. Without a printer all that are known by such names are looked through.
+void take_cartridge_names(const BitmapFrame& frame, StackVolumeOptions& options, Progress& progress) {
+    std::vector<Cartridges> cartridges = frame.cartridges;
+    if (cartridges.empty())
+        for (const PrinterProfile& printer : list_printers())
+            cartridges.insert(cartridges.end(), printer.cartridges.begin(), printer.cartridges.end());
+    for (ColourAssignment& told : options.assign) {
+        if (told.role == no_material || find_resin(frame.resins, told.role) >= 0) continue;
+        const std::string name = in_lower_case(told.role);
+        for (const Cartridges& some : cartridges) {
+            const auto found = std::ranges::find_if(
+                some.names, [&](const auto& named) { return in_lower_case(named.second) == name; });
+            if (found == some.names.end()) continue;
+            // Another family may have a cartridge of this name, too.
+            const bool is_foreign = std::ranges::none_of(cartridges, [&](const Cartridges& other) {
+                return (frame.family.empty() || other.family == frame.family) &&
+                       std::ranges::any_of(other.names, [&](const auto& n) { return in_lower_case(n.second) == name; });
+            });
+            if (is_foreign)
+                progress.warn(named_warning(
+                    "cartridges",
+                    fmt::format("--assign {}: is of {} cartridges, and the set '{}' of {}: it is predicted as that "
+                                "set's {}; name a set of these with --resins (`voxtone list resins`)",
+                                told.role, some.family, frame.resins.name, frame.family, found->first)));
+            told.role = found->first;
+            break;
+        }
+    }
 }
 
 void warn_of_swaps(const StackVolumeOptions& options, const optics::ResinSet& set, Progress& progress) {
@@ -420,9 +459,10 @@ void expect_told_black(const ForeignBody& body, const StackVolumeOptions& option
         options.stack, counted(pixels, "pixel"), hex_code(black), hex_code(black), foreign.role, foreign.roles));
 }
 
-StackVolume read_foreign(const io::StackReader& stack, const StackVolumeOptions& options, Progress& progress) {
+StackVolume read_foreign(const io::StackReader& stack, StackVolumeOptions options, Progress& progress) {
     expect_all_layers(stack, options.stack);
     const BitmapFrame frame = foreign_frame(stack, options, progress);
+    take_cartridge_names(frame, options, progress);
     const std::array<double, 3>& pitch_mm = frame.pitch_mm;
     const optics::ResinSet& set = frame.resins;
     Assignment assignment = assign(foreign_colours(stack, options, set), set, options.stack);

@@ -221,8 +221,12 @@ std::string figure(const io::StackDescription& stack, const PictureFromAbove& fr
     const double side = std::max(edge, (of_letter * font * double(back.size()) - w) / 2);
     for (std::size_t n = 0; n < stack.members.size(); ++n) {
         const io::StackMember& member = stack.members[n];
-        const std::string number = fmt::format("{}", n + 1), whole = number + " " + member.name;
-        for (const std::array<double, 6>& box : member.boxes_mm) {
+        for (std::size_t copy = 0; copy < member.boxes_mm.size(); ++copy) {
+            const std::array<double, 6>& box = member.boxes_mm[copy];
+            // Copies are told apart: "2.1", "2.2".
+            const std::string number = member.boxes_mm.size() > 1 ? fmt::format("{}.{}", n + 1, copy + 1)
+                                                                  : fmt::format("{}", n + 1),
+                              whole = number + " " + member.name;
             // Where the name finds no room the number does, at half the part's height at least.
             const auto fits = [&](const std::string& words) {
                 return of_letter * 0.8 * font * double(words.size()) <= box[3] - box[0];
@@ -289,8 +293,9 @@ std::string members(const io::StackDescription& stack) {
             "<tr><td class=\"n\">{}</td><td>{}{}</td><td class=\"n\">{}</td><td>{}</td><td class=\"n\">{:.2f} "
             "ml</td><td>{}</td></tr>\n",
             n + 1, html_text(member.name), member.about.empty() ? "" : "<br>" + html_text(member.about),
-            member.boxes_mm.size(), size, member.ml,
-            member.verdict.empty() ? "not predicted by itself" : html_text(member.verdict));
+            member.boxes_mm.size() > 1 ? fmt::format("{0} ({1}.1 to {1}.{0})", member.boxes_mm.size(), n + 1)
+                                       : fmt::format("{}", member.boxes_mm.size()),
+            size, member.ml, member.verdict.empty() ? "not predicted by itself" : html_text(member.verdict));
     }
     return "<section>\n<h2>What is on the tray</h2>\n<div class=\"table\"><table>\n<thead><tr><th "
            "class=\"n\">No.</th><th>Part</th><th "

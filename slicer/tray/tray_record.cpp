@@ -170,7 +170,8 @@ std::string tray_summary(const PreparedTray& prepared, int tray, const io::Stack
         if (const int copies = copies_on(part, tray); copies > 0)
             text += fmt::format("  {:<20} {:<10} {}\n", part.is_joined ? part.ready->body.name : part.part.name,
                                 copies == 1 ? "once" : fmt::format("{} copies", copies), verdict_line(part));
-    for (const FailedPart& part : prepared.parts.failed) text += fmt::format("  {:<20} fails\n", part.name);
+    for (const FailedPart& part : prepared.parts.failed)
+        text += fmt::format("  {:<20} fails: {}\n", part.name, part.message);
     for (const io::StackResin& resin : stack.resins)
         text += fmt::format("  {:<3} {:<16} {:9.3f} ml\n", resin.role, resin.name, resin.ml);
     if (prepared.any_job().options.report) text += fmt::format("  report: {}\n", (folder / report_file::page).string());

@@ -177,6 +177,8 @@ class Stage {
     const size = Math.hypot(...this.surface.low.map((low, a) => this.surface.high[a] - low));
     this.camera.lookAt(place, normal, span || Math.min(10, size / 4));
     this.marked = place;
+    // The place comes to the middle, where the divider would hide it and its mark: it is shown as printed.
+    if (Math.abs(this.state.at - 0.5) < 0.1) this.state.at = 0.4;
     this.update();
     // Not along the line of sight: the tip of a thin part is easily missed.
     this.probe.show(nearestPlace(this.surface, this.camera.ray(0, 0), place, normal));

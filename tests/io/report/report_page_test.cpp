@@ -184,6 +184,9 @@ TEST_CASE("The probe of a body tells what is there") {
     const auto mark = browser.box("#viewer-mark"), canvas = browser.box("#viewer-canvas");
     CHECK(mark[0] + mark[2] / 2 == Approx(canvas[0] + canvas[2] / 2).margin(1));
     CHECK(mark[1] + mark[3] / 2 == Approx(canvas[1] + canvas[3] / 2).margin(1));
+    // The divider does not lie on it.
+    const auto divider = browser.box("#viewer-divider");
+    CHECK(divider[0] + divider[2] < mark[0]);
     check_silent(browser);
 }
 

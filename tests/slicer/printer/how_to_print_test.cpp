@@ -67,6 +67,17 @@ TEST_CASE("Parts are told apart once they are washed: number, whose they are, wh
     CHECK_THAT(html, Contains(">2</text>") && !Contains(">2 a-part-of-a-long-name</text>"));  // it has no room there
 }
 
+TEST_CASE("Copies of one part are told apart on the plan") {
+    io::StackDescription stack = stack_of(60, 30);
+    stack.members = {{"cow", {{0, 0, 0, 1.2, 1.2, 1}, {1.3, 0, 0, 2.5, 1.2, 1}}, 0.1, "good", ""},
+                     {"tag", {{0, 1.3, 0, 2.5, 2.5, 1}}, 0.1, "", ""}};
+    HowToPrint what = print_with({});
+    what.from_above = {{2, 2, 3, std::vector<std::uint8_t>(12, 9)}, "as it is"};
+    const std::string html = page(what, stack);
+    CHECK_THAT(html, Contains(">1.1 cow</text>") && Contains(">1.2 cow</text>") && Contains(">2 tag</text>"));
+    CHECK_THAT(html, Contains("2 (1.1 to 1.2)"));
+}
+
 TEST_CASE("A tray that is narrower than its caption has room for it beside") {
     io::StackDescription stack = stack_of(60, 3000);  // 2.5 mm wide, 254 mm deep
     HowToPrint what = print_with({});
@@ -216,8 +227,10 @@ TEST_CASE("The page lists what is on the tray, and remarks where there are any")
     stack.members[0].boxes_mm = {{1, 2, 0, 4, 8, 9.5}, {0, 0, 0, 1, 1, 1}};
     stack.members[1].name = "calf";
     const std::string text = page(print_with({}), stack);
-    CHECK_THAT(text,
-               Contains("<td>cow</td><td class=\"n\">2</td><td>3.0 x 6.0 x 9.5 mm</td><td class=\"n\">1.50 ml</td>"
-                        "<td>as asked</td>"));
+    CHECK_THAT(
+        text,
+        Contains(
+            "<td>cow</td><td class=\"n\">2 (1.1 to 1.2)</td><td>3.0 x 6.0 x 9.5 mm</td><td class=\"n\">1.50 ml</td>"
+            "<td>as asked</td>"));
     CHECK_THAT(text, Contains("<td>calf</td><td class=\"n\">0</td><td>-</td>") && Contains("not predicted by itself"));
 }
