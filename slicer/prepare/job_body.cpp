@@ -42,12 +42,12 @@ io::ModelFile read_input(const ResolvedJob& job, io::ModelSources& sources, cons
 }
 
 /// Only the top of a picture's slab carries colour: its depth is measured from there, up to the very edge.
-VisibleSurface picture_surface(const io::TexturedMesh& mesh) {
+VisibleSurface picture_surface(const io::TexturedMesh& mesh, bool with_sides = false) {
     VisibleSurface surface;
     surface.positions_mm = mesh.positions;
     const Eigen::Vector2f zero(0, 0), one_u(1, 0), one_v(0, 1);
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-        if (mesh.material_of_triangle[t] != PictureSlab::face_material) continue;
+        if (!with_sides && mesh.material_of_triangle[t] != PictureSlab::face_material) continue;
         surface.triangles.push_back(mesh.triangles[t]);
         surface.source_triangle.push_back(t);
         surface.source_uv.push_back({zero, one_u, one_v});
@@ -84,15 +84,16 @@ void look_for_cavities(const ResolvedJob& job, const PrinterProfile& printer, Re
         body.warnings.push_back(named_warning("cavity", said));
 }
 
-/// "left, front, below": in which third of the box it lies.
-std::string words_for_place(const Eigen::Vector3d& at, const Eigen::AlignedBox3d& box) {
+/// "left, front, below": in which third of the box it lies. A picture has its height along y.
+std::string words_for_place(const Eigen::Vector3d& at, const Eigen::AlignedBox3d& box, bool is_picture) {
     constexpr std::array<std::array<const char*, 2>, 3> words{
         {{"left", "right"}, {"front", "back"}, {"below", "above"}}};
     std::string text;
-    for (int axis = 0; axis < 3; ++axis) {
+    for (int axis = 0; axis < (is_picture ? 2 : 3); ++axis) {
         const double share = (at[axis] - box.min()[axis]) / std::max(box.sizes()[axis], 1e-9);
         if (share > 1.0 / 3 && share < 2.0 / 3) continue;
-        text += (text.empty() ? "" : ", ") + std::string(words[std::size_t(axis)][share > 0.5 ? 1 : 0]);
+        text += (text.empty() ? "" : ", ") +
+                std::string(words[std::size_t(is_picture ? 2 * axis : axis)][share > 0.5 ? 1 : 0]);
     }
     return text.empty() ? "in the middle" : text;
 }
@@ -100,16 +101,21 @@ std::string words_for_place(const Eigen::Vector3d& at, const Eigen::AlignedBox3d
 std::string wall_text(const ThinWall& wall, const JobBody& body, const Eigen::AlignedBox3d& box) {
     const io::TexturedMesh& mesh = body.model.mesh;
     const std::string& name = mesh.materials[mesh.material_of_triangle[wall.source_triangle]].name;
-    return fmt::format("{:.2g} mm over {:.3g} mm {} ({:.1f}, {:.1f}, {:.1f} mm{})", wall.thickness_mm, wall.length_mm,
-                       words_for_place(wall.middle_mm, box), wall.middle_mm.x(), wall.middle_mm.y(), wall.middle_mm.z(),
-                       mesh.materials.size() > 1 && !name.empty() ? ", material " + printable(name) : "");
+    return fmt::format(
+        "{:.2g} mm over {:.3g} mm {} ({:.1f}, {:.1f}, {:.1f} mm{})", wall.thickness_mm, wall.length_mm,
+        words_for_place(wall.middle_mm, box, body.is_picture), wall.middle_mm.x(), wall.middle_mm.y(),
+        wall.middle_mm.z(),
+        !body.is_picture && mesh.materials.size() > 1 && !name.empty() ? ", material " + printable(name) : "");
 }
 
 /// What may break when the support is washed off, by name and place.
 void look_for_thin_walls(const PrinterProfile& printer, const SolidIndex& solid, JobBody& body,
                          const Progress& progress) {
     const double limit_mm = printer.min_wall_mm;
-    const std::vector<ThinWall> walls = find_thin_walls(*body.surface, solid, limit_mm, progress);
+    // What is cut out of a picture may be thin between its sides, which have no colour.
+    const std::vector<ThinWall> walls =
+        body.is_picture ? find_thin_walls(picture_surface(body.model.mesh, true), solid, limit_mm, progress)
+                        : find_thin_walls(*body.surface, solid, limit_mm, progress);
     if (walls.empty()) return;
     constexpr std::size_t most_told = 4;
     const Eigen::AlignedBox3d box = bounding_box(solid->positions_mm, solid->triangles);
@@ -122,8 +128,10 @@ void look_for_thin_walls(const PrinterProfile& printer, const SolidIndex& solid,
     if (walls.size() > most_told) told += fmt::format("; and {} more", walls.size() - most_told);
     body.warnings.push_back(named_warning(
         "fragile", fmt::format("walls under {:g} mm, which {} asks for at least, may break when the support is washed "
-                               "off: {}. {:.2g} times as large, or thickened in a mesh editor, they would not",
-                               limit_mm, printer.name, told, limit_mm / thinnest)));
+                               "off: {}. {:.2g} times as large, or {}, they would not",
+                               limit_mm, printer.name, told, limit_mm / thinnest,
+                               body.is_picture ? "wider in the picture (--thickness where the slab itself is thin)"
+                                               : "thickened in a mesh editor")));
 }
 
 /// Where letters are raised the body is larger than its mesh.

@@ -237,6 +237,29 @@ TEST_CASE("A picture becomes a slab with its colours on top, upright") {
           std::ptrdiff_t(bottom.pixels.size()));
 }
 
+TEST_CASE("Of a cut-out it is told where a neck is thinner than the printer's maker asks for") {
+    const Folder folder("neck");
+    // Two squares of 8 mm, 4 mm apart, at 0.1 mm a pixel.
+    const auto told_of = [&](int neck_px) {
+        voxtone::io::Picture8 codes{200, 80, 4, {}};
+        for (int y = 0; y < 80; ++y)
+            for (int x = 0; x < 200; ++x) {
+                const bool is_ink = x < 80 || x >= 120 || (y >= 10 && y < 10 + neck_px);
+                codes.codes.insert(codes.codes.end(), {200, 90, 40, std::uint8_t(is_ink ? 255 : 0)});
+            }
+        const auto bytes = voxtone::io::png_bytes(codes);
+        folder.write("neck.png", std::string(bytes.begin(), bytes.end()));
+        const Outcome outcome =
+            run_program("estimate --quick --cut-out --width 20mm --thickness 2mm " + (folder / "neck.png"));
+        CHECK(outcome.exit_code == 0);
+        return outcome.out + outcome.err;
+    };
+    using Catch::Matchers::Contains;
+    CHECK_THAT(told_of(5), Contains("0.5 mm over") && Contains(" mm above (10.0, 6.7, 1.0 mm)") &&
+                               Contains("[fragile]") && Contains("wider in the picture"));
+    CHECK_THAT(told_of(9), !Contains("[fragile]"));
+}
+
 TEST_CASE("A picture with alpha is cut to shape, and printed, estimated and looked at so") {
     const Folder folder("cut-out");
     // A ring of blue around a hole; what is transparent is red below.
