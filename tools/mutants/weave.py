@@ -142,10 +142,18 @@ def without_crossing(mutants):
     return kept
 
 
+def declared_in(lines, number):
+    """The line in which a constant begins whose value goes on in this one; else this one."""
+    begin = number
+    while begin > 0 and "constexpr" not in lines[begin] and lines[begin - 1].strip() and not lines[begin - 1].rstrip().endswith((";", "}")):
+        begin -= 1
+    return begin if "constexpr" in lines[begin] else number
+
+
 def at_run_time(text, numbers, is_header=False):
     """Constants in these lines, counted from 0, become variables: constexpr is computed before there is an environment."""
     lines = text.split("\n")
-    for number in numbers:
+    for number in {declared_in(lines, number) for number in numbers}:
         declared = "static inline const " if is_header and "static" in lines[number] else "static const "
         lines[number] = re.sub(r"^(\s*)(?:static |inline )*constexpr (?=[\w:<>, ]+(?:\[\w*\])? ?(?:=|\{))", rf"\1{declared}", lines[number])
     return "\n".join(lines)
