@@ -104,6 +104,12 @@ def _why_it_waits(tasks: Optional[List[Tuple[str, str]]]) -> str:
     return f"waits in Slurm ({reasons[0]})" if reasons else "waits in Slurm"
 
 
+def _scancel(numbers: List[str]) -> None:
+    """Not waited for: squeue tells when they are gone."""
+    if numbers:
+        subprocess.Popen(["scancel", *numbers], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
 class ClusterRun:
     """One job on its way through Slurm, as the runner looks at it (runner.Running)."""
 
@@ -183,16 +189,18 @@ class ClusterRun:
         return event
 
     def _refused(self) -> str:
-        """Of the one job, or of all."""
+        """Of the one job, or of all; without what is to be done at a console."""
+        state = self._told_by_tasks()
+        reason = str(state.get("message") or "").removeprefix("was not submitted: ")
         for line in reversed(self._told.read_text(errors="replace").splitlines()):
             try:
                 event = json.loads(line)
             except ValueError:
                 continue
             if event.get("event") == "error":
-                return str(event.get("message"))
-        state = self._told_by_tasks()
-        return str(state.get("message") or "Slurm took no job; what was said tells why")
+                message = str(event.get("message"))
+                return reason if reason and reason in message else message
+        return reason or "Slurm took no job; what was said tells why"
 
     def _told_by_tasks(self) -> Dict[str, Any]:
         return read_json(folder_of(self._job) / "batch" / f"{_name}.json") or {}
@@ -208,6 +216,7 @@ class ClusterRun:
         state = self._told_by_tasks()
         if state.get("state") == "done":
             self._take_result()
+            _scancel(self.numbers()[-1:])  # nobody asks what became of it
             return self._over({"event": "result", "result": read_json(self._job.out / "report.json") or {},
                                "warnings": list((state.get("figures") or {}).get("warnings") or [])})
         if state.get("state") == "failed":
@@ -241,7 +250,6 @@ class ClusterRun:
         self._free()
         numbers = self.numbers()
         self.is_over = not numbers
-        if numbers:
-            subprocess.Popen(["scancel", *numbers], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        _scancel(numbers)
         self._cancelled_at = time.monotonic()
         return True

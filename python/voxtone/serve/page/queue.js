@@ -143,7 +143,7 @@ export class Queue {
     if (job.message && job.state !== "running") lines.push(make("p", {className: job.state === "failed" ? "failed" : "soft"}, job.message));
     if (job.verdict) lines.push(make("p", {}, job.verdict.sentence));
     if (job.state === "done") lines.push(make("p", {className: "soft"}, `made in ${timeText(job.seconds)}`, job.reused ? `, not anew: ${job.reused}` : "", job.warnings.length ? `, ${job.warnings.length} warning${job.warnings.length > 1 ? "s" : ""}` : ""));
-    if (job.state === "waiting" && job.estimate?.seconds) lines.push(make("p", {className: "soft"}, `time at work: ${timeText(job.estimate.seconds)}, as estimated`));
+    if (job.state === "waiting" && job.estimate?.seconds) lines.push(make("p", {className: "soft"}, `will take ${job.estimate.seconds < 1 ? "" : "about "}${timeText(job.estimate.seconds)}`));
     if (job.leaves) lines.push(make("p", {className: "warned"}, `goes ${new Date(job.leaves * 1000).toLocaleString()}, unless it is kept`));
     row.told.replaceChildren(...lines);
   }
