@@ -61,6 +61,9 @@ struct ZipReader::Handle {
 
 ZipReader::ZipReader(const std::filesystem::path& file, const ZipLimits& limits)
     : name_(file.string()), limits_(limits), handle_(std::make_unique<Handle>()) {
+    // What is empty libzip takes for a file that is not there.
+    if (std::error_code none; std::filesystem::is_regular_file(file, none) && std::filesystem::is_empty(file, none))
+        throw InputError(fmt::format("{}: is empty", name_));
     int code = 0;
     handle_->zip = zip_open(name_.c_str(), ZIP_RDONLY, &code);
     if (!handle_->zip) {

@@ -39,8 +39,8 @@ void add_customer_pictures(std::string& html, const Report& report) {
         const std::string_view words =
             caption == "predicted" && !is_judged(report) ? "In colours that are in reach" : of_judged;
         const std::vector<ReportPicture>& pictures = report.views.front().pictures;
-        const auto found =
-            std::ranges::find_if(pictures, [&](const ReportPicture& p) { return p.caption.starts_with(caption); });
+        const auto found = std::ranges::find_if(
+            pictures, [&caption = caption](const ReportPicture& p) { return p.caption.starts_with(caption); });
         if (found == pictures.end()) continue;
         html += fmt::format(
             "<figure><img alt=\"{}\" width=\"{}\" height=\"{}\" src=\"data:image/{};base64,{}\">"

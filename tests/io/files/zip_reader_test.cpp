@@ -49,6 +49,8 @@ TEST_CASE("Parts of an archive, from a file and from memory", "[zip]") {
         CHECK_THROWS_WITH(zip->read(0, 2), Contains("a/One.txt") && Contains("3 bytes, more than the 2"));
     }
     CHECK_THROWS_AS(ZipReader(folder.path() / "not-there.zip"), FileError);
+    write_whole_file(folder.path() / "empty.zip", std::string());
+    CHECK_THROWS_WITH(ZipReader(folder.path() / "empty.zip"), Contains("empty.zip: is empty"));
     CHECK_THROWS_AS(ZipReader(std::span(bytes).first(bytes.size() / 2), "cut"), InputError);
 }
 
