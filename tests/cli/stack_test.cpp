@@ -255,7 +255,7 @@ TEST_CASE("Of a cut-out it is told where a neck is thinner than the printer's ma
         return outcome.out + outcome.err;
     };
     using Catch::Matchers::Contains;
-    CHECK_THAT(told_of(5), Contains("0.5 mm over") && Contains(" mm above (10.0, 6.7, 1.0 mm)") &&
+    CHECK_THAT(told_of(5), Contains("0.5 mm over") && Contains(" mm above (10.0, 6.8, 1.0 mm)") &&
                                Contains("[fragile]") && Contains("wider in the picture"));
     CHECK_THAT(told_of(9), !Contains("[fragile]"));
 }
