@@ -46,6 +46,12 @@ void transform_all(const Transform& transform, std::span<Value> values) {
     }
 }
 
+/// Of 16 bits the library would look colours up in a table of 33 points an edge that it makes itself (2.14 of Debian
+/// 12): the dark ones of ProPhoto come out up to 1.6 CIEDE2000 off. Computed one by one they take some microsecond
+/// each.
+template <class Value>
+constexpr cmsUInt32Number flags_for = cmsFLAGS_NOCACHE | (sizeof(Value) == 2 ? cmsFLAGS_NOOPTIMIZE : 0);
+
 template <class Value>
 std::string convert(std::span<const std::uint8_t> bytes, std::span<Value> rgba, cmsUInt32Number type) {
     const Profile profile(cmsOpenProfileFromMem(bytes.data(), static_cast<cmsUInt32Number>(bytes.size())));
@@ -53,7 +59,7 @@ std::string convert(std::span<const std::uint8_t> bytes, std::span<Value> rgba, 
     if (cmsGetColorSpace(profile.get()) != cmsSigRgbData)
         return "its ICC profile is not for RGB; its colours were taken as sRGB";
     const Profile srgb(cmsCreate_sRGBProfile());
-    constexpr cmsUInt32Number flags = cmsFLAGS_COPY_ALPHA | cmsFLAGS_NOCACHE;
+    constexpr cmsUInt32Number flags = cmsFLAGS_COPY_ALPHA | flags_for<Value>;
     const auto make = [&](cmsUInt32Number t) {
         return Transform(cmsCreateTransform(profile.get(), t, srgb.get(), t, INTENT_RELATIVE_COLORIMETRIC, flags));
     };
@@ -74,7 +80,7 @@ std::string convert_inks(std::span<const std::uint8_t> bytes, std::span<Value> p
     if (!profile || cmsGetColorSpace(profile.get()) != cmsSigCmykData) return "its ICC profile is not for CMYK";
     const Profile srgb(cmsCreate_sRGBProfile());
     const Transform transform(
-        cmsCreateTransform(profile.get(), in, srgb.get(), out, INTENT_RELATIVE_COLORIMETRIC, cmsFLAGS_NOCACHE));
+        cmsCreateTransform(profile.get(), in, srgb.get(), out, INTENT_RELATIVE_COLORIMETRIC, flags_for<Value>));
     if (!transform) return "its ICC profile cannot be converted";
     transform_all(transform, pixels);
     return {};

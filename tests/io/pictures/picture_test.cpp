@@ -145,6 +145,15 @@ TEST_CASE("pictures") {
         CHECK(std::abs(deep[1] - 65535 * optics::srgb_encode(std::pow(40000 / 65535.0, 2.2))) <= 40);
         CHECK(std::abs(deep[4] - deep[5]) <= 2);
         CHECK(deep[7] == 2);
+        // Dark colours of a gamma that is not sRGB's: from 16 bits to half a step of a thousandth.
+        for (int code = 0; code <= 65535; code += 257) {
+            std::vector<std::uint16_t> dark{std::uint16_t(code), std::uint16_t(code / 2), 0, 3};
+            CHECK(convert_icc_to_srgb(profile(1.8, srgb), std::span(dark)).empty());
+            for (const std::size_t c : {0, 1}) {
+                const double light = std::pow((c == 0 ? code : code / 2) / 65535.0, 1.8);
+                CHECK(std::abs(dark[c] - 65535 * optics::srgb_encode(light)) <= 33);
+            }
+        }
         std::vector<std::uint8_t> same{1, 2, 3, 4};
         CHECK_THAT(convert_icc_to_srgb(std::vector<std::uint8_t>(200, 7), std::span(same)), Contains("broken"));
         CHECK(same == std::vector<std::uint8_t>{1, 2, 3, 4});
