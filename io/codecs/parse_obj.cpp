@@ -310,7 +310,12 @@ private:
                 printable(mtl.name), printable(mtl.unread_kd)));
         if (!mtl.kd || shown == Shown::vertex_colours) return;
         if (made.image < 0) {
-            made.rgb = srgb_to_linear(*mtl.kd);
+            made.rgb = mtl.is_linear ? *mtl.kd : srgb_to_linear(*mtl.kd);
+            if (mtl.is_linear && mtl.kd->minCoeff() < 1 && !std::exchange(said_linear_, true))
+                warn(named_warning("which-colour",
+                                   fmt::format("{}'s materials were written by Blender, whose colours of materials are "
+                                               "linear; they were read as such.",
+                                               context_.name())));
             if (!mtl.colour_from.empty())
                 warn(named_warning(
                     "which-colour",
@@ -513,7 +518,7 @@ private:
     std::set<std::uint32_t> unknown_;
     std::vector<bool> white_;  ///< per vertex: shown white for want of a colour
     std::map<std::uint32_t, std::size_t> without_coordinates_, beyond_tiles_;
-    bool used_ = false, paint_left_aside_ = false;
+    bool used_ = false, paint_left_aside_ = false, said_linear_ = false;
 };
 
 }  // namespace

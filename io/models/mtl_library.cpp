@@ -131,13 +131,14 @@ LaidMap parse_map(std::string_view text) {
 }  // namespace
 
 bool look_alike(const MtlMaterial& a, const MtlMaterial& b) {
-    return a.kd == b.kd && a.unread_kd == b.unread_kd && a.opacity == b.opacity && a.map_kd == b.map_kd &&
-           a.map_offset == b.map_offset && a.map_scale == b.map_scale && a.map_clamp == b.map_clamp &&
-           a.map_base == b.map_base && a.map_gain == b.map_gain;
+    return a.kd == b.kd && a.is_linear == b.is_linear && a.unread_kd == b.unread_kd && a.opacity == b.opacity &&
+           a.map_kd == b.map_kd && a.map_offset == b.map_offset && a.map_scale == b.map_scale &&
+           a.map_clamp == b.map_clamp && a.map_base == b.map_base && a.map_gain == b.map_gain;
 }
 
 std::vector<MtlMaterial> parse_mtl(std::string_view text) {
     std::vector<MtlMaterial> materials;
+    const bool by_blender = text.starts_with("# Blender ");
     Unlit unlit;
     const auto finish = [&] {
         if (!materials.empty()) take_unlit(unlit, materials.back());
@@ -151,6 +152,7 @@ std::vector<MtlMaterial> parse_mtl(std::string_view text) {
         if (key == "newmtl") {
             finish();
             materials.emplace_back().name = line;
+            materials.back().is_linear = by_blender;
             continue;
         }
         if (materials.empty()) continue;

@@ -4,6 +4,7 @@
 // with spaces). Colours may be of 0 to 255 (colour_range.h). Where Kd says nothing, colour is taken from where unlit
 // exporters put it: a map from map_Ke (Kd black or absent) or map_Ka (Kd grey or absent), a colour from Ke (Kd black or
 // absent) or from a Ka that is no grey (likewise: many write a white Ka beside a Kd that is black and means it).
+// They are sRGB codes, but for Blender's, which writes linear light (3.4.1: a grey of code 0.50 is Kd 0.2159).
 // Everything else is passed over. No line of a library makes it invalid.
 #pragma once
 
@@ -19,7 +20,8 @@ namespace voxtone::io {
 
 struct MtlMaterial {
     std::string name;
-    std::optional<Eigen::Vector3f> kd;  ///< sRGB codes in [0, 1]
+    std::optional<Eigen::Vector3f> kd;  ///< in [0, 1]: sRGB codes, or linear light
+    bool is_linear = false;
     std::string colour_from, map_from;  ///< "Ka", "map_Ke": where kd, map_kd were taken from instead; empty: themselves
     std::string unread_kd;              ///< where Kd is no three numbers: what it is ("spectral x.rfl 1")
     float opacity = 1;                  ///< d where it is given, else 1 - Tr

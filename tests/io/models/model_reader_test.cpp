@@ -60,6 +60,13 @@ TEST_CASE("OBJ models") {
                                              {"a.mtl", "newmtl m\nKd 0.5 0.25 1\n"}});
         CHECK(near(corner_colour(file.mesh, 0, 1), {linear(0.5), linear(0.25), 1}));
         CHECK(file.has_colour);
+        // Blender's are light itself.
+        for (const char* first : {"# Blender 3.4.1 MTL File: 'None'", "# Blender MTL File: 'a.blend'"}) {
+            const ModelFile blender = read(folder, {{"c.obj", "mtllib c.mtl\n" + square + "usemtl m\nf 1 2 3\n"},
+                                                    {"c.mtl", std::string(first) + "\nnewmtl m\nKd 0.5 0.25 1\n"}});
+            CHECK(near(corner_colour(blender.mesh, 0, 1), {0.5f, 0.25f, 1}));
+            CHECK_THAT(warnings(blender), Contains("written by Blender") && Contains("linear"));
+        }
         const ModelFile painted = read(folder, {{"b.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 0.5 0\nv 0 1 0 0 0 1\nf 1 2 3\n"}});
         CHECK(painted.has_colour);
         CHECK(near(corner_colour(painted.mesh, 0, 1), {0, linear(0.5), 0}));
