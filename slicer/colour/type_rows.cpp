@@ -109,7 +109,7 @@ public:
 private:
     /// Parts of a region that are large enough; white letters on a solid are paper, too, and so is the inside of an O.
     void lay_ground(std::size_t r) {
-        constexpr double least_mm2 = 1;
+        constexpr double least_ground_mm2 = 1;
         const std::vector<std::uint32_t>& all = p_.seen.regions[r].cells;
         std::vector<char> taken(all.size());
         std::vector<std::uint32_t> part;  // places in `all`
@@ -128,7 +128,7 @@ private:
                     part.push_back(place);
                 });
             }
-            if (area < least_mm2) continue;
+            if (area < least_ground_mm2) continue;
             for (const std::uint32_t place : part) ground_[all[place]] = static_cast<int>(r);
         }
     }
