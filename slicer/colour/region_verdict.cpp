@@ -306,7 +306,8 @@ void say_where(const RegionSources& s, Row& row) {
     row.said.place = s.places.at(row.said.place_mm);
     const Side side = s.sides.main_side(row.cells);
     if (!s.is_picture) row.said.from = from_words(side);
-    row.said.printed = text_of(row.printed.cast<float>());
+    // Over the paper's level a tint may be brighter than white, and would be told as white.
+    row.said.printed = text_of((row.printed / std::max(1.0, row.printed.maxCoeff())).cast<float>());
 }
 
 }  // namespace

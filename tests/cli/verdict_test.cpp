@@ -149,6 +149,9 @@ TEST_CASE("Of a white sheet it is said that its red is orange and that its fine 
     CHECK_FALSE(of("paper").contains("rim"));
     CHECK(double(of("paper")["unevenness"]) < 2);
     CHECK_THAT(read_file(folder.path() / "out/report.html"), Contains("<td>–</td>"));
+    // "White is printed as white, 7 off" was said of paper with a tint that is brighter than white.
+    for (const auto& region : regions)
+        if (region.contains("de2000") && double(region["de2000"]) > 5) CHECK(region["printed"] != region["asked"]);
     const std::string sentence = verdict["sentence"];
     CHECK_THAT(sentence, Contains(regions[0]["why"].get<std::string>()));
     CHECK_THAT(read_file(folder.path() / "out/report.html"), Contains("Solids, type and paper"));
@@ -236,6 +239,22 @@ std::string finned_obj(double fin_mm) {
 }
 
 }  // namespace
+
+TEST_CASE("Paper between heavy letters is told as the tint that it has, and not as white") {
+    const Folder folder("tint");
+    // Bars of 0.8 mm, 0.4 mm apart, in the open loop: their blue halo is all over the paper between.
+    write_sheet(folder, "bars.png", 100, 60, [](int x, int y) {
+        const int code = x >= 16 && x < 88 && y >= 4 && y < 56 && x % 12 < 8 ? 0 : 255;
+        return std::array{code, code, code};
+    });
+    const auto report = verdict_of(folder, folder / "bars.png" + " --width 10mm --thickness 2mm --iterations 0");
+    INFO(report["verdict"]["regions"].dump(1));
+    for (const auto& region : report["verdict"]["regions"])
+        if (region["kind"] == "paper") {
+            REQUIRE(double(region["de2000"]) > 5);
+            CHECK_THAT(region["printed"].get<std::string>(), !Contains("(255, 255, 255)"));
+        }
+}
 
 TEST_CASE("Whoever follows an advice comes to what it says") {
     const Folder folder("advice");
