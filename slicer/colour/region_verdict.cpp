@@ -123,7 +123,8 @@ std::optional<Row> lost_detail(const JobPrediction& p) {
     row.printed = p.predicted.rgb[worst].cast<double>();
     put_at(static_cast<std::uint32_t>(worst), surface, region);
     region.contrast = std::max(0.0, kept / region.area_mm2), region.contrast_asked = 1;
-    region.why = fmt::format("keeps {:.2f} of its contrast: type as fine as that is hard to read", region.contrast);
+    region.why =
+        fmt::format("keeps {:.2f} of its contrast: what is as fine as that is hard to make out", region.contrast);
     region.good = false;
     return row;
 }
