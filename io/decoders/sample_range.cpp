@@ -28,7 +28,7 @@ bool some_above(const std::vector<Value>& rgba, Value value) {
 
 /// What holds of samples of one kind, colours or alpha.
 struct SampleRange {
-    float most = 0;
+    float least = std::numeric_limits<float>::infinity(), most = 0;
     std::size_t between = 0, beyond = 0;  ///< how many lie above 0 and below 1; how many are 1 or more
     bool whole = true;                    ///< none is negative, a fraction or no number
 };
@@ -40,6 +40,7 @@ SampleRange range_of(const std::vector<Value>& rgba, bool alpha) {
     for (std::size_t i = 0; i < rgba.size(); ++i) {
         if ((i % 4 == 3) != alpha) continue;
         const auto value = static_cast<float>(rgba[i]);
+        range.least = std::min(range.least, value);
         ++(value >= 1 ? range.beyond : value > 0 ? range.between : unseen);
         range.most = std::max(range.most, value);
         range.whole = range.whole && value >= 0 && value == std::floor(value);
@@ -83,12 +84,14 @@ void mend_floats(const RawSamples& samples, const std::string& name) {
     }
     // Of numbers that are none of light hardly one lies between black and white.
     constexpr float much_brighter = 2, few = 0.01f;
-    if (range.beyond > 0 && float(range.between) <= few * float(range.beyond) && range.most >= much_brighter)
+    const bool all = range.least >= 1 && range.most >= much_brighter;
+    const bool nearly_all = range.most >= least_byte && float(range.between) <= few * float(range.beyond);
+    if (all || nearly_all)
         throw InputError(fmt::format(
-            "of the samples of the picture {} above 0 {:.3g} % are 1 or more (up to {:g}), where floating point has 1 "
-            "for white, so that it would be white all over but for its blacks; divide its samples so that white is 1, "
-            "or save it as PNG",
-            name, 100.0 * double(range.beyond) / double(range.beyond + range.between), range.most));
+            "{} of the picture {} is 1 or more ({:g} to {:g}), where floating point has 1 for white, so that it would "
+            "be white all over{}; divide its samples so that white is 1, or save it as PNG",
+            all ? "every sample" : "nearly every sample that is not 0", name, range.least, range.most,
+            all ? "" : " but for its blacks"));
 }
 
 void mend_words(const RawSamples& samples, const std::string& name) {
