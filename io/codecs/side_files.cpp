@@ -147,7 +147,8 @@ std::vector<std::string> other_readings(std::string_view name) {
     for (std::size_t i = 0; i < plain.size(); ++i)
         if (!(plain[i] == '\\' && i + 1 < plain.size() && plain[i + 1] == ' ')) unescaped += plain[i];
     const std::string_view without_end = trim(plain.substr(0, plain.find_last_not_of(";,") + 1));
-    return {std::string(plain), unescaped, decode_uri(plain), std::string(without_end)};
+    const std::string_view without_query = plain.substr(0, plain.find('?'));  // of a web address
+    return {std::string(plain), unescaped, decode_uri(plain), std::string(without_end), decode_uri(without_query)};
 }
 
 }  // namespace

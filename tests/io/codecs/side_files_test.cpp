@@ -79,6 +79,13 @@ TEST_CASE("files named by a model are looked up beside it and nowhere else") {
         CHECK_FALSE(files.find(";"));
         CHECK_FALSE(files.find("gone/;"));
     }
+    SECTION("what was asked of a web server is no part of a name") {
+        CHECK(files.find("skin.png?v=2") == root / "model/skin.png");
+        CHECK(files.find("https://example.com/a/skin.png?sig=1%2F2&x=a/b") == root / "model/skin.png");
+        CHECK_FALSE(files.find("?v=2"));
+        std::ofstream(root / "model/skin.png?v=3") << "x";
+        CHECK(files.find("skin.png?v=3") == root / "model/skin.png?v=3");
+    }
     SECTION("nothing is no file") {
         CHECK_FALSE(files.find(""));
         CHECK_FALSE(files.find("."));
