@@ -125,8 +125,8 @@ private:
         for (const Meaning& m : meanings_)
             if (is_one(m) && !m.error && std::ranges::find(ways, m.way) == ways.end()) ways.push_back(m.way);
         if (ways.empty()) return;
-        const auto part = std::ranges::stable_partition(ways, is_whole).begin();
-        std::ranges::stable_partition(ways.begin(), part, [](const MeasuredWay& way) { return way.observer != "10"; });
+        const auto part = std::stable_partition(ways.begin(), ways.end(), is_whole);
+        std::stable_partition(ways.begin(), part, [](const MeasuredWay& way) { return way.observer != "10"; });
         const MeasuredWay taken = ways.front();
         if (part - ways.begin() > 1)
             columns_.notes.push_back(

@@ -211,7 +211,7 @@ namespace {
 std::string spelled_mark(const io::JsonObject& object) {
     MarkWords words;
     for (const std::string& key : object.keys()) words.emplace_back(key, object.any_text(key));
-    std::ranges::stable_partition(words, [](const auto& word) { return is_mark_subject(word.first); });
+    std::stable_partition(words.begin(), words.end(), [](const auto& word) { return is_mark_subject(word.first); });
     return spell_mark(words);
 }
 
