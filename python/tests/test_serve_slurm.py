@@ -86,7 +86,7 @@ def test_what_is_cancelled_or_held_leaves_slurm_and_goes_on_when_it_is_asked_to(
     act(shop, "hold", jobs[1])
     assert shop.wait_for(jobs[0], "cancelled", seconds=60) and shop.wait_for(jobs[1], "held", seconds=60)
     assert one_node_slurm.queue() == []
-    time.sleep(12)  # one that puts itself back waits ten seconds
+    time.sleep(12)  # one that puts itself back is there again a second after cred_expire
     assert one_node_slurm.queue() == []
     act(shop, "retry", jobs[0])
     act(shop, "release", jobs[1])
