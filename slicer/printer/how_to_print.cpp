@@ -186,6 +186,7 @@ std::string touched_text(const PartFinish& part) {
             : part.coloured_down_mm2 < 0.05 * part.coloured_matt_mm2
                 ? ", upright below what hangs over"
                 : fmt::format(": {} facing down, the rest upright below what hangs over", cm2(part.coloured_down_mm2));
+    if (part.coloured_matt_height_mm[1] < 0.05) return text + "; on the tray itself";
     return text + fmt::format("; {:.1f} to {:.1f} mm above the tray", part.coloured_matt_height_mm[0],
                               part.coloured_matt_height_mm[1]);
 }

@@ -212,6 +212,8 @@ TEST_CASE("The page says how glossy or matt a part should be, by what of its col
     CHECK_THAT(text_of_part(part), Contains(": 0.05 cm<sup>2</sup> facing down"));
     part.coloured_down_mm2 = 95.1;
     CHECK_THAT(text_of_part(part), Contains("cm<sup>2</sup>, facing down;"));
+    part.coloured_matt_height_mm = {0, 0.03};
+    CHECK_THAT(text_of_part(part), Contains("facing down; on the tray itself"));
     CHECK_THAT(page(print_with({})), !Contains("Advice"));
 }
 
