@@ -2,6 +2,7 @@
 #include "cli/print/job_options.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -175,7 +176,11 @@ slicer::TrayModels many_models(const JobArguments& arguments, const slicer::Slic
     slicer::TrayModels models{arguments.models, arguments.copies};
     if (models.empty() && !options.model.empty()) models.files = {options.model};
     if (models.copies == 1 && models.files.size() < 2) return {};
+    constexpr std::array units{"um", "mm", "cm", "m", "in", "ft", "pt"};
     for (const std::string& model : models.files) {
+        if (std::ranges::find(units, model) != units.end() && !std::filesystem::exists(model))
+            throw UsageError(
+                fmt::format("'{}' is a unit and no model: lengths have no space in them, as 12{}", model, model));
         slicer::SliceOptions one;
         one.model = model;
         if (!slicer::is_tray(one) && !slicer::is_plan(model)) continue;

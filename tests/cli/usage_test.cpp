@@ -195,6 +195,8 @@ TEST_CASE("A decimal comma and a missing unit are explained") {
     refused("laminate print 'W 0,5' -o out", 2, "decimals stand behind a point");
     refused("predict out -o x.png --error 0,1", 2, "decimals stand behind a point: 0.1");
     refused("predict layers -o x.png --pitch 42.33,84.67,27", 2, "add um");
+    // "12 mm" is two words, and the second would be a model.
+    refused("slice spot.obj --size 12 mm -o out", 2, "'mm' is a unit and no model");
 }
 
 TEST_CASE("Sizes beyond every printer and below every voxel are refused in a sentence") {
