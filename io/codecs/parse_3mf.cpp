@@ -239,14 +239,23 @@ private:
                             "read: they are LOST. Export it with colours of vertices or a texture",
                             context_.name(), printable(object.volume)));
         }
+        if (part.shaping_volumes.contains(object.volume))
+            lose_colour(
+                fmt::format("{} shapes a mesh by a volume (boundary of volumedata {}, Volumetric Extension), which "
+                            "is not read: that shape is LOST, the mesh is taken whole. Export the shape as a mesh",
+                            context_.name(), printable(object.volume)));
         if (object.has_beams) {
             lose_colour(
                 fmt::format("{} has a beam lattice, which cannot be read: its beams are LOST. Export it as a mesh",
                             context_.name()));
             say_why_nothing("a beam lattice, which cannot be read: export it as a mesh");
         } else if (!object.other_shape.empty()) {
-            say_why_nothing(fmt::format("a shape of the kind '{}', which cannot be read: export it as a mesh",
-                                        printable(object.other_shape)));
+            const std::string kind = printable(object.other_shape);
+            if (object.triangles.empty() && object.components.empty())
+                lose_colour(fmt::format(
+                    "{} has a body whose shape is a '{}', which cannot be read: it is LOST. Export it as a mesh",
+                    context_.name(), kind));
+            say_why_nothing(fmt::format("a shape of the kind '{}', which cannot be read: export it as a mesh", kind));
         } else if (object.triangles.empty() && !object.vertices.empty()) {
             say_why_nothing("an object of points without triangles: export it as a mesh");
         }

@@ -958,7 +958,9 @@ private:
             if (names_splats(name)) return true;
         for (const auto& [name, accessor] : object(primitive, "attributes").items())
             if (lower_case(name).find("gaussian_splat") != std::string::npos) return true;
-        return false;
+        // the names in drafts of KHR_gaussian_splatting, which points may have without it
+        const Json& attributes = object(primitive, "attributes");
+        return integer(primitive, "mode", 4) == 0 && attributes.contains("_ROTATION") && attributes.contains("_SCALE");
     }
 
     /// Colours that are none by the standard: COLOR_1, _COLOR and their like.

@@ -180,7 +180,8 @@ private:
             volume_.reset();
         } else if (volume_ && (name == "color" || name == "colormapping" || name == "composite")) {
             part_.plain_volumes.erase(*volume_);
-            if (object_) object_->volume = *volume_;
+        } else if (volume_ && name == "boundary") {
+            part_.shaping_volumes.insert(*volume_);
         }
     }
 
@@ -189,8 +190,9 @@ private:
         passed_over_ = xml_.depth();
         if (xml_.name() == "volumedata") {
             const std::string_view id = xml_.attribute("id");
-            volume_ = id.empty() ? "of its mesh" : std::string(id);
-            if (!object_) part_.plain_volumes.insert(*volume_);
+            volume_ = id.empty() ? fmt::format("of mesh {}", part_.objects.size()) : std::string(id);
+            part_.plain_volumes.insert(*volume_);
+            if (object_) object_->volume = *volume_;
         }
         if (xml_.depth() == 3)
             if (const auto id = index_of(xml_.attribute("id"))) foreign_.try_emplace(*id, xml_.name());

@@ -72,7 +72,7 @@ struct ThreemfObject {
     std::vector<ThreemfReference> components;
     bool has_beams = false;   ///< a beam lattice, which is not read
     std::string other_shape;  ///< an element that says its shape otherwise than by a mesh; empty: none
-    std::string volume;       ///< what gives it colours within, which are not read (Volumetric Extension); empty: none
+    std::string volume;  ///< what gives it colours or a shape, which are not read (Volumetric Extension); empty: none
 };
 
 struct ThreemfPart {
@@ -84,7 +84,8 @@ struct ThreemfPart {
     std::vector<ThreemfReference> items;
     std::vector<std::string> required_extensions;  ///< namespaces; a prefix that is declared nowhere
     bool is_translucent = false;                   ///< has display properties of materials that light goes through
-    std::set<std::string> plain_volumes;           ///< volumedata that give no colours, by id
+    std::set<std::string> plain_volumes,           ///< volumedata that give no colours, by id
+        shaping_volumes;                           ///< that give a shape (`boundary` of the extension's drafts)
 };
 
 /// Throws InputError naming the line. `what` names the part.

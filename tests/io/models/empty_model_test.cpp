@@ -12,15 +12,15 @@ std::string refusal(const std::string& name, const std::string& bytes) {
 
 /// A glTF of one node with a primitive of this mode over three points.
 std::string gltf_of(int mode, const std::string& node = "", const std::string& primitive = "",
-                    const std::string& root = "") {
+                    const std::string& root = "", const std::string& attributes = "") {
     const std::string head =
         "{" + root +
         R"("asset": {"version": "2.0"}, "buffers": [{"byteLength": 36}], "bufferViews": [{"buffer": 0, "byteLength": 36}],)"
         R"("accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}],)"
         R"("scenes": [{"nodes": [0]}], "extensionsUsed": ["KHR_node_visibility"],)";
     return glb(head + R"("nodes": [{"mesh": 0)" + node +
-                   R"(}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": )" + std::to_string(mode) +
-                   primitive + "}]}]}",
+                   R"(}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0)" + attributes + R"(}, "mode": )" +
+                   std::to_string(mode) + primitive + "}]}]}",
                raw<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}));
 }
 
@@ -53,6 +53,9 @@ TEST_CASE("A file without faces says what it has instead") {
     CHECK_THAT(refusal("need.glb", gltf_of(0, "", R"(, "extensions": {"KHR_gaussian_splatting": {}})",
                                            R"("extensionsRequired": ["KHR_gaussian_splatting"],)")),
                splats);
+    // By the names of their attributes alone, as drafts had them.
+    CHECK_THAT(refusal("draft.glb", gltf_of(0, "", "", "", R"(, "_ROTATION": 0, "_SCALE": 0)")), splats);
+    CHECK_THAT(refusal("turned.glb", gltf_of(0, "", "", "", R"(, "_ROTATION": 0)")), Contains("only points or lines"));
     CHECK_THAT(refusal("a.stl", "solid a\nendsolid a\n"), Contains("without any facet"));
     CHECK_THAT(refusal("c.obj", "o empty\n"), Contains("holds no faces"));
 }

@@ -194,6 +194,15 @@ TEST_CASE("A file that holds no body says what it holds") {
                Contains("has a beam lattice, without which it is not to be read"));
     CHECK_THAT(refusal(folder, {{"3D/3dmodel.model", model_part("", "")}, {"Metadata/plate_1.gcode", "G1"}}),
                Contains("only instructions for a printer"));
+    // A body that is not read is told beside one that is.
+    const auto beside = [&](const std::string& other) {
+        return read_package(folder, {{"3D/3dmodel.model", model_part(object(R"(id="1")") + other,
+                                                                     R"(<item objectid="1"/><item objectid="2"/>)")}})
+            .lost_colour;
+    };
+    CHECK_THAT(beside(R"(<object id="2"><v:levelset meshid="1"/></object>)"),
+               Contains("a body whose shape is a 'levelset'") && Contains("LOST"));
+    CHECK(beside(R"(<object id="2"><v:note/>)" + threemf_tetrahedron(1, {}) + "</object>").empty());
     // Two reasons, in the order in which they were found.
     CHECK_THAT(refusal(folder, {{"3D/3dmodel.model", model_part(beams + object(R"(id="2" type="support")"),
                                                                 R"(<item objectid="1"/><item objectid="2"/>)")}}),
@@ -324,11 +333,12 @@ TEST_CASE("A triangle that is painted in parts has the colours of all of them") 
     }
 }
 
-TEST_CASE("Colours that a volume gives are lost by its name") {
+TEST_CASE("Colours and shapes that a volume gives are lost by its name") {
     const Folder folder;
-    const auto with = [&](const std::string& volume, const std::string& mesh_attribute) {
+    const auto with = [&](const std::string& volume, const std::string& mesh_attribute, const std::string& child = "") {
         std::string mesh = object(R"(id="1")");
         mesh.replace(mesh.find("<mesh"), 5, "<mesh " + mesh_attribute);
+        mesh.insert(mesh.find("</mesh>"), child);
         return read_package(
             folder, {{"3D/3dmodel.model",
                       R"(<model unit="millimeter" xmlns:v="http://schemas.3mf.io/3dmanufacturing/volumetric/2022/01">)"
@@ -342,6 +352,18 @@ TEST_CASE("Colours that a volume gives are lost by its name") {
     CHECK(with(coloured, "").lost_colour.empty());  // nobody's
     CHECK(with(R"(<v:volumedata id="9"><v:property name="density"/></v:volumedata>)", R"(v:volumeid="9")")
               .lost_colour.empty());
+    const std::string shaped = R"(<v:volumedata id="9"><v:boundary functionid="8" channel="shape"/></v:volumedata>)";
+    const ModelFile whole = with(shaped, R"(v:volumeid="9")");
+    CHECK_THAT(whole.lost_colour, Contains("boundary of volumedata 9") && Contains("LOST"));
+    CHECK_THAT(whole.lost_colour, !Contains("gives colours"));
+    CHECK(with(shaped, "").lost_colour.empty());
+    // Within a mesh, as the first drafts had it.
+    const auto within = [&](const std::string& child) {
+        return with("", "", "<v:volumedata><v:" + child + "/></v:volumedata>").lost_colour;
+    };
+    CHECK_THAT(within("color"), Contains("gives colours") && !Contains("boundary"));
+    CHECK_THAT(within("boundary"), Contains("boundary") && !Contains("gives colours"));
+    CHECK(within("property").empty());
 }
 
 TEST_CASE("Colours of filaments are found by their key, each at its place") {
