@@ -381,9 +381,10 @@ BitmapFrame foreign_frame(const io::StackReader& stack, const StackVolumeOptions
     return frame;
 }
 
-/// A printer's computer, and HOW-TO-PRINT, call a resin by its cartridge ("VeroYL-V"): its role, where the set does not
-/// have the name itself. Without a printer all that are known by such names are looked through.
-void take_cartridge_names(const BitmapFrame& frame, StackVolumeOptions& options, Progress& progress) {
+/// A printer's computer, and HOW-TO-PRINT, call a resin by its cartridge ("VeroYL-V"): its role, where the set is of
+/// that family. Another family's is left for what refuses it: it would be predicted as a resin that it is not. Without
+/// a printer all that are known by such names are looked through.
+void take_cartridge_names(const BitmapFrame& frame, StackVolumeOptions& options) {
     std::vector<Cartridges> cartridges = frame.cartridges;
     if (cartridges.empty())
         for (const PrinterProfile& printer : list_printers())
@@ -392,20 +393,10 @@ void take_cartridge_names(const BitmapFrame& frame, StackVolumeOptions& options,
         if (told.role == no_material || find_resin(frame.resins, told.role) >= 0) continue;
         const std::string name = in_lower_case(told.role);
         for (const Cartridges& some : cartridges) {
+            if (!frame.family.empty() && some.family != frame.family) continue;
             const auto found = std::ranges::find_if(
                 some.names, [&](const auto& named) { return in_lower_case(named.second) == name; });
             if (found == some.names.end()) continue;
-            // Another family may have a cartridge of this name, too.
-            const bool is_foreign = std::ranges::none_of(cartridges, [&](const Cartridges& other) {
-                return (frame.family.empty() || other.family == frame.family) &&
-                       std::ranges::any_of(other.names, [&](const auto& n) { return in_lower_case(n.second) == name; });
-            });
-            if (is_foreign)
-                progress.warn(named_warning(
-                    "cartridges",
-                    fmt::format("--assign {}: is of {} cartridges, and the set '{}' of {}: it is predicted as that "
-                                "set's {}; name a set of these with --resins (`voxtone list resins`)",
-                                told.role, some.family, frame.resins.name, frame.family, found->first)));
             told.role = found->first;
             break;
         }
@@ -462,7 +453,7 @@ void expect_told_black(const ForeignBody& body, const StackVolumeOptions& option
 StackVolume read_foreign(const io::StackReader& stack, StackVolumeOptions options, Progress& progress) {
     expect_all_layers(stack, options.stack);
     const BitmapFrame frame = foreign_frame(stack, options, progress);
-    take_cartridge_names(frame, options, progress);
+    take_cartridge_names(frame, options);
     const std::array<double, 3>& pitch_mm = frame.pitch_mm;
     const optics::ResinSet& set = frame.resins;
     Assignment assignment = assign(foreign_colours(stack, options, set), set, options.stack);
