@@ -2,6 +2,7 @@
 #include "slicer/marks/mark_place.h"
 
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include <fmt/core.h>
@@ -52,6 +53,12 @@ std::optional<MarkFrame> unseen_place(const MarkOptions& mark, const MarkedBody&
     if (mark.relief_voxels > 0)
         for (std::vector<Eigen::Vector3d>& side : sides)
             std::erase_if(side, [](const Eigen::Vector3d& out) { return out.z() < -0.5; });
+    // What lies below, or on its face, has no side that is up.
+    const std::span first(sides.data(), 1);
+    FlatQuery across = query;
+    across.turn_deg += 90;
+    if (auto found = first_flat_place(*body.solid, first, query)) return found;
+    if (auto found = first_flat_place(*body.solid, first, across)) return found;
     if (auto found = first_flat_place(*body.solid, sides, query); found || body.picture_faces) return found;
     return flattest_place(*body.solid, facing_directions(*body.solid), query);
 }

@@ -179,6 +179,9 @@ TEST_CASE("A label of a picture lies on its back or its rim, and never across it
     Body code = slab(4, {30, 20});
     marked(code, "qr=Klein; size=8mm; place=bottom");
     CHECK(test::code_in(test::seen_from(code, -Eigen::Vector3d::UnitZ(), 0.1)) == "Klein");
+    // Across a back that is too narrow for it: nothing is up there.
+    Body upright = slab(2, {8, 14});
+    CHECK_THAT(marked(upright, "Kleine; size=3mm").notes[0], Contains("on the back of the picture"));
     // What is larger than the back would be, is not put onto the face; the rim takes what fits there.
     Body narrow = slab(4, {30, 1});
     CHECK_THAT(marked(narrow, "AB; size=2mm").notes[0], Contains("rim"));
