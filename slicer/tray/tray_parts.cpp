@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <utility>
+#include <variant>
 
 #include <fmt/core.h>
 
@@ -12,6 +13,7 @@
 #include "base/warning.h"
 #include "io/layers/stack_folder.h"
 #include "slicer/kept/loop_checkpoint.h"
+#include "slicer/options/mark_options.h"
 #include "slicer/tray/arrangement.h"
 #include "slicer/tray/component.h"
 #include "slicer/tray/kept_loop.h"
@@ -137,6 +139,29 @@ StandingPart standing(const WaitingPart& part) {
     return {&part.part, part.body ? &*part.body : nullptr, part.component ? &*part.component : nullptr};
 }
 
+/// A mark's side or point is one of the print: turned below it, another face of the body would have it.
+bool has_marked_sides(const ResolvedJob& job) {
+    return std::ranges::any_of(job.marks, [](const MarkOptions& mark) {
+        const MarkSide* side = std::get_if<MarkSide>(&mark.place);
+        return side ? *side > MarkSide::flattest : std::holds_alternative<Eigen::Vector3d>(mark.place);
+    });
+}
+
+/// Its body, turned; as it was, where it cannot be, as its labels find no place then.
+void turn_part(WaitingPart& part, int turns, Progress& progress) {
+    SliceOptions turned = part.options;
+    turned.rotate = turned_further(part.options, turns);
+    try {
+        const OpenedJob job = open_job(turned);
+        part.body.emplace(prepare_body(job.options, job.printer, progress));
+    } catch (const InputError& error) {
+        progress.note(fmt::format("{}: is not turned, for {}", part.part.name, error.what()));
+        return;
+    }
+    part.options = std::move(turned);
+    progress.note(fmt::format("{}: is turned by {} degrees", part.part.name, 90 * turns));
+}
+
 /// Turns parts that may be; their bodies are kept, so that none is read twice but those that are turned.
 void turn_parts(const TrayPlan& plan, std::vector<WaitingPart>& waiting, std::vector<FailedPart>& failed,
                 Progress& progress) {
@@ -146,6 +171,9 @@ void turn_parts(const TrayPlan& plan, std::vector<WaitingPart>& waiting, std::ve
         return !goes_well(part.part, plan.common.fail_fast, failed, progress, [&] {
             const OpenedJob job = open_job(part.options);
             part.body.emplace(prepare_body(job.options, job.printer, progress));
+            if (!part.part.turn || !has_marked_sides(job.options)) return;
+            part.part.turn = false;
+            progress.note(part.part.name + ": is not turned, for its labels or decals have places on the print");
         });
     });
     const auto model = std::ranges::find_if(waiting, [](const WaitingPart& part) { return part.body.has_value(); });
@@ -155,12 +183,8 @@ void turn_parts(const TrayPlan& plan, std::vector<WaitingPart>& waiting, std::ve
     const PrinterProfile printer = open_job(model->options).printer;
     const std::vector<int> turns =
         turns_on_plate(all, printer.sliced_tray_mm(), plan.common.gap_mm, printer.sliced_passes());
-    for (std::size_t p = 0; p < waiting.size(); ++p) {
-        if (turns[p] == 0) continue;
-        progress.note(fmt::format("{}: is turned by {} degrees", waiting[p].part.name, 90 * turns[p]));
-        waiting[p].options.rotate = turned_further(waiting[p].options, turns[p]);
-        waiting[p].body.reset();
-    }
+    for (std::size_t p = 0; p < waiting.size(); ++p)
+        if (turns[p] != 0) turn_part(waiting[p], turns[p], progress);
 }
 
 /// With the loop of the job that it was alone; null where that is not to be had. The job says its resins as it did

@@ -76,6 +76,27 @@ TEST_CASE("Parts of one look that overlap are joined and share, of others one ha
                Contains("where another part is printed") && !Contains("of the same priority"));
 }
 
+TEST_CASE("A part is turned only where its labels stay where they are asked for") {
+    const Models desk;
+    const auto turned = [&](const std::string& more) {
+        SliceOptions said = desk.options("tray.json");
+        said.turn = true;
+        const OpenedTray tray = desk.open(R"({"model": "bar.obj")" + more + "}", said);
+        const PlacedTray placed = TrayDesk::place(tray);
+        REQUIRE(placed.prepared.parts.ready.size() == 1);
+        return std::pair(placed.prepared.parts.ready[0].grid().size, placed.notes);
+    };
+    desk.write("bar.obj", soft_box({0, 0, 0}, {12, 2.2, 1}));
+    const auto [lies, note] = turned("");
+    CHECK_THAT(note, Contains("bar: is turned by"));
+    CHECK(lies[0] < lies[1]);
+    // Its front would be another face.
+    const auto [front, front_note] = turned(R"(, "label": "i; size=0.8mm; place=front")");
+    CHECK_THAT(front_note, Contains("bar: is not turned, for its labels"));
+    CHECK(front[0] > front[1]);
+    CHECK_THAT(turned(R"(, "label": "i; size=0.8mm")").second, Contains("bar: is turned by"));
+}
+
 TEST_CASE("A component cuts, has priority, and is told of where it is overlapped") {
     const Models desk;
     const OpenedTray tray = desk.open(R"({"box": [5, 3, 3], "mixture": {"W": 1, "C": 1}, "at": [0, 0], "name": "old"},
