@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include <fmt/core.h>
@@ -26,16 +26,11 @@ constexpr double legible = 0.5;    // contrast, ISO 9241-303
 constexpr double ground_mm = 0.5;  // what type is seen against
 constexpr double least_mm2 = 0.5;  // of a region that a word is said of
 
-const char* kind_word(RegionKind kind) {
-    switch (kind) {
-        case RegionKind::paper:
-            return "paper";
-        case RegionKind::solid:
-            return "solid";
-        case RegionKind::strokes:
-            break;
-    }
-    return "type and lines";
+/// What is narrow on a model is a leg or a stripe, in a photograph a shadow, and seen by its colour; letters on a model
+/// are found as small type.
+const char* kind_word(RegionKind kind, bool is_page) {
+    if (kind == RegionKind::paper) return "paper";
+    return kind == RegionKind::strokes && is_page ? "type and lines" : "solid";
 }
 
 std::string text_of(const Eigen::Vector3f& rgb) {
@@ -134,13 +129,12 @@ std::optional<Row> lost_lines_row(const RegionSources& s) {
     const JobPrediction& p = s.prediction;
     const auto lost = s.is_picture && is_graphics(p) ? lost_lines(p) : std::nullopt;
     if (!lost) return std::nullopt;
-    const std::uint32_t middle = lost->cells[lost->cells.size() / 2];
     Row row;
     row.cells = lost->cells;
     row.said.kind = "fine detail";
-    row.said.asked = text_of(p.target[middle]);
-    row.printed = p.predicted.rgb[middle].cast<double>();
-    put_at(middle, p.predicted.surface, row.said);
+    row.said.asked = text_of(p.target[lost->worst]);
+    row.printed = p.predicted.rgb[lost->worst].cast<double>();
+    put_at(lost->worst, p.predicted.surface, row.said);
     row.said.area_mm2 = lost->area_mm2;
     row.said.contrast = lost->kept, row.said.contrast_asked = 1;
     row.said.why = fmt::format("runs together: what is as fine as that keeps {:.2f} of its contrast", lost->kept);
@@ -198,9 +192,8 @@ double badness(const io::ReportRegion& region, const VerdictLimits& limits) {
 
 double seen_mm2(const io::ReportRegion& region) { return region.area_mm2 * region.seen_share; }
 
-/// By how much it is to be noted. Type that cannot be read before all else.
+/// By how much it is to be noted.
 double note_of(const io::ReportRegion& region, const VerdictLimits& limits) {
-    if (region.type_mm) return std::numeric_limits<double>::infinity();
     return badness(region, limits) * std::sqrt(seen_mm2(region));
 }
 
@@ -228,7 +221,7 @@ std::optional<Row> thin_walls(const RegionSources& s, const ThinWalls& walls) {
     return row;
 }
 
-Row row_of(const RegionSources& s, std::size_t r, const halftone::CellNeighbours& cells) {
+Row row_of(const RegionSources& s, std::size_t r, const halftone::CellNeighbours& cells, bool is_page) {
     const JobPrediction& p = s.prediction;
     const optics::Surface& surface = p.predicted.surface;
     const ColourRegion& of = p.seen.regions[r];
@@ -237,14 +230,14 @@ Row row_of(const RegionSources& s, std::size_t r, const halftone::CellNeighbours
     io::ReportRegion& region = row.said;
     row.cells = of.cells, row.oklab = oklab_of(of.target);
     row.printed = optics::linear_srgb_from_xyz(optics::xyz_from_lab(look.lab, optics::d65_white()));
-    region.kind = kind_word(of.kind);
+    region.kind = kind_word(of.kind, is_page);
     region.asked = text_of(of.target);
     put_at(middle_of(of, surface), surface, region);
     region.area_mm2 = of.area_mm2, region.de2000 = look.difference;
     if (of.kind == RegionKind::solid) region.rim = std::max(0.0, p.seen.rims[r]);
     if (of.kind != RegionKind::strokes) region.unevenness = unevenness_of(of, cells, p.seen.target, p.seen.print);
     region.out_of_reach = s.colour.separation.gamut_distance(of.target) >= look.difference / 2;
-    if (of.kind == RegionKind::strokes) {
+    if (of.kind == RegionKind::strokes && is_page) {
         const double edge = std::sqrt(of.area_mm2 / static_cast<double>(of.cells.size()));
         const std::vector<std::uint32_t> ground =
             cells.around(of, std::max(1, static_cast<int>(std::lround(ground_mm / edge))));
@@ -311,6 +304,13 @@ void say_where(const RegionSources& s, Row& row) {
     row.said.printed = text_of((row.printed / std::max(1.0, row.printed.maxCoeff())).cast<float>());
 }
 
+const char* tint_word(double hue) {
+    if (hue < 42 || hue >= 320) return "pinkish";
+    if (hue < 108) return "yellowish";
+    if (hue < 200) return "greenish";
+    return hue < 290 ? "bluish" : "purplish";
+}
+
 }  // namespace
 
 std::string colour_word(const Eigen::Vector3f& rgb) {
@@ -318,7 +318,10 @@ std::string colour_word(const Eigen::Vector3f& rgb) {
     const double chroma = lab.tail<2>().norm(), degrees = std::atan2(lab[2], lab[1]) * 180 / 3.14159265358979323846;
     const double hue = degrees < 0 ? degrees + 360 : degrees;
     if (lab[0] < 22 && chroma < 18) return "black";
-    if (chroma < 9) return lab[0] > 90 ? "white" : lab[0] > 65 ? "light grey" : lab[0] > 40 ? "grey" : "dark grey";
+    if (chroma < 9) {
+        const char* grey = lab[0] > 90 ? "white" : lab[0] > 65 ? "light grey" : lab[0] > 40 ? "grey" : "dark grey";
+        return chroma < 4 ? grey : fmt::format("{} {}", tint_word(hue), grey);
+    }
     if (hue < 15 || hue >= 345) return lab[0] > 65 ? "pink" : "magenta";
     if (hue < 42) return lab[0] > 70 ? "pink" : lab[0] < 35 && chroma < 45 ? "brown" : "red";
     if (hue < 75) return lab[0] < 48 ? "brown" : "orange";
@@ -332,11 +335,12 @@ std::string colour_word(const Eigen::Vector3f& rgb) {
 JudgedRegions judge_regions(const RegionSources& s, const ThinWalls& walls) {
     const JobPrediction& p = s.prediction;
     const halftone::CellNeighbours cells(p.predicted.surface);
+    const bool is_page = s.is_picture && is_graphics(p);
     JudgedRegions judged;
     judged.flecked.assign(p.target.size(), 0);
     std::vector<Row> rows;
     for (std::size_t r = 0; r < p.seen.regions.size(); ++r) {
-        Row row = row_of(s, r, cells);
+        Row row = row_of(s, r, cells, is_page);
         if (row.said.unevenness > flecked_above)
             for (const std::uint32_t cell : row.cells) judged.flecked[cell] = 1;
         rows.push_back(std::move(row));
@@ -356,7 +360,9 @@ JudgedRegions judge_regions(const RegionSources& s, const ThinWalls& walls) {
         if (row) say_where(s, rows.emplace_back(*row));
     for (Row& row : rows) judged.rows.push_back(std::move(row.said));
     std::ranges::stable_sort(judged.rows, std::greater<>(), [&](const io::ReportRegion& region) {
-        return std::pair(!region.good, note_of(region, s.limits));
+        // Of a page first what cannot be made out: nobody minds how even a ground is below words that are lost.
+        const bool is_lost = region.type_mm || (is_page && region.kind == "fine detail");
+        return std::tuple(!region.good, is_lost, note_of(region, s.limits));
     });
     return judged;
 }

@@ -161,16 +161,22 @@ std::optional<TypeSize> unreadable_type(const JobPrediction& p, double viewing_d
         type.contrast += letter->contrast / double(unread.size());
         type.contrast_asked += letter->contrast_asked / double(unread.size());
     }
-    type.cell = unread[unread.size() / 2]->letter->cells.front();
+    // Its rim is half its ground.
+    const Glyph& middle = *unread[unread.size() / 2];
+    const double ground = luminance_of(p, p.target, grounds[std::size_t(middle.letter - found.data())]);
+    type.cell = *std::ranges::max_element(middle.letter->cells, {}, [&](std::uint32_t cell) {
+        return std::abs(luminance_of(p, p.target, {cell}) - ground);
+    });
     return type;
 }
 
 std::optional<LostLines> lost_lines(const JobPrediction& p) {
     constexpr double enough = 0.6, least_mm2 = 1;
+    constexpr double faint = 0.03;  // lightness, Oklab: what differs by less is ground in type_rows.cpp, too
     if (p.target.empty()) return std::nullopt;
     const LocalDetail detail(p);
     LostLines lost;
-    double asked_of_all = 0, kept_of_all = 0;
+    double asked_of_all = 0, kept_of_all = 0, least_kept = enough;
     for (const std::vector<std::uint32_t>& pattern : find_type(p).others) {
         double area_mm2 = 0, asked = 0, kept = 0;
         for (const std::uint32_t cell : pattern) {
@@ -178,7 +184,8 @@ std::optional<LostLines> lost_lines(const JobPrediction& p) {
             const Eigen::Vector2d from = detail.at(cell);
             area_mm2 += area, asked += area * from[0] * from[0], kept += area * from[0] * from[1];
         }
-        if (kept >= enough * asked) continue;
+        if (kept >= enough * asked || asked < faint * faint * area_mm2) continue;
+        if (kept < least_kept * asked) least_kept = kept / asked, lost.worst = pattern[pattern.size() / 2];
         lost.cells.insert(lost.cells.end(), pattern.begin(), pattern.end());
         lost.area_mm2 += area_mm2, asked_of_all += asked, kept_of_all += kept;
     }

@@ -29,7 +29,7 @@ struct TypeSize {
     std::size_t letters = 0, unread = 0;
     double unread_mm2 = 0;
     double contrast = 0, contrast_asked = 0;  ///< means of those that cannot be read
-    std::uint32_t cell = 0;                   ///< of one of them, in the middle
+    std::uint32_t cell = 0;                   ///< of one of them, of its ink
 };
 
 /// Nothing where there is no type, or all of it can be read.
@@ -41,6 +41,7 @@ struct TypeSize {
 /// It counts what the eye at its distance may not resolve, too: who sets such lines means to see them.
 struct LostLines {
     std::vector<std::uint32_t> cells;
+    std::uint32_t worst = 0;  ///< a cell of the piece that keeps least
     double area_mm2 = 0, kept = 0;
 };
 /// Of a picture's slab; nothing where that is less than 1 mm2.

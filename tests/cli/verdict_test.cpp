@@ -256,6 +256,22 @@ TEST_CASE("Paper between heavy letters is told as the tint that it has, and not 
         }
 }
 
+TEST_CASE("Of a page lines that are lost come before a larger patch that is off") {
+    const Folder folder("order");
+    write_sheet(folder, "page.png", 100, 60, [](int x, int y) {
+        if (x >= 40 && x < 95 && y >= 5 && y < 55) return std::array{255, 0, 0};
+        const int code = x >= 8 && x < 30 && y >= 20 && y < 35 && x % 3 < 1 ? 0 : 255;
+        return std::array{code, code, code};
+    });
+    const auto regions = verdict_of(folder, folder / "page.png" +
+                                                " --width 10mm --thickness 2mm --resins vero-opaque "
+                                                "--iterations 0")["verdict"]["regions"];
+    INFO(regions.dump(1));
+    CHECK(regions[0]["kind"] == "fine detail");
+    CHECK(regions[1]["asked"] == "red (255, 0, 0)");
+    CHECK_FALSE(regions[1]["good"].get<bool>());
+}
+
 TEST_CASE("Whoever follows an advice comes to what it says") {
     const Folder folder("advice");
     // Squares of 0.6 mm at 4.8 mm, of colours that the resins have.
@@ -334,6 +350,34 @@ TEST_CASE("A print's verdict does not get worse when it is printed larger or whe
             before = rank(report), mean_before = seen(report);
         }
     }
+}
+
+TEST_CASE("A model's narrow legs are told by their colour, and not as type that is hard to read") {
+    const Folder folder("legs");
+    std::string text;
+    auto add_box = [&, first = 1](std::array<double, 3> low, std::array<double, 3> high, const char* rgb) mutable {
+        for (int c = 0; c < 8; ++c)
+            text += fmt::format("v {} {} {} {}\n", c & 1 ? high[0] : low[0], c & 2 ? high[1] : low[1],
+                                c & 4 ? high[2] : low[2], rgb);
+        for (const auto& f : {std::array{0, 2, 3, 1}, std::array{4, 5, 7, 6}, std::array{0, 1, 5, 4},
+                              std::array{2, 6, 7, 3}, std::array{0, 4, 6, 2}, std::array{1, 3, 7, 5}})
+            text += fmt::format("f {} {} {} {}\n", f[0] + first, f[1] + first, f[2] + first, f[3] + first);
+        first += 8;
+    };
+    add_box({0, 0, 2}, {5, 4, 5}, "0.95 0.95 0.95");
+    add_box({0.5, 0.5, 0}, {1, 1, 2.1}, "0.2 0.1 0.05");
+    add_box({4, 3, 0}, {4.5, 3.5, 2.1}, "0.2 0.1 0.05");
+    folder.write("table.obj", text);
+    const auto report = verdict_of(folder, folder / "table.obj" + " --iterations 0");
+    const auto& regions = report["verdict"]["regions"];
+    INFO(regions.dump(1));
+    CHECK(std::none_of(regions.begin(), regions.end(), [](const auto& r) { return r["kind"] == "type and lines"; }));
+    const auto legs = std::find_if(regions.begin(), regions.end(), [](const auto& r) {
+        return r["kind"] == "solid" && r["asked"].template get<std::string>().find("white") == std::string::npos;
+    });
+    REQUIRE(legs != regions.end());
+    CHECK(double((*legs)["de2000"]) > 5);
+    CHECK_THAT((*legs)["why"].get<std::string>(), Contains("printed as"));
 }
 
 TEST_CASE("Thin walls are a region of their own, with their place and what they are printed as") {

@@ -8,12 +8,15 @@
 #include <catch2/catch.hpp>
 
 #include "base/random.h"
+#include "optics/colour/colour.h"
 #include "slicer/colour/evenness.h"
 #include "slicer/colour/place_words.h"
+#include "slicer/colour/region_verdict.h"
 #include "slicer/colour/sides_seen.h"
 #include "slicer/colour/tried_advice.h"
 #include "slicer/colour/type_size.h"
 #include "slicer/laminates/dot_letters.h"
+#include "tests/slicer/colour/drawn_page.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;
@@ -209,4 +212,53 @@ TEST_CASE("What a longer loop comes to goes on from its last gains") {
     CHECK(mean_of_longer_loop({8, 4, 2}, 2) == Approx(2 - 1 - 0.5));
     CHECK(mean_of_longer_loop({8, 4, 4.5}, 5) == 4.5);  // it gained nothing
     CHECK(mean_of_longer_loop({8, 4}, 8) > 1.8);
+}
+
+TEST_CASE("Small type is told by its ink, and not by its blurred rim") {
+    const test::SetLine line("Serial 00417-B", 5, 2, 2, 0, "DejaVu Sans");
+    JobPrediction p =
+        test::page_of(18, 6, [&](double x, double y) { return Eigen::Vector3f::Constant(1 - 0.99f * line.at(x, y)); });
+    for (Eigen::Vector3f& rgb : p.predicted.rgb) rgb = 0.2f * rgb + Eigen::Vector3f::Constant(0.8f);
+    const auto type = unreadable_type(p, 300);
+    REQUIRE(type);
+    CHECK(p.target[type->cell].maxCoeff() < 0.3f);
+}
+
+TEST_CASE("Of lines that run together the place is of those that keep least") {
+    const auto lines = [](int x, int y) { return y >= 30 && y < 50 && x % 8 < 2 && (x / 8 == 2 || x / 8 > 12); };
+    Page page(lines, [](int x, int, bool black) { return black ? (x < 60 ? 0.95f : 0.6f) : 1.0f; });
+    page.p.cell_um = {1e3 * voxel_mm, 1e3 * voxel_mm, 1e3 * voxel_mm};
+    const auto lost = lost_lines(page.p);
+    REQUIRE(lost);
+    CHECK(page.p.predicted.surface.cells[lost->worst].cell[0] < 60);
+}
+
+TEST_CASE("A tint is told from white and grey") {
+    const auto word = [](int red, int green, int blue) {
+        const auto linear = [](int code) { return float(optics::srgb_decode(code / 255.0)); };
+        return colour_word({linear(red), linear(green), linear(blue)});
+    };
+    CHECK(word(255, 255, 255) == "white");
+    CHECK(word(253, 254, 255) == "white");
+    CHECK(word(233, 243, 255) == "bluish white");
+    CHECK(word(255, 238, 230) == "yellowish white");
+    CHECK(word(255, 232, 238) == "pinkish white");
+    CHECK(word(250, 248, 235) == "yellowish white");
+    CHECK(word(128, 128, 128) == "grey");
+    CHECK(word(118, 130, 120) == "greenish grey");
+}
+
+TEST_CASE("A patch that hardly differs from its paper in lightness is no fine detail that is lost") {
+    const Eigen::Vector3f paper(0.956f, 0.831f, 0.791f), patch(0.871f, 0.716f, 0.578f);
+    const auto paint = [&](const Eigen::Vector3f& colour) {
+        return [&, colour](double x, double y) -> Eigen::Vector3f {
+            return std::abs(x - 2) < 0.8 && std::abs(y - 2) < 0.85 ? colour : paper;
+        };
+    };
+    const auto printed_paler = [&](const Eigen::Vector3f& colour) {
+        JobPrediction p = test::page_of(4, 4, paint(colour));
+        for (Eigen::Vector3f& rgb : p.predicted.rgb) rgb = paper + 0.3f * (rgb - paper);
+        return lost_lines(p).has_value();
+    };
+    CHECK_FALSE(printed_paler(patch));
 }
