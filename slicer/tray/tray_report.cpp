@@ -50,6 +50,12 @@ io::ReportPart row_of(const ReadyPart& part, const io::Report& own) {
     return row;
 }
 
+/// The folder's name, where that says anything.
+std::string title_of(const std::filesystem::path& out) {
+    const std::string name = (out.filename().empty() ? out.parent_path() : out).filename().string();
+    return name == "out" ? "A tray" : name;
+}
+
 io::ViewerPlace top_of(const VoxelGrid& grid) {
     const Eigen::Vector3d size = grid.pitch_mm.cwiseProduct(Eigen::Vector3d(grid.size[0], grid.size[1], grid.size[2]));
     io::ViewerPlace place;
@@ -210,6 +216,7 @@ io::ReportVerdict TrayReport::verdict_of(const std::vector<const Entry*>& entrie
         verdict.headline = all == unknown.size() + 1 ? "It will look as asked" : "All bodies will look as asked";
     } else {
         verdict.headline = "Nothing was predicted";
+        verdict.why = "Parts have their colours in reach below; --predict transport says how they will look.";
     }
     if (!unknown.empty() && unknown.size() < all) verdict.why += " Not predicted: " + names_of(unknown) + ".";
     verdict.sentence = verdict.headline + "." + (verdict.why.empty() ? "" : " ") + verdict.why;
@@ -219,8 +226,7 @@ io::ReportVerdict TrayReport::verdict_of(const std::vector<const Entry*>& entrie
 io::Report TrayReport::of_bodies(const Tray& tray, LayerWatchers& watchers, Progress& progress) const {
     const std::vector<const Entry*> entries = on(tray.number);
     io::Report report;
-    report.title =
-        tray.out.filename().empty() ? tray.out.parent_path().filename().string() : tray.out.filename().string();
+    report.title = title_of(tray.out);
     add_print(tray.job, tray.stack, tray.grid, report);
     if (!std::ranges::all_of(entries, &Entry::is_component)) {
         report.verdict = verdict_of(entries);

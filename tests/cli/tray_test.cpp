@@ -98,6 +98,8 @@ TEST_CASE("Several models are a tray, one is the print that it would be alone") 
     CHECK(voxtone::io::schema_faults("tray-stack", tray.dump()) == std::vector<std::string>{});
     CHECK(run_program("verify --quiet " + (bench.folder / "a")).exit_code == 0);
     CHECK(read_file(bench.folder / "a/tray.png").starts_with("\x89PNG"));
+    CHECK(read_json(bench.folder / "a/report.json")["title"] == "a");
+    CHECK(read_json(bench.folder / "out/report.json")["title"] == "A tray");
     for (const json& part : tray["parts"]) CHECK(fs::exists(bench.folder / ("a/" + part["report"].get<std::string>())));
     // A plan is no picture: it stands free.
     CHECK_THAT(run_program("predict " + (bench.folder / "out") + " -o " + (bench.folder / "seen.ply")).out,
