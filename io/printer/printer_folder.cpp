@@ -157,9 +157,14 @@ void copy_container(const fs::path& folder, const fs::path& target) {
     const fs::path made = part_path(target);
     std::error_code ignored;
     fs::remove(made, ignored);
-    link_or_copy(folder / gcvf_name, made);
-    sync_file_system(fs::absolute(made).parent_path());
-    fs::rename(made, target);
+    try {
+        link_or_copy(folder / gcvf_name, made);
+        sync_file_system(fs::absolute(made).parent_path());
+        fs::rename(made, target);
+    } catch (...) {
+        fs::remove(made, ignored);
+        throw;
+    }
 }
 
 void copy_folder(const fs::path& folder, const fs::path& target, const Progress* progress) {

@@ -33,7 +33,8 @@
 
 namespace voxtone::slicer {
 
-/// "orange", from linear sRGB.
+/// "orange", from linear sRGB. A grey of chroma 4 to 9 is told with its tint ("bluish white"). Where one word ends and
+/// the next begins is ours: the tints were chosen on a sign's paper (233, 243, 255), chroma 7; no one was asked.
 [[nodiscard]] std::string colour_word(const Eigen::Vector3f& rgb);
 
 /// What regions are judged by.
