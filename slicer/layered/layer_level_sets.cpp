@@ -69,10 +69,12 @@ private:
 VoxelGrid grid_about(const SolidMesh& mesh, double cell_mm) {
     const Eigen::AlignedBox3d box = bounding_box(mesh.positions_mm, mesh.triangles);
     const Eigen::Vector3d cell = Eigen::Vector3d::Constant(cell_mm);
+    // All of the body and of its margin: whole cells, which grid_around does not round.
+    const Eigen::Vector3d half_mm = 0.5 * cell_mm * (2 * margin + (box.sizes() / cell_mm).array().ceil());
     if ((box.sizes() / cell_mm + Eigen::Vector3d::Constant(2 * margin + 1)).prod() > std::pow(2.0, 29))
         throw InputError(
             fmt::format("--surface-cell {:g}mm: the body would take more than 2^29 cells; give larger ones", cell_mm));
-    return grid_around(box.min() - margin * cell, box.max() + margin * cell, cell);
+    return grid_around(box.center() - half_mm, box.center() + half_mm, cell);
 }
 
 SpanSlab everything(const VoxelGrid& grid, int first, int last) {

@@ -143,13 +143,12 @@ VoxelGrid grid_around(const Eigen::Vector3d& low_mm, const Eigen::Vector3d& high
     VoxelGrid grid;
     grid.pitch_mm = pitch_mm;
     for (int axis = 0; axis < 3; ++axis) {
-        // A millionth of a voxel of slack keeps a body of exactly n voxels from getting n + 1 through rounding.
-        const double voxels = std::ceil((high_mm[axis] - low_mm[axis]) / pitch_mm[axis] - 1e-6);
-        if (!(voxels < 1e7))
+        const double length_mm = high_mm[axis] - low_mm[axis];
+        if (!(length_mm / pitch_mm[axis] < 1e7))
             throw InputError(
                 fmt::format("the model is {:.3g} m along {}; no printer is so large. Give --unit or --size",
-                            (high_mm[axis] - low_mm[axis]) / 1000, "xyz"[axis]));
-        grid.size[static_cast<std::size_t>(axis)] = std::max(1, static_cast<int>(voxels));
+                            length_mm / 1000, "xyz"[axis]));
+        grid.size[static_cast<std::size_t>(axis)] = voxels_in(length_mm, pitch_mm[axis]);
         grid.origin_mm[axis] =
             0.5 * (low_mm[axis] + high_mm[axis] - pitch_mm[axis] * grid.size[static_cast<std::size_t>(axis)]);
     }
@@ -159,7 +158,7 @@ VoxelGrid grid_around(const Eigen::Vector3d& low_mm, const Eigen::Vector3d& high
 void check_tray(const VoxelGrid& grid, const Eigen::Vector3d& tray_mm, const Placement& placement) {
     const Eigen::Vector3d size = grid.pitch_mm.cwiseProduct(Eigen::Vector3d(grid.size[0], grid.size[1], grid.size[2]));
     for (int axis = 0; axis < 3; ++axis)
-        if (grid.size[static_cast<std::size_t>(axis)] > voxels_in(tray_mm[axis], grid.pitch_mm[axis]))
+        if (grid.size[static_cast<std::size_t>(axis)] > voxels_in_room(tray_mm[axis], grid.pitch_mm[axis]))
             refuse_for_tray(size, tray_mm, axis, placement);
 }
 

@@ -38,7 +38,8 @@ Placement place(io::ModelFile& model, const PlacementOptions& options, const std
 /// that would do: before anything is done with such numbers.
 void check_extent(const Placement& placement, const Eigen::Vector3d& pitch_mm, const Eigen::Vector3d& tray_mm);
 
-/// Smallest grid of this pitch that holds the box, centred on it; at least one voxel along each axis.
+/// Grid of this pitch that is as large as the box to the nearest voxel (voxels_in), centred on it: the box stands out
+/// by a quarter of a voxel at most, so that no voxel's centre in it lies outside of the grid.
 [[nodiscard]] VoxelGrid grid_around(const Eigen::Vector3d& low_mm, const Eigen::Vector3d& high_mm,
                                     const Eigen::Vector3d& pitch_mm);
 

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Whether something fits a printer's tray. What is exactly as long as the tray fits it: its last voxel is cut short by
-// the tray's end where that is no whole number of voxels. A micrometre more fits too: a model's single-precision
+// Whether something fits a printer's tray. What is exactly as long as the tray fits it, and its voxels do, which stand
+// over the tray's ends by a quarter of one at most. A micrometre more fits too: a model's single-precision
 // coordinates and the digits of a plan are no better.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
 
 #include <fmt/core.h>
+
+#include "slicer/printer/voxel_grid.h"
 
 namespace voxtone::slicer {
 
@@ -18,10 +19,10 @@ inline constexpr double tray_slack_mm = 1e-3;
 
 [[nodiscard]] inline bool fits_in(double mm, double room_mm) { return mm <= room_mm + tray_slack_mm; }
 
-/// Voxels of what is as long as the room, as grid_around (placement.h) counts them.
-[[nodiscard]] inline int voxels_in(double room_mm, double pitch_mm) {
-    constexpr double most = std::numeric_limits<int>::max() / 2;
-    return static_cast<int>(std::min(most, std::ceil((room_mm + tray_slack_mm) / pitch_mm - 1e-6)));
+/// Voxels of what is as long as the room, which may have no end.
+[[nodiscard]] inline int voxels_in_room(double room_mm, double pitch_mm) {
+    constexpr int most = std::numeric_limits<int>::max() / 2;
+    return room_mm / pitch_mm < most ? voxels_in(room_mm + tray_slack_mm, pitch_mm) : most;
 }
 
 /// How much is too much: "10 um", "3.25 mm".

@@ -4,12 +4,21 @@
 // along +x (columns of a bitmap), j along +y (rows of a bitmap run the other way), k along +z (layer 0 is the bottom).
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include <Eigen/Core>
 
 namespace voxtone::slicer {
+
+/// Voxels of a length in mm: the nearest count, at least one. A print is then longer or shorter than its model by half
+/// a voxel at most, in the mean neither; counts that hold all of a model make every print longer. Just between two
+/// counts it is the lower, with a millionth of slack, so that a length's own rounding is of no account.
+[[nodiscard]] inline int voxels_in(double mm, double pitch_mm) {
+    return std::max(1, static_cast<int>(std::ceil(mm / pitch_mm - 0.5 - 1e-6)));
+}
 
 struct VoxelGrid {
     Eigen::Vector3d origin_mm = Eigen::Vector3d::Zero();

@@ -265,9 +265,10 @@ std::vector<Voxel> find_plates(std::span<const Crossing> crossings, const VoxelG
         if (plate && sum == 0) {
             Voxel voxel = first.gap;
             int& along = voxel[first.axis];
-            along = std::clamp(int(std::floor((low + high) / 2 + 0.5)), along - 1, along);
-            if (along >= 0 && along < grid.size[first.axis] && voxel[2] >= k_begin && voxel[2] < k_end)
-                plates.push_back(voxel);
+            // A grid is rounded to its body (grid_around): what stands out by part of a voxel is of its last one.
+            along = std::clamp(int(std::floor((low + high) / 2 + 0.5)), std::max(along - 1, 0),
+                               std::min(along, grid.size[first.axis] - 1));
+            if (voxel[2] >= k_begin && voxel[2] < k_end) plates.push_back(voxel);
         }
         n = m;
     }
@@ -313,10 +314,11 @@ ThinFeatures::ThinFeatures(const SolidIndex& mesh, const Solid& solid)
     const FixedMesh& fixed = solid.fixed_mesh();
     const int layers = solid.grid().size[2], buckets = (layers + bucket_layers - 1) / bucket_layers;
     const auto buckets_of = [&](const Edge& e) {
-        const double z0 = in_voxels(fixed, e.corner[0])[2], z1 = in_voxels(fixed, e.corner[1])[2];
-        const int k0 = std::max(int(std::floor(std::min(z0, z1))), 0),
-                  k1 = std::min(int(std::floor(std::max(z0, z1))), layers - 1);
-        return k0 > k1 ? std::pair{0, 0} : std::pair{k0 / bucket_layers, k1 / bucket_layers + 1};
+        const auto layer_of = [&](std::uint32_t corner) {
+            return std::clamp(int(std::floor(in_voxels(fixed, corner)[2])), 0, layers - 1);
+        };
+        const auto [k0, k1] = std::minmax({layer_of(e.corner[0]), layer_of(e.corner[1])});
+        return std::pair{k0 / bucket_layers, k1 / bucket_layers + 1};
     };
     bucket_begin_.assign(std::size_t(buckets) + 1, 0);
     for (const Edge& e : edges_) {
@@ -376,9 +378,12 @@ std::uint64_t ThinFeatures::slab(int k_begin, int k_end, SpanSlab& out) const {
     const auto inside = [&](const Voxel& v) {
         return v[0] >= 0 && v[0] < grid.size[0] && v[1] >= 0 && v[1] < grid.size[1] && v[2] >= k_begin && v[2] < k_end;
     };
+    // The part of a voxel by which a body may stand out of its grid (grid_around) is of the last voxel.
+    const Vector3d last = Vector3d(grid.size[0], grid.size[1], grid.size[2]).array() - 1e-6;
+    const auto drawn_in = [&](const Vector3d& p) { return Vector3d(p.cwiseMax(0).cwiseMin(last)); };
     for (const std::uint32_t e : edges) {
         const Edge& edge = edges_[e];
-        VoxelWalk(in_voxels(fixed, edge.corner[0]), in_voxels(fixed, edge.corner[1]))
+        VoxelWalk(drawn_in(in_voxels(fixed, edge.corner[0])), drawn_in(in_voxels(fixed, edge.corner[1])))
             .walk(k_begin - 1, k_end, [&](const Voxel& v, const Voxel& w, const Vector3d& p) {
                 if (!inside(v) && !inside(w)) return;
                 const bool v_in = body.get(v[0], v[1], v[2]), w_in = body.get(w[0], w[1], w[2]);

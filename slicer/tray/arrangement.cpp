@@ -150,7 +150,7 @@ private:
 
     /// Not beyond the tray by a part of its last voxel.
     [[nodiscard]] int within_tray(double voxels, std::size_t part, int axis) const {
-        const int last = voxels_in(tray_mm_[axis], pitch_[axis]) - size_of(part)[std::size_t(axis)];
+        const int last = voxels_in_room(tray_mm_[axis], pitch_[axis]) - size_of(part)[std::size_t(axis)];
         return std::min(static_cast<int>(voxels), std::max(0, last));
     }
 
@@ -235,7 +235,7 @@ private:
         std::vector<NestItem> items;
         std::vector<std::size_t> of_item;
         for (std::size_t w = 0; w < waiting.size(); ++w) {
-            if (corner.at[2] + size_of(waiting[w].part)[2] > voxels_in(tray_mm_.z(), pitch_.z())) continue;
+            if (corner.at[2] + size_of(waiting[w].part)[2] > voxels_in_room(tray_mm_.z(), pitch_.z())) continue;
             items.push_back(waiting[w].item);
             of_item.push_back(w);
         }

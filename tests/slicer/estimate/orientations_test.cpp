@@ -73,7 +73,7 @@ TEST_CASE("Each way to turn a box is another, and lays the sides down that its t
                 if (std::count(coloured.begin(), coloured.end(), side)) coloured_down += side_area(size, side);
             }
             for (int axis = 0; axis < 3; ++axis) CHECK(orientation.size_mm[std::size_t(axis)] == Approx(extent[axis]));
-            CHECK(orientation.layers == int(std::ceil(extent.z() / job.printer.sliced_pitch_mm().z() - 1e-6)));
+            CHECK(orientation.layers == std::lround(extent.z() / job.printer.sliced_pitch_mm().z()));
             CHECK(orientation.fits);
             CHECK(orientation.under_ml == 0);
             // 50,000 pieces of equal area: the root of their number, four times.

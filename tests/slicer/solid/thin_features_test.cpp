@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/random.h"
+#include "slicer/printer/placement.h"
 #include "tests/slicer/mesh/shapes.h"
 #include "voxel_parts.h"
 
@@ -24,9 +25,7 @@ struct Thin {
     explicit Thin(const SolidMesh& mesh, const Vector3d& pitch = Vector3d::Ones()) {
         Vector3d low = mesh.positions_mm[0], high = low;
         for (const Vector3d& p : mesh.positions_mm) low = low.cwiseMin(p), high = high.cwiseMax(p);
-        grid.pitch_mm = pitch;
-        grid.origin_mm = low;
-        for (int a = 0; a < 3; ++a) grid.size[a] = std::max(1, int(std::ceil((high[a] - low[a]) / pitch[a])));
+        grid = grid_around(low, high, pitch);
         const Solid solid(mesh, grid);
         const SolidIndex index(mesh);
         const ThinFeatures thin(index, solid);
@@ -120,6 +119,25 @@ TEST_CASE("Wires thinner than a voxel stay whole at any angle") {
             CHECK(ring.reaches(by * Vector3d(9 * std::cos(a), 9 * std::sin(a), 0)));
         }
     }
+}
+
+TEST_CASE("What is thin and stands out of the grid, which is rounded to its body, is kept in the last voxels") {
+    // 8.45 voxels are printed as 8: the body's ends lie 0.225 voxel outside.
+    for (int axis = 0; axis < 3; ++axis)
+        for (const Vector3d& fin : {Vector3d(0.05, 6, 6), Vector3d(0.05, 0.05, 6), Vector3d(0.05, 6, 0.05)})
+            for (const bool low : {false, true}) {
+                CAPTURE(axis, low, fin.transpose());
+                const Vector3d corner(low ? 0 : 8.4, 1.2, 1.2), core(low ? 4.45 : 0, 0, 0);
+                const auto along = [&](const Vector3d& p) {
+                    return Vector3d(p[(3 - axis) % 3], p[(4 - axis) % 3], p[(5 - axis) % 3]);
+                };
+                const Thin thin(shapes::joined(shapes::box(along(core), along(core + Vector3d(4, 8, 8))),
+                                               shapes::box(along(corner), along(corner + fin))));
+                REQUIRE(thin.grid.size == std::array<int, 3>{8, 8, 8});
+                CHECK(thin.reaches(along(corner + fin / 2)));
+                CHECK(parts(voxels_of(thin.base)) == 1);
+                CHECK(parts(voxels_of(thin.kept)) == 2);
+            }
 }
 
 TEST_CASE("A speck smaller than a voxel becomes a voxel") {
