@@ -12,7 +12,7 @@
 #include "cli/batch/cluster_options.h"
 #include "cli/program/common_options.h"
 #include "cli/program/help.h"
-#include "slicer/batch/batch_job.h"
+#include "farm/batch/batch_job.h"
 
 namespace voxtone::cli {
 

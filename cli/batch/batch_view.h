@@ -10,7 +10,7 @@
 #include <memory>
 
 #include "cli/program/console.h"
-#include "slicer/batch/batch_view.h"
+#include "farm/batch/batch_view.h"
 
 namespace voxtone::cli {
 

@@ -11,8 +11,8 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
-#include "slicer/cluster/openjd_job.h"
-#include "slicer/cluster/slurm_job.h"
+#include "farm/cluster/openjd_job.h"
+#include "farm/cluster/slurm_job.h"
 
 namespace voxtone::cli {
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "cli/program/common_options.h"
-#include "slicer/batch/plan.h"
-#include "slicer/batch/queued_job.h"
+#include "farm/batch/plan.h"
+#include "farm/batch/queued_job.h"
 
 namespace voxtone::cli {
 

@@ -18,7 +18,7 @@
 #include "base/error.h"
 #include "cli/batch/batch_commands.h"
 #include "cli/program/help.h"
-#include "slicer/cluster/command_output.h"
+#include "farm/cluster/command_output.h"
 
 namespace voxtone::cli {
 

@@ -7,8 +7,8 @@
 #include "cli/batch/batch_commands.h"
 #include "cli/program/console.h"
 #include "cli/program/help.h"
-#include "slicer/batch/batch_status.h"
-#include "slicer/cluster/held_jobs.h"
+#include "farm/batch/batch_status.h"
+#include "farm/cluster/held_jobs.h"
 
 namespace voxtone::cli {
 

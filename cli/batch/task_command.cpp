@@ -12,7 +12,7 @@
 #include "cli/batch/cluster_options.h"
 #include "cli/program/common_options.h"
 #include "cli/program/help.h"
-#include "slicer/cluster/cluster_task.h"
+#include "farm/cluster/cluster_task.h"
 #include "slicer/options/option_values.h"
 
 namespace voxtone::cli {

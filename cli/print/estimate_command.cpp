@@ -11,7 +11,7 @@
 #include "cli/print/print_commands.h"
 #include "cli/program/console.h"
 #include "cli/program/help.h"
-#include "slicer/batch/plan_estimate.h"
+#include "farm/batch/plan_estimate.h"
 #include "slicer/estimate/estimate_job.h"
 #include "slicer/estimate/estimate_text.h"
 #include "slicer/plans/tray_plan.h"

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "farm/cluster/chain_estimate.h"
+
+#include <optional>
+
+#include <fmt/core.h>
+
+#include "base/error.h"
+#include "farm/batch/job_result.h"
+#include "farm/cluster/job_record.h"
+#include "io/programs/build_identity.h"
+#include "slicer/tray/tray_estimate.h"
+
+namespace voxtone::slicer {
+
+bool is_done(const BatchFolder& batch, const PlannedJob& job, InputDigests& digests, const Progress& progress) {
+    const std::optional<JobState> known = batch.state_of(job.name);
+    if (!known) return false;
+    for (const auto& [file, digest] : known->inputs) digests.learn(file, digest);
+    return known->phase == JobPhase::done && known->program == io::build_identity() &&
+           holds_job(job.out, job, digests, &progress);
+}
+
+ChainEstimate estimate_chain(const PlannedJob& job, const ChainOptions& options, Progress& progress) {
+    SliceOptions requested = options_on_cluster(job.options);
+    if (requested.threads == 0) requested.threads = options.most_cores;
+    ChainEstimate made;
+    try {
+        made.chain = task_chain(job, estimate_any(requested, progress), options);
+        if (!made.chain.why_whole.empty()) made.message = fmt::format("it cannot be cut: {}", made.chain.why_whole);
+    } catch (const Cancelled&) {
+        throw;
+    } catch (const TryAgain&) {
+        throw;
+    } catch (const Error& error) {
+        made.message = error.what();
+        made.exit_code = static_cast<int>(error.exit_code());
+    }
+    return made;
+}
+
+JobState state_to_hand_over(const BatchFolder& batch, const PlannedJob& job, std::size_t number) {
+    JobState state = batch.state_of(job.name).value_or(JobState());
+    state.name = job.name;
+    state.number = number;
+    state.command = job.command;
+    if (!state.folder_is_ours) state.folder_is_ours = is_missing_or_empty(job.out);
+    state.runner.reset();
+    state.finished.clear();
+    state.figures.reset();
+    state.after.reset();
+    state.exit_code = 0;
+    state.threads = 0;
+    state.expected_cpu_s = 0;
+    return state;
+}
+
+void note_failure(const BatchFolder& batch, const PlannedJob& job, std::size_t number, const ChainEstimate& estimate,
+                  Progress& progress) {
+    change_state(batch, job.name, progress, [&](JobState& state) {
+        state = state_to_hand_over(batch, job, number);
+        state.phase = JobPhase::failed;
+        state.exit_code = estimate.exit_code;
+        state.message = estimate.message;
+        state.finished = utc_now();
+    });
+}
+
+}  // namespace voxtone::slicer
