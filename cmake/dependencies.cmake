@@ -28,7 +28,7 @@ endforeach()
 find_package(CLI11 CONFIG REQUIRED)
 
 # Parts that a build may be without: those of packages.txt. Each leaves out its verbs, formats or tests, and says so.
-set(VOXTONE_WITHOUT "" CACHE STRING "Parts to leave out although their libraries are there: pictures, vdb, calibration, tests")
+set(VOXTONE_WITHOUT "" CACHE STRING "Parts to leave out although their libraries are there: pictures, drawings, vdb, calibration, tests")
 set(voxtone_missing "")
 macro(voxtone_find package)
   find_package(${package} ${ARGN} QUIET)
@@ -58,6 +58,9 @@ endmacro()
 
 cmake_language(CALL voxtone_libraries_of_io_openimageio)
 voxtone_part(pictures "pictures other than PNG, JPEG and WebP are not read")
+
+cmake_language(CALL voxtone_libraries_of_io_drawings)
+voxtone_part(drawings "SVG drawings are not read")
 
 # FindOpenVDB sets BUILD_SHARED_LIBS in its caller's scope; the block keeps that in.
 block(PROPAGATE OpenVDB_FOUND)

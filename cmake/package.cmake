@@ -11,7 +11,7 @@ set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXE
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_COMPONENTS_ALL core development python)
-foreach(part pictures vdb)
+foreach(part pictures drawings vdb)
   if(VOXTONE_HAS_${part})
     list(APPEND CPACK_COMPONENTS_ALL ${part})
   endif()
@@ -38,7 +38,7 @@ set(CPACK_PROJECT_CONFIG_FILE ${PROJECT_BINARY_DIR}/package_settings.cmake)
 
 # Made by tools/package: compressed manual, changelog, copyright, bill of materials, types for editors.
 set(made ${PROJECT_BINARY_DIR}/packaging)
-foreach(package voxtone:core voxtone-pictures:pictures voxtone-calibrate:calibrate voxtone-vdb:vdb libvoxtone-dev:development python3-voxtone:python)
+foreach(package voxtone:core voxtone-pictures:pictures voxtone-drawings:drawings voxtone-calibrate:calibrate voxtone-vdb:vdb libvoxtone-dev:development python3-voxtone:python)
   string(REGEX MATCH "(.*):(.*)" _ ${package})
   install(DIRECTORY ${made}/doc/ DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${CMAKE_MATCH_1} COMPONENT ${CMAKE_MATCH_2} EXCLUDE_FROM_ALL)
 endforeach()

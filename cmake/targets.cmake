@@ -103,6 +103,7 @@ endfunction()
 
 # The Debian package of a helper program or module; `core` is voxtone itself.
 set(VOXTONE_PACKAGE_OF_voxtone-read-pictures pictures)
+set(VOXTONE_PACKAGE_OF_voxtone-read-drawings drawings)
 set(VOXTONE_PACKAGE_OF_voxtone-calibrate calibrate)
 set(VOXTONE_PACKAGE_OF_voxtone-vdb vdb)
 set(VOXTONE_PACKAGE_OF_voxtone-layer-surfaces vdb)
@@ -164,7 +165,7 @@ function(voxtone_add_test name)
   target_precompile_headers(${name} REUSE_FROM voxtone_test_headers)
   target_compile_options(${name} PRIVATE -pthread $<$<CONFIG:Release>:-O1>)  # -pthread: some of Debian 13's libraries bring it
   if(ARG_LIBRARIES MATCHES "voxtone::(io|calibration|slicer|farm)")
-    voxtone_want(${name} voxtone-read voxtone-read-pictures voxtone-read-stack voxtone-vdb voxtone-layer-surfaces)
+    voxtone_want(${name} voxtone-read voxtone-read-pictures voxtone-read-drawings voxtone-read-stack voxtone-vdb voxtone-layer-surfaces)
   endif()
   # CTest starts the most costly first; what it measures itself it forgets of names with spaces.
   set(cost 20)

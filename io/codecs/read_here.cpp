@@ -74,8 +74,9 @@ ModelParts names_beside(const std::filesystem::path& path, ReadOptions options, 
 }
 
 DecodedImage decode_picture(const std::filesystem::path& path, const ReadOptions& options, const OtherDecoder& others) {
-    return decode_image(read_bytes(path, options.max_file_bytes), path.filename().string(),
-                        {.max_pixels = options.max_pixels, .turn_upright = true, .others = others});
+    return decode_image(
+        read_bytes(path, options.max_file_bytes), path.filename().string(),
+        {.max_pixels = options.max_pixels, .turn_upright = true, .others = others, .drawing = options.drawing});
 }
 
 /// By the program that started this one.
@@ -88,6 +89,7 @@ DecodedImage decode_elsewhere(std::span<const std::byte> bytes, const std::strin
     request.format = format;
     request.use_profile = options.use_profile;
     request.turn_upright = options.turn_upright;
+    request.drawing = options.drawing;
     request.bytes.assign(bytes.begin(), bytes.end());
     return unpack_image(ask_starter(pack(request)));
 }
@@ -118,6 +120,7 @@ Packing answer(std::span<const std::byte> bytes) {
     options.max_file_bytes = request.max_file_bytes;
     options.max_pixels = request.max_pixels;
     options.max_unpacked_bytes = request.max_unpacked_bytes;
+    options.drawing = request.drawing;
     ParseHelp help{.others = decode_elsewhere};
     if (!request.sees_folder) help.ask_for_folder = ask_for_folder;
     switch (request.kind) {

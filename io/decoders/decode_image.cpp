@@ -10,6 +10,8 @@
 #include "io/decoders/decode_jpeg.h"
 #include "io/decoders/decode_png.h"
 #include "io/decoders/decode_webp.h"
+#include "io/files/file_reader.h"
+#include "io/files/xml_reader.h"
 
 namespace voxtone::io {
 
@@ -47,9 +49,8 @@ constexpr Magic magics[] = {
 };
 
 /// In any case; the name may stand in quotes.
-bool ends_like_tga(std::string_view name) {
+bool ends_like(std::string_view name, std::string_view ending) {
     if (name.ends_with('\'')) name.remove_suffix(1);
-    constexpr std::string_view ending = ".tga";
     return name.size() >= ending.size() &&
            std::ranges::equal(name.substr(name.size() - ending.size()), ending,
                               [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a + 32 : a) == b; });
@@ -62,19 +63,27 @@ std::string picture_format(std::span<const std::byte> bytes, const std::string& 
     for (const Magic& magic : magics)
         if (text.size() >= magic.at + magic.mark.size() && text.substr(magic.at, magic.mark.size()) == magic.mark)
             return magic.format;
-    return ends_like_tga(name) || text.ends_with("TRUEVISION-XFILE.\0"sv) ? "targa" : "";
+    const bool packed = text.starts_with("\x1f\x8b"sv);
+    if (root_element(text) == "svg" || ends_like(name, packed ? ".svgz" : ".svg")) return drawing_format;
+    return ends_like(name, ".tga") || text.ends_with("TRUEVISION-XFILE.\0"sv) ? "targa" : "";
 }
 
 DecodedImage decode_image(std::span<const std::byte> bytes, const std::string& name, const DecodeOptions& options) {
     const std::string format = picture_format(bytes, name);
     if (format.empty())
         throw InputError(fmt::format(
-            "{} is no picture of a known kind (PNG, JPEG, TIFF, BMP, TGA, GIF, WebP, EXR, HDR, PNM, PSD); save it "
+            "{} is no picture of a known kind (PNG, JPEG, TIFF, BMP, TGA, GIF, WebP, EXR, HDR, PNM, PSD, SVG); save it "
             "as PNG",
             name));
     if (format == "png") return decode_png(bytes, name, options);
     if (format == "jpeg") return decode_jpeg(bytes, name, options);
     if (format == "webp") return decode_webp(bytes, name, options);
+    if (format == drawing_format && !(options.drawing.pitch_mm > 0))
+        throw InputError(
+            fmt::format("{} is an SVG drawing, which has no pixels; on a model it may be a decal (--decal), and no "
+                        "texture: save it as "
+                        "PNG",
+                        name));
     if (!options.others)
         throw InputError(
             fmt::format("pictures of the kind of {} ({}) cannot be read here; save it as PNG", name, format));

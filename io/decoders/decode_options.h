@@ -9,6 +9,7 @@
 #include <string>
 #include <type_traits>
 
+#include "io/files/read_options.h"
 #include "io/pictures/decoded_image.h"
 
 namespace voxtone::io {
@@ -25,6 +26,7 @@ struct DecodeOptions {
     bool use_profile = true;    ///< false: samples are sRGB whatever the file says (glTF demands it)
     bool turn_upright = false;  ///< apply the EXIF orientation (photographs; textures are laid down as stored)
     OtherDecoder others = {};   ///< empty: other kinds are refused
+    DrawingRaster drawing = {};
 };
 
 }  // namespace voxtone::io

@@ -2,6 +2,7 @@
 #include "io/files/file_reader.h"
 
 #include <chrono>
+#include <cstdlib>
 #include <utility>
 
 #include <fmt/format.h>
@@ -19,9 +20,23 @@ namespace voxtone::io {
 
 namespace {
 
-const std::string protocol = "voxtone-read 4, voxtone " + build_identity();
+const std::string protocol = "voxtone-read 5, voxtone " + build_identity();
 
-constexpr const char* pictures_program = "voxtone-read-pictures";
+constexpr const char *pictures_program = "voxtone-read-pictures", *drawings_program = "voxtone-read-drawings";
+
+/// Where libraries that set text look for fonts, and for what there is to know of them.
+std::vector<std::string> font_places() {
+    std::vector<std::string> places{"/etc/fonts",
+                                    "/usr/share/fontconfig",
+                                    "/usr/share/fonts",
+                                    "/usr/local/share/fonts",
+                                    "/usr/share/xml/fontconfig",
+                                    "/var/cache/fontconfig"};
+    if (const char* const home = std::getenv("HOME"); home && *home == '/')
+        for (const char* place : {"/.fonts", "/.local/share/fonts", "/.config/fontconfig", "/.cache/fontconfig"})
+            places.push_back(home + std::string(place));
+    return places;
+}
 
 /// What voxtone-read may ask for while it works.
 class ReaderAnswers {
@@ -45,22 +60,44 @@ public:
 private:
     std::vector<std::byte> decode_picture(std::span<const std::byte> question, const Progress* progress,
                                           std::uint8_t& missing_walls) {
-        if (!program_)
-            program_ = std::make_shared<IsolatedProgram>(what_, find_pictures_program(), question, limits_);
+        const bool is_drawing = unpack_request(question).format == drawing_format;
+        std::shared_ptr<IsolatedProgram>& waiting = is_drawing ? drawings_ : pictures_;
+        if (!waiting)
+            waiting = is_drawing ? start_drawing(question)
+                                 : std::make_shared<IsolatedProgram>(what_, find_pictures_program(), question, limits_);
         else
-            program_->post_request(question);
-        const std::shared_ptr<IsolatedProgram> program = std::move(program_);  // of no use after most errors
+            waiting->post_request(question);
+        const std::shared_ptr<IsolatedProgram> program = std::move(waiting);  // of no use after most errors
         program->count_as_spent(spent_s_);  // the limit of time is that of all pictures of a file
         const auto start = std::chrono::steady_clock::now();
         try {
             std::vector<std::byte> picture = program->result(progress);
             missing_walls |= program->missing_walls();
             spent_s_ = program->spent_s();
-            program_ = program;
+            waiting = program;
             return picture;
         } catch (const InputError&) {  // where it crashed its own clock is gone
             spent_s_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
             throw;
+        }
+    }
+
+    /// Pango looks fonts up in threads of its own.
+    [[nodiscard]] std::shared_ptr<IsolatedProgram> start_drawing(std::span<const std::byte> question) const {
+        IsolationLimits limits = limits_;
+        limits.readable = font_places();
+        limits.threads = true;
+        return std::make_shared<IsolatedProgram>(what_, find_drawings_program(), question, limits);
+    }
+
+    static std::filesystem::path find_drawings_program() {
+        try {
+            return find_helper(drawings_program);
+        } catch (const FileError&) {
+            throw InputError(fmt::format(
+                "SVG drawings are drawn by {}, which is not installed here: install it (the package voxtone-drawings), "
+                "or save the drawing as PNG, of 300 dpi or more",
+                drawings_program));
         }
     }
 
@@ -78,8 +115,8 @@ private:
 
     std::string what_;
     IsolationLimits limits_;
-    double spent_s_ = 0;                        ///< on pictures, of the processor
-    std::shared_ptr<IsolatedProgram> program_;  ///< waits for the next picture; shared: functions are copied
+    double spent_s_ = 0;                                    ///< on pictures, of the processor
+    std::shared_ptr<IsolatedProgram> pictures_, drawings_;  ///< wait for the next one; shared: functions are copied
 };
 
 }  // namespace
@@ -87,7 +124,8 @@ private:
 std::vector<std::byte> pack(const ReadRequest& r) {
     PackedWriter writer;
     writer(protocol, r.kind, r.path, r.max_file_bytes, r.max_pixels, r.max_unpacked_bytes, r.texture, r.samples,
-           r.sees_folder, r.format, r.use_profile, r.turn_upright, r.bytes);
+           r.sees_folder, r.format, r.use_profile, r.turn_upright, r.drawing.pitch_mm, r.drawing.width_mm,
+           r.drawing.height_mm, r.drawing.size_mm, r.drawing.px_per_inch, r.bytes);
     return std::move(writer.bytes);
 }
 
@@ -101,7 +139,8 @@ ReadRequest unpack_request(std::span<const std::byte> bytes) {
             protocol, asked));
     ReadRequest r;
     reader(r.kind, r.path, r.max_file_bytes, r.max_pixels, r.max_unpacked_bytes, r.texture, r.samples, r.sees_folder,
-           r.format, r.use_profile, r.turn_upright, r.bytes);
+           r.format, r.use_profile, r.turn_upright, r.drawing.pitch_mm, r.drawing.width_mm, r.drawing.height_mm,
+           r.drawing.size_mm, r.drawing.px_per_inch, r.bytes);
     reader.expect_end();
     return r;
 }
@@ -114,6 +153,7 @@ std::unique_ptr<IsolatedProgram> start_reader(ReadKind kind, const std::filesyst
     request.max_file_bytes = options.max_file_bytes;
     request.max_pixels = options.max_pixels;
     request.max_unpacked_bytes = options.max_unpacked_bytes;
+    request.drawing = options.drawing;
     request.texture = options.texture.string();
     request.sees_folder = sees_folder;
     return start_reader(path.filename().string(), request, isolation_limits(options));

@@ -4,6 +4,7 @@
 // models, ICC profiles, PNG, JPEG and WebP; `voxtone-read-pictures` (io/openimageio) pictures of all other kinds, and
 // photographs: OpenImageIO and the hundred libraries that it loads are linked into it alone. It starts when such a
 // picture comes: voxtone-read, behind its walls, asks for it, and it is given the picture's bytes and sees no file.
+// `voxtone-read-drawings` (io/drawings) is asked in the same way for SVG; it sees this machine's fonts.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +25,7 @@ enum class ReadKind : std::uint8_t {
     model,           ///< answered by packed ModelParts (io/models/model_parts.h)
     picture,         ///< by a packed DecodedImage
     photograph,      ///< by a packed Photograph; voxtone-read-pictures
-    other_picture,   ///< by a packed DecodedImage; voxtone-read-pictures
+    other_picture,   ///< by a packed DecodedImage; voxtone-read-pictures, voxtone-read-drawings
     folder,          ///< asked by voxtone-read: the model names files beside it, which it was not given
     device_profile,  ///< by a packed DeviceProfile (io/profiles/device_profile.h)
     side_files,      ///< of a model: by packed ModelParts that hold these alone
@@ -38,10 +39,14 @@ struct ReadRequest {
     std::vector<double> samples{};                                             ///< asked of a device profile
     bool sees_folder = true;  ///< of a model: what lies beside it may be read
     // of other_picture; its name for messages is `path`
-    std::string format{};  ///< as OpenImageIO names it
+    std::string format{};  ///< as OpenImageIO names it, or "svg"
     bool use_profile = true, turn_upright = false;
+    DrawingRaster drawing{};  ///< of picture, too
     std::vector<std::byte> bytes{};
 };
+
+/// ReadRequest::format of an SVG drawing.
+inline constexpr const char* drawing_format = "svg";
 
 /// Of a reader that was not given the folder of its model, and asks for it.
 struct NeedsFolder {};

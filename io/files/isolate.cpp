@@ -181,11 +181,9 @@ IsolatedProgram::IsolatedProgram(std::string what, const std::filesystem::path& 
       limits_(limits),
       request_(memory_file("request")),
       result_(memory_file("result")) {
-    const isolation::Orders orders{limits.memory_bytes,
-                                   most_result_bytes(limits),
-                                   limits.readable,
-                                   limits.listable,
-                                   {request.begin(), request.end()}};
+    const isolation::Orders orders{limits.memory_bytes, most_result_bytes(limits),
+                                   limits.readable,     limits.listable,
+                                   limits.threads,      {request.begin(), request.end()}};
     int ends[2] = {-1, -1};
     if (request_.get() < 0 || result_.get() < 0 || !fill(request_.get(), packed(orders)) ||
         socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {

@@ -40,6 +40,7 @@ struct IsolationLimits {
     double timeout_s = 120;  ///< of the processor, for one request; > 0. Waiting ends after ten times that.
     std::vector<std::string> readable = {};  ///< files, and folders with all below them, that it may read; no other
     std::vector<std::string> listable = {};  ///< folders whose names it may list
+    bool threads = false;                    ///< it may start threads, which stand behind the same walls
     std::string more = {};  ///< for messages: how the user allows more ("--read-memory"), if there is a way
 };
 

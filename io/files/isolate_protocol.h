@@ -28,12 +28,15 @@ struct Orders {
     std::uint64_t result_bytes = 0;     ///< the longest answer
     std::vector<std::string> readable;  ///< IsolationLimits::readable
     std::vector<std::string> listable;  ///< IsolationLimits::listable
+    bool threads = false;               ///< IsolationLimits::threads
     std::vector<std::byte> request;
 };
 
 template <class Stream, class Value>
 requires std::is_same_v<std::remove_const_t<Value>, Orders>
-void describe(Stream& stream, Value& o) { stream(o.memory_bytes, o.result_bytes, o.readable, o.listable, o.request); }
+void describe(Stream& stream, Value& o) {
+    stream(o.memory_bytes, o.result_bytes, o.readable, o.listable, o.threads, o.request);
+}
 
 /// To a question. `refusal` empty: `answer` holds.
 struct Reply {

@@ -26,6 +26,13 @@ enum class TextureFilter : std::uint8_t {
     linear,   ///< blended
 };
 
+/// How many pixels a drawing (SVG) gets, which has none: those of the print that it is for.
+struct DrawingRaster {
+    double pitch_mm = 0;                              ///< of the print's finest places; 0: drawings are refused
+    double width_mm = 0, height_mm = 0, size_mm = 0;  ///< of the print, the first that is not 0: its longer side last
+    double px_per_inch = 0;                           ///< of what the file counts in px; 0: 96, as CSS has it
+};
+
 struct ReadOptions {
     std::uint64_t memory_bytes = default_read_memory();  ///< what parsing may take; 0: no limit (sanitizers need that)
     double timeout_s = 120;                              ///< of the processor; > 0
@@ -35,6 +42,7 @@ struct ReadOptions {
     bool fill_gutters = true;
     std::filesystem::path texture;  ///< of a model: laid on what has coordinates and no picture; empty: none
     TextureFilter texture_filter = TextureFilter::as_file;
+    DrawingRaster drawing;               ///< of a picture that is a drawing
     std::string more = {};               ///< for messages: how the user allows more, if there is a way
     const Progress* progress = nullptr;  ///< asked for cancellation
 };

@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <linux/landlock.h>
+#include <sched.h>
 #include <seccomp.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
@@ -50,7 +51,7 @@ bool limit_to(Resource resource, std::uint64_t value) {
 
 void set_limits(const WallLimits& limits) {
     limit_to(RLIMIT_CORE, 0);
-    limit_to(RLIMIT_NPROC, 0);
+    if (!limits.threads) limit_to(RLIMIT_NPROC, 0);  // it counts threads
     limit_to(RLIMIT_NOFILE, most_open_files);
     limit_to(RLIMIT_FSIZE, limits.file_bytes);
     if (limits.memory_bytes) limited_outside = limit_to(RLIMIT_AS, mapped_bytes() + limits.memory_bytes);
@@ -162,10 +163,18 @@ bool add_unknown_calls(scmp_filter_ctx filter) {
     return true;
 }
 
-bool add_rules(scmp_filter_ctx filter) {
+/// As the C library starts them; in another process, another name space or as a process of its own they are refused.
+bool allow_threads(scmp_filter_ctx filter) {
+    constexpr scmp_datum_t flags = CLONE_VM | CLONE_FS | CLONE_FILES | CLONE_SYSVSEM | CLONE_SIGHAND | CLONE_THREAD |
+                                   CLONE_SETTLS | CLONE_PARENT_SETTID | CLONE_CHILD_CLEARTID;
+    return allow_where(filter, SCMP_SYS(clone), {where(0, ~scmp_datum_t{0}, flags)}) &&
+           allow_where(filter, SCMP_SYS(set_robust_list), {}) && allow_where(filter, SCMP_SYS(rseq), {});
+}
+
+bool add_rules(scmp_filter_ctx filter, bool threads) {
     for (const int call : allowed_calls)
         if (is_of_this_machine(call) && seccomp_rule_add(filter, SCMP_ACT_ALLOW, call, 0) != 0) return false;
-    if (!add_unknown_calls(filter)) return false;
+    if (!add_unknown_calls(filter) || (threads && !allow_threads(filter))) return false;
     constexpr scmp_datum_t writing = O_ACCMODE | O_CREAT | O_TRUNC | O_APPEND | (O_TMPFILE & ~O_DIRECTORY),
                            all_bits = ~scmp_datum_t{0};
     const auto self = static_cast<scmp_datum_t>(getpid());
@@ -182,13 +191,13 @@ bool add_rules(scmp_filter_ctx filter) {
            allow_where(filter, SCMP_SYS(prlimit64), {where(2, all_bits, 0)});
 }
 
-bool filter_calls() {
+bool filter_calls(bool threads) {
     const scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ERRNO(EPERM));
     if (!filter) return false;
     constexpr std::uint32_t by_halves = 2;
     seccomp_attr_set(filter, SCMP_FLTATR_CTL_OPTIMIZE, by_halves);  // else a call is held against the list one by one
     const bool stands = seccomp_attr_set(filter, SCMP_FLTATR_CTL_TSYNC, 1) == 0 &&  // in all threads
-                        add_rules(filter) && seccomp_load(filter) == 0;
+                        add_rules(filter, threads) && seccomp_load(filter) == 0;
     seccomp_release(filter);
     return stands;
 }
@@ -204,7 +213,7 @@ std::uint8_t raise_walls(const WallDoors& doors, const WallLimits& limits) {
     set_limits(limits);  // before the filters: what is mapped already is read from a file
     const bool for_good = prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0;
     if (!for_good || !alone || !filter_files(doors)) missing |= no_file_filter;
-    if (!for_good || !filter_calls()) missing |= no_call_filter;
+    if (!for_good || !filter_calls(limits.threads)) missing |= no_call_filter;
     return missing;
 }
 

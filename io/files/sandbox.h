@@ -7,7 +7,8 @@
 // - System calls (seccomp): a list of what is allowed, for what is not thought of must be refused: no writing or making
 //   of files, no sockets, no processes or threads, no programs, no tracing, no memory that is both written and run. A
 //   refused call fails with EPERM, so that a library that tries something needless goes on without it; one that is
-//   newer than the list with ENOSYS, as on an older kernel, so that it takes the older way.
+//   newer than the list with ENOSYS, as on an older kernel, so that it takes the older way. Threads are allowed to who
+//   asks for them.
 // - Files (Landlock, Linux 5.13): open and list only below the paths given; the filter of calls cannot see names.
 // - Limits (rlimit): bytes of a file, open files, processes, core dumps, address space.
 #pragma once
@@ -32,6 +33,7 @@ struct WallDoors {
 struct WallLimits {
     std::uint64_t memory_bytes = 0;  ///< address space beyond what is mapped already; 0: no limit
     std::uint64_t file_bytes = 0;    ///< the longest file that may be written: the answer
+    bool threads = false;            ///< may be started; walls hold for them, too
 };
 
 /// To be called in a process of one thread: with several it gets no filter of files. Returns MissingWall bits.

@@ -146,8 +146,8 @@ void serve_isolated(const Work& work) {
     if (was_started_by_hand()) return;
     if (const auto first = next_request()) {
         const auto orders = unpacked<Orders>(*first);
-        missing_walls =
-            raise_walls({orders.readable, orders.listable}, {orders.memory_bytes, head_bytes + orders.result_bytes});
+        missing_walls = raise_walls({orders.readable, orders.listable},
+                                    {orders.memory_bytes, head_bytes + orders.result_bytes, orders.threads});
         answer_one(work, orders.request);
         while (const auto request = next_request()) answer_one(work, *request);
     }

@@ -41,6 +41,26 @@ std::uint32_t referenced(std::string_view entity) {
 
 }  // namespace
 
+std::string_view behind_blanks(std::string_view text) {
+    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+    return text.substr(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+}
+
+std::string_view root_element(std::string_view text) {
+    text = behind_blanks(text);
+    // "]" ends what a document type declares in itself.
+    while (text.starts_with("<?") || text.starts_with("<!") || text.starts_with(']')) {
+        const std::string_view end = text.starts_with("<!--") ? "-->" : ">";
+        const std::size_t at = text.find(end);
+        if (at == text.npos) return {};
+        text = behind_blanks(text.substr(at + end.size()));
+    }
+    if (!text.starts_with('<')) return {};
+    text.remove_prefix(1);
+    text = text.substr(0, text.find_first_of(" \t\r\n/>"));
+    return text.substr(text.rfind(':') + 1);  // npos + 1 is 0
+}
+
 XmlReader::XmlReader(std::string_view text, std::string what) : text_(text), what_(std::move(what)) {
     if (text_.starts_with("\xef\xbb\xbf")) at_ = 3;
     if (text_.starts_with("\xff\xfe") || text_.starts_with("\xfe\xff")) fail("it is in UTF-16, only UTF-8 can be read");

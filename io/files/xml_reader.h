@@ -19,6 +19,13 @@
 
 namespace voxtone::io {
 
+/// Behind a byte order mark and blanks.
+[[nodiscard]] std::string_view behind_blanks(std::string_view text);
+
+/// Of the first element of XML, without its prefix, behind declarations, comments and document type; empty where there
+/// is none. The beginning of a text is enough.
+[[nodiscard]] std::string_view root_element(std::string_view text);
+
 class XmlReader {
 public:
     enum class Event { start, end, finished };

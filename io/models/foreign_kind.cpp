@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "io/files/xml_reader.h"
 #include "io/models/model_reader.h"
 #include "io/models/model_text.h"
 
@@ -250,29 +251,8 @@ const Kind* kind_by_name(const std::string& name) {
     return nullptr;
 }
 
-/// Behind a byte order mark and blanks.
-std::string_view without_mark(std::string_view text) {
-    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
-    return text.substr(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
-}
-
-/// Of the first element of XML, behind its declaration, comments and document type; empty where there is none.
-std::string_view root_element(std::string_view text) {
-    text = without_mark(text);
-    while (text.starts_with("<?") || text.starts_with("<!")) {
-        const std::string_view end = text.starts_with("<!--") ? "-->" : ">";
-        const std::size_t at = text.find(end);
-        if (at == text.npos) return {};
-        text = without_mark(text.substr(at + end.size()));
-    }
-    if (!text.starts_with('<')) return {};
-    text.remove_prefix(1);
-    text = text.substr(0, text.find_first_of(" \t\r\n/>"));
-    return text.substr(text.rfind(':') + 1);  // without the prefix of a name space; npos + 1 is 0
-}
-
 const Kind* kind_of_xml(std::string_view text) {
-    const std::string_view plain = without_mark(text);
+    const std::string_view plain = behind_blanks(text);
     if (lower_case(plain.substr(0, 14)) == "<!doctype html") return &kinds::html;
     const std::string_view root = root_element(text);
     for (const Mark& mark : roots)
@@ -366,7 +346,7 @@ const ModelKind* model_by_content(std::string_view text, std::uintmax_t size) {
     if (text.starts_with("glTF")) return &glb;
     if (text.starts_with("ply\n") || text.starts_with("ply\r")) return &ply;
     if (text.starts_with("PK\x03\x04")) return kind_of_zip(text) ? nullptr : &threemf;
-    const std::string_view plain = without_mark(text);
+    const std::string_view plain = behind_blanks(text);
     if (text.starts_with("Kaydara FBX") || plain.starts_with("; FBX")) return &fbx;
     if (plain.starts_with("#VRML")) return &vrml;
     if (plain.starts_with('{') && text.find("\"asset\"") != text.npos) return &gltf;
@@ -382,9 +362,9 @@ const Readable* picture_by_content(std::string_view text) {
 }
 
 std::string refusal(const std::string& name, const Kind& kind, Wanted wanted, bool in_spite_of_name) {
-    return fmt::format("{} is {}{}, and {} that can be read: {}", name, kind.what,
-                       in_spite_of_name ? ", whatever its name says" : "",
-                       wanted == Wanted::picture ? "no picture" : "neither a model nor a picture", kind.remedy);
+    return fmt::format(
+        "{} is {}{}, and {} that can be read: {}", name, kind.what, in_spite_of_name ? ", whatever its name says" : "",
+        wanted != Wanted::model_or_picture ? "no picture" : "neither a model nor a picture", kind.remedy);
 }
 
 std::string stem_of(const std::string& name) { return std::filesystem::path(name).stem().string(); }
@@ -402,14 +382,17 @@ std::string foreign_kind(const std::string& name, std::span<const std::byte> beg
     if (is_archive && text.starts_with("PK") && !begins_as_3mf(text)) return {};  // its reader knows what is in it
     if (extension == "3mf" && text.starts_with("PK")) return {};                  // its parser knows what is in it
     if (is_vrml_name(name) && text.starts_with("\x1f\x8b")) return {};            // packed by gzip, as it may be
+    const bool may_be_drawn = wanted != Wanted::texture && !is_model_name(name);
+    if (may_be_drawn && extension == "svgz" && text.starts_with("\x1f\x8b")) return {};
     if (const Readable* const picture = picture_by_content(text)) {
-        if (wanted == Wanted::picture || !is_model_name(name)) return {};
+        if (wanted != Wanted::model_or_picture || !is_model_name(name)) return {};
         return fmt::format(
             "{} is {} by its first bytes and no model: rename it {}.{} to print it as a picture, or give "
             "the model",
             name, picture->what, stem_of(name), picture->ending);
     }
     if (const Kind* const kind = kind_by_content(name, text, size)) {
+        if (kind == &kinds::svg && may_be_drawn) return {};
         const bool packed = kind == &kinds::zip || kind == &kinds::gzip;
         const bool as_named =
             named && (kind == named || named->remedy == kind->remedy || (packed && named->inside == Inside::anything));
@@ -417,12 +400,13 @@ std::string foreign_kind(const std::string& name, std::span<const std::byte> beg
         return refusal(name, as_named ? *named : *kind, wanted, in_spite);
     }
     if (const ModelKind* const model = model_by_content(text, size)) {
-        if (wanted == Wanted::picture) return fmt::format("{} is {} and no picture", name, model->what);
+        if (wanted != Wanted::model_or_picture) return fmt::format("{} is {} and no picture", name, model->what);
         if (extension == model->ending || (!extension.empty() && extension == model->other)) return {};
         if (model->ending == "wrl" && is_vrml_name(name)) return {};
         return fmt::format("{} is {} by its first bytes, and models are known by their names: rename it {}.{}", name,
                            model->what, stem_of(name), model->ending);
     }
+    if (named == &kinds::svg && may_be_drawn) return {};  // its reader says what is wrong with it
     return named && !is_archive ? refusal(name, *named, wanted, false) : std::string();
 }
 

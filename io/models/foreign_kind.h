@@ -6,13 +6,14 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
 
 namespace voxtone::io {
 
-enum class Wanted : bool { model_or_picture, picture };
+enum class Wanted : std::uint8_t { model_or_picture, picture, texture };  ///< no texture is an SVG drawing
 
 /// One sentence, without its end: what the file is and what to do with it; empty where it may be what is wanted. A
 /// model under the name of another kind, or of none, is told too, since models are read by their names. Of a file that

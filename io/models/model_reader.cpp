@@ -34,9 +34,9 @@ bool is_vrml_name(const std::filesystem::path& path) {
 }
 
 bool is_picture_name(const std::filesystem::path& path) {
-    static constexpr std::array<std::string_view, 16> extensions{"png", "jpg", "jpeg", "tif", "tiff", "bmp",
+    static constexpr std::array<std::string_view, 18> extensions{"png", "jpg", "jpeg", "tif", "tiff", "bmp",
                                                                  "tga", "gif", "webp", "exr", "hdr",  "ppm",
-                                                                 "pgm", "pbm", "pnm",  "psd"};
+                                                                 "pgm", "pbm", "pnm",  "psd", "svg",  "svgz"};
     return std::ranges::find(extensions, extension_of(path)) != extensions.end();
 }
 

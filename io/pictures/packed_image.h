@@ -17,7 +17,7 @@ template <class Stream, class Image>
 requires std::is_same_v<std::remove_const_t<Image>, DecodedImage>
 void describe(Stream& stream, Image& i) {
     stream(i.texels.width_px, i.texels.height_px, i.texels.srgb8, i.texels.linear16, i.dpi_x, i.dpi_y, i.pixel_aspect,
-           i.has_alpha, i.warnings, i.lost_colour);
+           i.has_alpha, i.is_drawing, i.warnings, i.lost_colour);
 }
 
 /// Throws InputError when the picture's size is not that of its texels: what comes from the reader is not believed.

@@ -61,6 +61,7 @@ Picture picture_of(DecodedImage& image) {
     picture.dpi_x = image.dpi_x;
     picture.dpi_y = image.dpi_y;
     picture.pixel_aspect = image.pixel_aspect;
+    picture.is_drawing = image.is_drawing;
     picture.warnings = std::move(image.warnings);
     picture.lost_colour = std::move(image.lost_colour);
     if (!picture.lost_colour.empty()) picture.warnings.push_back(named_warning("lost-colour", picture.lost_colour));

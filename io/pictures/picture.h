@@ -20,6 +20,7 @@ struct Picture {
     std::uint32_t width_px = 0, height_px = 0;
     double dpi_x = 0, dpi_y = 0;  ///< 0 where the file has none
     double pixel_aspect = 1;      ///< height of a pixel by its width
+    bool is_drawing = false;      ///< DecodedImage::is_drawing
     std::vector<std::string> warnings;
     std::string lost_colour;  ///< that of the warnings which tells of lost colours; empty: none is lost
     /// Of a picture that is to be cut to shape: rows from the top, 65535 is opaque; its texture has alpha nowhere. Else

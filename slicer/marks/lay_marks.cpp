@@ -229,7 +229,7 @@ io::Decal decal_in(const MarkFrame& frame, const SolidMesh& body) {
 
 void lay_mark(const MarkOptions& mark, const BodyToMark& body, const io::ReadOptions& reading,
               std::vector<MarkFrame>& taken, LaidMarks& laid) {
-    const MarkShape shape = shape_of(mark, reading);
+    const MarkShape shape = shape_of(mark, reading, body.pitch_mm);
     laid.warnings.insert(laid.warnings.end(), shape.warnings.begin(), shape.warnings.end());
     laid.notes.insert(laid.notes.end(), shape.notes.begin(), shape.notes.end());
     const UvRectangle* const uv = std::get_if<UvRectangle>(&mark.place);

@@ -21,6 +21,7 @@ struct BodyToMark {
     const SolidIndex& solid;
     SurfaceIndex& surface;  ///< a picture's slab, coloured on its face alone, takes colour below its marks too
     bool is_picture = false;
+    double pitch_mm = 0;  ///< the finest of the print, at which drawings are drawn
 };
 
 struct LaidMarks {

@@ -72,7 +72,15 @@ io::Coverage ink_of_text(const MarkOptions& mark) {
     return ink;
 }
 
-MarkShape shape_of_picture(const MarkOptions& mark, const io::ReadOptions& reading) {
+/// Of one that lies where texture coordinates say, only the texture knows how large that is.
+io::DrawingRaster raster_of(const MarkOptions& mark, double pitch_mm) {
+    constexpr double pixels_by_uv = 2048;
+    if (std::holds_alternative<UvRectangle>(mark.place)) return {.pitch_mm = 1 / pixels_by_uv, .size_mm = 1};
+    return {.pitch_mm = pitch_mm, .width_mm = mark.size_mm};
+}
+
+MarkShape shape_of_picture(const MarkOptions& mark, io::ReadOptions reading, double pitch_mm) {
+    reading.drawing = raster_of(mark, pitch_mm);
     io::DecodedImage image = io::read_picture_with_alpha(mark.file, reading);
     io::show_if_invisible(image, std::filesystem::path(mark.file).filename().string());
     MarkShape shape;
@@ -90,9 +98,9 @@ MarkShape shape_of_picture(const MarkOptions& mark, const io::ReadOptions& readi
 
 }  // namespace
 
-MarkShape shape_of(const MarkOptions& mark, const io::ReadOptions& reading) {
+MarkShape shape_of(const MarkOptions& mark, const io::ReadOptions& reading, double pitch_mm) {
     try {
-        if (mark.kind == MarkKind::picture) return shape_of_picture(mark, reading);
+        if (mark.kind == MarkKind::picture) return shape_of_picture(mark, reading, pitch_mm);
         MarkShape shape;
         shape.ink = mark.kind == MarkKind::text ? ink_of_text(mark) : ink_of_code(mark);
         shape.width_mm = shape.ink.width_mm();

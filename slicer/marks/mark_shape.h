@@ -23,8 +23,9 @@ struct MarkShape {
     std::vector<std::string> notes;                  ///< what may be worth a thought
 };
 
-/// Sets the text, makes the code or reads the picture. Throws FileError, InputError that begins with the mark.
-[[nodiscard]] MarkShape shape_of(const MarkOptions& mark, const io::ReadOptions& reading);
+/// Sets the text, makes the code or reads the picture, a drawing with a pixel for each `pitch_mm` (needed of these
+/// alone). Throws FileError, InputError that begins with the mark.
+[[nodiscard]] MarkShape shape_of(const MarkOptions& mark, const io::ReadOptions& reading, double pitch_mm = 0);
 
 /// The shape in its colours.
 [[nodiscard]] std::shared_ptr<const io::AlphaPicture> coloured(const MarkShape& shape, const Eigen::Vector3f* ink_rgb,

@@ -42,7 +42,7 @@ void refuse_foreign_files(const SliceOptions& o) {
                         "export a model as one of these, and give a picture of such a name --width in place of --size",
                         o.model, io::model_name_endings));
     if (o.texture.empty()) return;
-    if (const std::string why = io::foreign_kind(o.texture, io::Wanted::picture); !why.empty())
+    if (const std::string why = io::foreign_kind(o.texture, io::Wanted::texture); !why.empty())
         throw InputError("--texture: " + why);
 }
 

@@ -137,7 +137,9 @@ void look_for_thin_walls(const PrinterProfile& printer, const SolidIndex& solid,
 /// Where letters are raised the body is larger than its mesh.
 void mark_body(const ResolvedJob& job, const PrinterProfile& printer, const SolidIndex& solid, JobBody& body) {
     if (job.marks.empty()) return;
-    const LaidMarks laid = lay_marks(job.marks, {body.model.mesh, solid, body.surface, body.is_picture}, job.reading);
+    const LaidMarks laid = lay_marks(
+        job.marks, {body.model.mesh, solid, body.surface, body.is_picture, printer.sliced_pitch_mm().minCoeff()},
+        job.reading);
     append(body.notes, laid.notes);
     append(body.warnings, laid.warnings);
     for (const MarkOptions& mark : job.marks) body.resin_of_decal.push_back(mark.resin);
@@ -150,6 +152,14 @@ void mark_body(const ResolvedJob& job, const PrinterProfile& printer, const Soli
         check_tray(body.grid, printer.sliced_tray_mm(), body.placement);
     }
     body.relief = relief_of(laid.embossed, body.grid, job.colour.depth_mm);
+}
+
+/// A drawing that lies on its back has nothing finer than the pitch of layers' pixels.
+io::DrawingRaster raster_of_picture(const ResolvedJob& job) {
+    const Eigen::Vector3d pitch_mm = find_printer(job.printer).sliced_pitch_mm();
+    const bool lies = job.placement.rotation.isIdentity(0);
+    const PictureOptions& o = job.picture;
+    return {lies ? pitch_mm.head<2>().minCoeff() : pitch_mm.minCoeff(), o.width_mm, o.height_mm, o.size_mm, o.dpi};
 }
 
 void say_if_lying(const ResolvedJob& job, JobBody& body) {
@@ -176,6 +186,7 @@ void check_model(const ResolvedJob& job) {
 io::Picture read_input_picture(const ResolvedJob& job, const Progress& progress) {
     io::ReadOptions reading = job.reading;
     reading.progress = &progress;
+    reading.drawing = raster_of_picture(job);
     try {
         return io::read_picture(job.model, reading,
                                 job.picture.cut_out ? io::PictureAlpha::cut : io::PictureAlpha::over_white);

@@ -18,13 +18,13 @@ namespace voxtone::slicer {
 
 namespace {
 
-/// Of a face of so many pixels.
+/// Of a face of so many pixels. In a drawing's own size --dpi has had its say (io::DrawingRaster).
 Eigen::Vector2d size_of(const io::Picture& picture, const Eigen::Vector2d& face_px, const PictureOptions& options) {
     const double aspect = picture.pixel_aspect * face_px.y() / face_px.x();
     const auto as_wide = [&](double mm) { return Eigen::Vector2d(mm, mm * aspect); };
     if (options.width_mm > 0) return as_wide(options.width_mm);
     if (options.height_mm > 0) return as_wide(options.height_mm / aspect);
-    if (options.dpi > 0) return as_wide(face_px.x() / options.dpi * mm_per_inch);
+    if (options.dpi > 0 && !picture.is_drawing) return as_wide(face_px.x() / options.dpi * mm_per_inch);
     if (options.size_mm > 0) return as_wide(options.size_mm / std::max(1.0, aspect));
     if (picture.dpi_x > 0) return as_wide(face_px.x() / picture.dpi_x * mm_per_inch);
     throw UsageError(

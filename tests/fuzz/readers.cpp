@@ -16,6 +16,7 @@
 #include "io/codecs/meshopt_stream.h"
 #include "io/codecs/read_here.h"
 #include "io/decoders/decode_image.h"
+#include "io/drawings/draw_svg.h"
 #include "io/layers/stack_service.h"
 #include "io/models/model_parts.h"
 #include "io/models/mtl_library.h"
@@ -147,6 +148,11 @@ constexpr Reader readers[] = {
      [](Bytes f) {
          (void)io::decode_image(std::as_bytes(f), "a",
                                 {.max_pixels = few_pixels, .turn_upright = true, .others = io::decode_other});
+     }},
+    {"svg",
+     [](Bytes f) {
+         (void)io::draw_svg(std::as_bytes(f), "a",
+                            {.max_pixels = few_pixels, .drawing = {.pitch_mm = 0.1, .width_mm = 6}});
      }},
     {"layer", [](Bytes f) { (void)io::scan_layer(f, "a.png", some_palette()); }},
     {"png-stack", [](Bytes f) { read_stack_with("slice_00000.png", f); }},

@@ -29,11 +29,12 @@ class Taken {
 public:
     explicit Taken(const fs::path& readable, const fs::path& listable = {})
         : Taken(std::vector{readable.string()}, {listable.string()}) {}
-    Taken(const std::vector<std::string>& readable, const std::vector<std::string>& listable)
+    Taken(const std::vector<std::string>& readable, const std::vector<std::string>& listable, bool threads = false)
         : program_("a.obj", test::misbehaving_program(), {},
                    {.memory_bytes = built_with_address_sanitizer() ? 0 : std::uint64_t{256} << 20,
                     .readable = readable,
-                    .listable = listable}) {
+                    .listable = listable,
+                    .threads = threads}) {
         (void)program_.result();
     }
     std::string answer(const std::string& wish) {
@@ -107,6 +108,21 @@ TEST_CASE("a taken reader reaches nothing else", "[sandbox]") {
     }
     CHECK(proven >= 11);
     CHECK(taken.answer("flags of a descriptor") == "done");  // which libraries need
+}
+
+TEST_CASE("a reader that may start threads gets these and nothing else, and they stand behind its walls", "[sandbox]") {
+    Files files;
+    Taken taken({files.inside.string()}, {}, true);
+    if (taken.lacks(no_call_filter, "seccomp")) return;
+    for (const std::string what : test::attempts) {
+        INFO(what);
+        CHECK_THAT(taken.answer(what), Contains(what == "thread" ? "done" : "refused"));
+    }
+    CHECK(taken.answer("read in a thread " + (files.inside / "a.obj").string()) == "done");
+    if (taken.lacks(no_file_filter, "Landlock")) return;
+    CHECK_THAT(taken.answer("read in a thread " + (files.beside / "secret").string()), Contains("refused"));
+    CHECK_THAT(Taken(files.inside).answer("read in a thread " + (files.inside / "a.obj").string()),
+               Contains("refused"));
 }
 
 TEST_CASE("a reader reads what it was given and nothing else", "[sandbox]") {

@@ -67,6 +67,26 @@ long start_thread() {
     return error == 0 ? 0 : -1;
 }
 
+/// By a thread that is started for it.
+long read_in_thread(const char* path) {
+    struct Read {
+        const char* path;
+        long result;
+        int why;
+    } read{path, -1, 0};
+    pthread_t thread{};
+    const auto work = [](void* given) -> void* {
+        auto* const r = static_cast<Read*>(given);
+        r->result = open_as(r->path, O_RDONLY);
+        r->why = errno;
+        return nullptr;
+    };
+    const int error = pthread_create(&thread, nullptr, work, &read);
+    if (error == 0) pthread_join(thread, nullptr);
+    errno = error == 0 ? read.why : error;
+    return read.result;
+}
+
 long execute() {
     char name[] = "/bin/true";
     char* const arguments[] = {name, nullptr};
@@ -113,6 +133,7 @@ long look_into_parent() {
 const std::map<std::string, Attempt>& all_attempts() {
     static const std::map<std::string, Attempt> all = {
         {"read", [](const char* p) { return open_as(p, O_RDONLY); }},
+        {"read in a thread", [](const char* p) { return read_in_thread(p); }},
         {"list", [](const char* p) { return list(p); }},
         {"write", [](const char* p) { return open_as(p, O_WRONLY); }},
         {"append", [](const char* p) { return open_as(p, O_RDWR | O_APPEND); }},

@@ -74,7 +74,6 @@ const std::vector<Sample>& samples() {
         {"box.rar", "Rar!\x1a\x07\x01", "a RAR archive"},
         {"box.7z", "7z\xbc\xaf\x27\x1c", "a 7-Zip archive"},
         {"box.gz", "\x1f\x8b\x08", "compressed (gzip)"},
-        {"art.svg", "<svg xmlns=\"http://www.w3.org/2000/svg\"/>", "an SVG drawing"},
         {"art.pdf", "%PDF-1.4", "a PDF document"},
         {"art.eps", "%!PS-Adobe", "a PostScript drawing"},
         {"photo.heic", box('\x18', "ftypheic"), "a HEIC picture"},
@@ -88,6 +87,25 @@ const std::vector<Sample>& samples() {
 }
 
 }  // namespace
+
+TEST_CASE("A drawing is a picture of a print or a decal, and neither a model nor a texture") {
+    const std::string plain = "<svg xmlns=\"http://www.w3.org/2000/svg\"/>";
+    const std::string declared =
+        "\xef\xbb\xbf<?xml version='1.0'?><!-- a --><!DOCTYPE svg PUBLIC 'x' 'y' [<!ENTITY n 'http://x'>\n<!ENTITY m "
+        "'y'>]>\n<x:svg xmlns:x='&n;'/>";
+    for (const std::string& drawing : {plain, declared}) {
+        for (const char* name : {"art.svg", "art.SVG", "art", "art.png"}) {
+            CHECK(kind_of(name, drawing).empty());
+            CHECK(kind_of(name, drawing, Wanted::picture).empty());
+            CHECK_THAT(kind_of(name, drawing, Wanted::texture), Contains("an SVG drawing") && Contains("as PNG"));
+        }
+        CHECK_THAT(kind_of("part.obj", drawing), Contains("an SVG drawing, whatever its name says"));
+    }
+    CHECK(kind_of("art.svgz", "\x1f\x8b\x08").empty());
+    CHECK_THAT(kind_of("art.svgz", "\x1f\x8b\x08", Wanted::texture), Contains("SVG"));
+    CHECK_THAT(kind_of("art.gz", "\x1f\x8b\x08"), Contains("gzip"));
+    CHECK(kind_of("art.svg", "nothing of it").empty());  // its reader says what is wrong
+}
 
 TEST_CASE("Neighbours are known by their bytes, whatever their names are") {
     for (const Sample& sample : samples()) {
@@ -104,13 +122,13 @@ TEST_CASE("Neighbours are known by their bytes, whatever their names are") {
 
 TEST_CASE("Neighbours are known by their names where their bytes do not tell, in any case of letters") {
     for (const char* name :
-         {"a.X3D",   "a.x3dv", "a.stp", "a.STEP", "a.iges",   "a.igs",    "a.abc",     "a.Blend",    "a.dae",
-          "a.usd",   "a.usdz", "a.rar", "a.7z",   "a.dcm",    "a.nrrd",   "a.nii",     "a.nii.gz",   "a.vtk",
-          "a.vti",   "a.amf",  "a.off", "a.3ds",  "a.x3d",    "a.svg",    "a.pdf",     "a.ai",       "a.heic",
-          "a.HEIF",  "a.avif", "a.jxl", "a.jp2",  "a.sldprt", "a.ipt",    "a.catpart", "a.x_t",      "a.3dm",
-          "a.skp",   "a.f3d",  "a.dwg", "a.dxf",  "a.gcode",  "a.stl.gz", "a.tar.gz",  "a.las",      "a.xyz",
-          "a.splat", "a.vdb",  "a.cr2", "a.mp4",  "a.html",   "a.docx",   "a.eps",     "a.kra",      "a.max",
-          "a.c4d",   "a.ctm",  "a.vox", "a.gcvf", "a.mtl",    "a.mha",    "a.fcstd",   "a.b.c.step", "a.objzf"}) {
+         {"a.X3D",  "a.x3dv", "a.stp",  "a.STEP",   "a.iges",   "a.igs",     "a.abc",      "a.Blend",  "a.dae",
+          "a.usd",  "a.usdz", "a.rar",  "a.7z",     "a.dcm",    "a.nrrd",    "a.nii",      "a.nii.gz", "a.vtk",
+          "a.vti",  "a.amf",  "a.off",  "a.3ds",    "a.x3d",    "a.pdf",     "a.ai",       "a.heic",   "a.HEIF",
+          "a.avif", "a.jxl",  "a.jp2",  "a.sldprt", "a.ipt",    "a.catpart", "a.x_t",      "a.3dm",    "a.skp",
+          "a.f3d",  "a.dwg",  "a.dxf",  "a.gcode",  "a.stl.gz", "a.tar.gz",  "a.las",      "a.xyz",    "a.splat",
+          "a.vdb",  "a.cr2",  "a.mp4",  "a.html",   "a.docx",   "a.eps",     "a.kra",      "a.max",    "a.c4d",
+          "a.ctm",  "a.vox",  "a.gcvf", "a.mtl",    "a.mha",    "a.fcstd",   "a.b.c.step", "a.objzf"}) {
         INFO(name);
         CHECK_THAT(kind_of(name, ""), Contains(std::string(name) + " is ") && Contains(": "));
         CHECK_THAT(kind_of(name, "no bytes that tell"), Contains("neither a model nor a picture that can be read"));

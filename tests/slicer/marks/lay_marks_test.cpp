@@ -2,6 +2,7 @@
 #include "slicer/marks/lay_marks.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/core.h>
 #include <catch2/catch.hpp>
@@ -9,11 +10,13 @@
 #include "base/error.h"
 #include "io/files/whole_file.h"
 #include "io/pictures/picture_writer.h"
+#include "io/programs/helper_program.h"
 #include "slicer/marks/mark_frame.h"
 #include "slicer/options/label_template.h"
 #include "slicer/options/mark_words.h"
 #include "slicer/surface/surface_colour.h"
 #include "tests/io/files/temporary_folder.h"
+#include "tests/outcomes.h"
 #include "tests/places.h"
 #include "tests/slicer/marks/seen_marks.h"
 #include "tests/slicer/mesh/shapes.h"
@@ -377,4 +380,32 @@ TEST_CASE("Names in braces stand for values, braces for themselves when doubled"
     CHECK_FALSE(names_value("{{copy}}", "copy"));
     // Some values come first, others later.
     CHECK(text(with_values("{row} {copy}", {{"row", "{copy}"}}), {{"copy", "2"}}) == "{copy} 2");
+}
+
+TEST_CASE("A drawing as a decal is as sharp as the print, whatever its size") {
+    try {
+        (void)io::find_helper("voxtone-read-drawings");
+    } catch (const FileError&) {
+        test::skip("no voxtone-read-drawings in this build");
+        return;
+    }
+    const TemporaryFolder folder;
+    const std::string file = (folder.path() / "half.svg").string();
+    io::write_whole_file(
+        file, std::string("<svg xmlns='http://www.w3.org/2000/svg' width='2' height='1'><path d='M1 0h1v1h-1z' "
+                          "fill='#c82828'/></svg>"));
+    constexpr double pitch_mm = 0.05;
+    for (const double width_mm : {4.0, 30.0}) {
+        Body body = box({40, 20, 5}, white);
+        const MarkOptions mark =
+            parse_mark(MarkFamily::decal, fmt::format("{}; place=20,10,5; size={}mm", file, width_mm));
+        const LaidMarks laid = lay_marks({mark}, {body.mesh, body.solid, body.surface, false, pitch_mm}, {});
+        CHECK(laid.warnings.empty());
+        CHECK(body.mesh.decals.at(0).picture->width_px() == std::uint32_t(std::lround(width_mm / pitch_mm)));
+        const Eigen::Vector3f beside = colour_at(body, {20 - 1.5 * pitch_mm, 10, 5}),
+                              inked = colour_at(body, {20 + 1.5 * pitch_mm, 10, 5});
+        CHECK(beside.isApprox(white, 1e-3f));
+        CHECK(inked.x() == Approx(0.5776).margin(2e-3));  // sRGB 200
+        CHECK(inked.y() == Approx(0.0212).margin(2e-3));  // 40
+    }
 }

@@ -189,7 +189,7 @@ TEST_CASE("Labels and decals are said one by one, and names of files are seen fr
     CHECK_THAT(record, Contains("font=../letters.ttf") && Contains("font=DejaVu Sans") && Contains("file=../logo.png"));
 }
 
-TEST_CASE("Formats that are each other's negative, and a decal of lines, are refused at the door") {
+TEST_CASE("Formats that are each other's negative, and a texture of lines, are refused at the door") {
     for (const std::vector<std::string>& both : {std::vector<std::string>{"tiff", "png1"}, {"png1", "png", "tiff"}}) {
         SliceOptions options = named();
         options.formats = both;
@@ -198,7 +198,8 @@ TEST_CASE("Formats that are each other's negative, and a decal of lines, are ref
     SliceOptions options = named();
     options.formats = {"tiff", "png", "gcvf"};
     CHECK_NOTHROW(resolve(options));
-    CHECK_THROWS_WITH(resolve(with(named(), "decal", "logo.svg; size=9mm")),
+    CHECK_NOTHROW(resolve(with(named(), "decal", "logo.svg; size=9mm")));
+    CHECK_THROWS_WITH(resolve(with(named(), "texture", "logo.svg")),
                       Contains("SVG") && Contains("PNG") && Contains("logo.svg"));
 }
 

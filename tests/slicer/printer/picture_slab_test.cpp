@@ -147,3 +147,22 @@ TEST_CASE("What cannot be cut to shape is refused, and an opaque picture is the 
     CHECK(slab.model.mesh.triangles.size() == 12);
     CHECK(slab.model.mesh.positions.back() == Eigen::Vector3d(6, 4, 4));
 }
+
+TEST_CASE("A drawing's own size stands, where --dpi has had its say already") {
+    io::Picture drawing = io::finish_picture(image_of(600, 300, [](int, int) { return 255; }), "a.svg");
+    drawing.dpi_x = drawing.dpi_y = 600;
+    PictureOptions options;
+    options.thickness_mm = 1;
+    options.dpi = 72;
+    const auto width_mm = [&] {
+        const PictureSlab slab = make_picture_slab(drawing, options);
+        Eigen::AlignedBox3d box;
+        for (const Eigen::Vector3d& p : slab.model.mesh.positions) box.extend(p);
+        return box.sizes().x();
+    };
+    CHECK(width_mm() == Approx(600 / 72.0 * 25.4));
+    drawing.is_drawing = true;
+    CHECK(width_mm() == Approx(25.4));
+    options.width_mm = 7;
+    CHECK(width_mm() == Approx(7));
+}
