@@ -19,8 +19,8 @@ namespace voxtone::cli {
 namespace {
 
 struct BatchArguments {
-    slicer::PlanOptions plan;
-    slicer::BatchOptions batch;
+    farm::PlanOptions plan;
+    farm::BatchOptions batch;
     std::string out;
     double memory_gib = 0;
     bool print_commands = false;
@@ -81,11 +81,11 @@ void add_batch_options(CLI::App& command, BatchArguments& arguments) {
 }
 
 int run(const CLI::App& command, const BatchArguments& arguments) {
-    slicer::PlanOptions plan = arguments.plan;
+    farm::PlanOptions plan = arguments.plan;
     if (arguments.cluster.any() && !arguments.watch.empty())
         throw UsageError(fmt::format("{} is for a plan; what will arrive in a folder is not known",
                                      arguments.cluster.slurm ? "--slurm" : "--openjd"));
-    slicer::BatchOptions batch = arguments.batch;
+    farm::BatchOptions batch = arguments.batch;
     plan.out = batch.out = arguments.out;
     batch.program = this_program();
     expect_cluster_options(command, arguments.cluster);
@@ -102,12 +102,12 @@ int run(const CLI::App& command, const BatchArguments& arguments) {
     if (arguments.cluster.any()) return run_on_cluster(plan, batch, arguments.cluster, arguments.run);
     if (arguments.print_commands)
         return run_on_console(
-            options, [&](Progress& progress) { return slicer::print_batch_commands(plan, batch.program, progress); });
-    const std::unique_ptr<slicer::BatchView> view = make_batch_view(options.console);
+            options, [&](Progress& progress) { return farm::print_batch_commands(plan, batch.program, progress); });
+    const std::unique_ptr<farm::BatchView> view = make_batch_view(options.console);
     return run_on_console(options, [&](Progress& progress) -> JobResult {
-        if (arguments.only_tell) slicer::run_arrivals_job(arguments.watch, plan, batch, *view, progress);
-        if (!arguments.watch.empty()) slicer::run_watch_job(arguments.watch, plan, batch, *view, progress);
-        return slicer::run_batch_job(plan, batch, *view, progress);
+        if (arguments.only_tell) farm::run_arrivals_job(arguments.watch, plan, batch, *view, progress);
+        if (!arguments.watch.empty()) farm::run_watch_job(arguments.watch, plan, batch, *view, progress);
+        return farm::run_batch_job(plan, batch, *view, progress);
     });
 }
 

@@ -23,8 +23,8 @@ namespace voxtone::cli {
 
 namespace {
 
-using slicer::BatchSnapshot;
-using slicer::JobEvent;
+using farm::BatchSnapshot;
+using farm::JobEvent;
 using Kind = JobEvent::Kind;
 
 std::string_view word_of(Kind kind) {
@@ -72,7 +72,7 @@ std::string line_of(const JobEvent& event) {
     return fmt::format("{}: warning: {}", event.name, event.message);
 }
 
-class EventsView final : public slicer::BatchView {
+class EventsView final : public farm::BatchView {
 public:
     void notify(const JobEvent& event) override {
         io::JsonWriter json;
@@ -86,7 +86,7 @@ public:
         print_out(json.end_object().text() + "\n");
         std::fflush(stdout);
     }
-    void arrived(const slicer::ArrivedModel& of) override {
+    void arrived(const farm::ArrivedModel& of) override {
         io::JsonWriter json;
         json.begin_object().add("event", "arrived").add("model", of.model).add("beside", of.beside);
         print_out(json.add("again", of.again).end_object().text() + "\n");
@@ -94,7 +94,7 @@ public:
     }
 };
 
-class LinesView final : public slicer::BatchView {
+class LinesView final : public farm::BatchView {
 public:
     explicit LinesView(bool quiet) : quiet_(quiet) {}
     void notify(const JobEvent& event) override {
@@ -105,7 +105,7 @@ public:
         std::fputs(printable(line_of(event) + "\n").c_str(), stderr);
     }
 
-    void arrived(const slicer::ArrivedModel& of) override {
+    void arrived(const farm::ArrivedModel& of) override {
         std::fputs(printable(fmt::format("{}: has arrived\n", of.model)).c_str(), stderr);
     }
 
@@ -116,7 +116,7 @@ private:
 };
 
 /// Events that matter scroll by above a table of what runs.
-class TableView final : public slicer::BatchView {
+class TableView final : public farm::BatchView {
 public:
     ~TableView() override { wipe(); }
     void notify(const JobEvent& event) override {
@@ -124,7 +124,7 @@ public:
         wipe();
         std::fputs(printable(line_of(event) + "\n").c_str(), stderr);
     }
-    void arrived(const slicer::ArrivedModel& of) override {
+    void arrived(const farm::ArrivedModel& of) override {
         wipe();
         std::fputs(printable(fmt::format("{}: has arrived\n", of.model)).c_str(), stderr);
     }
@@ -178,7 +178,7 @@ bool can_move_cursor() {
 
 }  // namespace
 
-std::unique_ptr<slicer::BatchView> make_batch_view(const ConsoleOptions& options) {
+std::unique_ptr<farm::BatchView> make_batch_view(const ConsoleOptions& options) {
     if (options.json) return std::make_unique<EventsView>();
     if (!options.quiet && can_move_cursor()) return std::make_unique<TableView>();
     return std::make_unique<LinesView>(options.quiet);

@@ -15,6 +15,6 @@
 namespace voxtone::cli {
 
 /// What suits the options and the terminal.
-[[nodiscard]] std::unique_ptr<slicer::BatchView> make_batch_view(const ConsoleOptions& options);
+[[nodiscard]] std::unique_ptr<farm::BatchView> make_batch_view(const ConsoleOptions& options);
 
 }  // namespace voxtone::cli

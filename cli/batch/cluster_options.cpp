@@ -120,8 +120,8 @@ void expect_cluster_options(const CLI::App& command, const ClusterOptions& optio
 
 namespace {
 
-slicer::ChainOptions chain_options(const ClusterOptions& options, const RunOptions& run) {
-    slicer::ChainOptions chain;
+farm::ChainOptions chain_options(const ClusterOptions& options, const RunOptions& run) {
+    farm::ChainOptions chain;
     chain.shards = options.shards;
     if (options.shards > 0) chain.most_shards = options.shards;
     if (run.threads > 0) chain.most_cores = run.threads;
@@ -130,14 +130,14 @@ slicer::ChainOptions chain_options(const ClusterOptions& options, const RunOptio
 
 }  // namespace
 
-int run_on_cluster(const slicer::PlanOptions& plan, const slicer::BatchOptions& batch, const ClusterOptions& options,
+int run_on_cluster(const farm::PlanOptions& plan, const farm::BatchOptions& batch, const ClusterOptions& options,
                    const RunOptions& run) {
     if (!options.openjd.empty()) {
-        const slicer::OpenJobOptions openjd{batch.out, batch.program, options.openjd, chain_options(options, run)};
+        const farm::OpenJobOptions openjd{batch.out, batch.program, options.openjd, chain_options(options, run)};
         return run_on_console(run.console,
-                              [&](Progress& progress) { return slicer::run_openjd_job(plan, openjd, progress); });
+                              [&](Progress& progress) { return farm::run_openjd_job(plan, openjd, progress); });
     }
-    slicer::SlurmOptions slurm;
+    farm::SlurmOptions slurm;
     slurm.out = batch.out;
     slurm.program = batch.program;
     slurm.chain = chain_options(options, run);
@@ -145,8 +145,7 @@ int run_on_cluster(const slicer::PlanOptions& plan, const slicer::BatchOptions& 
     slurm.retries = batch.retries;
     slurm.sbatch_words = with_dashes(options.sbatch);
     slurm.dry_run = options.dry_run;
-    return run_on_console(run.console,
-                          [&](Progress& progress) { return slicer::run_slurm_job(plan, slurm, progress); });
+    return run_on_console(run.console, [&](Progress& progress) { return farm::run_slurm_job(plan, slurm, progress); });
 }
 
 std::filesystem::path this_program() {

@@ -27,7 +27,7 @@ void add_cluster_options(CLI::App& command, ClusterOptions& options);
 void expect_cluster_options(const CLI::App& command, const ClusterOptions& options);
 
 /// Hands the plan over.
-int run_on_cluster(const slicer::PlanOptions& plan, const slicer::BatchOptions& batch, const ClusterOptions& options,
+int run_on_cluster(const farm::PlanOptions& plan, const farm::BatchOptions& batch, const ClusterOptions& options,
                    const RunOptions& run);
 
 /// `voxtone` as it was started, absolute.

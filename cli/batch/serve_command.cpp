@@ -54,7 +54,7 @@ void look_first_in(const fs::path& folder) {
 /// The first that has the package and what it wants. Throws FileError.
 std::string find_python() {
     for (const std::string python : {"python3", "/usr/bin/python3"})
-        if (slicer::run_command(std::vector<std::string>{python, "-c", "import voxtone.serve"}).exit_code == 0)
+        if (farm::run_command(std::vector<std::string>{python, "-c", "import voxtone.serve"}).exit_code == 0)
             return python;
     throw FileError(
         "voxtone serve wants Python 3.9 with numpy and the package voxtone, and no python3 here has them; install "

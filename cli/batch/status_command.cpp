@@ -25,7 +25,7 @@ Command add_status_command(CLI::App& program) {
     add_example(*command, "out/monday");
     return [arguments] {
         return run_on_console(arguments->console, [&](Progress&) {
-            return slicer::batch_status(arguments->out, slicer::held_jobs(arguments->out));
+            return farm::batch_status(arguments->out, farm::held_jobs(arguments->out));
         });
     };
 }

@@ -29,7 +29,7 @@ struct TaskArguments {
 int run(const TaskArguments& arguments) {
     if (arguments.last != (arguments.job.empty() && arguments.stage.empty() && arguments.shard.empty()))
         throw UsageError("name a job and its stage (--job, --stage), or --last alone");
-    slicer::TaskOptions options;
+    farm::TaskOptions options;
     options.out = arguments.out;
     options.program = this_program();
     options.job = arguments.job;
@@ -37,15 +37,15 @@ int run(const TaskArguments& arguments) {
     options.threads = arguments.threads;
     if (arguments.console.openjd) options.relay = stdout_sink();
     if (!arguments.last) {
-        const auto stage = value_of<slicer::TaskStage>(arguments.stage);
+        const auto stage = value_of<farm::TaskStage>(arguments.stage);
         if (!stage)
             throw UsageError(fmt::format("--stage: '{}' is none of whole, prepare, layers, merge", arguments.stage));
         options.stage = *stage;
         options.shard = slicer::parse_shard(arguments.shard);
     }
     return run_on_console(arguments.console, [&](Progress& progress) {
-        return arguments.last ? slicer::close_cluster_batch(arguments.out, progress)
-                              : slicer::run_cluster_task(options, progress);
+        return arguments.last ? farm::close_cluster_batch(arguments.out, progress)
+                              : farm::run_cluster_task(options, progress);
     });
 }
 

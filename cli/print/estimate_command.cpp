@@ -29,8 +29,8 @@ struct EstimateArguments {
 };
 
 /// What the command line says holds for all jobs that do not say otherwise.
-slicer::PlanOptions plan_of(const slicer::SliceOptions& options) {
-    slicer::PlanOptions plan;
+farm::PlanOptions plan_of(const slicer::SliceOptions& options) {
+    farm::PlanOptions plan;
     plan.plan = {options.model};
     plan.out = options.out.empty() ? "." : options.out;
     plan.begin_with = options;
@@ -44,11 +44,11 @@ int run(const EstimateArguments& arguments) {
     return run_on_console(arguments.console, [&](Progress& progress) {
         tell_notes(options, progress);
         const slicer::TrayModels models = many_models(arguments.job, options);
-        if (models.empty() && slicer::is_plan(options.model) && !slicer::is_tray_plan(options.model)) {
+        if (models.empty() && farm::is_plan(options.model) && !slicer::is_tray_plan(options.model)) {
             if (scope.orientations)
                 throw UsageError(
                     "--orientations is a table of one body; name its model, and not a plan of several jobs");
-            return slicer::run_plan_estimate(plan_of(options), scope, progress);
+            return farm::run_plan_estimate(plan_of(options), scope, progress);
         }
         const slicer::JobEstimate estimate = models.empty() ? slicer::estimate_any(options, progress, scope)
                                                             : slicer::estimate_tray(options, models, progress, scope);

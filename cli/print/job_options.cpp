@@ -183,7 +183,7 @@ slicer::TrayModels many_models(const JobArguments& arguments, const slicer::Slic
                 fmt::format("'{}' is a unit and no model: lengths have no space in them, as 12{}", model, model));
         slicer::SliceOptions one;
         one.model = model;
-        if (!slicer::is_tray(one) && !slicer::is_plan(model)) continue;
+        if (!slicer::is_tray(one) && !farm::is_plan(model)) continue;
         throw UsageError(
             models.files.size() > 1
                 ? fmt::format("{}: name one plan, or models and pictures; a plan names its parts itself", model)

@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "io/models/model_reader.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -170,4 +170,4 @@ void Arrivals::take_strays(double now_s, Arrived& arrived) {
     }
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -20,7 +20,7 @@
 #include "farm/batch/input_digests.h"
 #include "io/models/side_file.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 /// The files beside it that a model names; nothing while it is being read: asked again. Where that cannot be found out,
 /// none.
@@ -92,4 +92,4 @@ private:
     std::uint64_t changes_ = 0;  ///< of files that are no models
 };
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -12,7 +12,7 @@
 #include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -130,4 +130,4 @@ void BatchFolder::sweep_lock(const std::string& name) const {
     if (fs::exists(states_folder() / name_of_lock(name), none)) (void)lock(name);
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

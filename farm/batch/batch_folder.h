@@ -20,7 +20,7 @@
 #include "farm/batch/job_state.h"
 #include "io/disk/folder_lock.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 class BatchFolder {
 public:
@@ -59,4 +59,4 @@ private:
     std::filesystem::path out_;
 };
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

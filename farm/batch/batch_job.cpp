@@ -27,7 +27,7 @@
 #include "slicer/options/command_words.h"
 #include "slicer/prepare/opened_job.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -177,7 +177,7 @@ std::string why_not_sliced(const std::filesystem::path& file) {
         return fmt::format(
             "{}: is a picture, and --watch slices models only; it is left where it lies, for it may be the texture of "
             "a model to come. To slice it, name it: `voxtone batch {}`",
-            file.string(), shell_line(std::array{file.string()}));
+            file.string(), slicer::shell_line(std::array{file.string()}));
     return fmt::format("{}: is no model ({}) and is left where it lies", file.string(), io::model_name_endings);
 }
 
@@ -186,7 +186,7 @@ std::vector<io::SideFile> names_beside(const std::filesystem::path& model, const
                                        const Progress& progress) {
     const std::vector<PlannedJob> jobs = plan_jobs({model.string(), {row_of(model)}, {}}, plan, nullptr);
     if (jobs.empty()) return {};
-    io::ReadOptions reading = open_job(jobs[0].options).options.reading;
+    io::ReadOptions reading = slicer::open_job(jobs[0].options).options.reading;
     reading.progress = &progress;
     return io::side_files_of(model, reading);
 }
@@ -311,10 +311,10 @@ JobResult print_batch_commands(const PlanOptions& plan, const std::filesystem::p
     for (const PlannedJob& job : read_plan(plan, &progress)) {
         std::vector<std::string> arguments{program.string()};
         arguments.insert(arguments.end(), job.command.begin(), job.command.end());
-        text += shell_line(arguments) + "\n";
+        text += slicer::shell_line(arguments) + "\n";
         json.value(arguments);
     }
     return {json.end_list().end_object().text(), text};
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -10,7 +10,7 @@
 #include "farm/batch/plan.h"
 #include "farm/batch/queued_job.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 /// All done: exit code 0. Else that of the first failed job of the plan that is to be looked at by a person, and 75
 /// where all that failed may go another time. Throws Error where nothing was begun; Cancelled once what ran has saved
@@ -31,4 +31,4 @@ JobResult run_batch_job(const PlanOptions& plan, const BatchOptions& options, Ba
 [[nodiscard]] JobResult print_batch_commands(const PlanOptions& plan, const std::filesystem::path& program,
                                              Progress& progress);
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -15,7 +15,7 @@
 #include "base/random.h"
 #include "io/disk/folder_lock.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -211,4 +211,4 @@ std::string outlook_text(const BatchOutlook& outlook) {
                        duration_text(outlook.most_s));
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -17,7 +17,7 @@
 
 #include "farm/batch/job_state.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 struct BatchOutlook {
     std::size_t left = 0;            ///< jobs, those that run included
@@ -33,4 +33,4 @@ struct BatchOutlook {
 /// "the rest, 12 jobs, in 50 min to 1 h 30 min", without a line break.
 [[nodiscard]] std::string outlook_text(const BatchOutlook& outlook);
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -9,7 +9,7 @@
 
 #include "base/parallel.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -177,4 +177,4 @@ BatchSnapshot BatchQueue::snapshot(bool with_logs) const {
     return all;
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -10,7 +10,7 @@
 
 #include "farm/batch/queued_job.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 class BatchQueue {
 public:
@@ -52,4 +52,4 @@ private:
     std::size_t replaced_ = 0;
 };
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -16,7 +16,7 @@
 #include "io/disk/folder_lock.h"
 #include "io/files/json_writer.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -96,4 +96,4 @@ JobResult batch_status(const std::filesystem::path& out, const std::map<std::str
     return {jobs.end_object().text(), text + "\n" + lines};
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

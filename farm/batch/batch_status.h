@@ -9,11 +9,11 @@
 
 #include "base/job_result.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 /// `remarks`: what else is known of jobs that are not done, by name. Throws InputError for a folder that is no batch's,
 /// FileError.
 [[nodiscard]] JobResult batch_status(const std::filesystem::path& out,
                                      const std::map<std::string, std::string>& remarks = {});
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

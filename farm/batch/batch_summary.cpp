@@ -25,7 +25,7 @@ namespace voxtone::embedded {
 std::span<const EmbeddedFile> batch_assets();
 }
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -169,7 +169,7 @@ void add_job(std::string& html, const BatchFolder& folder, const JobState& state
              const std::vector<std::string>& roles) {
     std::error_code none;
     const bool whole = state.figures && (state.phase == JobPhase::done || state.phase == JobPhase::failed);
-    add_name(html, folder, state, whole && fs::exists(folder.job_folder(state.name) / report_file::page, none));
+    add_name(html, folder, state, whole && fs::exists(folder.job_folder(state.name) / slicer::report_file::page, none));
     if (state.phase == JobPhase::done && whole) return add_figures(html, state, roles);
     html += fmt::format("<td class=\"why\" colspan=\"{}\"><i class=\"mark {}\"></i>{}{}</td></tr>\n", roles.size() + 5,
                         name_of(state.phase), name_of(state.phase),
@@ -223,7 +223,7 @@ std::string batch_csv(const std::vector<JobState>& states) {
                 cells.end(),
                 {f.verdict, std::to_string(f.warnings.size()), fmt::format("{}", fmt::join(lost_colours(f), " ")),
                  fmt::format("{:.2f}", f.seconds), std::to_string(f.peak_memory_bytes), std::to_string(f.output_bytes),
-                 f.content_sha256, fmt::format("{}/{}", state.name, report_file::page)});
+                 f.content_sha256, fmt::format("{}/{}", state.name, slicer::report_file::page)});
         }
         cells.resize(header.size());
         csv += csv_line(cells);
@@ -237,4 +237,4 @@ void write_batch_summary(const BatchFolder& folder) {
     io::write_whole_file(folder.path() / batch_page_name, batch_html(folder, states));
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

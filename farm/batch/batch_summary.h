@@ -9,7 +9,7 @@
 
 #include "farm/batch/batch_folder.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 inline constexpr const char* batch_page_name = "index.html";
 
@@ -21,4 +21,4 @@ void write_batch_summary(const BatchFolder& folder);
 /// Links are seen from the batch's folder, from where also the small pictures are read.
 [[nodiscard]] std::string batch_html(const BatchFolder& folder, const std::vector<JobState>& states);
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

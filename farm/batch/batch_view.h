@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 struct JobEvent {
     enum class Kind {
@@ -57,4 +57,4 @@ public:
     virtual void show(const BatchSnapshot&) {}
 };
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -7,7 +7,7 @@
 
 #include "io/files/file_digest.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -48,4 +48,4 @@ std::optional<KnownDigest> InputDigests::find(const std::string& file) const {
     return found == known_.end() ? std::nullopt : std::optional(found->second);
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -13,7 +13,7 @@
 
 #include "base/progress.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 /// What tells a file from itself after a change.
 struct FileStamp {
@@ -46,4 +46,4 @@ private:
     std::map<std::string, KnownDigest> known_;
 };
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

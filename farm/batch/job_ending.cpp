@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 JobEnding ending_of(const ProcessEnd& end, const std::string& said, bool was_asked, std::uint64_t oom_kills,
                     std::uint64_t given_bytes) {
@@ -42,4 +42,4 @@ JobEnding ending_of(const ProcessEnd& end, const std::string& said, bool was_ask
     return {Kind::failed, code, why("ended without a word")};
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -8,7 +8,7 @@
 
 #include "farm/batch/job_process.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 struct JobEnding {
     enum class Kind {
@@ -30,4 +30,4 @@ struct JobEnding {
 [[nodiscard]] JobEnding ending_of(const ProcessEnd& end, const std::string& said, bool was_asked,
                                   std::uint64_t oom_kills = 0, std::uint64_t given_bytes = 0);
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "io/programs/build_identity.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -80,4 +80,4 @@ void note_waiting(JobState& state, int exit_code, const std::string& message) {
     note_end(state, JobPhase::queued, exit_code, message);
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -13,7 +13,7 @@
 #include "farm/batch/job_ending.h"
 #include "farm/batch/job_state.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 /// What an attempt's end asks for.
 struct NextStep {
@@ -49,4 +49,4 @@ void note_failed(JobState& state, int exit_code, const std::string& message);
 /// It waits for another attempt.
 void note_waiting(JobState& state, int exit_code, const std::string& message);
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <system_error>
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 void append_line(const std::filesystem::path& log, const std::string& line) {
     std::ofstream(log, std::ios::app) << line << '\n';
@@ -38,4 +38,4 @@ std::string last_words(const std::filesystem::path& log, std::uintmax_t begin) {
     return last_line(log, begin, "voxtone: ");
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 /// A log that cannot be written stops nobody.
 void append_line(const std::filesystem::path& log, const std::string& line);
@@ -25,4 +25,4 @@ void append_line(const std::filesystem::path& log, const std::string& line);
 /// The last message for the user in a log behind `begin` ("voxtone: ..."), without its beginning; empty: there is none.
 [[nodiscard]] std::string last_words(const std::filesystem::path& log, std::uintmax_t begin);
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -20,7 +20,7 @@
 #include "io/disk/folder_lock.h"
 #include "io/disk/open_file.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -119,4 +119,4 @@ void JobProcess::send(int signal) const {
     if (!end_) kill(-pid_, signal);
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -12,7 +12,7 @@
 #include <span>
 #include <string>
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 /// How a process ended.
 struct ProcessEnd {
@@ -54,4 +54,4 @@ private:
     std::optional<ProcessEnd> end_;
 };
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -16,15 +16,15 @@
 #include "slicer/kept/report_files.h"
 #include "slicer/options/job_file.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<JobInput> noted_inputs(const fs::path& folder) {
-    SliceOptions noted;
-    read_job((folder / job_file_name).string(), noted);
+std::vector<slicer::JobInput> noted_inputs(const fs::path& folder) {
+    slicer::SliceOptions noted;
+    slicer::read_job((folder / slicer::job_file_name).string(), noted);
     return noted.recorded_inputs;
 }
 
@@ -44,7 +44,7 @@ std::int64_t now_ns() {
 }
 
 StackFigures read_job_figures(const fs::path& folder) {
-    const io::JsonObject report = io::JsonObject::read(folder / report_file::figures);
+    const io::JsonObject report = io::JsonObject::read(folder / slicer::report_file::figures);
     const io::JsonObject manifest = io::JsonObject::read(folder / io::manifest_name);
     StackFigures figures;
     figures.content_sha256 = manifest.text("content_sha256");
@@ -64,7 +64,7 @@ StackFigures read_job_figures(const fs::path& folder) {
 
 void learn_inputs(const fs::path& folder, std::int64_t began_ns, InputDigests& digests) {
     constexpr std::int64_t coarse_ns = 2'000'000'000;  // as FileStamp::settled
-    for (const JobInput& input : noted_inputs(folder)) {
+    for (const slicer::JobInput& input : noted_inputs(folder)) {
         if (input.file.empty() || input.sha256.empty()) continue;
         const std::string file = absolute(input.file);
         if (const auto stamp = FileStamp::of(file); stamp && stamp->changed_ns + coarse_ns < began_ns)
@@ -74,7 +74,7 @@ void learn_inputs(const fs::path& folder, std::int64_t began_ns, InputDigests& d
 
 std::vector<std::pair<std::string, KnownDigest>> known_inputs(const fs::path& folder, const InputDigests& digests) {
     std::vector<std::pair<std::string, KnownDigest>> known;
-    for (const JobInput& input : noted_inputs(folder)) {
+    for (const slicer::JobInput& input : noted_inputs(folder)) {
         if (input.file.empty()) continue;
         const std::string file = absolute(input.file);
         if (const auto found = digests.find(file); found && found->sha256 == input.sha256)
@@ -87,8 +87,8 @@ void write_job_picture(const fs::path& folder, const fs::path& file) {
     constexpr std::uint64_t most_bytes = std::uint64_t{256} << 20;
     constexpr std::uint32_t most_px = 96;
     std::error_code none;
-    if (!fs::exists(folder / report_file::page, none)) return;
-    const std::vector<std::uint8_t> page = io::read_whole_file(folder / report_file::page, most_bytes);
+    if (!fs::exists(folder / slicer::report_file::page, none)) return;
+    const std::vector<std::uint8_t> page = io::read_whole_file(folder / slicer::report_file::page, most_bytes);
     const std::vector<std::uint8_t> png =
         io::small_report_picture({reinterpret_cast<const char*>(page.data()), page.size()}, most_px);
     if (!png.empty()) io::write_whole_file(file, png);
@@ -109,12 +109,12 @@ std::string take_stack(const fs::path& folder, std::int64_t began_ns, const fs::
 
 bool holds_job(const fs::path& folder, const PlannedJob& job, InputDigests& digests, const Progress* progress) {
     std::error_code none;
-    if (!fs::exists(folder / io::manifest_name, none) || !fs::exists(folder / report_file::figures, none) ||
+    if (!fs::exists(folder / io::manifest_name, none) || !fs::exists(folder / slicer::report_file::figures, none) ||
         fs::exists(folder / io::checkpoint_name, none))
         return false;
     try {
-        return is_same_job(folder, open_job(job.options),
-                           [&](const std::string& file) { return digests.of(absolute(file), progress); });
+        return slicer::is_same_job(folder, slicer::open_job(job.options),
+                                   [&](const std::string& file) { return digests.of(absolute(file), progress); });
     } catch (const Cancelled&) {
         throw;
     } catch (const Error&) {
@@ -126,11 +126,11 @@ bool waits_to_go_on(const fs::path& folder, const PlannedJob& job) {
     std::error_code none;
     if (!fs::exists(folder / io::checkpoint_name, none)) return false;
     try {
-        LoopCheckpoint::expect_same_job(folder, opened_loop_identity(open_job(job.options)));
+        slicer::LoopCheckpoint::expect_same_job(folder, slicer::opened_loop_identity(slicer::open_job(job.options)));
         return true;
     } catch (const Error&) {
         return false;  // it is another job's, or broken
     }
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

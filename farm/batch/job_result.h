@@ -11,7 +11,7 @@
 #include "farm/batch/job_state.h"
 #include "farm/batch/plan.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 /// Now, as file systems have it: nanoseconds since 1970.
 [[nodiscard]] std::int64_t now_ns();
@@ -44,4 +44,4 @@ void write_job_picture(const std::filesystem::path& folder, const std::filesyste
 /// Whether an interrupted loop of this very job waits in the folder.
 [[nodiscard]] bool waits_to_go_on(const std::filesystem::path& folder, const PlannedJob& job);
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -13,7 +13,7 @@
 #include "io/files/json_object.h"
 #include "io/files/json_writer.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -175,4 +175,4 @@ std::optional<double> seconds_of(const std::string& utc) {
 
 std::string utc_now() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

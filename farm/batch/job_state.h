@@ -22,7 +22,7 @@ namespace voxtone::io {
 class JsonObject;
 }
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 enum class JobPhase {
     queued,   ///< to be done; perhaps stopped before, then `message` says so
@@ -97,11 +97,11 @@ void read_shared_figures(const io::JsonObject& json, StackFigures& figures);
 /// Seconds since 1970; nothing for what is no such time.
 [[nodiscard]] std::optional<double> seconds_of(const std::string& utc);
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm
 
 template <>
-struct voxtone::NamesOf<voxtone::slicer::JobPhase> {
-    using Phase = slicer::JobPhase;
+struct voxtone::NamesOf<voxtone::farm::JobPhase> {
+    using Phase = farm::JobPhase;
     static constexpr auto table = std::to_array<Named<Phase>>(
         {{Phase::queued, "queued"}, {Phase::running, "running"}, {Phase::done, "done"}, {Phase::failed, "failed"}});
 };

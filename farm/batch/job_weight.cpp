@@ -12,7 +12,7 @@
 #include "slicer/options/option_values.h"
 #include "slicer/plan/phase_estimates.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -28,7 +28,7 @@ std::uint64_t bytes_of_model(const std::string& model) {
 
 /// Nothing where the options do not say the size. Of a body: that of a box around it; of a picture: four times as high
 /// as wide.
-std::optional<double> most_surface_mm2(const SliceOptions& options) {
+std::optional<double> most_surface_mm2(const slicer::SliceOptions& options) {
     constexpr double faces = 6, highest = 4;
     if (options.size_mm > 0) return faces * options.size_mm * options.size_mm;
     if (options.width_mm > 0) return highest * options.width_mm * options.width_mm;
@@ -40,17 +40,18 @@ std::optional<double> most_surface_mm2(const SliceOptions& options) {
 
 bool JobWeight::is_known() const { return memory_bytes < beyond_every_machine; }
 
-JobWeight weigh(const SliceOptions& options, const std::vector<std::string>& command, const JobState* known) {
+JobWeight weigh(const slicer::SliceOptions& options, const std::vector<std::string>& command, const JobState* known) {
     constexpr double allowance = 1.25;  // the peak of one job differs by a few percent from run to run
     if (known && known->command == command && known->figures && known->figures->peak_memory_bytes > 0)
         return {static_cast<std::uint64_t>(allowance * double(known->figures->peak_memory_bytes)), options.threads, 0,
                 false};
-    if (is_tray(options)) return {beyond_every_machine, options.threads, 0, true};  // its models are known to it alone
+    if (slicer::is_tray(options))
+        return {beyond_every_machine, options.threads, 0, true};  // its models are known to it alone
     const std::uint64_t model = bytes_of_model(options.model);
     if (options.iterations == "0" && options.predict == "none") return {model, options.threads, 0, true};
     const std::optional<double> area_mm2 = most_surface_mm2(options);
     if (!area_mm2) return {beyond_every_machine, options.threads, 0, true};
-    return {model + static_cast<std::uint64_t>(most_bytes_of_surface(*area_mm2, options.predict_cell_mm)),
+    return {model + static_cast<std::uint64_t>(slicer::most_bytes_of_surface(*area_mm2, options.predict_cell_mm)),
             options.threads, 0, true};
 }
 
@@ -83,4 +84,4 @@ JobWeight weigh_by_estimate(const JobWeight& before, const std::string& rest_of_
     return weight;
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -14,7 +14,7 @@
 #include "farm/batch/job_state.h"
 #include "slicer/options/slice_options.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 struct JobWeight {
     std::uint64_t memory_bytes = 0;       ///< at its peak
@@ -26,7 +26,7 @@ struct JobWeight {
 
 /// Changes nothing on disk, reads no model, throws nothing. Where nothing can be said of its size the bound is beyond
 /// every machine. `known`: of a job that was done with the same words, whose peak is taken then; may be null.
-[[nodiscard]] JobWeight weigh(const SliceOptions& options, const std::vector<std::string>& command,
+[[nodiscard]] JobWeight weigh(const slicer::SliceOptions& options, const std::vector<std::string>& command,
                               const JobState* known);
 
 /// Words behind `voxtone` that estimate what these slice.
@@ -40,4 +40,4 @@ inline constexpr const char* estimate_begin = R"({"event":"result","result":)";
 /// Of what stands behind that, with the weight that was taken until then where that cannot be read.
 [[nodiscard]] JobWeight weigh_by_estimate(const JobWeight& before, const std::string& rest_of_line);
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

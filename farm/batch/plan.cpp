@@ -25,7 +25,7 @@
 #include "slicer/plans/tray_plan.h"
 #include "slicer/prepare/opened_job.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -40,11 +40,11 @@ io::JsonObject object_of(const PlanRow& row, const std::string& source, bool in_
 }
 
 /// Texts of the user's own. Throws InputError for keys that are none.
-TemplateValues own_values(const io::JsonObject& object) {
-    refuse_copies(object);
+slicer::TemplateValues own_values(const io::JsonObject& object) {
+    slicer::refuse_copies(object);
     std::vector<std::string> known{std::string(name_key), "format", "version", "inputs"};
-    for (std::string& key : option_keys()) known.push_back(std::move(key));
-    return values_of_row(object, known);
+    for (std::string& key : slicer::option_keys()) known.push_back(std::move(key));
+    return slicer::values_of_row(object, known);
 }
 
 /// What only the batch may say of its jobs.
@@ -69,30 +69,30 @@ std::string place_of(const PlanRow& row, const std::string& source) {
 }
 
 /// The job of a row but for its name, which is what the row or the model is called.
-PlannedJob job_of(const PlanRow& row, const std::string& source, const SliceOptions& preset, bool in_place) {
+PlannedJob job_of(const PlanRow& row, const std::string& source, const slicer::SliceOptions& preset, bool in_place) {
     const io::JsonObject object = object_of(row, source, in_place);
-    const TemplateValues own = own_values(object);
+    const slicer::TemplateValues own = own_values(object);
     refuse_what_batches_decide(object);
     PlannedJob job;
     job.options = preset;
-    std::vector<std::string> said = take_options(object, row.folder, job.options);
-    const SliceOptions defaults_of_slice;  // who says those says nothing, as in a job file
+    std::vector<std::string> said = slicer::take_options(object, row.folder, job.options);
+    const slicer::SliceOptions defaults_of_slice;  // who says those says nothing, as in a job file
     std::erase_if(said, [&](const std::string& key) {
-        const OptionSpec& spec = *find_option(key);
+        const slicer::OptionSpec& spec = *slicer::find_option(key);
         return spec.get(job.options) == spec.get(defaults_of_slice);
     });
-    for (std::string& label : job.options.labels) label = with_values(label, own);
-    job.options = with_absolute_paths(std::move(job.options));
-    drop_idle(job.options, said);
-    job.name =
-        object.has(name_key) ? object.any_text(name_key) : name_after(fs::path(job.options.model).stem().string());
+    for (std::string& label : job.options.labels) label = slicer::with_values(label, own);
+    job.options = slicer::with_absolute_paths(std::move(job.options));
+    slicer::drop_idle(job.options, said);
+    job.name = object.has(name_key) ? object.any_text(name_key)
+                                    : slicer::name_after(fs::path(job.options.model).stem().string());
     job.place = place_of(row, source);
     return job;
 }
 
-SliceOptions preset_of(const PlanOptions& options, Progress* progress) {
-    SliceOptions preset = options.begin_with.value_or(SliceOptions());
-    if (!options.preset.empty()) read_job(options.preset, preset);
+slicer::SliceOptions preset_of(const PlanOptions& options, Progress* progress) {
+    slicer::SliceOptions preset = options.begin_with.value_or(slicer::SliceOptions());
+    if (!options.preset.empty()) slicer::read_job(options.preset, preset);
     if (progress)
         for (const std::string& note : preset.notes) progress->note(note);
     preset.notes.clear();
@@ -116,44 +116,44 @@ void expect_file(const std::string& file, const char* what) {
         throw FileError(fmt::format("{} {} cannot be read ({})", what, file, std::strerror(errno)));
 }
 
-void expect_component(const TrayComponent& component) {
-    if (component.kind == ComponentKind::body) return expect_file(component.path, "model");
-    if (component.kind == ComponentKind::gcvf) return expect_file(component.path, "gcvf");
-    if (component.kind == ComponentKind::stack)
+void expect_component(const slicer::TrayComponent& component) {
+    if (component.kind == slicer::ComponentKind::body) return expect_file(component.path, "model");
+    if (component.kind == slicer::ComponentKind::gcvf) return expect_file(component.path, "gcvf");
+    if (component.kind == slicer::ComponentKind::stack)
         expect_file((std::filesystem::path(component.path) / io::manifest_name).string(), "manifest");
 }
 
 void expect_sound_parts(const PlannedJob& job) {
-    for (const TrayPart& part : read_tray_plan(job.options.model, job.options).parts) {
+    for (const slicer::TrayPart& part : slicer::read_tray_plan(job.options.model, job.options).parts) {
         if (part.component) {
             expect_component(*part.component);
             continue;
         }
         expect_file(io::path_in_zip(part.options.model).file.string(), "model");
-        SliceOptions options = part.options;
+        slicer::SliceOptions options = part.options;
         options.out = job.options.out;
-        (void)open_job(options);
+        (void)slicer::open_job(options);
     }
 }
 
 /// All that can be known to be wrong before the model is read.
 void expect_sound(const PlannedJob& job) {
     if (job.options.model.empty()) throw InputError("names no model; give it one under \"model\"");
-    if (const std::string fault = name_fault(job.name); !fault.empty())
+    if (const std::string fault = slicer::name_fault(job.name); !fault.empty())
         throw InputError(
             fmt::format("the job's name '{}' {}; give it another under \"name\" or with --name", job.name, fault));
     expect_file(io::path_in_zip(job.options.model).file.string(), "model");
     expect_file(job.options.texture, "texture");
-    (void)open_job(job.options);  // what lies in its folder is looked at when its turn comes
-    if (is_tray(job.options)) expect_sound_parts(job);
+    (void)slicer::open_job(job.options);  // what lies in its folder is looked at when its turn comes
+    if (slicer::is_tray(job.options)) expect_sound_parts(job);
 }
 
 /// Gives the job its name and place in the batch.
-void settle(PlannedJob& job, const NameTemplate& names, std::size_t n, const fs::path& out) {
+void settle(PlannedJob& job, const slicer::NameTemplate& names, std::size_t n, const fs::path& out) {
     job.name = names.fill(job.name, n, job.options);
     job.out = (fs::absolute(out) / job.name).lexically_normal();
     job.options.out = job.out.string();
-    job.command = command_words(job.options);
+    job.command = slicer::command_words(job.options);
 }
 
 /// The place once, before what is wrong there.
@@ -163,12 +163,12 @@ std::string fault_text(const std::string& place, const std::string& source, cons
 }
 
 /// Adds the row's job, or what is wrong with it.
-void take_row(const PlanRow& row, std::size_t n, const PlanRows& rows, const SliceOptions& preset,
+void take_row(const PlanRow& row, std::size_t n, const PlanRows& rows, const slicer::SliceOptions& preset,
               const PlanOptions& options, std::vector<PlannedJob>& jobs, std::vector<std::string>& faults) {
     const std::string place = place_of(row, rows.source);
     try {
         PlannedJob job = job_of(row, rows.source, preset, false);
-        settle(job, NameTemplate(options.name), n, options.out);
+        settle(job, slicer::NameTemplate(options.name), n, options.out);
         expect_sound(job);
         jobs.push_back(std::move(job));
     } catch (const Error& error) {
@@ -197,7 +197,8 @@ void find_doubles(const std::vector<PlannedJob>& jobs, std::vector<std::string>&
 }
 
 /// What there is to say of how rows were written, in full of the first: the others are likely to be like it.
-void tell_notes(std::vector<PlannedJob>& jobs, const PlanRows& rows, const SliceOptions& preset, Progress& progress) {
+void tell_notes(std::vector<PlannedJob>& jobs, const PlanRows& rows, const slicer::SliceOptions& preset,
+                Progress& progress) {
     const auto noted = [](const PlannedJob& job) { return !job.options.notes.empty(); };
     const auto count = std::ranges::count_if(jobs, noted);
     if (count == 0) return;
@@ -219,8 +220,8 @@ void tell_notes(std::vector<PlannedJob>& jobs, const PlanRows& rows, const Slice
 }  // namespace
 
 std::vector<PlannedJob> plan_jobs(const PlanRows& rows, const PlanOptions& options, Progress* progress) {
-    (void)NameTemplate(options.name);
-    const SliceOptions preset = preset_of(options, progress);
+    (void)slicer::NameTemplate(options.name);
+    const slicer::SliceOptions preset = preset_of(options, progress);
     std::vector<PlannedJob> jobs;
     std::vector<std::string> faults = rows.faults;
     std::size_t n = 0;
@@ -238,4 +239,4 @@ std::vector<PlannedJob> read_plan(const PlanOptions& options, Progress* progress
     return plan_jobs(read_plan_rows(options.plan), options, progress);
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

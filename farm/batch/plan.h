@@ -13,19 +13,21 @@
 #include "farm/batch/plan_rows.h"
 #include "slicer/options/slice_options.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 struct PlanOptions {
-    std::vector<std::string> plan;                ///< as read_plan_rows takes it
-    std::string preset;                           ///< job file whose options all jobs begin with; empty: none
-    std::string name = "{name}";                  ///< template of the jobs' names (job_names.h)
-    std::filesystem::path out;                    ///< OUT
-    std::optional<SliceOptions> begin_with = {};  ///< options that all jobs begin with, in the place of a preset
+    std::vector<std::string> plan;  ///< as read_plan_rows takes it
+    std::string preset;             ///< job file whose options all jobs begin with; empty: none
+    std::string name = "{name}";    ///< template of the jobs' names (job_names.h)
+    std::filesystem::path out;      ///< OUT
+    std::optional<slicer::SliceOptions> begin_with =
+        {};  ///< options that all jobs begin with, in the place of a preset
 };
 
 struct PlannedJob {
-    std::string name;      ///< no other job of the plan has it
-    SliceOptions options;  ///< paths are absolute; neither `overwrite` nor `resume`, which are not the plan's to say
+    std::string name;  ///< no other job of the plan has it
+    slicer::SliceOptions
+        options;  ///< paths are absolute; neither `overwrite` nor `resume`, which are not the plan's to say
     std::vector<std::string> command;  ///< words behind `voxtone`: "slice", ...
     std::filesystem::path out;         ///< absolute
     std::string place;                 ///< where the plan has it, for messages: "plan.csv: line 4"
@@ -40,4 +42,4 @@ struct PlannedJob {
 [[nodiscard]] std::vector<PlannedJob> plan_jobs(const PlanRows& rows, const PlanOptions& options,
                                                 Progress* progress = nullptr);
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -18,7 +18,7 @@
 #include "io/files/json_writer.h"
 #include "slicer/tray/tray_estimate.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -40,9 +40,9 @@ struct Totals {
     std::size_t without_price = 0, without_resins = 0;                 ///< jobs
 };
 
-void add_resins(Totals& totals, const JobEstimate& estimate) {
+void add_resins(Totals& totals, const slicer::JobEstimate& estimate) {
     if (estimate.resins.empty()) ++totals.without_resins;
-    for (const ResinEstimate& resin : estimate.resins) {
+    for (const slicer::ResinEstimate& resin : estimate.resins) {
         ResinTotal& total = totals.resins[{resin.role, resin.name}];
         total.ml += resin.ml;
         total.g += resin.g.value_or(0);
@@ -63,7 +63,7 @@ Totals totals_of(const std::vector<PlannedEstimate>& jobs) {
             ++totals.failed;
             continue;
         }
-        const JobEstimate& estimate = job.estimate;
+        const slicer::JobEstimate& estimate = job.estimate;
         ++totals.estimated;
         totals.ml += estimate.body_ml;
         totals.cpu_s += estimate.cpu_s;
@@ -83,12 +83,12 @@ void write_job(io::JsonWriter& json, const PlannedEstimate& job) {
         json.add("exit_code", job.exit_code).add("message", job.fault).end_object();
         return;
     }
-    const JobEstimate& estimate = job.estimate;
+    const slicer::JobEstimate& estimate = job.estimate;
     json.add("size_mm", estimate.size_mm).add("layers", estimate.layers).add("ml", estimate.body_ml);
     if (estimate.g) json.add("g", *estimate.g);
     if (estimate.price) json.add("price", *estimate.price).add("currency", estimate.currency);
     json.key("resins").begin_list();
-    for (const ResinEstimate& resin : estimate.resins)
+    for (const slicer::ResinEstimate& resin : estimate.resins)
         json.begin_object().add("role", resin.role).add("name", resin.name).add("ml", resin.ml).end_object();
     json.end_list().add("cpu_seconds", estimate.cpu_s).add("seconds", estimate.seconds);
     json.add("threads", estimate.threads).add("memory_bytes", estimate.memory_bytes);
@@ -116,7 +116,7 @@ void write_totals(io::JsonWriter& json, const Totals& totals) {
 
 std::string line_of(const PlannedEstimate& job, std::size_t widest) {
     if (!job.fault.empty()) return fmt::format("  {:<{}}  cannot be sliced: {}\n", job.job, widest, job.fault);
-    const JobEstimate& e = job.estimate;
+    const slicer::JobEstimate& e = job.estimate;
     std::string text = fmt::format("  {:<{}}  {:>22} {:>6} layers {:>9.3f} ml {:>12} {:>10}", job.job, widest,
                                    fmt::format("{:.1f} x {:.1f} x {:.1f} mm", e.size_mm[0], e.size_mm[1], e.size_mm[2]),
                                    e.layers, e.body_ml, duration_text(e.seconds), memory_text(e.memory_bytes));
@@ -153,12 +153,12 @@ std::string totals_text(const Totals& totals) {
     return text + "\n";
 }
 
-PlannedEstimate estimate_planned(const PlannedJob& job, const EstimateScope& scope, Progress& progress) {
+PlannedEstimate estimate_planned(const PlannedJob& job, const slicer::EstimateScope& scope, Progress& progress) {
     PlannedEstimate planned{job.name, job.options.model, {}, {}, 0};
-    SliceOptions requested = job.options;
+    slicer::SliceOptions requested = job.options;
     requested.overwrite = true;  // what its folder holds does not matter here
     try {
-        planned.estimate = estimate_any(requested, progress, scope);
+        planned.estimate = slicer::estimate_any(requested, progress, scope);
     } catch (const Cancelled&) {
         throw;
     } catch (const TryAgain&) {
@@ -192,7 +192,7 @@ std::string plan_estimate_text(const std::vector<PlannedEstimate>& jobs) {
     return text;
 }
 
-JobResult run_plan_estimate(const PlanOptions& plan, const EstimateScope& scope, Progress& progress) {
+JobResult run_plan_estimate(const PlanOptions& plan, const slicer::EstimateScope& scope, Progress& progress) {
     std::vector<PlannedEstimate> jobs;
     ExitCode code = ExitCode::done;
     for (const PlannedJob& job : read_plan(plan, &progress)) {
@@ -203,4 +203,4 @@ JobResult run_plan_estimate(const PlanOptions& plan, const EstimateScope& scope,
     return {plan_estimate_json(jobs), plan_estimate_text(jobs), code};
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

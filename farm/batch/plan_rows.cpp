@@ -18,7 +18,7 @@
 #include "io/models/model_reader.h"
 #include "slicer/plans/tray_plan.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -117,7 +117,7 @@ PlanRows read_one(const std::string& word) {
         if (plan.rows.empty())
             plan.faults.push_back(fmt::format("{}: holds no model ({}); for pictures give a pattern, '{}/*.png'{}",
                                               word, io::model_name_endings, word, foreign_in(word)));
-    } else if (is_tray_plan(word)) {
+    } else if (slicer::is_tray_plan(word)) {
         plan.rows.push_back(row_of(word));
     } else if (fs::exists(word) && io::is_table_file(word, "model")) {
         read_table(text_of_plan(word), folder, plan);
@@ -162,7 +162,7 @@ PlanRows read_plan_rows(std::span<const std::string> plan) {
     PlanRows all = plan.size() == 1 ? read_one(plan[0]) : PlanRows{"the plan", {}, {}};
     if (plan.size() > 1)
         for (const std::string& word : plan) {
-            if ((is_list(word) && !is_tray_plan(word)) || fs::is_directory(word))
+            if ((is_list(word) && !slicer::is_tray_plan(word)) || fs::is_directory(word))
                 throw UsageError(fmt::format("{}: a batch has one plan; several words are models each", word));
             add_models(word, all);
         }
@@ -170,4 +170,4 @@ PlanRows read_plan_rows(std::span<const std::string> plan) {
     return all;
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 struct PlanRow {
     std::size_t line = 0;          ///< in the plan; 0: it is no file
@@ -40,4 +40,4 @@ struct PlanRows {
 /// The row of a model without options of its own.
 [[nodiscard]] PlanRow row_of(const std::filesystem::path& model);
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

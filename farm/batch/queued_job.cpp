@@ -18,7 +18,7 @@
 #include "slicer/kept/loop_checkpoint.h"
 #include "slicer/options/command_words.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace fs = std::filesystem;
 
@@ -87,7 +87,7 @@ void QueuedJob::begin_to_weigh() {
     std::vector<std::string> shown{context_.options.program.string()};
     shown.insert(shown.end(), arguments.begin(), arguments.end());
     try {
-        append_line(log, fmt::format("== {} {}", utc_now(), shell_line(shown)));
+        append_line(log, fmt::format("== {} {}", utc_now(), slicer::shell_line(shown)));
         log_begin_ = log_size(log);
         process_ = std::make_unique<JobProcess>(ProcessStart{context_.options.program, arguments, {}, log, -1});
         stage_ = Stage::weighing;
@@ -174,11 +174,11 @@ void QueuedJob::run(const std::vector<std::string>& arguments) {
     const fs::path log = context_.folder.log_file(job_.name);
     std::vector<std::string> shown{context_.options.program.string()};
     shown.insert(shown.end(), arguments.begin(), arguments.end());
-    append_line(log, fmt::format("== {} {}", utc_now(), shell_line(shown)));
+    append_line(log, fmt::format("== {} {}", utc_now(), slicer::shell_line(shown)));
     log_begin_ = log_size(log);
     began_ns_ = now_ns();
     oom_kills_before_ = cgroup_oom_kills();
-    steps_before_ = LoopCheckpoint::saved_steps(job_.out);
+    steps_before_ = slicer::LoopCheckpoint::saved_steps(job_.out);
     process_ =
         std::make_unique<JobProcess>(ProcessStart{context_.options.program, arguments, {}, log, lock_->descriptor()});
     stage_ = Stage::running;
@@ -206,7 +206,7 @@ Attempts QueuedJob::attempts() const {
 }
 
 void QueuedJob::note_whether_it_got_on() {
-    if (LoopCheckpoint::saved_steps(job_.out) > steps_before_) ++state_.attempts_that_got_on;
+    if (slicer::LoopCheckpoint::saved_steps(job_.out) > steps_before_) ++state_.attempts_that_got_on;
 }
 
 void QueuedJob::take_end_of_job(const ProcessEnd& end) {
@@ -347,4 +347,4 @@ BatchSnapshot::Running QueuedJob::snapshot() const {
     return {job_.name, since_start_.total(), line == std::string::npos ? text : text.substr(line + 1)};
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -19,7 +19,7 @@
 #include "farm/batch/job_weight.h"
 #include "farm/batch/plan.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 struct BatchOptions {
     std::filesystem::path out;
@@ -116,4 +116,4 @@ private:
     std::unique_ptr<JobProcess> process_;
 };
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 std::optional<std::vector<io::SideFile>> SideNames::of(const std::filesystem::path& model) {
     if (names_.valid()) {
@@ -24,4 +24,4 @@ std::optional<std::vector<io::SideFile>> SideNames::of(const std::filesystem::pa
     return std::nullopt;
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -12,7 +12,7 @@
 
 #include "io/models/side_file.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 class SideNames {
 public:
@@ -30,4 +30,4 @@ private:
     std::future<std::vector<io::SideFile>> names_;
 };
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -11,7 +11,7 @@
 #include "io/programs/build_identity.h"
 #include "slicer/tray/tray_estimate.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 bool is_done(const BatchFolder& batch, const PlannedJob& job, InputDigests& digests, const Progress& progress) {
     const std::optional<JobState> known = batch.state_of(job.name);
@@ -22,11 +22,11 @@ bool is_done(const BatchFolder& batch, const PlannedJob& job, InputDigests& dige
 }
 
 ChainEstimate estimate_chain(const PlannedJob& job, const ChainOptions& options, Progress& progress) {
-    SliceOptions requested = options_on_cluster(job.options);
+    slicer::SliceOptions requested = options_on_cluster(job.options);
     if (requested.threads == 0) requested.threads = options.most_cores;
     ChainEstimate made;
     try {
-        made.chain = task_chain(job, estimate_any(requested, progress), options);
+        made.chain = task_chain(job, slicer::estimate_any(requested, progress), options);
         if (!made.chain.why_whole.empty()) made.message = fmt::format("it cannot be cut: {}", made.chain.why_whole);
     } catch (const Cancelled&) {
         throw;
@@ -66,4 +66,4 @@ void note_failure(const BatchFolder& batch, const PlannedJob& job, std::size_t n
     });
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -13,7 +13,7 @@
 #include "farm/batch/plan.h"
 #include "farm/cluster/task_chain.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 /// Whether the job was done and has not changed since. Teaches `digests` what is known of its inputs.
 [[nodiscard]] bool is_done(const BatchFolder& batch, const PlannedJob& job, InputDigests& digests,
@@ -35,4 +35,4 @@ struct ChainEstimate {
 void note_failure(const BatchFolder& batch, const PlannedJob& job, std::size_t number, const ChainEstimate& estimate,
                   Progress& progress);
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

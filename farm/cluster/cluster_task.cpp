@@ -30,7 +30,7 @@
 #include "slicer/kept/loop_checkpoint.h"
 #include "slicer/options/command_words.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -104,10 +104,10 @@ public:
         const fs::path log = files_.task_log(job_.name, options_.stage, index_);
         std::vector<std::string> shown{options_.program.string()};
         shown.insert(shown.end(), arguments.begin(), arguments.end());
-        append_line(log, fmt::format("== {} {}: {}", utc_now(), io::host_name(), shell_line(shown)));
+        append_line(log, fmt::format("== {} {}: {}", utc_now(), io::host_name(), slicer::shell_line(shown)));
         const std::uintmax_t begin = log_size(log);
         const std::uint64_t kills_before = cgroup_oom_kills();
-        steps_before_ = LoopCheckpoint::saved_steps(job_.out);
+        steps_before_ = slicer::LoopCheckpoint::saved_steps(job_.out);
         JobProcess process(ProcessStart{options_.program, arguments, {}, log, -1});
         note_start(process);
         const ProcessEnd end = wait_for(process, log, begin);
@@ -151,8 +151,8 @@ private:
         change_state(batch_, job_.name, progress_, [&](JobState& state) {
             // A shard that failed is not forgotten because others run.
             if (state.phase == JobPhase::failed && stage_.stage == TaskStage::layers) return;
-            voxtone::slicer::note_start(state, runner_, allocation_.restarts + 1,
-                                        options_.threads > 0 ? options_.threads : int(thread_count()));
+            voxtone::farm::note_start(state, runner_, allocation_.restarts + 1,
+                                      options_.threads > 0 ? options_.threads : int(thread_count()));
         });
     }
 
@@ -197,7 +197,7 @@ private:
     /// Those before, and this one where its loop has come further.
     [[nodiscard]] int tries_that_got_on() const {
         const auto state = batch_.state_of(job_.name);
-        const bool got_on = LoopCheckpoint::saved_steps(job_.out) > steps_before_;
+        const bool got_on = slicer::LoopCheckpoint::saved_steps(job_.out) > steps_before_;
         return (state ? state->attempts_that_got_on : 0) + (got_on ? 1 : 0);
     }
 
@@ -392,4 +392,4 @@ JobResult close_cluster_batch(const fs::path& out, Progress& progress) {
     return {json.text(), fmt::format("{}: all tasks have ended\n", out.string()), ExitCode::done};
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -18,7 +18,7 @@
 #include "farm/cluster/task_chain.h"
 #include "io/shards/shard_number.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 /// Takes whole lines.
 using MessageSink = std::function<void(std::string_view)>;
@@ -42,4 +42,4 @@ struct TaskOptions {
 /// When all has ended: a job that no task of the queue works on any more is done or has failed. Draws the summary.
 [[nodiscard]] JobResult close_cluster_batch(const std::filesystem::path& out, Progress& progress);
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -21,7 +21,7 @@
 
 extern char** environ;
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -143,4 +143,4 @@ CommandOutput run_command(std::span<const std::string> command) {
     return said;
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

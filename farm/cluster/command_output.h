@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 struct CommandOutput {
     static constexpr int no_such_program = 127;
@@ -22,4 +22,4 @@ struct CommandOutput {
 /// program is there and cannot be run.
 [[nodiscard]] CommandOutput run_command(std::span<const std::string> command);
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

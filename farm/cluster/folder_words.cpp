@@ -11,7 +11,7 @@
 #include "slicer/kept/job_identity.h"
 #include "slicer/kept/skin_file.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -22,23 +22,24 @@ bool is_there(const fs::path& file) {
     return fs::exists(file, none);
 }
 
-bool skin_is_foreign(const OpenedJob& job, const Progress& progress) {
+bool skin_is_foreign(const slicer::OpenedJob& job, const Progress& progress) {
     try {
-        SkinFile::expect_same_job(job.options.loop.mixtures, opened_loop_identity(job, &progress), job.options.loop);
+        slicer::SkinFile::expect_same_job(job.options.loop.mixtures, slicer::opened_loop_identity(job, &progress),
+                                          job.options.loop);
         return false;
     } catch (const InputError&) {
         return true;
     }
 }
 
-bool holds_anothers(const fs::path& out, const OpenedJob& job, bool makes_loop, InputDigests& digests,
+bool holds_anothers(const fs::path& out, const slicer::OpenedJob& job, bool makes_loop, InputDigests& digests,
                     const Progress& progress) {
-    const DigestOfFile digest = [&](const std::string& file) {
+    const slicer::DigestOfFile digest = [&](const std::string& file) {
         return digests.of(fs::absolute(file).lexically_normal().string(), &progress);
     };
-    if (is_there(out / io::manifest_name) && !is_same_job(out, job, digest)) return true;
+    if (is_there(out / io::manifest_name) && !slicer::is_same_job(out, job, digest)) return true;
     const fs::path shards = io::shards_folder(out);
-    if (is_there(shards / io::job_file_name) && !is_same_job(shards, job, digest)) return true;
+    if (is_there(shards / io::job_file_name) && !slicer::is_same_job(shards, job, digest)) return true;
     if (!makes_loop) return false;
     // Of a loop that waits here it is known that it is another's.
     return is_there(out / io::checkpoint_name) || (is_there(out / io::skin_name) && skin_is_foreign(job, progress));
@@ -51,8 +52,8 @@ std::vector<std::string> words_for_folder(TaskStage stage, const PlannedJob& job
     const bool makes_loop = stage == TaskStage::whole || stage == TaskStage::prepare;
     if (makes_loop && waits_to_go_on(job.out, job)) return {"--resume"};
     if (!ours || is_missing_or_empty(job.out)) return {};
-    if (holds_anothers(job.out, open_job(job.options), makes_loop, digests, progress)) return {"--overwrite"};
+    if (holds_anothers(job.out, slicer::open_job(job.options), makes_loop, digests, progress)) return {"--overwrite"};
     return {};
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

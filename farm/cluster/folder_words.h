@@ -11,7 +11,7 @@
 #include "farm/batch/plan.h"
 #include "farm/cluster/task_chain.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 /// `--resume` where a loop of this very job was interrupted and this stage runs it; `--overwrite` where something of
 /// another job is in the way that the batch may replace (`ours`); else nothing. What other tasks of this job have made
@@ -19,4 +19,4 @@ namespace voxtone::slicer {
 [[nodiscard]] std::vector<std::string> words_for_folder(TaskStage stage, const PlannedJob& job, bool ours,
                                                         InputDigests& digests, const Progress& progress);
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

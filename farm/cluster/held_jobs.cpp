@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "farm/batch/batch_folder.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 std::string hold_text(const Submission& submission, const SlurmQueue& queue) {
     for (const std::string& number : submission.numbers()) {
@@ -42,4 +42,4 @@ std::map<std::string, std::string> held_jobs(const std::filesystem::path& out) {
     return texts;
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

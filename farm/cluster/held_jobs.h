@@ -11,7 +11,7 @@
 #include "farm/cluster/slurm_commands.h"
 #include "farm/cluster/submission.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 /// What is to be said of a submission; empty: nothing of it is held.
 [[nodiscard]] std::string hold_text(const Submission& submission, const SlurmQueue& queue);
@@ -20,4 +20,4 @@ namespace voxtone::slicer {
 /// was handed to it. Throws InputError, FileError for what is no batch's folder.
 [[nodiscard]] std::map<std::string, std::string> held_jobs(const std::filesystem::path& out);
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -17,17 +17,17 @@
 #include "slicer/options/command_words.h"
 #include "slicer/options/job_file.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace fs = std::filesystem;
 
 PlannedJob handed_over_job(const BatchFolder& batch, const std::string& name) {
     PlannedJob job;
     job.name = name;
-    read_job(SubmissionFolder(batch).job_file(name).string(), job.options);
+    slicer::read_job(SubmissionFolder(batch).job_file(name).string(), job.options);
     job.out = batch.job_folder(name);
     job.options.out = job.out.string();
-    job.command = command_words(job.options);
+    job.command = slicer::command_words(job.options);
     return job;
 }
 
@@ -95,4 +95,4 @@ void summarise_at_times(const BatchFolder& batch, const std::string& name, std::
     }
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -13,7 +13,7 @@
 #include "farm/batch/input_digests.h"
 #include "farm/cluster/submission.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 /// The job that was handed over, as a plan has it. Throws FileError, InputError.
 [[nodiscard]] PlannedJob handed_over_job(const BatchFolder& batch, const std::string& name);
@@ -37,4 +37,4 @@ void summarise_batch(const BatchFolder& batch, Progress& progress);
 /// many tasks end, states are read ten times a second at most. One task draws it, others leave it to that.
 void summarise_at_times(const BatchFolder& batch, const std::string& name, std::size_t jobs, Progress& progress);
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

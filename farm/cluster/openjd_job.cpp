@@ -19,7 +19,7 @@
 #include "io/files/whole_file.h"
 #include "slicer/options/command_words.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -131,4 +131,4 @@ JobResult run_openjd_job(const PlanOptions& plan, const OpenJobOptions& options,
     return result_of(jobs, planned.size(), options);
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -12,7 +12,7 @@
 #include "farm/batch/plan.h"
 #include "farm/cluster/task_chain.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 struct OpenJobOptions {
     std::filesystem::path out;
@@ -25,4 +25,4 @@ struct OpenJobOptions {
 /// left no template is written. Throws Error where nothing was noted or written.
 [[nodiscard]] JobResult run_openjd_job(const PlanOptions& plan, const OpenJobOptions& options, Progress& progress);
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "io/files/json_writer.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -153,4 +153,4 @@ std::string openjd_template(std::span<const OpenJobChain> jobs, const OpenJobFra
     return json.end_list().end_object().text() + "\n";
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -13,7 +13,7 @@
 
 #include "farm/cluster/task_chain.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 struct OpenJobFrame {
     std::filesystem::path program;  ///< `voxtone`, as every worker finds it; absolute
@@ -30,4 +30,4 @@ struct OpenJobChain {
 /// "{{", which begins a reference there and cannot be quoted, or with a control character.
 [[nodiscard]] std::string openjd_template(std::span<const OpenJobChain> jobs, const OpenJobFrame& frame);
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

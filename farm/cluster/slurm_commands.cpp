@@ -14,7 +14,7 @@
 #include "base/error.h"
 #include "farm/cluster/command_output.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -163,4 +163,4 @@ bool requeue_in_slurm(const std::string& task) {
     return run_command(arguments).exit_code == 0;
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 struct SlurmConfig {
     std::uint32_t max_array_size = 1001;  ///< numbers of an array's tasks are below it; 0: there are no arrays
@@ -59,4 +59,4 @@ struct SlurmTime {
 /// Puts the task back: false where Slurm refuses. Slurm ends its processes soon after.
 [[nodiscard]] bool requeue_in_slurm(const std::string& task);
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -11,7 +11,7 @@
 #include "base/progress_bar.h"
 #include "io/files/json_writer.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -93,4 +93,4 @@ JobResult slurm_result(std::span<const SlurmEntry> entries, const std::filesyste
     return {json.end_object().text(), scripts + (dry_run && !scripts.empty() ? "\n" : "") + text, code};
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

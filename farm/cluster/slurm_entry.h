@@ -14,7 +14,7 @@
 #include "farm/cluster/submission.h"
 #include "farm/cluster/task_chain.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 enum class EntryState {
     left,  ///< to be submitted; of a dry run: would be
@@ -40,11 +40,11 @@ struct SlurmEntry {
 [[nodiscard]] JobResult slurm_result(std::span<const SlurmEntry> entries, const std::filesystem::path& out,
                                      const std::string& last, bool dry_run);
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm
 
 template <>
-struct voxtone::NamesOf<voxtone::slicer::EntryState> {
-    using State = slicer::EntryState;
+struct voxtone::NamesOf<voxtone::farm::EntryState> {
+    using State = farm::EntryState;
     static constexpr auto table = std::to_array<Named<State>>({{State::left, "left"},
                                                                {State::submitted, "submitted"},
                                                                {State::queued, "queued"},

@@ -26,7 +26,7 @@
 #include "farm/cluster/stage_memory.h"
 #include "slicer/options/command_words.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -181,7 +181,7 @@ private:
         return folder_ / "slurm" / job / fmt::format("{}.sh", name_of(stage));
     }
     static std::string shown_call(const std::vector<std::string>& arguments) {
-        return "# ==> sbatch --parsable " + shell_line(arguments) + "\n";
+        return "# ==> sbatch --parsable " + slicer::shell_line(arguments) + "\n";
     }
     [[nodiscard]] std::string number_of(const std::vector<std::string>& arguments, const std::string& of) const {
         return batch_ ? submit_to_slurm(arguments) : "NUMBER-OF-" + of;
@@ -388,4 +388,4 @@ JobResult run_slurm_job(const PlanOptions& plan, const SlurmOptions& options, Pr
     return slurm_result(entries, out, last, options.dry_run);
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

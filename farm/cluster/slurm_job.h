@@ -15,7 +15,7 @@
 #include "farm/batch/plan.h"
 #include "farm/cluster/task_chain.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 struct SlurmOptions {
     std::filesystem::path out;
@@ -32,4 +32,4 @@ struct SlurmOptions {
 /// not in the queue, those before it are and are noted.
 [[nodiscard]] JobResult run_slurm_job(const PlanOptions& plan, const SlurmOptions& options, Progress& progress);
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

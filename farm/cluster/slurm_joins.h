@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 inline constexpr std::size_t most_dependencies = 1000;
 
@@ -32,4 +32,4 @@ inline constexpr std::size_t most_dependencies = 1000;
     return numbers;
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 struct Lane {
     int throttle = 0;                 ///< most tasks of an array; 0: any number
@@ -44,4 +44,4 @@ private:
     std::vector<Lane> lanes_;
 };
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -11,7 +11,7 @@
 #include "base/printable.h"
 #include "slicer/options/command_words.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -35,7 +35,7 @@ std::string comment(std::string text) {
     return "# " + printable(text) + "\n";
 }
 
-std::string shell_word(const std::string& word) { return shell_line(std::array{word}); }
+std::string shell_word(const std::string& word) { return slicer::shell_line(std::array{word}); }
 
 std::string directives(const std::string& name, int cores, std::uint64_t memory_bytes, double limit_s) {
     constexpr std::uint64_t mib = std::uint64_t{1} << 20;
@@ -57,7 +57,8 @@ std::string directives(const std::string& name, int cores, std::uint64_t memory_
 std::string example_of(const ScriptFrame& frame, const ChainStage& stage) {
     std::vector<std::string> arguments{frame.program.string()};
     arguments.insert(arguments.end(), stage.arguments.begin(), stage.arguments.end());
-    return shell_line(arguments) + (stage.stage == TaskStage::layers ? fmt::format(" --shard I/{}", stage.tasks) : "");
+    return slicer::shell_line(arguments) +
+           (stage.stage == TaskStage::layers ? fmt::format(" --shard I/{}", stage.tasks) : "");
 }
 
 }  // namespace
@@ -72,7 +73,7 @@ std::string stage_script(const ScriptFrame& frame, const std::string& job, const
     const std::vector<std::string> arguments{
         frame.program.string(), "task",      frame.out.string(),           "--job=" + job, "--stage",
         std::string(name),      "--retries", std::to_string(frame.retries)};
-    text += "exec " + shell_line(arguments);
+    text += "exec " + slicer::shell_line(arguments);
     if (stage.stage == TaskStage::layers)
         text += fmt::format(" --shard \"$((${{SLURM_ARRAY_TASK_ID:-1}} + ${{1:-0}}))/{}\"", stage.tasks);
     return text + "\n";
@@ -126,4 +127,4 @@ std::vector<std::string> sbatch_words(const std::filesystem::path& script, const
     return arguments;
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

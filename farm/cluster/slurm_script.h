@@ -10,7 +10,7 @@
 
 #include "farm/cluster/task_chain.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 /// What all scripts of a batch share.
 struct ScriptFrame {
@@ -51,4 +51,4 @@ struct Dependencies {
                                                     int throttle, const Dependencies& after, const std::string& output,
                                                     const std::vector<std::string>& more);
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -13,7 +13,7 @@
 #include "farm/cluster/slurm_commands.h"
 #include "io/disk/disk_space.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -83,4 +83,4 @@ std::string give_more_memory(TaskChain& chain, const Submission& before) {
     return given;
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -11,7 +11,7 @@
 #include "farm/cluster/submission.h"
 #include "farm/cluster/task_chain.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 /// Whether what Slurm wrote says that it ended a task for memory.
 [[nodiscard]] bool tells_of_too_little_memory(const std::string& output);
@@ -26,4 +26,4 @@ void note_starved(const SubmissionFolder& files, const std::string& job, TaskSta
 /// sentence; empty: nothing.
 [[nodiscard]] std::string give_more_memory(TaskChain& chain, const Submission& before);
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

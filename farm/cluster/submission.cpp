@@ -14,7 +14,7 @@
 #include "io/files/whole_file.h"
 #include "slicer/options/job_file.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -117,7 +117,7 @@ void SubmissionFolder::write(const Submission& submission) const {
 
 void SubmissionFolder::write_job(const PlannedJob& job) const {
     make_folder(of(job.name));
-    io::write_whole_file(job_file(job.name), job_json(job.options));
+    io::write_whole_file(job_file(job.name), slicer::job_json(job.options));
 }
 
 void SubmissionFolder::write_script(const fs::path& script, const std::string& text) const {
@@ -159,4 +159,4 @@ std::string submission_json(const Submission& submission) {
     return json.end_list().end_object().text() + "\n";
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -19,7 +19,7 @@
 #include "farm/batch/batch_folder.h"
 #include "farm/cluster/task_chain.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 struct SubmittedStage {
     TaskStage stage = TaskStage::whole;
@@ -86,4 +86,4 @@ private:
 
 [[nodiscard]] std::string submission_json(const Submission& submission);
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -16,7 +16,7 @@
 #include "slicer/plan/phase_estimates.h"
 #include "slicer/prepare/opened_job.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 namespace {
 
@@ -26,54 +26,55 @@ constexpr std::uint64_t beside_bytes = 64'000'000;  // what watches over a task,
 
 class StageSums {
 public:
-    explicit StageSums(const JobEstimate& estimate) : estimate_(estimate) {}
+    explicit StageSums(const slicer::JobEstimate& estimate) : estimate_(estimate) {}
 
     /// `share` of these phases.
-    void add(std::initializer_list<Phase> those, double share = 1) {
-        for (const PhaseEstimate& phase : estimate_.phases)
+    void add(std::initializer_list<slicer::Phase> those, double share = 1) {
+        for (const slicer::PhaseEstimate& phase : estimate_.phases)
             if (std::find(those.begin(), those.end(), phase.phase) != those.end()) add(phase, share);
     }
     void add_all() {
-        for (const PhaseEstimate& phase : estimate_.phases) add(phase, 1);
+        for (const slicer::PhaseEstimate& phase : estimate_.phases) add(phase, 1);
     }
 
     [[nodiscard]] double cpu_s() const { return cpu_s_ + measured_cpu_s_; }
     [[nodiscard]] std::uint64_t memory_bytes() const { return memory_bytes_; }
     [[nodiscard]] double seconds_on(int cores) const {
-        return seconds_on_threads(cpu_s_, std::size_t(cores)) +
-               std::max(measured_s_, seconds_on_threads(measured_cpu_s_, std::size_t(cores)));
+        return slicer::seconds_on_threads(cpu_s_, std::size_t(cores)) +
+               std::max(measured_s_, slicer::seconds_on_threads(measured_cpu_s_, std::size_t(cores)));
     }
 
 private:
-    void add(const PhaseEstimate& phase, double share) {
+    void add(const slicer::PhaseEstimate& phase, double share) {
         (phase.measured ? measured_cpu_s_ : cpu_s_) += share * phase.cpu_s;
         if (phase.measured) measured_s_ += share * phase.seconds;
         memory_bytes_ = std::max(memory_bytes_, phase.memory_bytes);
     }
 
-    const JobEstimate& estimate_;
+    const slicer::JobEstimate& estimate_;
     double cpu_s_ = 0, measured_cpu_s_ = 0, measured_s_ = 0;
     std::uint64_t memory_bytes_ = 0;
 };
 
-StageSums sums_of(TaskStage stage, const JobEstimate& estimate, int shards) {
+StageSums sums_of(TaskStage stage, const slicer::JobEstimate& estimate, int shards) {
     StageSums sums(estimate);
     switch (stage) {
         case TaskStage::whole:
             sums.add_all();
             return sums;
         case TaskStage::prepare:
-            sums.add({Phase::read, Phase::separate, Phase::prepare_loop, Phase::loop});
+            sums.add({slicer::Phase::read, slicer::Phase::separate, slicer::Phase::prepare_loop, slicer::Phase::loop});
             return sums;
         case TaskStage::layers:
-            sums.add({Phase::read, Phase::separate});
-            sums.add({Phase::layers}, 1.0 / shards);
+            sums.add({slicer::Phase::read, slicer::Phase::separate});
+            sums.add({slicer::Phase::layers}, 1.0 / shards);
             return sums;
         case TaskStage::merge:
             break;
     }
-    sums.add({Phase::read, Phase::separate, Phase::report});
-    if (estimate.prediction) sums.add({Phase::layers, Phase::predict});  // it makes the layers once more, in memory
+    sums.add({slicer::Phase::read, slicer::Phase::separate, slicer::Phase::report});
+    if (estimate.prediction)
+        sums.add({slicer::Phase::layers, slicer::Phase::predict});  // it makes the layers once more, in memory
     return sums;
 }
 
@@ -91,7 +92,7 @@ int cores_for(double cpu_s, int most) {
 
 /// Why the layers cannot be made in parts; empty: they can.
 std::string why_not_cut(const PlannedJob& job) {
-    const OpenedJob opened = open_job(job.options);
+    const slicer::OpenedJob opened = slicer::open_job(job.options);
     if (opened.options.layered) return "layers of profiles are searched for once for the whole body";
     const io::StackOutputs outputs = opened.outputs();
     if (outputs.gcvf || outputs.vdb)
@@ -100,23 +101,23 @@ std::string why_not_cut(const PlannedJob& job) {
 }
 
 /// Whether shards ask for what a loop came to, or for why there was none.
-bool loop_comes_first(const SliceOptions& options) {
-    const JobLoopOptions loop = resolve(options).loop;
+bool loop_comes_first(const slicer::SliceOptions& options) {
+    const slicer::JobLoopOptions loop = slicer::resolve(options).loop;
     return loop.iterations != 0 && !loop.mixtures_named;
 }
 
 /// Whether how much its loop or prediction may take is half of what the machine has.
-bool asks_machine_for_memory(const SliceOptions& options) {
+bool asks_machine_for_memory(const slicer::SliceOptions& options) {
     if (options.memory_gib != 0) return false;
-    const ResolvedJob job = resolve(options);
+    const slicer::ResolvedJob job = slicer::resolve(options);
     return job.loop.iterations != 0 || job.prediction.automatic || job.prediction.model;
 }
 
-int shards_for(const JobEstimate& estimate, const ChainOptions& options) {
+int shards_for(const slicer::JobEstimate& estimate, const ChainOptions& options) {
     const int most = std::clamp(int(estimate.layers), 1, options.most_shards);
     if (options.shards > 0) return std::min(options.shards, most);
     StageSums layers(estimate);
-    layers.add({Phase::layers});
+    layers.add({slicer::Phase::layers});
     const int cores = cores_for(layers.cpu_s(), options.most_cores);
     return int(std::clamp(std::ceil(layers.seconds_on(cores) / options.shard_s), 1.0, double(most)));
 }
@@ -127,7 +128,7 @@ std::vector<std::string> with(std::vector<std::string> arguments, std::initializ
 }
 
 ChainStage stage_of(TaskStage stage, std::vector<std::string> arguments, int tasks, const PlannedJob& job,
-                    const JobEstimate& estimate, const ChainOptions& options) {
+                    const slicer::JobEstimate& estimate, const ChainOptions& options) {
     const StageSums sums = sums_of(stage, estimate, tasks);
     ChainStage made;
     made.stage = stage;
@@ -142,9 +143,9 @@ ChainStage stage_of(TaskStage stage, std::vector<std::string> arguments, int tas
 
 }  // namespace
 
-SliceOptions options_on_cluster(const SliceOptions& options) {
-    SliceOptions settled = options;
-    if (asks_machine_for_memory(options)) settled.memory_gib = gib_of(memory_budget(0));
+slicer::SliceOptions options_on_cluster(const slicer::SliceOptions& options) {
+    slicer::SliceOptions settled = options;
+    if (asks_machine_for_memory(options)) settled.memory_gib = gib_of(slicer::memory_budget(0));
     if (settled.read_memory_gib == 0) settled.read_memory_gib = gib_of(io::default_read_memory());
     return settled;
 }
@@ -156,10 +157,10 @@ std::string note_of_memory(std::span<const PlannedJob> jobs) {
     return fmt::format(
         "loop and prediction of {} may take {:.1f} GiB, what a job allows itself on this machine, "
         "whatever the nodes have; \"memory\" in the plan says another",
-        counted(std::uint64_t(asking), "job"), gib_of(memory_budget(0)));
+        counted(std::uint64_t(asking), "job"), gib_of(slicer::memory_budget(0)));
 }
 
-bool keeps_what_it_did(TaskStage stage, const SliceOptions& options) {
+bool keeps_what_it_did(TaskStage stage, const slicer::SliceOptions& options) {
     return (stage == TaskStage::whole || stage == TaskStage::prepare) && loop_comes_first(options);
 }
 
@@ -170,7 +171,7 @@ std::vector<std::string> arguments_of(const ChainStage& stage, int index) {
     return arguments;
 }
 
-TaskChain task_chain(const PlannedJob& job, const JobEstimate& estimate, const ChainOptions& options) {
+TaskChain task_chain(const PlannedJob& job, const slicer::JobEstimate& estimate, const ChainOptions& options) {
     TaskChain chain;
     chain.shards = shards_for(estimate, options);
     chain.cpu_s = estimate.cpu_s;
@@ -179,7 +180,7 @@ TaskChain task_chain(const PlannedJob& job, const JobEstimate& estimate, const C
         if (!chain.why_whole.empty()) chain.shards = 1;
         if (options.shards == 0) chain.why_whole.clear();
     }
-    const std::vector<std::string> slice = command_words(options_on_cluster(job.options));
+    const std::vector<std::string> slice = slicer::command_words(options_on_cluster(job.options));
     const auto add = [&](TaskStage stage, std::vector<std::string> arguments, int tasks) {
         chain.stages.push_back(stage_of(stage, std::move(arguments), tasks, job, estimate, options));
     };
@@ -195,4 +196,4 @@ TaskChain task_chain(const PlannedJob& job, const JobEstimate& estimate, const C
     return chain;
 }
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm

@@ -24,7 +24,7 @@
 #include "farm/batch/plan.h"
 #include "slicer/estimate/job_estimate.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 enum class TaskStage { whole, prepare, layers, merge };
 
@@ -57,7 +57,8 @@ struct TaskChain {
 
 /// `estimate`: of this job (estimate_job). Reads no model. Throws UsageError, InputError, FileError as opening the job
 /// does.
-[[nodiscard]] TaskChain task_chain(const PlannedJob& job, const JobEstimate& estimate, const ChainOptions& options);
+[[nodiscard]] TaskChain task_chain(const PlannedJob& job, const slicer::JobEstimate& estimate,
+                                   const ChainOptions& options);
 
 /// The words behind `voxtone` of task `index` of the stage, from 1: for layers with its `--shard index/tasks`.
 [[nodiscard]] std::vector<std::string> arguments_of(const ChainStage& stage, int index);
@@ -65,20 +66,20 @@ struct TaskChain {
 /// The job as all of its tasks do it, wherever they run: with the memory for loop, prediction and reading that it would
 /// allow itself here. A task is given no more than it needs, and half of that, which is what a job allows itself where
 /// nothing is said, might cut a loop otherwise or refuse a model.
-[[nodiscard]] SliceOptions options_on_cluster(const SliceOptions& options);
+[[nodiscard]] slicer::SliceOptions options_on_cluster(const slicer::SliceOptions& options);
 
 /// That `options_on_cluster` says a memory that is this machine's, for whoever hands these jobs over; empty: it says
 /// none.
 [[nodiscard]] std::string note_of_memory(std::span<const PlannedJob> jobs);
 
 /// Whether a task that is stopped goes on where it was when it is run again, as the loop does. Others begin anew.
-[[nodiscard]] bool keeps_what_it_did(TaskStage stage, const SliceOptions& options);
+[[nodiscard]] bool keeps_what_it_did(TaskStage stage, const slicer::SliceOptions& options);
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm
 
 template <>
-struct voxtone::NamesOf<voxtone::slicer::TaskStage> {
-    using Stage = slicer::TaskStage;
+struct voxtone::NamesOf<voxtone::farm::TaskStage> {
+    using Stage = farm::TaskStage;
     static constexpr auto table = std::to_array<Named<Stage>>(
         {{Stage::whole, "whole"}, {Stage::prepare, "prepare"}, {Stage::layers, "layers"}, {Stage::merge, "merge"}});
 };

@@ -11,6 +11,7 @@
 #include <fmt/core.h>
 #include <catch2/catch.hpp>
 
+using namespace voxtone::farm;
 using namespace voxtone::slicer;
 using Catch::Matchers::Contains;
 

@@ -19,6 +19,7 @@
 #include "tests/io/files/temporary_folder.h"
 
 using namespace voxtone;
+using namespace voxtone::farm;
 using namespace voxtone::slicer;
 using Catch::Matchers::Contains;
 using Kind = JobEvent::Kind;

@@ -12,6 +12,7 @@
 #include "base/error.h"
 
 using namespace voxtone;
+using namespace voxtone::farm;
 using namespace voxtone::slicer;
 using Catch::Contains;
 using Kind = JobEnding::Kind;

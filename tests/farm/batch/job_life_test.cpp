@@ -7,6 +7,7 @@
 
 #include <catch2/catch.hpp>
 
+using namespace voxtone::farm;
 using namespace voxtone::slicer;
 using Catch::Matchers::Contains;
 using End = JobEnding::Kind;

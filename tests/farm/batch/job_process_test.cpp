@@ -11,6 +11,7 @@
 #include "tests/io/files/temporary_folder.h"
 
 using namespace voxtone;
+using namespace voxtone::farm;
 using namespace voxtone::slicer;
 
 namespace {

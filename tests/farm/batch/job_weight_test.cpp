@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 
+using namespace voxtone::farm;
 using namespace voxtone::slicer;
 
 namespace {

@@ -6,6 +6,7 @@
 #include "tests/io/files/schema.h"
 
 using namespace voxtone;
+using namespace voxtone::farm;
 using namespace voxtone::slicer;
 using Catch::Matchers::Contains;
 

@@ -16,6 +16,7 @@
 #include "stand_ins.h"
 
 using namespace voxtone;
+using namespace voxtone::farm;
 using namespace voxtone::slicer;
 using Catch::Matchers::Contains;
 namespace fs = std::filesystem;

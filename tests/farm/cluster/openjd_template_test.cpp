@@ -15,6 +15,7 @@
 #include "base/error.h"
 
 using namespace voxtone;
+using namespace voxtone::farm;
 using namespace voxtone::slicer;
 using Catch::Contains;
 using nlohmann::json;

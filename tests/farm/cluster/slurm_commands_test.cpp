@@ -10,6 +10,7 @@
 #include "stand_ins.h"
 
 using namespace voxtone;
+using namespace voxtone::farm;
 using namespace voxtone::slicer;
 using Catch::Matchers::Contains;
 using Words = std::vector<std::string>;

@@ -15,6 +15,7 @@
 #include "tests/io/files/temporary_folder.h"
 
 using namespace voxtone;
+using namespace voxtone::farm;
 using namespace voxtone::slicer;
 using Catch::Matchers::Contains;
 using Words = std::vector<std::string>;

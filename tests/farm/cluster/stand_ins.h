@@ -12,7 +12,7 @@
 
 #include "tests/io/files/temporary_folder.h"
 
-namespace voxtone::slicer {
+namespace voxtone::farm {
 
 /// A variable of the environment for a while; nothing: it is not set.
 class Variable {
@@ -70,4 +70,4 @@ private:
     Variable job_, array_, task_, restarts_;
 };
 
-}  // namespace voxtone::slicer
+}  // namespace voxtone::farm
