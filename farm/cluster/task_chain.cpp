@@ -93,7 +93,7 @@ int cores_for(double cpu_s, int most) {
 /// Why the layers cannot be made in parts; empty: they can.
 std::string why_not_cut(const PlannedJob& job) {
     const slicer::OpenedJob opened = slicer::open_job(job.options);
-    if (opened.options.layered) return "layers of profiles are searched for once for the whole body";
+    if (opened.other) return opened.other->why_whole();
     const io::StackOutputs outputs = opened.outputs();
     if (outputs.gcvf || outputs.vdb)
         return fmt::format("{} is one file of the whole stack", outputs.gcvf ? io::gcvf_name : io::vdb_name);

@@ -45,10 +45,9 @@ PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const Loaded
         screen_.emplace(std::array{body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()}, &progress);
 }
 
-PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins,
-                       const WrappedLayers& wrapped)
-    : PrintParts(job, body, resins, wrapped.shell_mm()) {
-    wrapped_ = &wrapped;
+PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, const ShellFill& fill)
+    : PrintParts(job, body, resins, fill.shell_mm()) {
+    fill_ = &fill;
 }
 
 LayerSources PrintParts::sources(const SkinSource* skin) const {
@@ -57,7 +56,7 @@ LayerSources PrintParts::sources(const SkinSource* skin) const {
                          .surface = *body_.surface,
                          .shell = shell_,
                          .core = resins_.core_material(),
-                         .resins = wrapped_};
+                         .resins = fill_};
     if (colour_)
         sources.resins.emplace<MixtureSources>(surface_colour_, colour_->separation, screen_ ? &*screen_ : nullptr,
                                                seed_, skin);

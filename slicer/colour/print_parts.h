@@ -13,7 +13,6 @@
 #include "optics/media/resin_volume.h"
 #include "slicer/layers/layer_maker.h"
 #include "slicer/layers/skin_voxels.h"
-#include "slicer/layers/wrapped_layers.h"
 #include "slicer/options/resolved_job.h"
 #include "slicer/prepare/job_body.h"
 #include "slicer/prepare/job_colour.h"
@@ -29,13 +28,13 @@ public:
     /// The shell by colour. Keeps references to all but the options.
     PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, const JobColour& colour,
                const Progress& progress);
-    /// The shell by layers.
-    PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, const WrappedLayers& wrapped);
+    /// The shell of what shows no colours.
+    PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, const ShellFill& fill);
     PrintParts(const PrintParts&) = delete;
     PrintParts& operator=(const PrintParts&) = delete;
 
     [[nodiscard]] const SurfaceColour& surface_colour() const { return surface_colour_; }
-    /// `skin`: null: the separation's mixtures. Means nothing where the shell is made of layers.
+    /// `skin`: null: the separation's mixtures. Means nothing where the shell shows none.
     [[nodiscard]] LayerSources sources(const SkinSource* skin) const;
     /// All layers as a volume. Throws ResourceError where it takes more than `memory_bytes`.
     [[nodiscard]] optics::ResinVolume volume(const SkinSource* skin, std::uint64_t memory_bytes,
@@ -61,8 +60,8 @@ private:
 
     const JobBody& body_;
     const LoadedResins& resins_;
-    const JobColour* colour_ = nullptr;       ///< this
-    const WrappedLayers* wrapped_ = nullptr;  ///< or that
+    const JobColour* colour_ = nullptr;  ///< this
+    const ShellFill* fill_ = nullptr;    ///< or that
     std::uint64_t seed_;
     Solid solid_;
     SurfaceShell shell_;

@@ -52,17 +52,15 @@ MadeColours make_colours(const PlannedPrint& planned, Progress& progress) {
     return made;
 }
 
-/// Of a print whose resins are not known: the search for the stacks of a layered one is a part of the job.
+/// Of a print whose resins are not known.
 void add_volume(const OpenedJob& job, const JobBody& body, const LayerRange& range, const Progress& progress,
                 JobEstimate& estimate) {
     VolumeQuery query;
     query.layers = range;
     query.keep_thin = job.options.keep_thin;
     estimate.body_ml = resin_volumes(body, query, progress).body_ml;
-    estimate.why_no_resins = job.options.layered
-                                 ? "Which resins the layers take is found by the search for their stacks, which is a "
-                                   "part of the job."
-                                 : "Which resins they are was not asked for (--quick).";
+    estimate.why_no_resins =
+        job.other ? job.other->why_no_resins() : "Which resins they are was not asked for (--quick).";
 }
 
 /// What nobody asked and everybody should know.
@@ -147,7 +145,7 @@ JobEstimate estimate_body(OpenedJob& job, const JobBody& body, const PhaseEstima
     if (!scope.orientations && !scope.of_a_tray) check_layer_count(plan.grid.size[2], job.printer, enough_layers(body));
     const PlannedPrint planned{job, body, plan};
     std::optional<MadeColours> made;
-    if (!job.options.layered && scope.resins) made = make_colours(planned, progress);
+    if (!job.other && scope.resins) made = make_colours(planned, progress);
     std::optional<ColourRecipes> made_with;
     if (made) made_with.emplace(ColourRecipes{made->colour->separation, made->recipes.get()});
     JobEstimate estimate = estimate_print(planned, read, made_with ? &*made_with : nullptr, progress);

@@ -14,7 +14,6 @@
 #include "io/shards/shard_folder.h"
 #include "slicer/colour/colour_print.h"
 #include "slicer/kept/skin_file.h"
-#include "slicer/layered/layered_print.h"
 #include "slicer/options/job_file.h"
 #include "slicer/prepare/resin_choice.h"
 
@@ -45,7 +44,7 @@ OpenedJob with_best_resins(OpenedJob job, const JobBody& body, Progress& progres
 
 std::unique_ptr<Print> make_print(const OpenedJob& job, const JobBody& body, const JobIdentity& identity,
                                   const JobPlan& plan, Progress& progress) {
-    if (job.options.layered) return std::make_unique<LayeredPrint>(job, body, progress);
+    if (job.other) return job.other->make(job, body, progress);
     return std::make_unique<ColourPrint>(job, body, identity, plan, progress);
 }
 
@@ -71,7 +70,7 @@ void expect_no_other_shards(const OpenedJob& job, const Progress* progress) {
 void expect_own_loop(const OpenedJob& job, const Progress* progress) {
     const ResolvedJob& options = job.options;
     const bool is_replaced = options.overwrite && !options.loop.elsewhere && !options.loop.mixtures_named;
-    if (options.layered || options.loop.iterations == 0 || is_replaced) return;
+    if (options.loop.iterations == 0 || is_replaced) return;
     if (options.until == Until::loop && options.overwrite) return;
     if (std::error_code none; !std::filesystem::exists(options.loop.mixtures, none)) return;
     SkinFile::expect_same_job(options.loop.mixtures, opened_loop_identity(job, progress), options.loop);

@@ -53,7 +53,7 @@ bool has_checkpoint(const io::StackFolder& folder) { return fs::exists(folder.pa
 /// be printed as.
 void go_on_with_own_loop(OpenedJob& job, Progress& progress) {
     ResolvedJob& options = job.options;
-    if (options.resume || options.overwrite || options.layered || options.loop.iterations == 0) return;
+    if (options.resume || options.overwrite || options.loop.iterations == 0) return;
     if (std::error_code none; !fs::exists(options.out / io::checkpoint_name, none)) return;
     LoopCheckpoint::expect_same_job(options.out, opened_loop_identity(job, &progress));
     options.resume = true;

@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view model_input = "model", map_key = "profiles", program_key = "program";
+constexpr std::string_view model_input = "model", program_key = "program";
 
 std::string text_sha256(std::string_view text) {
     return io::sha256({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
@@ -45,11 +45,6 @@ JobInput file_or_known(std::string key, const std::string& name, std::optional<s
     return file_input(std::move(key), name, digest);
 }
 
-JobInput input_beside(const std::string& key, const std::string& file, const std::string& name,
-                      const DigestOfFile& digest) {
-    return file_input(key + ":" + name, (fs::path(file).parent_path() / name).string(), digest);
-}
-
 /// All inputs but those beside the model.
 std::vector<JobInput> named_inputs(const OpenedJob& job, const DigestOfFile& digest) {
     const ResolvedJob& options = job.options;
@@ -65,12 +60,8 @@ std::vector<JobInput> named_inputs(const OpenedJob& job, const DigestOfFile& dig
             inputs.push_back(file_input(fmt::format("font:{}", m + 1), io::find_font(mark.font).string(), digest));
     }
     if (!options.texture.empty()) inputs.push_back(file_input("texture", options.texture, digest));
-    if (!options.layered) return inputs;
-    const LayeredOptions& layered = *options.layered;
-    inputs.push_back(file_input(std::string(map_key), layered.profiles, digest));
-    inputs.push_back(input_beside(std::string(map_key), layered.profiles, job.map->picture, digest));
-    for (const LaminateMaterialFile& material : layered.materials)
-        inputs.push_back(file_input("stack-materials:" + material.role, material.file, digest));
+    if (job.other)
+        for (const JobInput& input : job.other->inputs()) inputs.push_back(file_input(input.key, input.file, digest));
     return inputs;
 }
 
@@ -150,8 +141,8 @@ bool is_same_job(const fs::path& folder, const OpenedJob& job, const DigestOfFil
     for (const JobInput& then : recorded->recorded_inputs) {
         if (!then.key.starts_with(beside)) continue;
         if (then.sha256.empty()) return false;
-        inputs.push_back(
-            input_beside(std::string(model_input), job.options.model, then.key.substr(beside.size()), digest));
+        const fs::path file = fs::path(job.options.model).parent_path() / then.key.substr(beside.size());
+        inputs.push_back(file_input(then.key, file.string(), digest));
     }
     return identity_of(*recorded, recorded->recorded_inputs).job == identity_of(job.options.raw, std::move(inputs)).job;
 }

@@ -3,11 +3,11 @@
 // Which job a job is: the options that decide what it makes, and what its inputs hold. Two jobs of one identity make
 // the same layers, wherever their files lie and however these are called, on any number of threads.
 //
-// Inputs are the model (or picture), the files beside it that it names, the printer's profile, the resins, and the
-// profiles of a layered print; those that come with the program count like files. Left out are the names of files, the
-// output folder, options at their defaults (so that a new option makes no job of old a stranger), and what only says
-// how the work is done (Decides::work in slicer/options/option_table.h). --memory is one of these: where it is too
-// little for a loop, the job says so and stops.
+// Inputs are the model (or picture), the files beside it that it names, the printer's profile, the resins, and what a
+// print without colours reads (prepare/other_print.h); those that come with the program count like files. Left out are
+// the names of files, the output folder, options at their defaults (so that a new option makes no job of old a
+// stranger), and what only says how the work is done (Decides::work in slicer/options/option_table.h). --memory is one
+// of these: where it is too little for a loop, the job says so and stops.
 #pragma once
 
 #include <filesystem>

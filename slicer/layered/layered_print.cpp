@@ -9,10 +9,12 @@
 
 namespace voxtone::slicer {
 
-LayeredPrint::LayeredPrint(const OpenedJob& job, const JobBody& body, Progress& progress)
+LayeredPrint::LayeredPrint(const OpenedJob& job, const LayeredOptions& options, const io::ProfileMap& map,
+                           const JobBody& body, Progress& progress)
     : job_(job),
+      options_(options),
       body_(body),
-      layers_(arrange_layers(*job.options.layered, *job.map, body, job.resins, progress)),
+      layers_(arrange_layers(options, map, body, job.resins, progress)),
       parts_(job.options, body, job.resins, layers_->wrapped()) {
     for (const std::string& warning : layers_->warnings) progress.warn(warning);
 }
@@ -35,11 +37,10 @@ void LayeredPrint::take_layer(int k, const io::LayerRuns& layer) {
 }
 
 void LayeredPrint::evaluate(const io::StackDescription& stack, Progress& progress) {
-    if (!job_.options.layered->surfaces) return;
+    if (!options_.surfaces) return;
     const Stopwatch watch;
-    surfaces_ =
-        write_layer_surfaces(layer_surfaces(body_, layers_->wrapped(), job_.options.layered->surface_cell_mm, progress),
-                             job_.resins, stack, job_.options.out);
+    surfaces_ = write_layer_surfaces(layer_surfaces(body_, layers_->wrapped(), options_.surface_cell_mm, progress),
+                                     job_.resins, stack, job_.options.out);
     surfaces_s_ = watch.total();
 }
 

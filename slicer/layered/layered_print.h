@@ -19,8 +19,9 @@ namespace voxtone::slicer {
 
 class LayeredPrint final : public Print {
 public:
-    /// Searches the laminates. Keeps references to the job, which has a map, and the body.
-    LayeredPrint(const OpenedJob& job, const JobBody& body, Progress& progress);
+    /// Searches the laminates. Keeps references to all but the map.
+    LayeredPrint(const OpenedJob& job, const LayeredOptions& options, const io::ProfileMap& map, const JobBody& body,
+                 Progress& progress);
 
     void prepare(Progress& progress) override;
     void rearrange(Progress&) override {}
@@ -39,6 +40,7 @@ public:
 
 private:
     const OpenedJob& job_;
+    const LayeredOptions& options_;
     const JobBody& body_;
     std::unique_ptr<const JobLayers> layers_;
     PrintParts parts_;

@@ -94,7 +94,7 @@ bool LayerMaker::by_blocks() const {
 }
 
 std::unique_ptr<BlockFill> LayerMaker::block_fill() const {
-    if (const auto* wrapped = std::get_if<const WrappedLayers*>(&sources_.resins)) return (*wrapped)->block_fill();
+    if (const auto* other = std::get_if<const ShellFill*>(&sources_.resins)) return (*other)->block_fill();
     const auto& s = std::get<MixtureSources>(sources_.resins);
     if (!s.screen) return nullptr;
     return std::make_unique<ScreenedMixtures>(sources_.surface, s.colour, s.separation, s.skin, *s.screen);

@@ -8,9 +8,9 @@
 
 #include "halftone/screens/blue_noise_screen.h"
 #include "halftone/separation/separation.h"
+#include "slicer/layers/block_fill.h"
 #include "slicer/layers/layer_source.h"
 #include "slicer/layers/skin_source.h"
-#include "slicer/layers/wrapped_layers.h"
 #include "slicer/solid/solid.h"
 #include "slicer/solid/span_slab.h"
 #include "slicer/solid/thin_features.h"
@@ -35,9 +35,9 @@ struct LayerSources {
     const ThinFeatures* thin;  ///< null: features thinner than a voxel may vanish
     const VisibleSurface& surface;
     const SurfaceShell& shell;
-    io::Material core;                                          ///< material of voxels below the shell
-    std::variant<MixtureSources, const WrappedLayers*> resins;  ///< of the shell
-    bool core_only = false;                                     ///< no shell: the body's shape
+    io::Material core;                                      ///< material of voxels below the shell
+    std::variant<MixtureSources, const ShellFill*> resins;  ///< of the shell
+    bool core_only = false;                                 ///< no shell: the body's shape
 };
 
 /// The body's voxels in the layers [first, last), thin features included; those from `counted_from` on are counted.

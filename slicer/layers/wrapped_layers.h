@@ -30,15 +30,14 @@
 
 namespace voxtone::slicer {
 
-class WrappedLayers {
+class WrappedLayers final : public ShellFill {
 public:
     /// `materials`: what the materials of the fields are printed with. Keeps references to all but these.
     WrappedLayers(const VisibleSurface& surface, const VoxelGrid& grid, const halftone::LayerFields& fields,
                   const MapPlacement& placement, const halftone::BlueNoiseScreen& screen,
                   std::vector<io::Material> materials, io::Material base);
 
-    /// How far from the surface voxels may be of another material than the base.
-    [[nodiscard]] double shell_mm() const { return shell_mm_; }
+    [[nodiscard]] double shell_mm() const override { return shell_mm_; }
     [[nodiscard]] const halftone::LayerFields& fields() const { return fields_; }
     /// Where on the map a point of a visible triangle lies, by its place in the source triangle; mm.
     [[nodiscard]] Eigen::Vector2f map_point(std::uint32_t triangle, float u, float v) const {
@@ -46,7 +45,7 @@ public:
     }
     /// Of a layer, or of the base for layers().
     [[nodiscard]] io::Material material(std::size_t layer) const { return layer_material_[layer]; }
-    [[nodiscard]] std::unique_ptr<BlockFill> block_fill() const;
+    [[nodiscard]] std::unique_ptr<BlockFill> block_fill() const override;
 
 private:
     class Fill;

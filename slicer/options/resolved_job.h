@@ -125,7 +125,7 @@ struct ResolvedJob {
     CavityMode cavities = CavityMode::automatic;
     bool keep_thin = true;
 
-    std::optional<LayeredOptions> layered;  ///< nothing: the surface shows colours
+    std::optional<LayeredOptions> layered;  ///< nothing: the surface shows colours. Else see prepare/other_print.h
     ColourOptions colour;
     JobLoopOptions loop;
     JobPredictionOptions prediction;
@@ -136,6 +136,13 @@ struct ResolvedJob {
 
     std::uint64_t seed = 1;
     int threads = 0;  ///< 0: one per core
+
+    [[nodiscard]] bool shows_colours() const { return !layered; }
+    /// How deep the shell is in which it shows them, or what it shows instead.
+    [[nodiscard]] double shell_mm() const { return layered ? layered->thickness_mm : colour.depth_mm; }
+    /// The resin below, and the option that says so.
+    [[nodiscard]] const std::string& core() const { return layered ? layered->base : colour.core; }
+    [[nodiscard]] const char* core_option() const { return layered ? "base" : "core"; }
 };
 
 }  // namespace voxtone::slicer

@@ -53,7 +53,9 @@ std::vector<OptionSpec> map_entries() {
          .decides_scope = true,
          .resolve =
              [](const O& o, Job& job) {
-                 if (parse_choice<Show>("show", o.show) == Show::layered_profile) job.layered.emplace();
+                 if (parse_choice<Show>("show", o.show) == Show::colour) return;
+                 job.layered.emplace();
+                 job.loop.iterations = 0;  // it is a loop of colours
              }},
         {.key = "profiles",
          .metavar = "MAP",

@@ -19,7 +19,7 @@ JobPlan plan_job(const OpenedJob& job, const JobBody& body) {
     plan.grid = body.grid;
     plan.layers = range_within(job.options.layers, plan.grid.size[2]);
     plan.all_layers = plan.layers.layers() == plan.grid.size[2];
-    if (!job.options.layered) {
+    if (!job.other) {
         plan.all_white = prints_all_white(SurfaceColour(body.model.mesh, job.options.prediction.cell_mm), job.resins);
         plan.loop = plan_loop(job.options, body, job.resins, plan.all_white);
         plan.prediction = plan_prediction(job, body, plan, plan.loop.wanted);

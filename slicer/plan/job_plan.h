@@ -25,7 +25,7 @@ struct JobPlan {
     LayerRange layers;                  ///< of the print, that are made
     bool all_layers = true;             ///< that it has
     bool all_white = false;             ///< white is asked for everywhere, and printed
-    LoopPlan loop;                      ///< of a layered print: none
+    LoopPlan loop;                      ///< none of a print without colours
     PredictionPlan prediction;          ///< where the loop, if one is planned, comes to its end
     std::vector<PhaseEstimate> phases;  ///< from the moment at which the body is known, on this machine
     std::uint64_t disk_bytes = 0;       ///< most that the stack and its report take

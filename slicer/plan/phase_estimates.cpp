@@ -21,7 +21,6 @@ constexpr double recipes_s = 0.5, preparation_s_per_cell = 1.1e-5;
 constexpr double layers_s = 0.4, layers_s_per_voxel = 6e-10, layers_s_per_shell_voxel = 8e-8;
 constexpr double predicted_cpu = 1.07;  // of prediction_seconds
 constexpr double report_s = 0.25, seen_s_per_cell = 1.15e-5, drawn_s_per_cell = 2e-6;
-constexpr double profiles_s_per_resin = 2, search_s_per_cluster = 2, traced_search_s_per_cluster = 10;
 constexpr double serial = 0.05;
 
 // Bytes beyond those of the body, above all that was measured in these jobs.
@@ -41,13 +40,12 @@ struct Amounts {
 
 Amounts amounts_of(const OpenedJob& job, const JobBody& body, const LayerRange& range) {
     const double cell_mm = job.options.prediction.cell_mm, share = double(range.layers()) / body.grid.size[2];
-    const double shell_mm = job.options.layered ? job.options.layered->thickness_mm : job.options.colour.depth_mm;
     Amounts amounts{};
     amounts.area_mm2 = coloured_area_mm2(*body.surface);
     amounts.cells = amounts.area_mm2 / (cell_mm * cell_mm);
     amounts.voxels = share * double(body.grid.voxels());
-    amounts.shell_voxels =
-        share * std::min(double(body.grid.voxels()), amounts.area_mm2 * shell_mm / body.grid.voxel_volume_mm3());
+    amounts.shell_voxels = share * std::min(double(body.grid.voxels()),
+                                            amounts.area_mm2 * job.options.shell_mm() / body.grid.voxel_volume_mm3());
     return amounts;
 }
 
@@ -65,14 +63,6 @@ private:
     std::size_t threads_;
     std::vector<PhaseEstimate> phases_;
 };
-
-void add_search(const OpenedJob& job, double working_bytes, Phases& phases) {
-    const bool traced = job.options.layered->rounds.value_or(1) > 0 && job.options.layered->materials.empty();
-    phases.add(Phase::profiles, profiles_s_per_resin * double(job.resins.set.resins.size()), working_bytes);
-    phases.add(Phase::search,
-               (traced ? traced_search_s_per_cluster : search_s_per_cluster) * double(job.map->target.size()),
-               working_bytes);
-}
 
 double prediction_cost(const OpenedJob& job, const JobBody& body, PredictionModel model, double area_mm2) {
     ModelOptions quality;
@@ -103,8 +93,8 @@ std::vector<PhaseEstimate> phase_estimates(const OpenedJob& job, const JobBody& 
                                     : with(feedback_bytes, feedback_bytes_per_cell);
     if (loop.wanted && cost.most_bytes > 0) looping = std::min(looping, cost.most_bytes);
     Phases phases(threads);
-    if (options.layered)
-        add_search(job, working, phases);
+    if (job.other)
+        for (const OtherPrint::Work& of : job.other->work(job.resins)) phases.add(of.phase, of.cpu_s, working);
     else
         phases.add(Phase::separate, separation_s, working);
     if (loop.wanted) {
@@ -160,9 +150,8 @@ std::uint64_t disk_bytes(const OpenedJob& job, const JobBody& body, const LayerR
     constexpr double page_bytes = 6e6, bytes_per_cell = 50;  // pictures, and meshes of what will be seen
     const ResolvedJob& options = job.options;
     const double area_mm2 = coloured_area_mm2(*body.surface), cell_mm = options.prediction.cell_mm;
-    const double shell_mm = options.layered ? options.layered->thickness_mm : options.colour.depth_mm;
-    const std::uint64_t layers =
-        layer_bytes(body.grid, {area_mm2, shell_mm, range.layers(), job.outputs(), job.resins.entries.size()});
+    const std::uint64_t layers = layer_bytes(
+        body.grid, {area_mm2, options.shell_mm(), range.layers(), job.outputs(), job.resins.entries.size()});
     const double report = options.report ? page_bytes + bytes_per_cell * area_mm2 / (cell_mm * cell_mm) : 0;
     // What the loop puts there is gone before the layers come.
     const double looping =

@@ -57,14 +57,14 @@ VisibleSurface picture_surface(const io::TexturedMesh& mesh, bool with_sides = f
 
 /// With --strict what is lost or white ends the job before time is spent on it.
 void refuse_lost_colour(const ResolvedJob& job, const io::ModelFile& model) {
-    if (!job.strict || job.layered || model.lost_colour.empty()) return;
+    if (!job.strict || !job.shows_colours() || model.lost_colour.empty()) return;
     throw InputError(fmt::format("--strict: {} Without --strict the model is printed as it is.", model.lost_colour));
 }
 
 /// What is lost was said.
 void look_for_colour(const ResolvedJob& job, JobBody& body) {
     if (!body.model.lost_colour.empty()) return;
-    if (job.layered || !body.model.wants_colour || !is_all_white(body.model.mesh, *body.surface)) return;
+    if (!job.shows_colours() || !body.model.wants_colour || !is_all_white(body.model.mesh, *body.surface)) return;
     const std::string what = fmt::format(
         "{} has colours, but none of them is on its surface, so that it comes out all white; look at its materials and "
         "its texture coordinates in a mesh editor",
@@ -77,7 +77,7 @@ void look_for_cavities(const ResolvedJob& job, const PrinterProfile& printer, Re
                        Progress& progress) {
     CavityOptions options;
     options.mode = job.cavities;
-    options.shell_mm = job.layered ? job.layered->thickness_mm : job.colour.depth_mm;
+    options.shell_mm = job.shell_mm();
     options.pitch_mm = printer.sliced_pitch_mm().maxCoeff();
     repaired.report.voids = treat_cavities(repaired, options, &progress);
     for (const std::string& said : cavity_sentences(repaired.report.voids, options, repaired.report.after.volume_mm3))

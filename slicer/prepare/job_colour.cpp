@@ -39,11 +39,10 @@ LoadedResins load_roles(const ResolvedJob& job, const PrinterProfile& printer, c
                                      fmt::join(roles, ","), roles.size(), printer.id, most_resins(printer)));
     loaded.set = all.subset(roles);
     for (std::size_t r = 0; r < roles.size(); ++r) roles[r] = loaded.set.resins[r].role;
-    const std::string& core = job.layered ? job.layered->base : job.colour.core;
-    loaded.core = loaded.set.find(core);
+    loaded.core = loaded.set.find(job.core());
     if (loaded.core < 0)
-        throw InputError(fmt::format("--{} {}: no such resin is loaded; loaded are {}", job.layered ? "base" : "core",
-                                     core, fmt::join(roles, ", ")));
+        throw InputError(fmt::format("--{} {}: no such resin is loaded; loaded are {}", job.core_option(), job.core(),
+                                     fmt::join(roles, ", ")));
     const std::vector<io::Rgb> colours = printer.display_colours(roles);
     for (std::size_t r = 0; r < roles.size(); ++r) {
         io::StackResin entry;

@@ -9,17 +9,10 @@
 #include "io/profiles/resin_family.h"
 #include "io/profiles/resin_file.h"
 #include "slicer/options/resolve_job.h"
-#include "slicer/prepare/layers_check.h"
-#include "slicer/printer/picture_slab.h"
 
 namespace voxtone::slicer {
 
 namespace {
-
-void take_width(ResolvedJob& job, const io::ProfileMap& map) {
-    if (!job.is_picture || is_sized(job.picture)) return;
-    job.picture.width_mm = job.raw.width_mm = map.width_mm;
-}
 
 /// How thick a picture's slab is, is known without the picture; which way it is turned then, not here.
 void check_thickness(const ResolvedJob& job, const PrinterProfile& printer) {
@@ -27,14 +20,6 @@ void check_thickness(const ResolvedJob& job, const PrinterProfile& printer) {
     const Eigen::Vector3d slab_mm(1, 1, job.picture.thickness_mm);
     check_layer_count(grid_around(Eigen::Vector3d::Zero(), slab_mm, printer.sliced_pitch_mm()).size[2], printer,
                       "thicker (--thickness)");
-}
-
-/// The printer's; those of published profiles where a map has other channels than these.
-std::string usual_resins(const OpenedJob& job) {
-    const std::string& of_printer = job.printer.default_resins;
-    const bool by_channel = job.map && job.options.layered->materials.empty();
-    if (by_channel && io::find_resin_set(of_printer).channels != job.map->channels) return optics::vero_opaque().name;
-    return of_printer;
 }
 
 /// Marks that are printed by a resin alone look as it does in the shell.
@@ -64,18 +49,18 @@ void colour_marks_by_resin(OpenedJob& job) {
 }  // namespace
 
 OpenedJob open_job(const SliceOptions& asked) {
-    OpenedJob job{resolve(asked), {}, {}, std::nullopt, {}};
-    check_model(job.options);
-    if (job.options.layered) {
-        job.map = io::read_profile_map(job.options.layered->profiles);
-        take_width(job.options, *job.map);
-    }
-    job.printer = find_printer(job.options.printer);
-    if (job.options.resins.empty()) job.options.resins = job.options.raw.resins = usual_resins(job);
-    job.printer.load(job.options.resins, io::resin_family(job.options.resins));
-    job.resins = load_resins(job.options, job.printer);
-    check_thickness(job.options, job.printer);
-    if (job.map) check_layers(*job.options.layered, *job.map, job.resins);
+    OpenedJob job{resolve(asked), {}, {}, nullptr, {}};
+    ResolvedJob& options = job.options;
+    check_model(options);
+    job.other = open_other_print(options);
+    job.printer = find_printer(options.printer);
+    if (options.resins.empty())
+        options.resins = options.raw.resins =
+            job.other ? job.other->usual_resins(job.printer) : job.printer.default_resins;
+    job.printer.load(options.resins, io::resin_family(options.resins));
+    job.resins = load_resins(options, job.printer);
+    check_thickness(options, job.printer);
+    if (job.other) job.other->check(job.resins);
     colour_marks_by_resin(job);
     return job;
 }

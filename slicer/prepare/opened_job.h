@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A job before its model is read: options, printer, resins, map of profiles. What is wrong with any of them is said
+// A job before its model is read: options, printer, resins. What is wrong with any of them is said
 // here, before time is spent.
 #pragma once
 
-#include <optional>
+#include <memory>
 #include <vector>
 
 #include "io/layers/layer_stack_writer.h"
-#include "io/profiles/profile_map.h"
 #include "slicer/options/resolved_job.h"
 #include "slicer/prepare/job_body.h"
 #include "slicer/prepare/job_colour.h"
+#include "slicer/prepare/other_print.h"
 #include "slicer/printer/printer.h"
 
 namespace voxtone::slicer {
@@ -20,8 +20,8 @@ struct OpenedJob {
     ResolvedJob options;
     PrinterProfile printer;
     LoadedResins resins;
-    std::optional<io::ProfileMap> map;  ///< of layered prints
-    std::string why_these_resins;       ///< where they were chosen for the model (resin_choice.h)
+    std::shared_ptr<const OtherPrint> other;  ///< null: the surface shows colours
+    std::string why_these_resins;             ///< where they were chosen for the model (resin_choice.h)
 
     /// Loads these instead. What was asked for stays as it was: the same job chooses the same again.
     void load(const std::vector<std::string>& roles);
@@ -34,7 +34,7 @@ struct OpenedJob {
     [[nodiscard]] io::StackDescription describe(const VoxelGrid& grid, const LayerRange& range) const;
 };
 
-/// Changes nothing on disk. A picture without a size of its own is as wide as the map. Throws UsageError, InputError,
+/// Changes nothing on disk. Throws UsageError, InputError,
 /// FileError.
 [[nodiscard]] OpenedJob open_job(const SliceOptions& asked);
 

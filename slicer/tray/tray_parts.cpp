@@ -96,8 +96,9 @@ std::vector<WaitingPart> open_parts(const TrayPlan& plan, std::vector<FailedPart
         take_back(options.out);
         const bool good = goes_well(part, plan.common.fail_fast, failed, progress, [&] {
             const OpenedJob opened = open_job(options);
-            if (opened.options.layered)
-                throw InputError("shows how light spreads, which a tray's parts cannot yet: print it alone");
+            if (opened.other)
+                throw InputError(
+                    fmt::format("shows {}, which a tray's parts cannot yet: print it alone", opened.other->what()));
             if (!roles.empty() && roles_of(opened) != roles)
                 throw InputError("loads other resins than the first part: say \"load\" beside \"parts\"");
             if (part.job) expect_of_the_tray(*part.job, opened);
