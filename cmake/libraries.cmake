@@ -12,6 +12,7 @@ set(VOXTONE_FLOORS_BELOW_calibration io_openimageio)
 set(VOXTONE_FLOORS_BELOW_slicer_cgal base)
 set(VOXTONE_FLOORS_BELOW_slicer slicer_cgal halftone io)
 set(VOXTONE_FLOORS_BELOW_farm slicer)
+set(VOXTONE_FLOORS_BELOW_scattering slicer)
 
 macro(voxtone_libraries_of_base)
   voxtone_find(TBB CONFIG)  # before OpenVDB and Ceres: their own searches for it clash
@@ -78,6 +79,8 @@ macro(voxtone_libraries_of_slicer)
   voxtone_find(embree CONFIG)  # 3.13 or 4: slicer/mesh/mesh_boundary.cpp
 endmacro()
 macro(voxtone_libraries_of_farm)
+endmacro()
+macro(voxtone_libraries_of_scattering)
 endmacro()
 
 # voxtone_floors_wanted(<list> <floor>...): these and all below them, the lowest first.

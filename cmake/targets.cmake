@@ -1,6 +1,6 @@
 # One library per floor, rooms as its folders; one test program per floor (more where a dependency is slow to load).
 
-set(VOXTONE_FLOORS base optics io calibration halftone slicer farm cli)
+set(VOXTONE_FLOORS base optics io calibration halftone slicer scattering farm cli)
 if(NOT VOXTONE_HAS_calibration)
   list(REMOVE_ITEM VOXTONE_FLOORS calibration)
 endif()
@@ -164,7 +164,7 @@ function(voxtone_add_test name)
   target_link_libraries(${name} PRIVATE voxtone_flags voxtone_catch_main ${ARG_LIBRARIES})
   target_precompile_headers(${name} REUSE_FROM voxtone_test_headers)
   target_compile_options(${name} PRIVATE -pthread $<$<CONFIG:Release>:-O1>)  # -pthread: some of Debian 13's libraries bring it
-  if(ARG_LIBRARIES MATCHES "voxtone::(io|calibration|slicer|farm)")
+  if(ARG_LIBRARIES MATCHES "voxtone::(io|calibration|slicer|scattering|farm)")
     voxtone_want(${name} voxtone-read voxtone-read-pictures voxtone-read-drawings voxtone-read-stack voxtone-vdb voxtone-layer-surfaces)
   endif()
   # CTest starts the most costly first; what it measures itself it forgets of names with spaces.

@@ -400,7 +400,7 @@ TEST_CASE("no test has a name that CMake cuts into two, neither of which is ther
 
 TEST_CASE("every place in the tree that a page names is there") {
     static const std::regex named(
-        "`((?:base|optics|io|calibration|halftone|slicer|farm|cli|tests|benchmarks|data|docs|cmake|tools|"
+        "`((?:base|optics|io|calibration|halftone|slicer|scattering|farm|cli|tests|benchmarks|data|docs|cmake|tools|"
         "examples)/[A-Za-z0-9_./-]+)`");
     for (auto entry = fs::recursive_directory_iterator(root); entry != fs::recursive_directory_iterator(); ++entry) {
         const std::string path = fs::relative(entry->path(), root).generic_string();

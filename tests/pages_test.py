@@ -198,7 +198,7 @@ def words():
     """No identifier abbreviates what docs/glossary.md says is written out."""
     glossary = (ROOT / "docs" / "glossary.md").read_text()
     refused = set(re.search(r"a test refuses\s+`([^`]+)`", glossary)[1].split())
-    for floor in ["base", "cli", "farm", "slicer", "io", "halftone", "calibration", "optics"]:
+    for floor in ["base", "cli", "farm", "scattering", "slicer", "io", "halftone", "calibration", "optics"]:
         for path in sorted([*(ROOT / floor).rglob("*.cpp"), *(ROOT / floor).rglob("*.h")]):
             for number, line in enumerate(path.read_text().split("\n"), 1):
                 code = re.sub(r'"(?:[^"\\]|\\.)*"|//.*', "", line)
@@ -222,7 +222,7 @@ def argument(text, at):
 def messages():
     """Every warning and every failure ends with a name that docs/messages has, with an example that a test runs."""
     said = set()
-    for floor in ["base", "cli", "farm", "slicer", "io", "halftone", "calibration", "optics"]:
+    for floor in ["base", "cli", "farm", "scattering", "slicer", "io", "halftone", "calibration", "optics"]:
         for path in sorted((ROOT / floor).rglob("*.cpp")):
             text = path.read_text()
             said.update(re.findall(r'named_warning\(\s*"([a-z0-9-]+)",', text))

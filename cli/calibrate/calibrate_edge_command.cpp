@@ -11,7 +11,7 @@
 #include "cli/program/common_options.h"
 #include "cli/program/help.h"
 #include "cli/program/steps.h"
-#include "slicer/laminates/print_boxes.h"
+#include "slicer/targets/print_boxes.h"
 
 namespace voxtone::cli {
 

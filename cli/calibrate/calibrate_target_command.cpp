@@ -12,7 +12,7 @@
 #include "cli/program/help.h"
 #include "cli/program/option_text.h"
 #include "io/profiles/resin_file.h"
-#include "slicer/laminates/print_boxes.h"
+#include "slicer/targets/print_boxes.h"
 
 namespace voxtone::cli {
 

@@ -8,14 +8,14 @@
 #include "cli/laminate/laminate_commands.h"
 #include "cli/program/common_options.h"
 #include "cli/program/help.h"
-#include "slicer/laminates/laminate_dataset_job.h"
+#include "scattering/jobs/laminate_dataset_job.h"
 
 namespace voxtone::cli {
 
 namespace {
 
 struct LaminateDatasetArguments {
-    slicer::LaminateDatasetJob job;
+    scattering::LaminateDatasetJob job;
     std::string pattern;
     std::vector<std::uint32_t> points{64};
     RunOptions run;
@@ -23,16 +23,16 @@ struct LaminateDatasetArguments {
 
 std::vector<std::string> pattern_names() {
     std::vector<std::string> names;
-    for (const auto& [name, pattern] : slicer::slab_pattern_names) names.emplace_back(name);
+    for (const auto& [name, pattern] : scattering::slab_pattern_names) names.emplace_back(name);
     return names;
 }
 
 int run(LaminateDatasetArguments& a) {
-    for (const auto& [name, pattern] : slicer::slab_pattern_names)
+    for (const auto& [name, pattern] : scattering::slab_pattern_names)
         if (name == a.pattern) a.job.slab.pattern = pattern;
     a.job.slab.width = a.points.front();
     a.job.slab.height = a.points.back();
-    return run_on_console(a.run, [&](Progress& progress) { return slicer::run_laminate_dataset(a.job, progress); });
+    return run_on_console(a.run, [&](Progress& progress) { return scattering::run_laminate_dataset(a.job, progress); });
 }
 
 void add_slab_options(CLI::App& command, LaminateDatasetArguments& a) {

@@ -8,14 +8,14 @@
 #include "cli/laminate/laminate_commands.h"
 #include "cli/program/common_options.h"
 #include "cli/program/help.h"
-#include "slicer/laminates/laminate_factor_job.h"
+#include "scattering/jobs/laminate_factor_job.h"
 
 namespace voxtone::cli {
 
 namespace {
 
 struct LaminateFactorArguments {
-    slicer::LaminateFactorJob job;
+    scattering::LaminateFactorJob job;
     std::vector<std::uint32_t> point;
     double max_albedo = 0;
     RunOptions run;
@@ -24,11 +24,11 @@ struct LaminateFactorArguments {
 int run(LaminateFactorArguments& a) {
     if (a.max_albedo != 0) a.job.map.max_albedo = a.max_albedo;
     if (!a.point.empty()) a.job.point = {a.point[0], a.point[1]};
-    return run_on_console(a.run, [&](Progress& progress) { return slicer::run_laminate_factor(a.job, progress); });
+    return run_on_console(a.run, [&](Progress& progress) { return scattering::run_laminate_factor(a.job, progress); });
 }
 
 void add_map_options(CLI::App& command, LaminateFactorArguments& a) {
-    slicer::ProfileMapOptions& map = a.job.map;
+    scattering::ProfileMapOptions& map = a.job.map;
     add_value(command, "--clusters", map.clusters.clusters, "profiles to keep, at most")->check(CLI::Range(1, 65535));
     add_value(command, "--max-albedo", a.max_albedo,
               "scale all profiles so that the brightest reflects this much; 0: as they are")

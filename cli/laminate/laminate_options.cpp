@@ -7,7 +7,7 @@ void add_laminate_resins_option(CLI::App& command, std::string& resins) {
     add_resins_option(command, resins, "; empty: that of the laminate file, else vero-opaque");
 }
 
-void add_named_laminate_options(CLI::App& command, slicer::NamedLaminateOptions& options) {
+void add_named_laminate_options(CLI::App& command, scattering::NamedLaminateOptions& options) {
     add_laminate_resins_option(command, options.resins);
     command
         .add_option("--surface", options.surface,

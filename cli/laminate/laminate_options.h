@@ -8,14 +8,14 @@
 #include <string>
 
 #include "cli/program/common_options.h"
-#include "slicer/laminates/named_laminate.h"
+#include "scattering/jobs/named_laminate.h"
 
 namespace voxtone::cli {
 
 /// --resins of a laminate that may name its own.
 void add_laminate_resins_option(CLI::App& command, std::string& resins);
 /// --surface, --backing of such a laminate, and --resins.
-void add_named_laminate_options(CLI::App& command, slicer::NamedLaminateOptions& options);
+void add_named_laminate_options(CLI::App& command, scattering::NamedLaminateOptions& options);
 /// --reach, --coefficients.
 void add_detail_options(CLI::App& command, LengthOptions& lengths, double& reach_mm, std::uint32_t& coefficients);
 /// --paths, --seed.

@@ -6,26 +6,26 @@
 #include "cli/laminate/laminate_commands.h"
 #include "cli/laminate/laminate_options.h"
 #include "cli/program/help.h"
-#include "slicer/laminates/laminate_predict_job.h"
+#include "scattering/jobs/laminate_predict_job.h"
 
 namespace voxtone::cli {
 
 namespace {
 
 struct LaminatePredictArguments {
-    slicer::LaminatePredictJob job;
+    scattering::LaminatePredictJob job;
     RunOptions run;
 };
 
 int run(LaminatePredictArguments& a) {
-    return run_on_console(a.run, [&](Progress& progress) { return slicer::run_laminate_predict(a.job, progress); });
+    return run_on_console(a.run, [&](Progress& progress) { return scattering::run_laminate_predict(a.job, progress); });
 }
 
 }  // namespace
 
 Command add_laminate_predict_command(CLI::App& laminate) {
     auto arguments = std::make_shared<LaminatePredictArguments>();
-    slicer::LaminatePredictJob& job = arguments->job;
+    scattering::LaminatePredictJob& job = arguments->job;
     CLI::App* command =
         laminate.add_subcommand("predict", "Predict what a laminate reflects and transmits, and how far light spreads");
     command

@@ -6,26 +6,26 @@
 #include "cli/laminate/laminate_commands.h"
 #include "cli/laminate/laminate_options.h"
 #include "cli/program/help.h"
-#include "slicer/laminates/laminate_print_job.h"
+#include "scattering/jobs/laminate_print_job.h"
 
 namespace voxtone::cli {
 
 namespace {
 
 struct LaminatePrintArguments {
-    slicer::LaminatePrintJob job;
+    scattering::LaminatePrintJob job;
     RunOptions run;
 };
 
 int run(LaminatePrintArguments& a) {
-    return run_on_console(a.run, [&](Progress& progress) { return slicer::run_laminate_print(a.job, progress); });
+    return run_on_console(a.run, [&](Progress& progress) { return scattering::run_laminate_print(a.job, progress); });
 }
 
 }  // namespace
 
 Command add_laminate_print_command(CLI::App& laminate) {
     auto arguments = std::make_shared<LaminatePrintArguments>();
-    slicer::LaminatePrintJob& job = arguments->job;
+    scattering::LaminatePrintJob& job = arguments->job;
     LengthOptions& lengths = arguments->run.lengths;
     CLI::App* command = laminate.add_subcommand("print", "Make printable slabs of laminates, side by side");
     command

@@ -6,22 +6,22 @@
 #include "cli/laminate/laminate_commands.h"
 #include "cli/laminate/laminate_options.h"
 #include "cli/program/help.h"
-#include "slicer/laminates/laminate_search_job.h"
+#include "scattering/jobs/laminate_search_job.h"
 
 namespace voxtone::cli {
 
 namespace {
 
 struct LaminateSearchArguments {
-    slicer::LaminateSearchJob job;
+    scattering::LaminateSearchJob job;
     RunOptions run;
 };
 
 int run(LaminateSearchArguments& a) {
-    return run_on_console(a.run, [&](Progress& progress) { return slicer::run_laminate_search(a.job, progress); });
+    return run_on_console(a.run, [&](Progress& progress) { return scattering::run_laminate_search(a.job, progress); });
 }
 
-void add_material_options(CLI::App& command, slicer::LaminateSettingOptions& setting) {
+void add_material_options(CLI::App& command, scattering::LaminateSettingOptions& setting) {
     command.add_option("--materials", setting.materials, "roles of resins (W,K,T) or profile files of measured layers")
         ->type_name("ROLES|FILES")
         ->delimiter(',')
@@ -31,7 +31,7 @@ void add_material_options(CLI::App& command, slicer::LaminateSettingOptions& set
 }
 
 /// What may be found.
-void add_laminate_options(CLI::App& command, slicer::LaminateSearchJob& job, LengthOptions& lengths) {
+void add_laminate_options(CLI::App& command, scattering::LaminateSearchJob& job, LengthOptions& lengths) {
     lengths.add(command, "--thickness", job.thickness_mm, "most thickness of a laminate");
     add_count(command, "--steps", job.steps, "of thickness: blocks are 1, 2, 4, ... steps thick");
     add_count(command, "--max-blocks", job.max_blocks, "most blocks of a laminate");
@@ -56,7 +56,7 @@ void add_laminate_options(CLI::App& command, slicer::LaminateSearchJob& job, Len
 
 Command add_laminate_search_command(CLI::App& laminate) {
     auto arguments = std::make_shared<LaminateSearchArguments>();
-    slicer::LaminateSearchJob& job = arguments->job;
+    scattering::LaminateSearchJob& job = arguments->job;
     LengthOptions& lengths = arguments->run.lengths;
     CLI::App* command = laminate.add_subcommand("search", "Find the layers whose reflection spreads light as wanted");
     command

@@ -6,26 +6,26 @@
 #include "cli/laminate/laminate_commands.h"
 #include "cli/laminate/laminate_options.h"
 #include "cli/program/help.h"
-#include "slicer/laminates/laminate_targets_job.h"
+#include "scattering/jobs/laminate_targets_job.h"
 
 namespace voxtone::cli {
 
 namespace {
 
 struct LaminateTargetsArguments {
-    slicer::LaminateTargetsJob job;
+    scattering::LaminateTargetsJob job;
     RunOptions run;
 };
 
 int run(LaminateTargetsArguments& a) {
-    return run_on_console(a.run, [&](Progress& progress) { return slicer::run_laminate_targets(a.job, progress); });
+    return run_on_console(a.run, [&](Progress& progress) { return scattering::run_laminate_targets(a.job, progress); });
 }
 
 }  // namespace
 
 Command add_laminate_targets_command(CLI::App& laminate) {
     auto arguments = std::make_shared<LaminateTargetsArguments>();
-    slicer::LaminateTargetsJob& job = arguments->job;
+    scattering::LaminateTargetsJob& job = arguments->job;
     CLI::App* command =
         laminate.add_subcommand("targets", "Make targets of one albedo and rising width, between two laminates");
     command

@@ -5,12 +5,12 @@
 #include "cli/laminate/laminate_commands.h"
 #include "cli/print/print_commands.h"
 #include "cli/program/program.h"
-#include "slicer/layered/layered_profiles.h"
+#include "scattering/print/layered_profiles.h"
 
 int main(int argc, char** argv) {
     using namespace voxtone::cli;
     voxtone::catch_stop_signals();
-    voxtone::slicer::register_layered_profiles();
+    voxtone::scattering::register_layered_profiles();
     const Words words = command_words(argc, argv);
     const auto add_calibrate = [&](CLI::App& app) { return add_calibrate_elsewhere(app, argv[0], words); };
     const auto add_compare = [&](CLI::App& app) { return add_compare_elsewhere(app, argv[0], words); };

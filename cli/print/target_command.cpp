@@ -8,7 +8,7 @@
 #include "cli/program/common_options.h"
 #include "cli/program/help.h"
 #include "cli/program/steps.h"
-#include "slicer/laminates/marker_print.h"
+#include "slicer/targets/marker_print.h"
 
 namespace voxtone::cli {
 

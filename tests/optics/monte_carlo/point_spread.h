@@ -9,7 +9,7 @@
 // fold far light back: keep the entries as far from the sides as light is to be told apart.
 //
 // The judge of printed voxels where profiles of layers (optics/profiles) are compared with what their screened print
-// does (benchmarks/slicer/laminates/widening_experiment.cpp).
+// does (benchmarks/scattering/jobs/widening_experiment.cpp).
 #pragma once
 
 #include <array>

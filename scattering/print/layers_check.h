@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What is wrong with a print of layers (`--show layered-profile`), known without a body.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "io/profiles/profile_map.h"
+#include "slicer/options/resolved_job.h"
+#include "slicer/prepare/job_colour.h"
+
+namespace voxtone::scattering {
+
+/// Throws InputError: no cluster, channels that are not those of the resins, one resin only, roles that are not loaded,
+/// a resin without a profile beside measured ones.
+void check_layers(const slicer::LayeredOptions& options, const io::ProfileMap& map, const slicer::LoadedResins& resins);
+
+/// The measured profile of each loaded resin. Throws as check_layers does.
+[[nodiscard]] std::vector<std::string> material_files(const slicer::LayeredOptions& options,
+                                                      const slicer::LoadedResins& resins);
+
+/// "R, G, B", "3 wavelengths (450, 550, 650 nm)", "4 channels of their own".
+[[nodiscard]] std::string channels_in_full(const optics::Channels& channels);
+
+}  // namespace voxtone::scattering
