@@ -253,8 +253,7 @@ void run_watch_job(const std::filesystem::path& watched, const PlanOptions& plan
         throw UsageError("--name: names that count do not go with --watch: a model would get another at each start");
     WatchedFolder arriving(watched, plan, options, progress);
     const BatchFolder folder = BatchFolder::make(options.out);
-    InputDigests digests;
-    BatchContext context{options, folder, digests, view, progress};
+    BatchContext context{options, folder, view, progress};
     BatchQueue queue(context);
     WatchedJobs jobs(plan, queue, progress);
     progress.note(fmt::format("watching {}; Ctrl-C ends it", watched.string()));
@@ -290,8 +289,7 @@ JobResult run_batch_job(const PlanOptions& plan, const BatchOptions& options, Ba
     const Stopwatch watch;
     std::vector<PlannedJob> jobs = read_plan(plan, &progress);
     const BatchFolder folder = BatchFolder::make(options.out);
-    InputDigests digests;
-    BatchContext context{options, folder, digests, view, progress};
+    BatchContext context{options, folder, view, progress};
     BatchQueue queue(context);
     say_what_there_is(queue, jobs.size(), options, progress);
     for (PlannedJob& job : jobs) {

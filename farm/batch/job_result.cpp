@@ -11,6 +11,7 @@
 #include "io/files/whole_file.h"
 #include "io/layers/stack_folder.h"
 #include "io/report/report_picture.h"
+#include "slicer/kept/input_digests.h"
 #include "slicer/kept/job_identity.h"
 #include "slicer/kept/loop_checkpoint.h"
 #include "slicer/kept/report_files.h"
@@ -62,18 +63,19 @@ StackFigures read_job_figures(const fs::path& folder) {
     return figures;
 }
 
-void learn_inputs(const fs::path& folder, std::int64_t began_ns, InputDigests& digests) {
-    constexpr std::int64_t coarse_ns = 2'000'000'000;  // as FileStamp::settled
+void learn_inputs(const fs::path& folder, std::int64_t began_ns, slicer::InputDigests& digests) {
+    constexpr std::int64_t coarse_ns = 2'000'000'000;  // as slicer::FileStamp::settled
     for (const slicer::JobInput& input : noted_inputs(folder)) {
         if (input.file.empty() || input.sha256.empty()) continue;
         const std::string file = absolute(input.file);
-        if (const auto stamp = FileStamp::of(file); stamp && stamp->changed_ns + coarse_ns < began_ns)
+        if (const auto stamp = slicer::FileStamp::of(file); stamp && stamp->changed_ns + coarse_ns < began_ns)
             digests.learn(file, {*stamp, input.sha256});
     }
 }
 
-std::vector<std::pair<std::string, KnownDigest>> known_inputs(const fs::path& folder, const InputDigests& digests) {
-    std::vector<std::pair<std::string, KnownDigest>> known;
+std::vector<std::pair<std::string, slicer::KnownDigest>> known_inputs(const fs::path& folder,
+                                                                      const slicer::InputDigests& digests) {
+    std::vector<std::pair<std::string, slicer::KnownDigest>> known;
     for (const slicer::JobInput& input : noted_inputs(folder)) {
         if (input.file.empty()) continue;
         const std::string file = absolute(input.file);
@@ -94,11 +96,10 @@ void write_job_picture(const fs::path& folder, const fs::path& file) {
     if (!png.empty()) io::write_whole_file(file, png);
 }
 
-std::string take_stack(const fs::path& folder, std::int64_t began_ns, const fs::path& picture, InputDigests& digests,
-                       JobState& state) {
+std::string take_stack(const fs::path& folder, std::int64_t began_ns, const fs::path& picture, JobState& state) {
     state.figures = read_job_figures(folder);
-    learn_inputs(folder, began_ns, digests);
-    state.inputs = known_inputs(folder, digests);
+    learn_inputs(folder, began_ns, slicer::input_digests());
+    state.inputs = known_inputs(folder, slicer::input_digests());
     try {
         write_job_picture(folder, picture);
     } catch (const Error& error) {
@@ -107,14 +108,13 @@ std::string take_stack(const fs::path& folder, std::int64_t began_ns, const fs::
     return {};
 }
 
-bool holds_job(const fs::path& folder, const PlannedJob& job, InputDigests& digests, const Progress* progress) {
+bool holds_job(const fs::path& folder, const PlannedJob& job, const Progress* progress) {
     std::error_code none;
     if (!fs::exists(folder / io::manifest_name, none) || !fs::exists(folder / slicer::report_file::figures, none) ||
         fs::exists(folder / io::checkpoint_name, none))
         return false;
     try {
-        return slicer::is_same_job(folder, slicer::open_job(job.options),
-                                   [&](const std::string& file) { return digests.of(absolute(file), progress); });
+        return slicer::is_same_job(folder, slicer::open_job(job.options), progress);
     } catch (const Cancelled&) {
         throw;
     } catch (const Error&) {

@@ -7,9 +7,9 @@
 #include <filesystem>
 
 #include "base/progress.h"
-#include "farm/batch/input_digests.h"
 #include "farm/batch/job_state.h"
 #include "farm/batch/plan.h"
+#include "slicer/kept/input_digests.h"
 
 namespace voxtone::farm {
 
@@ -23,10 +23,10 @@ namespace voxtone::farm {
 
 /// Teaches `digests` what the inputs held that the job in this folder notes, as far as they were last changed before
 /// the job began. Throws FileError, InputError.
-void learn_inputs(const std::filesystem::path& folder, std::int64_t began_ns, InputDigests& digests);
+void learn_inputs(const std::filesystem::path& folder, std::int64_t began_ns, slicer::InputDigests& digests);
 /// What is known for good of the inputs that the job in this folder notes.
-[[nodiscard]] std::vector<std::pair<std::string, KnownDigest>> known_inputs(const std::filesystem::path& folder,
-                                                                            const InputDigests& digests);
+[[nodiscard]] std::vector<std::pair<std::string, slicer::KnownDigest>> known_inputs(
+    const std::filesystem::path& folder, const slicer::InputDigests& digests);
 
 /// Writes a small picture of the print, where its report has one.
 void write_job_picture(const std::filesystem::path& folder, const std::filesystem::path& file);
@@ -35,10 +35,10 @@ void write_job_picture(const std::filesystem::path& folder, const std::filesyste
 /// its making began. Writes its small picture; where that cannot be, gives back why, which takes nothing from the
 /// result. Throws FileError, InputError where figures or inputs cannot be read.
 [[nodiscard]] std::string take_stack(const std::filesystem::path& folder, std::int64_t began_ns,
-                                     const std::filesystem::path& picture, InputDigests& digests, JobState& state);
+                                     const std::filesystem::path& picture, JobState& state);
 
 /// Whether the folder holds this very job's stack, whole, and its report.
-[[nodiscard]] bool holds_job(const std::filesystem::path& folder, const PlannedJob& job, InputDigests& digests,
+[[nodiscard]] bool holds_job(const std::filesystem::path& folder, const PlannedJob& job,
                              const Progress* progress = nullptr);
 
 /// Whether an interrupted loop of this very job waits in the folder.

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "base/named_values.h"
-#include "farm/batch/input_digests.h"
+#include "slicer/kept/input_digests.h"
 
 namespace voxtone::io {
 class JsonObject;
@@ -77,9 +77,10 @@ struct JobState {
     int exit_code = 0;                 ///< of the last attempt
     std::string message;               ///< why it failed or was stopped
     std::string finished;              ///< UTC
-    std::vector<std::pair<std::string, KnownDigest>> inputs;  ///< by absolute path, of those that are known for good
-    std::optional<StackFigures> figures;                      ///< of what is done
-    std::optional<AfterState> after;                          ///< where a command was to follow
+    std::vector<std::pair<std::string, slicer::KnownDigest>>
+        inputs;                           ///< by absolute path, of those that are known for good
+    std::optional<StackFigures> figures;  ///< of what is done
+    std::optional<AfterState> after;      ///< where a command was to follow
 };
 
 /// What a report and the figures of a state have under the same names. Throws InputError.

@@ -15,6 +15,7 @@
 #include "farm/batch/job_result.h"
 #include "io/disk/disk_space.h"
 #include "io/programs/build_identity.h"
+#include "slicer/kept/input_digests.h"
 #include "slicer/kept/loop_checkpoint.h"
 #include "slicer/options/command_words.h"
 
@@ -32,7 +33,7 @@ QueuedJob::QueuedJob(BatchContext& context, PlannedJob job, std::size_t number)
     weight_ = weigh(job_.options, job_.command, known ? &*known : nullptr);
     if (known) {
         state_ = *known;
-        for (const auto& [file, digest] : known->inputs) context_.digests.learn(file, digest);
+        for (const auto& [file, digest] : known->inputs) slicer::input_digests().learn(file, digest);
     }
     state_.name = job_.name;
     state_.number = number;
@@ -64,7 +65,7 @@ void QueuedJob::claim_folder() {
 
 bool QueuedJob::is_unchanged(const std::optional<JobState>& known) {
     return known && known->phase == JobPhase::done && known->program == io::build_identity() &&
-           holds_job(job_.out, job_, context_.digests, &context_.progress);
+           holds_job(job_.out, job_, &context_.progress);
 }
 
 /// As the plan has it, and what the state of its folder asks for.
@@ -74,7 +75,7 @@ std::vector<std::string> QueuedJob::words_to_start() const {
     if (waits_to_go_on(job_.out, job_))
         arguments.emplace_back("--resume");
     else if (state_.folder_is_ours && !is_missing_or_empty(job_.out) &&
-             !(same_program && holds_job(job_.out, job_, context_.digests, &context_.progress)))
+             !(same_program && holds_job(job_.out, job_, &context_.progress)))
         arguments.emplace_back("--overwrite");
     if (weight_.threads == 0) arguments.insert(arguments.end(), {"--threads", std::to_string(threads_)});
     return arguments;
@@ -247,8 +248,7 @@ void QueuedJob::take_step(const NextStep& step) {
 
 /// Throws Error where that cannot be.
 void QueuedJob::read_stack() {
-    const std::string no_picture =
-        take_stack(job_.out, began_ns_, context_.folder.picture_file(job_.name), context_.digests, state_);
+    const std::string no_picture = take_stack(job_.out, began_ns_, context_.folder.picture_file(job_.name), state_);
     if (!no_picture.empty()) notify(JobEvent::Kind::warned, named_warning("not-noted", no_picture));
 }
 

@@ -13,7 +13,6 @@
 #include "base/stopwatch.h"
 #include "farm/batch/batch_folder.h"
 #include "farm/batch/batch_view.h"
-#include "farm/batch/input_digests.h"
 #include "farm/batch/job_life.h"
 #include "farm/batch/job_process.h"
 #include "farm/batch/job_weight.h"
@@ -42,7 +41,6 @@ struct BatchOptions {
 struct BatchContext {
     const BatchOptions& options;
     const BatchFolder& folder;
-    InputDigests& digests;
     BatchView& view;
     const Progress& progress;
 };

@@ -9,16 +9,17 @@
 #include "farm/batch/job_result.h"
 #include "farm/cluster/job_record.h"
 #include "io/programs/build_identity.h"
+#include "slicer/kept/input_digests.h"
 #include "slicer/tray/tray_estimate.h"
 
 namespace voxtone::farm {
 
-bool is_done(const BatchFolder& batch, const PlannedJob& job, InputDigests& digests, const Progress& progress) {
+bool is_done(const BatchFolder& batch, const PlannedJob& job, const Progress& progress) {
     const std::optional<JobState> known = batch.state_of(job.name);
     if (!known) return false;
-    for (const auto& [file, digest] : known->inputs) digests.learn(file, digest);
+    for (const auto& [file, digest] : known->inputs) slicer::input_digests().learn(file, digest);
     return known->phase == JobPhase::done && known->program == io::build_identity() &&
-           holds_job(job.out, job, digests, &progress);
+           holds_job(job.out, job, &progress);
 }
 
 ChainEstimate estimate_chain(const PlannedJob& job, const ChainOptions& options, Progress& progress) {

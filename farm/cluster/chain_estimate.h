@@ -9,15 +9,13 @@
 
 #include "base/progress.h"
 #include "farm/batch/batch_folder.h"
-#include "farm/batch/input_digests.h"
 #include "farm/batch/plan.h"
 #include "farm/cluster/task_chain.h"
 
 namespace voxtone::farm {
 
-/// Whether the job was done and has not changed since. Teaches `digests` what is known of its inputs.
-[[nodiscard]] bool is_done(const BatchFolder& batch, const PlannedJob& job, InputDigests& digests,
-                           const Progress& progress);
+/// Whether the job was done and has not changed since.
+[[nodiscard]] bool is_done(const BatchFolder& batch, const PlannedJob& job, const Progress& progress);
 
 struct ChainEstimate {
     TaskChain chain;

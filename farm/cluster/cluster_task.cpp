@@ -27,6 +27,7 @@
 #include "farm/cluster/submission.h"
 #include "io/disk/disk_space.h"
 #include "io/files/json_writer.h"
+#include "slicer/kept/input_digests.h"
 #include "slicer/kept/loop_checkpoint.h"
 #include "slicer/options/command_words.h"
 
@@ -131,9 +132,9 @@ private:
         std::vector<std::string> arguments = arguments_of(stage_, index_);
         const auto state = batch_.state_of(job_.name);
         if (state)
-            for (const auto& [file, digest] : state->inputs) digests_.learn(file, digest);
+            for (const auto& [file, digest] : state->inputs) slicer::input_digests().learn(file, digest);
         const bool ours = state && state->folder_is_ours;
-        for (std::string& word : words_for_folder(options_.stage, job_, ours, digests_, progress_))
+        for (std::string& word : words_for_folder(options_.stage, job_, ours, progress_))
             arguments.push_back(std::move(word));
         if (options_.threads > 0 && std::find(arguments.begin(), arguments.end(), "--threads") == arguments.end())
             arguments.insert(arguments.end(), {"--threads", std::to_string(options_.threads)});
@@ -205,7 +206,7 @@ private:
         const bool is_last = stage_.stage == TaskStage::whole || stage_.stage == TaskStage::merge;
         change_state(batch_, job_.name, progress_, [&](JobState& state) {
             if (is_last) {
-                note_stack(state, batch_, job_, submission_, digests_, progress_);
+                note_stack(state, batch_, job_, submission_, progress_);
             } else if (state.phase != JobPhase::failed) {
                 leave(state);
                 state.message = fmt::format("{}: {} is done", submission_.text(), stage_text());
@@ -240,8 +241,7 @@ private:
             if (const auto time = time_that_is_over()) message += time_it_was_given(*time);
         change_state(batch_, job_.name, progress_, [&](JobState& state) {
             if (ending.kind == JobEnding::Kind::starved) note_starved(files_, job_.name, stage_.stage);
-            if (step.kind == NextStep::Kind::fail_with_stack)
-                note_stack(state, batch_, job_, submission_, digests_, progress_);
+            if (step.kind == NextStep::Kind::fail_with_stack) note_stack(state, batch_, job_, submission_, progress_);
             note_failed(state, step.exit_code,
                         stage_.stage == TaskStage::whole ? message : fmt::format("{}: {}", stage_text(), message));
         });
@@ -302,7 +302,6 @@ private:
     ChainStage stage_;
     SlurmAllocation allocation_;  ///< of Slurm's that this task was submitted for; empty: of none
     int index_;
-    InputDigests digests_;
     JobRunner runner_;
     std::size_t steps_before_ = 0;  ///< of its loop, as it was saved
 };
@@ -319,11 +318,9 @@ std::string text_of_starved(const Submission& submission, TaskStage stage) {
 /// Of a job that nobody works on any more.
 void settle(JobState& state, const BatchFolder& batch, const Submission& submission, Progress& progress) {
     if (state.phase == JobPhase::done || state.phase == JobPhase::failed) return;
-    InputDigests digests;
     try {
         const PlannedJob job = handed_over_job(batch, submission.job);
-        if (holds_job(job.out, job, digests, &progress))
-            return note_stack(state, batch, job, submission, digests, progress);
+        if (holds_job(job.out, job, &progress)) return note_stack(state, batch, job, submission, progress);
     } catch (const Cancelled&) {
         throw;
     } catch (const Error&) {

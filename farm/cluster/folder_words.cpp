@@ -32,14 +32,10 @@ bool skin_is_foreign(const slicer::OpenedJob& job, const Progress& progress) {
     }
 }
 
-bool holds_anothers(const fs::path& out, const slicer::OpenedJob& job, bool makes_loop, InputDigests& digests,
-                    const Progress& progress) {
-    const slicer::DigestOfFile digest = [&](const std::string& file) {
-        return digests.of(fs::absolute(file).lexically_normal().string(), &progress);
-    };
-    if (is_there(out / io::manifest_name) && !slicer::is_same_job(out, job, digest)) return true;
+bool holds_anothers(const fs::path& out, const slicer::OpenedJob& job, bool makes_loop, const Progress& progress) {
+    if (is_there(out / io::manifest_name) && !slicer::is_same_job(out, job, &progress)) return true;
     const fs::path shards = io::shards_folder(out);
-    if (is_there(shards / io::job_file_name) && !slicer::is_same_job(shards, job, digest)) return true;
+    if (is_there(shards / io::job_file_name) && !slicer::is_same_job(shards, job, &progress)) return true;
     if (!makes_loop) return false;
     // Of a loop that waits here it is known that it is another's.
     return is_there(out / io::checkpoint_name) || (is_there(out / io::skin_name) && skin_is_foreign(job, progress));
@@ -47,12 +43,11 @@ bool holds_anothers(const fs::path& out, const slicer::OpenedJob& job, bool make
 
 }  // namespace
 
-std::vector<std::string> words_for_folder(TaskStage stage, const PlannedJob& job, bool ours, InputDigests& digests,
-                                          const Progress& progress) {
+std::vector<std::string> words_for_folder(TaskStage stage, const PlannedJob& job, bool ours, const Progress& progress) {
     const bool makes_loop = stage == TaskStage::whole || stage == TaskStage::prepare;
     if (makes_loop && waits_to_go_on(job.out, job)) return {"--resume"};
     if (!ours || is_missing_or_empty(job.out)) return {};
-    if (holds_anothers(job.out, slicer::open_job(job.options), makes_loop, digests, progress)) return {"--overwrite"};
+    if (holds_anothers(job.out, slicer::open_job(job.options), makes_loop, progress)) return {"--overwrite"};
     return {};
 }
 

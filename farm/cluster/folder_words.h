@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "farm/batch/input_digests.h"
 #include "farm/batch/plan.h"
 #include "farm/cluster/task_chain.h"
 
@@ -17,6 +16,6 @@ namespace voxtone::farm {
 /// another job is in the way that the batch may replace (`ours`); else nothing. What other tasks of this job have made
 /// is never overwritten. Throws FileError, Cancelled.
 [[nodiscard]] std::vector<std::string> words_for_folder(TaskStage stage, const PlannedJob& job, bool ours,
-                                                        InputDigests& digests, const Progress& progress);
+                                                        const Progress& progress);
 
 }  // namespace voxtone::farm

@@ -63,9 +63,8 @@ void change_state(const BatchFolder& batch, const std::string& name, Progress& p
 }
 
 void note_stack(JobState& state, const BatchFolder& batch, const PlannedJob& job, const Submission& submission,
-                InputDigests& digests, Progress& progress) {
-    const std::string no_picture =
-        take_stack(job.out, submission.began_ns, batch.picture_file(job.name), digests, state);
+                Progress& progress) {
+    const std::string no_picture = take_stack(job.out, submission.began_ns, batch.picture_file(job.name), state);
     if (!no_picture.empty()) progress.warn(named_warning("not-noted", fmt::format("{}: {}", job.name, no_picture)));
     note_done(state);
     state.command = job.command;

@@ -10,7 +10,6 @@
 
 #include "base/progress.h"
 #include "farm/batch/batch_folder.h"
-#include "farm/batch/input_digests.h"
 #include "farm/cluster/submission.h"
 
 namespace voxtone::farm {
@@ -28,7 +27,7 @@ void change_state(const BatchFolder& batch, const std::string& name, Progress& p
 
 /// Notes that the job's stack is there. Throws Error where it cannot be read.
 void note_stack(JobState& state, const BatchFolder& batch, const PlannedJob& job, const Submission& submission,
-                InputDigests& digests, Progress& progress);
+                Progress& progress);
 
 /// A summary that cannot be written takes nothing from what was done.
 void summarise_batch(const BatchFolder& batch, Progress& progress);

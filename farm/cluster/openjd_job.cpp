@@ -45,7 +45,7 @@ public:
         : options_(options), jobs_(jobs), batch_(BatchFolder::make(options.out)), progress_(progress) {}
 
     void take(const PlannedJob& job, std::size_t number) {
-        if (is_done(batch_, job, digests_, progress_)) {
+        if (is_done(batch_, job, progress_)) {
             ++counts_.unchanged;
             return;
         }
@@ -87,7 +87,6 @@ private:
     std::size_t jobs_;  ///< planned
     BatchFolder batch_;
     Progress& progress_;
-    InputDigests digests_;
     std::vector<OpenJobChain> chains_;
     Counts counts_;
 };

@@ -35,12 +35,12 @@ namespace fs = std::filesystem;
 /// What is there of a batch already, looked at without writing.
 class EarlierSubmissions {
 public:
-    EarlierSubmissions(const std::optional<BatchFolder>& batch, const SlurmQueue& queue, InputDigests& digests)
-        : batch_(batch), queue_(queue), digests_(digests) {}
+    EarlierSubmissions(const std::optional<BatchFolder>& batch, const SlurmQueue& queue)
+        : batch_(batch), queue_(queue) {}
 
     void find_state(SlurmEntry& entry, const Progress& progress) {
         if (!batch_) return;
-        if (is_done(*batch_, entry.job, digests_, progress)) {
+        if (is_done(*batch_, entry.job, progress)) {
             entry.state = EntryState::unchanged;
             return;
         }
@@ -73,7 +73,6 @@ private:
 
     const std::optional<BatchFolder>& batch_;
     const SlurmQueue& queue_;
-    InputDigests& digests_;
 };
 
 /// One that cannot be estimated cannot be sliced.
@@ -369,8 +368,7 @@ JobResult run_slurm_job(const PlanOptions& plan, const SlurmOptions& options, Pr
     const BatchFolder* const written = options.dry_run ? nullptr : &*batch;
     const fs::path out = fs::absolute(options.out).lexically_normal();
     if (!note.empty()) progress.note(note);
-    InputDigests digests;
-    EarlierSubmissions earlier(batch, queue, digests);
+    EarlierSubmissions earlier(batch, queue);
     for (SlurmEntry& entry : entries) {
         progress.check_cancelled();
         earlier.find_state(entry, progress);

@@ -9,13 +9,13 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
-#include "io/files/file_digest.h"
 #include "io/files/sha256.h"
 #include "io/files/zip_reader.h"
 #include "io/lettering/font_file.h"
 #include "io/models/model_reader.h"
 #include "io/profiles/resin_file.h"
 #include "io/programs/build_identity.h"
+#include "slicer/kept/input_digests.h"
 #include "slicer/options/job_file.h"
 #include "slicer/options/option_table.h"
 
@@ -31,37 +31,33 @@ std::string text_sha256(std::string_view text) {
     return io::sha256({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
-DigestOfFile by_reading(const Progress* progress) {
-    return [progress](const std::string& file) { return io::file_sha256(file, progress); };
-}
-
-JobInput file_input(std::string key, const std::string& file, const DigestOfFile& digest) {
-    return {std::move(key), file, digest(file)};
+JobInput file_input(std::string key, const std::string& file, const Progress* progress) {
+    return {std::move(key), file, input_digests().of(file, progress)};
 }
 
 JobInput file_or_known(std::string key, const std::string& name, std::optional<std::string_view> known,
-                       const DigestOfFile& digest) {
+                       const Progress* progress) {
     if (known) return {std::move(key), {}, text_sha256(*known)};
-    return file_input(std::move(key), name, digest);
+    return file_input(std::move(key), name, progress);
 }
 
 /// All inputs but those beside the model.
-std::vector<JobInput> named_inputs(const OpenedJob& job, const DigestOfFile& digest) {
+std::vector<JobInput> named_inputs(const OpenedJob& job, const Progress* progress) {
     const ResolvedJob& options = job.options;
     std::vector<JobInput> inputs{
-        file_input(std::string(model_input), io::path_in_zip(options.model).file.string(), digest),
-        file_or_known("printer", options.printer, known_printer_text(options.printer), digest),
-        file_or_known("resins", options.resins, io::known_resin_set_text(options.resins), digest),
+        file_input(std::string(model_input), io::path_in_zip(options.model).file.string(), progress),
+        file_or_known("printer", options.printer, known_printer_text(options.printer), progress),
+        file_or_known("resins", options.resins, io::known_resin_set_text(options.resins), progress),
         {std::string(program_key), {}, text_sha256(io::build_digest())}};
     for (std::size_t m = 0; m < options.marks.size(); ++m) {
         const MarkOptions& mark = options.marks[m];
-        if (!mark.file.empty()) inputs.push_back(file_input(fmt::format("mark:{}", m + 1), mark.file, digest));
+        if (!mark.file.empty()) inputs.push_back(file_input(fmt::format("mark:{}", m + 1), mark.file, progress));
         if (!mark.font.empty())
-            inputs.push_back(file_input(fmt::format("font:{}", m + 1), io::find_font(mark.font).string(), digest));
+            inputs.push_back(file_input(fmt::format("font:{}", m + 1), io::find_font(mark.font).string(), progress));
     }
-    if (!options.texture.empty()) inputs.push_back(file_input("texture", options.texture, digest));
+    if (!options.texture.empty()) inputs.push_back(file_input("texture", options.texture, progress));
     if (job.other)
-        for (const JobInput& input : job.other->inputs()) inputs.push_back(file_input(input.key, input.file, digest));
+        for (const JobInput& input : job.other->inputs()) inputs.push_back(file_input(input.key, input.file, progress));
     return inputs;
 }
 
@@ -114,7 +110,7 @@ bool same_file(const std::string& a, const std::string& b) {
 }  // namespace
 
 JobIdentity identify(const OpenedJob& job, std::span<const io::SideFile> beside_model, const Progress* progress) {
-    std::vector<JobInput> inputs = named_inputs(job, by_reading(progress));
+    std::vector<JobInput> inputs = named_inputs(job, progress);
     std::string opened_loop = identity_of(job.options.raw, inputs).loop;
     const fs::path folder = fs::path(job.options.model).parent_path();
     for (const io::SideFile& file : beside_model)
@@ -125,24 +121,20 @@ JobIdentity identify(const OpenedJob& job, std::span<const io::SideFile> beside_
 }
 
 std::string opened_loop_identity(const OpenedJob& job, const Progress* progress) {
-    return identity_of(job.options.raw, named_inputs(job, by_reading(progress))).loop;
+    return identity_of(job.options.raw, named_inputs(job, progress)).loop;
 }
 
 bool is_same_job(const fs::path& folder, const OpenedJob& job, const Progress* progress) {
-    return is_same_job(folder, job, by_reading(progress));
-}
-
-bool is_same_job(const fs::path& folder, const OpenedJob& job, const DigestOfFile& digest) {
     const auto recorded = record_in(folder);
     if (!recorded) return false;
     // The same model names the same files: what is beside it is looked up by the names that were noted then.
-    std::vector<JobInput> inputs = named_inputs(job, digest);
+    std::vector<JobInput> inputs = named_inputs(job, progress);
     const std::string beside = fmt::format("{}:", model_input);
     for (const JobInput& then : recorded->recorded_inputs) {
         if (!then.key.starts_with(beside)) continue;
         if (then.sha256.empty()) return false;
         const fs::path file = fs::path(job.options.model).parent_path() / then.key.substr(beside.size());
-        inputs.push_back(file_input(then.key, file.string(), digest));
+        inputs.push_back(file_input(then.key, file.string(), progress));
     }
     return identity_of(*recorded, recorded->recorded_inputs).job == identity_of(job.options.raw, std::move(inputs)).job;
 }

@@ -11,7 +11,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -43,9 +42,6 @@ struct JobIdentity {
 /// read. False in doubt: for another version's job.json, and where a file beside the model was missing then.
 [[nodiscard]] bool is_same_job(const std::filesystem::path& folder, const OpenedJob& job,
                                const Progress* progress = nullptr);
-/// The same for who knows the SHA-256 of files otherwise than by reading them each time (io/files/file_digest.h).
-using DigestOfFile = std::function<std::string(const std::string& file)>;
-[[nodiscard]] bool is_same_job(const std::filesystem::path& folder, const OpenedJob& job, const DigestOfFile& digest);
 
 /// JobIdentity::job of the job.json in `folder`, whatever its inputs hold now. Nothing where there is none.
 [[nodiscard]] std::optional<std::string> recorded_identity(const std::filesystem::path& folder);

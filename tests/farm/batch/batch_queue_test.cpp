@@ -75,13 +75,12 @@ struct Workshop {
 struct Batch {
     explicit Batch(const Workshop& shop)
         : folder(BatchFolder::make(shop.options.out)),
-          context{shop.options, folder, digests, events, progress},
+          context{shop.options, folder, events, progress},
           queue(context) {}
     void run() {
         while (queue.step()) at_once = std::max(at_once, queue.snapshot(false).running.size());
     }
     BatchFolder folder;
-    InputDigests digests;
     Events events;
     Progress progress;
     BatchContext context;

@@ -9,6 +9,7 @@
 
 #include "io/files/file_digest.h"
 #include "io/profiles/resin_file.h"
+#include "slicer/kept/input_digests.h"
 #include "slicer/options/job_file.h"
 #include "tests/io/files/temporary_folder.h"
 
@@ -87,6 +88,21 @@ TEST_CASE("A job is its options and what its inputs hold, not where they lie") {
         change(changed);
         CHECK_FALSE(same(changed));
     }
+}
+
+TEST_CASE("All who ask for a job's identity in a run ask one memo of what its inputs hold") {
+    const Desk desk;
+    const SliceOptions options = desk.options();
+    desk.leave_record(options);
+    const OpenedJob job = open_job(options);
+    CHECK(is_same_job(desk / "out", job));
+    // Nobody reads the model again while it is the very file.
+    input_digests().learn(options.model, {*FileStamp::of(options.model), std::string(64, 'f')});
+    CHECK(desk.identity(options).inputs[0].sha256 == std::string(64, 'f'));
+    CHECK_FALSE(is_same_job(desk / "out", job));
+    CHECK(opened_loop_identity(job) == desk.identity(options).opened_loop);
+    desk.write("model.obj", "v 0 0 1\n");
+    CHECK(desk.identity(options).inputs[0].sha256 == io::file_sha256(options.model));
 }
 
 TEST_CASE("A model in an archive is the archive's file and the name behind it") {

@@ -1,18 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "farm/batch/input_digests.h"
+#include "slicer/kept/input_digests.h"
 
 #include <sys/stat.h>
 
 #include <ctime>
+#include <filesystem>
+#include <system_error>
 
 #include "io/files/file_digest.h"
 
-namespace voxtone::farm {
+namespace voxtone::slicer {
 
 namespace {
 
 std::int64_t nanoseconds(const timespec& time) {
     return std::int64_t{time.tv_sec} * 1'000'000'000 + std::int64_t{time.tv_nsec};
+}
+
+std::string absolute(const std::string& file) {
+    std::error_code none;
+    return std::filesystem::absolute(file, none).lexically_normal().string();
 }
 
 }  // namespace
@@ -32,20 +39,33 @@ bool FileStamp::settled() const {
 }
 
 std::string InputDigests::of(const std::string& file, const Progress* progress) {
-    const std::optional<FileStamp> stamp = FileStamp::of(file);
-    const auto found = known_.find(file);
-    if (stamp && found != known_.end() && found->second.stamp == *stamp) return found->second.sha256;
-    std::string digest = io::file_sha256(file, progress);
-    if (stamp && stamp->settled() && FileStamp::of(file) == stamp)
-        known_[file] = {*stamp, digest};
+    const std::string path = absolute(file);
+    const std::optional<FileStamp> stamp = FileStamp::of(path);
+    if (const auto known = find(path); stamp && known && known->stamp == *stamp) return known->sha256;
+    std::string digest = io::file_sha256(path, progress);
+    const bool good = stamp && stamp->settled() && FileStamp::of(path) == stamp;
+    const std::lock_guard lock(mutex_);
+    if (good)
+        known_[path] = {*stamp, digest};
     else
-        known_.erase(file);
+        known_.erase(path);
     return digest;
 }
 
+void InputDigests::learn(const std::string& file, const KnownDigest& known) {
+    const std::lock_guard lock(mutex_);
+    known_[absolute(file)] = known;
+}
+
 std::optional<KnownDigest> InputDigests::find(const std::string& file) const {
-    const auto found = known_.find(file);
+    const std::lock_guard lock(mutex_);
+    const auto found = known_.find(absolute(file));
     return found == known_.end() ? std::nullopt : std::optional(found->second);
 }
 
-}  // namespace voxtone::farm
+InputDigests& input_digests() {
+    static InputDigests digests;
+    return digests;
+}
+
+}  // namespace voxtone::slicer

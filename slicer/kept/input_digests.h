@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// SHA-256 of the inputs of many jobs: a file is read once, and not at all where it is the very file that was read
-// before, as its size, its times and its inode say. The system sets the time of change (ctime) itself, whatever is done
-// to a file; one that was changed less than two seconds before it was read is read again, as clocks of file systems are
-// coarse.
+// SHA-256 of the inputs of jobs, one memo for all who ask in a run: a file is read once, and not at all where it is the
+// very file that was read before, as its size, its times and its inode say. The system sets the time of change (ctime)
+// itself, whatever is done to a file; one that was changed less than two seconds before it was read is read again, as
+// clocks of file systems are coarse.
 #pragma once
 
 #include <cstdint>
 #include <map>
+#include <mutex>
 #include <optional>
 #include <string>
 
 #include "base/progress.h"
 
-namespace voxtone::farm {
+namespace voxtone::slicer {
 
 /// What tells a file from itself after a change.
 struct FileStamp {
@@ -32,18 +33,23 @@ struct KnownDigest {
     std::string sha256;
 };
 
+/// From any thread.
 class InputDigests {
 public:
     /// As io::file_sha256. Throws FileError, Cancelled.
     [[nodiscard]] std::string of(const std::string& file, const Progress* progress = nullptr);
 
     /// What an earlier batch has found out.
-    void learn(const std::string& file, const KnownDigest& known) { known_[file] = known; }
+    void learn(const std::string& file, const KnownDigest& known);
     /// Nothing where the file was not read, or not long enough after its last change.
     [[nodiscard]] std::optional<KnownDigest> find(const std::string& file) const;
 
 private:
-    std::map<std::string, KnownDigest> known_;
+    mutable std::mutex mutex_;
+    std::map<std::string, KnownDigest> known_;  ///< by absolute path
 };
 
-}  // namespace voxtone::farm
+/// Those of this run.
+[[nodiscard]] InputDigests& input_digests();
+
+}  // namespace voxtone::slicer
