@@ -20,7 +20,7 @@ LayeredPrint::LayeredPrint(const slicer::OpenedJob& job, const slicer::LayeredOp
 }
 
 void LayeredPrint::prepare(Progress& progress) {
-    if (job_.options.resume)
+    if (job_.run.goes_on)
         progress.note("--resume: layered profiles have no loop to go on with; the job begins at its start");
 }
 

@@ -51,7 +51,7 @@ SkinFile ColourPrint::skin_file() const {
 
 bool ColourPrint::may_loop() const {
     const JobLoopOptions& loop = job_.options.loop;
-    return (loop.iterations != 0 || job_.options.resume) && !(plan_.all_white && !loop.iterations) &&
+    return (loop.iterations != 0 || job_.run.goes_on) && !(plan_.all_white && !loop.iterations) &&
            nothing_to_rearrange(body_, job_.resins).empty();
 }
 
@@ -60,12 +60,12 @@ bool ColourPrint::take_saved_loop(Progress& progress) {
     const JobLoopOptions& options = job_.options.loop;
     const bool is_made_here = job_.options.until == Until::loop;
     if (!file.exists()) {
-        if (options.mixtures_named && !is_made_here && !options.elsewhere)
+        if (options.mixtures_named && !is_made_here && !job_.run.loop_elsewhere)
             throw FileError(fmt::format("{}: is not there; slice --until loop --mixtures {} makes it",
                                         file.path().string(), file.path().string()));
         return false;
     }
-    if (job_.options.overwrite && !options.elsewhere && (is_made_here || !options.mixtures_named)) {
+    if (job_.options.overwrite && !job_.run.loop_elsewhere && (is_made_here || !options.mixtures_named)) {
         foreign_skin_ = !file.is_of_this_job();
         if (foreign_skin_ || is_made_here) return false;
     }
@@ -109,7 +109,7 @@ void ColourPrint::prepare(Progress& progress) {
             loop_s_ = watch.total();
             return;
         }
-        if (job_.options.loop.elsewhere)
+        if (job_.run.loop_elsewhere)
             throw InputError(fmt::format(
                 "{}: is not there, and the appearance loop is one task for all shards of a body: run the same command "
                 "with --until loop in the place of --shard first, or leave the loop out (--iterations 0)",
@@ -127,7 +127,7 @@ void ColourPrint::prepare(Progress& progress) {
     const LoopCheckpoint checkpoint(job_.options.out, identity_.opened_loop, identity_.loop,
                                     problem->cells->seen.target);
     prepared_.emplace(std::move(problem), checkpoint, std::nullopt);
-    if (job_.options.resume)
+    if (job_.run.goes_on)
         prepared_->before = checkpoint.read(progress);
     else if (checkpoint.exists())
         progress.note("--overwrite: the saved state of an interrupted appearance loop is thrown away");

@@ -136,9 +136,9 @@ JobEstimate estimate_print(const PlannedPrint& planned, const PhaseEstimate& rea
     return estimate;
 }
 
-JobEstimate estimate_body(OpenedJob& job, const JobBody& body, const PhaseEstimate& read, const EstimateScope& scope,
-                          Progress& progress) {
-    if (scope.resins) load_best_resins(job, body, progress);
+JobEstimate estimate_body(const OpenedJob& opened, const JobBody& body, const PhaseEstimate& read,
+                          const EstimateScope& scope, Progress& progress) {
+    const OpenedJob job = scope.resins ? with_best_resins(opened, body, progress) : opened;
     const JobPlan plan = plan_job(job, body);
     // As the job would; what is turned otherwise may be printed all the same.
     if (!plan.loop.does_not_fit.empty()) throw ResourceError(plan.loop.does_not_fit);
@@ -167,7 +167,7 @@ MeasuredBody read_measured(const OpenedJob& job, Progress& progress) {
 JobEstimate estimate_job(const SliceOptions& asked, Progress& progress, const EstimateScope& scope) {
     SliceOptions options = asked;
     if (options.out.empty()) options.out = ".";
-    OpenedJob job = open_job(options);
+    const OpenedJob job = open_job(options);
     const ThreadLimit threads(static_cast<std::size_t>(job.options.threads));
     const MeasuredBody measured = read_measured(job, progress);
     return estimate_body(job, measured.body, measured.read, scope, progress);

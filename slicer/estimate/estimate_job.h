@@ -32,7 +32,7 @@ struct MeasuredBody {
 [[nodiscard]] MeasuredBody read_measured(const OpenedJob& job, Progress& progress);
 
 /// estimate_job of a body that is known; its job gets the resins that suit it best.
-[[nodiscard]] JobEstimate estimate_body(OpenedJob& job, const JobBody& body, const PhaseEstimate& read,
+[[nodiscard]] JobEstimate estimate_body(const OpenedJob& opened, const JobBody& body, const PhaseEstimate& read,
                                         const EstimateScope& scope, Progress& progress);
 
 /// What so much of its resins weighs and costs.

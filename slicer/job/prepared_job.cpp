@@ -37,8 +37,9 @@ JobIdentity identify_said(const OpenedJob& job, const JobBody& body, Progress& p
     return identity;
 }
 
-OpenedJob with_best_resins(OpenedJob job, const JobBody& body, Progress& progress) {
-    if (load_best_resins(job, body, progress)) progress.note(job.why_these_resins);
+OpenedJob choose_said(OpenedJob opened, const JobBody& body, Progress& progress) {
+    OpenedJob job = with_best_resins(std::move(opened), body, progress);
+    if (!job.why_these_resins.empty()) progress.note(job.why_these_resins);
     return job;
 }
 
@@ -53,7 +54,7 @@ std::unique_ptr<Print> make_print(const OpenedJob& job, const JobBody& body, con
 PreparedJob::PreparedJob(OpenedJob opened, std::optional<JobBody> kept, Progress& progress)
     : body(kept ? *std::move(kept) : read_body(opened, figures, progress)),
       identity(identify_said(opened, body, progress)),
-      job(with_best_resins(std::move(opened), body, progress)),
+      job(choose_said(std::move(opened), body, progress)),
       plan(plan_job(job, body)),
       print(make_print(job, body, identity, plan, progress)) {}
 
@@ -69,7 +70,7 @@ void expect_no_other_shards(const OpenedJob& job, const Progress* progress) {
 
 void expect_own_loop(const OpenedJob& job, const Progress* progress) {
     const ResolvedJob& options = job.options;
-    const bool is_replaced = options.overwrite && !options.loop.elsewhere && !options.loop.mixtures_named;
+    const bool is_replaced = options.overwrite && !job.run.loop_elsewhere && !options.loop.mixtures_named;
     if (options.loop.iterations == 0 || is_replaced) return;
     if (options.until == Until::loop && options.overwrite) return;
     if (std::error_code none; !std::filesystem::exists(options.loop.mixtures, none)) return;

@@ -51,12 +51,12 @@ bool has_checkpoint(const io::StackFolder& folder) { return fs::exists(folder.pa
 
 /// The same command again goes on with its interrupted loop. Not where no loop is asked for, which the saved one would
 /// be printed as.
-void go_on_with_own_loop(OpenedJob& job, Progress& progress) {
-    ResolvedJob& options = job.options;
+void go_on_with_own_loop(const OpenedJob& job, JobRun& run, Progress& progress) {
+    const ResolvedJob& options = job.options;
     if (options.resume || options.overwrite || options.loop.iterations == 0) return;
     if (std::error_code none; !fs::exists(options.out / io::checkpoint_name, none)) return;
     LoopCheckpoint::expect_same_job(options.out, opened_loop_identity(job, &progress));
-    options.resume = true;
+    run.goes_on = true;
     progress.note(
         fmt::format("{} holds the interrupted appearance loop of this very job: it goes on (--overwrite "
                     "begins anew)",
@@ -92,7 +92,7 @@ std::optional<SliceResult> done_before(const OpenedJob& job, const io::StackFold
 
 /// Another job's stack, and whatever else is no job's of this folder, is replaced only where that was allowed.
 void expect_replaceable(const OpenedJob& job, const io::StackFolder& folder, const Progress& progress) {
-    const bool goes_on = job.options.resume && has_checkpoint(folder);
+    const bool goes_on = job.run.goes_on && has_checkpoint(folder);
     if (!job.options.overwrite && !goes_on && !holds_this_stack(job, folder, progress)) folder.expect_free();
     if (!job.options.overwrite) expect_no_other_shards(job, &progress);
 }
@@ -100,7 +100,7 @@ void expect_replaceable(const OpenedJob& job, const io::StackFolder& folder, con
 /// A saved loop of another job is refused before the model is read.
 void expect_resumable(const OpenedJob& job, const io::StackFolder& folder, const Progress& progress) {
     expect_own_loop(job, &progress);
-    if (!job.options.resume || !has_checkpoint(folder)) return;
+    if (!job.run.goes_on || !has_checkpoint(folder)) return;
     LoopCheckpoint::expect_same_job(folder.path(), opened_loop_identity(job, &progress));
     set_stop_advice(LoopCheckpoint::advice(folder.path()));
 }
@@ -126,7 +126,7 @@ void announce(const PreparedJob& ready, Progress& progress) {
     const JobEstimate estimate =
         estimate_print({ready.job, ready.body, ready.plan}, read, made_with ? &*made_with : nullptr, progress);
     progress.note(estimate_summary(estimate));
-    if (const std::string advice = loop_advice(estimate); !advice.empty() && !ready.job.options.resume)
+    if (const std::string advice = loop_advice(estimate); !advice.empty() && !ready.job.run.goes_on)
         progress.note(advice);
 }
 
@@ -169,10 +169,10 @@ const io::StackDescription& finish_stack(PreparedJob& ready, io::LayerStackWrite
 SliceResult run_slice_job(const SliceOptions& requested, Progress& progress) {
     const Stopwatch watch;
     // All that can refuse the job, from what costs nothing to what costs most ...
-    OpenedJob opened = open_job(requested);
+    const OpenedJob opened =
+        open_job(requested, [&](const OpenedJob& job, JobRun& run) { go_on_with_own_loop(job, run, progress); });
     VOXTONE_EXPECT(!opened.options.sharded);
-    go_on_with_own_loop(opened, progress);
-    LoopCheckpoint::refuse_loss(opened.options.out, opened.options.resume, opened.options.overwrite);
+    LoopCheckpoint::refuse_loss(opened.options.out, opened.run.goes_on, opened.options.overwrite);
     // From here on the output folder is this job's; what it holds stays until the new stack is whole.
     std::vector<std::string_view> companions(report_file::all.begin(), report_file::all.end());
     companions.push_back(io::shards_name);
@@ -190,7 +190,7 @@ SliceResult run_slice_job(const SliceOptions& requested, Progress& progress) {
     expect_resumable(opened, folder, progress);
     const ThreadLimit threads(static_cast<std::size_t>(opened.options.threads));
     for (const std::string& warning : opened.printer.warnings()) progress.warn(warning);
-    PreparedJob ready(std::move(opened), std::nullopt, progress);
+    PreparedJob ready(opened, std::nullopt, progress);
     const auto& [figures, body, identity, job, plan, print] = ready;
     expect_enough_layers(ready, progress);
     // Without hard links OUT/printer is a copy.

@@ -48,7 +48,6 @@ struct JobLoopOptions {
     LoopMethod method = LoopMethod::automatic;
     std::filesystem::path mixtures;  ///< file that keeps what it came to
     bool mixtures_named = false;     ///< by the user: must be there, unless it is made
-    bool elsewhere = false;          ///< it is not run by this job: what it came to must be there
 };
 
 /// Layers of a map of profiles, where the surface shows how light spreads.
@@ -73,7 +72,6 @@ struct JobPredictionOptions {
     std::optional<PredictionModel> model;  ///< where not automatic; nothing: none
     double cell_mm = 0.085;                ///< also of the loop
     std::uint64_t memory_bytes = 0;        ///< most to use, also by the loop
-    std::string why_not;                   ///< a sentence: nothing is predicted, whatever was asked for
 };
 
 /// What only a tray of many parts has (slicer/tray).

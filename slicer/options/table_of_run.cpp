@@ -101,7 +101,7 @@ std::vector<OptionSpec> parts_entries() {
              },
          .resolve =
              [](const O& o, Job& job) {
-                 job.sharded = job.loop.elsewhere = !o.shard.empty();
+                 job.sharded = !o.shard.empty();
                  job.shard = parse_shard(o.shard);
              }},
         choice(&O::until, at(&Job::until),

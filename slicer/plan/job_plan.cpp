@@ -11,7 +11,7 @@ namespace voxtone::slicer {
 PredictionPlan plan_prediction(const OpenedJob& job, const JobBody& body, const JobPlan& plan, bool looped) {
     // A spectral set is asked for its spectra, which the loop does not keep.
     const bool reusable = looped && !job.resins.set.channels.is_spectral();
-    return plan_prediction(job.options, body, plan.all_layers, reusable, plan.all_white);
+    return plan_prediction(job, body, plan.all_layers, reusable, plan.all_white);
 }
 
 JobPlan plan_job(const OpenedJob& job, const JobBody& body) {
@@ -21,7 +21,7 @@ JobPlan plan_job(const OpenedJob& job, const JobBody& body) {
     plan.all_layers = plan.layers.layers() == plan.grid.size[2];
     if (!job.other) {
         plan.all_white = prints_all_white(SurfaceColour(body.model.mesh, job.options.prediction.cell_mm), job.resins);
-        plan.loop = plan_loop(job.options, body, job.resins, plan.all_white);
+        plan.loop = plan_loop(job, body, plan.all_white);
         plan.prediction = plan_prediction(job, body, plan, plan.loop.wanted);
     }
     plan.phases =

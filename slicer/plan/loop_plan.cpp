@@ -42,11 +42,12 @@ std::string nothing_to_rearrange(const JobBody& body, const LoadedResins& resins
     return {};
 }
 
-LoopPlan plan_loop(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, bool all_white) {
-    const JobLoopOptions& options = job.loop;
+LoopPlan plan_loop(const OpenedJob& job, const JobBody& body, bool all_white) {
+    const JobLoopOptions& options = job.options.loop;
+    const JobPredictionOptions& prediction = job.options.prediction;
     const auto none = [](std::string why_not) { return LoopPlan{.why_not = std::move(why_not), .does_not_fit = ""}; };
-    if (options.iterations == 0 && !job.resume) return none("");
-    if (std::string why_not = nothing_to_rearrange(body, resins); !why_not.empty()) return none(std::move(why_not));
+    if ((options.iterations == 0 || job.run.loop_done) && !job.run.goes_on) return none("");
+    if (std::string why_not = nothing_to_rearrange(body, job.resins); !why_not.empty()) return none(std::move(why_not));
     if (all_white && !options.iterations)
         return none(
             "The model is white all over and the print all of white resin: there is nothing to rearrange and nothing "
@@ -61,15 +62,15 @@ LoopPlan plan_loop(const ResolvedJob& job, const JobBody& body, const LoadedResi
                              (options.method == LoopMethod::automatic && area_mm2 <= 100 * most_cm2),
                   .why_not = "",
                   .does_not_fit = ""};
-    const double cell_mm = job.prediction.cell_mm, bytes = least_bytes(area_mm2 / (cell_mm * cell_mm)),
-                 allowed = double(job.prediction.memory_bytes);
-    if (!options.iterations && !job.resume && allowed > 0 && bytes > allowed)
+    const double cell_mm = prediction.cell_mm, bytes = least_bytes(area_mm2 / (cell_mm * cell_mm)),
+                 allowed = double(prediction.memory_bytes);
+    if (!options.iterations && !job.run.goes_on && allowed > 0 && bytes > allowed)
         plan.does_not_fit = fmt::format(
             "{}: the appearance loop on {:.0f} cm2 of coloured surface takes {} of memory at the least, and {} are "
             "allowed: allow more (--memory), take larger cells (--predict-cell), print without it "
             "(--iterations 0), or try it all the same (--iterations N)",
-            job.model, area_mm2 / 100, memory_text(static_cast<std::uint64_t>(bytes)),
-            memory_text(job.prediction.memory_bytes));
+            job.options.model, area_mm2 / 100, memory_text(static_cast<std::uint64_t>(bytes)),
+            memory_text(prediction.memory_bytes));
     return plan;
 }
 

@@ -10,9 +10,9 @@
 #include <cstdint>
 #include <string>
 
-#include "slicer/options/resolved_job.h"
 #include "slicer/prepare/job_body.h"
 #include "slicer/prepare/job_colour.h"
+#include "slicer/prepare/opened_job.h"
 #include "slicer/surface/surface_colour.h"
 
 namespace voxtone::slicer {
@@ -28,8 +28,7 @@ struct LoopPlan {
 
 /// Of a job that resumes: with no iterations too, what an interrupted loop has found is looked at.
 /// `all_white`: white is asked for everywhere and printed: nothing is rearranged without being asked.
-[[nodiscard]] LoopPlan plan_loop(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins,
-                                 bool all_white);
+[[nodiscard]] LoopPlan plan_loop(const OpenedJob& job, const JobBody& body, bool all_white);
 
 /// Of a print whose core is the white resin.
 [[nodiscard]] bool prints_all_white(const SurfaceColour& target, const LoadedResins& resins);

@@ -7,12 +7,12 @@
 
 namespace voxtone::slicer {
 
-PredictionPlan plan_prediction(const ResolvedJob& job, const JobBody& body, bool all_layers, bool looped,
+PredictionPlan plan_prediction(const OpenedJob& job, const JobBody& body, bool all_layers, bool looped,
                                bool all_white) {
     using By = PredictionPlan::By;
-    const JobPredictionOptions& options = job.prediction;
-    if (!job.report || (!options.automatic && !options.model)) return {};
-    if (!options.why_not.empty()) return {.why_not = options.why_not};
+    const JobPredictionOptions& options = job.options.prediction;
+    if (!job.options.report || (!options.automatic && !options.model)) return {};
+    if (!job.run.why_unpredicted.empty()) return {.why_not = job.run.why_unpredicted};
     if (!all_layers) return {.why_not = "Only a part of the layers was made: a part is not predicted."};
     if (options.model) return {.by = By::model, .model = *options.model, .why_not = ""};
     const double area_mm2 = coloured_area_mm2(*body.surface);

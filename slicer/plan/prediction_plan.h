@@ -6,8 +6,8 @@
 #include <string>
 
 #include "slicer/options/model_choice.h"
-#include "slicer/options/resolved_job.h"
 #include "slicer/prepare/job_body.h"
+#include "slicer/prepare/opened_job.h"
 
 namespace voxtone::slicer {
 
@@ -26,7 +26,7 @@ struct PredictionPlan {
 /// The model that was asked for; or none; or, automatic: the default model up to auto_prediction_cm2 of coloured
 /// surface, above that what the appearance loop predicted, if there was one (`looped`). A part of the layers is never
 /// predicted, nor is a job without a report, nor, without being asked, white beside white (`all_white`).
-[[nodiscard]] PredictionPlan plan_prediction(const ResolvedJob& job, const JobBody& body, bool all_layers, bool looped,
+[[nodiscard]] PredictionPlan plan_prediction(const OpenedJob& job, const JobBody& body, bool all_layers, bool looped,
                                              bool all_white);
 
 }  // namespace voxtone::slicer

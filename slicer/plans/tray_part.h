@@ -36,6 +36,7 @@ struct TrayPlan {
     SliceOptions common;  ///< what all parts begin with, and what is the whole tray's
     std::vector<TrayPart> parts;
     std::vector<std::string> notes;  ///< sentences for the user
+    bool loops_elsewhere = false;    ///< of its parts: what they came to must be there
 };
 
 }  // namespace voxtone::slicer

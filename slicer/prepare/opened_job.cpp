@@ -49,7 +49,7 @@ void colour_marks_by_resin(OpenedJob& job) {
 }  // namespace
 
 OpenedJob open_job(const SliceOptions& asked) {
-    OpenedJob job{resolve(asked), {}, {}, nullptr, {}};
+    OpenedJob job{resolve(asked), {}, {}, nullptr, {}, {}};
     ResolvedJob& options = job.options;
     check_model(options);
     job.other = open_other_print(options);
@@ -62,6 +62,14 @@ OpenedJob open_job(const SliceOptions& asked) {
     check_thickness(options, job.printer);
     if (job.other) job.other->check(job.resins);
     colour_marks_by_resin(job);
+    job.run.goes_on = options.resume;
+    job.run.loop_elsewhere = options.sharded;
+    return job;
+}
+
+OpenedJob open_job(const SliceOptions& asked, const DecideRun& decide) {
+    OpenedJob job = open_job(asked);
+    decide(job, job.run);
     return job;
 }
 

@@ -4,7 +4,9 @@
 // here, before time is spent.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "io/layers/layer_stack_writer.h"
@@ -16,12 +18,23 @@
 
 namespace voxtone::slicer {
 
+/// What one run of a job does beside what its options say: no part of what the job is.
+struct JobRun {
+    bool goes_on = false;         ///< with the saved state of its loop
+    bool loop_elsewhere = false;  ///< its loop is not run by this job: what it came to must be there
+    bool loop_done = false;       ///< it was run before, and takes nothing any more
+    std::string why_unpredicted;  ///< a sentence: nothing is predicted, whatever was asked for
+};
+
+/// Const once it is opened: who wants another opens another.
 struct OpenedJob {
     ResolvedJob options;
     PrinterProfile printer;
     LoadedResins resins;
     std::shared_ptr<const OtherPrint> other;  ///< null: the surface shows colours
     std::string why_these_resins;             ///< where they were chosen for the model (resin_choice.h)
+
+    JobRun run;
 
     /// Loads these instead. What was asked for stays as it was: the same job chooses the same again.
     void load(const std::vector<std::string>& roles);
@@ -37,5 +50,8 @@ struct OpenedJob {
 /// Changes nothing on disk. Throws UsageError, InputError,
 /// FileError.
 [[nodiscard]] OpenedJob open_job(const SliceOptions& asked);
+/// `decide`: what this run does, of a job that is opened otherwise. Throws what it throws.
+using DecideRun = std::function<void(const OpenedJob& job, JobRun& run)>;
+[[nodiscard]] OpenedJob open_job(const SliceOptions& asked, const DecideRun& decide);
 
 }  // namespace voxtone::slicer

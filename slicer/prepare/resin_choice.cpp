@@ -146,12 +146,12 @@ std::optional<ResinChoice> choose_resins(const OpenedJob& job, const JobBody& bo
     return choice;
 }
 
-bool load_best_resins(OpenedJob& job, const JobBody& body, Progress& progress) {
-    const auto choice = choose_resins(job, body, progress);
-    if (!choice) return false;
-    job.load(choice->roles);
-    job.why_these_resins = choice->why;
-    return true;
+OpenedJob with_best_resins(OpenedJob job, const JobBody& body, Progress& progress) {
+    if (const auto choice = choose_resins(job, body, progress)) {
+        job.load(choice->roles);
+        job.why_these_resins = choice->why;
+    }
+    return job;
 }
 
 std::optional<HelpfulResin> most_helpful_resin(const OpenedJob& job, const JobBody& body) {

@@ -29,8 +29,8 @@ struct ResinChoice {
 /// the surface has no colour to choose for.
 [[nodiscard]] std::optional<ResinChoice> choose_resins(const OpenedJob& job, const JobBody& body, Progress& progress);
 
-/// Loads these, and keeps why (OpenedJob::why_these_resins). False where there is nothing to choose.
-bool load_best_resins(OpenedJob& job, const JobBody& body, Progress& progress);
+/// The job with these, and why (OpenedJob::why_these_resins); as it was where there is nothing to choose.
+[[nodiscard]] OpenedJob with_best_resins(OpenedJob job, const JobBody& body, Progress& progress);
 
 /// A resin that is not loaded, and what the sample's mean would be with it.
 struct HelpfulResin {

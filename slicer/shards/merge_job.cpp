@@ -149,12 +149,12 @@ OpenedJob open_merged(const MergeOptions& options) {
     read_job((options.out / job_file_name).string(), requested);
     requested.out = options.out.string();
     requested.threads = options.threads;
-    OpenedJob job = open_job(requested);
-    job.options.loop.elsewhere = true;
-    if (!options.predict)
-        job.options.prediction.why_not =
-            "Its layers were made in shards: `voxtone merge --predict` predicts what they will look like.";
-    return job;
+    return open_job(requested, [&](const OpenedJob&, JobRun& run) {
+        run.loop_elsewhere = true;
+        if (!options.predict)
+            run.why_unpredicted =
+                "Its layers were made in shards: `voxtone merge --predict` predicts what they will look like.";
+    });
 }
 
 /// A print that is predicted sees its layers; they are made again, and not written.
@@ -167,11 +167,11 @@ void show_layers(Print& print, const LayerRange& range, Progress& progress) {
 
 JobResult write_merged_report(const MergeOptions& options, const io::ShardSet& shards, const Stopwatch& watch,
                               Progress& progress) {
-    OpenedJob opened = open_merged(options);
+    const OpenedJob opened = open_merged(options);
     const ThreadLimit threads(static_cast<std::size_t>(options.threads));
     std::optional<JobBody> kept;
     if (is_same_job(options.out, opened, &progress)) kept = read_prepared(options.out, shards.job());
-    PreparedJob ready(std::move(opened), std::move(kept), progress);
+    PreparedJob ready(opened, std::move(kept), progress);
     if (ready.identity.job != shards.job())
         throw InputError(fmt::format(
             "{}: the stack is merged and whole, but its report cannot be drawn: the model, or another file that the "

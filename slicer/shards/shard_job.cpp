@@ -81,12 +81,13 @@ void make_shard(PreparedJob& ready, const LayerRange& mine, const fs::path& into
 
 JobResult run_shard_job(const SliceOptions& requested, Progress& progress) {
     const Stopwatch watch;
-    OpenedJob opened = open_job(requested);
+    // What is made of the layers; the prediction and the report are the merged stack's.
+    const OpenedJob opened = open_job(requested, [](const OpenedJob&, JobRun& run) {
+        run.why_unpredicted = "A part of the layers is not predicted.";
+    });
     expect_shardable(opened);
     const fs::path out = opened.options.out;
     const bool same_job_before = is_same_job(io::shards_folder(out), opened, &progress);
-    // What is made of the layers; the prediction and the report are the merged stack's.
-    opened.options.prediction.why_not = "A part of the layers is not predicted.";
     const ShardTask task = task_of(opened, same_job_before);
     if (auto merged = merged_before(opened, progress)) return *std::move(merged);
     if (same_job_before)
@@ -105,7 +106,7 @@ JobResult run_shard_job(const SliceOptions& requested, Progress& progress) {
     if (same_job_before) kept = read_prepared(out, recorded_identity(io::shards_folder(out)).value_or(""));
     if (kept && opened.options.strict && !kept->warnings.empty()) kept.reset();  // one may be a reason to stop
     const bool is_kept = kept.has_value();
-    PreparedJob ready(std::move(opened), std::move(kept), progress);
+    PreparedJob ready(opened, std::move(kept), progress);
     const auto& [figures, body, identity, job, plan, print] = ready;
     check_layer_count(plan.grid.size[2], job.printer, "larger (--size), or thicker (--thickness)");
     print->prepare(progress);

@@ -79,9 +79,10 @@ EstimatedPart estimate_part(const TrayPart& part, const EstimateScope& scope, co
                             Progress& progress) {
     try {
         if (part.component) return estimate_component(part, *common, progress);
-        OpenedJob job = open_job(part.options);
-        if (part.job && !part.job->folder.empty() && why_no_kept_loop(part.job->folder, job, progress).empty())
-            job.options.loop.iterations = 0;  // it is run
+        const OpenedJob job = open_job(part.options, [&](const OpenedJob& opened, JobRun& run) {
+            run.loop_done =
+                part.job && !part.job->folder.empty() && why_no_kept_loop(part.job->folder, opened, progress).empty();
+        });
         EstimatedPart made{&part};
         made.measured.emplace(read_measured(job, progress));
         made.resident_bytes = resident_bytes();

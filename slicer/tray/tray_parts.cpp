@@ -35,11 +35,11 @@ SliceOptions job_options(const TrayPart& part, const fs::path& out, const std::v
 }
 
 /// Goes on with a loop that was interrupted, if it is this job's.
-void look_for_checkpoint(OpenedJob& job, const Progress& progress) {
+void look_for_checkpoint(const OpenedJob& job, JobRun& run, const Progress& progress) {
     if (!fs::exists(job.options.out / io::checkpoint_name)) return;
     try {
         LoopCheckpoint::expect_same_job(job.options.out, opened_loop_identity(job, &progress));
-        job.options.resume = true;
+        run.goes_on = true;
     } catch (const InputError&) {
         LoopCheckpoint::remove_from(job.options.out);  // of what the part was before
     }
@@ -190,11 +190,11 @@ void turn_parts(const TrayPlan& plan, std::vector<WaitingPart>& waiting, std::ve
 
 /// With the loop of the job that it was alone; null where that is not to be had. The job says its resins as it did
 /// then; where it chooses others for its colours than this tray loads, it is another job.
-std::unique_ptr<PreparedJob> open_with_kept_loop(WaitingPart& part, Progress& progress) {
+std::unique_ptr<PreparedJob> open_with_kept_loop(WaitingPart& part, bool loops_elsewhere, Progress& progress) {
     SliceOptions options = part.as_said;
     if (!take_kept_loop(part.part.name, part.part.job->folder, options, progress)) return nullptr;
     options.until = SliceOptions{}.until;  // that it is run, is done
-    std::unique_ptr<PreparedJob> ready = open_ready(options, std::move(part.body), progress);
+    std::unique_ptr<PreparedJob> ready = open_ready(options, std::move(part.body), progress, loops_elsewhere);
     if (roles_of(ready->job) == part.options.load && is_loop_of(part.part.name, *ready, progress)) return ready;
     std::error_code none;
     fs::remove(ready->job.options.loop.mixtures, none);
@@ -202,7 +202,7 @@ std::unique_ptr<PreparedJob> open_with_kept_loop(WaitingPart& part, Progress& pr
     return nullptr;
 }
 
-ReadyPart prepare_part(WaitingPart& part, Progress& progress) {
+ReadyPart prepare_part(WaitingPart& part, bool loops_elsewhere, Progress& progress) {
     if (part.body)
         for (const std::string& warning : part.body->warnings) progress.warn(warning);
     ReadyPart made;
@@ -210,8 +210,8 @@ ReadyPart prepare_part(WaitingPart& part, Progress& progress) {
     made.component = std::move(part.component);
     if (made.component) return made;
     if (part.part.job && !part.part.job->folder.empty() && part.options.rotate == part.as_said.rotate)
-        made.ready = open_with_kept_loop(part, progress);
-    if (!made.ready) made.ready = open_ready(part.options, std::move(part.body), progress);
+        made.ready = open_with_kept_loop(part, loops_elsewhere, progress);
+    if (!made.ready) made.ready = open_ready(part.options, std::move(part.body), progress, loops_elsewhere);
     return made;
 }
 
@@ -240,11 +240,14 @@ bool goes_well(const TrayPart& part, bool fail_fast, std::vector<FailedPart>& fa
     return false;
 }
 
-std::unique_ptr<PreparedJob> open_ready(const SliceOptions& options, std::optional<JobBody> kept, Progress& progress) {
-    OpenedJob job = open_job(options);
-    fs::create_directories(job.options.out);
-    look_for_checkpoint(job, progress);
-    auto ready = std::make_unique<PreparedJob>(std::move(job), std::move(kept), progress);
+std::unique_ptr<PreparedJob> open_ready(const SliceOptions& options, std::optional<JobBody> kept, Progress& progress,
+                                        bool loop_elsewhere) {
+    const OpenedJob opened = open_job(options, [&](const OpenedJob& job, JobRun& run) {
+        fs::create_directories(job.options.out);
+        look_for_checkpoint(job, run, progress);
+        run.loop_elsewhere = run.loop_elsewhere || loop_elsewhere;
+    });
+    auto ready = std::make_unique<PreparedJob>(opened, std::move(kept), progress);
     if (!ready->plan.loop.does_not_fit.empty()) throw ResourceError(ready->plan.loop.does_not_fit);
     return ready;
 }
@@ -279,7 +282,7 @@ TrayParts prepare_parts(const TrayPlan& plan, Progress& progress) {
     for (WaitingPart& part : waiting) {
         progress.note(fmt::format("part {} ({} of {})", part.part.name, ++number, waiting.size()));
         (void)goes_well(part.part, plan.common.fail_fast, parts.failed, progress,
-                        [&] { parts.ready.push_back(prepare_part(part, progress)); });
+                        [&] { parts.ready.push_back(prepare_part(part, plan.loops_elsewhere, progress)); });
     }
     if (parts.ready.empty())
         throw Error(parts.failed.front().exit_code,

@@ -67,7 +67,7 @@ struct TrayParts {
 /// goes on from where an interrupted loop of the same job was. Throws what the job throws, ResourceError where its loop
 /// takes more memory than is allowed.
 [[nodiscard]] std::unique_ptr<PreparedJob> open_ready(const SliceOptions& options, std::optional<JobBody> kept,
-                                                      Progress& progress);
+                                                      Progress& progress, bool loop_elsewhere = false);
 
 /// Reads and prepares each part; all get the resins that the first one loads. Those that may be are turned where they
 /// come to lie closer so, before they are voxelised. Parts keep what they come to in OUT/parts/NAME. Throws what the

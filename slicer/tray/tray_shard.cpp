@@ -115,7 +115,7 @@ OpenedTray open_merged_tray(const MergeOptions& options, const Progress& progres
             "{}: the stack is merged and whole, but nothing can be told of its parts: the plan, or a file that it "
             "names, has changed since the shards were made; --no-report does without",
             options.out.string()));
-    for (TrayPart& part : tray.plan.parts) part.options.shard = "1/1";  // the loops were run by a task of their own
+    tray.plan.loops_elsewhere = true;  // by a task of their own
     return tray;
 }
 
@@ -135,7 +135,7 @@ JobResult run_tray_shard(const SliceOptions& asked, const TrayModels& models, Pr
     if (asked.out.empty()) throw UsageError("tray: name the folder for the print (-o OUT)");
     if (!asked.overwrite && !models.empty()) io::expect_free_for_stack(asked.out);
     OpenedTray tray = open_shard_of_tray(with_plan(asked, models));
-    OpenedJob& job = tray.job;
+    const OpenedJob& job = tray.job;
     const fs::path out = job.options.out;
     const bool same_job_before = is_same_job(io::shards_folder(out), job, &progress);
     const ShardTask task = task_of(job, same_job_before);
