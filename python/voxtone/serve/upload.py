@@ -18,8 +18,8 @@ from .refusal import Refusal
 is_id = re.compile(r"[0-9a-f]{32}\Z").match
 #: What is offered as a model among the files of an upload; what it is, the program finds out.
 model_kinds = (".obj", ".ply", ".stl", ".glb", ".gltf", ".3mf", ".fbx", ".wrl", ".vrml", ".wrz", ".zip", ".png", ".jpg", ".jpeg",
-               ".webp", ".tif", ".tiff", ".exr", ".bmp", ".gcvf")
-_pictures = (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".exr", ".bmp")
+               ".webp", ".tif", ".tiff", ".exr", ".bmp", ".svg", ".gcvf")
+_pictures = (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".exr", ".bmp", ".svg")
 
 
 def new_id() -> str:

@@ -389,7 +389,7 @@ TEST_CASE("A drawing as a decal is as sharp as the print, whatever its size") {
         test::skip("no voxtone-read-drawings in this build");
         return;
     }
-    const TemporaryFolder folder;
+    const io::TemporaryFolder folder;
     const std::string file = (folder.path() / "half.svg").string();
     io::write_whole_file(
         file, std::string("<svg xmlns='http://www.w3.org/2000/svg' width='2' height='1'><path d='M1 0h1v1h-1z' "
