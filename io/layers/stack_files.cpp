@@ -264,6 +264,10 @@ void StackFiles::open_gcvf() {
     if (config_entry == index.end() && index.contains(std::string(how_to_print_name)))
         throw InputError(
             fmt::format("{}: is a printer's folder packed as ZIP: unpack it, and name the folder", root_.string()));
+    if (config_entry == index.end() && index.contains("config.ini"))
+        throw InputError(fmt::format(
+            "{}: is an archive of layers of a slicer for resin printers (SL1): unpack it, and name the folder",
+            root_.string()));
     if (config_entry == index.end())
         throw InputError(fmt::format("{}: has no ConfigFile.xml at its root: it is no GCVF container", root_.string()));
     const auto xml = zip_->read(config_entry->second, 16 << 20);

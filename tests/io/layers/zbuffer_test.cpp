@@ -227,6 +227,12 @@ TEST_CASE("A container without a part, or of another kind, does not pass", "[zbu
     check("ConfigFile.xml", config("<BitDepth>4<", "<BitDepth>1<"), "BitDepth 1");
     check("ConfigFile.xml", config("<MaxNumberOfColors>6<", "<MaxNumberOfColors>2<"), "names 5 materials");
     check("ConfigFile.xml", config("<MaxNumberOfColors>6<", "<MaxNumberOfColors>many<"), "MaxNumberOfColors");
+    replace_part(container, "ConfigFile.xml", {});
+    CHECK(has(verify_stack(container), "container", "no GCVF container"));
+    std::unique_ptr<zip_t, Discard> zip(zip_open(container.c_str(), 0, nullptr));
+    REQUIRE(zip_file_add(zip.get(), "config.ini", zip_source_buffer(zip.get(), "a = b", 5, 0), 0) >= 0);
+    REQUIRE(zip_close(zip.release()) == 0);
+    CHECK(has(verify_stack(container), "container", "(SL1): unpack it"));
 }
 
 TEST_CASE("What a GCVF cannot hold is refused before a layer is made", "[zbuffer]") {
