@@ -43,7 +43,7 @@ struct Piece {
     double ink = 0;  // area times how far its luminance is from the ground's
     Eigen::Vector3d middle = Eigen::Vector3d::Zero(), right, up;  // of the plane that it lies in
     std::array<double, all_directions> far{};                     // from the middle, along each
-    double solidity = 0, cell_mm = 0;
+    double solidity = 0, unruled = 0, cell_mm = 0;
 
     /// Along a direction, and across it to the left.
     [[nodiscard]] Eigen::Vector3d along(std::size_t k) const {
@@ -99,10 +99,18 @@ public:
             Piece piece;
             int on = no_ground;
             if (!collect(first, taken, piece.cells, on)) continue;
-            if (measure(piece, on))
-                pieces.push_back(std::move(piece));
-            else
+            if (!measure(piece, on)) {
                 others.push_back(std::move(piece.cells));
+                continue;
+            }
+            for (std::vector<std::uint32_t>& part : parts_of(piece, on)) {
+                Piece one;
+                one.cells = std::move(part);
+                if (measure(one, on))
+                    pieces.push_back(std::move(one));
+                else
+                    others.push_back(std::move(one.cells));
+            }
         }
     }
 
@@ -148,6 +156,52 @@ private:
                 }
             });
         return on != no_ground && !between;
+    }
+
+    /// Letters that touch where a cell has something of both: what is dark hangs together, each other cell goes with
+    /// the nearest of it.
+    [[nodiscard]] std::vector<std::vector<std::uint32_t>> parts_of(Piece& piece, int on) const {
+        constexpr double dark = 0.4;  // of the darkest
+        constexpr std::uint32_t none = ~std::uint32_t{0}, faint = none - 1;
+        std::vector<std::uint32_t>& all = piece.cells;
+        std::ranges::sort(all);
+        const double behind = luminance_to_eye(p_.seen.regions[std::size_t(on)].target);
+        std::vector<double> apart;
+        for (const std::uint32_t i : all) apart.push_back(std::abs(luminance_to_eye(p_.target[i]) - behind));
+        const double least = dark * std::ranges::max(apart);
+        std::vector<std::uint32_t> part(all.size(), none), last, next;  // places in `all`
+        for (std::size_t n = 0; n < all.size(); ++n)
+            if (apart[n] < least) part[n] = faint;
+        const auto visit_near = [&](std::uint32_t place, const auto& visit) {
+            cells_.visit_around(all[place], [&](std::size_t other) {
+                const auto at = std::ranges::lower_bound(all, static_cast<std::uint32_t>(other));
+                if (at != all.end() && *at == other) visit(static_cast<std::uint32_t>(at - all.begin()));
+            });
+        };
+        std::uint32_t parts = 0;
+        for (std::uint32_t first = 0; first < all.size(); ++first) {
+            if (part[first] != none) continue;
+            last.assign(1, first), part[first] = parts;
+            for (std::size_t n = 0; n < last.size(); ++n)
+                visit_near(last[n], [&](std::uint32_t other) {
+                    if (part[other] == none) part[other] = parts, last.push_back(other);
+                });
+            ++parts;
+        }
+        if (parts == 1) return {all};
+        last.clear();
+        for (std::uint32_t n = 0; n < all.size(); ++n)
+            if (part[n] != faint) last.push_back(n);
+        for (; !last.empty(); std::swap(last, next)) {
+            next.clear();
+            for (const std::uint32_t n : last)
+                visit_near(n, [&](std::uint32_t other) {
+                    if (part[other] == faint) part[other] = part[n], next.push_back(other);
+                });
+        }
+        std::vector<std::vector<std::uint32_t>> found(parts + 1);  // the last: what hangs together with none
+        for (std::size_t n = 0; n < all.size(); ++n) found[std::min(part[n], parts)].push_back(all[n]);
+        return found;
     }
 
     [[nodiscard]] Eigen::Vector3d vector_of(const std::array<float, 3>& v) const {
@@ -214,6 +268,51 @@ private:
                 piece.far[k] = std::max(piece.far[k], from.dot(along[k]) + piece.cell_mm / 2);
         }
         piece.solidity = piece.ink / most / (4 * std::numbers::pi * std::sqrt(moments.determinant()));
+        piece.unruled = unruled(piece, apart);
+    }
+
+    /// How far it is from bars side by side: along a bar its ink lies the same way in every line.
+    [[nodiscard]] double unruled(const Piece& piece, const std::vector<double>& apart) const {
+        constexpr std::size_t half_turn = 48;
+        struct Line {
+            double ink = 0, along = 0, squares = 0;
+        };
+        std::vector<Eigen::Vector3d> from;  // ink, and where it lies
+        for (std::size_t n = 0; n < apart.size(); ++n) {
+            const Eigen::Vector3d at = vector_of(p_.predicted.surface.cells[piece.cells[n]].centre_mm) - piece.middle;
+            from.emplace_back(apart[n] * double(p_.predicted.surface.cells[piece.cells[n]].area_mm2),
+                              at.dot(piece.right), at.dot(piece.up));
+        }
+        const double half_mm = piece.widest();
+        std::vector<Line> lines(std::size_t(2 * half_mm / piece.cell_mm) + 2);
+        double least = std::numeric_limits<double>::infinity();
+        for (std::size_t k = 0; k < half_turn; ++k) {
+            const double angle = std::numbers::pi * double(k) / double(half_turn), c = std::cos(angle),
+                         s = std::sin(angle);
+            std::ranges::fill(lines, Line{});
+            Line all;
+            for (const Eigen::Vector3d& one : from) {
+                const double along = c * one[1] + s * one[2], across = c * one[2] - s * one[1];
+                const auto n = std::clamp(std::ptrdiff_t((across + half_mm) / piece.cell_mm), std::ptrdiff_t{0},
+                                          std::ptrdiff_t(lines.size() - 1));
+                for (Line* line : {&all, &lines[std::size_t(n)]})
+                    line->ink += one[0], line->along += one[0] * along, line->squares += one[0] * along * along;
+            }
+            const auto spread = [](const Line& line) {
+                const double mean = line.along / line.ink;
+                return line.squares / line.ink - mean * mean;
+            };
+            const double mean = all.along / all.ink, whole = spread(all);
+            if (!(whole > 0)) continue;
+            double off = 0;
+            for (const Line& line : lines) {
+                if (!(line.ink > 0)) continue;
+                const double aside = line.along / line.ink - mean;
+                off += line.ink * (aside * aside + std::abs(spread(line) - whole));
+            }
+            least = std::min(least, off / (all.ink * whole));
+        }
+        return least;
     }
 
     const JobPrediction& p_;
@@ -267,8 +366,9 @@ bool stand_on_one_line(const Piece& a, const Piece& b, std::size_t k) {
                           across = (a.along(left) + b.along(left)).normalized();
     const double gap = std::abs(from.dot(along)) -
                        (from.dot(along) > 0 ? a.far[k] + b.width(k) - b.far[k] : b.far[k] + a.width(k) - a.far[k]);
+    const double foot = from.dot(across) + b.foot(k) - a.foot(k), top = foot + b.height(k) - a.height(k);
     return gap <= reach_heights * high && gap > -std::min(a.width(k), b.width(k)) / 2 &&
-           std::abs(from.dot(across) + b.foot(k) - a.foot(k)) <= std::max(part * high, std::max(a.cell_mm, b.cell_mm));
+           std::min(std::abs(foot), std::abs(top)) <= std::max(part * high, std::max(a.cell_mm, b.cell_mm));
 }
 
 double middle_of_all(std::vector<double>& values) {
@@ -336,6 +436,7 @@ public:
             in_row_[i] = 1, ++near_here.in_rows, near_here.in_lattice += in_lattice[i];
             if (pieces[i].height(k) >= cells_to_tell * pieces[i].cell_mm)
                 near_here.solidity.push_back(pieces[i].solidity);
+            if (pieces[i].widest() >= cells_to_tell * pieces[i].cell_mm) near_here.unruled.push_back(pieces[i].unruled);
         }
         for (const Pair& link : links) {
             const double a = pieces[link.a].ink, b = pieces[link.b].ink;
@@ -346,13 +447,15 @@ public:
     }
     /// Share of what is near a piece that stands in rows; 0: it is no type.
     [[nodiscard]] double share(std::size_t i) {
-        constexpr double enough = 0.6, least_differ = 0.03, filled = 0.75;
+        constexpr double enough = 0.6, least_differ = 0.03, filled = 0.75, ruled = 0.19, ruled_few = 0.25;
         Near& near = near_[of_near_[i]];
         if (!in_row_[i]) return 0;
         if (!near.is_type) {
             near.is_type = double(near.in_rows) >= enough * double(near.all) &&
                            middle_of_all(near.differ) >= least_differ && 2 * near.in_lattice < near.in_rows &&
-                           (near.solidity.empty() || middle_of_all(near.solidity) <= filled);
+                           (near.solidity.empty() || middle_of_all(near.solidity) <= filled) &&
+                           (near.unruled.empty() ||
+                            middle_of_all(near.unruled) > (near.unruled.size() < least_row ? ruled_few : ruled));
         }
         return *near.is_type ? double(near.in_rows) / double(near.all) : 0;
     }
@@ -362,7 +465,7 @@ public:
 private:
     struct Near {
         std::size_t all = 0, in_rows = 0, in_lattice = 0;
-        std::vector<double> differ, solidity;
+        std::vector<double> differ, solidity, unruled;
         std::optional<bool> is_type;
     };
     Groups rows_;
