@@ -43,9 +43,12 @@ StackOrigin origin_in(const fs::path& folder) {
     try {
         const JsonObject job = JsonObject::read(file);
         if (text_or_nothing(job, "format") != "voxtone-job") return {};
-        return {text_or_nothing(job, "model"), text_or_nothing(job, "resins"), text_or_nothing(job, "backing"), {}};
+        const auto text = [&](std::string_view key) { return text_or_nothing(job, key); };
+        return {text("model"), text("resins"), text("backing"), text("view"), text("coat"), text("enclose"), {}};
     } catch (const Error& error) {
-        return {{}, {}, {}, error.what()};  // a stack needs none
+        StackOrigin none;  // a stack needs none
+        none.fault = error.what();
+        return none;
     }
 }
 

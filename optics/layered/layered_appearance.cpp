@@ -17,6 +17,9 @@ namespace {
 Eigen::LLT<OrdinateMatrix> under_surface(const AngularGrid& grid, const Admittance& top) {
     OrdinateMatrix sum = top.Y;
     sum.diagonal().array() += (1 - grid.r) / (1 + grid.r);
+    // Light that is trapped in a slab without resin that scatters or absorbs comes from nowhere and goes nowhere.
+    for (Eigen::Index k = 0; k < sum.rows(); ++k)
+        if (sum(k, k) == 0) sum(k, k) = 1;
     return Eigen::LLT<OrdinateMatrix>(sum);
 }
 

@@ -2,7 +2,9 @@
 #include "optics/layered/shell_appearance.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 
 #include "base/contracts.h"
 #include "base/parallel.h"
@@ -22,10 +24,11 @@ constexpr int scattering_samples = 40;
 constexpr double absorption_scale = 0.02;
 constexpr double scattering_scale = 0.02;
 
-Admittance core_law(const OrdinatePlan& plan, const Medium& core, const ShellGeometry& geometry) {
+Admittance core_law(const OrdinatePlan& plan, const Medium& core, const Medium& clear, const ShellGeometry& geometry,
+                    Backing backing) {
     if (std::isinf(geometry.core_mm)) return half_space(plan, core);
     const auto below = [&] {
-        switch (geometry.backing) {
+        switch (backing) {
             case Backing::none:
                 return Admittance::air(plan, true);
             case Backing::black:
@@ -36,13 +39,32 @@ Admittance core_law(const OrdinatePlan& plan, const Medium& core, const ShellGeo
         VOXTONE_EXPECT(!"a backing that is known");
         return Admittance::black(plan);
     }();
-    const LayerOf layer{core, geometry.core_mm};
-    return layered_admittance(plan, std::span(&layer, 1), below);
+    const std::array layers{LayerOf{core, geometry.core_mm}, LayerOf{clear, geometry.under_mm}};
+    return layered_admittance(plan, layers, below);
 }
 
-double appearance_over(const OrdinatePlan& plan, const Medium& shell, double shell_mm, const Admittance& core) {
-    const LayerOf layer{shell, shell_mm};
-    return layered_appearance(plan, std::span(&layer, 1), core);
+/// What lies under the shell, and what is taken off: of light from behind, what black under it would show.
+struct Below {
+    Admittance core;
+    std::optional<Admittance> less;
+};
+Below below_shell(const OrdinatePlan& plan, const Medium& core, const Medium& clear, const ShellGeometry& geometry) {
+    if (!geometry.from_behind) return {core_law(plan, core, clear, geometry, geometry.backing), {}};
+    return {core_law(plan, core, clear, geometry, Backing::none),
+            core_law(plan, core, clear, geometry, Backing::black)};
+}
+
+double appearance_over(const OrdinatePlan& plan, const Medium& shell, const Medium& clear,
+                       const ShellGeometry& geometry, const Below& below) {
+    const std::array layers{LayerOf{clear, geometry.over_mm}, LayerOf{shell, geometry.shell_mm}};
+    const double seen = layered_appearance(plan, layers, below.core);
+    return below.less ? seen - layered_appearance(plan, layers, *below.less) : seen;
+}
+
+/// Nothing to light where there is none.
+Medium clear_of(const ResinSet& set, const ShellGeometry& geometry, std::size_t channel) {
+    if (geometry.clear_resin < 0) return {0, 0};
+    return set.resins[static_cast<std::size_t>(geometry.clear_resin)].medium(channel);
 }
 
 }  // namespace
@@ -88,6 +110,9 @@ ShellAppearance::Tables::Tables(const ResinSet& resins, const ShellGeometry& she
     set.validate();
     VOXTONE_EXPECT(shell.shell_mm > 0 && std::isfinite(shell.shell_mm) && shell.core_mm > 0);
     VOXTONE_EXPECT(shell.core_resin >= 0 && static_cast<std::size_t>(shell.core_resin) < set.resins.size());
+    VOXTONE_EXPECT(!shell.from_behind || std::isfinite(shell.core_mm));
+    VOXTONE_EXPECT((shell.over_mm == 0 && shell.under_mm == 0) ||
+                   (shell.clear_resin >= 0 && static_cast<std::size_t>(shell.clear_resin) < set.resins.size()));
     VOXTONE_EXPECT(shell.white() >= 0 && static_cast<std::size_t>(shell.white()) < set.resins.size());
     inverse_absorption_scale = shell.shell_mm / absorption_scale;
     inverse_scattering_scale = shell.shell_mm / scattering_scale;
@@ -100,7 +125,8 @@ ShellAppearance::Tables::Tables(const ResinSet& resins, const ShellGeometry& she
 
 void ShellAppearance::Tables::tabulate(std::size_t channel, const OrdinatePlan& plan) {
     const Medium core = set.resins[static_cast<std::size_t>(geometry.core_resin)].medium(channel);
-    const Admittance below = core_law(plan, core, geometry);
+    const Medium clear = clear_of(set, geometry, channel);
+    const Below below = below_shell(plan, core, clear, geometry);
     // A range of nothing (no resin absorbs, say) still needs an interval to stand on.
     const Medium most = medium.bound(channel);
     const double most_a = std::max(most.sigma_a, 1e-6 / inverse_absorption_scale),
@@ -115,11 +141,12 @@ void ShellAppearance::Tables::tabulate(std::size_t channel, const OrdinatePlan& 
         const Medium shell{
             std::expm1(x_max * static_cast<double>(i) / (absorption_samples - 1)) / inverse_absorption_scale,
             std::expm1(y_max * static_cast<double>(j) / (scattering_samples - 1)) / inverse_scattering_scale};
-        samples(i, j) = appearance_over(plan, shell, geometry.shell_mm, below);
+        samples(i, j) = appearance_over(plan, shell, clear, geometry, below);
     });
     tables[channel] = BicubicTable(samples, x_max, y_max);
     const Medium white_medium = set.resins[static_cast<std::size_t>(geometry.white())].medium(channel);
-    white[channel] = appearance_over(plan, white_medium, geometry.shell_mm, core_law(plan, white_medium, geometry));
+    white[channel] =
+        appearance_over(plan, white_medium, clear, geometry, below_shell(plan, white_medium, clear, geometry));
 }
 
 ShellAppearance::ShellAppearance(const ResinSet& resins, const ShellGeometry& geometry)
@@ -181,11 +208,17 @@ std::vector<double> ShellAppearance::exact(std::span<const double> fractions) co
     std::vector<double> out(channels());
     for (std::size_t c = 0; c < out.size(); ++c) {
         const Medium core = set.resins[static_cast<std::size_t>(geometry.core_resin)].medium(c);
-        const LayerResponse shell = solver.layer(tables_->mix(fractions, c), geometry.shell_mm);
+        const Medium clear = clear_of(set, geometry, c);
+        LayerResponse shell = solver.layer(tables_->mix(fractions, c), geometry.shell_mm);
+        if (geometry.over_mm > 0) shell = solver.add(solver.layer(clear, geometry.over_mm), shell);
         if (std::isinf(geometry.core_mm)) {
             out[c] = appearance_of(grid, solver.over(shell, solver.half_space(core)));
         } else {
-            out[c] = appearance_of(grid, solver.add(shell, solver.layer(core, geometry.core_mm)), geometry.backing);
+            LayerResponse whole = solver.add(shell, solver.layer(core, geometry.core_mm));
+            if (geometry.under_mm > 0) whole = solver.add(whole, solver.layer(clear, geometry.under_mm));
+            out[c] = geometry.from_behind
+                         ? appearance_of(grid, whole, Backing::none) - appearance_of(grid, whole, Backing::black)
+                         : appearance_of(grid, whole, geometry.backing);
         }
     }
     return out;

@@ -3,7 +3,9 @@
 // What a coloured shell over a core looks like: the forward model of the colour separation.
 //
 // A plane-parallel shell of one homogeneous mixture, `shell_mm` thick, lies over a core of one resin, which is
-// infinitely deep or `core_mm` thick over a backing. Uniform diffuse white light falls on it. Appearance, per channel,
+// infinitely deep or `core_mm` thick over a backing. Clear resin may lie over the shell, and under a core that ends; it
+// stays clear in the white that colours refer to. By light from behind (optics/scene/light_from_behind.h) it is what
+// comes through. Uniform diffuse white light falls on it. Appearance, per channel,
 // is the flux that leaves through the refractive surface divided by the flux that entered, so that a body that absorbs
 // nothing has exactly 1.
 //
@@ -43,9 +45,12 @@ struct ShellGeometry {
     int core_resin = 0;                                        ///< index into the set
     double core_mm = std::numeric_limits<double>::infinity();  ///< > 0
     Backing backing = Backing::none;                           ///< has no meaning under an infinite core
+    bool from_behind = false;                                  ///< light comes from below alone; core_mm is finite
     /// The resin of which a body of this geometry, shell and core alike, is the white of media-relative values; -1: the
     /// core's.
     int white_resin = -1;
+    int clear_resin = -1;              ///< index of the resin over and under all this; -1: none is
+    double over_mm = 0, under_mm = 0;  ///< how thick that is
     std::array<double, 3> pitch_mm{};  ///< of the voxels of a halftone, > 0; all 0: ideal mixtures
     SeenFrom seen = SeenFrom::above;   ///< which way the voxels lie to the shell's surface
     [[nodiscard]] int white() const { return white_resin >= 0 ? white_resin : core_resin; }

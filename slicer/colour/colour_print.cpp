@@ -76,7 +76,7 @@ bool ColourPrint::take_saved_loop(Progress& progress) {
         why_no_loop_ = std::move(saved.left_out);
         return true;
     }
-    loop_ = loop_of(std::move(saved), body_, colour_mm);
+    loop_ = loop_of(std::move(saved), body_, parts_.zones(), colour_mm);
     print_loop();
     return true;
 }
@@ -166,10 +166,17 @@ void ColourPrint::take_layer(int k, const io::LayerRuns& layer) {
 }
 
 JobPrediction ColourPrint::predict(optics::ResinVolume volume, Progress& progress) const {
+    volume = parts_.without_coat(std::move(volume), job_.options.prediction.memory_bytes / 2, progress);
     if (prediction_plan_.by == PredictionPlan::By::loop) return prediction_of_loop(*loop_, std::move(volume));
+    std::optional<optics::ResinVolume> white;
+    if (parts_.zones().any()) {
+        const int white_resin = colour_->appearance.geometry().white();
+        white = parts_.shape(static_cast<optics::Material>(white_resin + 1), job_.options.prediction.memory_bytes / 2,
+                             progress);
+    }
     JobPrediction prediction =
         predict_print(job_.options, prediction_plan_.model, body_, job_.resins, std::move(volume),
-                      loop_ && !loop_->reread ? &loop_->cells->seen : nullptr, progress);
+                      loop_ && !loop_->reread ? &loop_->cells->seen : nullptr, white ? &*white : nullptr, progress);
     if (loop_) prediction.open_loop = loop_->result.state.open;
     return prediction;
 }

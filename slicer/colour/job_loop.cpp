@@ -20,16 +20,10 @@ namespace voxtone::slicer {
 
 namespace {
 
-/// The white resin, or that of the core where there is none.
-int white_of(const LoadedResins& resins) {
-    const int white = resins.set.find("W");
-    return white >= 0 ? white : resins.core;
-}
-
-/// All of the white resin.
-optics::ResinVolume shape_of(const PrintParts& parts, const LoadedResins& resins, std::uint64_t print_bytes,
+/// All of the white resin, but for what is clear over and under it.
+optics::ResinVolume shape_of(const PrintParts& parts, const JobColour& colour, std::uint64_t print_bytes,
                              const Progress& progress) {
-    return optics::all_of(parts.shape(print_bytes, progress), static_cast<optics::Material>(white_of(resins) + 1));
+    return parts.shape(static_cast<optics::Material>(colour.appearance.geometry().white() + 1), print_bytes, progress);
 }
 
 /// A loop by feedback alone needs no gradient of what lies deep: cells in the blocks that light enters and in their
@@ -54,6 +48,7 @@ std::unique_ptr<const optics::AppearanceModel> loop_model(const ResolvedJob& job
     quality.seed = job.seed;
     constexpr std::uint32_t paths = 256;  // noise goes straight into the halftone
     quality.paths = paths;
+    quality.from_behind = job.picture.is_lit_from_behind();
     return make_model(job.loop.model, quality);
 }
 
@@ -127,8 +122,9 @@ private:
 
 }  // namespace
 
-LoopCells::LoopCells(ViewedCells cells, const JobBody& body, double colour_mm)
+LoopCells::LoopCells(ViewedCells cells, const JobBody& body, const DepthZones& of_zones, double colour_mm)
     : seen(std::move(cells)),
+      zones(of_zones),
       layers(halftone::skin_layers(colour_mm)),
       places(*body.surface, body.grid.origin_mm),
       index(seen.surface, {body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()}) {}
@@ -139,10 +135,11 @@ LoopProblem::LoopProblem(const ResolvedJob& of_job, const JobBody& body, const L
       resins(of_resins),
       parts(of_parts),
       print_bytes(job.prediction.memory_bytes / 3),
-      shape(shape_of(parts, resins, print_bytes, progress)),
+      white(colour.appearance.geometry().white()),
+      shape(shape_of(parts, colour, print_bytes, progress)),
       scene(scene_of(shape, resins, body, job.picture.backing)),
       cells(std::make_shared<const LoopCells>(find_viewed_cells(scene, body, job.prediction.cell_mm, progress), body,
-                                              colour.appearance.geometry().shell_mm)),
+                                              parts.zones(), colour.appearance.geometry().shell_mm)),
       recipes(prepare_recipes(colour.appearance, cells->layers)) {}
 
 SavedSkin saved_skin(const JobLoop& loop) {
@@ -159,12 +156,12 @@ SavedSkin saved_skin(const JobLoop& loop) {
     return skin;
 }
 
-JobLoop loop_of(SavedSkin skin, const JobBody& body, double colour_mm) {
+JobLoop loop_of(SavedSkin skin, const JobBody& body, const DepthZones& zones, double colour_mm) {
     JobLoop loop;
     loop.model = std::move(skin.model);
     loop.seconds = skin.seconds;
     loop.cells = std::make_shared<const LoopCells>(
-        ViewedCells{std::move(skin.surface), std::move(skin.target), skin.cell_um}, body, colour_mm);
+        ViewedCells{std::move(skin.surface), std::move(skin.target), skin.cell_um}, body, zones, colour_mm);
     loop.result = std::move(skin.result);
     loop.mixtures = std::move(skin.mixtures);
     loop.reread = true;
@@ -187,7 +184,7 @@ JobLoop run_job_loop(const LoopProblem& problem, const LoopPlan& plan, const Loo
     halftone::LoopTask task;
     task.model = model.get();
     task.scene = problem.scene;
-    task.white_resin = white_of(problem.resins);
+    task.white_resin = problem.white;
     task.surface = &cells.seen.surface;
     task.recipes = problem.recipes.get();
     task.target = cells.seen.target;

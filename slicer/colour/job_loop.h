@@ -35,15 +35,16 @@ namespace voxtone::slicer {
 /// What the loop finds refers to it. Stays where it was made.
 struct LoopCells {
     /// `colour_mm`: depth of the print's coloured shell.
-    LoopCells(ViewedCells cells, const JobBody& body, double colour_mm);
+    LoopCells(ViewedCells cells, const JobBody& body, const DepthZones& zones, double colour_mm);
     LoopCells(const LoopCells&) = delete;
     LoopCells& operator=(const LoopCells&) = delete;
 
     const ViewedCells seen;
+    const DepthZones zones;
     const halftone::SkinLayers layers;
     const SurfacePlaces places;
     const CellIndex index;
-    [[nodiscard]] SkinMap map() const { return {places, index, layers}; }
+    [[nodiscard]] SkinMap map() const { return {places, index, layers, zones}; }
 };
 
 /// What the loop needs while it runs. Keeps references to all that it is made from. Stays where it was made.
@@ -59,6 +60,7 @@ public:
     const LoadedResins& resins;
     const PrintParts& parts;
     const std::uint64_t print_bytes;  ///< a print as a volume may take so much
+    const int white;                  ///< index of the resin of which that is
     const optics::ResinVolume shape;  ///< of one resin throughout, which takes little memory
     const optics::Scene scene;
     const std::shared_ptr<const LoopCells> cells;
@@ -77,7 +79,7 @@ struct JobLoop {
 
 /// What shards and other jobs of the body need of it, and the way back. `colour_mm`: depth of the coloured shell.
 [[nodiscard]] SavedSkin saved_skin(const JobLoop& loop);
-[[nodiscard]] JobLoop loop_of(SavedSkin skin, const JobBody& body, double colour_mm);
+[[nodiscard]] JobLoop loop_of(SavedSkin skin, const JobBody& body, const DepthZones& zones, double colour_mm);
 
 /// Goes on after `before` where there is one. Writes the checkpoint after each iteration, or where that takes longer
 /// than anybody would notice as often as a sixtieth of the time allows; where it cannot be written the loop goes on,

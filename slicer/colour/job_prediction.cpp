@@ -84,7 +84,7 @@ JobPrediction prediction_of_loop(const JobLoop& loop, optics::ResinVolume volume
 
 JobPrediction predict_print(const ResolvedJob& job, PredictionModel model, const JobBody& body,
                             const LoadedResins& resins, optics::ResinVolume volume, const ViewedCells* known,
-                            Progress& progress) {
+                            const optics::ResinVolume* white_print, Progress& progress) {
     const Stopwatch watch;
     JobPrediction prediction;
     prediction.model = name_of(model);
@@ -96,7 +96,9 @@ JobPrediction predict_print(const ResolvedJob& job, PredictionModel model, const
     prediction.target = std::move(cells.target);
     prediction.cell_um = cells.cell_um;
     std::optional<MeshBoundary> boundary;
-    if (model == PredictionModel::monte_carlo && !body.is_picture && body.relief.empty()) boundary = boundary_of(body);
+    const bool is_bare = job.colour.clear_over_mm() == 0;  // else it ends where the colours are
+    if (model == PredictionModel::monte_carlo && !body.is_picture && body.relief.empty() && is_bare)
+        boundary = boundary_of(body);
     std::optional<CoarseCells> coarse;
     if (model == PredictionModel::transport) coarse = coarse_cells(scene.volume->pitch_mm(), job.prediction.cell_mm);
     const std::uint64_t memory = job.prediction.memory_bytes;
@@ -104,13 +106,15 @@ JobPrediction predict_print(const ResolvedJob& job, PredictionModel model, const
     quality.cell_mm = coarse ? eye_cell_mm : job.prediction.cell_mm;
     quality.viewing_cells = coarse.has_value();
     quality.memory_bytes = memory - std::min(memory, std::uint64_t{2 * prediction.volume.memory_bytes()});
-    set_depth_of_cells(quality, scene.backing);
+    if (!job.picture.is_lit_from_behind()) set_depth_of_cells(quality, scene.backing);
     quality.boundary = boundary ? &*boundary : nullptr;
     quality.seed = job.seed;
+    quality.from_behind = job.picture.is_lit_from_behind();
     const auto seer = make_model(model, quality);
-    const int white = resins.set.find("W");
+    const int white = resins.set.find(job.picture.is_lit_from_behind() ? "T" : "W");
     const auto predicted_on = [&](optics::Surface surface) {
-        return predict_surface(scene, std::move(surface), *seer, white >= 0 ? white : resins.core, progress);
+        return predict_surface(scene, std::move(surface), *seer, white >= 0 ? white : resins.core, progress,
+                               white_print);
     };
     if (coarse) {
         optics::Surface eye = optics::find_surface(scene, coarse->eye, seen_part(body), &progress);

@@ -39,8 +39,9 @@ PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const Loaded
 
 PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, const JobColour& colour,
                        const Progress& progress)
-    : PrintParts(job, body, resins, job.colour.depth_mm) {
+    : PrintParts(job, body, resins, looked_through_mm(job)) {
     colour_ = &colour;
+    zones_ = zones_of(colour.appearance.geometry());
     if (job.colour.screen == ScreenKind::blue_noise)
         screen_.emplace(std::array{body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()}, &progress);
 }
@@ -60,16 +61,44 @@ LayerSources PrintParts::sources(const SkinSource* skin) const {
     if (colour_)
         sources.resins.emplace<MixtureSources>(surface_colour_, colour_->separation, screen_ ? &*screen_ : nullptr,
                                                seed_, skin);
+    sources.zones = zones_;
     return sources;
 }
 
 optics::ResinVolume PrintParts::volume(const SkinSource* skin, std::uint64_t memory_bytes,
                                        const Progress& progress) const {
-    return volume_of(sources(skin), memory_bytes, progress);
+    return without_coat(volume_of(sources(skin), memory_bytes, progress), memory_bytes, progress);
 }
 
-optics::ResinVolume PrintParts::shape(std::uint64_t memory_bytes, const Progress& progress) const {
+optics::ResinVolume PrintParts::without_coat(optics::ResinVolume volume, std::uint64_t memory_bytes,
+                                             const Progress& progress) const {
+    if (zones_.colour_from_mm == 0) return volume;
+    /// The voxels of one volume where another has some.
+    class Within final : public optics::BlockRemake {
+    public:
+        explicit Within(const optics::ResinVolume& volume) : volume_(volume) {}
+        [[nodiscard]] bool touches(const std::array<int, 3>&) const override { return true; }
+        void remake(const std::array<int, 3>& block, std::span<optics::Material> voxels) const override {
+            constexpr int edge = optics::ResinVolume::block_edge;
+            const std::array<int, 3> corner{block[0] * edge, block[1] * edge, block[2] * edge};
+            std::array<optics::Material, std::size_t(edge) * edge * edge> printed;
+            volume_.copy_box(corner, {edge, edge, edge}, printed);
+            for (std::size_t i = 0; i < printed.size(); ++i)
+                if (voxels[i] != optics::air) voxels[i] = printed[i];
+        }
+
+    private:
+        const optics::ResinVolume& volume_;
+    };
+    const optics::ResinVolume bare = shape(resins_.core_material(), memory_bytes, progress);
+    const Within within(volume);
+    return optics::remade(bare, resins_.core_material(), &within, &progress);
+}
+
+optics::ResinVolume PrintParts::shape(optics::Material material, std::uint64_t memory_bytes,
+                                      const Progress& progress) const {
     LayerSources all_core = sources(nullptr);
+    all_core.core = static_cast<io::Material>(material);
     all_core.core_only = true;
     return volume_of(all_core, memory_bytes, progress);
 }
@@ -103,6 +132,8 @@ std::optional<SkinVoxels> PrintParts::skin_voxels(const SkinMap& map, std::uint6
     };
     const auto number_of = [&](const ShellBlock& block, int at) {
         const std::size_t unknown = map.at(block.triangle[at], block.u[at], block.v[at], block.distance_mm[at]);
+        if (unknown == SkinMap::clear)  // a coat is not looked at
+            return zones_.is_over(block.distance_mm[at]) ? SkinVoxels::core : SkinVoxels::clear;
         return unknown == SkinMap::core ? SkinVoxels::core : static_cast<std::uint32_t>(unknown);
     };
     return SkinVoxels::of(body_.grid, depth, visit_slab, number_of, memory_bytes);
@@ -111,8 +142,15 @@ std::optional<SkinVoxels> PrintParts::skin_voxels(const SkinMap& map, std::uint6
 optics::ResinVolume PrintParts::volume(const SkinVoxels& skin, const halftone::SkinMixtures& mixtures,
                                        const optics::ResinVolume& body, std::uint64_t memory_bytes,
                                        const Progress& progress) const {
-    optics::ResinVolume print = skin.print(body, resins_.core_material(), halftone::cumulative_mixtures(mixtures),
-                                           static_cast<int>(mixtures.resins()), *screen_, progress);
+    const std::size_t resins = mixtures.resins();
+    std::vector<halftone::CumulativeMixture> mixture = halftone::cumulative_mixtures(mixtures);
+    if (zones_.any()) {
+        halftone::SkinMixtures clear(1, 1, resins);
+        clear.cell(0)[static_cast<std::size_t>(zones_.clear)] = 1;
+        mixture.push_back(halftone::cumulative_mixtures(clear)[0]);
+    }
+    optics::ResinVolume print =
+        skin.print(body, resins_.core_material(), mixture, static_cast<int>(resins), *screen_, progress);
     expect_volume_fits(print.size(), double(print.memory_bytes()), memory_bytes);
     return print;
 }

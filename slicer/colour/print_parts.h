@@ -36,11 +36,19 @@ public:
     [[nodiscard]] const SurfaceColour& surface_colour() const { return surface_colour_; }
     /// `skin`: null: the separation's mixtures. Means nothing where the shell shows none.
     [[nodiscard]] LayerSources sources(const SkinSource* skin) const;
-    /// All layers as a volume. Throws ResourceError where it takes more than `memory_bytes`.
+    /// Bare of its coat, by what light does that goes straight through it: what a person sees below a coat lies where
+    /// the colours are, while flux through its outer face (optics/scene/appearance_model.h) is blurred as wide as the
+    /// coat is thick.
+    [[nodiscard]] optics::ResinVolume without_coat(optics::ResinVolume volume, std::uint64_t memory_bytes,
+                                                   const Progress& progress) const;
+    /// All layers as a volume, bare. Throws ResourceError where it takes more than `memory_bytes`.
     [[nodiscard]] optics::ResinVolume volume(const SkinSource* skin, std::uint64_t memory_bytes,
                                              const Progress& progress) const;
-    /// The same voxels, all of the core resin: a third of the work.
-    [[nodiscard]] optics::ResinVolume shape(std::uint64_t memory_bytes, const Progress& progress) const;
+    /// The same voxels, all of one material but for clear resin under the colours: a third of the work.
+    [[nodiscard]] optics::ResinVolume shape(optics::Material material, std::uint64_t memory_bytes,
+                                            const Progress& progress) const;
+    /// What of the print is clear by the job's options.
+    [[nodiscard]] const DepthZones& zones() const { return zones_; }
     /// What `volume` looks up again for every print by a skin, kept: nothing where it takes more than `memory_bytes`,
     /// or where not every voxel is screened by itself from the loop's mixtures.
     [[nodiscard]] std::optional<SkinVoxels> skin_voxels(const SkinMap& map, std::uint64_t memory_bytes,
@@ -67,6 +75,7 @@ private:
     SurfaceShell shell_;
     SurfaceColour surface_colour_;
     std::optional<ThinFeatures> thin_;
+    DepthZones zones_;
     std::optional<halftone::BlueNoiseScreen> screen_;
 };
 

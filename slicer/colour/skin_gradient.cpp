@@ -18,6 +18,7 @@ std::vector<float> skin_gradient(
     constexpr double scale = 0x1p32;
     std::vector<std::int64_t> sum(cells * map.layers.size() * resins);
     const auto add = [&](const optics::ResinGradient& gradient, const std::array<int, 3>& voxel, std::size_t at) {
+        if (at >= sum.size() / resins) return;  // core, clear
         std::array<float, halftone::max_resins> by_resin{};
         gradient.all_at(voxel, {by_resin.data(), resins});
         for (std::size_t r = 0; r < resins; ++r) {
@@ -32,7 +33,7 @@ std::vector<float> skin_gradient(
         if (!box.holds(voxel)) return;
         const int i = row * ShellBlock::width + lane;
         const std::size_t at = map.at(block.triangle[i], block.u[i], block.v[i], block.distance_mm[i]);
-        if (at != SkinMap::core) add(gradient, voxel, at);
+        add(gradient, voxel, at);
     };
     const bool any = visit_all([&](const optics::ResinGradient& gradient, const optics::VoxelBox& box) {
         if (kept)

@@ -3,6 +3,9 @@
 
 #include <array>
 #include <cmath>
+#include <utility>
+
+#include "slicer/layers/depth_zones.h"
 
 namespace voxtone::slicer {
 
@@ -46,11 +49,22 @@ ResinVolumes colour_volumes(const OpenedJob& job, const JobBody& body, const Lay
     VolumeQuery query;
     query.layers = range;
     query.keep_thin = job.options.keep_thin;
-    query.shell_mm = job.options.colour.depth_mm;
+    query.shell_mm = looked_through_mm(job.options);
     query.resins = job.resins.set.resins.size();
     query.core = static_cast<std::size_t>(job.resins.core);
     query.mixture = made_with.recipes ? rearranged(target, *made_with.recipes, query.core)
                                       : separated(target, made_with.separation);
+    const DepthZones zones =
+        zones_of(shell_geometry(job.options.colour, job.resins, pitch_mm, slab_under_colour(job.options, body)));
+    if (zones.any())
+        query.mixture = [zones, coloured = std::move(query.mixture)](std::uint32_t triangle, const Eigen::Vector2f& uv,
+                                                                     double depth_mm, double weight,
+                                                                     std::span<double> sum) {
+            if (const int resin = zones.resin_at(static_cast<float>(depth_mm)); resin >= 0)
+                sum[static_cast<std::size_t>(resin)] += weight;
+            else
+                coloured(triangle, uv, depth_mm - zones.colour_from_mm, weight, sum);
+        };
     return resin_volumes(body, query, progress);
 }
 

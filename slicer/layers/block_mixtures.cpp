@@ -6,9 +6,9 @@
 namespace voxtone::slicer {
 
 BlockMixtures::BlockMixtures(const VisibleSurface& surface, const SurfaceColour& colour,
-                             const halftone::Separation& separation, const SkinSource* skin)
-    : surface_(surface), colour_(colour), separation_(separation), skin_(skin) {
-    if (!colour.sets_resins()) return;
+                             const halftone::Separation& separation, const SkinSource* skin, const DepthZones& zones)
+    : surface_(surface), colour_(colour), separation_(separation), skin_(skin), zones_(zones) {
+    if (!colour.sets_resins() && !zones.any()) return;
     const auto resins = static_cast<std::size_t>(separation.resins());
     halftone::SkinMixtures each(resins, 1, resins);
     for (std::size_t r = 0; r < resins; ++r) each.cell(r)[r] = 1;
@@ -20,11 +20,10 @@ std::size_t BlockMixtures::gather(const ShellBlock& block) {
     marked_.clear();
     for_each_shell_voxel(block, [&](int row, int lane) {
         const int at = row * ShellBlock::width + lane;
-        if (!pure_.empty())
-            if (const int resin =
-                    colour_.resin_at(surface_.source_triangle[block.triangle[at]], block.u[at], block.v[at]);
-                resin >= 0)
-                marked_.emplace_back(count_, resin);
+        int resin = zones_.resin_at(block.distance_mm[at]);
+        if (resin < 0 && colour_.sets_resins())
+            resin = colour_.resin_at(surface_.source_triangle[block.triangle[at]], block.u[at], block.v[at]);
+        if (resin >= 0) marked_.emplace_back(count_, resin);
         if (skin_) {
             mixture_[count_++] = skin_->mixture(block.triangle[at], block.u[at], block.v[at], block.distance_mm[at]);
             return;
@@ -42,6 +41,17 @@ const halftone::CumulativeMixture* BlockMixtures::separate() {
     if (!skin_) separation_.mixtures(red_.data(), green_.data(), blue_.data(), count_, mixture_.data());
     for (const auto& [voxel, resin] : marked_) mixture_[voxel] = pure_[static_cast<std::size_t>(resin)];
     return mixture_.data();
+}
+
+void BareCore::fill(const ShellBlock& block, io::Material* out, LayerCounts& /*counts*/) {
+    for_each_shell_voxel(block, [&](int row, int lane) {
+        const int at = row * ShellBlock::width + lane;
+        const float depth_mm = block.distance_mm[at];
+        if (zones_.is_over(depth_mm))
+            out[at] = io::background;
+        else
+            out[at] = zones_.is_clear(depth_mm) ? static_cast<io::Material>(1 + zones_.clear) : core_;
+    });
 }
 
 void ScreenedMixtures::fill(const ShellBlock& block, io::Material* out, LayerCounts& counts) {

@@ -23,7 +23,7 @@ class BlockMixtures {
 public:
     /// `skin`: null: separate the target colours.
     BlockMixtures(const VisibleSurface& surface, const SurfaceColour& colour, const halftone::Separation& separation,
-                  const SkinSource* skin);
+                  const SkinSource* skin, const DepthZones& zones);
 
     /// Looks up what the voxels of the block ask for; returns how many there are.
     std::size_t gather(const ShellBlock& block);
@@ -36,7 +36,8 @@ private:
     const SurfaceColour& colour_;
     const halftone::Separation& separation_;
     const SkinSource* skin_;
-    std::vector<halftone::CumulativeMixture> pure_;    ///< of each resin, where marks are printed by one
+    DepthZones zones_;
+    std::vector<halftone::CumulativeMixture> pure_;    ///< of each resin, where marks are printed by one, or zones
     std::vector<std::pair<std::size_t, int>> marked_;  ///< voxels of the block that are, and their resins
     std::size_t count_ = 0;
     std::array<float, max_voxels> red_, green_, blue_;
@@ -47,8 +48,8 @@ private:
 class ScreenedMixtures : public BlockFill {
 public:
     ScreenedMixtures(const VisibleSurface& surface, const SurfaceColour& colour, const halftone::Separation& separation,
-                     const SkinSource* skin, const halftone::BlueNoiseScreen& screen)
-        : mixtures_(surface, colour, separation, skin),
+                     const SkinSource* skin, const DepthZones& zones, const halftone::BlueNoiseScreen& screen)
+        : mixtures_(surface, colour, separation, skin, zones),
           screen_(screen),
           resins_(static_cast<int>(separation.resins())) {}
     void fill(const ShellBlock& block, io::Material* out, LayerCounts& counts) override;
@@ -57,6 +58,18 @@ private:
     BlockMixtures mixtures_;
     const halftone::BlueNoiseScreen& screen_;
     int resins_;
+};
+
+/// A body as it is looked at, of one material: clear resin where it lies under the colours, nothing where it lies over
+/// them.
+class BareCore : public BlockFill {
+public:
+    BareCore(const DepthZones& zones, io::Material core) : zones_(zones), core_(core) {}
+    void fill(const ShellBlock& block, io::Material* out, LayerCounts& counts) override;
+
+private:
+    DepthZones zones_;
+    io::Material core_;
 };
 
 }  // namespace voxtone::slicer

@@ -69,7 +69,9 @@ private:
 };
 
 bool shows_core_only(const LayerSources& s) {
-    if (s.core_only || s.surface.triangles.empty()) return true;
+    if (s.surface.triangles.empty()) return true;
+    if (s.zones.any()) return false;
+    if (s.core_only) return true;
     const auto* by_colour = std::get_if<MixtureSources>(&s.resins);
     if (!by_colour || by_colour->skin || !by_colour->colour.constant()) return false;
     const Eigen::Vector3f rgb = by_colour->colour.at(s.surface.source_triangle[0], 0, 0);
@@ -90,14 +92,16 @@ LayerMaker::LayerMaker(const LayerSources& sources) : sources_(sources), all_cor
 
 bool LayerMaker::by_blocks() const {
     const auto* by_colour = std::get_if<MixtureSources>(&sources_.resins);
-    return !by_colour || by_colour->screen;
+    return !by_colour || by_colour->screen || sources_.core_only;
 }
 
 std::unique_ptr<BlockFill> LayerMaker::block_fill() const {
     if (const auto* other = std::get_if<const ShellFill*>(&sources_.resins)) return (*other)->block_fill();
     const auto& s = std::get<MixtureSources>(sources_.resins);
+    if (sources_.core_only) return std::make_unique<BareCore>(sources_.zones, sources_.core);
     if (!s.screen) return nullptr;
-    return std::make_unique<ScreenedMixtures>(sources_.surface, s.colour, s.separation, s.skin, *s.screen);
+    return std::make_unique<ScreenedMixtures>(sources_.surface, s.colour, s.separation, s.skin, sources_.zones,
+                                              *s.screen);
 }
 
 int LayerMaker::slab_layers() const {

@@ -9,6 +9,7 @@
 #include "halftone/screens/blue_noise_screen.h"
 #include "halftone/separation/separation.h"
 #include "slicer/layers/block_fill.h"
+#include "slicer/layers/depth_zones.h"
 #include "slicer/layers/layer_source.h"
 #include "slicer/layers/skin_source.h"
 #include "slicer/solid/solid.h"
@@ -37,7 +38,8 @@ struct LayerSources {
     const SurfaceShell& shell;
     io::Material core;                                      ///< material of voxels below the shell
     std::variant<MixtureSources, const ShellFill*> resins;  ///< of the shell
-    bool core_only = false;                                 ///< no shell: the body's shape
+    bool core_only = false;  ///< no shell: the body's shape, bare of what is clear over it
+    DepthZones zones = {};   ///< of a shell by colour
 };
 
 /// The body's voxels in the layers [first, last), thin features included; those from `counted_from` on are counted.

@@ -14,6 +14,7 @@
 #include "halftone/loop/skin.h"
 #include "halftone/separation/mixture.h"
 #include "slicer/layers/cell_index.h"
+#include "slicer/layers/depth_zones.h"
 #include "slicer/surface/visible_surface.h"
 
 namespace voxtone::slicer {
@@ -36,24 +37,26 @@ struct SkinMap {
     const SurfacePlaces& places;
     const CellIndex& cells;
     const halftone::SkinLayers& layers;
-    static constexpr std::size_t core = ~std::size_t{0};
-    /// cell * layers + layer; `core` below the skin.
+    DepthZones zones = {};
+    static constexpr std::size_t core = ~std::size_t{0}, clear = core - 1;
+    /// cell * layers + layer; `core` below the skin; `clear` in clear resin over or under it.
     [[nodiscard]] std::size_t at(std::uint32_t triangle, float u, float v, float distance_mm) const {
-        const std::size_t layer = layers.layer_of(distance_mm);
+        if (zones.is_clear(distance_mm)) return clear;
+        const std::size_t layer = layers.layer_of(distance_mm - zones.colour_from_mm);
         return layer == layers.size() ? core : std::size_t{cells.at(places.at(triangle, u, v))} * layers.size() + layer;
     }
 };
 
 class SkinSource {
 public:
-    /// `core`: index of the core resin.
+    /// `core`: index of the core resin, which stands for what is clear, too: of that BlockMixtures takes no mixture.
     SkinSource(const SkinMap& map, const halftone::SkinMixtures& mixtures, int core);
     /// The same with the mixtures as `halftone::cumulative_mixtures` makes them.
     SkinSource(const SkinMap& map, std::vector<halftone::CumulativeMixture> mixtures, std::size_t resins, int core);
     [[nodiscard]] const halftone::CumulativeMixture& mixture(std::uint32_t triangle, float u, float v,
                                                              float distance_mm) const {
         const std::size_t at = map_.at(triangle, u, v, distance_mm);
-        return at == SkinMap::core ? core_ : mixture_[at];
+        return at >= SkinMap::clear ? core_ : mixture_[at];
     }
 
 private:

@@ -199,8 +199,8 @@ public:
         const int i0 = block[0] * volume_edge, j0 = block[1] * volume_edge, k0 = block[2] * volume_edge;
         for (const auto& [place, number] : skin) {
             const std::uint16_t threshold = screen_.threshold(i0 + place % 16, j0 + place / 16 % 16, k0 + place / 256);
-            voxels[place] =
-                static_cast<optics::Material>(1 + halftone::select_resin(mixture_[number], threshold, resins_));
+            const halftone::CumulativeMixture& mixture = number == clear ? mixture_.back() : mixture_[number];
+            voxels[place] = static_cast<optics::Material>(1 + halftone::select_resin(mixture, threshold, resins_));
         }
     }
 

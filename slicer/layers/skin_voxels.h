@@ -33,7 +33,9 @@ class SkinVoxels {
 public:
     /// Not of the skin.
     static constexpr std::uint32_t core = ~std::uint32_t{0};
-    /// The number of a shell voxel's mixture, or `core`.
+    /// Of clear resin over or under the skin: by the last of the mixtures.
+    static constexpr std::uint32_t clear = core - 1;
+    /// The number of a shell voxel's mixture, `clear` or `core`.
     using NumberOf = std::function<std::uint32_t(const ShellBlock& block, int at)>;
     /// Hands over the blocks of one layer of shell blocks; called from several threads.
     using VisitSlab = std::function<void(int slab, const std::function<void(const ShellBlock&)>&)>;

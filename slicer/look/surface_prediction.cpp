@@ -40,13 +40,18 @@ void make_relative(SurfacePrediction& prediction, const optics::Appearance& whit
 }  // namespace
 
 SurfacePrediction predict_surface(const optics::Scene& scene, optics::Surface surface,
-                                  const optics::AppearanceModel& model, int white_resin, Progress& progress) {
+                                  const optics::AppearanceModel& model, int white_resin, Progress& progress,
+                                  const optics::ResinVolume* white_print) {
     SurfacePrediction prediction;
     prediction.surface = std::move(surface);
     optics::TwinAppearances seen;
     if (white_resin >= 0) {
-        const optics::ResinVolume twin = optics::all_of(*scene.volume, static_cast<optics::Material>(white_resin + 1));
-        seen = model.predict_with_twin(scene, prediction.surface, twin, &progress);
+        optics::ResinVolume all_white;
+        if (!white_print) {
+            all_white = optics::all_of(*scene.volume, static_cast<optics::Material>(white_resin + 1));
+            white_print = &all_white;
+        }
+        seen = model.predict_with_twin(scene, prediction.surface, *white_print, &progress);
     } else {
         seen.body = model.predict(scene, prediction.surface, &progress);
     }

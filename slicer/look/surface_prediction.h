@@ -35,9 +35,10 @@ struct SurfacePrediction {
     std::vector<std::string> remarks;   ///< of the model (Appearance::remarks), of the body and of its white twin
 };
 
-/// `white_resin`: index of the white resin for media-relative values; -1: absolute values. Remarks are warned of too.
+/// `white_resin`: index of the white resin for media-relative values; -1: absolute values. `white_print`: what white is
+/// there, in the place of a body all of that resin. Remarks are warned of too.
 [[nodiscard]] SurfacePrediction predict_surface(const optics::Scene& scene, optics::Surface surface,
                                                 const optics::AppearanceModel& model, int white_resin,
-                                                Progress& progress);
+                                                Progress& progress, const optics::ResinVolume* white_print = nullptr);
 
 }  // namespace voxtone::slicer

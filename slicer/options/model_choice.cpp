@@ -6,6 +6,7 @@
 #include "base/machine_memory.h"
 #include "optics/monte_carlo/monte_carlo.h"
 #include "optics/profiles/layered_profile_model.h"
+#include "optics/scene/light_from_behind.h"
 #include "optics/transport/transport.h"
 
 namespace voxtone::slicer {
@@ -44,6 +45,11 @@ void set_depth_of_cells(ModelOptions& options, optics::Backing backing) {
 }
 
 std::unique_ptr<const optics::AppearanceModel> make_model(PredictionModel model, const ModelOptions& options) {
+    if (options.from_behind) {
+        ModelOptions each = options;  // there are two
+        each.from_behind = false, each.memory_bytes /= 2;
+        return std::make_unique<optics::LightFromBehind>(make_model(model, each));
+    }
     switch (model) {
         case PredictionModel::monte_carlo:
             return make_monte_carlo(options);

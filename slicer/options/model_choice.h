@@ -30,6 +30,7 @@ struct ModelOptions {
     double error = 0;                       ///< Monte Carlo: wanted standard error of every value; 0: `paths` decides
     /// Monte Carlo: the body's true surface, which must outlive the model; nullptr: the faces of its voxels.
     const optics::BodyBoundary* boundary = nullptr;
+    bool from_behind = false;     ///< only light counts that came in from below (optics/scene/light_from_behind.h)
     bool follow_outside = false;  ///< Monte Carlo, with a boundary: as MonteCarloOptions
     std::uint64_t seed = 1;
 };

@@ -26,6 +26,12 @@ enum class Mixing {
     ideal,   ///< averaged
 };
 
+/// How a picture's slab is looked at.
+enum class PictureView {
+    front,    ///< by light that falls on it
+    through,  ///< by light from behind
+};
+
 enum class ScreenKind {
     blue_noise,       ///< position-addressed
     error_diffusion,  ///< three-dimensional
@@ -147,6 +153,11 @@ template <>
 struct NamesOf<slicer::PredictedView> {
     using E = slicer::PredictedView;
     static constexpr auto table = std::to_array<Named<E>>({{E::automatic, "auto"}, {E::top, "top"}, {E::body, "body"}});
+};
+template <>
+struct NamesOf<slicer::PictureView> {
+    using E = slicer::PictureView;
+    static constexpr auto table = std::to_array<Named<E>>({{E::front, "front"}, {E::through, "through"}});
 };
 template <>
 struct NamesOf<slicer::RepairMode> {

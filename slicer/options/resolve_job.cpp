@@ -78,6 +78,9 @@ ResolvedJob resolve(const SliceOptions& options) {
     for (const OptionSpec& spec : slice_option_table())
         if (spec.resolve && spec.belongs_to(show)) spec.resolve(options, job);
     if (job.is_picture) job.picture.size_mm = std::exchange(job.placement.size_mm, 0);  // without its thickness
+    // Nothing that scatters need lie behind a picture that light comes through.
+    if (job.picture.is_lit_from_behind() && std::ranges::find(options.named, "core") == options.named.end())
+        job.colour.core = job.raw.core = "T";
     settle_labels(job);
     return job;
 }

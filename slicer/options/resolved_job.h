@@ -28,17 +28,27 @@ struct PictureOptions {
     double thickness_mm = 4;
     bool cut_out = false;                              ///< transparent pixels are no print
     optics::Backing backing = optics::Backing::black;  ///< what lies under it
+    PictureView view = PictureView::front;             ///< through: by a source behind it, and nothing lies under it
+    [[nodiscard]] bool is_lit_from_behind() const { return view == PictureView::through; }
 };
 
 /// Colours, where the surface shows them.
 struct ColourOptions {
     std::string core = "W";  ///< role of the resin below the shell
     double depth_mm = 1;     ///< of the shell; in (0, 10]
+    double coat_mm = 0;      ///< of clear resin over it: a body's within its surface, a picture's on top of its slab
+    double enclose_mm = 0;   ///< of clear resin over and under a picture's slab, instead of a coat
+    [[nodiscard]] double clear_over_mm() const { return coat_mm + enclose_mm; }
     ScreenKind screen = ScreenKind::blue_noise;
     Mixing mixing = Mixing::voxels;
 };
 
 /// The appearance loop of a colour print.
+/// Of a picture as it is printed, with what is clear over and under it.
+[[nodiscard]] inline double printed_mm(const PictureOptions& picture, const ColourOptions& colour) {
+    return picture.thickness_mm + colour.clear_over_mm() + colour.enclose_mm;
+}
+
 struct JobLoopOptions {
     std::optional<int> iterations;  ///< most; 0: no loop; nothing: until it stops gaining, where the surface is small
     bool patient = false;           ///< for long, where there is no number
@@ -137,7 +147,9 @@ struct ResolvedJob {
 
     [[nodiscard]] bool shows_colours() const { return !layered; }
     /// How deep the shell is in which it shows them, or what it shows instead.
-    [[nodiscard]] double shell_mm() const { return layered ? layered->thickness_mm : colour.depth_mm; }
+    [[nodiscard]] double shell_mm() const {
+        return layered ? layered->thickness_mm : colour.depth_mm + colour.clear_over_mm();
+    }
     /// The resin below, and the option that says so.
     [[nodiscard]] const std::string& core() const { return layered ? layered->base : colour.core; }
     [[nodiscard]] const char* core_option() const { return layered ? "base" : "core"; }

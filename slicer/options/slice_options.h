@@ -31,6 +31,7 @@ struct SliceOptions {
     std::string texture;                  ///< file; empty: the mesh's own
     std::string texture_filter = "file";  ///< as the file says, nearest, linear
     std::string backing = "black";
+    std::string view = "front";               ///< of pictures: by light from the front, or by light that comes through
     std::vector<std::string> labels, decals;  ///< each as it is spelled (mark_words.h)
 
     std::string show = "colour";  ///< colour, or how light spreads: layers of the map's profiles (see job_layers.h)
@@ -54,6 +55,8 @@ struct SliceOptions {
     bool fail_fast = false;
 
     double depth_mm = 1;
+    double coat_mm = 0;     ///< of clear resin over the colours
+    double enclose_mm = 0;  ///< of clear resin over and under a picture
     std::string repair = "auto";
     double sheet_thickness_mm = 0;  ///< of open sheets; 0: a voxel
     std::string cavities = "auto";

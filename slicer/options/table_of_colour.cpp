@@ -83,6 +83,27 @@ std::vector<OptionSpec> resins_entries() {
                    [](const O& o) {
                        return unless(o.depth_mm > 0 && o.depth_mm <= 10, "must be above 0 and at most 10 mm");
                    }}),
+        plain(Length{&O::coat_mm}, at(&Job::colour, &ColourOptions::coat_mm),
+              {.key = "coat",
+               .group = group,
+               .help = "clear resin (role T) over the colours: of a model within its surface, which stays as large as "
+                       "it is, of a picture on top of its slab; 0: none",
+               .only_for = Show::colour,
+               .rule = [](const O& o) { return unless(o.coat_mm >= 0 && o.coat_mm <= 10, "must be 0 to 10 mm"); }}),
+        plain(Length{&O::enclose_mm}, at(&Job::colour, &ColourOptions::enclose_mm),
+              {.key = "enclose",
+               .group = group,
+               .help = "pictures: clear resin (role T) over and under the slab, so much on either side; 0: none",
+               .only_for = Show::colour,
+               .idle = {[](const O&, bool is_picture) {
+                   return unless(is_picture, "it is for pictures; --coat lays clear resin over the colours of a model");
+               }},
+               .rule =
+                   [](const O& o) {
+                       if (o.coat_mm > 0 && o.enclose_mm > 0)
+                           return std::string_view("has a coat of its own: leave --coat or --enclose out");
+                       return unless(o.enclose_mm >= 0 && o.enclose_mm <= 10, "must be 0 to 10 mm");
+                   }}),
         choice(&O::screen, at(&Job::colour, &ColourOptions::screen),
                {.key = "screen",
                 .metavar = "NAME",
@@ -100,14 +121,29 @@ std::vector<OptionSpec> resins_entries() {
                 .help = "what the separation takes a mixture to be: voxels of the printer's size, between which light "
                         "finds its way, or ideal (averaged)",
                 .only_for = Show::colour}),
+        choice(
+            &O::view, at(&Job::picture, &PictureOptions::view),
+            {.key = "view",
+             .metavar = "FROM",
+             .group = group,
+             .help = "pictures: seen by light that falls on them (front), or by that of a wide diffuse source behind "
+                     "them (through: a lithophane), where white is what clear resin lets through; wants clear resin",
+             .only_for = Show::colour,
+             .idle = {[](const O&, bool is_picture) {
+                 return unless(is_picture, "light goes through the slabs of pictures; a mesh is seen from all sides");
+             }}}),
         choice(&O::backing, at(&Job::picture, &PictureOptions::backing),
                {.key = "backing",
                 .metavar = "SHEET",
                 .group = group,
                 .help = "pictures: what lies under the slab: black, white or none",
                 .idle = {[](const O&, bool is_picture) {
-                    return unless(is_picture, "a sheet lies under pictures only; a mesh floats in light");
-                }}}),
+                             return unless(is_picture, "a sheet lies under pictures only; a mesh floats in light");
+                         },
+                         [](const O& o, bool) {
+                             return unless(o.view == name_of(PictureView::front),
+                                           "with --view through a source lies behind the picture, and no sheet");
+                         }}}),
     };
 }
 

@@ -160,6 +160,7 @@ void write_body(const ResolvedPrediction& job, const StackVolume& stack, const S
 
 struct PredictFigures {
     optics::Backing backing{};
+    bool from_behind = false;  ///< lit from there alone
     BodyEnd boundary = BodyEnd::voxels;
     bool from_above = false;
     std::array<double, 3> cell_um{};
@@ -213,7 +214,9 @@ PredictResult describe(const ResolvedPrediction& job, const StackVolume& stack, 
         "{}: {} cells of {:.1f} x {:.1f} x {:.1f} um, {}, {} values, {} under it\n", fmt::join(options.files, ", "),
         prediction.surface.cells.size(), f.cell_um[0], f.cell_um[1], f.cell_um[2],
         f.from_above ? "seen from above" : "the whole surface", options.absolute ? "absolute" : "media-relative",
-        f.backing == optics::Backing::none ? "nothing" : fmt::format("a {} sheet", name_of(f.backing)));
+        f.from_behind                        ? "a source of light"
+        : f.backing == optics::Backing::none ? "nothing"
+                                             : fmt::format("a {} sheet", name_of(f.backing)));
     text += fmt::format("  mean colour (linear sRGB): {:.4f} {:.4f} {:.4f}\n", f.mean[0], f.mean[1], f.mean[2]);
     if (errors)
         text +=
@@ -327,6 +330,7 @@ ReadStack read_stack(const ResolvedPrediction& job, Progress& progress) {
                                       .assign = job.assign,
                                       .nearest = options.nearest,
                                       .memory_bytes = job.memory_bytes / (options.absolute ? 1 : 2),
+                                      .below_coat = true,
                                       .before_reading = check_head},
                                      progress);
     // As it is, whatever a manifest says.
@@ -339,6 +343,8 @@ void look_from(const ResolvedPrediction& job, const ReadStack& stack, PredictFig
     figures.from_above = seen_from_above(job, stack.head);
     const optics::Backing usual = figures.from_above ? optics::Backing::black : optics::Backing::none;
     figures.backing = job.backing.value_or(stack.volume.backing.value_or(usual));
+    figures.from_behind = stack.volume.from_behind && figures.from_above && !job.backing;
+    if (figures.from_behind) figures.backing = optics::Backing::none;
 }
 
 /// Where light paths leave the body: nothing for its voxels' faces. Throws InputError where the mesh was asked for and
@@ -501,13 +507,18 @@ PredictedStack predict_checked(const ResolvedPrediction& job, PredictFigures& fi
     expect_rest(job, 0, area_mm2, stack.volume.pitch_mm(), stack.resins.channels.size(), progress);
     progress.begin_stage("predict", 0);
     ModelOptions quality = model_options(job, quick, job.memory_bytes - held);
-    set_depth_of_cells(quality, scene.backing);
+    quality.from_behind = figures.from_behind;
+    if (!figures.from_behind) set_depth_of_cells(quality, scene.backing);
     quality.boundary = boundary ? &*boundary : nullptr;
     quality.follow_outside = job.outside == LightOutside::followed;
     auto model = make_model(job.model, quality);
     if (parts) model = with_light_between_parts(std::move(model), *parts);
-    SurfacePrediction prediction =
-        predict_surface(scene, std::move(cells.surface), *model, options.absolute ? -1 : stack.white, progress);
+    const std::optional<optics::ResinVolume> white = white_print(stack);
+    SurfacePrediction prediction = predict_surface(scene, std::move(cells.surface), *model,
+                                                   options.absolute      ? -1
+                                                   : figures.from_behind ? stack.clear
+                                                                         : stack.white,
+                                                   progress, white && !figures.from_behind ? &*white : nullptr);
     if (quick) prediction = averaged(prediction, std::move(*cells.averaged_over), seen_part(figures));
     progress.end_stage();
     figures.predict_s = watch.lap();

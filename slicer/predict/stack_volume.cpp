@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 
 #include <fmt/core.h>
@@ -218,6 +219,57 @@ LayerWindow window_in(const LayerWindow& whole, const std::optional<LayerWindow>
     return *part;
 }
 
+/// How many layers of a length there may be.
+int most_layers(const std::string& length, double pitch_mm) {
+    return length.empty() ? 0 : static_cast<int>(std::ceil(parse_length_mm(length, "coat") / pitch_mm));
+}
+
+/// Some layers of a volume made of one material, or of nothing; the others as they are in `volume`, where it is there.
+class LayersOf final : public optics::BlockRemake {
+public:
+    LayersOf(const std::array<int, 2>& range, optics::Material material, const optics::ResinVolume* volume)
+        : range_(range), material_(material), volume_(volume) {}
+    [[nodiscard]] bool touches(const std::array<int, 3>& block) const override {
+        return volume_ || (block[2] * edge < range_[1] && (block[2] + 1) * edge > range_[0]);
+    }
+    void remake(const std::array<int, 3>& block, std::span<optics::Material> voxels) const override {
+        if (volume_) volume_->copy_box({block[0] * edge, block[1] * edge, block[2] * edge}, {edge, edge, edge}, voxels);
+        for (int z = 0; z < edge; ++z) {
+            const int k = block[2] * edge + z;
+            if (k < range_[0] || k >= range_[1]) continue;
+            for (optics::Material& voxel : voxels.subspan(std::size_t(z) * edge * edge, std::size_t(edge) * edge))
+                if (voxel != optics::air) voxel = material_;
+        }
+    }
+
+private:
+    static constexpr int edge = optics::ResinVolume::block_edge;
+    std::array<int, 2> range_;
+    optics::Material material_;
+    const optics::ResinVolume* volume_;
+};
+
+/// A picture's stack as it is looked at: bare of the layers of clear resin on top of it. They, and those under it, are
+/// as many as the job's lengths say and nothing else is in.
+void look_below_coat(const io::StackOrigin& origin, StackVolume& stack) {
+    if (stack.clear < 0) return;
+    const auto size = stack.volume.size();
+    const std::size_t plane = std::size_t(size[0]) * std::size_t(size[1]);
+    std::vector<optics::Material> layer(plane);
+    const auto is_clear = [&](int k) {
+        stack.volume.copy_box({0, 0, k}, {size[0], size[1], 1}, layer);
+        return std::ranges::all_of(layer, [&](optics::Material m) { return m == optics::air || m == stack.clear + 1; });
+    };
+    const double pitch_mm = stack.volume.pitch_mm()[2];
+    const int under = most_layers(origin.enclose, pitch_mm), over = under + most_layers(origin.coat, pitch_mm);
+    while (stack.clear_layers < std::min(under, size[2]) && is_clear(stack.clear_layers)) ++stack.clear_layers;
+    int top = size[2];
+    while (top > std::max(stack.clear_layers, size[2] - over) && is_clear(top - 1)) --top;
+    if (top == size[2] || top == stack.clear_layers) return;
+    const LayersOf bare({top, size[2]}, optics::air, &stack.volume);
+    stack.volume = optics::remade(stack.volume, static_cast<optics::Material>(stack.clear + 1), &bare, nullptr);
+}
+
 StackVolume read_own(const io::StackReader& stack, const StackVolumeOptions& options,
                      const std::optional<LayerWindow>& part, Progress& progress) {
     if (!options.assign.empty() || options.nearest || options.pitch_mm || !options.printer.empty())
@@ -236,6 +288,7 @@ StackVolume read_own(const io::StackReader& stack, const StackVolumeOptions& opt
     result.of_picture = !origin.model.empty() && !io::is_model_name(origin.model) && !is_tray(sliced);
     if (result.of_picture && !origin.backing.empty())
         result.backing = parse_choice<optics::Backing>("backing", origin.backing);
+    if (result.of_picture) result.from_behind = origin.view == name_of(PictureView::through);
     std::vector<NamedColour> colours{{description.background_rgb, no_material, "the background"}};
     for (const io::StackResin& resin : description.resins)
         // A resin that is loaded and not used needs no data.
@@ -274,6 +327,8 @@ StackVolume read_own(const io::StackReader& stack, const StackVolumeOptions& opt
     result.volume = volume.finish();
     result.resins = std::move(assignment.resins);
     result.white = assignment.white;
+    result.clear = result.resins.find("T");
+    if (result.of_picture && options.below_coat) look_below_coat(origin, result);
     result.corner_mm = description.origin_mm;
     result.corner_mm[2] += description.first_layer * pitch_mm[2];
     for (std::size_t a = 0; a < 3; ++a) result.corner_mm[a] += window.corner[a] * pitch_mm[a];
@@ -545,6 +600,12 @@ StackVolume read_stack_volume(const StackVolumeOptions& options, Progress& progr
     const io::StackReader stack(part ? part->stack : options.stack);
     if (stack.kind() != io::StackReader::Kind::voxtone) return read_foreign(stack, options, progress);
     return read_own(stack, options, part ? std::optional(part->window) : std::nullopt, progress);
+}
+
+std::optional<optics::ResinVolume> white_print(const StackVolume& stack) {
+    if (stack.clear_layers == 0) return std::nullopt;
+    const LayersOf clear({0, stack.clear_layers}, static_cast<optics::Material>(stack.clear + 1), nullptr);
+    return optics::remade(stack.volume, static_cast<optics::Material>(stack.white + 1), &clear, nullptr);
 }
 
 }  // namespace voxtone::slicer

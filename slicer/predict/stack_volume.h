@@ -56,6 +56,7 @@ struct StackVolumeOptions {
     std::vector<ColourAssignment> assign{};           ///< foreign stacks
     bool nearest = false;  ///< foreign stacks: a colour that stands for nothing is the nearest one that does
     std::uint64_t memory_bytes = ~std::uint64_t{0};  ///< the volume may take so much
+    bool below_coat = false;                         ///< a picture's stack without the clear resin on top of it
     /// Hears what will be read before much is; throws to refuse it.
     std::function<void(const StackHead&)> before_reading{};
 };
@@ -68,7 +69,14 @@ struct StackVolume {
         corner_mm{};          ///< of the volume: in the model's frame (own) or from the bitmaps' lower left (foreign)
     bool of_picture = false;  ///< made by `slice` from a picture
     std::optional<optics::Backing> backing;  ///< what the job said of what lies under a picture
+    bool from_behind = false;                ///< the job made a picture to be seen by light from behind
+    int clear_layers = 0;  ///< at a picture's bottom, that the job made all of clear resin; those on top are left out
+    int clear = -1;        ///< index of the resin with the role T, or -1
 };
+
+/// What white is in the place of the stack, where that is not all of one resin: white over a picture's layers of
+/// clear resin.
+[[nodiscard]] std::optional<optics::ResinVolume> white_print(const StackVolume& stack);
 
 /// Throws FileError, InputError (a resin without optical data, a colour without a resin, layers of other sizes or
 /// missing, a pitch that nobody told), ResourceError (more memory than allowed), Cancelled.

@@ -31,7 +31,9 @@ void append(std::vector<std::string>& to, const std::vector<std::string>& from) 
 
 io::ModelFile read_input(const ResolvedJob& job, io::ModelSources& sources, const Progress& progress) {
     if (job.is_picture) {
-        PictureSlab slab = make_picture_slab(read_input_picture(job, progress), job.picture);
+        PictureOptions printed = job.picture;
+        if (job.shows_colours()) printed.thickness_mm = printed_mm(job.picture, job.colour);
+        PictureSlab slab = make_picture_slab(read_input_picture(job, progress), printed);
         append(sources.notes, slab.notes);
         return std::move(slab.model);
     }
@@ -108,6 +110,16 @@ std::string wall_text(const ThinWall& wall, const JobBody& body, const Eigen::Al
         !body.is_picture && mesh.materials.size() > 1 && !name.empty() ? ", material " + printable(name) : "");
 }
 
+/// Throws InputError for a coat from either side that leaves no room for colour.
+void check_coat(const ResolvedJob& job, const Placement& placement) {
+    const double thin_mm = placement.extent_mm.minCoeff();
+    if (job.is_picture || !job.shows_colours() || job.colour.coat_mm < thin_mm / 2) return;
+    throw InputError(fmt::format(
+        "--coat {:g}mm: the model is {:.3g} mm thick at the most along one axis, so that coats from either side leave "
+        "nothing for colour; give less than {:.3g} mm, or a larger --size",
+        job.colour.coat_mm, thin_mm, thin_mm / 2));
+}
+
 /// What may break when the support is washed off, by name and place.
 void look_for_thin_walls(const PrinterProfile& printer, const SolidIndex& solid, JobBody& body,
                          const Progress& progress) {
@@ -151,7 +163,7 @@ void mark_body(const ResolvedJob& job, const PrinterProfile& printer, const Soli
         body.grid = grid_around(box.min(), box.max(), pitch_mm);
         check_tray(body.grid, printer.sliced_tray_mm(), body.placement);
     }
-    body.relief = relief_of(laid.embossed, body.grid, job.colour.depth_mm);
+    body.relief = relief_of(laid.embossed, body.grid, job.colour.depth_mm + job.colour.clear_over_mm());
 }
 
 /// A drawing that lies on its back has nothing finer than the pitch of layers' pixels.
@@ -225,6 +237,7 @@ JobBody read_body(const ResolvedJob& job, Progress& progress) {
 JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Progress& progress) {
     JobBody body = read_body(job, progress);
     check_extent(body.placement, printer.sliced_pitch_mm(), printer.sliced_tray_mm());
+    check_coat(job, body.placement);
 
     progress.begin_stage("repair mesh", repair_steps(body.model.mesh));
     RepairOptions repairing;

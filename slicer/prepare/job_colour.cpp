@@ -27,6 +27,19 @@ std::vector<std::string> roles_to_load(const ResolvedJob& job, const PrinterProf
     return roles;
 }
 
+/// Throws InputError where clear resin is wanted and not loaded.
+void check_clear(const ResolvedJob& job, const optics::ResinSet& all, const std::vector<std::string>& roles) {
+    const ColourOptions& colour = job.colour;
+    const bool through = job.picture.is_lit_from_behind();
+    if (!job.shows_colours() || (colour.clear_over_mm() == 0 && !through)) return;
+    if (std::ranges::find(roles, "T") != roles.end()) return;
+    const std::string said = through              ? "--view through"
+                             : colour.coat_mm > 0 ? fmt::format("--coat {:g}mm", colour.coat_mm)
+                                                  : fmt::format("--enclose {:g}mm", colour.enclose_mm);
+    throw InputError(fmt::format("{} takes clear resin (role T), and none is loaded; give {}--load {},T", said,
+                                 all.find("T") >= 0 ? "" : "--resins vero-opaque-clear ", fmt::join(roles, ",")));
+}
+
 }  // namespace
 
 int most_resins(const PrinterProfile& printer) { return std::min(printer.max_resins, halftone::max_resins); }
@@ -38,6 +51,7 @@ LoadedResins load_roles(const ResolvedJob& job, const PrinterProfile& printer, c
         throw InputError(fmt::format("--load {}: {} resins, but {} carries {} at once; leave some out",
                                      fmt::join(roles, ","), roles.size(), printer.id, most_resins(printer)));
     loaded.set = all.subset(roles);
+    check_clear(job, all, roles);
     for (std::size_t r = 0; r < roles.size(); ++r) roles[r] = loaded.set.resins[r].role;
     loaded.core = loaded.set.find(job.core());
     if (loaded.core < 0)
@@ -62,7 +76,16 @@ LoadedResins load_resins(const ResolvedJob& job, const PrinterProfile& printer) 
 
 std::optional<SlabUnderColour> slab_under_colour(const ResolvedJob& job, const JobBody& body) {
     if (!body.is_picture) return std::nullopt;
-    return SlabUnderColour{body.placement.extent_mm.z(), job.picture.backing};
+    const double clear_mm = job.colour.clear_over_mm() + job.colour.enclose_mm;
+    return SlabUnderColour{body.placement.extent_mm.z() - clear_mm, job.picture.backing,
+                           job.picture.is_lit_from_behind()};
+}
+
+double looked_through_mm(const ResolvedJob& job) {
+    const ColourOptions& colour = job.colour;
+    // Clear resin lies all below an enclosed picture.
+    if (job.is_picture && colour.enclose_mm > 0) return printed_mm(job.picture, colour) + 1;
+    return colour.depth_mm + colour.clear_over_mm();
 }
 
 optics::ShellGeometry shell_geometry(const ColourOptions& options, const LoadedResins& resins,
@@ -73,13 +96,18 @@ optics::ShellGeometry shell_geometry(const ColourOptions& options, const LoadedR
     geometry.core_resin = resins.core;
     geometry.white_resin = resins.set.find("W");  // -1, the core, where no white is loaded
     geometry.seen = optics::SeenFrom::all_sides;
+    geometry.over_mm = options.clear_over_mm();
+    if (geometry.over_mm > 0) geometry.clear_resin = resins.set.find("T");
     if (!slab) return geometry;
+    geometry.under_mm = options.enclose_mm;
     geometry.seen = optics::SeenFrom::above;
     geometry.shell_mm = std::min(options.depth_mm, slab->thickness_mm);
     // A slab that is colour all through has no core; the model wants one: a nanometre of it is nothing to light.
     constexpr double no_core_mm = 1e-6;
     geometry.core_mm = std::max(slab->thickness_mm - geometry.shell_mm, no_core_mm);
     geometry.backing = slab->backing;
+    geometry.from_behind = slab->from_behind;
+    if (geometry.from_behind) geometry.white_resin = resins.set.find("T");
     return geometry;
 }
 

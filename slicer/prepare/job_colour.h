@@ -62,14 +62,18 @@ private:
 
 /// A slab of a picture, over a sheet.
 struct SlabUnderColour {
-    double thickness_mm = 0;
+    double thickness_mm = 0;  ///< without clear resin over and under it
     optics::Backing backing = optics::Backing::black;
+    bool from_behind = false;
 };
 
 /// Nothing for a body.
 [[nodiscard]] std::optional<SlabUnderColour> slab_under_colour(const ResolvedJob& job, const JobBody& body);
 
 /// The shell that colours are separated for.
+/// How far below the surface what a voxel is made of is a matter of its depth.
+[[nodiscard]] double looked_through_mm(const ResolvedJob& job);
+
 [[nodiscard]] optics::ShellGeometry shell_geometry(const ColourOptions& options, const LoadedResins& resins,
                                                    const Eigen::Vector3d& pitch_mm,
                                                    const std::optional<SlabUnderColour>& slab);

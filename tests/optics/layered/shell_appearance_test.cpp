@@ -55,6 +55,46 @@ TEST_CASE("The shell's table agrees with the exact solution", "[slow]") {
     }
 }
 
+TEST_CASE("Clear resin over and under a shell, and light from behind, are as the exact solution has them", "[slow]") {
+    ResinSet set = with_clear(vero_opaque());
+    ShellGeometry geometry{0.3, set.find("W"), 0.4, Backing::black};
+    geometry.clear_resin = set.find("T");
+    geometry.over_mm = 1, geometry.under_mm = 0.5;
+    CHECK(worst_table_error(set, geometry, 20) < 1e-4);
+    const std::vector<double> half{0.2, 0, 0.3, 0, 0.5, 0};
+    ShellGeometry bare = geometry;
+    bare.over_mm = bare.under_mm = 0;
+    // What neither absorbs nor scatters is nothing to flat colours.
+    const std::vector<double> with = ShellAppearance(set, geometry).appearance(half),
+                              without = ShellAppearance(set, bare).appearance(half);
+    for (std::size_t c = 0; c < 3; ++c) CHECK(with[c] == Approx(without[c]).margin(1e-12));
+    geometry.from_behind = true;
+    CHECK(worst_table_error(set, geometry, 20) < 1e-4);
+    // A clear resin that absorbs takes its part, in white as in colours.
+    set.resins.back() = {"Yellowish", "T", {0.02, 0.02, 0.1}, {0, 0, 0}};
+    CHECK(worst_table_error(set, geometry, 20) < 1e-4);
+    geometry.from_behind = false;
+    const ShellAppearance yellowish(set, geometry);
+    CHECK(worst_table_error(set, geometry, 20) < 1e-4);
+    CHECK(yellowish.appearance(half)[2] < 0.9 * without[2]);
+    for (const double value : yellowish.media_relative(std::vector<double>{0, 0, 0, 0, 1, 0}))
+        CHECK(value == Approx(1).margin(2e-5));
+}
+
+TEST_CASE("What a slab that absorbs nothing does not send back comes through from behind") {
+    ResinSet set = with_clear(vero_opaque().subset(std::vector<std::string>{"W"}));
+    set.resins[0].albedo = {1, 1, 1};
+    ShellGeometry geometry{0.5, 0, 0.7, Backing::black};
+    const std::vector<double> white{1, 0};
+    const std::vector<double> back = ShellAppearance(set, geometry).appearance(white);
+    geometry.from_behind = true;
+    const std::vector<double> through = ShellAppearance(set, geometry).appearance(white);
+    for (std::size_t c = 0; c < 3; ++c) {
+        CHECK((through[c] > 0.02 && through[c] < 0.5));
+        CHECK(through[c] + back[c] == Approx(1).margin(1e-6));
+    }
+}
+
 TEST_CASE("A shell of core resin is media-relative white, and nothing that is darker inside is brighter") {
     const ResinSet set = vero_opaque();
     const ShellAppearance shell(set, {1.0, set.find("W")});

@@ -109,3 +109,65 @@ TEST_CASE("Layers of the skin lie in the print as deep as they say, to the voxel
     }
     CHECK(wrong == 0);
 }
+
+TEST_CASE("Clear resin lies over and under the colours as deep as it is asked for, whoever makes the mixtures") {
+    VoxelGrid grid;
+    grid.pitch_mm = {pitch_mm[0], pitch_mm[1], pitch_mm[2]};
+    grid.size = {12, 8, 30};
+    const Vector3d size_mm = grid.pitch_mm.cwiseProduct(Vector3d(12, 8, 30));
+    const VisibleSurface top = top_of(size_mm);
+    const SurfaceIndex index(top);
+    const SurfaceShell shell(index, grid, 2);
+    const Solid solid(shapes::box(Vector3d::Zero(), size_mm), grid);
+    io::TexturedMesh textured;
+    textured.positions = top.positions_mm;
+    textured.triangles = top.triangles;
+    textured.material_of_triangle = {0, 0};
+    textured.materials.emplace_back();
+    textured.materials[0].rgb.setZero();
+    const SurfaceColour colour(textured, pitch_mm[0]);
+
+    optics::ResinSet set = optics::vero_opaque().subset(std::vector<std::string>{"K", "W"});
+    set.resins.push_back({"VeroClear", "T", {0, 0, 0}, {1, 1, 1}});
+    optics::ShellGeometry geometry{0.25, 1, 0.2};
+    geometry.clear_resin = 2, geometry.over_mm = 0.15, geometry.under_mm = 0.21;
+    const optics::ShellAppearance appearance(set, geometry);
+    halftone::SeparationOptions options;
+    options.nodes = 2;
+    const halftone::Separation separation(appearance, options);
+    const halftone::BlueNoiseScreen screen(pitch_mm);
+    const DepthZones zones = zones_of(geometry);
+
+    const SurfacePlaces places(top, Vector3d::Zero());
+    const CellIndex cells(cells_at({{2, 3, 9}}), pitch_mm);
+    const halftone::SkinLayers layers{{0.1, 0.25}};
+    halftone::SkinMixtures mixtures(1, 2, 3);
+    mixtures.cell(0)[0] = mixtures.cell(0)[4] = 1;  // K over W
+    const SkinSource skin({places, cells, layers, zones}, mixtures, 1);
+    for (const bool by_loop : {false, true}) {
+        CAPTURE(by_loop);
+        LayerSources sources{solid, nullptr, top, shell, 2, MixtureSources{colour, separation, &screen, 1, nullptr}};
+        if (by_loop) std::get<MixtureSources>(sources.resins).skin = &skin;
+        sources.zones = zones;
+        const MadeVoxels made = made_voxels(sources);
+        sources.core_only = true;
+        const MadeVoxels shape = made_voxels(sources);
+        std::size_t wrong = 0;
+        for (int k = 0; k < 30; ++k) {
+            const double depth_mm = (30 - k - 0.5) * pitch_mm[2];
+            const bool is_clear = depth_mm < 0.15 || depth_mm >= 0.6;
+            const bool is_black = depth_mm < (by_loop ? 0.25 : 0.4);
+            for (int j = 0; j < 8; ++j)
+                for (int i = 0; i < 12; ++i) {
+                    const io::Material voxel = made.at(i, j, k);
+                    // The separation's black is nearly all of K.
+                    wrong += is_black && !by_loop && !is_clear ? voxel == 3
+                                                               : voxel != (is_clear   ? 3
+                                                                           : is_black ? 1
+                                                                                      : 2);
+                    wrong += shape.at(i, j, k) != (depth_mm < 0.15 ? 0 : is_clear ? 3 : 2);
+                }
+        }
+        CHECK(wrong == 0);
+    }
+}

@@ -1,0 +1,17 @@
+#!/bin/sh
+# Clear resin: a coat over a cow, a picture in the middle of a clear slab, and a lithophane, a picture that is seen by
+# light from behind it. All three as they will look; the lithophane by day, on black, too.
+set -eu
+voxtone=${VOXTONE:-build/release/bin/voxtone}
+out=${OUT:-out}/16-clear
+here=$(dirname "$0")
+picture=$here/models/spot/spot_texture.png
+mkdir -p "$out"
+slice() { "$voxtone" slice "$@" --resins vero-opaque-clear --load C,M,Y,K,W,T --no-report --quality draft --overwrite; }
+slice "$here/models/spot/spot.obj" --size 6mm --rotate x90,z180 --coat 0.3mm -o "$out/coated"
+"$voxtone" proof "$out/coated" --spp 4 --size 160x120 --overwrite -o "$out/coated.png"
+slice "$picture" --width 4mm --thickness 1mm --enclose 0.5mm -o "$out/enclosed"
+"$voxtone" predict "$out/enclosed" --cell 0.17mm --overwrite -o "$out/enclosed.png"
+slice "$picture" --width 4mm --thickness 3mm --view through -o "$out/lithophane"
+"$voxtone" predict "$out/lithophane" --cell 0.17mm --overwrite -o "$out/by-night.png"
+"$voxtone" predict "$out/lithophane" --cell 0.17mm --backing black --overwrite -o "$out/by-day.png"
