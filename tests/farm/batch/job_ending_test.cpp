@@ -13,7 +13,6 @@
 
 using namespace voxtone;
 using namespace voxtone::farm;
-using namespace voxtone::slicer;
 using Catch::Contains;
 using Kind = JobEnding::Kind;
 

@@ -12,7 +12,6 @@
 
 using namespace voxtone;
 using namespace voxtone::farm;
-using namespace voxtone::slicer;
 
 namespace {
 

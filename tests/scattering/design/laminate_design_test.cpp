@@ -15,7 +15,6 @@
 
 using namespace voxtone;
 using namespace voxtone::scattering;
-using namespace voxtone::halftone;
 
 namespace {
 

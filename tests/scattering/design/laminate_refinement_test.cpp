@@ -9,7 +9,6 @@
 
 using namespace voxtone;
 using namespace voxtone::scattering;
-using namespace voxtone::halftone;
 
 namespace {
 

@@ -7,7 +7,6 @@
 
 using namespace voxtone;
 using namespace voxtone::scattering;
-using namespace voxtone::halftone;
 
 TEST_CASE("A laminate is shortened to what light reaches, and no further than allowed") {
     const std::vector<LaminateMaterial> materials = resin_layers(2, 1, 24);  // white and black

@@ -4,7 +4,6 @@
 #include <catch2/catch.hpp>
 
 using namespace voxtone::scattering;
-using namespace voxtone::halftone;
 
 TEST_CASE("Widening targets keep the lesser total of each channel and go in even steps from one shape to the other") {
     const ChannelProfiles narrow{{0.8, 0.4}, {0.2, 0.1}}, wide{{0.4, 0.1}, {0.5, 0.05}};

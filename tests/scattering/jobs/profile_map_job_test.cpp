@@ -14,7 +14,6 @@
 
 using namespace voxtone;
 using namespace voxtone::scattering;
-using namespace voxtone::slicer;
 using Catch::Matchers::Contains;
 
 namespace {
