@@ -209,7 +209,7 @@ TEST_CASE("What a drawing shows of other files is lost, and said") {
     const TemporaryFolder folder;
     const fs::path secret = folder.path() / "secret.svg";
     std::ofstream(secret) << svg(square_10mm, "<rect id='r' width='10' height='10' fill='#c82828'/>");
-    for (const std::string element : {fmt::format("<image width='10' height='10' xlink:href='{}'/>", secret.string()),
+    for (const std::string& element : {fmt::format("<image width='10' height='10' xlink:href='{}'/>", secret.string()),
                                       fmt::format("<image width='10' height='10' href='file://{}'/>", secret.string()),
                                       fmt::format("<use xlink:href='{}#r'/>", secret.string())}) {
         INFO(element);
