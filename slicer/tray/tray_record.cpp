@@ -33,25 +33,37 @@ double mm3_of(const PreparedTray& prepared, int tray, std::uint64_t voxels) {
     return double(voxels) * prepared.places.trays[std::size_t(tray)].voxel_volume_mm3();
 }
 
-/// As its own report says; empty: it has none.
-std::string verdict_of(const ReadyPart& part) {
-    if (part.report.empty()) return {};
+std::optional<io::JsonObject> own_verdict(const ReadyPart& part) {
+    if (part.report.empty()) return std::nullopt;
     const io::JsonObject report = io::JsonObject::parse(part.report, "report");
-    if (!report.has(verdict_key) || !report.is_object(verdict_key)) return {};
-    return report.object(verdict_key).text("level");
+    if (!report.has(verdict_key) || !report.is_object(verdict_key)) return std::nullopt;
+    return report.object(verdict_key);
+}
+
+/// As its own report says; empty: it has none, or as of a draft none on its looks.
+std::string verdict_of(const ReadyPart& part) {
+    const std::optional<io::JsonObject> verdict = own_verdict(part);
+    std::string level = verdict ? verdict->text("level") : std::string();
+    return level == name_of(io::VerdictLevel::unknown) ? std::string() : level;
+}
+
+/// What its page says first; of a draft what of its colours the resins reach.
+std::string sentence_of(const ReadyPart& part) {
+    const std::optional<io::JsonObject> verdict = own_verdict(part);
+    return verdict ? verdict->text("sentence") : std::string();
 }
 
 /// What its own report says first, with its figure.
 std::string verdict_line(const ReadyPart& part) {
     if (part.component) return "not predicted: a " + std::string(name_of(part.part.component->kind));
     if (part.alone.empty()) return "one body with what lies beside it";
-    if (part.report.empty()) return "not predicted";
-    const io::JsonObject report = io::JsonObject::parse(part.report, "report");
-    if (!report.has(verdict_key) || !report.is_object(verdict_key)) return "not predicted";
-    const io::JsonObject verdict = report.object(verdict_key);
-    std::string text = verdict.text("level");
-    if (verdict.has("seen_de2000"))
-        text += fmt::format(", {:.1f} CIEDE2000", verdict.object("seen_de2000").number("mean", 0, 1000));
+    const std::optional<io::JsonObject> verdict = own_verdict(part);
+    if (!verdict) return "not predicted";
+    std::string text = verdict_of(part);
+    if (text.empty())
+        return verdict->has("headline") ? "not predicted; " + verdict->text("headline") : std::string("not predicted");
+    if (verdict->has("seen_de2000"))
+        text += fmt::format(", {:.1f} CIEDE2000", verdict->object("seen_de2000").number("mean", 0, 1000));
     return text;
 }
 
@@ -149,6 +161,7 @@ std::string tray_json(const PreparedTray& prepared, int tray, const std::vector<
         json.add("overlapped_by_equals_mm3", mm3_of(prepared, tray, overlaps[p].to_equals));
         if (!part.page.empty()) json.add("report", part.page);
         if (const std::string verdict = verdict_of(part); !verdict.empty()) json.add(verdict_key, verdict);
+        if (const std::string sentence = sentence_of(part); !sentence.empty()) json.add("sentence", sentence);
         json.end_object();
     }
     json.end_list().key(failed_key).begin_list();

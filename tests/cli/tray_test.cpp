@@ -95,6 +95,11 @@ TEST_CASE("Several models are a tray, one is the print that it would be alone") 
     REQUIRE(tray["parts"].size() == 2);
     CHECK(tray["parts"][0]["name"] == "marker");
     CHECK(tray["failed"].empty());
+    // All white, and known without a prediction; of a draft in colours there is no verdict on its looks.
+    CHECK(tray["parts"][0]["verdict"] == "good");
+    CHECK_FALSE(tray["parts"][1].contains("verdict"));
+    CHECK(tray["parts"][1]["sentence"].get<std::string>().find("How it will look was not predicted") !=
+          std::string::npos);
     CHECK(voxtone::io::schema_faults("tray-stack", tray.dump()) == std::vector<std::string>{});
     CHECK(run_program("verify --quiet " + (bench.folder / "a")).exit_code == 0);
     CHECK(read_file(bench.folder / "a/tray.png").starts_with("\x89PNG"));
