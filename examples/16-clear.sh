@@ -7,7 +7,7 @@ out=${OUT:-out}/16-clear
 here=$(dirname "$0")
 picture=$here/models/spot/spot_texture.png
 mkdir -p "$out"
-slice() { "$voxtone" slice "$@" --resins vero-opaque-clear --load C,M,Y,K,W,T --no-report --quality draft --overwrite; }
+slice() { "$voxtone" slice "$@" --no-report --quality draft --overwrite; }
 slice "$here/models/spot/spot.obj" --size 6mm --rotate x90,z180 --coat 0.3mm -o "$out/coated"
 "$voxtone" proof "$out/coated" --spp 4 --size 160x120 --overwrite -o "$out/coated.png"
 slice "$picture" --width 4mm --thickness 1mm --enclose 0.5mm -o "$out/enclosed"

@@ -67,7 +67,8 @@ std::vector<OptionSpec> resins_entries() {
               {.key = "load",
                .metavar = "ROLES",
                .group = group,
-               .help = "resins that are loaded, by role (C,M,Y,K,W); empty: the printer's default"}),
+               .help = "resins that are loaded, by role (C,M,Y,K,W); empty: the printer's default, and T where clear "
+                       "resin is asked for"}),
         plain(&O::core, at(&Job::colour, &ColourOptions::core),
               {.key = "core",
                .metavar = "ROLE",

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "base/error.h"
+#include "io/profiles/resin_family.h"
 #include "io/profiles/resin_file.h"
 #include "slicer/prepare/phase.h"
 
@@ -24,23 +25,54 @@ std::vector<std::string> roles_to_load(const ResolvedJob& job, const PrinterProf
     if (roles.empty())
         for (const optics::Resin& resin : set.resins)
             if (static_cast<int>(roles.size()) < printer.max_resins) roles.push_back(resin.role);
+    // Clear resin takes a slot that is free.
+    if (wants_clear(job) && set.find("T") >= 0 && std::ranges::find(roles, "T") == roles.end() &&
+        static_cast<int>(roles.size()) < most_resins(printer))
+        roles.push_back("T");
     return roles;
 }
 
+/// A set of the same cartridges with clear resin; empty where none comes with the program.
+std::string clear_twin(const std::string& set) {
+    const std::string family = io::resin_family(set);
+    for (const std::string& name : io::known_resin_sets())
+        if (io::resin_family(name) == family && io::find_resin_set(name).find("T") >= 0) return name;
+    return {};
+}
+
 /// Throws InputError where clear resin is wanted and not loaded.
-void check_clear(const ResolvedJob& job, const optics::ResinSet& all, const std::vector<std::string>& roles) {
+void check_clear(const ResolvedJob& job, const PrinterProfile& printer, const optics::ResinSet& all,
+                 std::vector<std::string> roles) {
+    if (!wants_clear(job) || std::ranges::find(roles, "T") != roles.end()) return;
     const ColourOptions& colour = job.colour;
-    const bool through = job.picture.is_lit_from_behind();
-    if (!job.shows_colours() || (colour.clear_over_mm() == 0 && !through)) return;
-    if (std::ranges::find(roles, "T") != roles.end()) return;
-    const std::string said = through              ? "--view through"
-                             : colour.coat_mm > 0 ? fmt::format("--coat {:g}mm", colour.coat_mm)
-                                                  : fmt::format("--enclose {:g}mm", colour.enclose_mm);
-    throw InputError(fmt::format("{} takes clear resin (role T), and none is loaded; give {}--load {},T", said,
-                                 all.find("T") >= 0 ? "" : "--resins vero-opaque-clear ", fmt::join(roles, ",")));
+    const std::string said = job.picture.is_lit_from_behind() ? "--view through"
+                             : colour.coat_mm > 0             ? fmt::format("--coat {:g}mm", colour.coat_mm)
+                             : colour.enclose_mm > 0          ? fmt::format("--enclose {:g}mm", colour.enclose_mm)
+                                                              : std::string("--core T");
+    std::string remedy;
+    if (all.find("T") < 0) {
+        const std::string twin = clear_twin(job.resins.empty() ? printer.default_resins : job.resins);
+        remedy = fmt::format("--resins {} ", twin.empty() ? "vero-opaque-clear" : twin);
+    }
+    // In the place of one that is least missed, where there is no slot for one more.
+    if (static_cast<int>(roles.size()) >= most_resins(printer)) std::erase(roles, std::string("K"));
+    throw InputError(fmt::format("{} takes clear resin (role T), and none is loaded; give {}--load {},T", said, remedy,
+                                 fmt::join(roles, ",")));
 }
 
 }  // namespace
+
+bool wants_clear(const ResolvedJob& job) {
+    const ColourOptions& colour = job.colour;
+    return job.shows_colours() &&
+           (colour.core == "T" || colour.clear_over_mm() > 0 || job.picture.is_lit_from_behind());
+}
+
+std::string usual_resins(const ResolvedJob& job, const PrinterProfile& printer) {
+    if (wants_clear(job) && io::find_resin_set(printer.default_resins).find("T") < 0)
+        if (std::string twin = clear_twin(printer.default_resins); !twin.empty()) return twin;
+    return printer.default_resins;
+}
 
 int most_resins(const PrinterProfile& printer) { return std::min(printer.max_resins, halftone::max_resins); }
 
@@ -51,7 +83,7 @@ LoadedResins load_roles(const ResolvedJob& job, const PrinterProfile& printer, c
         throw InputError(fmt::format("--load {}: {} resins, but {} carries {} at once; leave some out",
                                      fmt::join(roles, ","), roles.size(), printer.id, most_resins(printer)));
     loaded.set = all.subset(roles);
-    check_clear(job, all, roles);
+    check_clear(job, printer, all, roles);
     for (std::size_t r = 0; r < roles.size(); ++r) roles[r] = loaded.set.resins[r].role;
     loaded.core = loaded.set.find(job.core());
     if (loaded.core < 0)

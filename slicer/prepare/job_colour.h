@@ -31,6 +31,12 @@ struct LoadedResins {
     [[nodiscard]] io::Material core_material() const { return static_cast<io::Material>(core + 1); }
 };
 
+/// Whether a job has parts of clear resin, role T.
+[[nodiscard]] bool wants_clear(const ResolvedJob& job);
+
+/// The printer's set; one of the same cartridges with clear resin where the job wants that.
+[[nodiscard]] std::string usual_resins(const ResolvedJob& job, const PrinterProfile& printer);
+
 /// What the printer carries at once, as far as a separation can mix it.
 [[nodiscard]] int most_resins(const PrinterProfile& printer);
 
@@ -38,8 +44,8 @@ struct LoadedResins {
 /// them.
 [[nodiscard]] LoadedResins load_roles(const ResolvedJob& job, const PrinterProfile& printer,
                                       const optics::ResinSet& all, std::vector<std::string> roles);
-/// The resins of `job.resins` that `job.load` names (or the printer's default, of those the set has). Throws the same,
-/// and for an unknown set.
+/// The resins of `job.resins` that `job.load` names (or the printer's default, of those the set has, and T where that
+/// is wanted and a slot is free). Throws the same, and for an unknown set.
 [[nodiscard]] LoadedResins load_resins(const ResolvedJob& job, const PrinterProfile& printer);
 
 /// Stays where it was made: the separation refers to the appearance.

@@ -56,7 +56,7 @@ OpenedJob open_job(const SliceOptions& asked) {
     job.printer = find_printer(options.printer);
     if (options.resins.empty())
         options.resins = options.raw.resins =
-            job.other ? job.other->usual_resins(job.printer) : job.printer.default_resins;
+            job.other ? job.other->usual_resins(job.printer) : usual_resins(options, job.printer);
     job.printer.load(options.resins, io::resin_family(options.resins));
     job.resins = load_resins(options, job.printer);
     check_thickness(options, job.printer);

@@ -36,17 +36,24 @@ double share_of(const std::string& layer, const std::array<std::uint8_t, 3>& col
 
 }  // namespace
 
-TEST_CASE("What takes clear resin says where there is none to take, and how to load it") {
+TEST_CASE("What takes clear resin loads it where a slot is free, and says how to where none is") {
     const Folder folder("no-clear");
-    for (const std::string option : {"--coat 1mm", "--enclose 0.5mm", "--view through"}) {
+    for (const std::string option : {"--coat 1mm", "--enclose 0.5mm", "--view through", "--core T"}) {
         CAPTURE(option);
-        const Outcome bare = run_program(fmt::format("slice {} --width 3mm {} -o {}", picture, option, folder / "out"));
-        CHECK(bare.exit_code == 3);
-        CHECK(bare.err.find("--resins vero-opaque-clear --load C,M,Y,K,W,T") != std::string::npos);
-        const Outcome there = run_program(
-            fmt::format("slice {} --width 3mm {} --resins vero-opaque-clear -o {}", picture, option, folder / "out"));
-        CHECK(there.exit_code == 3);
-        CHECK(there.err.find("give --load C,M,Y,K,W,T") != std::string::npos);
+        const std::string slice = fmt::format("slice {} --width 3mm {} --quality draft --no-report --quiet -o {} ",
+                                              picture, option, folder / "out");
+        REQUIRE(run_program(slice).exit_code == 0);
+        CHECK(json_of(folder / "out/manifest.json").at("resins").size() == 6);
+        CHECK(json_of(folder / "out/job.json").dump().find("j750-vivid-clear") != std::string::npos);
+        const auto refused = [&](const std::string& said, const std::string& remedy) {
+            const Outcome outcome = run_program(slice + "--overwrite " + said);
+            CHECK(outcome.exit_code == 3);
+            CHECK(outcome.err.find(remedy) != std::string::npos);
+        };
+        refused("--resins j750-vivid", "give --resins j750-vivid-clear --load C,M,Y,K,W,T");
+        refused("--resins vero-opaque", "give --resins vero-opaque-clear --load C,M,Y,K,W,T");
+        refused("--load C,M,Y,K,W", "give --load C,M,Y,K,W,T");
+        refused("--printer stratasys-j55", "give --load C,M,Y,W,T");
     }
     const Outcome both = run_program(
         fmt::format("slice {} --width 3mm --coat 1mm --enclose 1mm{}-o {}", picture, with_clear, folder / "out"));

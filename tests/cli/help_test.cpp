@@ -181,7 +181,7 @@ TEST_CASE("list printers shows what refuses jobs") {
 
 TEST_CASE("list shows which sets are of the cartridges that a printer takes") {
     CHECK_THAT(run_program("list printers").out,
-               Contains("takes Vero Vivid cartridges: resin sets j750-vivid\n") &&
+               Contains("takes Vero Vivid cartridges: resin sets j750-vivid, j750-vivid-clear\n") &&
                    Contains("takes Vero opaque cartridges: resin sets j750-opaque, vero-opaque, vero-opaque-clear\n"));
     CHECK_THAT(run_program("list resins").out,
                Contains("Vero Vivid cartridges, which stratasys-j55, stratasys-j750-hm"));

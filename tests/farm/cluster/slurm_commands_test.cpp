@@ -11,7 +11,6 @@
 
 using namespace voxtone;
 using namespace voxtone::farm;
-using namespace voxtone::slicer;
 using Catch::Matchers::Contains;
 using Words = std::vector<std::string>;
 namespace fs = std::filesystem;

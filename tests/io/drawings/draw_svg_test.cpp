@@ -210,8 +210,8 @@ TEST_CASE("What a drawing shows of other files is lost, and said") {
     const fs::path secret = folder.path() / "secret.svg";
     std::ofstream(secret) << svg(square_10mm, "<rect id='r' width='10' height='10' fill='#c82828'/>");
     for (const std::string& element : {fmt::format("<image width='10' height='10' xlink:href='{}'/>", secret.string()),
-                                      fmt::format("<image width='10' height='10' href='file://{}'/>", secret.string()),
-                                      fmt::format("<use xlink:href='{}#r'/>", secret.string())}) {
+                                       fmt::format("<image width='10' height='10' href='file://{}'/>", secret.string()),
+                                       fmt::format("<use xlink:href='{}#r'/>", secret.string())}) {
         INFO(element);
         const DecodedImage image = read(svg(square_10mm, "<rect width='2' height='2' fill='#123456'/>" + element));
         CHECK_THAT(image.lost_colour, Contains("another file") && Contains("secret.svg"));

@@ -285,9 +285,10 @@ TEST_CASE("a volume counts what the stack counts, and a uniform core is tiles", 
 
 TEST_CASE("resin sets", "[resin-file]") {
     const auto names = known_resin_sets();
-    CHECK(names == std::vector<std::string>{"j750-opaque", "j750-vivid", "vero-opaque", "vero-opaque-clear"});
+    CHECK(names == std::vector<std::string>{"j750-opaque", "j750-vivid", "j750-vivid-clear", "vero-opaque",
+                                            "vero-opaque-clear"});
     for (const std::string& name : names)
-        CHECK(resin_family(name) == (name == "j750-vivid" ? "Vero Vivid" : "Vero opaque"));
+        CHECK(resin_family(name) == (name.starts_with("j750-vivid") ? "Vero Vivid" : "Vero opaque"));
     // The set in the code and the one in data/ are one.
     const auto ours = optics::vero_opaque(), file = find_resin_set("vero-opaque");
     CHECK(file.name == ours.name);
@@ -300,6 +301,13 @@ TEST_CASE("resin sets", "[resin-file]") {
         CHECK(file.resins[r].role == ours.resins[r].role);
         CHECK(file.resins[r].sigma_t_per_mm == ours.resins[r].sigma_t_per_mm);
         CHECK(file.resins[r].albedo == ours.resins[r].albedo);
+    }
+    // What the clear twin of the default has is the default's, but for T.
+    const auto vivid = find_resin_set("j750-vivid"), with_clear = find_resin_set("j750-vivid-clear");
+    REQUIRE(with_clear.find("T") == 5);
+    for (std::size_t r = 0; r < vivid.resins.size(); ++r) {
+        CHECK(with_clear.resins[r].sigma_t_per_mm == vivid.resins[r].sigma_t_per_mm);
+        CHECK(with_clear.resins[r].albedo == vivid.resins[r].albedo);
     }
     const auto clear = find_resin_set("vero-opaque-clear");
     REQUIRE(clear.find("T") == 5);

@@ -195,10 +195,10 @@ namespace {
 /// Rows of groups of bars, of one width or each group finer than the one before.
 class BarGroups {
 public:
-    BarGroups(double width_mm, double finer, int of_a_group, double length_mm, double degrees)
+    BarGroups(double widest_mm, double finer, int of_a_group, double length_mm, double degrees)
         : c_(std::cos(degrees / 57.29578)), s_(std::sin(degrees / 57.29578)), length_mm_(length_mm) {
         double x = 0.3;
-        for (double w = width_mm; x < 20 && w > 0.04; w *= finer, x += 2 * w)
+        for (double w = widest_mm; x < 20 && w > 0.04; w *= finer, x += 2 * w)
             for (int n = 0; n < of_a_group; ++n, x += 2 * w) bars_.push_back({x, x + w});
     }
     bool operator()(double x, double y) const {
