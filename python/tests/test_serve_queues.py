@@ -141,8 +141,8 @@ def test_what_arrives_in_a_folder_is_a_queue_with_a_name(tmp_path):
     options.write_text("{")
     shop.start()
     (hot / "slow.glb").write_bytes(data + bytes(4))
-    until(lambda: state()["waits"] == 1)
-    assert "frames.json: the job file is no JSON" in state()["why"] and len(jobs("slow.glb")) == 1
+    until(lambda: "frames.json: the job file is no JSON" in state()["why"])  # it waits to be whole before that
+    assert state()["waits"] == 1 and len(jobs("slow.glb")) == 1
     options.write_text(json.dumps({"format": "voxtone-job", "version": 1, "quality": "draft"}))
     until(lambda: len(jobs("slow.glb")) == 2)
     until(lambda: state()["waits"] == 0)

@@ -58,8 +58,8 @@ TEST_CASE("An asymmetric marker proves every axis and mirror") {
                     .exit_code == 0);
         const auto description = manifest(folder);
         // 6 / 0.0423333 = 141.7, 3 / 0.0846667 = 35.4; the other way round both are 70.9.
-        CHECK(description["size_px"] == (c.swapped ? nlohmann::json({71, 71}) : nlohmann::json({142, 36})));
-        CHECK(description["layers"] == 186);  // 5 / 0.027 = 185.2
+        CHECK(description["size_px"] == (c.swapped ? nlohmann::json({71, 71}) : nlohmann::json({142, 35})));
+        CHECK(description["layers"] == 185);  // 5 / 0.027 = 185.2
         const Box base = printed(read_png(layer_path(folder, 10)));
         CHECK(base.right - base.left >= (c.swapped ? 70 : 141));
         CHECK(base.bottom - base.top >= (c.swapped ? 70 : 35));
@@ -226,8 +226,8 @@ TEST_CASE("A picture becomes a slab with its colours on top, upright") {
                                     folder / "out"))
                 .exit_code == 0);
     const auto description = manifest(folder);
-    CHECK(description["size_px"] == nlohmann::json({142, 71}));  // 6 mm at 600 and 300 dpi, rounded up
-    CHECK(description["layers"] == 75);                          // 2 mm / 27 um, rounded up
+    CHECK(description["size_px"] == nlohmann::json({142, 71}));  // 6 mm at 600 and 300 dpi
+    CHECK(description["layers"] == 74);                          // 2 mm / 27 um: 74.1
     CHECK(std::filesystem::exists(folder / "out/report.html"));
     CHECK(std::filesystem::exists(folder / "out/target.png"));
     CHECK(std::filesystem::exists(folder / "out/predicted.png"));
