@@ -82,6 +82,11 @@ void add_batch_options(CLI::App& command, BatchArguments& arguments) {
 
 int run(const CLI::App& command, const BatchArguments& arguments) {
     farm::PlanOptions plan = arguments.plan;
+    if (std::filesystem::path(arguments.out).extension() == ".gcvf")
+        throw UsageError(
+            fmt::format("--out {}: a batch has a folder, with one of each job in it; name that, and give "
+                        "the jobs gcvf among their --formats",
+                        arguments.out));
     if (arguments.cluster.any() && !arguments.watch.empty())
         throw UsageError(fmt::format("{} is for a plan; what will arrive in a folder is not known",
                                      arguments.cluster.slurm ? "--slurm" : "--openjd"));

@@ -192,6 +192,10 @@ TEST_CASE("A folder that is no batch's, or of another version, is left alone") {
     const Outcome newer = shop.batch();
     CHECK(newer.exit_code == 3);
     CHECK_THAT(newer.err, Contains("version 2"));
+    const Outcome file = run_program("batch " + shop.at("plan.jsonl") + " -o " + shop.at("all.gcvf"));
+    CHECK(file.exit_code == 2);
+    CHECK_THAT(file.err, Contains("a batch has a folder"));
+    CHECK_FALSE(fs::exists(shop.folder / "all.gcvf"));
     CHECK(read_tree(shop.folder / "out").size() == 1);
 }
 

@@ -40,13 +40,14 @@ TEST_CASE("What takes clear resin loads it where a slot is free, and says how to
     const Folder folder("no-clear");
     for (const std::string option : {"--coat 1mm", "--enclose 0.5mm", "--view through", "--core T"}) {
         CAPTURE(option);
-        const std::string slice = fmt::format("slice {} --width 3mm {} --quality draft --no-report --quiet -o {} ",
-                                              picture, option, folder / "out");
+        const std::string slice =
+            fmt::format("slice {} --width 3mm {} --quality draft --no-report --quiet --overwrite -o {} ", picture,
+                        option, folder / "out");
         REQUIRE(run_program(slice).exit_code == 0);
         CHECK(json_of(folder / "out/manifest.json").at("resins").size() == 6);
         CHECK(json_of(folder / "out/job.json").dump().find("j750-vivid-clear") != std::string::npos);
         const auto refused = [&](const std::string& said, const std::string& remedy) {
-            const Outcome outcome = run_program(slice + "--overwrite " + said);
+            const Outcome outcome = run_program(slice + said);
             CHECK(outcome.exit_code == 3);
             CHECK(outcome.err.find(remedy) != std::string::npos);
         };

@@ -62,7 +62,7 @@ TEST_CASE("Another job's stack is refused, and stays when the new job fails") {
     const auto before = read_tree(out);
     const Outcome other = run_program(quick + box(folder) + " --size 2.9mm -o " + out);
     CHECK(other.exit_code == 3);
-    CHECK_THAT(other.err, Contains("holds a stack of 38 layers") && Contains("--overwrite"));
+    CHECK_THAT(other.err, Contains("holds a stack of 37 layers") && Contains("--overwrite"));
     CHECK(read_tree(out) == before);
     folder.write("broken.obj", "f 1 2 3\n");
     CHECK(run_program(quick + (folder / "broken.obj") + " --overwrite -o " + out).exit_code == 3);

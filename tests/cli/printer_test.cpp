@@ -39,12 +39,12 @@ TEST_CASE("A job leaves what the printer takes, hands it over where it is told t
     const std::string job = quick + box(folder) + " -o " + (folder / "out");
     REQUIRE(run_program(job).exit_code == 0);
     const fs::path printer = folder.path() / "out/printer";
-    CHECK(names_in(printer).size() == 38 + 1);  // 1 mm of 27 um
+    CHECK(names_in(printer).size() == 37 + 1);  // 1 mm of 27 um
     CHECK(names_in(printer).contains("HOW-TO-PRINT.html"));
     CHECK(run_program("verify " + printer.string()).exit_code == 0);
     const std::string page = read_file(printer / "HOW-TO-PRINT.html");
     for (const char* words :
-         {"High Mix", "Voxel Print utility", "27 um", "VeroMGT-V", "205, 25, 110", "slice_00037.png", "600 x 300 dpi",
+         {"High Mix", "Voxel Print utility", "27 um", "VeroMGT-V", "205, 25, 110", "slice_00036.png", "600 x 300 dpi",
           "voxtone target marker --printer stratasys-j750-hm", "box.obj"})
         CHECK_THAT(page, Contains(words));
     // 3 x 2 mm of it lie on the tray, and all of it is coloured: 6 of 22 mm2.
