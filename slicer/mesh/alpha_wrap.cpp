@@ -48,7 +48,9 @@ std::optional<Wrap> alpha_wrap(std::span<const Eigen::Vector3d> positions, std::
     watch.progress = progress;
     watch.bar = bar;
     try {
-        CGAL::alpha_wrap_3(points, faces, alpha, offset, mesh, CGAL::parameters::default_values(),
+        // CGAL 5.5 takes the visitor from the output's parameters, 6.0 from the input's; neither minds it in the
+        // other's.
+        CGAL::alpha_wrap_3(points, faces, alpha, offset, mesh, CGAL::parameters::visitor(std::ref(watch)),
                            CGAL::parameters::visitor(std::ref(watch)));
     } catch (const TooManyPoints&) {
         return std::nullopt;
