@@ -130,7 +130,9 @@ private:
     void add_sources_at_faces();
     void find_core_sources();
     void correct(bool in_parts);
-    using Pool = std::array<float, 512>;  ///< of a block: [region][octant][direction]
+    /// Light that passes the corners of a block's staircase (corner leakage), given back region by region:
+    /// [region][octant][direction].
+    using Pool = std::array<float, 512>;
     void pool(const GridBlock& block, Pool& pool) const;
     void prefetch_laws(std::size_t t) const;
     [[nodiscard]] std::array<float, 2> from_core(std::size_t face) const;

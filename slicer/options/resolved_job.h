@@ -43,12 +43,12 @@ struct ColourOptions {
     Mixing mixing = Mixing::voxels;
 };
 
-/// The appearance loop of a colour print.
-/// Of a picture as it is printed, with what is clear over and under it.
+/// Thickness of a picture as it is printed, mm, with what is clear over and under it.
 [[nodiscard]] inline double printed_mm(const PictureOptions& picture, const ColourOptions& colour) {
     return picture.thickness_mm + colour.clear_over_mm() + colour.enclose_mm;
 }
 
+/// The appearance loop of a colour print.
 struct JobLoopOptions {
     std::optional<int> iterations;  ///< most; 0: no loop; nothing: until it stops gaining, where the surface is small
     bool patient = false;           ///< for long, where there is no number

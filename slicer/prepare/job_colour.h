@@ -31,7 +31,8 @@ struct LoadedResins {
     [[nodiscard]] io::Material core_material() const { return static_cast<io::Material>(core + 1); }
 };
 
-/// Whether a job has parts of clear resin, role T.
+/// Whether a job that shows colours has parts of clear resin, role T: a core, a coat, what encloses a picture or lets
+/// light through it.
 [[nodiscard]] bool wants_clear(const ResolvedJob& job);
 
 /// The printer's set; one of the same cartridges with clear resin where the job wants that.
@@ -76,10 +77,10 @@ struct SlabUnderColour {
 /// Nothing for a body.
 [[nodiscard]] std::optional<SlabUnderColour> slab_under_colour(const ResolvedJob& job, const JobBody& body);
 
-/// The shell that colours are separated for.
-/// How far below the surface what a voxel is made of is a matter of its depth.
+/// How far below the surface what a voxel is made of is a matter of its depth, mm.
 [[nodiscard]] double looked_through_mm(const ResolvedJob& job);
 
+/// The shell that colours are separated for.
 [[nodiscard]] optics::ShellGeometry shell_geometry(const ColourOptions& options, const LoadedResins& resins,
                                                    const Eigen::Vector3d& pitch_mm,
                                                    const std::optional<SlabUnderColour>& slab);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A job before its model is read: options, printer, resins. What is wrong with any of them is said
-// here, before time is spent.
+// A job before its model is read: options, printer, resins. What is wrong with any of them is said here, before time is
+// spent.
 #pragma once
 
 #include <functional>
@@ -47,8 +47,7 @@ struct OpenedJob {
     [[nodiscard]] io::StackDescription describe(const VoxelGrid& grid, const LayerRange& range) const;
 };
 
-/// Changes nothing on disk. Throws UsageError, InputError,
-/// FileError.
+/// Changes nothing on disk. Throws UsageError, InputError, FileError.
 [[nodiscard]] OpenedJob open_job(const SliceOptions& asked);
 /// `decide`: what this run does, of a job that is opened otherwise. Throws what it throws.
 using DecideRun = std::function<void(const OpenedJob& job, JobRun& run)>;

@@ -107,8 +107,7 @@ std::optional<ResinChoice> choose_resins(const OpenedJob& job, const JobBody& bo
     constexpr double nothing_to_gain = 0.1;
     const Roles usual = roles_of(job.resins);
     const std::size_t slots = usual.size();
-    if (!job.options.load.empty() || job.other || body.surface->triangles.empty() ||
-        job.options.colour.clear_over_mm() > 0)
+    if (!job.options.load.empty() || job.other || body.surface->triangles.empty() || wants_clear(job.options))
         return std::nullopt;
     if (static_cast<int>(slots) < most_resins(job.printer)) return std::nullopt;
     const optics::ResinSet all = io::find_resin_set(job.options.resins);
