@@ -106,9 +106,13 @@ void smooth_white(const optics::Surface& surface, std::vector<float>& white, std
     std::vector<optics::SurfacePoint> points;
     for (const optics::SurfaceCell& c : surface.cells)
         points.push_back({c.centre_mm, c.normal, std::max(c.area_mm2, 1e-9F)});
-    std::vector<float> smooth(white.size());
-    optics::SurfaceSmoothing(points, white_spread_mm, 0, cell_mm).apply(white, smooth, channels);
-    white = std::move(smooth);
+    const optics::SurfaceSmoothing smoothing(points, white_spread_mm, 0, cell_mm);
+    std::vector<float> one(points.size()), smooth(points.size());
+    for (std::size_t c = 0; c < channels; ++c) {  // sets have as many as they like
+        for (std::size_t i = 0; i < one.size(); ++i) one[i] = white[i * channels + c];
+        smoothing.apply(one, smooth, 1);
+        for (std::size_t i = 0; i < one.size(); ++i) white[i * channels + c] = smooth[i];
+    }
 }
 
 }  // namespace
