@@ -214,7 +214,7 @@ private:
     LoopState state_;
     Colours rgb_;                                      ///< of the last print
     EyeFilter::Views seen_;                            ///< what the eye makes of them
-    Colours seen_target_;                              ///< of the target as it can be shown; empty before feedback
+    Colours near_target_;                              ///< of the target as it can be shown; empty before feedback
     std::vector<std::string> remarks_, best_remarks_;  ///< of the model, on the last and the best print
     optics::ResinVolume print_;                        ///< the sequence looks at it again for the gradient
     bool cancelled_ = false;
@@ -427,9 +427,9 @@ void LoopRun::keep_if_best(const SkinMixtures& mixtures) {
 
 void LoopRun::correct_control() {
     Colours relaxed(rgb_.size());
-    if (seen_target_.empty()) seen_target_ = measure_.eye().filter(wanted_);
+    if (near_target_.empty()) near_target_ = measure_.eye().smoothed(wanted_);
     const std::size_t saturated = feed_back(
-        wanted_, as_wrong_as_seen(wanted_, seen_target_, seen_.filtered),
+        wanted_, as_wrong_as_seen(wanted_, near_target_, seen_.smoothed),
         [this](const Eigen::Vector3f& rgb) { return into_gamut(rgb); }, {.gain = feedback_gain(state_.steps)},
         state_.control, relaxed);
     state_.saturated_share = rgb_.empty() ? 0 : double(saturated) / double(rgb_.size());

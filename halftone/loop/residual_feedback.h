@@ -5,7 +5,9 @@
 //
 //   control^(1/3)  <-  control^(1/3) + gain ((E target)^(1/3) - (E predicted)^(1/3)),
 //
-// then into the gamut, per cell and channel; E is what the eye leaves of it (eye_filter.h, with no surround).
+// then into the gamut, per cell and channel; E is what the eye's narrowest Gaussian leaves of it (EyeFilter::smoothed).
+// The wide ones of colour carry the light of white paper a millimetre into black, where it is many times what there is:
+// black beside bluish paper would be asked for olive.
 //
 // The control colour of a cell is what the separation is asked for; it is what a flat print would show. Light that
 // spreads below the surface makes the print blurred by a transfer function M with 0 < M <= 1, so that the error of each
