@@ -5,13 +5,11 @@
 #include <vector>
 
 #include <fmt/core.h>
-#include <CLI/CLI.hpp>
 
 #include "cli/batch/batch_commands.h"
 #include "cli/batch/batch_view.h"
 #include "cli/batch/cluster_options.h"
 #include "cli/program/common_options.h"
-#include "cli/program/help.h"
 #include "farm/batch/batch_job.h"
 
 namespace voxtone::cli {
@@ -30,57 +28,54 @@ struct BatchArguments {
     RunOptions run;
 };
 
-void add_plan_options(CLI::App& command, BatchArguments& arguments) {
-    command
-        .add_option(
-            "plan", arguments.plan.plan,
-            "job list (.jsonl: one job a line, with the keys of job files), table (.csv, .tsv with a header of such "
-            "keys), folder of models, or models and patterns of them; a key \"name\" names a job")
-        ->type_name("PLAN");
+void add_plan_options(Verb& command, BatchArguments& arguments) {
+    command.add(
+        "plan", arguments.plan.plan,
+        "job list (.jsonl: one job a line, with the keys of job files), table (.csv, .tsv with a header of such "
+        "keys), folder of models, or models and patterns of them; a key \"name\" names a job",
+        {.unit = "PLAN"});
     add_out_option(command, arguments.out, "FOLDER",
                    "folder of the batch: job NAME goes to FOLDER/NAME; nothing is written outside it");
-    command.add_option("--preset", arguments.plan.preset, "job file whose options all jobs begin with; empty: none")
-        ->type_name("FILE");
-    add_value(command, "--name", arguments.plan.name,
-              "names of the jobs: {name} is that of the plan or of the model, {n:03} counts them, {size} or another "
-              "key of an option is its value")
-        ->type_name("TEMPLATE");
+    command.add("--preset", arguments.plan.preset, "job file whose options all jobs begin with; empty: none",
+                {.unit = "FILE"});
+    command.add("--name", arguments.plan.name,
+                "names of the jobs: {name} is that of the plan or of the model, {n:03} counts them, {size} or another "
+                "key of an option is its value",
+                {.unit = "TEMPLATE"});
 }
 
-void add_batch_options(CLI::App& command, BatchArguments& arguments) {
-    add_count(command, "--jobs", arguments.batch.jobs,
-              "most jobs at once; 0: as many as cores (--threads) and memory allow")
-        ->check(CLI::Range(0, 1024));
-    add_memory(command, "--memory", arguments.memory_gib, "memory for all jobs together, GiB; 0: the machine's")
-        ->check(CLI::Range(0.0, 1e6));
-    add_count(command, "--retries", arguments.batch.retries,
-              "how often a job is tried again that failed for no fault of its own (exit code 75, stopped, killed), "
-              "after 2, 4, 8, ... s")
-        ->check(CLI::Range(0, 1000));
-    command.add_flag("--fail-fast", arguments.batch.fail_fast,
-                     "stop at the first job that fails; others are saved and go on when the batch is run again");
-    command
-        .add_option("--after", arguments.batch.after,
-                    "command for the shell, run once for each result when it is whole, with the state of the job "
-                    "(JSON) on stdin; empty: none")
-        ->type_name("CMD");
-    command
-        .add_option("--watch", arguments.watch,
-                    "in the place of a plan: slice the models in this folder and those that arrive there, once they "
-                    "have not changed for 3 s, until it is stopped; empty: do not")
-        ->type_name("FOLDER");
-    add_time(command, "--wait-for-files", arguments.batch.wait_s,
-             "with --watch: how long, s, a model waits for files that it names (material library, textures, buffers) "
-             "and that are not there yet, before it is sliced without; what comes later has it sliced again")
-        ->check(CLI::Range(0.0, 1e6));
-    command.add_flag("--only-tell", arguments.only_tell,
-                     "with --watch: tell of models that are complete, with --json as events \"arrived\" with the files "
-                     "beside them, and slice none: for a program with a queue of its own");
-    command.add_flag("--print-commands", arguments.print_commands,
-                     "print the command of each job, quoted for a shell, and stop");
+void add_batch_options(Verb& command, BatchArguments& arguments) {
+    command.add("--jobs", arguments.batch.jobs, "most jobs at once; 0: as many as cores (--threads) and memory allow",
+                {.range = {0, 1024}});
+    command.add("--memory", memory(arguments.memory_gib), "memory for all jobs together, GiB; 0: the machine's",
+                {.range = {0.0, 1e6}});
+    command.add("--retries", arguments.batch.retries,
+                "how often a job is tried again that failed for no fault of its own (exit code 75, stopped, killed), "
+                "after 2, 4, 8, ... s",
+                {.range = {0, 1000}});
+    command.add("--fail-fast", arguments.batch.fail_fast,
+                "stop at the first job that fails; others are saved and go on when the batch is run again");
+    command.add("--after", arguments.batch.after,
+                "command for the shell, run once for each result when it is whole, with the state of the job "
+                "(JSON) on stdin; empty: none",
+                {.unit = "CMD"});
+    command.add("--watch", arguments.watch,
+                "in the place of a plan: slice the models in this folder and those that arrive there, once they "
+                "have not changed for 3 s, until it is stopped; empty: do not",
+                {.unit = "FOLDER"});
+    command.add(
+        "--wait-for-files", time(arguments.batch.wait_s),
+        "with --watch: how long, s, a model waits for files that it names (material library, textures, buffers) "
+        "and that are not there yet, before it is sliced without; what comes later has it sliced again",
+        {.range = {0.0, 1e6}});
+    command.add("--only-tell", arguments.only_tell,
+                "with --watch: tell of models that are complete, with --json as events \"arrived\" with the files "
+                "beside them, and slice none: for a program with a queue of its own");
+    command.add("--print-commands", arguments.print_commands,
+                "print the command of each job, quoted for a shell, and stop");
 }
 
-int run(const CLI::App& command, const BatchArguments& arguments) {
+int run(const Verb::Said& said, const BatchArguments& arguments) {
     farm::PlanOptions plan = arguments.plan;
     if (std::filesystem::path(arguments.out).extension() == ".gcvf")
         throw UsageError(
@@ -93,7 +88,7 @@ int run(const CLI::App& command, const BatchArguments& arguments) {
     farm::BatchOptions batch = arguments.batch;
     plan.out = batch.out = arguments.out;
     batch.program = this_program();
-    expect_cluster_options(command, arguments.cluster);
+    expect_cluster_options(said, arguments.cluster);
     batch.cores = arguments.run.threads;
     batch.memory_bytes = static_cast<std::uint64_t>(arguments.memory_gib * (1 << 30));
     const RunOptions& options = arguments.run;
@@ -118,17 +113,18 @@ int run(const CLI::App& command, const BatchArguments& arguments) {
 
 }  // namespace
 
-Command add_batch_command(CLI::App& program) {
+Verb batch_verb() {
     auto arguments = std::make_shared<BatchArguments>();
-    CLI::App* command = program.add_subcommand(
-        "batch", "Slice many models, as many at once as the machine allows; run it again to go on where it ended");
-    add_plan_options(*command, *arguments);
-    add_batch_options(*command, *arguments);
-    add_cluster_options(*command, arguments->cluster);
-    add_run_options(*command, arguments->run);
+    Verb command("batch",
+                 "Slice many models, as many at once as the machine allows; run it again to go on where it ended",
+                 "plan.csv -o out/monday");
+    add_plan_options(command, *arguments);
+    add_batch_options(command, *arguments);
+    add_cluster_options(command, arguments->cluster);
+    add_run_options(command, arguments->run);
     arguments->run.console.grace = std::chrono::seconds(28);  // jobs save themselves first
-    add_example(*command, "plan.csv -o out/monday");
-    return [arguments, command] { return run(*command, *arguments); };
+    command.run = [arguments, said = command.said] { return run(*said, *arguments); };
+    return command;
 }
 
 }  // namespace voxtone::cli

@@ -3,13 +3,13 @@
 // The verbs of many prints.
 #pragma once
 
-#include "cli/program/command.h"
+#include "cli/program/verb.h"
 
 namespace voxtone::cli {
 
-Command add_batch_command(CLI::App& program);
-Command add_status_command(CLI::App& program);
-Command add_task_command(CLI::App& program);
-Command add_serve_command(CLI::App& program);
+[[nodiscard]] Verb batch_verb();
+[[nodiscard]] Verb status_verb();
+[[nodiscard]] Verb task_verb();
+[[nodiscard]] Verb serve_verb();
 
 }  // namespace voxtone::cli

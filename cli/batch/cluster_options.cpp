@@ -60,62 +60,54 @@ void expect_sbatch_options(const std::vector<std::string>& words) {
 
 }  // namespace
 
-void add_cluster_options(CLI::App& command, ClusterOptions& options) {
-    command
-        .add_flag("--slurm", options.slurm,
-                  "hand the jobs to Slurm and end: for each the appearance loop, its layers as an array of shards and "
-                  "their merge, or one task where its estimate asks for no more; --threads: most cores of a task, 0: "
-                  "8. The same command again submits what is left")
-        ->group(group);
-    command
-        .add_option("--openjd", options.openjd,
-                    "write what is left of the plan as a job template of Open Job Description (2023-09, JSON) for any "
-                    "render manager that speaks it, and end; --threads: most cores of a task, 0: 8; empty: do not")
-        ->type_name("FILE")
-        ->group(group);
-    command.add_flag("--dry-run", options.dry_run, "with --slurm: print the scripts; write and submit nothing")
-        ->group(group);
-    add_count(command, "--shards", options.shards,
-              "with --slurm or --openjd: cut each job's layers into so many parts; 0: so that none takes more than ten "
-              "minutes by "
-              "its estimate")
-        ->check(CLI::Range(0, 100000))
-        ->group(group);
-    add_count(command, "--throttle", options.throttle,
-              "with --slurm: most tasks at once, of those submitted by this call; 0: as many as the cluster gives")
-        ->check(CLI::Range(0, 1000000))
-        ->group(group);
-    command
-        .add_option("--sbatch-option", options.sbatch,
-                    "with --slurm: an option for sbatch, which goes before the estimate's, without its dashes: "
-                    "partition=long; may be given several times; default: none")
-        ->type_name("WORD")
-        ->expected(1)
-        ->take_all()
-        ->group(group);
+void add_cluster_options(Verb& command, ClusterOptions& options) {
+    command.add("--slurm", options.slurm,
+                "hand the jobs to Slurm and end: for each the appearance loop, its layers as an array of shards and "
+                "their merge, or one task where its estimate asks for no more; --threads: most cores of a task, 0: "
+                "8. The same command again submits what is left",
+                {.group = group});
+    command.add("--openjd", options.openjd,
+                "write what is left of the plan as a job template of Open Job Description (2023-09, JSON) for any "
+                "render manager that speaks it, and end; --threads: most cores of a task, 0: 8; empty: do not",
+                {.unit = "FILE", .group = group});
+    command.add("--dry-run", options.dry_run, "with --slurm: print the scripts; write and submit nothing",
+                {.group = group});
+    command.add(
+        "--shards", options.shards,
+        "with --slurm or --openjd: cut each job's layers into so many parts; 0: so that none takes more than ten "
+        "minutes by "
+        "its estimate",
+        {.range = {0, 100000}, .group = group});
+    command.add("--throttle", options.throttle,
+                "with --slurm: most tasks at once, of those submitted by this call; 0: as many as the cluster gives",
+                {.range = {0, 1000000}, .group = group});
+    command.add("--sbatch-option", options.sbatch,
+                "with --slurm: an option for sbatch, which goes before the estimate's, without its dashes: "
+                "partition=long; may be given several times; default: none",
+                {.unit = "WORD", .one_each = true, .group = group});
 }
 
-void expect_cluster_options(const CLI::App& command, const ClusterOptions& options) {
+void expect_cluster_options(const Verb::Said& said, const ClusterOptions& options) {
     if (options.slurm && !options.openjd.empty())
         throw UsageError("--slurm and --openjd hand the jobs over twice; give one of them");
     if (!options.slurm) {
-        for (const char* const name : {"--dry-run", "--throttle", "--sbatch-option"})
-            if (command.count(name) > 0)
+        for (const char* const name : {"dry-run", "throttle", "sbatch-option"})
+            if (said.contains(name))
                 throw UsageError(
-                    fmt::format("{} goes with --slurm; `--print-commands` shows what would be run here", name));
-        if (command.count("--shards") > 0 && !options.any())
+                    fmt::format("--{} goes with --slurm; `--print-commands` shows what would be run here", name));
+        if (said.contains("shards") && !options.any())
             throw UsageError("--shards goes with --slurm or --openjd; here a job is not cut");
     }
     if (!options.any()) return;
     expect_sbatch_options(options.sbatch);
     const char* const kind = options.slurm ? "--slurm" : "--openjd";
-    for (const char* const name : {"--jobs", "--memory", "--fail-fast", "--after", "--print-commands"})
-        if (command.count(name) > 0)
+    for (const char* const name : {"jobs", "memory", "fail-fast", "after", "print-commands"})
+        if (said.contains(name))
             throw UsageError(fmt::format(
-                "{} does not go with {}, which leaves to the cluster what runs where and when; leave it out{}", name,
+                "--{} does not go with {}, which leaves to the cluster what runs where and when; leave it out{}", name,
                 kind,
-                options.slurm && std::string_view(name) == "--jobs" ? ", or bound the tasks at once with --throttle"
-                                                                    : ""));
+                options.slurm && std::string_view(name) == "jobs" ? ", or bound the tasks at once with --throttle"
+                                                                  : ""));
 }
 
 namespace {

@@ -21,10 +21,10 @@ struct ClusterOptions {
     [[nodiscard]] bool any() const { return slurm || !openjd.empty(); }
 };
 
-void add_cluster_options(CLI::App& command, ClusterOptions& options);
+void add_cluster_options(Verb& command, ClusterOptions& options);
 
 /// Throws UsageError for options that do not go together with others of the command.
-void expect_cluster_options(const CLI::App& command, const ClusterOptions& options);
+void expect_cluster_options(const Verb::Said& said, const ClusterOptions& options);
 
 /// Hands the plan over.
 int run_on_cluster(const farm::PlanOptions& plan, const farm::BatchOptions& batch, const ClusterOptions& options,

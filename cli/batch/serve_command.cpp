@@ -13,11 +13,9 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include "base/error.h"
 #include "cli/batch/batch_commands.h"
-#include "cli/program/help.h"
 #include "farm/cluster/command_output.h"
 
 namespace voxtone::cli {
@@ -91,62 +89,42 @@ std::vector<std::string> words_of(const ServeArguments& arguments) {
 
 }  // namespace
 
-Command add_serve_command(CLI::App& program) {
+Verb serve_verb() {
     auto arguments = std::make_shared<ServeArguments>();
-    CLI::App* command =
-        program.add_subcommand("serve", "Open a page to work at, with a queue that survives (docs/serve.md)");
-    command->add_option("--folder", arguments->folder, "where queue and results are kept; made where there is none")
-        ->type_name("FOLDER")
-        ->capture_default_str();
-    command->add_option("--port", arguments->port, "port of the page; 0: any that is free")
-        ->type_name("N")
-        ->capture_default_str()
-        ->check(CLI::Range(0, 65535));
-    command
-        ->add_option("--listen", arguments->listen,
-                     "address that is listened at; another than this machine's own is for a proxy with TLS")
-        ->type_name("ADDRESS")
-        ->capture_default_str();
-    command->add_option("--host", arguments->hosts, "name by which browsers may come as well, as a proxy passes it on")
-        ->type_name("NAME");
-    command
-        ->add_option("--jobs", arguments->jobs,
-                     "most jobs at once; a second one begins where memory allows, by the estimates")
-        ->type_name("N")
-        ->capture_default_str()
-        ->check(CLI::Range(1, 256));
-    add_memory(*command, "--memory", arguments->memory_gib, "memory for all jobs, GiB; 0: the machine's")
-        ->check(CLI::NonNegativeNumber);
-    command
-        ->add_option("--keep-days", arguments->keep_days,
-                     "remove jobs that ended so long ago, and say so a day before; 0: keep them")
-        ->type_name("DAYS")
-        ->capture_default_str()
-        ->check(CLI::NonNegativeNumber);
-    add_memory(*command, "--keep-size", arguments->keep_size_gib,
-               "remove the oldest that ended where all take more, GiB, and say so a day before; 0: keep them")
-        ->check(CLI::NonNegativeNumber);
-    command
-        ->add_option(
-            "--watch", arguments->watched,
-            "a queue with a name: models that arrive in the folder are sliced, once they are complete, with the "
-            "options of the job file SHOP/watch/NAME.json, where there is one")
-        ->type_name("NAME=FOLDER")
-        ->allow_extra_args(false);
-    command->add_flag("--slurm", arguments->slurm,
-                      "hand jobs to Slurm, as `voxtone batch --slurm` does; the shop lies where all nodes see it");
-    command
-        ->add_option("--sbatch-option", arguments->sbatch,
-                     "with --slurm: an option of sbatch without its dashes, such as partition=long")
-        ->type_name("OPTION")
-        ->allow_extra_args(false);
-    command->add_flag("--browser,!--no-browser", arguments->browser,
-                      "open the page where there is a desktop (default), or not");
-    add_example(*command, "--folder shop");
-    return [arguments]() -> int {
+    Verb command("serve", "Open a page to work at, with a queue that survives (docs/serve.md)", "--folder shop");
+    command.add("--folder", arguments->folder, "where queue and results are kept; made where there is none",
+                {.unit = "FOLDER"});
+    command.add("--port", arguments->port, "port of the page; 0: any that is free", {.range = {0, 65535}});
+    command.add("--listen", arguments->listen,
+                "address that is listened at; another than this machine's own is for a proxy with TLS",
+                {.unit = "ADDRESS"});
+    command.add("--host", arguments->hosts, "name by which browsers may come as well, as a proxy passes it on",
+                {.unit = "NAME"});
+    command.add("--jobs", arguments->jobs,
+                "most jobs at once; a second one begins where memory allows, by the estimates", {.range = {1, 256}});
+    command.add("--memory", memory(arguments->memory_gib), "memory for all jobs, GiB; 0: the machine's",
+                {.range = {0}});
+    command.add("--keep-days", arguments->keep_days,
+                "remove jobs that ended so long ago, and say so a day before; 0: keep them",
+                {.unit = "DAYS", .range = {0}});
+    command.add("--keep-size", memory(arguments->keep_size_gib),
+                "remove the oldest that ended where all take more, GiB, and say so a day before; 0: keep them",
+                {.range = {0}});
+    command.add("--watch", arguments->watched,
+                "a queue with a name: models that arrive in the folder are sliced, once they are complete, with the "
+                "options of the job file SHOP/watch/NAME.json, where there is one",
+                {.unit = "NAME=FOLDER", .one_each = true});
+    command.add("--slurm", arguments->slurm,
+                "hand jobs to Slurm, as `voxtone batch --slurm` does; the shop lies where all nodes see it");
+    command.add("--sbatch-option", arguments->sbatch,
+                "with --slurm: an option of sbatch without its dashes, such as partition=long",
+                {.unit = "OPTION", .one_each = true});
+    command.add("--browser", arguments->browser, "open the page where there is a desktop or not", {.off = true});
+    command.run = [arguments]() -> int {
         if (!arguments->sbatch.empty() && !arguments->slurm) throw UsageError("--sbatch-option is for --slurm");
         become_service(*arguments);
     };
+    return command;
 }
 
 }  // namespace voxtone::cli

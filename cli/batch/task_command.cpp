@@ -4,14 +4,12 @@
 #include <string>
 
 #include <fmt/core.h>
-#include <CLI/CLI.hpp>
 
 #include "base/error.h"
 #include "base/progress_events.h"
 #include "cli/batch/batch_commands.h"
 #include "cli/batch/cluster_options.h"
 #include "cli/program/common_options.h"
-#include "cli/program/help.h"
 #include "farm/cluster/cluster_task.h"
 #include "slicer/options/option_values.h"
 
@@ -35,7 +33,7 @@ int run(const TaskArguments& arguments) {
     options.job = arguments.job;
     options.retries = arguments.retries;
     options.threads = arguments.threads;
-    if (arguments.console.openjd) options.relay = stdout_sink();
+    if (arguments.console.openjd()) options.relay = stdout_sink();
     if (!arguments.last) {
         const auto stage = value_of<farm::TaskStage>(arguments.stage);
         if (!stage)
@@ -51,31 +49,32 @@ int run(const TaskArguments& arguments) {
 
 }  // namespace
 
-Command add_task_command(CLI::App& program) {
+Verb task_verb() {
     auto arguments = std::make_shared<TaskArguments>();
-    CLI::App* command = program.add_subcommand("task",
-                                               "Do one task of a batch that was handed to a cluster: what the scripts "
-                                               "of `batch --slurm` and the templates of `--openjd` call");
-    command->add_option("batch", arguments->out, "folder of the batch")->required()->type_name("FOLDER");
-    command->add_option("--job", arguments->job, "job of the batch; required, unless --last")->type_name("NAME");
-    command
-        ->add_option("--stage", arguments->stage,
-                     "whole, prepare (the appearance loop), layers (a shard) or merge; required, unless --last")
-        ->type_name("STAGE");
-    command->add_option("--shard", arguments->shard, "which shard of how many, of the stage layers; default: none")
-        ->type_name("I/N");
-    add_count(*command, "--retries", arguments->retries,
-              "how often it is put back into Slurm's queue when it failed for no fault of its own (exit codes 75, 85)")
-        ->check(CLI::Range(0, 1000));
-    add_count(*command, "--threads", arguments->threads,
-              "threads of the work, where the job does not say; 0: one per core that it was given")
-        ->check(CLI::Range(0, 4096));
-    command->add_flag("--last", arguments->last,
-                      "when all tasks have ended: note what became of the jobs, and draw the summary");
-    add_console_options(*command, arguments->console);
+    Verb command("task",
+                 "Do one task of a batch that was handed to a cluster: what the scripts "
+                 "of `batch --slurm` and the templates of `--openjd` call",
+                 "out/monday --job cow --stage layers --shard 3/16");
+    command.add("batch", arguments->out, "folder of the batch", {.unit = "FOLDER", .required = true});
+    command.add("--job", arguments->job, "job of the batch; required, unless --last", {.unit = "NAME"});
+    command.add("--stage", arguments->stage,
+                "whole, prepare (the appearance loop), layers (a shard) or merge; required, unless --last",
+                {.unit = "STAGE"});
+    command.add("--shard", arguments->shard, "which shard of how many, of the stage layers; default: none",
+                {.unit = "I/N"});
+    command.add(
+        "--retries", arguments->retries,
+        "how often it is put back into Slurm's queue when it failed for no fault of its own (exit codes 75, 85)",
+        {.range = {0, 1000}});
+    command.add("--threads", arguments->threads,
+                "threads of the work, where the job does not say; 0: one per core that it was given",
+                {.range = {0, 4096}});
+    command.add("--last", arguments->last,
+                "when all tasks have ended: note what became of the jobs, and draw the summary");
+    add_console_options(command, arguments->console);
     arguments->console.grace = std::chrono::seconds(50);  // the work saves itself first
-    add_example(*command, "out/monday --job cow --stage layers --shard 3/16");
-    return [arguments] { return run(*arguments); };
+    command.run = [arguments] { return run(*arguments); };
+    return command;
 }
 
 }  // namespace voxtone::cli

@@ -5,31 +5,31 @@
 #pragma once
 
 #include "cli/calibrate/calibrate_jobs.h"
-#include "cli/program/command.h"
+#include "cli/program/verb.h"
 
 namespace voxtone::cli {
 
-Command add_calibrate_command(CLI::App& program, const CalibrateJobs& jobs);
+[[nodiscard]] Verb calibrate_verb(const CalibrateJobs& jobs);
 
-Command add_compare_command(CLI::App& program, const CalibrateJobs& jobs);
+[[nodiscard]] Verb compare_verb(const CalibrateJobs& jobs);
 
-Command add_calibrate_target_command(CLI::App& calibrate, const CalibrateJobs& jobs);
-Command add_calibrate_chart_command(CLI::App& calibrate, const CalibrateJobs& jobs);
-Command add_calibrate_simulate_command(CLI::App& calibrate, const CalibrateJobs& jobs);
-Command add_calibrate_photo_command(CLI::App& calibrate, const CalibrateJobs& jobs);
-Command add_calibrate_fit_command(CLI::App& calibrate, const CalibrateJobs& jobs);
-Command add_calibrate_check_command(CLI::App& calibrate, const CalibrateJobs& jobs);
-Command add_calibrate_icc_command(CLI::App& calibrate, const CalibrateJobs& jobs);
-Command add_calibrate_profile_command(CLI::App& calibrate, const CalibrateJobs& jobs);
-Command add_calibrate_simulate_profile_command(CLI::App& calibrate, const CalibrateJobs& jobs);
+[[nodiscard]] Verb calibrate_target_verb(const CalibrateJobs& jobs);
+[[nodiscard]] Verb calibrate_chart_verb(const CalibrateJobs& jobs);
+[[nodiscard]] Verb calibrate_simulate_verb(const CalibrateJobs& jobs);
+[[nodiscard]] Verb calibrate_photo_verb(const CalibrateJobs& jobs);
+[[nodiscard]] Verb calibrate_fit_verb(const CalibrateJobs& jobs);
+[[nodiscard]] Verb calibrate_check_verb(const CalibrateJobs& jobs);
+[[nodiscard]] Verb calibrate_icc_verb(const CalibrateJobs& jobs);
+[[nodiscard]] Verb calibrate_profile_verb(const CalibrateJobs& jobs);
+[[nodiscard]] Verb calibrate_simulate_profile_verb(const CalibrateJobs& jobs);
 
 /// A family by itself, `calibrate edge`, with its steps.
-Command add_calibrate_edge_command(CLI::App& calibrate, const CalibrateJobs& jobs);
-Command add_calibrate_edge_chart_command(CLI::App& edge, const CalibrateJobs& jobs);
-Command add_calibrate_edge_dictionary_command(CLI::App& edge, const CalibrateJobs& jobs);
-Command add_calibrate_edge_fit_command(CLI::App& edge, const CalibrateJobs& jobs);
-Command add_calibrate_edge_photo_command(CLI::App& edge, const CalibrateJobs& jobs);
-Command add_calibrate_edge_samples_command(CLI::App& edge, const CalibrateJobs& jobs);
-Command add_calibrate_edge_simulate_command(CLI::App& edge, const CalibrateJobs& jobs);
+[[nodiscard]] Verb calibrate_edge_verb(const CalibrateJobs& jobs);
+[[nodiscard]] Verb calibrate_edge_chart_verb(const CalibrateJobs& jobs);
+[[nodiscard]] Verb calibrate_edge_dictionary_verb(const CalibrateJobs& jobs);
+[[nodiscard]] Verb calibrate_edge_fit_verb(const CalibrateJobs& jobs);
+[[nodiscard]] Verb calibrate_edge_photo_verb(const CalibrateJobs& jobs);
+[[nodiscard]] Verb calibrate_edge_samples_verb(const CalibrateJobs& jobs);
+[[nodiscard]] Verb calibrate_edge_simulate_verb(const CalibrateJobs& jobs);
 
 }  // namespace voxtone::cli

@@ -3,13 +3,10 @@
 #include <optional>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "base/error.h"
 #include "cli/calibrate/calibrate_commands.h"
 #include "cli/calibrate/chart_options.h"
 #include "cli/calibrate/patch_options.h"
-#include "cli/program/help.h"
 
 namespace voxtone::cli {
 
@@ -37,66 +34,55 @@ int run(CalibrateFitArguments& a, const CalibrateJobs& jobs) {
     });
 }
 
-void add_fit_options(CLI::App& command, CalibrateFitArguments& a) {
+void add_fit_options(Verb& command, CalibrateFitArguments& a) {
     calibration::FitOptions& fit = a.job.fit;
-    command
-        .add_option("--resins", fit.expected,
-                    "resins that must be among the patches, and columns of these names: C,M,Y,K,W")
-        ->type_name("LIST")
-        ->delimiter(',')
-        ->allow_extra_args(false);
-    add_value(command, "--noise", fit.noise, "standard error of a reflectance, where the table gives none");
-    add_value(command, "--g", fit.model.g, "mean cosine of the scattering angle; patches cannot tell it")
-        ->group("Model");
-    add_value(command, "--eta", fit.model.eta, "refractive index; patches cannot tell it")->group("Model");
-    command
-        .add_option("--dot-spread", a.dot_spread,
-                    "of --printer's voxels in a target's mixtures: 0 sharp, 1 run together to an ideal mixture; empty: "
-                    "what patches tell, else 0; a chart tells its own")
-        ->type_name("FLOAT")
-        ->check(CLI::Range(0.0, 1.0))
-        ->group("Model");
+    command.add("--resins", fit.expected,
+                "resins that must be among the patches, and columns of these names: C,M,Y,K,W",
+                {.unit = "LIST", .one_each = true, .separator = ','});
+    command.add("--noise", fit.noise, "standard error of a reflectance, where the table gives none");
+    command.add("--g", fit.model.g, "mean cosine of the scattering angle; patches cannot tell it",
+                {.not_with = "--prior", .group = "Model"});
+    command.add("--eta", fit.model.eta, "refractive index; patches cannot tell it",
+                {.not_with = "--prior", .group = "Model"});
+    command.add("--dot-spread", a.dot_spread,
+                "of --printer's voxels in a target's mixtures: 0 sharp, 1 run together to an ideal mixture; empty: "
+                "what patches tell, else 0; a chart tells its own",
+                {.range = {0.0, 1.0}, .group = "Model"});
 }
 
 }  // namespace
 
-Command add_calibrate_fit_command(CLI::App& calibrate, const CalibrateJobs& jobs) {
+Verb calibrate_fit_verb(const CalibrateJobs& jobs) {
     auto arguments = std::make_shared<CalibrateFitArguments>();
     CalibrateFitArguments& a = *arguments;
-    CLI::App* command = calibrate.add_subcommand(
-        "fit", "Albedo and extinction of every resin, with their errors, from measured patches");
-    command
-        ->add_option(
-            "patches", a.job.patches,
-            "a target, CSV: top,backing,thickness_mm,R,G,B or wavelengths in nm, 45/0 reflectance of a perfect "
-            "diffuser "
-            "is 1; or a chart of mixtures, CSV with a column of shares for each resin and L,a,b, X,Y,Z or wavelengths, "
-            "CGATS text or CxF3")
-        ->required()
-        ->type_name("FILE");
-    add_out_option(*command, a.job.out, "FILE", "resin set to write; errors and doubts go beside it, as NAME.fit.json");
-    add_overwrite_option(*command, a.job.overwrite);
-    command->add_option("--report", a.job.report, "page to look at: patches measured and predicted, curves, errors")
-        ->type_name("FILE.html");
-    add_patch_map_options(*command, a.job.map);
-    command->add_option("--name", a.job.name, "name of the set; empty: that of the file");
-    add_fit_options(*command, a);
-    add_patch_options(*command, a.run.lengths, a.patches, a.job.measured);
-    command
-        ->add_option(
-            "--prior", a.job.prior,
-            "what edge profiles say of the same resins: the NAME.edge.json of `calibrate edge fit`, whose g and "
-            "eta hold; values and their errors count beside the patches")
-        ->type_name("FILE")
-        ->excludes("--g", "--eta");
-    command->add_option("--check", a.job.check, "other patches to predict with the result")->type_name("FILE");
-    command->add_flag(
-        "--g-sweep", a.job.g_sweep,
-        "also fit for g from -0.9 to 0.9 and print how well each explains the patches (of --check, if given)");
-    add_chart_options(*command, a.chart, a.job);
-    add_run_options(*command, a.run);
-    add_example(*command, "patches.csv --resins C,M,Y,K,W -o my-resins.json --report my-resins.html");
-    return [arguments, &jobs] { return run(*arguments, jobs); };
+    Verb command("fit", "Albedo and extinction of every resin, with their errors, from measured patches",
+                 "patches.csv --resins C,M,Y,K,W -o my-resins.json --report my-resins.html");
+    command.add(
+        "patches", a.job.patches,
+        "a target, CSV: top,backing,thickness_mm,R,G,B or wavelengths in nm, 45/0 reflectance of a perfect "
+        "diffuser "
+        "is 1; or a chart of mixtures, CSV with a column of shares for each resin and L,a,b, X,Y,Z or wavelengths, "
+        "CGATS text or CxF3",
+        {.unit = "FILE", .required = true});
+    add_out_option(command, a.job.out, "FILE", "resin set to write; errors and doubts go beside it, as NAME.fit.json");
+    add_overwrite_option(command, a.job.overwrite);
+    command.add("--report", a.job.report, "page to look at: patches measured and predicted, curves, errors",
+                {.unit = "FILE.html"});
+    add_patch_map_options(command, a.job.map);
+    command.add("--name", a.job.name, "name of the set; empty: that of the file");
+    add_fit_options(command, a);
+    add_patch_options(command, a.patches, a.job.measured);
+    command.add("--prior", a.job.prior,
+                "what edge profiles say of the same resins: the NAME.edge.json of `calibrate edge fit`, whose g and "
+                "eta hold; values and their errors count beside the patches",
+                {.unit = "FILE"});
+    command.add("--check", a.job.check, "other patches to predict with the result", {.unit = "FILE"});
+    command.add("--g-sweep", a.job.g_sweep,
+                "also fit for g from -0.9 to 0.9 and print how well each explains the patches (of --check, if given)");
+    add_chart_options(command, a.chart, a.job);
+    add_run_options(command, a.run);
+    command.run = [arguments, &jobs] { return run(*arguments, jobs); };
+    return command;
 }
 
 }  // namespace voxtone::cli

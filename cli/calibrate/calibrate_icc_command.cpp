@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <memory>
 
-#include <CLI/CLI.hpp>
-
 #include "cli/calibrate/calibrate_commands.h"
 #include "cli/calibrate/chart_options.h"
-#include "cli/program/help.h"
 
 namespace voxtone::cli {
 
@@ -26,47 +23,43 @@ int run(CalibrateIccArguments& a, const CalibrateJobs& jobs) {
     });
 }
 
-void add_profile_options(CLI::App& command, CalibrateIccArguments& a) {
+void add_profile_options(Verb& command, CalibrateIccArguments& a) {
     calibration::IccChartOptions& options = a.job.options;
-    command
-        .add_option("--channels-are", options.channels_are,
-                    "resin of each channel, in order: C,M,Y,K; empty: those of CMYK or CMY")
-        ->type_name("LIST")
-        ->delimiter(',')
-        ->allow_extra_args(false);
-    add_value(command, "--rest", options.rest, "resin of what the channels leave")->type_name("ROLE");
-    add_count(command, "--patches", options.patches,
-              "mixtures to take from the profile's table; its measurements, where it carries them, go before");
-    add_value(command, "--intent", a.intent,
-              "colours relative to a perfect diffuser (absolute), or to the printer's own white (relative)")
-        ->check(CLI::IsMember({"absolute", "relative"}));
-    command.add_option("--chart", a.job.chart, "chart to write: the mixtures that were fitted and their colours")
-        ->type_name("FILE.csv");
+    command.add("--channels-are", options.channels_are,
+                "resin of each channel, in order: C,M,Y,K; empty: those of CMYK or CMY",
+                {.unit = "LIST", .one_each = true, .separator = ','});
+    command.add("--rest", options.rest, "resin of what the channels leave", {.unit = "ROLE"});
+    command.add("--patches", options.patches,
+                "mixtures to take from the profile's table; its measurements, where it carries them, go before");
+    command.add("--intent", a.intent,
+                "colours relative to a perfect diffuser (absolute), or to the printer's own white (relative)",
+                {.choices = {"absolute", "relative"}});
+    command.add("--chart", a.job.chart, "chart to write: the mixtures that were fitted and their colours",
+                {.unit = "FILE.csv"});
 }
 
 }  // namespace
 
-Command add_calibrate_icc_command(CLI::App& calibrate, const CalibrateJobs& jobs) {
+Verb calibrate_icc_verb(const CalibrateJobs& jobs) {
     auto arguments = std::make_shared<CalibrateIccArguments>();
     CalibrateIccArguments& a = *arguments;
-    CLI::App* command = calibrate.add_subcommand(
-        "icc",
-        "Resins from a printer's ICC profile: its channels are taken as shares of the volume, the rest as white");
-    command->add_option("profile", a.job.profile, "output profile of the printer (.icc, .icm)")
-        ->required()
-        ->type_name("FILE");
-    add_out_option(*command, a.job.fit.out, "FILE",
+    Verb command(
+        "icc", "Resins from a printer's ICC profile: its channels are taken as shares of the volume, the rest as white",
+        "printer.icc --channels-are C,M,Y,K -o my-resins.json --chart chart.csv");
+    command.add("profile", a.job.profile, "output profile of the printer (.icc, .icm)",
+                {.unit = "FILE", .required = true});
+    add_out_option(command, a.job.fit.out, "FILE",
                    "resin set to write; errors and doubts go beside it, as NAME.fit.json");
-    add_overwrite_option(*command, a.job.fit.overwrite);
-    add_profile_options(*command, a);
-    command->add_option("--report", a.job.fit.report, "page to look at: colours of the profile and of the set")
-        ->type_name("FILE.html");
-    command->add_option("--name", a.job.fit.name, "name of the set; empty: that of the file");
-    command->add_option("--check", a.job.fit.check, "measured patches to predict with the result")->type_name("FILE");
-    add_chart_options(*command, a.chart, a.job.fit);
-    add_run_options(*command, a.run);
-    add_example(*command, "printer.icc --channels-are C,M,Y,K -o my-resins.json --chart chart.csv");
-    return [arguments, &jobs] { return run(*arguments, jobs); };
+    add_overwrite_option(command, a.job.fit.overwrite);
+    add_profile_options(command, a);
+    command.add("--report", a.job.fit.report, "page to look at: colours of the profile and of the set",
+                {.unit = "FILE.html"});
+    command.add("--name", a.job.fit.name, "name of the set; empty: that of the file");
+    command.add("--check", a.job.fit.check, "measured patches to predict with the result", {.unit = "FILE"});
+    add_chart_options(command, a.chart, a.job.fit);
+    add_run_options(command, a.run);
+    command.run = [arguments, &jobs] { return run(*arguments, jobs); };
+    return command;
 }
 
 }  // namespace voxtone::cli

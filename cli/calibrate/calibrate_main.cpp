@@ -39,7 +39,5 @@ extern "C" const char* __lsan_default_suppressions() { return "leak:cv::hal::cvt
 int main(int argc, char** argv) {
     using namespace voxtone::cli;
     voxtone::catch_stop_signals();
-    const auto add = [](CLI::App& program) { return add_calibrate_command(program, jobs); };
-    const auto add_compare = [](CLI::App& program) { return add_compare_command(program, jobs); };
-    return run_program(command_words(argc, argv), {{"compare", add_compare}, {"calibrate", add}});
+    return run_program(command_words(argc, argv), {compare_verb(jobs), calibrate_verb(jobs)});
 }

@@ -3,12 +3,9 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "cli/calibrate/calibrate_commands.h"
 #include "cli/calibrate/photo_options.h"
 #include "cli/program/common_options.h"
-#include "cli/program/help.h"
 
 namespace voxtone::cli {
 
@@ -34,44 +31,39 @@ int run(CalibratePhotoArguments& a, const CalibrateJobs& jobs) {
 
 }  // namespace
 
-Command add_calibrate_photo_command(CLI::App& calibrate, const CalibrateJobs& jobs) {
+Verb calibrate_photo_verb(const CalibrateJobs& jobs) {
     auto arguments = std::make_shared<CalibratePhotoArguments>();
     CalibratePhotoArguments& a = *arguments;
-    CLI::App* command = calibrate.add_subcommand(
-        "photo", "Measure the squares of a printed target in photographs of it beside a colour checker");
-    command->add_option("photos", a.job.photos, "photographs: 16-bit TIFF or PNG, EXR, or RAW; several are averaged")
-        ->type_name("FILE")
-        ->required();
-    command->add_option("--target", a.job.target, "description of the target (target.json)")
-        ->type_name("FILE")
-        ->required();
-    add_out_option(*command, a.job.out, "FILE", "patch table to write (.csv)");
-    add_overwrite_option(*command, a.job.overwrite);
-    add_value(*command, "--checker", a.job.checker, "chart beside the target: colorchecker24 or a file")
-        ->type_name("NAME|FILE");
-    add_corners_option(*command, "--corners", a.corners,
+    Verb command("photo", "Measure the squares of a printed target in photographs of it beside a colour checker",
+                 "front.tif turned.tif --target target/target.json -o patches.csv");
+    command.add("photos", a.job.photos, "photographs: 16-bit TIFF or PNG, EXR, or RAW; several are averaged",
+                {.unit = "FILE", .required = true});
+    command.add("--target", a.job.target, "description of the target (target.json)",
+                {.unit = "FILE", .required = true});
+    add_out_option(command, a.job.out, "FILE", "patch table to write (.csv)");
+    add_overwrite_option(command, a.job.overwrite);
+    command.add("--checker", a.job.checker, "chart beside the target: colorchecker24 or a file", {.unit = "NAME|FILE"});
+    add_corners_option(command, "--corners", a.corners,
                        "corners of the slab in the picture, px: upper left, upper right, lower right, lower left");
-    add_corners_option(*command, "--checker-corners", a.checker_corners,
+    add_corners_option(command, "--checker-corners", a.checker_corners,
                        "corners of the checker's patches in the picture, px, in order round it");
-    add_coding_option(*command, a.coding);
-    add_value(*command, "--channels", a.channels,
-              "of a target's squares: rgb, linear sRGB; wide, in which no ink is negative; auto: wide where an ink is "
-              "surely negative in rgb")
-        ->check(CLI::IsMember({"auto", "rgb", "wide"}));
-    add_value(*command, "--inner", a.job.measure.inner, "part of a square's edge that is sampled")
-        ->check(CLI::Range(0.1, 0.9));
-    a.run.lengths.add(*command, "--top", a.job.top_mm,
-                      "thickness of a target's squares as a gauge tells it, where they were polished; 30 um are 4 % of "
-                      "an extinction; empty: as printed");
-    command->add_option("--overlay", a.job.overlay, "picture of what was sampled; empty: beside the table")
-        ->type_name("FILE");
-    command
-        ->add_option("--picture", a.job.picture,
-                     "PNG of the target as it was measured, straightened: the --picture of `calibrate fit --report`")
-        ->type_name("FILE.png");
-    add_run_options(*command, a.run);
-    add_example(*command, "front.tif turned.tif --target target/target.json -o patches.csv");
-    return [arguments, &jobs] { return run(*arguments, jobs); };
+    add_coding_option(command, a.coding);
+    command.add(
+        "--channels", a.channels,
+        "of a target's squares: rgb, linear sRGB; wide, in which no ink is negative; auto: wide where an ink is "
+        "surely negative in rgb",
+        {.choices = {"auto", "rgb", "wide"}});
+    command.add("--inner", a.job.measure.inner, "part of a square's edge that is sampled", {.range = {0.1, 0.9}});
+    command.add("--top", length(a.job.top_mm),
+                "thickness of a target's squares as a gauge tells it, where they were polished; 30 um are 4 % of "
+                "an extinction; empty: as printed");
+    command.add("--overlay", a.job.overlay, "picture of what was sampled; empty: beside the table", {.unit = "FILE"});
+    command.add("--picture", a.job.picture,
+                "PNG of the target as it was measured, straightened: the --picture of `calibrate fit --report`",
+                {.unit = "FILE.png"});
+    add_run_options(command, a.run);
+    command.run = [arguments, &jobs] { return run(*arguments, jobs); };
+    return command;
 }
 
 }  // namespace voxtone::cli

@@ -3,11 +3,8 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "cli/calibrate/calibrate_commands.h"
 #include "cli/program/common_options.h"
-#include "cli/program/help.h"
 
 namespace voxtone::cli {
 
@@ -45,37 +42,29 @@ int run(CalibrateProfileArguments& a, const CalibrateJobs& jobs) {
     });
 }
 
-CLI::Option* add_photographs(CLI::App& command, const char* name, std::vector<std::string>& files, const char* help) {
-    return command.add_option(name, files, help)->type_name("FILE[@SECONDS]");
+void add_side_options(Verb& command, CalibrateProfileArguments& a) {
+    const auto photographs = [&](const char* name, std::vector<std::string>& files, const char* help, bool required) {
+        command.add(name, files, help, {.unit = "FILE[@SECONDS]", .required = required});
+    };
+    const auto albedo = [&](const char* name, std::vector<double>& values, const char* help) {
+        command.add(name, values, help, {.unit = "R,G,B", .separator = ',', .count = {3, 3}});
+    };
+    photographs("--reflection", a.R.lit, "photographs of a projected pixel: RAW, or linear 16-bit TIFF, PNG or EXR",
+                true);
+    photographs("--reflection-dark", a.R.dark, "the same with the projector black", true);
+    albedo("--reflectance", a.R.total, "measured share of light that the slab reflects, above 0 to 1");
+    photographs("--transmission", a.T.lit,
+                "photographs of the slab upon a pinhole; without: the file is a target for stacks to reach", false);
+    photographs("--transmission-dark", a.T.dark, "the same with the pinhole covered", false);
+    albedo("--transmittance", a.T.total, "measured share of light that the slab transmits, above 0 to 1");
+    command.add("--thickness", length(a.job.thickness_mm), "of the slab: 3mm");
+    command.add("--mm-per-px", a.mm_per_px, "width of a pixel on the slab, mm; two numbers: reflection, transmission",
+                {.unit = "MM", .required = true, .separator = ',', .count = {1, 2}});
 }
 
-void add_albedo(CLI::App& command, const char* name, std::vector<double>& values, const char* help) {
-    command.add_option(name, values, help)->type_name("R,G,B")->delimiter(',')->expected(3);
-}
-
-void add_side_options(CLI::App& command, CalibrateProfileArguments& a) {
-    add_photographs(command, "--reflection", a.R.lit,
-                    "photographs of a projected pixel: RAW, or linear 16-bit TIFF, PNG or EXR")
-        ->required();
-    add_photographs(command, "--reflection-dark", a.R.dark, "the same with the projector black")->required();
-    add_albedo(command, "--reflectance", a.R.total, "measured share of light that the slab reflects, above 0 to 1");
-    add_photographs(command, "--transmission", a.T.lit,
-                    "photographs of the slab upon a pinhole; without: the file is a target for stacks to reach");
-    add_photographs(command, "--transmission-dark", a.T.dark, "the same with the pinhole covered");
-    add_albedo(command, "--transmittance", a.T.total, "measured share of light that the slab transmits, above 0 to 1");
-    a.run.lengths.add(command, "--thickness", a.job.thickness_mm, "of the slab: 3mm");
-    command
-        .add_option("--mm-per-px", a.mm_per_px,
-                    "width of a pixel on the slab, mm; two numbers: reflection, transmission")
-        ->type_name("MM")
-        ->delimiter(',')
-        ->expected(1, 2)
-        ->required();
-}
-
-void add_camera_options(CLI::App& command, calibration::ProfileMeasureOptions& measure) {
+void add_camera_options(Verb& command, calibration::ProfileMeasureOptions& measure) {
     const auto number = [&](const char* name, double& value, const char* help) {
-        add_value(command, name, value, help)->group("Camera");
+        command.add(name, value, help, {.group = "Camera"});
     };
     number("--full-well", measure.noise.full_well, "electrons at full scale; for the weights of exposures");
     number("--read-noise", measure.noise.read_noise,
@@ -86,32 +75,32 @@ void add_camera_options(CLI::App& command, calibration::ProfileMeasureOptions& m
 
 }  // namespace
 
-Command add_calibrate_profile_command(CLI::App& calibrate, const CalibrateJobs& jobs) {
+Verb calibrate_profile_verb(const CalibrateJobs& jobs) {
     auto arguments = std::make_shared<CalibrateProfileArguments>();
     CalibrateProfileArguments& a = *arguments;
-    CLI::App* command = calibrate.add_subcommand(
+    Verb command(
         "profile",
         "Measure how light spreads in a slab: photographs of a lit point become a scattering profile.\n"
         "Each series runs from short to long and has a dark frame (projector black, pinhole covered) of the same time "
         "for every exposure. How long they are is read from the files (EXIF), or given as FILE@SECONDS: spot.tif@0.5, "
-        "spot.tif@1/15.");
-    add_side_options(*command, a);
-    add_out_option(*command, a.job.out, "FILE", "profile to write (.json)");
-    add_overwrite_option(*command, a.job.overwrite);
-    command->add_option("--plot", a.job.plot, "picture of the profile with its errors; empty: beside it, as NAME.svg")
-        ->type_name("FILE.svg");
-    command->add_option("--name", a.job.name, "name of the material; empty: that of the file");
-    a.run.lengths.add(*command, "--spacing", a.job.measure.spacing_mm, "of samples");
-    a.run.lengths.add(*command, "--reach", a.job.measure.reach_mm,
-                      "distance of the last sample; 0: to the nearest border of the picture");
-    a.run.lengths.add(*command, "--spot", a.job.spot_mm,
-                      "radius of the projected pixel or pinhole: prints which waves it blurs");
-    add_camera_options(*command, a.job.measure);
-    add_run_options(*command, a.run);
-    add_example(*command,
-                "--reflection r-01.tif r-02.tif --reflection-dark rd-01.tif rd-02.tif --reflectance 0.87,0.91,0.91 "
-                "--mm-per-px 0.04 -o white.json");
-    return [arguments, &jobs] { return run(*arguments, jobs); };
+        "spot.tif@1/15.",
+        "--reflection r-01.tif r-02.tif --reflection-dark rd-01.tif rd-02.tif --reflectance 0.87,0.91,0.91 "
+        "--mm-per-px 0.04 -o white.json");
+    add_side_options(command, a);
+    add_out_option(command, a.job.out, "FILE", "profile to write (.json)");
+    add_overwrite_option(command, a.job.overwrite);
+    command.add("--plot", a.job.plot, "picture of the profile with its errors; empty: beside it, as NAME.svg",
+                {.unit = "FILE.svg"});
+    command.add("--name", a.job.name, "name of the material; empty: that of the file");
+    command.add("--spacing", length(a.job.measure.spacing_mm), "of samples");
+    command.add("--reach", length(a.job.measure.reach_mm),
+                "distance of the last sample; 0: to the nearest border of the picture");
+    command.add("--spot", length(a.job.spot_mm),
+                "radius of the projected pixel or pinhole: prints which waves it blurs");
+    add_camera_options(command, a.job.measure);
+    add_run_options(command, a.run);
+    command.run = [arguments, &jobs] { return run(*arguments, jobs); };
+    return command;
 }
 
 }  // namespace voxtone::cli

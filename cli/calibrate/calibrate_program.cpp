@@ -31,19 +31,24 @@ constexpr CalibrateJobs no_jobs;
     throw FileError(fmt::format("{} cannot be run ({}); install voxtone again", file, std::strerror(errno)));
 }
 
-}  // namespace
-
-Command add_calibrate_elsewhere(CLI::App& app, const char* program, const Words& words) {
-    // Kept, for it owns what the options of the steps are parsed into.
-    return [steps = add_calibrate_command(app, no_jobs), program, words]() -> int {
-        become_calibrate_program(program, words);
-    };
+/// What it ran before is kept, for it owns what the options are parsed into.
+void become_instead(Verb& verb, const char* program, const Words& words) {
+    verb.run = [kept = verb.run, program, words]() -> int { become_calibrate_program(program, words); };
+    for (Verb& step : verb.steps) become_instead(step, program, words);
 }
 
-Command add_compare_elsewhere(CLI::App& app, const char* program, const Words& words) {
-    return [compare = add_compare_command(app, no_jobs), program, words]() -> int {
-        become_calibrate_program(program, words);
-    };
+}  // namespace
+
+Verb calibrate_elsewhere(const char* program, const Words& words) {
+    Verb verb = calibrate_verb(no_jobs);
+    become_instead(verb, program, words);
+    return verb;
+}
+
+Verb compare_elsewhere(const char* program, const Words& words) {
+    Verb verb = compare_verb(no_jobs);
+    become_instead(verb, program, words);
+    return verb;
 }
 
 }  // namespace voxtone::cli

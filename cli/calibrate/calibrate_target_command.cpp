@@ -5,12 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "cli/calibrate/calibrate_commands.h"
 #include "cli/program/common_options.h"
-#include "cli/program/help.h"
-#include "cli/program/option_text.h"
 #include "io/profiles/resin_file.h"
 #include "slicer/targets/print_boxes.h"
 
@@ -71,85 +67,80 @@ int run(CalibrateTargetArguments& a, const CalibrateJobs& jobs) {
     return run_on_console(a.run, [&](Progress& progress) { return make_target(a, jobs, progress); });
 }
 
-void add_size_options(CLI::App& command, calibration::TargetOptions& layout, LengthOptions& lengths) {
-    lengths.add(command, "--square", layout.square_mm, "edge of a square")->group(fine_tuning);
-    lengths.add(command, "--top", layout.top_mm, "thickness of the squares, rounded to whole layers")
-        ->group(fine_tuning);
-    lengths.add(command, "--base", layout.base_mm, "thickness of the base under them, rounded up to whole layers")
-        ->group(fine_tuning);
-    lengths.add(command, "--gap", layout.gap_mm, "between squares")->group(fine_tuning);
-    lengths.add(command, "--marker", layout.marker_mm, "edge of a marker")->group(fine_tuning);
-    lengths.add(command, "--quiet-zone", layout.quiet_mm, "light around a marker")->group(fine_tuning);
+void add_size_options(Verb& command, calibration::TargetOptions& layout) {
+    command.add("--square", length(layout.square_mm), "edge of a square", {.group = fine_tuning});
+    command.add("--top", length(layout.top_mm), "thickness of the squares, rounded to whole layers",
+                {.group = fine_tuning});
+    command.add("--base", length(layout.base_mm), "thickness of the base under them, rounded up to whole layers",
+                {.group = fine_tuning});
+    command.add("--gap", length(layout.gap_mm), "between squares", {.group = fine_tuning});
+    command.add("--marker", length(layout.marker_mm), "edge of a marker", {.group = fine_tuning});
+    command.add("--quiet-zone", length(layout.quiet_mm), "light around a marker", {.group = fine_tuning});
 }
 
-void add_layout_options(CLI::App& command, calibration::TargetOptions& layout, LengthOptions& lengths) {
-    add_value(command, "--light", layout.light, "role of the resin of the light half and of the frame")
-        ->type_name("ROLE");
-    add_value(command, "--dark", layout.dark, "role of the resin of the dark half and of the markers")
-        ->type_name("ROLE");
-    add_size_options(command, layout, lengths);
+void add_layout_options(Verb& command, calibration::TargetOptions& layout) {
+    command.add("--light", layout.light, "role of the resin of the light half and of the frame", {.unit = "ROLE"});
+    command.add("--dark", layout.dark, "role of the resin of the dark half and of the markers", {.unit = "ROLE"});
+    add_size_options(command, layout);
 }
 
 /// All but the layout.
-void add_target_options(CLI::App* command, CalibrateTargetArguments& a) {
-    add_printer_option(*command, a.printer);
-    command->add_option("--resins", a.job.layout.roles, "roles of the resins, two or more: C,M,Y,K,W")
-        ->type_name("ROLES")
-        ->delimiter(',')
-        ->allow_extra_args(false)
-        ->required();
-    add_stack_folder_options(*command, a.job.out, a.overwrite);
-    command
-        ->add_option(
-            "--resin-set", a.job.resin_set,
-            "resins as far as they are known already: says whether the base is opaque, and colours the picture")
-        ->type_name("SET|FILE");
-    add_layout_options(*command, a.job.layout, a.run.lengths);
-    add_count(*command, "--seed", a.seed, "seed of the dither")->group(fine_tuning);
-    command->add_flag("--gcvf", a.outputs.gcvf, "write a GCVF container too");
-    add_run_options(*command, a.run);
+void add_target_options(Verb& command, CalibrateTargetArguments& a) {
+    add_printer_option(command, a.printer);
+    command.add("--resins", a.job.layout.roles, "roles of the resins, two or more: C,M,Y,K,W",
+                {.unit = "ROLES", .required = true, .one_each = true, .separator = ','});
+    add_stack_folder_options(command, a.job.out, a.overwrite);
+    command.add("--resin-set", a.job.resin_set,
+                "resins as far as they are known already: says whether the base is opaque, and colours the picture",
+                {.unit = "SET|FILE"});
+    add_layout_options(command, a.job.layout);
+    command.add("--seed", a.seed, "seed of the dither", {.group = fine_tuning});
+    command.add("--gcvf", a.outputs.gcvf, "write a GCVF container too");
+    add_run_options(command, a.run);
 }
 
 }  // namespace
 
-Command add_calibrate_target_command(CLI::App& calibrate, const CalibrateJobs& jobs) {
+Verb calibrate_target_verb(const CalibrateJobs& jobs) {
     auto arguments = std::make_shared<CalibrateTargetArguments>();
-    CLI::App* command = calibrate.add_subcommand(
-        "target", "Make the printable target: a stack, its description (target.json) and a picture of it");
-    add_value(*command, "--layout", arguments->layout,
-              "A: pure resins; B: and 10:90 mixtures; C: and 5, 25, 50 %; E: all equal mixtures")
-        ->check(CLI::IsMember({"A", "B", "C", "E"}));
+    Verb command("target", "Make the printable target: a stack, its description (target.json) and a picture of it",
+                 "--resins C,M,Y,K,W --resin-set vero-opaque -o target");
+    command.add("--layout", arguments->layout,
+                "A: pure resins; B: and 10:90 mixtures; C: and 5, 25, 50 %; E: all equal mixtures",
+                {.choices = {"A", "B", "C", "E"}});
     add_target_options(command, *arguments);
-    add_example(*command, "--resins C,M,Y,K,W --resin-set vero-opaque -o target");
-    return [arguments, &jobs] { return run(*arguments, jobs); };
+    command.run = [arguments, &jobs] { return run(*arguments, jobs); };
+    return command;
 }
 
-Command add_calibrate_chart_command(CLI::App& calibrate, const CalibrateJobs& jobs) {
+Verb calibrate_chart_verb(const CalibrateJobs& jobs) {
     auto arguments = std::make_shared<CalibrateTargetArguments>();
     calibration::TargetOptions& layout = arguments->job.layout;
     arguments->job.patches = 120;
     layout.square_mm = 8, layout.top_mm = 2, layout.base_mm = 1, layout.gap_mm = 1;
-    CLI::App* command = calibrate.add_subcommand(
+    Verb command(
         "chart",
         "Make a printable chart of the mixtures that tell most: a stack, a form for the spectrophotometer (chart.csv), "
-        "its\ndescription (target.json) and a picture");
-    add_count(*command, "--patches", arguments->job.patches, "mixtures: 30, 60, 120, 242 or any number");
+        "its\ndescription (target.json) and a picture",
+        "--resins C,M,Y,K,W --patches 120 -o chart");
+    command.add("--patches", arguments->job.patches, "mixtures: 30, 60, 120, 242 or any number");
     add_target_options(command, *arguments);
-    add_example(*command, "--resins C,M,Y,K,W --patches 120 -o chart");
-    return [arguments, &jobs] { return run(*arguments, jobs); };
+    command.run = [arguments, &jobs] { return run(*arguments, jobs); };
+    return command;
 }
 
-Command add_calibrate_edge_chart_command(CLI::App& edge, const CalibrateJobs& jobs) {
+Verb calibrate_edge_chart_verb(const CalibrateJobs& jobs) {
     auto arguments = std::make_shared<CalibrateTargetArguments>();
     arguments->layout = "E";
-    CLI::App* command = edge.add_subcommand("chart",
-                                            "Make the chart of all equal mixtures of the resins, from which `edge fit "
-                                            "--chart` has what edges do not tell:\n"
-                                            "a stack, its description (target.json, for `calibrate photo`) and a "
-                                            "picture. It is `calibrate target --layout E`.");
+    Verb command("chart",
+                 "Make the chart of all equal mixtures of the resins, from which `edge fit "
+                 "--chart` has what edges do not tell:\n"
+                 "a stack, its description (target.json, for `calibrate photo`) and a "
+                 "picture. It is `calibrate target --layout E`.",
+                 "--resins C,M,Y,K,W --resin-set vero-opaque -o chart");
     add_target_options(command, *arguments);
-    add_example(*command, "--resins C,M,Y,K,W --resin-set vero-opaque -o chart");
-    return [arguments, &jobs] { return run(*arguments, jobs); };
+    command.run = [arguments, &jobs] { return run(*arguments, jobs); };
+    return command;
 }
 
 }  // namespace voxtone::cli

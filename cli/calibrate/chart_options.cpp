@@ -20,26 +20,21 @@ int channels_of(const std::string& word) {
 
 }  // namespace
 
-void add_chart_options(CLI::App& command, ChartOptions& options, calibration::FitJob& job) {
+void add_chart_options(Verb& command, ChartOptions& options, calibration::FitJob& job) {
     constexpr const char* group = "Charts of mixtures";
-    add_value(command, "--channels", options.channels,
-              "channels of the set: as many as cross-validation finds best, or a number from 3 to 12")
-        ->type_name("auto|N")
-        ->group(group);
-    command.add_flag("--no-residual", options.no_residual, "leave out what physics leaves: no residual in the set")
-        ->group(group);
-    add_value(command, "--lengths-from", job.lengths_from,
-              "set or file whose white's scattering gives mm, which thick mixtures do not tell")
-        ->group(group);
-    command
-        .add_option("--squares", job.squares,
-                    "thin squares of the same resins (a target's table): they tell mm in place of --lengths-from, in "
-                    "one fit with the chart. Rows of the chart with a thickness_mm and a backing do so too")
-        ->type_name("FILE")
-        ->group(group);
-    add_value(command, "--geometry", options.geometry, "how the instrument looks")
-        ->check(CLI::IsMember({"45/0", "d/8"}))
-        ->group(group);
+    command.add("--channels", options.channels,
+                "channels of the set: as many as cross-validation finds best, or a number from 3 to 12",
+                {.unit = "auto|N", .group = group});
+    command.add("--no-residual", options.no_residual, "leave out what physics leaves: no residual in the set",
+                {.group = group});
+    command.add("--lengths-from", job.lengths_from,
+                "set or file whose white's scattering gives mm, which thick mixtures do not tell", {.group = group});
+    command.add("--squares", job.squares,
+                "thin squares of the same resins (a target's table): they tell mm in place of --lengths-from, in "
+                "one fit with the chart. Rows of the chart with a thickness_mm and a backing do so too",
+                {.unit = "FILE", .group = group});
+    command.add("--geometry", options.geometry, "how the instrument looks",
+                {.choices = {"45/0", "d/8"}, .group = group});
 }
 
 void set_chart_fit(const ChartOptions& options, calibration::ChartFitOptions& chart) {

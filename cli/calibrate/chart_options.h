@@ -17,7 +17,7 @@ struct ChartOptions {
 };
 
 /// --channels, --no-residual, --lengths-from, --geometry.
-void add_chart_options(CLI::App& command, ChartOptions& options, calibration::FitJob& job);
+void add_chart_options(Verb& command, ChartOptions& options, calibration::FitJob& job);
 
 /// Throws UsageError.
 void set_chart_fit(const ChartOptions& options, calibration::ChartFitOptions& chart);

@@ -7,13 +7,11 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include "base/units.h"
 #include "cli/calibrate/calibrate_commands.h"
 #include "cli/calibrate/photo_options.h"
 #include "cli/program/common_options.h"
-#include "cli/program/help.h"
 #include "slicer/predict/top_print.h"
 
 namespace voxtone::cli {
@@ -56,51 +54,46 @@ int run(CompareArguments& a, const CalibrateJobs& jobs) {
     });
 }
 
-void add_photo_options(CLI::App& command, CompareArguments& a) {
+void add_photo_options(Verb& command, CompareArguments& a) {
     add_corners_option(command, "--corners", a.corners,
                        "corners of the print in the picture, px, in order round it, where they are not found");
-    add_value(command, "--checker", a.job.checker,
-              "chart beside the print, which makes colours of the camera's: none, colorchecker24 or a file")
-        ->type_name("NAME|FILE");
+    command.add("--checker", a.job.checker,
+                "chart beside the print, which makes colours of the camera's: none, colorchecker24 or a file",
+                {.unit = "NAME|FILE"});
     add_corners_option(command, "--checker-corners", a.checker_corners,
                        "corners of the checker's patches in the picture, px, in order round it");
     add_coding_option(command, a.coding);
 }
 
-void add_prediction_options(CLI::App& command, CompareArguments& a) {
-    add_value(command, "--predict", a.predict.model, "by which model [transport|monte-carlo]")
-        ->check(CLI::IsMember({"transport", "monte-carlo"}));
-    a.run.lengths.add(command, "--cell", a.predict.cell_mm, "what is compared as one: edge of the cells");
-    add_count(command, "--spp", a.predict.quality.paths, "monte-carlo: paths per cell and channel");
-    add_value(command, "--backing", a.predict.backing,
-              "what lay under the print [auto|black|white|none]; auto: what the job said, else black")
-        ->check(CLI::IsMember({"auto", "black", "white", "none"}));
+void add_prediction_options(Verb& command, CompareArguments& a) {
+    command.add("--predict", a.predict.model, "by which model", {.choices = {"transport", "monte-carlo"}});
+    command.add("--cell", length(a.predict.cell_mm), "what is compared as one: edge of the cells");
+    command.add("--spp", a.predict.quality.paths, "monte-carlo: paths per cell and channel");
+    command.add("--backing", a.predict.backing, "what lay under the print; auto: what the job said, else black",
+                {.choices = {"auto", "black", "white", "none"}});
     add_resins_option(command, a.predict.resins, "; empty: that of the job");
-    a.run.lengths.add(command, "--viewing-distance", a.job.viewing_distance_mm,
-                      "from which an eye looks: what it does not resolve does not count");
+    command.add("--viewing-distance", length(a.job.viewing_distance_mm),
+                "from which an eye looks: what it does not resolve does not count");
 }
 
 }  // namespace
 
-Command add_compare_command(CLI::App& program, const CalibrateJobs& jobs) {
+Verb compare_verb(const CalibrateJobs& jobs) {
     auto arguments = std::make_shared<CompareArguments>();
     CompareArguments& a = *arguments;
-    CLI::App* command = program.add_subcommand(
-        "compare", "Hold photographs of a flat print against what its stack was predicted to look like");
-    command
-        ->add_option("files", a.files,
-                     "photographs of the print (PNG, JPEG, TIFF, EXR, RAW) with ground of one colour around it, and "
-                     "last the stack: the output folder of `slice`")
-        ->type_name("PHOTO... OUT")
-        ->expected(2, 1000)
-        ->required();
-    add_out_option(*command, a.job.out, "FOLDER", "folder for compare.html and compare.json");
-    add_overwrite_option(*command, a.job.overwrite);
-    add_photo_options(*command, a);
-    add_prediction_options(*command, a);
-    add_run_options(*command, a.run);
-    add_example(*command, "photograph.jpg out/photo -o compared");
-    return [arguments, &jobs] { return run(*arguments, jobs); };
+    Verb command("compare", "Hold photographs of a flat print against what its stack was predicted to look like",
+                 "photograph.jpg out/photo -o compared");
+    command.add("files", a.files,
+                "photographs of the print (PNG, JPEG, TIFF, EXR, RAW) with ground of one colour around it, and "
+                "last the stack: the output folder of `slice`",
+                {.unit = "PHOTO... OUT", .required = true, .count = {2, 1000}});
+    add_out_option(command, a.job.out, "FOLDER", "folder for compare.html and compare.json");
+    add_overwrite_option(command, a.job.overwrite);
+    add_photo_options(command, a);
+    add_prediction_options(command, a);
+    add_run_options(command, a.run);
+    command.run = [arguments, &jobs] { return run(*arguments, jobs); };
+    return command;
 }
 
 }  // namespace voxtone::cli

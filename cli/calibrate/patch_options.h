@@ -13,15 +13,14 @@ namespace voxtone::cli {
 
 /// Words that the patch model is made of.
 struct PatchOptions {
-    std::string printer, pitch, under = "black";
+    std::string printer, pitch, illuminant, under = "black";
 };
 
 /// --white, --illuminant, --printable-only, --base, --under, --printer, --pitch.
-void add_patch_options(CLI::App& command, LengthOptions& lengths, PatchOptions& options,
-                       calibration::MeasuredPatchOptions& measured);
+void add_patch_options(Verb& command, PatchOptions& options, calibration::MeasuredPatchOptions& measured);
 
 /// --target, --picture: where the patches of a page lie.
-void add_patch_map_options(CLI::App& command, calibration::PatchMapFiles& files);
+void add_patch_map_options(Verb& command, calibration::PatchMapFiles& files);
 
 /// Sets what lies under the base, the voxels that mixtures are made of, and the resins that the printer has. Throws
 /// UsageError, InputError.

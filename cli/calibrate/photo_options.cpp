@@ -5,8 +5,8 @@
 
 namespace voxtone::cli {
 
-void add_corners_option(CLI::App& command, const char* name, std::vector<double>& corners, const char* help) {
-    command.add_option(name, corners, help)->type_name("X,Y,...")->delimiter(',')->expected(8);
+void add_corners_option(Verb& command, const char* name, std::vector<double>& corners, const char* help) {
+    command.add(name, corners, help, {.unit = "X,Y,...", .separator = ',', .count = {8, 8}});
 }
 
 std::optional<std::array<Eigen::Vector2d, 4>> four_points(const std::vector<double>& numbers) {
@@ -16,10 +16,10 @@ std::optional<std::array<Eigen::Vector2d, 4>> four_points(const std::vector<doub
     return points;
 }
 
-void add_coding_option(CLI::App& command, std::string& coding) {
-    add_value(command, "--coding", coding,
-              "how samples stand for light; auto: as the file says, else as the checker's greys say")
-        ->check(CLI::IsMember({"auto", "linear", "srgb"}));
+void add_coding_option(Verb& command, std::string& coding) {
+    command.add("--coding", coding,
+                "how samples stand for light; auto: as the file says, else as the checker's greys say",
+                {.choices = {"auto", "linear", "srgb"}});
 }
 
 io::SampleCoding coding_of(const std::string& word) {

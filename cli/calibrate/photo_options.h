@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <Eigen/Core>
 
 #include "io/pictures/photograph.h"
@@ -16,12 +15,12 @@
 namespace voxtone::cli {
 
 /// Four points of a picture, eight numbers in pixels.
-void add_corners_option(CLI::App& command, const char* name, std::vector<double>& corners, const char* help);
+void add_corners_option(Verb& command, const char* name, std::vector<double>& corners, const char* help);
 /// None where no numbers were given.
 [[nodiscard]] std::optional<std::array<Eigen::Vector2d, 4>> four_points(const std::vector<double>& numbers);
 
 /// auto, linear or srgb.
-void add_coding_option(CLI::App& command, std::string& coding);
+void add_coding_option(Verb& command, std::string& coding);
 [[nodiscard]] io::SampleCoding coding_of(const std::string& word);
 
 }  // namespace voxtone::cli

@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <CLI/CLI.hpp>
-
 #include "cli/laminate/laminate_commands.h"
-#include "cli/program/command.h"
-#include "cli/program/help.h"
-#include "cli/program/steps.h"
 
 namespace voxtone::cli {
 
-Command add_laminate_command(CLI::App& program) {
-    CLI::App* command =
-        program.add_subcommand("laminate", "Laminates that show how light is wanted to spread in a surface");
-    add_example(*command, "search wanted.json --materials W,K -o found");
-    return add_steps(*command, {add_laminate_dataset_command, add_laminate_factor_command, add_laminate_predict_command,
-                                add_laminate_print_command, add_laminate_search_command, add_laminate_targets_command});
+Verb laminate_verb() {
+    Verb command("laminate", "Laminates that show how light is wanted to spread in a surface",
+                 "search wanted.json --materials W,K -o found");
+    command.steps = {laminate_dataset_verb(), laminate_factor_verb(), laminate_predict_verb(),
+                     laminate_print_verb(),   laminate_search_verb(), laminate_targets_verb()};
+    return command;
 }
 
 }  // namespace voxtone::cli

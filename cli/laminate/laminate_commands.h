@@ -3,17 +3,17 @@
 // `voxtone laminate` and its steps, one file each.
 #pragma once
 
-#include "cli/program/command.h"
+#include "cli/program/verb.h"
 
 namespace voxtone::cli {
 
-Command add_laminate_command(CLI::App& program);
+[[nodiscard]] Verb laminate_verb();
 
-Command add_laminate_dataset_command(CLI::App& laminate);
-Command add_laminate_factor_command(CLI::App& laminate);
-Command add_laminate_predict_command(CLI::App& laminate);
-Command add_laminate_print_command(CLI::App& laminate);
-Command add_laminate_search_command(CLI::App& laminate);
-Command add_laminate_targets_command(CLI::App& laminate);
+[[nodiscard]] Verb laminate_dataset_verb();
+[[nodiscard]] Verb laminate_factor_verb();
+[[nodiscard]] Verb laminate_predict_verb();
+[[nodiscard]] Verb laminate_print_verb();
+[[nodiscard]] Verb laminate_search_verb();
+[[nodiscard]] Verb laminate_targets_verb();
 
 }  // namespace voxtone::cli

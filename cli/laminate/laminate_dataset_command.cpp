@@ -3,11 +3,8 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "cli/laminate/laminate_commands.h"
 #include "cli/program/common_options.h"
-#include "cli/program/help.h"
 #include "scattering/jobs/laminate_dataset_job.h"
 
 namespace voxtone::cli {
@@ -35,49 +32,40 @@ int run(LaminateDatasetArguments& a) {
     return run_on_console(a.run, [&](Progress& progress) { return scattering::run_laminate_dataset(a.job, progress); });
 }
 
-void add_slab_options(CLI::App& command, LaminateDatasetArguments& a) {
-    command.add_option("--points", a.points, "points a side, or WIDTH,HEIGHT")
-        ->delimiter(',')
-        ->expected(1, 2)
-        ->check(CLI::Range(1, 4096))
-        ->capture_default_str();
-    a.run.lengths.add(command, "--pitch", a.job.slab.pitch_mm, "between points");
-    a.run.lengths.add(command, "--thickness", a.job.slab.thickness_mm, "of the slab; it lies on black");
-    a.run.lengths.add(command, "--layer", a.job.slab.layer_mm, "depth of its voxels");
-    a.run.lengths.add(command, "--feature", a.job.slab.feature_mm,
-                      "edge of a square, distance of veins, size of grains");
+void add_slab_options(Verb& command, LaminateDatasetArguments& a) {
+    command.add("--points", a.points, "points a side, or WIDTH,HEIGHT",
+                {.range = {1, 4096}, .separator = ',', .count = {1, 2}});
+    command.add("--pitch", length(a.job.slab.pitch_mm), "between points");
+    command.add("--thickness", length(a.job.slab.thickness_mm), "of the slab; it lies on black");
+    command.add("--layer", length(a.job.slab.layer_mm), "depth of its voxels");
+    command.add("--feature", length(a.job.slab.feature_mm), "edge of a square, distance of veins, size of grains");
 }
 
 }  // namespace
 
-Command add_laminate_dataset_command(CLI::App& laminate) {
+Verb laminate_dataset_verb() {
     auto arguments = std::make_shared<LaminateDatasetArguments>();
     LaminateDatasetArguments& a = *arguments;
-    CLI::App* command =
-        laminate.add_subcommand("dataset",
-                                "Trace how light that enters a heterogeneous slab at one point leaves it "
-                                "at the others: a data set for `laminate factor`");
-    command
-        ->add_option("pattern", a.pattern,
-                     "marble: veins; chess: white on black and translucent squares; stone: grains")
-        ->check(CLI::IsMember(pattern_names()))
-        ->required();
-    add_out_option(*command, a.job.out, "FILE", "data set to write (format: docs/heterogeneous.md)");
-    add_overwrite_option(*command, a.job.overwrite);
-    add_slab_options(*command, a);
-    add_value(*command, "--radius", a.job.radius, "of the window around a point, in points")->check(CLI::Range(1, 64));
-    add_value(*command, "--paths", a.job.paths,
-              "per point and channel; a value's noise falls with the root of their number")
-        ->check(CLI::Range(1u, 1u << 24));
-    add_resins_option(*command, a.job.resins, ", with roles W, K and T");
-    command->add_flag("--matched", a.job.matched,
-                      "no refractive surface (index-matched on both sides), as stacked profiles have it");
-    add_seed_option(*command, a.job.slab.seed, "seed of the pattern and the paths");
-    command->add_option("--path-seed", a.job.path_seed, "seed of the paths alone: the same slab seen once more")
-        ->type_name("N");
-    add_run_options(*command, a.run);
-    add_example(*command, "marble -o marble.bssrdf");
-    return [arguments] { return run(*arguments); };
+    Verb command("dataset",
+                 "Trace how light that enters a heterogeneous slab at one point leaves it "
+                 "at the others: a data set for `laminate factor`",
+                 "marble -o marble.bssrdf");
+    command.add("pattern", a.pattern, "marble: veins; chess: white on black and translucent squares; stone: grains",
+                {.choices = pattern_names(), .required = true});
+    add_out_option(command, a.job.out, "FILE", "data set to write (format: docs/heterogeneous.md)");
+    add_overwrite_option(command, a.job.overwrite);
+    add_slab_options(command, a);
+    command.add("--radius", a.job.radius, "of the window around a point, in points", {.range = {1, 64}});
+    command.add("--paths", a.job.paths, "per point and channel; a value's noise falls with the root of their number",
+                {.range = {1, 1 << 24}});
+    add_resins_option(command, a.job.resins, ", with roles W, K and T");
+    command.add("--matched", a.job.matched,
+                "no refractive surface (index-matched on both sides), as stacked profiles have it");
+    command.add("--seed", a.job.slab.seed, "seed of the pattern and the paths");
+    command.add("--path-seed", a.job.path_seed, "seed of the paths alone: the same slab seen once more");
+    add_run_options(command, a.run);
+    command.run = [arguments] { return run(*arguments); };
+    return command;
 }
 
 }  // namespace voxtone::cli

@@ -13,12 +13,12 @@
 namespace voxtone::cli {
 
 /// --resins of a laminate that may name its own.
-void add_laminate_resins_option(CLI::App& command, std::string& resins);
+void add_laminate_resins_option(Verb& command, std::string& resins);
 /// --surface, --backing of such a laminate, and --resins.
-void add_named_laminate_options(CLI::App& command, scattering::NamedLaminateOptions& options);
+void add_named_laminate_options(Verb& command, scattering::NamedLaminateOptions& options);
 /// --reach, --coefficients.
-void add_detail_options(CLI::App& command, LengthOptions& lengths, double& reach_mm, std::uint32_t& coefficients);
+void add_detail_options(Verb& command, double& reach_mm, std::uint32_t& coefficients);
 /// --paths, --seed.
-void add_tracing_options(CLI::App& command, std::uint32_t& paths, std::uint64_t& seed);
+void add_tracing_options(Verb& command, std::uint32_t& paths, std::uint64_t& seed);
 
 }  // namespace voxtone::cli

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <memory>
 
-#include <CLI/CLI.hpp>
-
 #include "cli/laminate/laminate_commands.h"
 #include "cli/laminate/laminate_options.h"
-#include "cli/program/help.h"
 #include "scattering/jobs/laminate_targets_job.h"
 
 namespace voxtone::cli {
@@ -23,28 +20,24 @@ int run(LaminateTargetsArguments& a) {
 
 }  // namespace
 
-Command add_laminate_targets_command(CLI::App& laminate) {
+Verb laminate_targets_verb() {
     auto arguments = std::make_shared<LaminateTargetsArguments>();
     scattering::LaminateTargetsJob& job = arguments->job;
-    CLI::App* command =
-        laminate.add_subcommand("targets", "Make targets of one albedo and rising width, between two laminates");
-    command
-        ->add_option("narrow", job.narrow,
-                     "where light spreads least: a laminate file, or layers: \"W 5\" (mm, top first)")
-        ->type_name("FILE|LAYERS")
-        ->required();
-    command->add_option("wide", job.wide, "where light spreads most: \"W 0.2, T 4.8\"")
-        ->type_name("FILE|LAYERS")
-        ->required();
-    add_file_folder_options(*command, job.out, job.overwrite,
+    Verb command("targets", "Make targets of one albedo and rising width, between two laminates",
+                 "\"W 4\" \"W 0.2, T 0.8, W 3\" --resins vero-opaque-clear -o targets");
+    command.add("narrow", job.narrow, "where light spreads least: a laminate file, or layers: \"W 5\" (mm, top first)",
+                {.unit = "FILE|LAYERS", .required = true});
+    command.add("wide", job.wide, "where light spreads most: \"W 0.2, T 4.8\"",
+                {.unit = "FILE|LAYERS", .required = true});
+    add_file_folder_options(command, job.out, job.overwrite,
                             "folder for target-1.json (narrowest), target-2.json, ... and targets.svg");
-    add_count(*command, "--count", job.count, "targets, from 1 to 1000");
-    add_named_laminate_options(*command, job.setting);
-    add_detail_options(*command, arguments->run.lengths, job.setting.reach_mm, job.setting.coefficients);
-    add_tracing_options(*command, job.paths, job.seed);
-    add_run_options(*command, arguments->run);
-    add_example(*command, "\"W 4\" \"W 0.2, T 0.8, W 3\" --resins vero-opaque-clear -o targets");
-    return [arguments] { return run(*arguments); };
+    command.add("--count", job.count, "targets, from 1 to 1000");
+    add_named_laminate_options(command, job.setting);
+    add_detail_options(command, job.setting.reach_mm, job.setting.coefficients);
+    add_tracing_options(command, job.paths, job.seed);
+    add_run_options(command, arguments->run);
+    command.run = [arguments] { return run(*arguments); };
+    return command;
 }
 
 }  // namespace voxtone::cli

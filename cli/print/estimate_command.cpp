@@ -4,13 +4,10 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "base/error.h"
 #include "cli/print/job_options.h"
 #include "cli/print/print_commands.h"
 #include "cli/program/console.h"
-#include "cli/program/help.h"
 #include "farm/batch/plan_estimate.h"
 #include "slicer/estimate/estimate_job.h"
 #include "slicer/estimate/estimate_text.h"
@@ -58,30 +55,29 @@ int run(const EstimateArguments& arguments) {
 
 }  // namespace
 
-Command add_estimate_command(CLI::App& program) {
+Verb estimate_verb() {
     auto arguments = std::make_shared<EstimateArguments>();
-    CLI::App* command = program.add_subcommand(
+    Verb command(
         "estimate",
         "Say what slicing would take, without doing it: size, layers, resins, time, memory, disk. In the place of a "
         "model "
         "also of a plan as `batch` takes it (table, job list, folder, pattern): a line a job, and what they add up to. "
-        "Several models are a tray, as of `slice`");
+        "Several models are a tray, as of `slice`",
+        "cow.obj --size 60mm");
     arguments->job.takes_many = true;
-    add_job_options(*command, arguments->job);
-    command
-        ->add_flag("--orientations", arguments->scope.orientations,
-                   "add a table of the ways to turn the body by right angles, the best first: height, layers, what "
-                   "hangs over, which "
-                   "coloured faces lie downward")
-        ->group("Run");
-    command
-        ->add_flag("--quick", arguments->quick,
-                   "leave out how much of each resin: colours are not separated, which takes most of the time")
-        ->group("Run");
+    add_job_options(command, arguments->job);
+    command.add("--orientations", arguments->scope.orientations,
+                "add a table of the ways to turn the body by right angles, the best first: height, layers, what "
+                "hangs over, which "
+                "coloured faces lie downward",
+                {.group = "Run"});
+    command.add("--quick", arguments->quick,
+                "leave out how much of each resin: colours are not separated, which takes most of the time",
+                {.group = "Run"});
     arguments->console.answers = true;
-    add_console_options(*command, arguments->console);
-    add_example(*command, "cow.obj --size 60mm");
-    return [arguments] { return run(*arguments); };
+    add_console_options(command, arguments->console);
+    command.run = [arguments] { return run(*arguments); };
+    return command;
 }
 
 }  // namespace voxtone::cli

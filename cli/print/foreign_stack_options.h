@@ -7,14 +7,12 @@
 #include <string>
 #include <vector>
 
-namespace CLI {
-class App;
-}  // namespace CLI
-
 namespace voxtone::cli {
 
+class Verb;
+
 /// --resins, --assign, --nearest, --printer, --pitch, under one heading of --help.
-void add_foreign_stack_options(CLI::App& command, std::string& resins, std::vector<std::string>& assign, bool& nearest,
+void add_foreign_stack_options(Verb& command, std::string& resins, std::vector<std::string>& assign, bool& nearest,
                                std::string& printer, std::string& pitch);
 
 }  // namespace voxtone::cli

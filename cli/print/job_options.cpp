@@ -9,7 +9,6 @@
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
-#include <CLI/CLI.hpp>
 
 #include "base/error.h"
 #include "io/layers/layer_format.h"
@@ -33,70 +32,29 @@ std::string names_of_option(const OptionSpec& spec) {
     return spec.positional ? spec.option + "," + names : names;
 }
 
-CLI::Option* add_flag(CLI::App& command, const OptionSpec& spec, bool usual, bool& value) {
-    value = usual;
-    return command.add_flag(fmt::format("--{0},!--no-{0}", spec.option), value, spec.help)
-        ->default_str(usual ? "true" : "false");
-}
-
-CLI::Option* add_value(CLI::App& command, const OptionSpec& spec, const std::string& usual, std::string& value) {
-    const std::string help =
-        spec.choices.empty() ? spec.help : fmt::format("{} [{}]", spec.help, fmt::join(spec.choices, "|"));
-    CLI::Option* const option = command.add_option(names_of_option(spec), value, help)->type_name(spec.metavar);
-    if (!usual.empty()) option->default_str(usual);
-    if (!spec.bare.empty()) option->expected(0, 1)->default_str("");
-    return option;
-}
-
-/// Said once for each text.
-CLI::Option* add_texts(CLI::App& command, const OptionSpec& spec, std::vector<std::string>& texts) {
-    return command.add_option(names_of_option(spec), texts, spec.help)
-        ->type_name(spec.metavar)
-        ->allow_extra_args(false);
-}
-
-/// An option of an earlier name: taken, and told of nowhere.
-void add_former(CLI::App& command, const OptionSpec& spec, JobArguments& arguments) {
-    if (spec.former_option.empty()) return;
-    const std::string name = "--" + spec.former_option;
-    const auto take = [&arguments, key = spec.key](const std::vector<std::string>& values) {
-        (key == "model" && arguments.takes_many ? arguments.models : arguments.former_values[key]) = values;
-    };
-    CLI::Option* const former = command.add_option_function<std::vector<std::string>>(name, take)->group("");
-    if (spec.key != "model" || !arguments.takes_many) former->expected(1);
-    arguments.former_options[spec.key] = former;
-}
-
-void add_option(CLI::App& command, const OptionSpec& spec, JobArguments& arguments) {
-    const std::string usual = spec.get(slicer::SliceOptions{});
-    CLI::Option* const option =
-        spec.key == "model" && arguments.takes_many
-            ? command.add_option(names_of_option(spec), arguments.models, spec.help)->type_name(spec.metavar)
-        : spec.kind() == OptionSpec::Kind::flag  ? add_flag(command, spec, usual == "true", arguments.flags[spec.key])
-        : spec.kind() == OptionSpec::Kind::texts ? add_texts(command, spec, arguments.texts[spec.key])
-                                                 : add_value(command, spec, usual, arguments.values[spec.key]);
-    option->group(spec.group);
-    arguments.options[spec.key] = option;
-    add_former(command, spec, arguments);
+void add_option(Verb& verb, const OptionSpec& spec, JobArguments& arguments) {
+    const std::string names = names_of_option(spec);
+    arguments.keys.insert(spec.key);
+    OptionRules rules{.unit = spec.metavar,
+                      .choices = spec.choices,
+                      .verb_checks = true,
+                      .bare = !spec.bare.empty(),
+                      .group = spec.group};
+    if (spec.key == "model" && arguments.takes_many) return verb.add(names, arguments.models, spec.help, rules);
+    rules.one_each = spec.kind() == OptionSpec::Kind::texts;  // said once for each text
+    if (rules.one_each) return verb.add(names, arguments.texts[spec.key], spec.help, rules);
+    rules.usual = spec.get(slicer::SliceOptions{});
+    rules.off = spec.kind() == OptionSpec::Kind::flag;
+    if (!rules.off) return verb.add(names, arguments.values[spec.key], spec.help, rules);
+    arguments.flags[spec.key] = rules.usual == "true";
+    verb.add(names, arguments.flags[spec.key], spec.help, rules);
 }
 
 /// What the command line says of an option; nothing: it does not name it.
-std::optional<std::string> said(const JobArguments& arguments, const OptionSpec& spec, slicer::SliceOptions& options) {
-    const auto option = arguments.options.find(spec.key);
-    const bool is_said = option != arguments.options.end() && option->second->count() > 0;
-    const auto former = arguments.former_options.find(spec.key);
-    if (former != arguments.former_options.end() && former->second->count() > 0) {
-        if (is_said)
-            throw UsageError(fmt::format("--{0} is what --{1} was called earlier, and both are given: leave --{0} out",
-                                         spec.former_option, spec.option));
-        options.notes.push_back(fmt::format("--{0} is called --{1} now, which means the same; it was taken",
-                                            spec.former_option, spec.option));
-    } else if (!is_said) {
-        return std::nullopt;
-    }
+std::optional<std::string> said(const JobArguments& arguments, const OptionSpec& spec) {
+    if (!arguments.keys.contains(spec.key) || !arguments.said->contains(spec.option)) return std::nullopt;
     if (spec.kind() == OptionSpec::Kind::flag) return arguments.flags.at(spec.key) ? "true" : "false";
     if (spec.key == "model" && arguments.takes_many) return arguments.models.front();
-    if (!is_said) return arguments.former_values.at(spec.key).back();
     if (spec.kind() == OptionSpec::Kind::texts) return fmt::format("{}", fmt::join(arguments.texts.at(spec.key), "\n"));
     const std::string& value = arguments.values.at(spec.key);
     return value.empty() && !spec.bare.empty() ? spec.bare : value;
@@ -125,34 +83,29 @@ void add_format_for_printer(slicer::SliceOptions& options) {
 
 }  // namespace
 
-void add_some_job_options(CLI::App& command, JobArguments& arguments, const std::vector<std::string>& keys) {
+void add_some_job_options(Verb& command, JobArguments& arguments, const std::vector<std::string>& keys) {
+    arguments.said = command.said;
     for (const OptionSpec& spec : slicer::slice_option_table())
         if (std::ranges::find(keys, spec.key) != keys.end()) add_option(command, spec, arguments);
 }
 
-void add_job_options(CLI::App& command, JobArguments& arguments, const std::vector<std::string>& without) {
+void add_job_options(Verb& command, JobArguments& arguments, const std::vector<std::string>& without) {
+    arguments.said = command.said;
     for (const OptionSpec& spec : slicer::slice_option_table())
         if (std::ranges::find(without, spec.key) == without.end()) add_option(command, spec, arguments);
     constexpr int most_copies = 10'000;  // as in a plan
     if (arguments.takes_many)
-        command
-            .add_option("--copies", arguments.copies,
-                        "of each model: a tray of so many, looped once and laid beside each other")
-            ->type_name("N")
-            ->check(CLI::Range(1, most_copies))
-            ->group("Tray");
-    command
-        .add_option("--job", arguments.job,
-                    "read options from this job file; the command line wins. Paths in it are seen from its folder")
-        ->type_name("FILE")
-        ->group("Run");
+        command.add("--copies", arguments.copies,
+                    "of each model: a tray of so many, looped once and laid beside each other",
+                    {.range = {1, most_copies}, .group = "Tray"});
+    command.add("--job", arguments.job,
+                "read options from this job file; the command line wins. Paths in it are seen from its folder",
+                {.unit = "FILE", .group = "Run"});
 }
 
-void add_dump_default(CLI::App& command, JobArguments& arguments) {
-    command
-        .add_flag("--dump-default", arguments.dump_default,
-                  "print a complete job file, with the options given and every default, and stop")
-        ->group("Run");
+void add_dump_default(Verb& command, JobArguments& arguments) {
+    command.add("--dump-default", arguments.dump_default,
+                "print a complete job file, with the options given and every default, and stop", {.group = "Run"});
 }
 
 slicer::SliceOptions options_of(const JobArguments& arguments) {
@@ -160,7 +113,7 @@ slicer::SliceOptions options_of(const JobArguments& arguments) {
     std::vector<std::string> named;
     if (!arguments.job.empty()) slicer::read_job(arguments.job, options);
     for (const OptionSpec& spec : slicer::slice_option_table()) {
-        const std::optional<std::string> value = said(arguments, spec, options);
+        const std::optional<std::string> value = said(arguments, spec);
         if (!value) continue;
         spec.set(options, *value);
         named.push_back(spec.key);

@@ -4,22 +4,20 @@
 #pragma once
 
 #include <map>
+#include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "base/job_result.h"
 #include "base/progress.h"
+#include "cli/program/verb.h"
 #include "slicer/options/slice_options.h"
 #include "slicer/plans/tray_plan.h"
 
-namespace CLI {
-class App;
-class Option;
-}  // namespace CLI
-
 namespace voxtone::cli {
 
-/// What the command line said. Stays where it was made: CLI11 keeps references to it.
+/// What the command line said. Stays where it was made: the table of options points to it.
 struct JobArguments {
     JobArguments() = default;
     JobArguments(const JobArguments&) = delete;
@@ -28,9 +26,8 @@ struct JobArguments {
     std::map<std::string, std::string> values;  ///< by key
     std::map<std::string, std::vector<std::string>> texts;
     std::map<std::string, bool> flags;
-    std::map<std::string, CLI::Option*> options;
-    std::map<std::string, std::vector<std::string>> former_values;  ///< of options by their earlier names
-    std::map<std::string, CLI::Option*> former_options;
+    std::set<std::string> keys;  ///< that the verb takes
+    std::shared_ptr<const Verb::Said> said;
     std::string job;          ///< file
     bool takes_many = false;  ///< models: set before the options are added
     std::vector<std::string> models;
@@ -39,13 +36,13 @@ struct JobArguments {
 };
 
 /// All of the table, and --job. `without`: keys of options that this verb does not take.
-void add_job_options(CLI::App& command, JobArguments& arguments, const std::vector<std::string>& without = {});
+void add_job_options(Verb& command, JobArguments& arguments, const std::vector<std::string>& without = {});
 
 /// Those of these keys alone, without --job.
-void add_some_job_options(CLI::App& command, JobArguments& arguments, const std::vector<std::string>& keys);
+void add_some_job_options(Verb& command, JobArguments& arguments, const std::vector<std::string>& keys);
 
 /// --dump-default, which the verb looks at before it runs.
-void add_dump_default(CLI::App& command, JobArguments& arguments);
+void add_dump_default(Verb& command, JobArguments& arguments);
 
 /// Those of the job file, if one was named, with the command line's on top. Throws what reading the file throws, and
 /// UsageError.

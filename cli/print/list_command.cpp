@@ -5,10 +5,8 @@
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
-#include <CLI/CLI.hpp>
 
 #include "cli/print/print_commands.h"
-#include "cli/program/help.h"
 #include "cli/program/outcome.h"
 #include "io/files/json_writer.h"
 #include "io/profiles/resin_family.h"
@@ -129,17 +127,17 @@ void print_lists(const ListArguments& arguments) {
 
 }  // namespace
 
-Command add_list_command(CLI::App& program) {
+Verb list_verb() {
     auto arguments = std::make_shared<ListArguments>();
-    CLI::App* command = program.add_subcommand("list", "List the printers or the resin sets that the program knows");
-    command->add_option("what", arguments->what, "printers or resins; both where it is left out")
-        ->check(CLI::IsMember({"printers", "resins"}));
-    command->add_flag("--json", arguments->json, "one JSON array instead of text; of both an object of two");
-    add_example(*command, "printers");
-    return [arguments] {
+    Verb command("list", "List the printers or the resin sets that the program knows", "printers");
+    command.add("what", arguments->what, "printers or resins; both where it is left out",
+                {.choices = {"printers", "resins"}});
+    command.add("--json", arguments->json, "one JSON array instead of text; of both an object of two");
+    command.run = [arguments] {
         print_lists(*arguments);
         return 0;
     };
+    return command;
 }
 
 }  // namespace voxtone::cli

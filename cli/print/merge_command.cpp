@@ -2,11 +2,8 @@
 #include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "cli/print/print_commands.h"
 #include "cli/program/common_options.h"
-#include "cli/program/help.h"
 #include "io/shards/shard_number.h"
 #include "slicer/shards/merge_job.h"
 #include "slicer/tray/tray_shard.h"
@@ -33,36 +30,34 @@ int run(MergeArguments& arguments) {
 
 }  // namespace
 
-Command add_merge_command(CLI::App& program) {
+Verb merge_verb() {
     auto arguments = std::make_shared<MergeArguments>();
     slicer::MergeOptions& options = arguments->options;
-    CLI::App* command = program.add_subcommand(
+    Verb command(
         "merge",
         "Lay the shards of a job (slice --shard) together to one stack, the same bits as without shards, and write its "
-        "report; no layer is read again. Missing shards are named as a scheduler takes them; once merged, it says so");
-    command->add_option("out", arguments->out, "output folder of the shards")->required()->type_name("FOLDER");
-    command->add_flag("--overwrite", options.overwrite,
-                      "replace another job's stack that the folder holds; other things in it stay");
-    command
-        ->add_flag("--report,!--no-report", options.report,
-                   "write the report as the job asked for it, which reads the model again")
-        ->default_str("true");
-    command
-        ->add_flag("--predict,!--no-predict", options.predict,
-                   "predict the print for the report, as the job asked for it; makes its layers once more, in memory")
-        ->default_str("false");
-    command
-        ->add_option("--for-printer", arguments->for_printer,
-                     "put what the printer's computer takes, and how to print it, here too: a folder, one ZIP file, or "
-                     "the GCVF file alone; OUT/printer has it in any case")
-        ->type_name("FOLDER|FILE.zip|FILE.gcvf");
-    add_count(*command, "--shards", options.shards,
-              "how many shards there are known to be, all made: one that is not seen yet, as on a network file system, "
-              "is waited for, for a minute; 0: those that lie there")
-        ->check(CLI::Range(0, int(io::ShardNumber::most)));
-    add_run_options(*command, arguments->run);
-    add_example(*command, "out/cow");
-    return [arguments] { return run(*arguments); };
+        "report; no layer is read again. Missing shards are named as a scheduler takes them; once merged, it says so",
+        "out/cow");
+    command.add("out", arguments->out, "output folder of the shards", {.unit = "FOLDER", .required = true});
+    command.add("--overwrite", options.overwrite,
+                "replace another job's stack that the folder holds; other things in it stay");
+    command.add("--report", options.report, "write the report as the job asked for it, which reads the model again",
+                {.off = true});
+    command.add("--predict", options.predict,
+                "predict the print for the report, as the job asked for it; makes its layers once more, in memory",
+                {.off = true});
+    command.add("--for-printer", arguments->for_printer,
+                "put what the printer's computer takes, and how to print it, here too: a folder, one ZIP file, or "
+                "the GCVF file alone; OUT/printer has it in any case",
+                {.unit = "FOLDER|FILE.zip|FILE.gcvf"});
+    command.add(
+        "--shards", options.shards,
+        "how many shards there are known to be, all made: one that is not seen yet, as on a network file system, "
+        "is waited for, for a minute; 0: those that lie there",
+        {.range = {0, int(io::ShardNumber::most)}});
+    add_run_options(command, arguments->run);
+    command.run = [arguments] { return run(*arguments); };
+    return command;
 }
 
 }  // namespace voxtone::cli

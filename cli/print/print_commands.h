@@ -3,19 +3,19 @@
 // The verbs of one print: made, foreseen, predicted, checked.
 #pragma once
 
-#include "cli/program/command.h"
+#include "cli/program/verb.h"
 
 namespace voxtone::cli {
 
-Command add_slice_command(CLI::App& program);
-Command add_tray_command(CLI::App& program);
-Command add_estimate_command(CLI::App& program);
-Command add_read_command(CLI::App& program);
-Command add_merge_command(CLI::App& program);
-Command add_predict_command(CLI::App& program);
-Command add_proof_command(CLI::App& program);
-Command add_target_command(CLI::App& program);
-Command add_verify_command(CLI::App& program);
-Command add_list_command(CLI::App& program);
+[[nodiscard]] Verb slice_verb();
+[[nodiscard]] Verb tray_verb();
+[[nodiscard]] Verb estimate_verb();
+[[nodiscard]] Verb read_verb();
+[[nodiscard]] Verb merge_verb();
+[[nodiscard]] Verb predict_verb();
+[[nodiscard]] Verb proof_verb();
+[[nodiscard]] Verb target_verb();
+[[nodiscard]] Verb verify_verb();
+[[nodiscard]] Verb list_verb();
 
 }  // namespace voxtone::cli

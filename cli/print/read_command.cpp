@@ -5,14 +5,12 @@
 #include <vector>
 
 #include <fmt/core.h>
-#include <CLI/CLI.hpp>
 
 #include "base/error.h"
 #include "cli/print/job_options.h"
 #include "cli/print/print_commands.h"
 #include "cli/program/common_options.h"
 #include "cli/program/console.h"
-#include "cli/program/help.h"
 #include "io/disk/output_files.h"
 #include "io/files/whole_file.h"
 #include "io/models/model_reader.h"
@@ -75,34 +73,32 @@ JobResult run(const ReadArguments& arguments, Progress& progress) {
 
 }  // namespace
 
-Command add_read_command(CLI::App& program) {
+Verb read_verb() {
     auto arguments = std::make_shared<ReadArguments>();
-    CLI::App* command = program.add_subcommand(
+    Verb command(
         "read",
         "Say what is in models and pictures: format, unit, size, parts, triangles, textures, colours, materials, and "
         "the warnings that reading them gives. Nothing else is done; a file that cannot be read does not keep the "
-        "others from being told");
+        "others from being told",
+        "cow.obj logo.png");
     arguments->job.takes_many = true;
-    add_some_job_options(*command, arguments->job,
+    add_some_job_options(command, arguments->job,
                          {"model", "printer", "unit", "size", "scale", "width", "height", "dpi", "thickness", "cut-out",
                           "rotate", "texture", "read-memory", "read-time", "read-size", "read-pixels"});
-    command->get_option("model")->required();
-    command
-        ->add_option("--picture", arguments->picture,
-                     "a PNG to know the model by: from front, right and above, from the front, from above; of a "
-                     "picture, itself")
-        ->type_name("FILE");
-    command->add_option("--picture-width", arguments->picture_px, "its width at most")
-        ->type_name("PX")
-        ->check(CLI::Range(slicer::least_views_px, slicer::most_views_px))
-        ->capture_default_str();
-    add_overwrite_option(*command, arguments->overwrite);
+    std::ranges::find(command.options, "model,--model", &Option::names)->rules.required = true;
+    command.add("--picture", arguments->picture,
+                "a PNG to know the model by: from front, right and above, from the front, from above; of a "
+                "picture, itself",
+                {.unit = "FILE"});
+    command.add("--picture-width", arguments->picture_px, "its width at most",
+                {.unit = "PX", .range = {slicer::least_views_px, slicer::most_views_px}});
+    add_overwrite_option(command, arguments->overwrite);
     arguments->console.answers = true;
-    add_console_options(*command, arguments->console);
-    add_example(*command, "cow.obj logo.png");
-    return [arguments] {
+    add_console_options(command, arguments->console);
+    command.run = [arguments] {
         return run_on_console(arguments->console, [&](Progress& progress) { return run(*arguments, progress); });
     };
+    return command;
 }
 
 }  // namespace voxtone::cli

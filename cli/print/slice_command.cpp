@@ -3,12 +3,10 @@
 #include <utility>
 
 #include <fmt/core.h>
-#include <CLI/CLI.hpp>
 
 #include "cli/print/job_options.h"
 #include "cli/print/print_commands.h"
 #include "cli/program/console.h"
-#include "cli/program/help.h"
 #include "cli/program/outcome.h"
 #include "slicer/job/slice_job.h"
 #include "slicer/options/job_file.h"
@@ -24,7 +22,7 @@ struct SliceArguments {
     ConsoleOptions console;
 };
 
-void add_options(CLI::App& command, SliceArguments& arguments) {
+void add_options(Verb& command, SliceArguments& arguments) {
     arguments.job.takes_many = true;
     add_job_options(command, arguments.job);
     add_dump_default(command, arguments.job);
@@ -52,13 +50,13 @@ int run(const SliceArguments& arguments) {
 
 }  // namespace
 
-Command add_slice_command(CLI::App& program) {
+Verb slice_verb() {
     auto arguments = std::make_shared<SliceArguments>();
-    CLI::App* command = program.add_subcommand(
-        "slice", "Slice a textured mesh or a picture, or many of them, into a printable layer stack");
-    add_options(*command, *arguments);
-    add_example(*command, "cow.obj --size 60mm -o out/cow");
-    return [arguments] { return run(*arguments); };
+    Verb command("slice", "Slice a textured mesh or a picture, or many of them, into a printable layer stack",
+                 "cow.obj --size 60mm -o out/cow");
+    add_options(command, *arguments);
+    command.run = [arguments] { return run(*arguments); };
+    return command;
 }
 
 }  // namespace voxtone::cli

@@ -3,12 +3,9 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "cli/print/job_options.h"
 #include "cli/print/print_commands.h"
 #include "cli/program/console.h"
-#include "cli/program/help.h"
 #include "cli/program/outcome.h"
 #include "slicer/options/job_file.h"
 #include "slicer/options/option_values.h"
@@ -39,18 +36,19 @@ int run(const TrayArguments& arguments) {
 
 }  // namespace
 
-Command add_tray_command(CLI::App& program) {
+Verb tray_verb() {
     auto arguments = std::make_shared<TrayArguments>();
-    CLI::App* command = program.add_subcommand(
+    Verb command(
         "tray",
         "Slice many parts, and copies of them, into one print: what `slice` does with several models or a plan, whose "
-        "parts may also be boxes, cylinders, finished stacks and jobs");
+        "parts may also be boxes, cylinders, finished stacks and jobs",
+        "tray.json -o out/tray");
     arguments->job.takes_many = true;
-    add_job_options(*command, arguments->job, {"layers", "mixtures", "resume"});
-    add_dump_default(*command, arguments->job);
-    add_console_options(*command, arguments->console);
-    add_example(*command, "tray.json -o out/tray");
-    return [arguments] { return run(*arguments); };
+    add_job_options(command, arguments->job, {"layers", "mixtures", "resume"});
+    add_dump_default(command, arguments->job);
+    add_console_options(command, arguments->console);
+    command.run = [arguments] { return run(*arguments); };
+    return command;
 }
 
 }  // namespace voxtone::cli

@@ -5,11 +5,9 @@
 #include <vector>
 
 #include <fmt/core.h>
-#include <CLI/CLI.hpp>
 
 #include "cli/print/print_commands.h"
 #include "cli/program/common_options.h"
-#include "cli/program/help.h"
 #include "io/files/json_writer.h"
 #include "io/layers/verify.h"
 #include "slicer/printer/printer.h"
@@ -78,21 +76,19 @@ int run(const VerifyArguments& arguments) {
 
 }  // namespace
 
-Command add_verify_command(CLI::App& program) {
+Verb verify_verb() {
     auto arguments = std::make_shared<VerifyArguments>();
-    CLI::App* command = program.add_subcommand(
+    Verb command(
         "verify",
-        "Check a layer stack, ours or anyone's, as the printer's software would; exit code 6 with every fault named");
-    command->add_option("stack", arguments->stack, "output folder, folder of PNG layers, or .gcvf file")
-        ->required()
-        ->type_name("FOLDER|FILE");
-    command
-        ->add_option("--printer", arguments->printer,
-                     "check against this printer; empty: the one that the manifest names")
-        ->type_name("ID|FILE");
-    add_run_options(*command, arguments->run);
-    add_example(*command, "out/cow");
-    return [arguments] { return run(*arguments); };
+        "Check a layer stack, ours or anyone's, as the printer's software would; exit code 6 with every fault named",
+        "out/cow");
+    command.add("stack", arguments->stack, "output folder, folder of PNG layers, or .gcvf file",
+                {.unit = "FOLDER|FILE", .required = true});
+    command.add("--printer", arguments->printer, "check against this printer; empty: the one that the manifest names",
+                {.unit = "ID|FILE"});
+    add_run_options(command, arguments->run);
+    command.run = [arguments] { return run(*arguments); };
+    return command;
 }
 
 }  // namespace voxtone::cli

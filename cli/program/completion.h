@@ -7,14 +7,13 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
+#include "cli/program/verb.h"
 #include "cli/program/words.h"
 
 namespace voxtone::cli {
 
 /// `words`: as typed behind the program's name, the last as far as it is typed (empty: not begun). Words that it may
 /// become; of --name=value, what the value may become. None where a file is named or anything goes.
-[[nodiscard]] std::vector<std::string> completions(const CLI::App& program, const Words& words);
+[[nodiscard]] std::vector<std::string> completions(const Verb& program, const Words& words);
 
 }  // namespace voxtone::cli

@@ -6,7 +6,6 @@
 #include <string>
 
 #include <fmt/core.h>
-#include <CLI/CLI.hpp>
 
 #include "base/cancel_on_signal.h"
 #include "base/openjd_progress.h"
@@ -16,6 +15,7 @@
 #include "base/progress_events.h"
 #include "base/stop_deadline.h"
 #include "cli/program/outcome.h"
+#include "cli/program/verb.h"
 
 namespace voxtone::cli {
 
@@ -78,31 +78,23 @@ JobResult run_for_openjd(const std::function<JobResult(Progress&)>& work, std::c
 
 }  // namespace
 
-void add_console_options(CLI::App& command, ConsoleOptions& options) {
-    CLI::Option* const json =
-        command.add_flag("--json", options.json, "events and the result as one JSON object a line on stdout")
-            ->group("Run");
-    command
-        .add_option_function<std::string>(
-            "--progress", [&options](const std::string& kind) { options.openjd = kind == "openjd"; },
-            "auto: a bar on a terminal, lines elsewhere; openjd: the messages of Open Job Description on stdout "
-            "(openjd_status, openjd_progress, openjd_fail), one at least every 10 s")
-        ->type_name("KIND")
-        ->default_str("auto")
-        ->check(CLI::IsMember({"auto", "openjd"}))
-        ->excludes(json)
-        ->group("Run");
-    command
-        .add_flag("--quiet", options.quiet,
-                  options.answers ? "the answer, warnings and errors: no progress"
-                                  : "warnings and errors: no progress, and no summary of what is done")
-        ->group("Run");
+void add_console_options(Verb& verb, ConsoleOptions& options) {
+    verb.group("Run");
+    verb.add("--json", options.json, "events and the result as one JSON object a line on stdout",
+             {.not_with = "--progress"});
+    verb.add("--progress", options.progress,
+             "auto: a bar on a terminal, lines elsewhere; openjd: the messages of Open Job Description on stdout "
+             "(openjd_status, openjd_progress, openjd_fail), one at least every 10 s",
+             {.unit = "KIND", .choices = {"auto", "openjd"}});
+    verb.add("--quiet", options.quiet,
+             options.answers ? "the answer, warnings and errors: no progress"
+                             : "warnings and errors: no progress, and no summary of what is done");
 }
 
 int run_on_console(const ConsoleOptions& options, const std::function<JobResult(Progress&)>& work) {
-    const JobResult result = options.json     ? run_with_events(work, options.grace)
-                             : options.openjd ? run_for_openjd(work, options.grace)
-                                              : run_with_text(options, work);
+    const JobResult result = options.json       ? run_with_events(work, options.grace)
+                             : options.openjd() ? run_for_openjd(work, options.grace)
+                                                : run_with_text(options, work);
     return static_cast<int>(result.exit_code);
 }
 

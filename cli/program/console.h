@@ -6,25 +6,26 @@
 
 #include <chrono>
 #include <functional>
+#include <string>
 
 #include "base/job_result.h"
 #include "base/progress.h"
 
-namespace CLI {
-class App;
-}
-
 namespace voxtone::cli {
+
+class Verb;
 
 struct ConsoleOptions {
     bool json = false;
     bool quiet = false;
     bool answers = false;                  ///< its text is what the verb is asked for: --quiet leaves it
-    bool openjd = false;                   ///< messages of Open Job Description
+    std::string progress = "auto";         ///< or openjd: messages of Open Job Description
     std::chrono::milliseconds grace{800};  ///< that a verb has to end after a request to stop
+    [[nodiscard]] bool openjd() const { return progress == "openjd"; }
 };
 
-void add_console_options(CLI::App& command, ConsoleOptions& options);
+/// --json, --progress, --quiet.
+void add_console_options(Verb& verb, ConsoleOptions& options);
 
 /// Runs the work under the chosen kind of progress and prints its result. Errors pass through.
 int run_on_console(const ConsoleOptions& options, const std::function<JobResult(Progress&)>& work);

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/program/help.h"
 
-#include <memory>
 #include <sstream>
 
 #include <fmt/core.h>
-
-#include "cli/program/option_text.h"
-#include "cli/program/words.h"
+#include <fmt/ranges.h>
 
 namespace voxtone::cli {
 
@@ -22,67 +19,52 @@ std::string entry(const std::string& head, const std::string& help) {
     return first + std::string(help_column - first.size(), ' ') + text + "\n";
 }
 
-std::string usage(const CLI::App& command) {
-    std::string text = "Usage: " + full_name(command) + " [OPTIONS]";
-    for (const CLI::Option* option : command.get_options()) {
-        if (!option->get_positional()) continue;
-        const bool many = option->get_items_expected_max() >= CLI::detail::expected_max_vector_size;
-        const std::string name = option->get_name(true) + (many ? "..." : "");
-        text += option->get_required() ? " " + name : " [" + name + "]";
+std::string usage(const Verb& verb) {
+    std::string text = "Usage: " + verb.full_name + " [OPTIONS]";
+    for (const Option& option : verb.options) {
+        if (option.standing().empty()) continue;
+        const std::string name = option.standing() + (option.is_many() ? "..." : "");
+        text += option.rules.required ? " " + name : " [" + name + "]";
     }
-    return text + (command.get_subcommands({}).empty() ? "\n" : " VERB\n");
+    return text + (verb.steps.empty() ? "\n" : " VERB\n");
 }
 
-std::string option_section(const OptionGroup& group) {
+std::string option_section(const OptionGroup& group, bool standing) {
     std::string text = "\n" + group.heading + ":\n";
-    for (const OptionText& option : group.options)
-        text += entry(option.names + (option.value.empty() ? "" : " " + option.value), option.help);
+    for (const Option* option : group.options) {
+        const std::string value = option->value_text();
+        const std::string names = standing ? option->standing() : fmt::format("{}", fmt::join(option->dashed(), ", "));
+        text += entry(names + (value.empty() ? "" : " " + value), option->told(standing));
+    }
     return text;
 }
 
-std::string options_section(const CLI::App& command, bool all) {
+std::string options_section(const Verb& verb, bool all) {
     std::string text, left_out;
-    for (const OptionGroup& group : option_groups(command)) {
+    for (const OptionGroup& group : verb.groups()) {
         if (all || !group.rare)
-            text += option_section(group);
+            text += option_section(group, group.standing);
         else
             left_out +=
                 fmt::format("{}{} ({} options)", left_out.empty() ? "" : ", ", group.heading, group.options.size());
     }
-    if (!left_out.empty()) text += fmt::format("\nMore by `{} --help-all`: {}\n", full_name(command), left_out);
+    if (!left_out.empty()) text += fmt::format("\nMore by `{} --help-all`: {}\n", verb.full_name, left_out);
     return text;
 }
 
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
-class HelpFormatter final : public CLI::FormatterBase {
-public:
-    std::string make_help(const CLI::App* command, std::string, CLI::AppFormatMode mode) const override {
-        const bool all = mode != CLI::AppFormatMode::Normal;
-        std::string text = wrapped(command->get_description(), page_columns, 0) + "\n\n" + usage(*command);
-        text += options_section(*command, all);
-        const auto verbs = command->get_subcommands({});
-        if (!verbs.empty()) text += "\nVerbs:\n";
-        for (const CLI::App* verb : verbs) text += entry(verb->get_name(), first_line(verb->get_description()));
-        if (!command->get_footer().empty()) text += "\nExample:\n  " + command->get_footer() + "\n";
-        if (!verbs.empty()) text += fmt::format("\n`{} VERB --help` tells more of each.\n", full_name(*command));
-        if (all)
-            for (const CLI::App* verb : verbs)
-                text += "\n" + std::string(page_columns, '-') + "\n" + make_help(verb, "", mode);
-        return text;
-    }
-};
-
 }  // namespace
 
-void set_up_help(CLI::App& program) {
-    program.formatter(std::make_shared<HelpFormatter>());
-    program.set_help_flag("-h,--help", "print this and stop");
-    program.set_help_all_flag("--help-all", "print this with the options that few need, and stop");
-}
-
-void add_example(CLI::App& command, const std::string& arguments) {
-    command.footer(full_name(command) + " " + arguments);
+std::string help_text(const Verb& verb, bool all) {
+    std::string text = wrapped(verb.help, page_columns, 0) + "\n\n" + usage(verb) + options_section(verb, all);
+    if (!verb.steps.empty()) text += "\nVerbs:\n";
+    for (const Verb& step : verb.steps) text += entry(step.name, first_line(step.help));
+    text += "\nExample:\n  " + verb.full_name + " " + verb.example + "\n";
+    if (!verb.steps.empty()) text += fmt::format("\n`{} VERB --help` tells more of each.\n", verb.full_name);
+    if (all)
+        for (const Verb& step : verb.steps) text += "\n" + std::string(page_columns, '-') + "\n" + help_text(step, all);
+    return text;
 }
 
 std::string wrapped(const std::string& text, std::size_t columns, std::size_t indent) {

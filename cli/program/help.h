@@ -5,15 +5,12 @@
 
 #include <string>
 
-#include <CLI/CLI.hpp>
+#include "cli/program/verb.h"
 
 namespace voxtone::cli {
 
-/// To be called before commands are added: they take --help, --help-all and their looks from the program.
-void set_up_help(CLI::App& program);
-
-/// A command line that a user could try, without the program's name; --help and the manual end with it.
-void add_example(CLI::App& command, const std::string& arguments);
+/// `all`: with the options that few need, and all steps.
+[[nodiscard]] std::string help_text(const Verb& verb, bool all);
 
 /// Broken between words so that no line is longer than this, where its words are not.
 [[nodiscard]] std::string wrapped(const std::string& text, std::size_t columns, std::size_t indent);

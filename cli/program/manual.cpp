@@ -8,8 +8,6 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include "cli/program/option_text.h"
-#include "cli/program/words.h"
 #include "io/files/whole_file.h"
 #include "io/programs/build_identity.h"
 
@@ -34,49 +32,53 @@ std::string roff(const std::string& text) {
     return (text.starts_with('.') ? "\\&" : "") + result;
 }
 
-std::string page_name(const CLI::App& command) {
-    std::string name = full_name(command);
+std::string page_name(const Verb& verb) {
+    std::string name = verb.full_name;
     std::replace(name.begin(), name.end(), ' ', '-');
     return name;
 }
 
-std::string title(const CLI::App& command) {
-    std::string upper = page_name(command);
+std::string title(const Verb& verb) {
+    std::string upper = page_name(verb);
     std::transform(upper.begin(), upper.end(), upper.begin(), [](unsigned char c) { return char(std::toupper(c)); });
     return fmt::format(".TH \"{}\" 1 \"\" \"voxtone {}\" \"voxtone\"\n.SH NAME\n{} \\- {}\n", roff(upper),
-                       io::program_version(), roff(page_name(command)),
-                       roff(command.get_description().substr(0, command.get_description().find('\n'))));
+                       io::program_version(), roff(page_name(verb)), roff(verb.help.substr(0, verb.help.find('\n'))));
 }
 
-std::string synopsis(const CLI::App& command) {
-    std::string text = ".B " + roff(full_name(command)) + "\n[\\fIOPTIONS\\fR]";
-    for (const CLI::Option* option : command.get_options())
-        if (option->get_positional()) text += " \\fI" + roff(option->get_name(true)) + "\\fR";
-    return text + (command.get_subcommands({}).empty() ? "\n" : " \\fIVERB\\fR\n");
+std::string synopsis(const Verb& verb) {
+    std::string text = ".B " + roff(verb.full_name) + "\n[\\fIOPTIONS\\fR]";
+    for (const Option& option : verb.options)
+        if (!option.standing().empty()) text += " \\fI" + roff(option.standing()) + "\\fR";
+    return text + (verb.steps.empty() ? "\n" : " \\fIVERB\\fR\n");
 }
 
-std::string options(const CLI::App& command) {
+std::string options(const Verb& verb) {
     std::string text;
-    for (const OptionGroup& group : option_groups(command)) {
+    for (const OptionGroup& group : verb.groups()) {
         text += ".SS " + roff(group.heading) + "\n";
-        for (const OptionText& option : group.options)
-            text += fmt::format(".TP\n\\fB{}\\fR{}\n{}\n", roff(option.names),
-                                option.value.empty() ? "" : " \\fI" + roff(option.value) + "\\fR", roff(option.help));
+        for (const Option* option : group.options) {
+            const std::string value = option->value_text();
+            const std::string names =
+                group.standing ? option->standing() : fmt::format("{}", fmt::join(option->dashed(), ", "));
+            text +=
+                fmt::format(".TP\n\\fB{}\\fR{}\n{}\n", roff(names), value.empty() ? "" : " \\fI" + roff(value) + "\\fR",
+                            roff(option->told(group.standing)));
+        }
     }
     return text;
 }
 
-std::string example(const CLI::App& command) {
-    return command.get_footer().empty() ? "" : ".PP\nExample:\n.PP\n.EX\n" + roff(command.get_footer()) + "\n.EE\n";
+std::string example(const Verb& verb) {
+    return ".PP\nExample:\n.PP\n.EX\n" + roff(verb.full_name + " " + verb.example) + "\n.EE\n";
 }
 
 /// The steps of a family, and those of families among them.
-std::string steps(const CLI::App& verb) {
+std::string steps(const Verb& verb) {
     std::string text;
-    for (const CLI::App* step : verb.get_subcommands({})) {
-        text += fmt::format(".SH \"{}\"\n", roff(full_name(*step)));
-        text += roff(step->get_description()) + "\n.PP\n" + synopsis(*step) + options(*step) + example(*step);
-        text += steps(*step);
+    for (const Verb& step : verb.steps) {
+        text += fmt::format(".SH \"{}\"\n", roff(step.full_name));
+        text += roff(step.help) + "\n.PP\n" + synopsis(step) + options(step) + example(step);
+        text += steps(step);
     }
     return text;
 }
@@ -92,21 +94,21 @@ constexpr const char* ending =
 
 }  // namespace
 
-ManualPage program_page(const CLI::App& program) {
+ManualPage program_page(const Verb& program) {
     std::string text = title(program) + ".SH SYNOPSIS\n" + synopsis(program);
-    text += ".SH DESCRIPTION\n" + roff(program.get_description()) + "\n.SH VERBS\n";
+    text += ".SH DESCRIPTION\n" + roff(program.help) + "\n.SH VERBS\n";
     std::vector<std::string> pages;
-    for (const CLI::App* verb : program.get_subcommands({})) {
-        text += fmt::format(".TP\n\\fB{}\\fR\n{}\n", roff(verb->get_name()), roff(verb->get_description()));
-        pages.push_back(fmt::format(".BR {} (1)", roff(page_name(*verb))));
+    for (const Verb& verb : program.steps) {
+        text += fmt::format(".TP\n\\fB{}\\fR\n{}\n", roff(verb.name), roff(verb.help));
+        pages.push_back(fmt::format(".BR {} (1)", roff(page_name(verb))));
     }
     text += ".SH OPTIONS\n" + options(program) + example(program) + ending;
     return {"voxtone.1", text + fmt::format(".SH \"SEE ALSO\"\n{}\n", fmt::join(pages, "\n"))};
 }
 
-ManualPage verb_page(const CLI::App& verb) {
+ManualPage verb_page(const Verb& verb) {
     std::string text = title(verb) + ".SH SYNOPSIS\n" + synopsis(verb);
-    text += ".SH DESCRIPTION\n" + roff(verb.get_description()) + "\n" + example(verb);
+    text += ".SH DESCRIPTION\n" + roff(verb.help) + "\n" + example(verb);
     text += ".SH OPTIONS\n" + options(verb);
     text += steps(verb);
     return {page_name(verb) + ".1", text + ending + ".SH \"SEE ALSO\"\n.BR voxtone (1)\n"};

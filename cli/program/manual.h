@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
+#include "cli/program/verb.h"
 
 namespace voxtone::cli {
 
@@ -17,9 +17,9 @@ struct ManualPage {
 };
 
 /// Of the program itself.
-[[nodiscard]] ManualPage program_page(const CLI::App& program);
+[[nodiscard]] ManualPage program_page(const Verb& program);
 /// Of a verb.
-[[nodiscard]] ManualPage verb_page(const CLI::App& verb);
+[[nodiscard]] ManualPage verb_page(const Verb& verb);
 
 /// Writes them into this folder, which is made. Throws FileError.
 void write_manual(const std::vector<ManualPage>& pages, const std::string& folder);

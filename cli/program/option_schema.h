@@ -6,11 +6,11 @@
 
 #include <string>
 
-#include <CLI/CLI.hpp>
+#include "cli/program/verb.h"
 
 namespace voxtone::cli {
 
 /// Of the verbs of `program`, with the steps of families, without what --help does not tell.
-[[nodiscard]] std::string option_schema(const CLI::App& program);
+[[nodiscard]] std::string option_schema(const Verb& program);
 
 }  // namespace voxtone::cli

@@ -9,10 +9,9 @@
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
-#include <CLI/CLI.hpp>
 
 #include "base/error.h"
-#include "cli/program/parser_message.h"
+#include "cli/program/verb.h"
 #include "io/files/json_keys.h"
 
 namespace voxtone::cli {
@@ -26,68 +25,46 @@ bool is_short_with_sign(const std::string& word) {
     return word.size() > 2 && word[0] == '-' && std::isalpha(static_cast<unsigned char>(word[1])) && word[2] == '=';
 }
 
-std::vector<std::string> verb_names(const CLI::App& command) {
+std::vector<std::string> verb_names(const Verb& verb) {
     std::vector<std::string> names;
-    for (const CLI::App* verb : command.get_subcommands({})) names.push_back(verb->get_name());
+    for (const Verb& step : verb.steps) names.push_back(step.name);
     return names;
-}
-
-std::vector<std::string> option_names(const CLI::App& command) {
-    std::vector<std::string> names;
-    for (const CLI::Option* option : command.get_options()) {
-        if (option->get_group().empty()) continue;  // an earlier spelling
-        for (const std::string& name : option->get_lnames()) names.push_back(name);
-    }
-    return names;
-}
-
-const CLI::App* find_verb(const CLI::App& command, const std::string& name) {
-    for (const CLI::App* verb : command.get_subcommands({}))
-        if (verb->get_name() == name) return verb;
-    return nullptr;
 }
 
 std::string did_you_mean(const std::string& nearest, const std::string& before, const std::string& otherwise) {
     return nearest.empty() ? otherwise : fmt::format("did you mean '{}{}'?", before, nearest);
 }
 
-[[noreturn]] void refuse_verb(const CLI::App& command, const std::string& word) {
-    const std::vector<std::string> names = verb_names(command);
+[[noreturn]] void refuse_verb(const Verb& verb, const std::string& word) {
+    const std::vector<std::string> names = verb_names(verb);
     throw UsageError(fmt::format(
-        "'{}' is no verb of `{}`; {}", word, full_name(command),
+        "'{}' is no verb of `{}`; {}", word, verb.full_name,
         did_you_mean(io::nearest_name(word, names), "", fmt::format("there are {}", fmt::join(names, ", ")))));
 }
 
-/// The command that the first words name; `words` is left with what follows.
-const CLI::App& named_command(const CLI::App& program, std::span<const std::string>& words) {
-    const CLI::App* command = &program;
-    while (!command->get_subcommands({}).empty() && !words.empty() && !is_option_word(words.front())) {
-        const CLI::App* verb = find_verb(*command, words.front());
-        if (!verb) refuse_verb(*command, words.front());
-        command = verb;
+/// The verb that the first words name; `words` is left with what follows.
+const Verb& named_verb(const Verb& program, std::span<const std::string>& words) {
+    const Verb* verb = &program;
+    while (!verb->steps.empty() && !words.empty() && !is_option_word(words.front())) {
+        const Verb* const step = verb->step(words.front());
+        if (!step) refuse_verb(*verb, words.front());
+        verb = step;
         words = words.subspan(1);
     }
-    return *command;
+    return *verb;
 }
 
 /// `-o --json` would make a folder called "--json".
-void check_values_follow(const CLI::App& command, std::span<const std::string> words) {
+void check_values_follow(const Verb& verb, std::span<const std::string> words) {
     for (std::size_t i = 0; i + 1 < words.size() && words[i] != "--"; ++i) {
         if (!is_option_word(words[i])) continue;
-        const CLI::Option* option = command.get_option_no_throw(words[i]);
-        if (!option || option->get_items_expected_min() == 0) continue;
-        if (is_option_word(words[i + 1]) && command.get_option_no_throw(words[i + 1]))
+        const Option* option = verb.find(words[i]);
+        if (!option || option->is_flag() || option->rules.bare) continue;
+        if (is_option_word(words[i + 1]) && verb.find(words[i + 1]))
             throw UsageError(fmt::format("{}: its value is missing, for '{}' is an option; write {}={} if it is meant",
-                                         words[i], words[i + 1], option->get_name(), words[i + 1]));
+                                         words[i], words[i + 1], option->shown(), words[i + 1]));
         ++i;
     }
-}
-
-/// The deepest command that was parsed.
-const CLI::App& parsed_command(const CLI::App& program) {
-    const CLI::App* command = &program;
-    while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
-    return *command;
 }
 
 /// A file whose name begins as options do.
@@ -97,25 +74,27 @@ bool may_be_file(const std::string& word) {
            (word.find('=') == std::string::npos && word.find_first_of("/.") != std::string::npos);
 }
 
-std::string unknown_option(const CLI::App& command, const std::string& word) {
+std::string unknown_option(const Verb& verb, const std::string& word) {
     if (may_be_file(word))
         return fmt::format("{}: `{}` has no such option; if it is a file, write ./{}, or put it behind --", word,
-                           full_name(command), word);
+                           verb.full_name, word);
     const std::size_t begin = std::min(word.find_first_not_of('-'), word.size());
-    const std::string name = word.substr(begin, word.find('=') - begin);
-    const std::vector<std::string> known = option_names(command);
-    return fmt::format("{}: `{}` has no such option; {}", word.substr(0, word.find('=')), full_name(command),
-                       did_you_mean(io::nearest_name(name, known), "--",
-                                    fmt::format("`{} --help` lists those it has", full_name(command))));
+    std::vector<std::string> known;
+    for (const Option& option : verb.options)
+        for (const std::string& name : option.dashed())
+            if (name.starts_with("--")) known.push_back(name.substr(2));
+    return fmt::format("{}: `{}` has no such option; {}", word.substr(0, word.find('=')), verb.full_name,
+                       did_you_mean(io::nearest_name(word.substr(begin, word.find('=') - begin), known), "--",
+                                    fmt::format("`{} --help` lists those it has", verb.full_name)));
 }
 
-std::string one_too_many(const CLI::App& command, const std::string& word) {
+std::string one_too_many(const Verb& verb, const std::string& word) {
     std::string wanted;
-    for (const CLI::Option* option : command.get_options())
-        if (option->get_positional()) wanted += (wanted.empty() ? "" : " and ") + option->get_name(true);
+    for (const Option& option : verb.options)
+        if (const std::string name = option.standing(); !name.empty()) wanted += (wanted.empty() ? "" : " and ") + name;
     return fmt::format(
         "'{}' is one word too many: `{}` takes {} besides its options; put a name with spaces into quotes", word,
-        full_name(command), wanted.empty() ? "nothing" : wanted);
+        verb.full_name, wanted.empty() ? "nothing" : wanted);
 }
 
 }  // namespace
@@ -142,26 +121,19 @@ Messages asked_messages(const Words& words) {
     return Messages::text;
 }
 
-void check_words(const CLI::App& program, const Words& words) {
+void check_words(const Verb& program, const Words& words) {
     std::span<const std::string> rest = words;
-    const CLI::App& command = named_command(program, rest);
-    if (!command.get_subcommands({}).empty() && rest.empty())
-        throw UsageError(fmt::format("`{}` wants a verb: {}; `{} --help` says what they do", full_name(command),
-                                     fmt::join(verb_names(command), ", "), full_name(command)));
-    check_values_follow(command, rest);
+    const Verb& verb = named_verb(program, rest);
+    if (!verb.steps.empty() && rest.empty())
+        throw UsageError(fmt::format("`{}` wants a verb: {}; `{} --help` says what they do", verb.full_name,
+                                     fmt::join(verb_names(verb), ", "), verb.full_name));
+    check_values_follow(verb, rest);
 }
 
-std::string usage_message(const CLI::App& program, const CLI::ParseError& error) {
-    const CLI::App& command = parsed_command(program);
-    const std::vector<std::string> extras = program.remaining(true);
-    for (const std::string& word : extras)
-        if (is_option_word(word) && word != "--") return unknown_option(command, word);
-    if (dynamic_cast<const CLI::ExtrasError*>(&error) && !extras.empty()) return one_too_many(command, extras.front());
-    return fmt::format("{}; `{} --help` tells more", parser_message(command, error), full_name(command));
-}
-
-std::string full_name(const CLI::App& command) {
-    return command.get_parent() ? full_name(*command.get_parent()) + " " + command.get_name() : command.get_name();
+std::string unknown_words(const Verb& verb, const Words& words, bool too_many) {
+    for (const std::string& word : words)
+        if (is_option_word(word) && word != "--") return unknown_option(verb, word);
+    return too_many && !words.empty() ? one_too_many(verb, words.front()) : std::string();
 }
 
 }  // namespace voxtone::cli

@@ -8,13 +8,9 @@
 
 #include "cli/program/outcome.h"
 
-namespace CLI {
-class App;
-class ParseError;
-}  // namespace CLI
-
 namespace voxtone::cli {
 
+class Verb;
 using Words = std::vector<std::string>;
 
 /// The words, with other programs' habits put into ours: `help VERB` is `VERB --help`, `-o=FOLDER` is `-oFOLDER`.
@@ -25,12 +21,10 @@ using Words = std::vector<std::string>;
 
 /// Before the words are parsed: throws UsageError for a verb or a step that there is not, with the nearest that there
 /// is, and for an option whose value is missing because another option follows.
-void check_words(const CLI::App& program, const Words& words);
+void check_words(const Verb& program, const Words& words);
 
-/// What is wrong with a command line that CLI11 refused, in one sentence that names the word and the nearest option.
-[[nodiscard]] std::string usage_message(const CLI::App& program, const CLI::ParseError& error);
-
-/// "voxtone laminate search".
-[[nodiscard]] std::string full_name(const CLI::App& command);
+/// What is wrong with words that the verb has no place for: the nearest option, or what it takes. `too_many`: nothing
+/// else was found wrong. Empty: nothing is.
+[[nodiscard]] std::string unknown_words(const Verb& verb, const Words& words, bool too_many);
 
 }  // namespace voxtone::cli

@@ -284,7 +284,6 @@ TEST_CASE("zsh completes verbs, options, values and files with it") {
     folder.write("my model.obj", "");
     const std::vector<std::array<const char*, 2>> lines{
         {"voxtone sl", "voxtone slice "},
-        {"voxtone stack se", "voxtone laminate search "},
         {"voxtone calibrate phot", "voxtone calibrate photo "},
         {"voxtone slice --pri", "voxtone slice --printer "},
         {"voxtone slice --printer stratasys-j5", "voxtone slice --printer stratasys-j55 "},

@@ -64,7 +64,7 @@ TEST_CASE("The parser's own sentences are told in ours, whatever kind of error i
         {"slice a.obj -o", "--out: its value is missing"},
         {"slice a.obj -o out --size", "--size: its value is missing"},
         {"slice a.obj -o out --report=maybe", "--report is on or off: it takes no value but"},
-        {"predict out -o x.png --threads two", "--threads: two is not 0 to 1024"},
+        {"predict out -o x.png --threads two", "--threads: 'two' is not a whole number"},
         {"batch plan.csv -o x --memory -2GiB", "--memory: -2 is not 0 to 1000000"},
         {"batch plan.csv -o x --memory 2G", "--memory: '2G': unknown unit 'G'"},
         {"slice cow.obj -o x --read-time 2m", "--read-time: '2m': unknown unit 'm'"},
@@ -94,40 +94,10 @@ TEST_CASE("A file whose name begins as an option does is pointed at its own spel
     CHECK_THAT(run_program("slice a.obj -o out --frob").err, !Contains("if it is a file"));
 }
 
-TEST_CASE("An earlier spelling is taken with a note and told of nowhere") {
+TEST_CASE("An earlier key is taken with a note") {
     const Folder folder("former");
     folder.write("marker.obj", marker_obj());
-    const std::string slice =
-        "slice --quality draft --no-report " + (folder / "marker.obj") + " -o " + (folder / "out");
-    const std::string by_name = "slice --quality draft --no-report -o " + (folder / "out");
-    const Outcome former = run_program(by_name + " --mesh " + (folder / "marker.obj"));
-    CHECK(former.exit_code == 0);
-    CHECK_THAT(former.err, Contains("--mesh is called --model now"));
-    const Outcome of_estimate = run_program("estimate --quick --mesh " + (folder / "marker.obj"));
-    CHECK(of_estimate.exit_code == 0);
-    CHECK_THAT(of_estimate.err, Contains("--mesh is called --model now"));
-    CHECK_THAT(run_program(by_name + " --overwrite --model " + (folder / "marker.obj")).err, !Contains("is called"));
-    CHECK_THAT(run_program("slice --help-all").out, !Contains("--mesh") && Contains("--model"));
-    refused(slice + " --mesh cow.obj", 2, "both are given");
     refused("slice --model layered-profile -o out", 2, "what --show says");
-    // So it is of another verb.
-    const std::string predict = "predict --overwrite --cell 0.5mm " + (folder / "out") + " -o " + (folder / "p.png");
-    const Outcome by_model = run_program(predict + " --model layered-profile");
-    CHECK(by_model.exit_code == 0);
-    CHECK_THAT(by_model.err, Contains("--model is called --predict now"));
-    CHECK_THAT(run_program(predict + " --predict layered-profile").err, !Contains("is called"));
-    refused(predict + " --predict transport --model transport", 2, "--model");
-    refused(predict + " --model magic", 2, "monte-carlo");
-    CHECK_THAT(run_program("predict --help-all").out, !Contains("--model"));
-    // So are verbs, and options without choices.
-    const Outcome verb = run_program("stack predict");
-    CHECK(verb.exit_code == 2);
-    CHECK_THAT(verb.err, Contains("voxtone stack is called voxtone laminate now"));
-    CHECK_THAT(run_program("--help").out, !Contains("  stack "));
-    const Outcome steps = run_program("slice --show layered-profile --stack-steps 0 --profiles x.json a.obj -o out");
-    CHECK(steps.exit_code == 2);
-    CHECK_THAT(steps.err, Contains("laminate-steps") && Contains("1 to 4096"));
-    // So it is in a job file and in a plan.
     folder.write("job.json", R"({"format": "voxtone-job", "version": 1, "model": "marker.obj", "arrange": "colour",
         "quality": "draft", "report": false})");
     const Outcome job = run_program("slice --overwrite --job " + (folder / "job.json") + " -o " + (folder / "out"));
