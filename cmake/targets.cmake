@@ -14,7 +14,7 @@ file(RELATIVE_PATH root_from_build ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR}/)
 target_compile_options(voxtone_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off
                                                "-ffile-prefix-map=${PROJECT_SOURCE_DIR}/="
                                                "-ffile-prefix-map=${root_from_build}=")
-# Libraries that a program does not use are not loaded: OpenImageIO's 262 alone cost 0.14 s at every start.
+# Libraries that a program does not use are not loaded: OpenImageIO's 262 alone cost 0.4 s of a processor at every start.
 target_link_options(voxtone_flags INTERFACE -Wl,--as-needed)
 if(VOXTONE_SANITIZE)
   # The check of virtual tables asks the kernel what memory is readable; in a guarded reader the sandbox refuses, and
@@ -103,6 +103,7 @@ endfunction()
 
 # The Debian package of a helper program or module; `core` is voxtone itself.
 set(VOXTONE_PACKAGE_OF_voxtone-read-pictures pictures)
+set(VOXTONE_PACKAGE_OF_voxtone-photographs pictures)
 set(VOXTONE_PACKAGE_OF_voxtone-read-drawings drawings)
 set(VOXTONE_PACKAGE_OF_voxtone-calibrate calibrate)
 set(VOXTONE_PACKAGE_OF_voxtone-vdb vdb)
@@ -147,7 +148,7 @@ endfunction()
 
 # voxtone_add_test(<name> [SLOW] [TOGETHER] LABELS <label>... LIBRARIES <target>... SOURCES <file>...)
 # Catch2 tests, one ctest per TEST_CASE; TOGETHER: one for all of them, where they share what takes long to make, or are linked
-# with OpenImageIO, whose libraries take 0.3 s of a processor at each start. Labels: unit (below half a second each), slow, statistical, corpus, app. SLOW: cases
+# with many libraries (OpenCV, OpenImageIO: 0.3 s of a processor at each start). Labels: unit (below half a second each), slow, statistical, corpus, app. SLOW: cases
 # tagged [slow] take longer, and have the label `slow` instead. The target unit_tests builds all that is labelled unit.
 # A test one of whose libraries is missing is left out, and said to be: in its place stands a target that is never built.
 function(voxtone_add_test name)
@@ -165,7 +166,7 @@ function(voxtone_add_test name)
   target_precompile_headers(${name} REUSE_FROM voxtone_test_headers)
   target_compile_options(${name} PRIVATE -pthread $<$<CONFIG:Release>:-O1>)  # -pthread: some of Debian 13's libraries bring it
   if(ARG_LIBRARIES MATCHES "voxtone::(io|calibration|slicer|scattering|farm)")
-    voxtone_want(${name} voxtone-read voxtone-read-pictures voxtone-read-drawings voxtone-read-stack voxtone-vdb voxtone-layer-surfaces)
+    voxtone_want(${name} voxtone-read voxtone-read-pictures voxtone-read-drawings voxtone-read-stack voxtone-photographs voxtone-vdb voxtone-layer-surfaces)
   endif()
   # CTest starts the most costly first; what it measures itself it forgets of names with spaces.
   set(cost 20)

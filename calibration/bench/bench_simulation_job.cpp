@@ -10,7 +10,7 @@
 #include "io/disk/output_files.h"
 #include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
-#include "io/openimageio/photograph_writer.h"
+#include "io/pictures/photograph_writer.h"
 
 namespace voxtone::calibration {
 namespace {

@@ -17,7 +17,7 @@
 #include "io/disk/output_files.h"
 #include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
-#include "io/openimageio/photograph_writer.h"
+#include "io/pictures/photograph_writer.h"
 #include "io/profiles/resin_file.h"
 #include "optics/colour/channels.h"
 #include "optics/layered/flat_colour.h"

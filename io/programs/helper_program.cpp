@@ -35,6 +35,7 @@ struct Source {
     std::string_view helper, package, part;  ///< Debian's package; part of packages.txt
 };
 constexpr std::array sources{Source{"voxtone-read-pictures", "voxtone-pictures", "pictures"},
+                             Source{"voxtone-photographs.so", "voxtone-pictures", "pictures"},
                              Source{"voxtone-read-drawings", "voxtone-drawings", "drawings"},
                              Source{"voxtone-calibrate", "voxtone-calibrate", "calibration"},
                              Source{"voxtone-vdb.so", "voxtone-vdb", "vdb"},

@@ -10,8 +10,8 @@
 
 #include "calibration/edge/edge_profiles.h"
 #include "calibration/edge/edge_setup.h"
-#include "io/openimageio/photograph_writer.h"
 #include "io/pictures/photograph.h"
+#include "io/pictures/photograph_writer.h"
 #include "io/profiles/resin_file.h"
 #include "run_program.h"
 

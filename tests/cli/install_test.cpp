@@ -25,11 +25,11 @@ TEST_CASE("The installed program runs from elsewhere, with its helpers, manual a
     const std::filesystem::path prefix = folder.path() / "usr";
     REQUIRE(run_in(folder.path(), "cmake --install '" + build_dir() + "' --component program --prefix '" +
                                       prefix.string() + "'") == 0);
-    for (const char* file :
-         {"bin/voxtone", "libexec/voxtone/voxtone-read", "libexec/voxtone/voxtone-calibrate",
-          "libexec/voxtone/voxtone-vdb.so", "share/man/man1/voxtone.1", "share/man/man1/voxtone-slice.1",
-          "share/man/man1/voxtone-calibrate.1", "share/bash-completion/completions/voxtone",
-          "share/zsh/site-functions/_voxtone", "share/voxtone/schema/job.schema.json"}) {
+    for (const char* file : {"bin/voxtone", "libexec/voxtone/voxtone-read", "libexec/voxtone/voxtone-calibrate",
+                             "libexec/voxtone/voxtone-photographs.so", "libexec/voxtone/voxtone-vdb.so",
+                             "share/man/man1/voxtone.1", "share/man/man1/voxtone-slice.1",
+                             "share/man/man1/voxtone-calibrate.1", "share/bash-completion/completions/voxtone",
+                             "share/zsh/site-functions/_voxtone", "share/voxtone/schema/job.schema.json"}) {
         INFO(file);
         CHECK(std::filesystem::exists(prefix / file));
     }

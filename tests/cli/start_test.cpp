@@ -61,6 +61,13 @@ TEST_CASE("voxtone links no library that most of its verbs do without") {
     }
 }
 
+TEST_CASE("calibration starts without the 200 libraries that write photographs") {
+    const std::string all = printed_by("ldd '" + helpers_dir() + "/voxtone-calibrate'");
+    if (all.empty()) return skip("ldd is not here");
+    REQUIRE_THAT(all, Contains("libopencv"));
+    CHECK_THAT(all, !Contains("OpenImageIO"));
+}
+
 TEST_CASE("calibrate is a verb like the others, in a program of its own") {
     CHECK_THAT(run_program("--help").out, Contains("calibrate"));
     const Outcome help = run_program("calibrate --help");

@@ -7,7 +7,7 @@
 #include "calibration/profile/exposure_merge.h"
 #include "calibration/profile/exposure_series.h"
 #include "io/files/whole_file.h"
-#include "io/openimageio/photograph_writer.h"
+#include "io/pictures/photograph_writer.h"
 #include "tests/io/files/temporary_folder.h"
 
 using namespace voxtone;

@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "io/decoders/jpeg_end.h"
 #include "io/files/whole_file.h"
-#include "io/openimageio/photograph_writer.h"
+#include "io/pictures/photograph_writer.h"
 #include "tests/io/files/temporary_folder.h"
 
 using namespace voxtone;
