@@ -56,6 +56,7 @@ public:
                                      thing.size_mm.y() / 2);
         chart_area_ = {middle - chart_size / 2, middle + chart_size / 2};
         chart_middle_ = middle;
+        to_chart_ = Eigen::Rotation2Dd(pi / 2 * o.checker_turns).toRotationMatrix();
         for (std::size_t p = 0; p < chart.linear_srgb.size(); ++p) {
             RandomStream random(o.seed, p, chart_stream);
             chart_colours_.push_back(chart.linear_srgb[p]);
@@ -89,8 +90,7 @@ private:
     static constexpr double bucket_mm = 2;
 
     [[nodiscard]] Eigen::Vector3d chart_colour(const Eigen::Vector2d& p) const {
-        const Eigen::Vector2d own =
-            Eigen::Rotation2Dd(pi / 2 * options_.checker_turns) * ((p - chart_middle_) / options_.checker_cell_mm);
+        const Eigen::Vector2d own = to_chart_ * ((p - chart_middle_) / options_.checker_cell_mm);
         const double column = own.x() + chart_.columns / 2.0, row = chart_.rows / 2.0 - own.y();
         if (column < 0 || row < 0 || column >= chart_.columns || row >= chart_.rows)
             return Eigen::Vector3d::Constant(chart_black);
@@ -151,6 +151,7 @@ private:
     const PhotoOptions& options_;
     Area chart_area_, all_;
     Eigen::Vector2d chart_middle_ = Eigen::Vector2d::Zero();
+    Eigen::Matrix2d to_chart_;
     std::vector<Eigen::Vector3d> chart_colours_;
     std::vector<Dirt> dirt_;
     Eigen::Vector2i last_bucket_ = Eigen::Vector2i::Zero();
@@ -196,9 +197,10 @@ public:
             Eigen::Vector2d(std::cos(radians(o.lamp_azimuth_deg)), std::sin(radians(o.lamp_azimuth_deg)));
         place_ = {all.center().x() + side.x(), all.center().y() + side.y(), std::sqrt(0.5) * o.lamp_mm};
     }
-    [[nodiscard]] double at(const Eigen::Vector2d& p) const {
+    [[nodiscard]] double at(double x, double y) const {
         if (distance_ <= 0) return 1;
-        const double closer = distance_ / (place_ - Eigen::Vector3d(p.x(), p.y(), 0)).norm();
+        const double dx = place_.x() - x, dy = place_.y() - y, dz = place_.z();
+        const double closer = distance_ / std::sqrt(dx * dx + dy * dy + dz * dz);
         return closer * closer * closer;  // 1/r^2, and the cosine has another 1/r
     }
 
@@ -239,22 +241,34 @@ void blur(std::vector<Eigen::Vector3f>& pixels, std::uint32_t width, std::uint32
         kernel.push_back(float(std::exp(-0.5 * i * i / (sigma * sigma))));
         sum += kernel.back();
     }
-    std::vector<Eigen::Vector3f> other(pixels.size());
-    const auto pass = [&](const std::vector<Eigen::Vector3f>& in, std::vector<Eigen::Vector3f>& out, bool along_x) {
-        parallel_for(0, height, 8, [&](std::size_t y) {
-            for (std::uint32_t x = 0; x < width; ++x) {
-                Eigen::Vector3f value = Eigen::Vector3f::Zero();
-                for (int i = -reach; i <= reach; ++i) {
-                    const int u = along_x ? std::clamp(int(x) + i, 0, int(width) - 1) : int(x),
-                              v = along_x ? int(y) : std::clamp(int(y) + i, 0, int(height) - 1);
-                    value += kernel[std::size_t(i + reach)] * in[std::size_t(v) * width + std::size_t(u)];
-                }
-                out[y * width + x] = value / sum;
-            }
-        });
-    };
-    pass(pixels, other, true);
-    pass(other, pixels, false);
+    // Whole rows of samples at a time, for vectors; of each sample in the kernel's order.
+    const std::size_t row = 3 * std::size_t{width};
+    const auto samples = [&](std::size_t y) { return pixels[y * width].data(); };
+    std::vector<float> along(row * height);
+    parallel_for(0, height, 8, [&](std::size_t y) {
+        std::vector<Eigen::Vector3f> wide(width + 2 * std::size_t(reach));
+        for (std::size_t x = 0; x < wide.size(); ++x)
+            wide[x] = pixels[y * width + std::size_t(std::clamp(int(x) - reach, 0, int(width) - 1))];
+        float* const out = along.data() + y * row;
+        std::fill_n(out, row, 0.0f);
+        for (std::size_t i = 0; i < kernel.size(); ++i) {
+            const float* const in = wide[i].data();
+            const float share = kernel[i];
+            for (std::size_t k = 0; k < row; ++k) out[k] += share * in[k];
+        }
+        for (std::size_t k = 0; k < row; ++k) out[k] /= sum;
+    });
+    parallel_for(0, height, 8, [&](std::size_t y) {
+        float* const out = samples(y);
+        std::fill_n(out, row, 0.0f);
+        for (std::size_t i = 0; i < kernel.size(); ++i) {
+            const float* const in =
+                along.data() + std::size_t(std::clamp(int(y) + int(i) - reach, 0, int(height) - 1)) * row;
+            const float share = kernel[i];
+            for (std::size_t k = 0; k < row; ++k) out[k] += share * in[k];
+        }
+        for (std::size_t k = 0; k < row; ++k) out[k] /= sum;
+    });
 }
 
 Eigen::Matrix3d camera_colours(const PhotoOptions& o) {
@@ -319,17 +333,31 @@ SimulatedPhoto simulate_photo(const FlatThing& thing, const CheckerChart& chart,
     photo.width_px = o.width_px;
     photo.height_px = o.height_px;
     photo.pixels.resize(std::size_t{o.width_px} * o.height_px);
+    // Rays of a row side by side, for vectors; of each pixel in their order.
+    const std::size_t rays = std::size_t(o.rays), in_row = o.width_px * rays;
+    std::vector<double> across(in_row);
+    for (std::size_t i = 0; i < in_row; ++i) across[i] = double(i / rays) + (double(i % rays) + 0.5) / o.rays;
     parallel_for(0, o.height_px, 4, [&](std::size_t y) {
-        for (std::uint32_t x = 0; x < o.width_px; ++x) {
-            Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-            for (int s = 0; s < o.rays * o.rays; ++s) {
-                const Eigen::Vector2d at(x + (s % o.rays + 0.5) / o.rays, double(y) + (s / o.rays + 0.5) / o.rays);
-                const Eigen::Vector3d there = back * lens.straight(at).homogeneous();
-                const Eigen::Vector2d p(there.x() / there.z(), there.y() / there.z());
-                sum += lamp.at(p) * table.at(p);
+        std::vector<Eigen::Vector3d> sums(o.width_px, Eigen::Vector3d::Zero());
+        std::vector<double> us = across, xs(in_row), ys(in_row), light(in_row);
+        for (std::size_t r = 0; r < rays; ++r) {
+            const double down = double(y) + (double(r) + 0.5) / o.rays;
+            std::vector<double> vs(in_row, down);
+            if (o.lens != 0)
+                for (std::size_t i = 0; i < in_row; ++i) {
+                    const Eigen::Vector2d straight = lens.straight({across[i], down});
+                    us[i] = straight.x(), vs[i] = straight.y();
+                }
+            for (std::size_t i = 0; i < in_row; ++i) {
+                const double far = back(2, 0) * us[i] + back(2, 1) * vs[i] + back(2, 2);
+                xs[i] = (back(0, 0) * us[i] + back(0, 1) * vs[i] + back(0, 2)) / far;
+                ys[i] = (back(1, 0) * us[i] + back(1, 1) * vs[i] + back(1, 2)) / far;
+                light[i] = lamp.at(xs[i], ys[i]);
             }
-            photo.pixels[photo.index(x, std::uint32_t(y))] = (sum / (o.rays * o.rays)).cast<float>();
+            for (std::size_t i = 0; i < in_row; ++i) sums[i / rays] += light[i] * table.at({xs[i], ys[i]});
         }
+        for (std::uint32_t x = 0; x < o.width_px; ++x)
+            photo.pixels[photo.index(x, std::uint32_t(y))] = (sums[x] / (o.rays * o.rays)).cast<float>();
     });
     blur(photo.pixels, o.width_px, o.height_px, o.blur_px);
 
