@@ -50,7 +50,7 @@ TEST_CASE("profiles between the records are those of a renderer that knows no re
     constexpr double allowed = 0.003;
     constexpr int renderings = 8;
     const EdgeSetup setup;
-    EdgeGrid grid = small_grid(2, 12, 1u << 17);
+    EdgeGrid grid = small_grid(2, 9, 1u << 17);
     grid.thickness_mm = {0.5};
     EdgeProfileTable table(traced(grid, setup), setup);
     table.prepare(0.4, false);
@@ -107,7 +107,7 @@ TEST_CASE("resins come back from their profiles, with what the bench does wrong"
     faults.thickness_off = 0.02;
     faults.paths = 1u << 17;
     const auto profiles = simulate_edge_profiles(set, bench, {0.5, 1}, faults);
-    EdgeProfileTable table(traced(small_grid(1.7, 32, 1u << 16), setup), setup);
+    EdgeProfileTable table(traced(small_grid(1.7, 26, 1u << 16), setup), setup);
     EdgeFitOptions options;
     options.name = "test";
     const EdgeFit fit = fit_edges(profiles, table, options);

@@ -56,14 +56,15 @@ EdgeSetup sure() {
     return setup;
 }
 
-/// Of a light resin, whose profile tells both of its values, rendered path by path.
+/// Of a light resin, whose profile tells both of its values, rendered path by path; in the other channels, which nobody
+/// looks at, it is dark, and paths end soon.
 constexpr double sigma_t = 6, albedo = 0.985;
 const EdgeProfile& rendered(double thickness_mm) {
     const auto make = [](double thickness) {
         EdgeBench bench;
         bench.noise = 0, bench.paths = 1u << 18;
         const optics::ResinSet set{"one", "",  {},
-                                   g,     1.5, {{"Resin", "W", {sigma_t, sigma_t, sigma_t}, {albedo, albedo, albedo}}}};
+                                   g,     1.5, {{"Resin", "W", {sigma_t, sigma_t, sigma_t}, {0.01, albedo, 0.01}}}};
         return simulate_edge_profiles(set, EdgeSetup{}, {thickness}, bench).front();
     };
     static const EdgeProfile half = make(0.5), thicker = make(0.53);

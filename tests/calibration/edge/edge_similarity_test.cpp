@@ -19,11 +19,11 @@ namespace {
 constexpr double truth_g = 0.4;
 const EdgeMedium clear_one{4, 0.97, truth_g}, dense{9, 0.995, truth_g};
 
-EdgeProfileTable small_table(const std::vector<double>& g = {0.2, 0.4, 0.6}, std::uint32_t paths = 1u << 15) {
+EdgeProfileTable small_table(const std::vector<double>& g) {
     EdgeDictionary dictionary;
     dictionary.grid.g = g;
     for (double s = 2; s < 16; s *= 1.3) dictionary.grid.sigma_t.push_back(s);
-    dictionary.grid.paths = paths;
+    dictionary.grid.paths = 1u << 14;
     for (std::size_t run = 0; run < dictionary.grid.runs(); ++run)
         dictionary.records.push_back(edge_record(dictionary.setup, dictionary.grid, run));
     return {std::make_shared<const EdgeDictionary>(dictionary), dictionary.setup};
@@ -53,7 +53,7 @@ std::size_t count(const std::string& text, const std::string& word) {
 }  // namespace
 
 TEST_CASE("media that are similar to a fit lie where the distance is least at other g", "[edge]") {
-    EdgeProfileTable table = small_table();
+    EdgeProfileTable table = small_table({0.2, 0.4, 0.6});
     table.prepare(truth_g, true);
     std::vector<EdgeProfile> profiles;
     for (std::size_t t = 0; t < 2; ++t) {
@@ -101,7 +101,7 @@ TEST_CASE("media that are similar to a fit lie where the distance is least at ot
 
 TEST_CASE("g comes back from profiles, one for all resins or one for each", "[edge]") {
     static EdgeProfileTable table = [] {  // once for both sections
-        EdgeProfileTable made = small_table({0.2, 0.3, 0.4, 0.5, 0.6}, 1u << 14);
+        EdgeProfileTable made = small_table({0.2, 0.3, 0.4, 0.5, 0.6});
         made.prepare(truth_g, true);
         return made;
     }();
