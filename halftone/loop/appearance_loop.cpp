@@ -172,12 +172,6 @@ private:
     void begin_descent_from_best_control(bool last_was_best);
     void print_and_predict(const SkinMixtures& mixtures, LoopMethod method);
     void predict(optics::ResinVolume volume, LoopMethod method);
-    [[nodiscard]] bool is_beyond(const ColourRegion& region) const;
-    [[nodiscard]] bool is_darker_than_ink(const ColourRegion& region) const;
-    void hold_regions(Colours& control, std::vector<char>& held) const;
-    void hold_in_descent();
-    [[nodiscard]] SkinMixtures mixtures_for(std::span<const Eigen::Vector3f> control,
-                                            const std::vector<char>& held) const;
     void hurry(const std::vector<RegionLook>& looks);
     void keep_if_best(const SkinMixtures& mixtures);
     void correct_control();
@@ -328,11 +322,11 @@ void LoopRun::feedback_step() {
     const double least = least_score(state_.steps), least_by_feedback = least_score(state_.steps, LoopMethod::feedback);
     // Mixtures take as much memory as light: they are made again of the control colours rather than held.
     print_ = {};
-    optics::ResinVolume print = task_.realise(mixtures_for(state_.control, state_.held));
+    optics::ResinVolume print = task_.realise(mixtures_of(recipes_, state_.control));
     predict(std::move(print), LoopMethod::feedback);
     keep_if_best({});
     const bool best_by_feedback = last_score() < least_by_feedback;
-    if (best_by_feedback) state_.start_control = state_.control, state_.start_held = state_.held;
+    if (best_by_feedback) state_.start_control = state_.control;
     if (has_gradient() && iterations_made() < most_) {
         const bool no_good = state_.steps[1].score >= worthwhile * state_.steps[0].score;
         if (no_good && iterations_made() == 1) {
@@ -349,9 +343,7 @@ void LoopRun::feedback_step() {
 
 /// The gradient is at hand if the last print was the one to start from.
 void LoopRun::begin_descent_from_best_control(bool last_was_best) {
-    hold_regions(state_.start_control, state_.start_held);
-    state_.held = state_.start_held;
-    state_.descent = begin_descent(mixtures_for(state_.start_control, state_.start_held),
+    state_.descent = begin_descent(mixtures_of(recipes_, state_.start_control),
                                    first_rates(least_score(state_.steps, LoopMethod::feedback)));
     if (last_was_best) state_.has_gradient = move_downhill();
     if (!state_.has_gradient) state_.descent = {};
@@ -433,60 +425,6 @@ void LoopRun::correct_control() {
         [this](const Eigen::Vector3f& rgb) { return into_gamut(rgb); }, {.gain = feedback_gain(state_.steps)},
         state_.control, relaxed);
     state_.saturated_share = rgb_.empty() ? 0 : double(saturated) / double(rgb_.size());
-    hold_regions(state_.control, state_.held);
-}
-
-/// Within the gamut the next steps mend what one made worse: a cow of 20 mm came to 3.2 as seen, and to 4.4 with all
-/// regions held.
-bool LoopRun::is_beyond(const ColourRegion& region) const {
-    return in_gamut_[region.interior[region.interior.size() / 2]] == 0;
-}
-
-/// Such a region can only lose: all its resin is there already.
-bool LoopRun::is_darker_than_ink(const ColourRegion& region) const {
-    constexpr float darker = 0.9f;
-    const Eigen::Vector3f luminance(0.2126f, 0.7152f, 0.0722f);
-    const std::uint32_t i = region.interior[region.interior.size() / 2];
-    return luminance.dot(task_.target[i]) < darker * luminance.dot(target_[i]);
-}
-
-/// Regions beyond the gamut that feedback made worse are asked for what the open loop prints there: beside white, black
-/// that is to lose the tint of its neighbours' light becomes a lighter mixture of other resins.
-void LoopRun::hold_regions(Colours& control, std::vector<char>& held) const {
-    held.assign(state_.urgency.size(), 0);
-    for (std::size_t r = 0; r < held.size(); ++r) {
-        const ColourRegion& region = measure_.regions()[r];
-        if (state_.urgency[r] <= 1 || !is_beyond(region)) continue;
-        held[r] = 1;
-        for (const std::uint32_t i : region.cells) control[i] = target_[i];
-    }
-}
-
-/// In held regions as deep as colour goes, as the open loop has it: in a thin skin black over white is no black.
-SkinMixtures LoopRun::mixtures_for(std::span<const Eigen::Vector3f> control, const std::vector<char>& held) const {
-    SkinMixtures skin = mixtures_of(recipes_, control);
-    for (std::size_t r = 0; r < held.size(); ++r) {
-        if (!held[r]) continue;
-        for (const std::uint32_t i : measure_.regions()[r].cells)
-            recipes_.separate_in_depth(task_.target[i], skin.cell(i));
-    }
-    return skin;
-}
-
-/// In the descent those that are darker than any ink, from the step on that made them worse, keep the open loop's: no
-/// weight keeps all of black's ink where it is. Held likewise, a blue that is beyond the gamut stayed at 7.1 on a page
-/// whose descent brings it to 2.1.
-void LoopRun::hold_in_descent() {
-    for (std::size_t r = 0; r < state_.held.size(); ++r)
-        state_.held[r] = is_darker_than_ink(measure_.regions()[r]) && (state_.held[r] || state_.urgency[r] > 1);
-    std::vector<float> fractions(state_.descent.mixtures.layers() * state_.descent.mixtures.resins());
-    for (std::size_t r = 0; r < state_.held.size(); ++r) {
-        if (!state_.held[r]) continue;
-        for (const std::uint32_t i : measure_.regions()[r].cells) {
-            recipes_.separate_in_depth(task_.target[i], fractions);
-            set_printed(i, fractions, state_.descent);
-        }
-    }
 }
 
 /// One step of the descent from the last print. False where the model has no gradient.
@@ -501,7 +439,6 @@ bool LoopRun::move_downhill() {
     if (mixture_gradient.empty()) return false;
     descend(
         std::move(mixture_gradient), [this](Colours& values) { around_.smooth(values); }, state_.descent);
-    hold_in_descent();
     return true;
 }
 
@@ -542,7 +479,7 @@ LoopResult LoopRun::finish() {
         case LoopMethod::open_loop:
             break;
         case LoopMethod::feedback:  // the best of all is the best by feedback too
-            result.best = mixtures_for(state.start_control, state.start_held);
+            result.best = mixtures_of(recipes_, state.start_control);
             break;
         case LoopMethod::descent:
             result.best = state.best_mixtures;

@@ -105,7 +105,6 @@ struct LoopState {
     SkinMixtures recent;         ///< running mean of what it printed, the last step for a half; without cells before
     SkinMixtures best_mixtures;  ///< of a best iterate by descent; by feedback they are those of start_control
     std::vector<Eigen::Vector3f> open, shown;  ///< predicted colours of the open loop and of the best iterate
-    std::vector<char> held, start_held;  ///< of each region: control, start_control are the open loop's there, in depth
     std::vector<float> urgency;  ///< of each region: what the descent counts it more by, while it is worse than it was
     double saturated_share = 0;  ///< LoopStep::saturated_share of the next iterate
     bool has_gradient = true;    ///< false once the model said that it has none

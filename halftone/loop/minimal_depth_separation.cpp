@@ -117,12 +117,6 @@ void MinimalDepthSeparation::separate(const Eigen::Vector3f& rgb, std::span<floa
     }
 }
 
-void MinimalDepthSeparation::separate_in_depth(const Eigen::Vector3f& rgb, std::span<float> fractions) const {
-    VOXTONE_EXPECT(fractions.size() == layers_.size() * resins_);
-    const std::vector<double> share = deepest().fractions(rgb);
-    for (std::size_t i = 0; i < fractions.size(); ++i) fractions[i] = static_cast<float>(share[i % resins_]);
-}
-
 Eigen::Vector3f MinimalDepthSeparation::into_gamut(const Eigen::Vector3f& rgb) const {
     if (well_in_gamut(rgb)) return rgb;
     const double distance = deepest().gamut_distance(rgb);

@@ -36,8 +36,6 @@ public:
     [[nodiscard]] std::size_t resins() const { return resins_; }
     /// The mixture of each layer that shows `rgb` (linear sRGB, media-relative, clamped to [0, 1]): layers x resins.
     void separate(const Eigen::Vector3f& rgb, std::span<float> fractions) const;
-    /// The same mixture in all layers: by the deepest skin, as without a loop.
-    void separate_in_depth(const Eigen::Vector3f& rgb, std::span<float> fractions) const;
     /// The separation for the deepest skin: its gamut is that of all.
     [[nodiscard]] const Separation& deepest() const { return skins_.back()->separation; }
     /// A colour of which the deepest skin is at most 1 CIEDE2000 off stays; from 2 on it goes to what that skin shows

@@ -227,14 +227,6 @@ void descend(std::vector<float> gradient, const CellSmoothing& smooth, DescentSt
     conserve_amounts(table, gradient, smooth, state.mixtures);
 }
 
-void set_printed(std::size_t cell, std::span<const float> fractions, DescentState& state) {
-    const Table table(state.mixtures);
-    VOXTONE_EXPECT(cell < table.cells && fractions.size() == table.length);
-    const std::span<float> f = state.mixtures.cell(cell);
-    for (std::size_t k = 0; k < table.length; ++k) f[k] = least_fraction + table.rest() * fractions[k];
-    std::ranges::fill(table.cell(state.momentum, cell), 0.0f);
-}
-
 SkinMixtures printed(const SkinMixtures& mixtures) {
     SkinMixtures out = mixtures;
     const float rest = Table(mixtures).rest();

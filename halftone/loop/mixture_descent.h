@@ -69,9 +69,6 @@ using CellSmoothing = std::function<void(std::vector<Eigen::Vector3f>&)>;
 /// `gradient`: d F / d fraction of every cell, layer and resin; its contents are used up.
 void descend(std::vector<float> gradient, const CellSmoothing& smooth, DescentState& state);
 
-/// A cell that is to be printed so now.
-void set_printed(std::size_t cell, std::span<const float> fractions, DescentState& state);
-
 /// As they are printed: (f - h) / (1 - R h).
 [[nodiscard]] SkinMixtures printed(const SkinMixtures& mixtures);
 

@@ -24,7 +24,7 @@ namespace {
 
 // The file: magic, digest of the job as it was opened, digest of the job with its target, state, what the sequence
 // keeps, digest of all before. Native byte order: it is read where it was written.
-constexpr std::string_view magic = "voxtone-loop 18\n", any_magic = "voxtone-loop ";  // of any version
+constexpr std::string_view magic = "voxtone-loop 19\n", any_magic = "voxtone-loop ";  // of any version
 constexpr std::size_t digest_size = sizeof(std::uint64_t);
 constexpr std::size_t head_size = magic.size() + 2 * digest_size;
 
@@ -120,8 +120,6 @@ void state_in(File& file, State& state) {
     file.list(state.open);
     file.list(state.shown);
     file.list(state.urgency);
-    file.list(state.held);
-    file.list(state.start_held);
     value_in(file, state.saturated_share);
     value_in(file, state.has_gradient);
 }

@@ -106,20 +106,3 @@ TEST_CASE("Cells that share their light do not overshoot together", "[loop]") {
     CHECK(rose <= 4);
     CHECK(state.mixtures.cell(0)[0] > 2 * state.mixtures.cell(1)[0]);
 }
-
-TEST_CASE("A cell that is set is printed so, and its momentum is gone", "[loop]") {
-    SkinMixtures start(2, 1, 3);
-    for (std::size_t c = 0; c < 2; ++c) start.cell(c)[2] = 1;
-    DescentState state = begin_descent(start, {});
-    const std::vector<float> gradient{-1, 0, 0, -1, 0, 0};
-    for (int i = 0; i < 5; ++i) descend(gradient, apart, state);
-    const std::vector<float> wanted{0, 1, 0};
-    set_printed(0, wanted, state);
-    const SkinMixtures print = printed(state.mixtures);
-    for (std::size_t k = 0; k < 3; ++k) {
-        CHECK(print.cell(0)[k] == Approx(wanted[k]).margin(1e-6));
-        CHECK(state.momentum[k] == 0);
-    }
-    CHECK(print.cell(1)[0] > 0.05f);
-    CHECK(state.momentum[3] != 0);
-}

@@ -37,7 +37,6 @@ halftone::LoopState some_state(std::size_t cells) {
     state.descent.decrease.assign(6 * cells, 1.5f);  // five resins and the own part
     state.descent.rate[1] = 0.125f;
     state.urgency = {1, 2.25f};
-    state.held = {0, 1}, state.start_held = {1, 0};
     state.saturated_share = 0.125;
     state.has_gradient = false;
     return state;
@@ -202,7 +201,7 @@ TEST_CASE("Whose state it is can be told before the model is read", "[loop]") {
     CHECK_THROWS_AS(LoopCheckpoint(folder.path(), another_job, a_job, target).read(quiet), InputError);
     write("voxtone-loop 8\nwhatever that version had there");
     CHECK_THROWS_WITH(LoopCheckpoint::expect_same_job(folder.path(), opened_job), Catch::Contains("another version"));
-    write("voxtone-loop 18\n1234567");
+    write("voxtone-loop 19\n1234567");
     CHECK_THROWS_AS(LoopCheckpoint::expect_same_job(folder.path(), opened_job), FileError);
     write("");
     CHECK_THROWS_AS(LoopCheckpoint::expect_same_job(folder.path(), opened_job), FileError);
