@@ -125,23 +125,22 @@ void look_for_thin_walls(const PrinterProfile& printer, const SolidIndex& solid,
                          const Progress& progress) {
     const double limit_mm = printer.min_wall_mm;
     // What is cut out of a picture may be thin between its sides, which have no colour.
-    const std::vector<ThinWall> walls =
-        body.is_picture ? find_thin_walls(picture_surface(body.model.mesh, true), solid, limit_mm, progress)
-                        : find_thin_walls(*body.surface, solid, limit_mm, progress);
+    const VisibleSurface sides = body.is_picture ? picture_surface(body.model.mesh, true) : VisibleSurface();
+    const VisibleSurface& surface = body.is_picture ? sides : *body.surface;
+    const std::vector<ThinWall> walls = find_thin_walls(surface, solid, limit_mm, progress);
     if (walls.empty()) return;
     constexpr std::size_t most_told = 4;
     const Eigen::AlignedBox3d box = bounding_box(solid->positions_mm, solid->triangles);
     std::string told;
-    double thinnest = limit_mm;
-    for (std::size_t w = 0; w < walls.size(); ++w) {
-        if (w < most_told) told += (w > 0 ? "; " : "") + wall_text(walls[w], body, box);
-        thinnest = std::min(thinnest, walls[w].thickness_mm);
-    }
+    for (std::size_t w = 0; w < std::min(most_told, walls.size()); ++w)
+        told += (w > 0 ? "; " : "") + wall_text(walls[w], body, box);
     if (walls.size() > most_told) told += fmt::format("; and {} more", walls.size() - most_told);
+    const std::optional<double> times = larger_without_thin_walls(surface, solid, limit_mm, progress);
     body.warnings.push_back(named_warning(
         "fragile", fmt::format("walls under {:g} mm, which {} asks for at least, may break when the support is washed "
-                               "off: {}. {:.2g} times as large, or {}, they would not",
-                               limit_mm, printer.name, told, limit_mm / thinnest,
+                               "off: {}. {}{}, they would not",
+                               limit_mm, printer.name, told,
+                               times ? fmt::format("{:g} times as large, or ", *times) : "If they are ",
                                body.is_picture ? "wider in the picture (--thickness where the slab itself is thin)"
                                                : "thickened in a mesh editor")));
 }

@@ -137,4 +137,12 @@ std::vector<ThinWall> find_thin_walls(const VisibleSurface& surface, const Solid
     return walls;
 }
 
+std::optional<double> larger_without_thin_walls(const VisibleSurface& surface, const SolidIndex& solid, double limit_mm,
+                                                const Progress& progress) {
+    // The larger body by the limit is this one by a lower limit.
+    for (const double times : {1.25, 1.5, 2.0, 3.0, 4.0})
+        if (find_thin_walls(surface, solid, limit_mm / times, progress).empty()) return times;
+    return std::nullopt;
+}
+
 }  // namespace voxtone::slicer

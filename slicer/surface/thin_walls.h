@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -30,5 +31,10 @@ struct ThinWall {
 /// Cancelled.
 [[nodiscard]] std::vector<ThinWall> find_thin_walls(const VisibleSurface& surface, const SolidIndex& solid,
                                                     double limit_mm, const Progress& progress);
+
+/// How many times as large the body must be for none to be told, of 1.25, 1.5, 2, 3 and 4 the first that is enough:
+/// looked for, as what tapers has a thin end at any size. Nothing where none is.
+[[nodiscard]] std::optional<double> larger_without_thin_walls(const VisibleSurface& surface, const SolidIndex& solid,
+                                                              double limit_mm, const Progress& progress);
 
 }  // namespace voxtone::slicer

@@ -45,6 +45,23 @@ TEST_CASE("A wall is thin below the limit, and as thick and as long as it is") {
     CHECK(walls_of(shapes::box(Vector3d::Zero(), {8, 5, 0.5}), 0.4).empty());
 }
 
+TEST_CASE("What is said to be large enough has no thin walls, and of what tapers nothing is said") {
+    Progress progress;
+    const auto larger = [&](const SolidMesh& solid) {
+        return larger_without_thin_walls(surface_of(solid), SolidIndex(solid), 0.6, progress);
+    };
+    CHECK(larger(shapes::box(Vector3d::Zero(), {8, 5, 0.5})) == 1.25);
+    CHECK(larger(shapes::box(Vector3d::Zero(), {8, 5, 0.25})) == 3.0);
+    CHECK(walls_of(shapes::box(Vector3d::Zero(), 3 * Vector3d(8, 5, 0.25))).empty());
+    CHECK_FALSE(larger(shapes::box(Vector3d::Zero(), {8, 5, 0.1})));
+    // A wedge: 3 mm of its edge are thinner than 0.6 mm at any size.
+    SolidMesh wedge;
+    wedge.positions_mm = {{0, 0, 0}, {0, 5, 0}, {5, 0, -0.5}, {5, 5, -0.5}, {5, 0, 0.5}, {5, 5, 0.5}};
+    wedge.triangles = {{0, 4, 5}, {0, 5, 1}, {0, 3, 2}, {0, 1, 3}, {2, 3, 5}, {2, 5, 4}, {0, 2, 4}, {1, 5, 3}};
+    REQUIRE(walls_of(wedge).size() == 1);
+    CHECK_FALSE(larger(wedge));
+}
+
 TEST_CASE("A thick body with thin legs is thin at these alone, each a place of its own") {
     SolidMesh body = shapes::box({0, 0, 5}, {10, 10, 12});
     for (const double x : {1.0, 8.0}) body = shapes::joined(body, shapes::box({x, 4, 0}, {x + 0.3, 4.4, 6}));
