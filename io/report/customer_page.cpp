@@ -58,6 +58,8 @@ void add_customer_verdict(std::string& html, const Report& report) {
                                            : report.verdict->headline;
     html += fmt::format("<p class=\"verdict {}\">{}</p>\n", is_known ? name_of(report.verdict->level) : "",
                         html_text(headline));
+    // Who ordered it is the one who minds that its type cannot be read.
+    if (is_known && !report.verdict->but.empty()) html += fmt::format("<p>{}</p>\n", html_text(report.verdict->but));
 }
 
 /// Without its name, which is the shop's.
@@ -68,10 +70,16 @@ std::string sentence_of(const std::string& warning) {
     return text.ends_with('.') ? text : text + ".";
 }
 
+/// What is lost the verdict says, too.
+bool says(const Report& report, const std::string& sentence) {
+    return is_judged(report) && report.verdict->but.find(sentence) != std::string::npos;
+}
+
 void add_customer_warnings(std::string& html, const Report& report) {
     for (const std::string& warning : report.warnings)
         if (const std::string_view name = message_name(warning);
-            name == "fragile" || name == "lost-colour" || name == "transparent")
+            (name == "fragile" || name == "lost-colour" || name == "transparent") &&
+            !says(report, sentence_of(warning)))
             html += fmt::format("<p><strong>Please note:</strong> {}</p>\n", html_text(sentence_of(warning)));
 }
 

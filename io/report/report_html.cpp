@@ -184,8 +184,10 @@ std::string count_of_warnings(const Report& report) {
 
 /// What is worst, with its place; from which side how much is seen; by what.
 void add_reasons(std::string& html, const ReportVerdict& v) {
+    const bool has_place = v.but_normal != std::array<double, 3>{};
     if (!v.but.empty())
-        html += fmt::format("<p>{} {}</p>\n", html_text(v.but), show_button(v.but_mm, v.but_normal, "show me"));
+        html += fmt::format("<p>{} {}</p>\n", html_text(v.but),
+                            has_place ? show_button(v.but_mm, v.but_normal, "show me") : std::string());
     if (const std::string& why = v.headline.empty() ? v.sentence : v.why; !why.empty())
         html += fmt::format("<p class=\"soft\">{}</p>\n", html_text(why));
     if (v.sides.size() > 1) {
@@ -196,9 +198,8 @@ void add_reasons(std::string& html, const ReportVerdict& v) {
     }
     if (v.causes.empty()) return;
     html += fmt::format(
-        "<p class=\"soft\">{:.0f} % of what is seen differs by more than {:g}, {:.0f} % by more than {:g} or is "
-        "flecked. "
-        "Of that, by area and difference: ",
+        "<p class=\"soft\">{:.0f} % of what is seen differs by more than {:g}. {:.0f} % is clearly off: by more than "
+        "{:g}, or flecked. What differs comes, by area and difference, of ",
         100 * v.off_share, v.good_up_to, 100 * v.wrong_share, v.bad_above);
     for (std::size_t i = 0; i < v.causes.size(); ++i)
         html += fmt::format("{}{} {:.0f} %", i ? ", " : "", html_text(v.causes[i].name), 100 * v.causes[i].share);

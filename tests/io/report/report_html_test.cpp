@@ -9,6 +9,7 @@
 #include <catch2/catch.hpp>
 
 #include "io/pictures/picture_writer.h"
+#include "io/report/customer_page.h"
 #include "io/report/report_json.h"
 
 using namespace voxtone;
@@ -141,6 +142,24 @@ TEST_CASE("Parts of a tray are listed with their figures, each with its page and
     const std::string unseen = report_html(report);
     CHECK(count(unseen, "<th>Place</th>") == 1);
     CHECK(count(unseen, "Worst place") + count(unseen, "Difference as seen") + count(unseen, "class=\"mark") == 0);
+}
+
+TEST_CASE("Who ordered it reads the worst thing, too, once, and is led only where there is a place") {
+    Report report = sample("sign");
+    report.verdict = ReportVerdict{.level = VerdictLevel::fair,
+                                   .sentence = "Fair.",
+                                   .headline = "On the whole fair",
+                                   .but = "Worst: type below 2.1 mm (6 pt) is not readable.",
+                                   .but_normal = {0, 0, 1},
+                                   .causes = {},
+                                   .advice = {},
+                                   .seen_histogram = {}};
+    CHECK_THAT(customer_html(report), Contains("type below 2.1 mm (6 pt) is not readable"));
+    CHECK(count(report_html(report), "show me") == 1);
+    report.verdict->but = "Its glass is LOST.", report.verdict->but_normal = {};
+    report.warnings = {"Its glass is LOST. [lost-colour]"};
+    CHECK(count(customer_html(report), "LOST") == 1);
+    CHECK(count(report_html(report), "show me") == 0);
 }
 
 TEST_CASE("Drawings are in the page as they are, their captions as text") {
