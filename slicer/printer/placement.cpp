@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 #include <Eigen/Geometry>
 
 #include "base/error.h"
@@ -22,9 +25,26 @@ void turn_around(io::TexturedMesh& mesh) {
 }
 
 /// What decides how large the print is.
-std::string size_options(const Placement& placement) {
-    return placement.is_picture ? "Give another --width or --thickness"
-                                : "Give the right --unit, or a --size, or turn it with --rotate";
+std::string size_options(const Placement& placement, bool may_turn = false) {
+    if (placement.is_picture) return "Give another --width or --thickness";
+    return may_turn ? "Turn it with --rotate, or give the right --unit, or a --size"
+                    : "Give the right --unit, or a --size";
+}
+
+/// Lying in another way.
+bool would_fit_turned(Eigen::Vector3d size_mm, Eigen::Vector3d tray_mm) {
+    std::ranges::sort(size_mm), std::ranges::sort(tray_mm);
+    return fits_in(size_mm[0], tray_mm[0]) && fits_in(size_mm[1], tray_mm[1]) && fits_in(size_mm[2], tray_mm[2]);
+}
+
+/// "x and z".
+std::string axes_too_long(const Eigen::Vector3d& size_mm, const Eigen::Vector3d& tray_mm, int surely) {
+    std::vector<std::string> axes;
+    for (int axis = 0; axis < 3; ++axis)
+        if (axis == surely || !fits_in(size_mm[axis], tray_mm[axis])) axes.emplace_back(1, "xyz"[axis]);
+    const std::string last = axes.back();
+    axes.pop_back();
+    return axes.empty() ? last : fmt::format("{} and {}", fmt::join(axes, ", "), last);
 }
 
 /// A length in mm as a person writes it, four digits or all before the point, whatever a file holds.
@@ -75,9 +95,10 @@ std::string units_that_fit(const Eigen::Vector3d& size_mm, const Eigen::Vector3d
                              : placement.unit_assumed ? " (mm was assumed)"
                                                       : fmt::format(" ({:g} mm per unit)", placement.mm_per_file_unit);
     throw InputError(fmt::format("the model is {}{} and the printer's tray {}: too large along {} by {}. {}{}",
-                                 extent_text_beside(size_mm, tray_mm), unit, extent_text(tray_mm), "xyz"[axis],
-                                 excess_text(size_mm[axis] - tray_mm[axis]),
-                                 units_that_fit(size_mm, tray_mm, placement), size_options(placement)));
+                                 extent_text_beside(size_mm, tray_mm), unit, extent_text(tray_mm),
+                                 axes_too_long(size_mm, tray_mm, axis), excess_text((size_mm - tray_mm).maxCoeff()),
+                                 units_that_fit(size_mm, tray_mm, placement),
+                                 size_options(placement, would_fit_turned(size_mm, tray_mm))));
 }
 
 }  // namespace

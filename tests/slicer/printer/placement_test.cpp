@@ -209,6 +209,9 @@ TEST_CASE("Sizes that no voxel or no tray holds are refused before they are work
     CHECK_THAT(refused(0.01, tray, false), Catch::Contains("less than one voxel") && Catch::Contains("--size"));
     CHECK_THAT(refused(1e30, tray, false), Catch::Contains("too large along x") && Catch::Contains("--unit"));
     CHECK_THAT(refused(1e30, endless, false), Catch::Contains("too large along x"));
+    CHECK_THAT(refused(1e5, tray, false), Catch::Contains("x, y and z by over 1 m") && !Catch::Contains("--rotate"));
+    // A rod that lies along the short side may be turned.
+    CHECK_THAT(refused(480, {200, 390, 490}, false), Catch::Contains("along x by 280 mm. Turn it with --rotate"));
     CHECK_THAT(refused(1e5, tray, true),
                Catch::Contains("--width") && !Catch::Contains("--size") && !Catch::Contains("--rotate"));
 }
