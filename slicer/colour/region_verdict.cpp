@@ -142,7 +142,7 @@ std::optional<Row> lost_lines_row(const RegionSources& s) {
     return row;
 }
 
-/// What cannot be read for its size.
+/// What cannot be read for its size, or is pale.
 std::optional<Row> small_type(const RegionSources& s) {
     const JobPrediction& p = s.prediction;
     const auto type = unreadable_type(p, s.viewing_distance_mm);
@@ -151,15 +151,21 @@ std::optional<Row> small_type(const RegionSources& s) {
     row.said.kind = "small type";
     row.said.asked = text_of(p.target[type->cell]);
     row.printed = p.predicted.rgb[type->cell].cast<double>();
-    row.said.area_mm2 = type->unread_mm2;
+    row.said.area_mm2 = type->told_mm2;
     row.said.contrast = type->contrast, row.said.contrast_asked = type->contrast_asked;
     put_at(type->cell, p.predicted.surface, row.said);
     row.cells = {type->cell};
-    row.said.type_mm = type->below_mm, row.said.smallest_type_mm = type->smallest_mm;
-    row.said.why =
-        fmt::format("below {} is not readable at this size{}", type_size_text(type->below_mm),
-                    type->unread == type->letters ? ", and none of it is larger"
-                                                  : fmt::format(": {} of {} letters", type->unread, type->letters));
+    if (type->unread > 0) {
+        row.said.type_mm = type->below_mm, row.said.smallest_type_mm = type->smallest_mm;
+        row.said.why =
+            fmt::format("below {} is not readable at this size{}", type_size_text(type->below_mm),
+                        type->unread == type->letters ? ", and none of it is larger"
+                                                      : fmt::format(": {} of {} letters", type->unread, type->letters));
+        if (type->pale > 0) row.said.why += fmt::format("; {} larger ones are pale", type->pale);
+    } else {
+        row.said.why = fmt::format("is pale: {} of {} letters have a contrast of {:.2f}, and {:g} is read with ease",
+                                   type->pale, type->letters, type->pale_contrast, legible);
+    }
     row.said.good = false;
     return row;
 }

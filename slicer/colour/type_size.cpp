@@ -17,6 +17,7 @@ namespace voxtone::slicer {
 namespace {
 
 constexpr double readable_contrast = 0.5, readable_part = 0.6;
+constexpr double pale_contrast = 0.1, pale_degrees = 0.25;
 constexpr double capitals = 0.72, x_height = 0.5;  // of a face
 constexpr std::size_t least_letters = 4;
 constexpr double around_mm = 0.5;
@@ -26,7 +27,7 @@ struct Glyph {
     const Letter* letter;
     double size_mm;  // of its face
     double contrast = 0, contrast_asked = 0;
-    bool is_read = true;
+    bool is_read = true, is_pale = false;
 };
 
 double luminance_of(const JobPrediction& p, const std::vector<Eigen::Vector3f>& rgb,
@@ -131,7 +132,7 @@ double dividing_size(std::span<const Glyph> by_size) {
 }  // namespace
 
 std::optional<TypeSize> unreadable_type(const JobPrediction& p, double viewing_distance_mm) {
-    constexpr double minutes = 5 * 3.14159265358979323846 / 180 / 60;
+    constexpr double pi = 3.14159265358979323846, minutes = 5 * pi / 180 / 60;
     const std::vector<Letter> found = find_type(p).letters;
     const std::vector<std::vector<std::uint32_t>> grounds = grounds_of(p, found);
     std::vector<Glyph> letters;
@@ -144,25 +145,33 @@ std::optional<TypeSize> unreadable_type(const JobPrediction& p, double viewing_d
         letter.is_read = letter.contrast >= std::min(readable_contrast, readable_part * letter.contrast_asked) &&
                          (letter.contrast_asked < readable_contrast || letter.contrast >= readable_contrast) &&
                          x_height * letter.size_mm >= viewing_distance_mm * minutes;
+        letter.is_pale = !letter.is_read && letter.contrast >= pale_contrast &&
+                         found[n].line_mm >= viewing_distance_mm * pale_degrees * pi / 180;
+        letter.is_read = letter.is_read || letter.is_pale;
     }
     std::ranges::stable_sort(letters, {}, &Glyph::size_mm);
     TypeSize type;
     type.below_mm = dividing_size(letters);
-    if (type.below_mm == 0) return std::nullopt;
     type.letters = letters.size();
-    type.smallest_mm = letters.front().size_mm, type.largest_mm = letters.back().size_mm;
-    std::vector<const Glyph*> unread;
-    for (const Glyph& letter : letters)
+    std::vector<const Glyph*> unread, pale;
+    for (const Glyph& letter : letters) {
         if (!letter.is_read && letter.size_mm <= type.below_mm) unread.push_back(&letter);
-    if (unread.size() < least_letters) return std::nullopt;
-    type.unread = unread.size();
-    for (const Glyph* letter : unread) {
-        type.unread_mm2 += letter->letter->area_mm2;
-        type.contrast += letter->contrast / double(unread.size());
-        type.contrast_asked += letter->contrast_asked / double(unread.size());
+        if (letter.is_pale) pale.push_back(&letter);
+    }
+    if (unread.size() < least_letters) unread.clear(), type.below_mm = 0;
+    if (pale.size() < least_letters) pale.clear();
+    if (unread.empty() && pale.empty()) return std::nullopt;
+    type.smallest_mm = letters.front().size_mm, type.largest_mm = letters.back().size_mm;
+    type.unread = unread.size(), type.pale = pale.size();
+    for (const Glyph* letter : pale) type.pale_contrast += letter->contrast / double(pale.size());
+    const std::vector<const Glyph*>& told = unread.empty() ? pale : unread;
+    for (const Glyph* letter : told) {
+        type.told_mm2 += letter->letter->area_mm2;
+        type.contrast += letter->contrast / double(told.size());
+        type.contrast_asked += letter->contrast_asked / double(told.size());
     }
     // Its rim is half its ground.
-    const Glyph& middle = *unread[unread.size() / 2];
+    const Glyph& middle = *told[told.size() / 2];
     const double ground = luminance_of(p, p.target, grounds[std::size_t(middle.letter - found.data())]);
     type.cell = *std::ranges::max_element(middle.letter->cells, {}, [&](std::uint32_t cell) {
         return std::abs(luminance_of(p, p.target, {cell}) - ground);

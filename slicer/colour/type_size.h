@@ -9,9 +9,11 @@
 // A letter is read where the contrast (a - b) / (a + b) of luminance, of the letter against what lies within 0.5 mm of
 // it, is a half or more (ISO 9241-303 asks for as much of characters), or, where less was asked for, at least 0.6 of
 // that; and where its x-height, half of the face, is five minutes of arc from the viewing distance, which is what
-// normal sight reads (Snellen). The size below which type cannot be read is the one that divides those that are read
-// from those that are not with the fewest on the wrong side.
-// What it cannot see: faces of other proportions, and what type_rows.h does not.
+// normal sight reads (Snellen). Where contrast alone is wanting, letters as high as a quarter of a degree are still
+// read, if slower, down to a tenth (Legge, Rubin, Luebker 1987: from there to two degrees a tenth of the contrast costs
+// less than half the rate): they are pale. The size below which type cannot be read is the one that divides those that
+// are read from those that are not with the fewest on the wrong side. What it cannot see: faces of other proportions,
+// and what type_rows.h does not.
 #pragma once
 
 #include <cstdint>
@@ -24,15 +26,16 @@
 namespace voxtone::slicer {
 
 struct TypeSize {
-    double below_mm = 0;  ///< size of the face: what is smaller cannot be read
+    double below_mm = 0;  ///< size of the face: what is smaller cannot be read; 0: all can, some is pale
     double smallest_mm = 0, largest_mm = 0;
-    std::size_t letters = 0, unread = 0;
-    double unread_mm2 = 0;
-    double contrast = 0, contrast_asked = 0;  ///< means of those that cannot be read
+    std::size_t letters = 0, unread = 0, pale = 0;
+    double pale_contrast = 0;                 ///< mean of those that are pale
+    double told_mm2 = 0;                      ///< of those that cannot be read, or where there are none are pale
+    double contrast = 0, contrast_asked = 0;  ///< their means
     std::uint32_t cell = 0;                   ///< of one of them, of its ink
 };
 
-/// Nothing where there is no type, or all of it can be read.
+/// Nothing where there is no type, or all of it is read well.
 [[nodiscard]] std::optional<TypeSize> unreadable_type(const JobPrediction& prediction, double viewing_distance_mm);
 
 /// Lines side by side, or other detail on a ground, that are no letters and run together. With t and q how far a cell's

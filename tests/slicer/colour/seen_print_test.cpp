@@ -160,10 +160,24 @@ TEST_CASE("Below the size where its contrast is lost type is said to be unreadab
     CHECK_FALSE(unreadable_type(sharp.p, 300));
     // Sight has its limit, too: nobody reads 1.4 mm from six metres.
     CHECK(unreadable_type(sharp.p, 3000));
-    const Page all_lost(lines_of_type, [](int, int, bool black) { return black ? 0.6f : 1.0f; });
+    const Page all_lost(lines_of_type, [](int, int, bool black) { return black ? 0.9f : 1.0f; });
     const auto all = unreadable_type(all_lost.p, 300);
     REQUIRE(all);
-    CHECK(all->unread == all->letters);
+    CHECK((all->unread == all->letters && all->pale == 0));
+    // Of a contrast of a quarter capitals of 1.4 mm are read, as they are pale; from where they look smaller they are
+    // not.
+    const Page grey(lines_of_type, [](int, int, bool black) { return black ? 0.6f : 1.0f; });
+    const auto pale = unreadable_type(grey.p, 300);
+    REQUIRE(pale);
+    CHECK(pale->unread == 24);
+    CHECK(pale->unread + pale->pale == pale->letters);
+    CHECK(pale->pale_contrast == Approx(0.25).margin(0.02));
+    CHECK(unreadable_type(grey.p, 340)->pale == 0);
+    const auto upper_line = [](int x, int y) { return y >= 50 && lines_of_type(x, y); };
+    const auto only_pale =
+        unreadable_type(Page(upper_line, [](int, int, bool black) { return black ? 0.6f : 1.0f; }).p, 300);
+    REQUIRE(only_pale);
+    CHECK((only_pale->unread == 0 && only_pale->below_mm == 0 && only_pale->pale == only_pale->letters));
     // A few spots are no type, nor is a checkerboard that stands on nothing.
     const auto spots = [](int x, int y) { return (x == 20 || x == 150) && y >= 50 && y < 60; };
     CHECK_FALSE(unreadable_type(Page(spots, [](int, int, bool black) { return black ? 0.6f : 1.0f; }).p, 300));
