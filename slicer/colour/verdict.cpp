@@ -232,13 +232,14 @@ void judge_gamut(const VerdictSources& s, io::ReportVerdict& verdict) {
     std::string reason = s.why_not_predicted.empty() ? "it was not asked for (--predict)" : s.why_not_predicted;
     if (reason.ends_with(".")) reason.pop_back();
     reason.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(reason.front())));
-    verdict.headline = fmt::format("Colours in reach: {} %", 100 - std::lround(100 * s.gamut.mapped_share));
-    verdict.why = s.gamut.mapped_share < 0.005
+    const long mapped_percent = std::lround(100 * s.gamut.mapped_share);
+    verdict.headline = fmt::format("Colours in reach: {} %", 100 - mapped_percent);
+    verdict.why = mapped_percent == 0
                       ? "The loaded resins show nearly all of its colours"
                       : fmt::format(
-                            "The loaded resins cannot show {:.0f} % of the surface, whose colours are moved: by {:.1f} "
+                            "The loaded resins cannot show {} % of the surface, whose colours are moved: by {:.2g} "
                             "CIEDE2000 on average over all of it",
-                            100 * s.gamut.mapped_share, s.gamut.mean_de2000);
+                            mapped_percent, s.gamut.mean_de2000);
     verdict.why += fmt::format(", on a thick body. How it will look was not predicted: {}.", reason);
     if (s.gamut.mean_de2000 > s.job.options.verdict.good) verdict.advice = advice_on_reach(s.job, s.body);
     verdict.sentence = verdict.headline + ". " + verdict.why;
@@ -248,9 +249,11 @@ void judge_gamut(const VerdictSources& s, io::ReportVerdict& verdict) {
 /// What the file's colours were is not known here, so that the judgement is of those that are left.
 void judge_lost_colour(const std::string& lost, io::ReportVerdict& verdict) {
     verdict.level = io::VerdictLevel::bad;
-    verdict.headline.clear();
-    verdict.sentence = fmt::format("It will not look as asked. {} Measured against the colours that are left: {}", lost,
-                                   verdict.sentence);
+    verdict.headline = "It will not look as asked";
+    verdict.why = "Measured against the colours that are left: " + verdict.sentence;
+    verdict.sentence = fmt::format("{}. {} {}", verdict.headline, lost, verdict.why);
+    verdict.but = lost;
+    verdict.but_normal = {};
 }
 
 }  // namespace

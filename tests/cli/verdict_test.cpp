@@ -63,7 +63,10 @@ TEST_CASE("A model that lost its colours is never said to look as asked") {
     const Outcome printed = run_program(slice);
     REQUIRE(printed.exit_code == 0);
     CHECK_THAT(printed.out, Contains("It will not look as asked. The material library 'gone.mtl'"));
-    CHECK(report_in(folder)["verdict"]["level"] == "bad");
+    const auto verdict = report_in(folder)["verdict"];
+    CHECK(verdict["level"] == "bad");
+    CHECK(verdict["headline"] == "It will not look as asked");
+    CHECK_THAT(verdict["worst"].get<std::string>(), Contains("gone.mtl"));  // that a tray's table says, too
     CHECK(run_program(slice + " --strict").exit_code == 3);
 }
 
@@ -317,6 +320,7 @@ TEST_CASE("A draft tells of colours in reach, not of the print, and has no verdi
     CHECK(report["verdict"]["level"] == "unknown");
     const std::string sentence = report["verdict"]["sentence"];
     CHECK_THAT(sentence, Contains("Colours in reach: ") && !Contains("will not look"));
+    CHECK_THAT(sentence, !Contains("cannot show 0 %"));
     const std::string page = read_file(folder.path() / "out/report.html");
     CHECK_THAT(page, Contains("\"name\": \"colours in reach\"") && !Contains("\"name\": \"print\""));
     CHECK(run_program("slice --quiet --overwrite --strict --quality draft " + folder / "ramp.obj" +
