@@ -159,7 +159,8 @@ public:
         std::string json = tray_json(prepared_, number_, overlaps, stack);
         io::write_whole_file(out_ / tray_file_name, json);
         hand_over(out_, printer_target(tray_, number_), tray_.plan.common.overwrite, progress);
-        report.write({out_, number_, any(), stack, layers_.grid(), notes}, watchers_, watch.total(), progress);
+        report.write({out_, number_, any(), stack, layers_.grid(), notes, prepared_.parts.failed}, watchers_,
+                     watch.total(), progress);
         progress.end_stage();
         return {std::move(json), tray_summary(prepared_, number_, stack, watch.total(), out_), ExitCode::done};
     }

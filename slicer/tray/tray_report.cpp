@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "base/process_usage.h"
+#include "base/warning.h"
 #include "io/files/whole_file.h"
 #include "io/layers/stack_folder.h"
 #include "io/programs/build_identity.h"
@@ -45,6 +46,7 @@ io::ReportPart row_of(const ReadyPart& part, const io::Report& own) {
     if (own.verdict) {
         row.level = own.verdict->level;
         row.headline = own.verdict->headline;
+        if (!own.verdict->but.empty()) row.headline += ". " + own.verdict->but;
         row.seen_mean = own.verdict->seen_mean;
     }
     return row;
@@ -83,6 +85,21 @@ std::string names_of(const std::vector<const io::ReportPart*>& parts) {
     const std::size_t more = names.size() - most;
     names.resize(most);
     return fmt::format("{} and {} more", fmt::join(names, ", "), more);
+}
+
+/// Before all else: someone waits for it.
+void tell_what_is_missing(const std::vector<FailedPart>& failed, io::Report& report) {
+    std::vector<std::string> names;
+    for (const FailedPart& part : failed) {
+        names.push_back(part.name);
+        report.warnings.push_back(
+            named_warning("part-failed", fmt::format("{} is not on the tray: {}", part.name, part.message)));
+    }
+    io::ReportVerdict& verdict = report.verdict ? *report.verdict : report.verdict.emplace();
+    const std::string missing = fmt::format("Not on the tray: {}", fmt::join(names, ", "));
+    verdict.level = io::VerdictLevel::bad;
+    verdict.headline = verdict.headline.empty() ? missing : missing + ". " + verdict.headline;
+    verdict.sentence = verdict.sentence.empty() ? missing + "." : missing + ". " + verdict.sentence;
 }
 
 void add_print(const OpenedJob& job, const io::StackDescription& stack, const VoxelGrid& grid, io::Report& report) {
@@ -257,6 +274,7 @@ io::Report TrayReport::of_bodies(const Tray& tray, LayerWatchers& watchers, Prog
 void TrayReport::write(const Tray& tray, LayerWatchers& watchers, double seconds, Progress& progress) {
     const bool has_page = of_one_body_ || watchers.thumbnails;
     io::Report report = of_one_body_ ? *std::exchange(of_one_body_, {}) : of_bodies(tray, watchers, progress);
+    if (!tray.failed.empty()) tell_what_is_missing(tray.failed, report);
     report.warnings.insert(report.warnings.end(), tray.warnings.begin(), tray.warnings.end());
     report.total_seconds = seconds;
     report.peak_memory_bytes = peak_memory_bytes();

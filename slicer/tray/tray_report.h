@@ -38,6 +38,7 @@ public:
         const io::StackDescription& stack;
         const VoxelGrid& grid;
         std::vector<std::string> warnings;
+        std::vector<FailedPart> failed;  ///< of the whole job
     };
     /// Writes the figures, and the page where `watchers` have seen the tray's layers, or it is one body's; nothing is
     /// left there. `seconds`: of the whole job.

@@ -222,7 +222,8 @@ JobResult run_tray_merge(const MergeOptions& options, Progress& progress) {
     for (const std::string& note : notes) progress.warn(note);
     std::string json = tray_json(prepared, 0, overlaps, stack);
     io::write_whole_file(options.out / tray_file_name, json);
-    report.write({options.out, 0, prepared.any_job(), stack, layers.grid(), notes}, watchers, watch.total(), progress);
+    report.write({options.out, 0, prepared.any_job(), stack, layers.grid(), notes, {}}, watchers, watch.total(),
+                 progress);
     progress.end_stage();
     return {std::move(json), tray_summary(prepared, 0, stack, watch.total(), options.out),
             exit_code_of(tray, {}, verdicts_of(prepared))};

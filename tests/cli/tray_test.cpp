@@ -164,6 +164,10 @@ TEST_CASE("A part that fails is left out and told of, --fail-fast stops there") 
     CHECK_THAT(rest.err, Contains("gone: fails, and the tray is made without it"));
     CHECK_THAT(rest.out,
                Contains("  fails: ") && Contains("gone.obj does not exist"));  // where the others' verdicts are, too
+    // Who sees the page alone learns of it, too.
+    const json report = read_json(bench.folder / "out/report.json");
+    CHECK_THAT(report["verdict"]["sentence"].get<std::string>(), Catch::Matchers::StartsWith("Not on the tray: gone."));
+    CHECK_THAT(report["warnings"].dump(), Contains("gone is not on the tray") && Contains("does not exist"));
     const json tray = read_json(bench.folder / "out/tray.json");
     REQUIRE(tray["parts"].size() == 1);
     CHECK(tray["parts"][0]["name"] == "marker");
