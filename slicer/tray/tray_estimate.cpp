@@ -77,6 +77,7 @@ std::string place_and_file(const TrayPart& part, const std::string& said) {
 
 EstimatedPart estimate_part(const TrayPart& part, const EstimateScope& scope, const OpenedJob* common,
                             Progress& progress) {
+    progress.note("part " + part.name);  // whose the units and warnings are that come now
     try {
         if (part.component) return estimate_component(part, *common, progress);
         const OpenedJob job = open_job(part.options, [&](const OpenedJob& opened, JobRun& run) {

@@ -55,6 +55,10 @@ TEST_CASE("What a tray takes at the printer is told: passes over its layers, and
     const JobEstimate many = estimated(options, {{options.model}, 12});
     CHECK(many.printing.passes == one.printing.passes);  // beside each other, along the heads' way
     CHECK(*many.support_ml == Approx(12 * *one.support_ml));
+    // Units and warnings that are said on the way are of the part that was named before them.
+    SaidProgress progress;
+    (void)estimate_tray(options, {{options.model}, 2}, progress, {.resins = false});
+    CHECK_THAT(progress.notes(), Catch::Matchers::StartsWith("part table\n") && Contains("unit: "));
     CHECK(many.body_ml == Approx(12 * one.body_ml));
 }
 
