@@ -71,6 +71,7 @@ struct Row {
     io::ReportRegion said;
     Eigen::Vector3f oklab = Eigen::Vector3f::Zero();    ///< of what was asked for
     Eigen::Vector3d printed = Eigen::Vector3d::Zero();  ///< linear sRGB
+    std::optional<Eigen::Vector3d> asked_seen = {};     ///< linear sRGB: what the eye makes of what was asked for
     std::vector<std::uint32_t> cells;
 };
 
@@ -236,6 +237,7 @@ Row row_of(const RegionSources& s, std::size_t r, const halftone::CellNeighbours
     io::ReportRegion& region = row.said;
     row.cells = of.cells, row.oklab = oklab_of(of.target);
     row.printed = optics::linear_srgb_from_xyz(optics::xyz_from_lab(look.lab, optics::d65_white()));
+    row.asked_seen = p.seen.asked[r];
     region.kind = kind_word(of.kind, is_page);
     region.asked = text_of(of.target);
     put_at(middle_of(of, surface), surface, region);
@@ -270,6 +272,7 @@ void join(Row& into, const Row& more) {
     a.contrast = (1 - part) * a.contrast + part * b.contrast;
     a.contrast_asked = (1 - part) * a.contrast_asked + part * b.contrast_asked;
     into.printed = (1 - part) * into.printed + part * more.printed;
+    if (into.asked_seen && more.asked_seen) into.asked_seen = (1 - part) * *into.asked_seen + part * *more.asked_seen;
     if (part > 0.5) a.place_mm = b.place_mm, a.normal = b.normal;
     a.out_of_reach = a.out_of_reach && b.out_of_reach;
     a.area_mm2 += b.area_mm2;
@@ -296,6 +299,12 @@ std::vector<Row> joined(std::vector<Row> rows) {
     return kinds;
 }
 
+/// Whether what is asked for looks clearly otherwise at its size, so that naming it beside the print's would mislead.
+bool mixes(const Eigen::Vector3f& asked_oklab, const Eigen::Vector3d& seen, const VerdictLimits& limits) {
+    const auto lab = [](const Eigen::Vector3d& rgb) { return optics::lab_from_linear_srgb(rgb.cwiseMax(0)); };
+    return optics::ciede2000(lab(optics::linear_srgb_from_oklab(asked_oklab.cast<double>())), lab(seen)) > limits.bad;
+}
+
 void say_where(const RegionSources& s, Row& row) {
     double area = 0, seen = 0;
     for (const std::uint32_t i : row.cells) {
@@ -306,6 +315,8 @@ void say_where(const RegionSources& s, Row& row) {
     row.said.place = s.places.at(row.said.place_mm);
     const Side side = s.sides.main_side(row.cells);
     if (!s.is_picture) row.said.from = from_words(side);
+    if (row.asked_seen && row.said.de2000 && mixes(row.oklab, *row.asked_seen, s.limits))
+        row.said.asked += ", to the eye at its size " + text_of(row.asked_seen->cast<float>());
     // Over the paper's level a tint may be brighter than white, and would be told as white.
     row.said.printed = text_of((row.printed / std::max(1.0, row.printed.maxCoeff())).cast<float>());
 }

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "io/pictures/picture_writer.h"
+#include "optics/colour/colour.h"
 #include "run_program.h"
 #include "tests/io/files/schema.h"
 #include "tests/outcomes.h"
@@ -257,6 +258,35 @@ TEST_CASE("Paper between heavy letters is told as the tint that it has, and not 
             REQUIRE(double(region["de2000"]) > 5);
             CHECK_THAT(region["printed"].get<std::string>(), !Contains("(255, 255, 255)"));
         }
+}
+
+TEST_CASE("The colours that a row names differ by about what it says that they do") {
+    const Folder folder("rows");
+    // Bars of blue, of which the eye makes a lighter blue at their size.
+    write_sheet(folder, "bars.png", 100, 60, [](int x, int y) {
+        const bool ink = x >= 16 && x < 88 && y >= 4 && y < 56 && x % 15 < 5;
+        return ink ? std::array{20, 60, 140} : std::array{255, 255, 255};
+    });
+    const auto report = verdict_of(folder, folder / "bars.png" + " --width 10mm --thickness 2mm --iterations 0");
+    INFO(report["verdict"]["regions"].dump(1));
+    const auto lab = [](const std::string& colour) {
+        std::smatch code;
+        REQUIRE(std::regex_search(colour, code, std::regex(R"(\((\d+), (\d+), (\d+)\))")));
+        Eigen::Vector3d rgb;
+        for (int c = 0; c < 3; ++c) rgb[c] = optics::srgb_decode(std::stoi(code[std::size_t(c) + 1]) / 255.0);
+        return optics::lab_from_linear_srgb(rgb);
+    };
+    int mixed = 0;
+    for (const auto& region : report["verdict"]["regions"]) {
+        if (region["kind"] != "solid") continue;
+        const std::string asked = region["asked"];
+        const std::size_t seen = asked.find("to the eye");
+        const bool mixes = seen != std::string::npos;
+        const double off = optics::ciede2000(lab(asked.substr(mixes ? seen : 0)), lab(region["printed"]));
+        CHECK(off == Approx(double(region["de2000"])).margin(mixes ? 1 : 5));
+        mixed += mixes;
+    }
+    CHECK(mixed == 1);
 }
 
 TEST_CASE("Of a page lines that are lost come before a larger patch that is off") {
