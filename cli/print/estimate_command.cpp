@@ -39,7 +39,6 @@ int run(const EstimateArguments& arguments) {
     slicer::EstimateScope scope = arguments.scope;
     scope.resins = !arguments.quick;
     return run_on_console(arguments.console, [&](Progress& progress) {
-        tell_notes(options, progress);
         const slicer::TrayModels models = many_models(arguments.job, options);
         if (models.empty() && farm::is_plan(options.model) && !slicer::is_tray_plan(options.model)) {
             if (scope.orientations)

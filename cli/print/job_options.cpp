@@ -27,9 +27,9 @@ using slicer::OptionSpec;
 
 /// "model,--model", "-o,--out".
 std::string names_of_option(const OptionSpec& spec) {
-    std::string names = "--" + spec.option;
+    std::string names = "--" + spec.key;
     if (!spec.letter.empty()) names = "-" + spec.letter + "," + names;
-    return spec.positional ? spec.option + "," + names : names;
+    return spec.positional ? spec.key + "," + names : names;
 }
 
 void add_option(Verb& verb, const OptionSpec& spec, JobArguments& arguments) {
@@ -52,7 +52,7 @@ void add_option(Verb& verb, const OptionSpec& spec, JobArguments& arguments) {
 
 /// What the command line says of an option; nothing: it does not name it.
 std::optional<std::string> said(const JobArguments& arguments, const OptionSpec& spec) {
-    if (!arguments.keys.contains(spec.key) || !arguments.said->contains(spec.option)) return std::nullopt;
+    if (!arguments.keys.contains(spec.key) || !arguments.said->contains(spec.key)) return std::nullopt;
     if (spec.kind() == OptionSpec::Kind::flag) return arguments.flags.at(spec.key) ? "true" : "false";
     if (spec.key == "model" && arguments.takes_many) return arguments.models.front();
     if (spec.kind() == OptionSpec::Kind::texts) return fmt::format("{}", fmt::join(arguments.texts.at(spec.key), "\n"));
@@ -148,10 +148,6 @@ slicer::TrayModels many_models(const JobArguments& arguments, const slicer::Slic
 JobResult run_tray(const slicer::SliceOptions& options, const slicer::TrayModels& models, Progress& progress) {
     return options.shard.empty() ? slicer::run_tray_job(options, models, progress)
                                  : slicer::run_tray_shard(options, models, progress);
-}
-
-void tell_notes(const slicer::SliceOptions& options, Progress& progress) {
-    for (const std::string& note : options.notes) progress.note(note);
 }
 
 }  // namespace voxtone::cli

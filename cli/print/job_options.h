@@ -56,7 +56,4 @@ void add_dump_default(Verb& command, JobArguments& arguments);
 [[nodiscard]] JobResult run_tray(const slicer::SliceOptions& options, const slicer::TrayModels& models,
                                  Progress& progress);
 
-/// What there is to say of how they were written.
-void tell_notes(const slicer::SliceOptions& options, Progress& progress);
-
 }  // namespace voxtone::cli

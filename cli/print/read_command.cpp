@@ -55,7 +55,6 @@ JobResult run(const ReadArguments& arguments, Progress& progress) {
     options.out = ".";      // nothing is written
     options.named.clear();  // among files of several kinds each takes what is its own
     expect_picture(arguments);
-    tell_notes(options, progress);
     slicer::MeshViewer view;
     if (!arguments.picture.empty())
         view = [&](const io::TexturedMesh& mesh, bool is_picture) {

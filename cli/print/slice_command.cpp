@@ -36,7 +36,6 @@ int run(const SliceArguments& arguments) {
         return 0;
     }
     return run_on_console(arguments.console, [&](Progress& progress) {
-        tell_notes(options, progress);
         const slicer::TrayModels many = many_models(arguments.job, options);
         if (many.files.size() > 1)
             progress.note(fmt::format("{} models become the parts of one tray; `voxtone batch` makes a job of each",

@@ -26,7 +26,6 @@ int run(const TrayArguments& arguments) {
         return 0;
     }
     return run_on_console(arguments.console, [&](Progress& progress) {
-        tell_notes(options, progress);
         slicer::TrayModels models = many_models(arguments.job, options);
         // One model is a tray of one part.
         if (models.empty() && !slicer::is_tray(options) && !options.model.empty()) models.files = {options.model};

@@ -90,12 +90,9 @@ PlannedJob job_of(const PlanRow& row, const std::string& source, const slicer::S
     return job;
 }
 
-slicer::SliceOptions preset_of(const PlanOptions& options, Progress* progress) {
+slicer::SliceOptions preset_of(const PlanOptions& options) {
     slicer::SliceOptions preset = options.begin_with.value_or(slicer::SliceOptions());
     if (!options.preset.empty()) slicer::read_job(options.preset, preset);
-    if (progress)
-        for (const std::string& note : preset.notes) progress->note(note);
-    preset.notes.clear();
     preset.model.clear();
     preset.out.clear();
     preset.overwrite = preset.resume = false;
@@ -196,21 +193,6 @@ void find_doubles(const std::vector<PlannedJob>& jobs, std::vector<std::string>&
     }
 }
 
-/// What there is to say of how rows were written, in full of the first: the others are likely to be like it.
-void tell_notes(std::vector<PlannedJob>& jobs, const PlanRows& rows, const slicer::SliceOptions& preset,
-                Progress& progress) {
-    const auto noted = [](const PlannedJob& job) { return !job.options.notes.empty(); };
-    const auto count = std::ranges::count_if(jobs, noted);
-    if (count == 0) return;
-    const PlannedJob& first = *std::ranges::find_if(jobs, noted);
-    for (const PlanRow& row : rows.rows) {
-        if (first.place != place_of(row, rows.source)) continue;
-        const std::string more = count > 1 ? fmt::format(" (and so in {} more)", counted(count - 1, "line")) : "";
-        for (const std::string& note : job_of(row, rows.source, preset, true).options.notes) progress.note(note + more);
-    }
-    for (PlannedJob& job : jobs) job.options.notes.clear();
-}
-
 [[noreturn]] void refuse(const std::string& source, const std::vector<std::string>& faults) {
     if (faults.size() == 1) throw InputError(faults[0] + "; no job was started");
     throw InputError(fmt::format("{}: {}; no job was started, mend them and run it again:\n{}", source,
@@ -221,7 +203,7 @@ void tell_notes(std::vector<PlannedJob>& jobs, const PlanRows& rows, const slice
 
 std::vector<PlannedJob> plan_jobs(const PlanRows& rows, const PlanOptions& options, Progress* progress) {
     (void)slicer::NameTemplate(options.name);
-    const slicer::SliceOptions preset = preset_of(options, progress);
+    const slicer::SliceOptions preset = preset_of(options);
     std::vector<PlannedJob> jobs;
     std::vector<std::string> faults = rows.faults;
     std::size_t n = 0;
@@ -229,7 +211,6 @@ std::vector<PlannedJob> plan_jobs(const PlanRows& rows, const PlanOptions& optio
         if (progress) progress->check_cancelled();
         take_row(row, ++n, rows, preset, options, jobs, faults);
     }
-    if (progress) tell_notes(jobs, rows, preset, *progress);
     find_doubles(jobs, faults);
     if (!faults.empty()) refuse(rows.source, faults);
     return jobs;

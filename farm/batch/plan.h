@@ -34,7 +34,7 @@ struct PlannedJob {
 };
 
 /// The plan's jobs in its order. Every model is there and every option valid: what can refuse a job before its model is
-/// read was asked. Notes of earlier spellings are told. Changes nothing on disk. Throws InputError that lists every
+/// read was asked. Changes nothing on disk. Throws InputError that lists every
 /// fault with its line, UsageError, FileError, Cancelled.
 [[nodiscard]] std::vector<PlannedJob> read_plan(const PlanOptions& options, Progress* progress = nullptr);
 

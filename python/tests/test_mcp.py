@@ -73,7 +73,7 @@ def test_a_session(client, tmp_path):
     model, out = tmp_path / "box.glb", str(tmp_path / "out")
     box().write(model)
     assert client.told("estimate", model=[str(model)], quick=True)["layers"] > 50
-    client.told("slice", mesh=[str(model)], out=out, quality="draft", predict="transport")
+    client.told("slice", model=[str(model)], out=out, quality="draft", predict="transport")
     while not (status := client.told("status", out=out))["done"]:
         time.sleep(0.2)
     assert status["ended"] == "well"
@@ -97,7 +97,7 @@ def test_mistakes_are_answered(client, tmp_path):
     for tool, arguments, word in [("verdict", {"out": str(tmp_path)}, "manifest.json"),
                                   ("status", {"out": str(tmp_path)}, "no job was started"),
                                   ("estimate", {"model": ["/nowhere.obj"]}, "/nowhere.obj"),
-                                  ("estimate", {"mesh": ["/nowhere.obj"]}, "/nowhere.obj"),
+                                  ("estimate", {"model": ["/nowhere.obj"]}, "/nowhere.obj"),
                                   ("slice", {"out": "x", "sise": 1}, "did you mean size"), ("slice", {}, "out")]:
         result = client.call(tool, **arguments)
         assert result["isError"] and word in result["content"][0]["text"], (tool, result)

@@ -85,7 +85,6 @@ class Command:
     def words(self, arguments: Sequence[Any], keywords: Dict[str, Any]) -> List[str]:
         """The command line. Raises TypeError where Python would for a function of these arguments."""
         words, operands = list(self.path), []
-        keywords = {former_names.get(name, name): value for name, value in keywords.items()}
         places = [option for option in self.options if option.positional]
         for place in places:
             if place.keyword in keywords and arguments:
@@ -122,8 +121,6 @@ class Command:
         return "\n".join(lines + ["", "On the command line: " + self.example])
 
 
-#: What options were called earlier.
-former_names = {"mesh": "model"}
 #: How the program talks, which this package decides.
 run_by_package = ("json", "progress", "quiet")
 

@@ -35,7 +35,7 @@ public:
         std::vector<slicer::JobInput> inputs{{key, options_.profiles, {}},
                                              {key + ":" + map_.picture, picture.string(), {}}};
         for (const slicer::LaminateMaterialFile& material : options_.materials)
-            inputs.push_back({"stack-materials:" + material.role, material.file, {}});
+            inputs.push_back({"laminate-materials:" + material.role, material.file, {}});
         return inputs;
     }
     /// As docs/estimate.md measured it.

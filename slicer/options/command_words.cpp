@@ -50,11 +50,11 @@ std::vector<std::string> command_words(const SliceOptions& options) {
         const std::string value = spec.get(options);
         if (spec.is_preset() || value == spec.get(defaults)) continue;
         if (spec.kind() == OptionSpec::Kind::flag) {
-            arguments.push_back((value == "true" ? "--" : "--no-") + spec.option);
+            arguments.push_back((value == "true" ? "--" : "--no-") + spec.key);
         } else if (value.starts_with('-')) {
-            arguments.push_back("--" + spec.option + "=" + value);
+            arguments.push_back("--" + spec.key + "=" + value);
         } else {
-            if (!spec.positional) arguments.push_back("--" + spec.option);
+            if (!spec.positional) arguments.push_back("--" + spec.key);
             arguments.push_back(value);
         }
     }

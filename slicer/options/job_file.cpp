@@ -127,30 +127,6 @@ JobInput input_of(const io::JsonObject& entry, const fs::path& folder) {
 
 constexpr auto every_key = [](const std::string&) { return true; };
 
-/// Whether the object has this option by its earlier name. Where that is another option's name now, the value tells
-/// whose it is: their choices differ.
-bool has_former_key(const io::JsonObject& from, const OptionSpec& spec) {
-    if (spec.former_key.empty() || !from.has(spec.former_key)) return false;
-    return !find_option(spec.former_key) ||
-           std::ranges::find(spec.choices, from.any_text(spec.former_key)) != spec.choices.end();
-}
-
-bool has_current_key(const io::JsonObject& from, const OptionSpec& spec) {
-    const OptionSpec* const former = find_former_key(spec.key);
-    return from.has(spec.key) && !(former && has_former_key(from, *former));
-}
-
-/// The key under which the object has this option, an earlier one with a note; empty: it has it not.
-std::string key_in(const io::JsonObject& from, const OptionSpec& spec, SliceOptions& options) {
-    if (!has_former_key(from, spec)) return has_current_key(from, spec) ? spec.key : std::string();
-    if (has_current_key(from, spec))
-        from.fail(spec.former_key,
-                  fmt::format("is what `{}` was called earlier, and both are here; leave it out", spec.key));
-    options.notes.push_back(fmt::format("{}key `{}` is called `{}` now, which means the same; it was taken",
-                                        from.place_of(spec.former_key), spec.former_key, spec.key));
-    return spec.former_key;
-}
-
 }  // namespace
 
 OptionValue option_value(const OptionSpec& spec, const SliceOptions& options) {
@@ -216,7 +192,8 @@ std::string spelled_mark(const io::JsonObject& object) {
 }
 
 /// An option's value as `OptionSpec::set` takes it. Marks are texts or objects, one or a list of them.
-std::string value_in(const io::JsonObject& from, const OptionSpec& spec, const std::string& key) {
+std::string value_in(const io::JsonObject& from, const OptionSpec& spec) {
+    const std::string& key = spec.key;
     if (spec.kind() != OptionSpec::Kind::texts) return from.any_text(key);
     if (from.is_object(key)) return spelled_mark(from.object(key));
     std::vector<std::string> marks;
@@ -239,17 +216,16 @@ std::vector<std::string> take_options(const io::JsonObject& from, const fs::path
     const SliceOptions defaults;
     std::vector<std::string> taken, set_by_preset;
     for (const OptionSpec& spec : slice_option_table()) {
-        const std::string key = key_in(from, spec, options);
-        if (key.empty()) continue;
+        if (!from.has(spec.key)) continue;
         try {
             SliceOptions said;
-            spec.set(said, value_in(from, spec, key));
+            spec.set(said, value_in(from, spec));
             if (spec.get(said) == spec.get(defaults) &&
                 std::ranges::find(set_by_preset, spec.key) != set_by_preset.end())
                 continue;
-            spec.set(options, value_in(from, spec, key));
+            spec.set(options, value_in(from, spec));
         } catch (const UsageError& error) {
-            from.fail(key, error.what());
+            from.fail(spec.key, error.what());
         }
         for (const OptionSpec::Preset& preset : spec.presets)
             for (const auto& [set, value] : preset.values) set_by_preset.push_back(set);

@@ -48,7 +48,7 @@ void refuse_copies(const io::JsonObject& of_job);
 void read_job(const std::string& path, SliceOptions& options);
 
 /// The options among this object's keys, all others being somebody else's: sets those that it has, and gives back their
-/// keys. Earlier names of keys are taken with a note. Relative paths in it are relative to `folder`. A preset such as
+/// keys. Relative paths in it are relative to `folder`. A preset such as
 /// `quality` comes first: what it sets is set otherwise by a value that is not the default, as complete job files name
 /// all defaults. Throws InputError.
 std::vector<std::string> take_options(const io::JsonObject& from, const std::filesystem::path& folder,

@@ -29,7 +29,7 @@ void check_scope(const SliceOptions& options, bool is_picture) {
     for (const OptionSpec& spec : slice_option_table()) {
         if (std::ranges::find(options.named, spec.key) == options.named.end()) continue;
         if (const std::string why = why_idle(spec, options, is_picture); !why.empty())
-            throw UsageError(fmt::format("--{} {} would be ignored: {}", spec.option, spec.get(options), why));
+            throw UsageError(fmt::format("--{} {} would be ignored: {}", spec.key, spec.get(options), why));
     }
 }
 

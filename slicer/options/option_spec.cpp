@@ -19,7 +19,7 @@ using Kind = OptionSpec::Kind;
 
 void expect_choice(const OptionSpec& spec, const std::string& value) {
     if (!spec.choices.empty() && std::ranges::find(spec.choices, value) == spec.choices.end())
-        refuse_choice(spec.option, value, spec.choices);
+        refuse_choice(spec.key, value, spec.choices);
 }
 
 /// The kind, the text and the value of each type of member.
@@ -74,7 +74,7 @@ struct MemberSetter {
         const std::vector<std::string> parts = parse_list(value);
         for (const std::string& part : parts) expect_choice(spec, part);
         if (std::set<std::string>(parts.begin(), parts.end()).size() != parts.size())
-            throw UsageError(fmt::format("--{}: '{}' names something twice", spec.option, value));
+            throw UsageError(fmt::format("--{}: '{}' names something twice", spec.key, value));
         options.*list = parts;
     }
     void operator()(OptionSpec::Texts list) const {
@@ -86,19 +86,17 @@ struct MemberSetter {
         }
         options.*list.texts = texts;
     }
-    void operator()(bool SliceOptions::*flag) const { options.*flag = parse_flag(spec.option, value); }
-    void operator()(OptionSpec::Length length) const {
-        options.*length.mm = parse_length_mm(value, "--" + spec.option);
-    }
+    void operator()(bool SliceOptions::*flag) const { options.*flag = parse_flag(spec.key, value); }
+    void operator()(OptionSpec::Length length) const { options.*length.mm = parse_length_mm(value, "--" + spec.key); }
     void operator()(double SliceOptions::*number) const {
-        const std::string what = "--" + spec.option;
+        const std::string what = "--" + spec.key;
         options.*number = spec.metavar == "GIB" ? parse_memory_gib(value, what)
                           : spec.metavar == "S" ? parse_time_s(value, what)
-                                                : parse_number<double>(spec.option, value);
+                                                : parse_number<double>(spec.key, value);
     }
     template <class Number>
     void operator()(Number SliceOptions::*number) const {
-        options.*number = parse_number<Number>(spec.option, value);
+        options.*number = parse_number<Number>(spec.key, value);
     }
 };
 

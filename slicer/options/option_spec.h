@@ -53,16 +53,14 @@ struct OptionSpec {
     /// Why a job would do nothing with it; empty: it would not.
     using Idle = std::function<std::string_view(const SliceOptions&, bool is_picture)>;
 
-    std::string key;                            ///< of the job file
-    std::string option{};                       ///< `--option` of the command line; empty: as the key
-    std::string former_option{}, former_key{};  ///< earlier spellings, taken with a note
-    bool positional = false;                    ///< it may also stand alone
-    std::string letter{};                       ///< "o" for -o
-    std::string metavar{};                      ///< "FILE", "ID", "a-b"
-    std::string group{};                        ///< heading in --help
-    std::string help{};                         ///< what it does, with its unit and its choices
-    std::vector<std::string> choices{};         ///< empty: free
-    std::string bare{};                         ///< what the option means without a value; empty: it wants one
+    std::string key;                     ///< of the job file, and with dashes of the command line
+    bool positional = false;             ///< it may also stand alone
+    std::string letter{};                ///< "o" for -o
+    std::string metavar{};               ///< "FILE", "ID", "a-b"
+    std::string group{};                 ///< heading in --help
+    std::string help{};                  ///< what it does, with its unit and its choices
+    std::vector<std::string> choices{};  ///< empty: free
+    std::string bare{};                  ///< what the option means without a value; empty: it wants one
     Member member{};
     Names names = Names::nothing;
     Decides decides = Decides::bits;

@@ -50,7 +50,6 @@ std::vector<OptionSpec> whole_table() {
          {table_of_body(), table_of_tray(), table_of_marks(), table_of_colour(), table_of_layers(), table_of_run()})
         table.insert(table.end(), std::make_move_iterator(part.begin()), std::make_move_iterator(part.end()));
     for (OptionSpec& spec : table) {
-        if (spec.option.empty()) spec.option = spec.key;
         if (spec.is_preset()) {
             spec.get_preset = [key = spec.key](const SliceOptions& o) { return preset_of(*find_option(key), o); };
             spec.set_preset = [](SliceOptions& o, const OptionSpec::Preset& preset) { apply(preset, o); };
@@ -73,19 +72,9 @@ const OptionSpec* find_option(std::string_view key) {
     return nullptr;
 }
 
-const OptionSpec* find_former_key(std::string_view key) {
-    for (const OptionSpec& spec : slice_option_table())
-        if (!spec.former_key.empty() && spec.former_key == key) return &spec;
-    return nullptr;
-}
-
 std::vector<std::string> option_keys() {
-    std::vector<std::string> keys, former;
-    for (const OptionSpec& spec : slice_option_table()) {
-        keys.push_back(spec.key);
-        if (!spec.former_key.empty() && !find_option(spec.former_key)) former.push_back(spec.former_key);
-    }
-    keys.insert(keys.end(), former.begin(), former.end());
+    std::vector<std::string> keys;
+    for (const OptionSpec& spec : slice_option_table()) keys.push_back(spec.key);
     return keys;
 }
 

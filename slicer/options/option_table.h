@@ -19,9 +19,7 @@ namespace voxtone::slicer {
 [[nodiscard]] std::span<const OptionSpec> slice_option_table();
 /// The entry of this key; nullptr: there is none.
 [[nodiscard]] const OptionSpec* find_option(std::string_view key);
-/// The entry that had this key earlier; nullptr: there is none.
-[[nodiscard]] const OptionSpec* find_former_key(std::string_view key);
-/// All keys that a job file may have, the earlier ones last.
+/// All keys that a job file may have.
 [[nodiscard]] std::vector<std::string> option_keys();
 
 /// "key=value" lines of the options that are not at their defaults and decide as much as `least` says or more: what of

@@ -27,7 +27,7 @@ void check_rules(const SliceOptions& o) {
         const std::string_view broken = spec.rule(o);
         if (broken.empty()) continue;
         const std::string value = spec.get(o);
-        throw UsageError(fmt::format("--{} {}: {}", spec.option, value.empty() ? "(none)" : value, broken));
+        throw UsageError(fmt::format("--{} {}: {}", spec.key, value.empty() ? "(none)" : value, broken));
     }
 }
 

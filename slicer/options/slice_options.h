@@ -97,9 +97,6 @@ struct SliceOptions {
     /// would be ignored is refused (option_scope.h).
     std::vector<std::string> named;
 
-    /// Sentences for the user: earlier spellings that were taken.
-    std::vector<std::string> notes;
-
     /// What the inputs held when the job file was written that these options come from; empty where it does not say.
     std::vector<JobInput> recorded_inputs;
 };

@@ -27,7 +27,6 @@ std::vector<OptionSpec> files_entries() {
     const std::string group = "Input and output";
     return {
         {.key = "model",
-         .former_option = "mesh",
          .positional = true,
          .metavar = "FILE",
          .group = group,

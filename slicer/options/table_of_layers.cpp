@@ -43,7 +43,6 @@ std::vector<OptionSpec> map_entries() {
     return {
         // First: it makes the place of the others' values.
         {.key = "show",
-         .former_key = "arrange",
          .metavar = "NAME",
          .group = heading,
          .help = "what the surface is to show: colour, or layered-profile: how light spreads, by layers of resin under "
@@ -92,8 +91,6 @@ std::vector<OptionSpec> search_entries() {
     return {
         layered_value(Length{&O::laminate_thickness_mm}, &LayeredOptions::thickness_mm,
                       {.key = "laminate-thickness",
-                       .former_option = "stack-thickness",
-                       .former_key = "stack-thickness",
                        .help = "most thickness of a laminate",
                        .rule =
                            [](const O& o) {
@@ -102,8 +99,6 @@ std::vector<OptionSpec> search_entries() {
                            }}),
         layered_value(&O::laminate_steps, &LayeredOptions::steps,
                       {.key = "laminate-steps",
-                       .former_option = "stack-steps",
-                       .former_key = "stack-steps",
                        .metavar = "N",
                        .help = "the search cuts that thickness into so many steps",
                        .rule =
@@ -112,8 +107,6 @@ std::vector<OptionSpec> search_entries() {
                            }}),
         layered_value(&O::laminate_blocks, &LayeredOptions::blocks,
                       {.key = "laminate-blocks",
-                       .former_option = "stack-blocks",
-                       .former_key = "stack-blocks",
                        .metavar = "N",
                        .help = "and makes laminates of so many blocks, of 1, 2, 4, ... steps, at most",
                        .rule =
@@ -121,8 +114,6 @@ std::vector<OptionSpec> search_entries() {
                                return unless(o.laminate_blocks >= 1 && o.laminate_blocks <= 16, "must be 1 to 16");
                            }}),
         {.key = "laminate-rounds",
-         .former_option = "stack-rounds",
-         .former_key = "stack-rounds",
          .metavar = "N",
          .group = heading,
          .help =
@@ -140,8 +131,6 @@ std::vector<OptionSpec> search_entries() {
          .resolve = in_layers(
              [](const O& o, LayeredOptions& layered) { layered.rounds = parse_laminate_rounds(o.laminate_rounds); })},
         {.key = "laminate-materials",
-         .former_option = "stack-materials",
-         .former_key = "stack-materials",
          .metavar = "ROLE=FILE",
          .group = heading,
          .help = "measured profiles (voxtone-profile) of the loaded resins in the place of computed ones: "

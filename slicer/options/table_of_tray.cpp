@@ -32,7 +32,6 @@ std::vector<OptionSpec> table_of_tray() {
                .rule = [](const O& o) { return unless(o.gap_mm >= 0 && o.gap_mm <= most_mm, "must be 0 to 10 m"); }}),
         choice(&O::arrange, at(&Job::tray, &TrayOptions::arrange),
                {.key = "arrange",
-                .former_key = "layout",
                 .metavar = "HOW",
                 .group = group,
                 .help = "many parts: where those stand whose places are not given. plate: beside each other; stacked: "

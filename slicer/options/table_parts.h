@@ -41,8 +41,7 @@ template <class Place>
     using Enum = std::remove_reference_t<decltype(place(std::declval<ResolvedJob&>()))>;
     spec.member = member;
     spec.choices = names_of<Enum>();
-    const std::string option = spec.option.empty() ? spec.key : spec.option;
-    spec.resolve = [member, place, option](const SliceOptions& o, ResolvedJob& job) {
+    spec.resolve = [member, place, option = spec.key](const SliceOptions& o, ResolvedJob& job) {
         place(job) = parse_choice<Enum>(option, o.*member);
     };
     return spec;

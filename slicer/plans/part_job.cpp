@@ -56,7 +56,7 @@ PartJob take_part_job(const io::JsonObject& part, const std::filesystem::path& f
             std::erase(said, key);
         }
     if (options.load.empty()) taken.load = of_job.load;
-    // What was said to this run is the tray's; the job's own notes and inputs are the part's.
+    // What was said to this run is the tray's; the job's own inputs are the part's.
     taken.named = options.named;
     options = std::move(taken);
     return job;

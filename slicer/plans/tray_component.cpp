@@ -132,7 +132,7 @@ std::string_view phrase_of(ComponentKind kind) {
 /// Options of a job say how a model becomes voxels, and what is on its surface.
 void refuse_what_models_have(const io::JsonObject& part, const TrayComponent& component) {
     for (const std::string& key : part.keys()) {
-        if (!find_option(key) && !find_former_key(key)) continue;
+        if (!find_option(key)) continue;
         part.fail(key, fmt::format("is for a model; {} {}: leave it out", phrase_of(component.kind),
                                    component.is_shape() ? "is plain voxels of its size"
                                                         : "is sliced already, and its voxels are taken as they are"));

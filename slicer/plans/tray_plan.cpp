@@ -40,10 +40,10 @@ constexpr const char *parts_key = "parts", *name_key = "name", *copies_key = "co
 constexpr std::string_view format_name = "voxtone-tray";
 
 /// Of a print, and so of all its parts.
-constexpr const char* of_the_tray[] = {"out",     "overwrite", "resume",    "printer",     "resins",     "load",
-                                       "formats", "layers",    "threads",   "shard",       "until",      "mixtures",
-                                       "memory",  "strict",    "read-time", "report",      "gap",        "arrange",
-                                       "layout",  "trays",     "fail-fast", "read-memory", "for-printer"};
+constexpr const char* of_the_tray[] = {"out",     "overwrite", "resume",      "printer",    "resins", "load",
+                                       "formats", "layers",    "threads",     "shard",      "until",  "mixtures",
+                                       "memory",  "strict",    "read-time",   "report",     "gap",    "arrange",
+                                       "trays",   "fail-fast", "read-memory", "for-printer"};
 
 /// Of a plan or a part, whose `words` are no options.
 std::vector<std::string> with_options(std::vector<std::string> words) {

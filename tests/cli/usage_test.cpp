@@ -94,19 +94,8 @@ TEST_CASE("A file whose name begins as an option does is pointed at its own spel
     CHECK_THAT(run_program("slice a.obj -o out --frob").err, !Contains("if it is a file"));
 }
 
-TEST_CASE("An earlier key is taken with a note") {
-    const Folder folder("former");
-    folder.write("marker.obj", marker_obj());
+TEST_CASE("What was called --model is pointed at --show") {
     refused("slice --model layered-profile -o out", 2, "what --show says");
-    folder.write("job.json", R"({"format": "voxtone-job", "version": 1, "model": "marker.obj", "arrange": "colour",
-        "quality": "draft", "report": false})");
-    const Outcome job = run_program("slice --overwrite --job " + (folder / "job.json") + " -o " + (folder / "out"));
-    CHECK(job.exit_code == 0);
-    CHECK_THAT(job.err, Contains("line 1: key `arrange` is called `show` now"));
-    folder.write("plan.csv", "model,arrange,quality\nmarker.obj,colour,draft\n");
-    const Outcome batch = run_program("batch " + (folder / "plan.csv") + " -o " + (folder / "batch"));
-    CHECK(batch.exit_code == 0);
-    CHECK_THAT(batch.err, Contains("`arrange` is called `show` now"));
 }
 
 TEST_CASE("A quality stands for other options, and what is said beside it wins") {

@@ -31,7 +31,7 @@ void set_options(const std::string& words, SliceOptions& options) {
     std::istringstream in(words);
     for (std::string name, value; in >> name;) {
         const auto specs = slice_option_table();
-        const auto spec = std::ranges::find_if(specs, [&](const OptionSpec& one) { return "--" + one.option == name; });
+        const auto spec = std::ranges::find_if(specs, [&](const OptionSpec& one) { return "--" + one.key == name; });
         if (spec == specs.end() || !(in >> value)) throw std::runtime_error("expected.json: options: " + words);
         spec->set(options, value);
         options.named.push_back(spec->key);

@@ -49,20 +49,10 @@ std::string other_value(const OptionSpec& spec) {
 }  // namespace
 
 TEST_CASE("Every option is declared whole, and no two of one name") {
-    std::set<std::string> keys, options;
+    std::set<std::string> keys;
     for (const OptionSpec& spec : slice_option_table()) {
         INFO(spec.key);
         CHECK(keys.insert(spec.key).second);
-        CHECK(options.insert(spec.option).second);
-        if (!spec.former_key.empty() && !find_option(spec.former_key)) CHECK(keys.insert(spec.former_key).second);
-        // Where the name is another option's now, the value tells whose it is.
-        if (const OptionSpec* now = find_option(spec.former_key); now && !spec.former_key.empty()) {
-            CHECK_FALSE(spec.choices.empty());
-            CHECK_FALSE(now->choices.empty());
-            for (const std::string& choice : spec.choices)
-                CHECK(std::find(now->choices.begin(), now->choices.end(), choice) == now->choices.end());
-        }
-        if (!spec.former_option.empty()) CHECK(options.insert(spec.former_option).second);
         CHECK_FALSE(spec.help.empty());
         CHECK_FALSE(spec.group.empty());
         CHECK((spec.kind() == OptionSpec::Kind::flag) == spec.metavar.empty());
@@ -78,7 +68,7 @@ TEST_CASE("Every option is declared whole, and no two of one name") {
 TEST_CASE("An option that is new and at its default makes no job another") {
     std::vector<OptionSpec> table(slice_option_table().begin(), slice_option_table().end());
     OptionSpec added = *find_option("depth");
-    added.key = added.option = "halo";
+    added.key = "halo";
     added.member = OptionSpec::Length{&SliceOptions::surface_cell_mm};
     table.push_back(added);
     SliceOptions options = with(named(), "size", "30mm");
