@@ -86,14 +86,12 @@ std::vector<std::pair<std::string, slicer::KnownDigest>> known_inputs(const fs::
 }
 
 void write_job_picture(const fs::path& folder, const fs::path& file) {
-    constexpr std::uint64_t most_bytes = std::uint64_t{256} << 20;
+    constexpr std::uint64_t most_bytes = std::uint64_t{64} << 20;
     constexpr std::uint32_t most_px = 96;
+    const fs::path preview = folder / slicer::report_file::preview;
     std::error_code none;
-    if (!fs::exists(folder / slicer::report_file::page, none)) return;
-    const std::vector<std::uint8_t> page = io::read_whole_file(folder / slicer::report_file::page, most_bytes);
-    const std::vector<std::uint8_t> png =
-        io::small_report_picture({reinterpret_cast<const char*>(page.data()), page.size()}, most_px);
-    if (!png.empty()) io::write_whole_file(file, png);
+    if (!fs::exists(preview, none)) return;
+    io::write_whole_file(file, io::small_picture_png(io::read_whole_file(preview, most_bytes), most_px));
 }
 
 std::string take_stack(const fs::path& folder, std::int64_t began_ns, const fs::path& picture, JobState& state) {

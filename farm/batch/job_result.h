@@ -28,7 +28,7 @@ void learn_inputs(const std::filesystem::path& folder, std::int64_t began_ns, sl
 [[nodiscard]] std::vector<std::pair<std::string, slicer::KnownDigest>> known_inputs(
     const std::filesystem::path& folder, const slicer::InputDigests& digests);
 
-/// Writes a small picture of the print, where its report has one.
+/// Writes a small picture of the print, where its job left one.
 void write_job_picture(const std::filesystem::path& folder, const std::filesystem::path& file);
 
 /// Notes in `state` what a whole stack is told by: its figures, and the inputs that it was made of; `began_ns`: when

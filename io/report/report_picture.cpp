@@ -5,7 +5,6 @@
 #include <array>
 #include <utility>
 
-#include "io/files/base64.h"
 #include "io/pictures/picture_writer.h"
 #include "io/pictures/png_pixels.h"
 #include "io/pictures/webp.h"
@@ -13,30 +12,6 @@
 namespace voxtone::io {
 
 namespace {
-
-/// What lies between the two marks from `at` on, which moves behind it; empty where they are not there.
-std::string_view between(std::string_view text, std::string_view begin, std::string_view end, std::size_t& at) {
-    const std::size_t first = text.find(begin, at);
-    if (first == std::string_view::npos) return {};
-    const std::size_t last = text.find(end, first + begin.size());
-    if (last == std::string_view::npos) return {};
-    at = last;
-    return text.substr(first + begin.size(), last - first - begin.size());
-}
-
-/// The second picture of the first view, or the only one: the target comes before what is predicted of it, and maps of
-/// differences and other prints after that.
-std::string_view picture_in(std::string_view html) {
-    std::size_t at = 0;
-    const std::string_view view = between(html, "<div class=\"view\"", "<div class=\"view\"", at);
-    std::size_t end = 0;
-    const std::string_view whole = view.empty() ? between(html, "<div class=\"view\"", "</section>", end) : view;
-    std::size_t i = 0;
-    const std::string_view first = between(whole, "src=\"data:image/", "\"", i);
-    const std::string_view second = between(whole, "src=\"data:image/", "\"", i);
-    const std::string_view data = second.empty() ? first : second;
-    return data.substr(std::min(data.size(), data.find(',') + 1));
-}
 
 /// Sums of the pixels that fall together; colour is weighed by its coverage.
 struct SmallPicture {
@@ -87,23 +62,28 @@ Picture8 small_png(std::span<const std::uint8_t> file, std::uint32_t most_px) {
     return small.picture();
 }
 
+Picture8 small_picture(std::span<const std::uint8_t> file, std::uint32_t most_px) {
+    return is_webp(file) ? small_webp(file, most_px) : small_png(file, most_px);
+}
+
 }  // namespace
+
+const ReportPicture* shown_picture(const Report& report) {
+    if (report.views.empty() || report.views[0].pictures.empty()) return nullptr;
+    const std::vector<ReportPicture>& pictures = report.views[0].pictures;
+    return &pictures[std::min<std::size_t>(1, pictures.size() - 1)];
+}
 
 ReportPicture report_picture(std::string caption, const Picture8& picture, double px_per_mm) {
     return {std::move(caption), webp_bytes(picture), picture.width_px, picture.height_px, px_per_mm};
 }
 
 ReportPicture small_report_picture(const ReportPicture& picture, std::uint32_t most_px) {
-    const std::span<const std::uint8_t> file = picture.file;
-    const Picture8 small = is_webp(file) ? small_webp(file, most_px) : small_png(file, most_px);
-    return report_picture(picture.caption, small, 0);
+    return report_picture(picture.caption, small_picture(picture.file, most_px), 0);
 }
 
-std::vector<std::uint8_t> small_report_picture(std::string_view html, std::uint32_t most_px) {
-    const std::vector<std::byte> bytes = base64_bytes(picture_in(html));
-    if (bytes.empty()) return {};
-    const std::span file(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
-    return png_bytes(is_webp(file) ? small_webp(file, most_px) : small_png(file, most_px));
+std::vector<std::uint8_t> small_picture_png(std::span<const std::uint8_t> file, std::uint32_t most_px) {
+    return png_bytes(small_picture(file, most_px));
 }
 
 }  // namespace voxtone::io

@@ -61,7 +61,7 @@ class Server:
             "cancel": (self._cancel, "Stop a job", lambda: _folder_schema("the folder that the job was given")),
             "verdict": (self._verdict, "Will the print of a stack look as asked, and why not",
                         lambda: _folder_schema("folder of a stack")),
-            "picture": (self._picture, "Pictures of the report: what was asked for, what the print will look like, its resins",
+            "picture": (self._picture, "Pictures of the report: what was asked for, what the print will look like",
                         lambda: _folder_schema("folder of a stack")),
         }
 
@@ -155,13 +155,10 @@ class Server:
                       "layers": report.get("layers"), "resins": report.get("resins")})
 
     def _picture(self, arguments: Dict[str, Any]) -> Content:
-        pictures = Print(arguments["out"]).pictures
         content: Content = []
-        for name in ("target", "predicted", "resins"):
-            if name in pictures:
-                kind, data = pictures[name]
-                content += [{"type": "text", "text": name},
-                            {"type": "image", "data": base64.b64encode(data).decode(), "mimeType": kind}]
+        for name, (kind, data) in Print(arguments["out"]).pictures.items():
+            content += [{"type": "text", "text": name},
+                        {"type": "image", "data": base64.b64encode(data).decode(), "mimeType": kind}]
         return content
 
 

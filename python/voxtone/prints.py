@@ -2,10 +2,8 @@
 """A stack of layers that voxtone made, as arrays."""
 from __future__ import annotations
 
-import base64
 import functools
 import json
-import re
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Tuple, Union
@@ -145,17 +143,11 @@ class Print:
 
     @property
     def pictures(self) -> Dict[str, Tuple[str, bytes]]:
-        """Of the report, the first view of each: "target", "predicted", ... -> (its media type, its bytes)."""
-        file = self._file("report.html")
-        try:
-            page = file.read_text(encoding="utf-8")
-        except OSError as error:
-            raise FileError(f"{file}: {error.strerror}; report=False leaves it out") from error
-        found: Dict[str, Tuple[str, bytes]] = {}
-        for before, kind, data, after in re.findall(r'<img([^>]*)src="data:(image/\w+);base64,([^"]*)"([^>]*)>', page):
-            name = re.search(r'alt="([^":,]*)', before + after)
-            if name and name[1]:
-                found.setdefault(name[1], (kind, base64.b64decode(data)))
+        """Of the report's first view: "target", "predicted" -> (its media type, its bytes)."""
+        found = {name: ("image/webp", file.read_bytes()) for name, file in
+                 (("target", self._file("preview-target.webp")), ("predicted", self._file("preview.webp"))) if file.exists()}
+        if not found:
+            raise FileError(f"{self.path}: the job left no preview.webp; report=False leaves it out")
         return found
 
     def _file(self, name: str) -> Path:

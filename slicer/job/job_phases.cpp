@@ -10,7 +10,6 @@
 #include "base/parallel.h"
 #include "io/files/whole_file.h"
 #include "io/report/customer_page.h"
-#include "io/report/report_html.h"
 #include "io/report/report_json.h"
 #include "slicer/kept/report_files.h"
 #include "slicer/layers/layer_source.h"
@@ -84,7 +83,7 @@ std::string write_report(const OpenedJob& job, const Print& print, io::Report& r
     if (job.options.report) draw_report(print, report, voxels, io::StackDescription{}.pattern, progress);
     report.total_seconds = since_begin.total();
     if (job.options.report) {
-        io::write_whole_file(folder / report_file::page, io::report_html(report));
+        write_page(folder, report);
         io::write_whole_file(folder / report_file::customer_page, io::customer_html(report));
     }
     std::string json = io::report_json(report);

@@ -7,7 +7,10 @@
 #include "base/process_usage.h"
 #include "base/progress_bar.h"
 #include "base/warning.h"
+#include "io/files/whole_file.h"
 #include "io/programs/build_identity.h"
+#include "io/report/report_html.h"
+#include "io/report/report_picture.h"
 #include "slicer/estimate/air_under.h"
 #include "slicer/kept/report_files.h"
 #include "slicer/options/job_file.h"
@@ -150,6 +153,15 @@ io::Report make_report(const OpenedJob& job, const JobBody& body, const io::Stac
     if (!body.repair.voids.empty()) report.sections.push_back(cavity_section(body.repair.voids));
     report.sections.push_back(throughput(stack, f));
     return report;
+}
+
+void write_page(const std::filesystem::path& folder, const io::Report& report) {
+    io::write_whole_file(folder / report_file::page, io::report_html(report));
+    const io::ReportPicture* const shown = io::shown_picture(report);
+    if (!shown) return;
+    io::write_whole_file(folder / report_file::preview, shown->file);
+    const io::ReportPicture& target = report.views[0].pictures[0];
+    if (&target != shown) io::write_whole_file(folder / report_file::target_preview, target.file);
 }
 
 std::string summary_text(const Print& print, const io::Report& report, double total_s, bool has_report,

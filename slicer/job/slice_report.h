@@ -32,6 +32,9 @@ struct JobMeasurements {
 [[nodiscard]] io::Report make_report(const OpenedJob& job, const JobBody& body, const io::StackDescription& stack,
                                      const Print& print, const JobMeasurements& figures);
 
+/// The report's page, and the first pictures of its first view as files, for who shows many prints. Throws FileError.
+void write_page(const std::filesystem::path& folder, const io::Report& report);
+
 /// A few lines for a person. `total_s`: of the whole job; `has_report`: the page was written too.
 [[nodiscard]] std::string summary_text(const Print& print, const io::Report& report, double total_s, bool has_report,
                                        const std::filesystem::path& folder);

@@ -11,7 +11,6 @@
 #include "io/files/whole_file.h"
 #include "io/layers/stack_folder.h"
 #include "io/report/customer_page.h"
-#include "io/report/report_html.h"
 #include "io/report/report_json.h"
 #include "slicer/kept/report_files.h"
 #include "slicer/plan/phase_estimates.h"
@@ -89,13 +88,13 @@ public:
         io::write_whole_file(ready.job.options.out / report_file::figures, part_.report);
         io::write_whole_file(ready.job.options.out / report_file::customer_page,
                              io::customer_html(report, customer_of(part_.part)));
-        const fs::path page = ready.job.options.out / report_file::page;
         if (is_all) {
             std::error_code not_there;
-            fs::remove(page, not_there);  // of a tray that was more
+            for (const std::string_view name : {report_file::page, report_file::preview, report_file::target_preview})
+                fs::remove(ready.job.options.out / name, not_there);  // of a tray that was more
             part_.page = report_file::page;
         } else {
-            io::write_whole_file(page, io::report_html(report));
+            write_page(ready.job.options.out, report);
             part_.page = (fs::path(io::parts_name) / part_.part.name / report_file::page).generic_string();
         }
         tray.add(part_, std::move(report), progress);

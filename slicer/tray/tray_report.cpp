@@ -13,7 +13,6 @@
 #include "io/files/whole_file.h"
 #include "io/layers/stack_folder.h"
 #include "io/programs/build_identity.h"
-#include "io/report/report_html.h"
 #include "io/report/report_json.h"
 #include "io/report/report_picture.h"
 #include "slicer/job/slice_report.h"
@@ -37,11 +36,8 @@ io::ReportPart row_of(const ReadyPart& part, const io::Report& own) {
     io::ReportPart row;
     row.name = part.ready->body.name.empty() ? part.part.name : part.ready->body.name;
     row.page = fmt::format("{}/{}/{}", io::parts_name, part.part.name, report_file::page);
-    // Asked for, then expected where that is known, then what is between them.
-    if (!own.views.empty() && !own.views[0].pictures.empty()) {
-        const std::vector<io::ReportPicture>& pictures = own.views[0].pictures;
-        row.picture = io::small_report_picture(pictures[std::min<std::size_t>(1, pictures.size() - 1)], most_px);
-    }
+    if (const io::ReportPicture* const shown = io::shown_picture(own))
+        row.picture = io::small_report_picture(*shown, most_px);
     for (const io::ReportResin& resin : own.resins) row.ml += resin.ml;
     if (own.verdict) {
         row.level = own.verdict->level;
@@ -281,7 +277,7 @@ void TrayReport::write(const Tray& tray, LayerWatchers& watchers, double seconds
     if (has_page) {
         if (report.viewer.surface && !report.viewer.surface->looks.empty())
             draw_from_above(*report.viewer.surface, tray.out / tray_picture_name, progress);
-        io::write_whole_file(tray.out / report_file::page, io::report_html(report));
+        write_page(tray.out, report);
     }
     io::write_whole_file(tray.out / report_file::figures, io::report_json(report));
 }

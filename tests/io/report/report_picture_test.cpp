@@ -6,7 +6,6 @@
 #include <catch2/catch.hpp>
 
 #include "io/pictures/png_pixels.h"
-#include "io/report/report_html.h"
 
 using namespace voxtone::io;
 
@@ -18,10 +17,11 @@ Picture8 grey(std::uint8_t code) {
     return picture;
 }
 
-/// The code of the middle pixel of what a batch shows of a page.
+/// The code of the middle pixel of what is shown of a report.
 int shown(const Report& report, std::uint32_t most_px) {
-    const std::vector<std::uint8_t> small = small_report_picture(report_html(report), most_px);
-    if (small.empty()) return -1;
+    const ReportPicture* const picture = shown_picture(report);
+    if (!picture) return -1;
+    const std::vector<std::uint8_t> small = small_picture_png(picture->file, most_px);
     int code = -1;
     const PngHeader header = read_png(
         small, "it", [&](std::uint32_t, std::span<const std::uint8_t> rgba) { code = rgba[rgba.size() / 8 * 4]; });
@@ -31,7 +31,7 @@ int shown(const Report& report, std::uint32_t most_px) {
 
 }  // namespace
 
-TEST_CASE("A page's print is shown small, not its target, a difference or another print") {
+TEST_CASE("A report's print is shown small, not its target, a difference or another print") {
     Report report;
     CHECK(shown(report, 16) == -1);
     report.views = {{"top", {report_picture("target", grey(40), 1)}}, {"front", {report_picture("f", grey(1), 1)}}};
@@ -41,6 +41,6 @@ TEST_CASE("A page's print is shown small, not its target, a difference or anothe
     report.views[0].pictures.push_back(report_picture("difference", grey(200), 1));
     report.views[0].pictures.push_back(report_picture("open loop", grey(250), 1));
     CHECK(std::abs(shown(report, 16) - 120) <= 1);
-    report.views[0].pictures[1] = {"predicted", png_bytes(grey(90)), 40, 20, 1};  // a page may carry either kind
+    report.views[0].pictures[1] = {"predicted", png_bytes(grey(90)), 40, 20, 1};  // it may be of either kind
     CHECK(shown(report, 64) == 90);
 }
