@@ -1,96 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// One prediction from a layer stack to pictures or meshes of what a person will see.
+// One prediction from a layer stack to pictures or meshes of what a person will see: resolve, read, predict, write.
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <optional>
-#include <string>
-#include <vector>
-
-#include "base/named_values.h"
 #include "base/progress.h"
-#include "optics/scene/backing.h"
-#include "slicer/look/surface_prediction.h"
-#include "slicer/options/model_choice.h"
-#include "slicer/options/option_words.h"
-#include "slicer/predict/stack_volume.h"
+#include "slicer/predict/predicted_stack.h"
+#include "slicer/predict/prediction_options.h"
+#include "slicer/predict/prediction_writer.h"
 
 namespace voxtone::slicer {
 
-/// One prediction as the user wrote it: texts, until `resolve` makes values of them.
-struct PredictOptions {
-    std::string stack;
-    std::vector<std::string> files;  ///< .png, .exr: a slab from above; .png, .glb, .ply: a body; .html: both
-    std::string model{name_of(PredictionModel::transport)};
-    double cell_mm = 0.085;  ///< of the viewing grid; in [0.01, 5]
-    ModelOptions quality;
-    std::string backing =
-        "auto";  ///< black, white, none; auto: what the job said; else black under slabs, none under bodies
-    std::string boundary = "auto";    ///< of light paths: mesh, voxels; auto: the mesh where the stack knows its model
-    std::string outside = "lost";     ///< light that leaves one part of a body and meets another: lost, followed
-    std::string view = "auto";        ///< top, body; auto: top for pictures and flat boxes
-    bool overwrite = false;           ///< files that are there are replaced
-    bool absolute = false;            ///< instead of relative to the white resin
-    bool lit = false;                 ///< .glb: a material for lights instead of colours as they are
-    std::string resins;               ///< set or file; empty: that of the job, else the printer's
-    std::string printer, pitch;       ///< of foreign stacks
-    std::vector<std::string> assign;  ///< "#rrggbb=ROLE", of foreign stacks
-    bool nearest = false;             ///< of foreign stacks: other colours are the nearest of these
-    double memory_gib = 0;            ///< 0: half of the machine's
-    int threads = 0;                  ///< 0: one per core
-};
-
-/// A kind of file, by the end of its name.
-enum class PredictedFile {
-    png,   ///< a picture, for the eye
-    exr,   ///< a picture, numbers
-    glb,   ///< a body's vertex colours
-    ply,   ///< with numbers
-    html,  ///< a page to turn, probe and cut it
-};
-
-/// One prediction, checked.
-struct ResolvedPrediction {
-    PredictOptions requested;                       ///< for names of files and what is a number already
-    std::vector<PredictedFile> kinds;               ///< of asked.files
-    std::optional<std::array<double, 3>> pitch_mm;  ///< of foreign stacks
-    std::vector<ColourAssignment> assign;           ///< of foreign stacks
-    PredictionModel model = PredictionModel::transport;
-    std::optional<optics::Backing> backing;  ///< nothing: what the job said; else black under slabs, none under bodies
-    BodyEnd boundary = BodyEnd::automatic;
-    LightOutside outside = LightOutside::lost;
-    PredictedView view = PredictedView::automatic;
-    std::uint64_t memory_bytes = 0;
-    bool only_from_above = false;  ///< bodies are refused
-};
-
-/// Throws UsageError naming option, value and rule.
-[[nodiscard]] ResolvedPrediction resolve(const PredictOptions& options);
-
-/// A stack, and what its print will look like.
-struct PredictedStack {
-    StackVolume stack;
-    SurfacePrediction prediction;
-};
-
 /// A slab's, for those who go on with it: writes nothing, and asks for no files. Throws Error (with its exit code).
 [[nodiscard]] PredictedStack predict_from_above(const PredictOptions& options, Progress& progress);
-
-struct PredictResult {
-    std::string json;  ///< one JSON object, "format": "voxtone-prediction"
-    std::string text;  ///< a few lines for a person
-};
 
 /// Throws Error (with its exit code); then none of the files was written, or those that were are whole.
 PredictResult run_predict_job(const PredictOptions& options, Progress& progress);
 
 }  // namespace voxtone::slicer
-
-template <>
-struct voxtone::NamesOf<voxtone::slicer::PredictedFile> {
-    using E = slicer::PredictedFile;
-    static constexpr auto table = std::to_array<Named<E>>(
-        {{E::png, ".png"}, {E::exr, ".exr"}, {E::glb, ".glb"}, {E::ply, ".ply"}, {E::html, ".html"}});
-};
