@@ -11,13 +11,12 @@
 #include <fmt/ranges.h>
 
 #include "base/error.h"
+#include "farm/batch/plan_rows.h"
 #include "io/layers/layer_format.h"
 #include "slicer/options/job_file.h"
 #include "slicer/options/option_scope.h"
 #include "slicer/options/option_table.h"
 #include "slicer/options/option_values.h"
-#include "slicer/tray/tray_job.h"
-#include "slicer/tray/tray_shard.h"
 
 namespace voxtone::cli {
 
@@ -143,11 +142,6 @@ slicer::TrayModels many_models(const JobArguments& arguments, const slicer::Slic
                 : fmt::format("{}: --copies is of models; in a plan each part says its \"copies\"", model));
     }
     return models;
-}
-
-JobResult run_tray(const slicer::SliceOptions& options, const slicer::TrayModels& models, Progress& progress) {
-    return options.shard.empty() ? slicer::run_tray_job(options, models, progress)
-                                 : slicer::run_tray_shard(options, models, progress);
 }
 
 }  // namespace voxtone::cli

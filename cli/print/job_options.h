@@ -9,8 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "base/job_result.h"
-#include "base/progress.h"
 #include "cli/program/verb.h"
 #include "slicer/options/slice_options.h"
 #include "slicer/plans/tray_plan.h"
@@ -51,9 +49,5 @@ void add_dump_default(Verb& command, JobArguments& arguments);
 /// The models, where several were named, or copies of one; empty: one, or a plan. Throws UsageError for a plan beside
 /// others, or copies of one.
 [[nodiscard]] slicer::TrayModels many_models(const JobArguments& arguments, const slicer::SliceOptions& options);
-
-/// A tray, or a shard of one, as the options say.
-[[nodiscard]] JobResult run_tray(const slicer::SliceOptions& options, const slicer::TrayModels& models,
-                                 Progress& progress);
 
 }  // namespace voxtone::cli

@@ -5,8 +5,7 @@
 #include "cli/print/print_commands.h"
 #include "cli/program/common_options.h"
 #include "io/shards/shard_number.h"
-#include "slicer/shards/merge_job.h"
-#include "slicer/tray/tray_shard.h"
+#include "slicer/tray/run_print.h"
 
 namespace voxtone::cli {
 
@@ -22,10 +21,8 @@ int run(MergeArguments& arguments) {
     arguments.options.out = arguments.out;
     arguments.options.for_printer = arguments.for_printer;
     arguments.options.threads = arguments.run.threads;
-    return run_on_console(arguments.run, [&](Progress& progress) {
-        return slicer::holds_tray(arguments.options.out) ? slicer::run_tray_merge(arguments.options, progress)
-                                                         : slicer::run_merge_job(arguments.options, progress);
-    });
+    return run_on_console(arguments.run,
+                          [&](Progress& progress) { return slicer::run_merge(arguments.options, progress); });
 }
 
 }  // namespace

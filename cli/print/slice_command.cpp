@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `voxtone slice`, and `voxtone tray`, which makes a tray of a lone model, too.
 #include <memory>
-#include <utility>
 
 #include <fmt/core.h>
 
@@ -8,10 +9,8 @@
 #include "cli/print/print_commands.h"
 #include "cli/program/console.h"
 #include "cli/program/outcome.h"
-#include "slicer/job/slice_job.h"
 #include "slicer/options/job_file.h"
-#include "slicer/options/option_values.h"
-#include "slicer/shards/shard_job.h"
+#include "slicer/tray/run_print.h"
 
 namespace voxtone::cli {
 
@@ -20,14 +19,8 @@ namespace {
 struct SliceArguments {
     JobArguments job;
     ConsoleOptions console;
+    bool of_tray = false;
 };
-
-void add_options(Verb& command, SliceArguments& arguments) {
-    arguments.job.takes_many = true;
-    add_job_options(command, arguments.job);
-    add_dump_default(command, arguments.job);
-    add_console_options(command, arguments.console);
-}
 
 int run(const SliceArguments& arguments) {
     const slicer::SliceOptions options = options_of(arguments.job);
@@ -37,25 +30,39 @@ int run(const SliceArguments& arguments) {
     }
     return run_on_console(arguments.console, [&](Progress& progress) {
         const slicer::TrayModels many = many_models(arguments.job, options);
-        if (many.files.size() > 1)
+        if (many.files.size() > 1 && !arguments.of_tray)
             progress.note(fmt::format("{} models become the parts of one tray; `voxtone batch` makes a job of each",
                                       many.files.size()));
-        if (!many.empty() || slicer::is_tray(options)) return run_tray(options, many, progress);
-        if (!options.shard.empty()) return slicer::run_shard_job(options, progress);
-        slicer::SliceResult result = slicer::run_slice_job(options, progress);
-        return JobResult{std::move(result.json), std::move(result.summary), result.exit_code};
+        return slicer::run_print({options, many, arguments.of_tray}, progress);
     });
+}
+
+Verb with_job(Verb command, bool of_tray, const std::vector<std::string>& without) {
+    auto arguments = std::make_shared<SliceArguments>();
+    arguments->of_tray = of_tray;
+    arguments->job.takes_many = true;
+    add_job_options(command, arguments->job, without);
+    add_dump_default(command, arguments->job);
+    add_console_options(command, arguments->console);
+    command.run = [arguments] { return run(*arguments); };
+    return command;
 }
 
 }  // namespace
 
 Verb slice_verb() {
-    auto arguments = std::make_shared<SliceArguments>();
-    Verb command("slice", "Slice a textured mesh or a picture, or many of them, into a printable layer stack",
-                 "cow.obj --size 60mm -o out/cow");
-    add_options(command, *arguments);
-    command.run = [arguments] { return run(*arguments); };
-    return command;
+    return with_job({"slice", "Slice a textured mesh or a picture, or many of them, into a printable layer stack",
+                     "cow.obj --size 60mm -o out/cow"},
+                    false, {});
+}
+
+Verb tray_verb() {
+    return with_job(
+        {"tray",
+         "Slice many parts, and copies of them, into one print: what `slice` does with several models or a plan, whose "
+         "parts may also be boxes, cylinders, finished stacks and jobs",
+         "tray.json -o out/tray"},
+        true, {"layers", "mixtures", "resume"});
 }
 
 }  // namespace voxtone::cli

@@ -19,7 +19,6 @@
 #include "io/shards/shard_folder.h"
 #include "slicer/kept/report_files.h"
 #include "slicer/options/job_file.h"
-#include "slicer/options/option_values.h"
 #include "slicer/prepare/phase.h"
 #include "slicer/shards/shard_cut.h"
 #include "slicer/shards/shard_steps.h"
@@ -177,17 +176,6 @@ JobResult run_tray_shard(const SliceOptions& asked, const TrayModels& models, Pr
     record.figures = shard_figures({}, watch);
     folder.publish(record);
     return shard_result(record, out, fmt::format(", done in {}", duration_text(watch.total())).c_str());
-}
-
-bool holds_tray(const fs::path& out) {
-    for (const fs::path& folder : {io::shards_folder(out), out}) try {
-            SliceOptions recorded;
-            read_job((folder / job_file_name).string(), recorded);
-            return is_tray(recorded);
-        } catch (const Error&) {
-            continue;  // whoever reads it says what is wrong
-        }
-    return false;
 }
 
 JobResult run_tray_merge(const MergeOptions& options, Progress& progress) {

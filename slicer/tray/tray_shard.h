@@ -5,8 +5,6 @@
 // shards together to the bits of the tray in one go.
 #pragma once
 
-#include <filesystem>
-
 #include "base/job_result.h"
 #include "base/progress.h"
 #include "slicer/options/slice_options.h"
@@ -17,9 +15,6 @@ namespace voxtone::slicer {
 
 /// As run_shard_job. A part that fails is the end of it: all shards must be of the same parts. Throws Error.
 [[nodiscard]] JobResult run_tray_shard(const SliceOptions& asked, const TrayModels& models, Progress& progress);
-
-/// Whether the folder holds shards, or the stack, of a tray.
-[[nodiscard]] bool holds_tray(const std::filesystem::path& out);
 
 /// As run_merge_job. With `predict` the parts are predicted, for which their layers are made once more, in memory, and
 /// the page is drawn; without, tray.json and the figures are written alone.

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/tray/run_print.h"
+
+#include <filesystem>
+#include <utility>
+
+#include "base/error.h"
+#include "io/shards/shard_folder.h"
+#include "slicer/job/slice_job.h"
+#include "slicer/options/job_file.h"
+#include "slicer/options/option_values.h"
+#include "slicer/shards/shard_job.h"
+#include "slicer/tray/tray_job.h"
+#include "slicer/tray/tray_shard.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_of_tray(const PrintRequest& request) {
+    return request.of_tray || !request.models.empty() || is_tray(request.options);
+}
+
+bool holds_tray(const fs::path& out) {
+    for (const fs::path& folder : {io::shards_folder(out), out}) try {
+            SliceOptions recorded;
+            read_job((folder / job_file_name).string(), recorded);
+            return is_tray(recorded);
+        } catch (const Error&) {
+            continue;  // whoever reads it says what is wrong
+        }
+    return false;
+}
+
+}  // namespace
+
+JobResult run_print(PrintRequest request, Progress& progress) {
+    const SliceOptions& options = request.options;
+    const bool is_shard = !options.shard.empty();
+    if (is_of_tray(request)) {
+        if (request.models.empty() && !is_tray(options) && !options.model.empty())
+            request.models.files = {options.model};
+        return is_shard ? run_tray_shard(options, request.models, progress)
+                        : run_tray_job(options, request.models, progress);
+    }
+    if (is_shard) return run_shard_job(options, progress);
+    SliceResult result = run_slice_job(options, progress);
+    return {std::move(result.json), std::move(result.summary), result.exit_code};
+}
+
+JobResult run_merge(const MergeOptions& options, Progress& progress) {
+    return holds_tray(options.out) ? run_tray_merge(options, progress) : run_merge_job(options, progress);
+}
+
+}  // namespace voxtone::slicer
