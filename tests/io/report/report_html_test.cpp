@@ -153,7 +153,10 @@ TEST_CASE("Who ordered it reads the worst thing, too, once, and is led only wher
                                    .but_normal = {0, 0, 1},
                                    .causes = {},
                                    .advice = {},
-                                   .seen_histogram = {}};
+                                   .seen_histogram = {},
+                                   .seen_mean = {},
+                                   .seen_p95 = {},
+                                   .reach_mean = {}};
     CHECK_THAT(customer_html(report), Contains("type below 2.1 mm (6 pt) is not readable"));
     CHECK(count(report_html(report), "show me") == 1);
     report.verdict->but = "Its glass is LOST.", report.verdict->but_normal = {};
