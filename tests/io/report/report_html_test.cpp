@@ -146,17 +146,12 @@ TEST_CASE("Parts of a tray are listed with their figures, each with its page and
 
 TEST_CASE("Who ordered it reads the worst thing, too, once, and is led only where there is a place") {
     Report report = sample("sign");
-    report.verdict = ReportVerdict{.level = VerdictLevel::fair,
-                                   .sentence = "Fair.",
-                                   .headline = "On the whole fair",
-                                   .but = "Worst: type below 2.1 mm (6 pt) is not readable.",
-                                   .but_normal = {0, 0, 1},
-                                   .causes = {},
-                                   .advice = {},
-                                   .seen_histogram = {},
-                                   .seen_mean = {},
-                                   .seen_p95 = {},
-                                   .reach_mean = {}};
+    ReportVerdict& verdict = report.verdict.emplace();
+    verdict.level = VerdictLevel::fair;
+    verdict.sentence = "Fair.";
+    verdict.headline = "On the whole fair";
+    verdict.but = "Worst: type below 2.1 mm (6 pt) is not readable.";
+    verdict.but_normal = {0, 0, 1};
     CHECK_THAT(customer_html(report), Contains("type below 2.1 mm (6 pt) is not readable"));
     CHECK(count(report_html(report), "show me") == 1);
     report.verdict->but = "Its glass is LOST.", report.verdict->but_normal = {};
