@@ -15,7 +15,9 @@ namespace {
 constexpr float gain_after_overshoot = 0.6f;
 
 /// A loop without a limit ends when this many steps in a row do not bring the best mean below `least_gain` times the
-/// best one before them. Descent swings, so it is given more of them.
+/// best one before them. Descent swings, so it is given more of them: ended where two steps in a row are a tenth worse
+/// than the best, spot and fox of 15 mm take half the time for the same print, but a card of text, 15 mm wide, goes
+/// 5.59, 7.82, 8.80, 8.92, 6.59, 5.27, 6.20, 4.86.
 constexpr std::size_t patience_of_descent = 5, patience_of_feedback = 3;
 constexpr double least_gain = 0.99;
 
@@ -55,17 +57,6 @@ bool feedback_has_settled(const std::vector<LoopStep>& steps) {
     return next < (1 - worthwhile) * mean(0);
 }
 
-/// A descent whose first two steps are both a tenth worse than what it started from does not come back before the loop
-/// would end: white pages of solids and type and a fox keep the print of feedback (of four pages, four pictures and
-/// four bodies of the fitting set these three; the best that they came to is 1 % better). The others are nearer than
-/// that in the first step.
-bool descent_is_thrown_off(const std::vector<LoopStep>& steps) {
-    constexpr double much = 1.1;
-    if (steps.back().method != LoopMethod::descent || steps_by(LoopMethod::descent, steps) != 2) return false;
-    const double start = least_score(steps, LoopMethod::feedback);
-    return steps.back().score > much * start && steps[steps.size() - 2].score > much * start;
-}
-
 }  // namespace
 
 double least_score(const std::vector<LoopStep>& steps, std::optional<LoopMethod> method) {
@@ -85,7 +76,7 @@ float feedback_gain(const std::vector<LoopStep>& steps) {
 bool stopped_gaining(const std::vector<LoopStep>& steps) {
     const LoopMethod method = steps.back().method;
     const std::size_t patience = patience_with(method);
-    return feedback_has_settled(steps) || descent_is_thrown_off(steps) ||
+    return feedback_has_settled(steps) ||
            (steps_by(method, steps) > patience && steps_without_gain(steps, patience) == patience);
 }
 

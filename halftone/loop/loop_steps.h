@@ -44,7 +44,7 @@ inline constexpr double worthwhile = 0.97;
 [[nodiscard]] float feedback_gain(const std::vector<LoopStep>& steps);
 
 /// True where the last steps, as many as the patience with the method that made the last one, gained too little, or
-/// where feedback has arrived, or where the descent's first two steps threw the print off.
+/// where feedback has arrived.
 [[nodiscard]] bool stopped_gaining(const std::vector<LoopStep>& steps);
 
 /// About, of `allowed` steps: all while they gain, the fewer the longer they have not.

@@ -47,18 +47,3 @@ TEST_CASE("A loop goes on while it gains, and through a time that is worse befor
         CHECK(steps_left(steps(method, idle), 40) < 40);
     }
 }
-
-TEST_CASE("A descent that throws a good print off twice at its start is given up, one that does once is not",
-          "[loop]") {
-    const auto descent = [](const std::vector<double>& scores) {
-        std::vector<LoopStep> all = steps(LoopMethod::feedback, {9, 4, 3.5, 3.2});
-        for (const LoopStep& step : steps(LoopMethod::descent, scores))
-            all.push_back(step), all.back().method = LoopMethod::descent;
-        return all;
-    };
-    CHECK(stopped_gaining(descent({3.9, 3.8})));
-    CHECK_FALSE(stopped_gaining(descent({3.9})));
-    CHECK_FALSE(stopped_gaining(descent({3.9, 3.4})));
-    CHECK_FALSE(stopped_gaining(descent({3.4, 3.9})));
-    CHECK_FALSE(stopped_gaining(descent({3.4, 3.9, 3.9})));
-}
