@@ -73,6 +73,7 @@ enum class VerdictLevel {
 struct ReportRegion {
     std::string kind;                 ///< "paper", "solid", "type and lines", "small type", "fine detail", "thin walls"
     std::string asked, printed = {};  ///< "red (255, 0, 0)", sRGB
+    std::string asked_seen = {};      ///< what the eye makes of `asked` at its size; empty: about the same
     std::array<double, 3> place_mm{};  ///< of a cell in the middle of the largest, in the print
     std::array<double, 3> normal{};    ///< outward, there
     std::string place = {};            ///< in words: "upper left front"

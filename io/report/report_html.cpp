@@ -165,10 +165,12 @@ void add_regions(std::string& html, const std::vector<ReportRegion>& regions) {
         const ReportRegion& region = regions[i];
         const std::string where =
             region.place + (region.pieces > 1 ? fmt::format(", {} places", region.pieces) : std::string());
+        const std::string asked =
+            region.asked + (region.asked_seen.empty() ? "" : ", to the eye at its size " + region.asked_seen);
         html += fmt::format(
             "<tr><td>{} {}</td><td>{}</td><td>{} {}</td><td>{:.1f}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
             "</tr>\n",
-            html_text(region.kind), html_text(region.asked), html_text(region.printed), html_text(where),
+            html_text(region.kind), html_text(asked), html_text(region.printed), html_text(where),
             show_button(region.place_mm, region.normal, "show"), region.area_mm2, text(region.de2000),
             text(region.unevenness), text(region.rim), html_text(region.why));
     }

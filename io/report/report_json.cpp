@@ -21,6 +21,7 @@ void write_resins(JsonWriter& json, const Report& report) {
 
 void write_region(JsonWriter& json, const ReportRegion& region) {
     json.line().begin_object().add("kind", region.kind).add("asked", region.asked).add("printed", region.printed);
+    if (!region.asked_seen.empty()) json.add("asked_seen", region.asked_seen);
     json.add("place", region.place).add("place_mm", region.place_mm).add("pieces", region.pieces);
     json.add("area_mm2", region.area_mm2).add("seen_share", region.seen_share);
     if (!region.from.empty()) json.add("seen", region.from);

@@ -316,7 +316,7 @@ void say_where(const RegionSources& s, Row& row) {
     const Side side = s.sides.main_side(row.cells);
     if (!s.is_picture) row.said.from = from_words(side);
     if (row.asked_seen && row.said.de2000 && mixes(row.oklab, *row.asked_seen, s.limits))
-        row.said.asked += ", to the eye at its size " + text_of(row.asked_seen->cast<float>());
+        row.said.asked_seen = text_of(row.asked_seen->cast<float>());
     // Over the paper's level a tint may be brighter than white, and would be told as white.
     row.said.printed = text_of((row.printed / std::max(1.0, row.printed.maxCoeff())).cast<float>());
 }
