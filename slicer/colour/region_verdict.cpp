@@ -11,6 +11,7 @@
 
 #include <fmt/core.h>
 
+#include "base/parallel.h"
 #include "optics/colour/colour.h"
 #include "slicer/colour/evenness.h"
 #include "slicer/colour/type_size.h"
@@ -94,8 +95,31 @@ bool is_graphics(const JobPrediction& p) {
     return flat >= of_graphics * all;
 }
 
+/// Per cell whether it is of an area that is wide, or on the edge between two of them: no fine detail, however much of
+/// its contrast light takes at the edge.
+std::vector<char> wide_areas(const JobPrediction& p, const halftone::CellNeighbours& cells) {
+    std::vector<int> area(p.target.size(), 0);
+    int count = 0;
+    for (const ColourRegion& of : p.seen.regions)
+        if (++count; of.interior.size() < of.cells.size())
+            for (const std::uint32_t i : of.cells) area[i] = count;
+    std::vector<char> wide(area.size());
+    parallel_for(0, wide.size(), 256, [&](std::size_t i) {
+        if (wide[i] = area[i] != 0; wide[i]) return;
+        int first = 0;
+        cells.visit_around(i, [&](std::size_t near) {
+            cells.visit_around(near, [&](std::size_t other) {
+                if (area[other] == 0) return;
+                if (first == 0) first = area[other];
+                wide[i] = wide[i] || area[other] != first;
+            });
+        });
+    });
+    return wide;
+}
+
 /// Fine detail of graphics that lost much of its contrast; nothing where that is hardly anywhere.
-std::optional<Row> lost_detail(const JobPrediction& p) {
+std::optional<Row> lost_detail(const JobPrediction& p, const halftone::CellNeighbours& cells) {
     constexpr float strong = 0.08f, enough = 0.6f;
     constexpr double least_lost_mm2 = 0.25;
     const optics::Surface& surface = p.predicted.surface;
@@ -105,9 +129,10 @@ std::optional<Row> lost_detail(const JobPrediction& p) {
     double kept = 0;
     float most = 0;
     std::size_t worst = 0;
+    const std::vector<char> wide = wide_areas(p, cells);
     for (std::size_t i = 0; i < p.seen.fine.size(); ++i) {
         const halftone::FineContrast& fine = p.seen.fine[i];
-        if (fine.wanted < strong || fine.kept >= enough) continue;
+        if (wide[i] || fine.wanted < strong || fine.kept >= enough) continue;
         const auto area = static_cast<double>(surface.cells[i].area_mm2);
         region.area_mm2 += area, kept += area * static_cast<double>(fine.kept);
         row.cells.push_back(static_cast<std::uint32_t>(i));
@@ -371,7 +396,7 @@ JudgedRegions judge_regions(const RegionSources& s, const ThinWalls& walls) {
     }
     // What the size of type says the contrast of fine detail need not.
     auto more = small_type(s);
-    if (!more) more = lost_detail(p);
+    if (!more) more = lost_detail(p, cells);
     if (!more) more = lost_lines_row(s);
     for (auto& row : {std::move(more), thin_walls(s, walls)})
         if (row) say_where(s, rows.emplace_back(*row));

@@ -303,6 +303,17 @@ TEST_CASE("Of a page lines that are lost come before a larger patch that is off"
     CHECK_FALSE(regions[1]["good"].get<bool>());
 }
 
+TEST_CASE("The edges of wide stripes are no fine detail") {
+    const Folder folder("flag");
+    write_sheet(folder, "flag.png", 90, 54, [](int, int y) {
+        return y < 18 ? std::array{0, 0, 0} : y < 36 ? std::array{221, 0, 0} : std::array{255, 206, 0};
+    });
+    const auto verdict =
+        verdict_of(folder, folder / "flag.png" + " --width 9mm --thickness 2mm --iterations 0")["verdict"];
+    INFO(verdict.dump(1));
+    for (const auto& region : verdict["regions"]) CHECK(region["kind"] != "fine detail");
+}
+
 TEST_CASE("Whoever follows an advice comes to what it says") {
     const Folder folder("advice");
     // Squares of 0.6 mm at 4.8 mm, of colours that the resins have.
