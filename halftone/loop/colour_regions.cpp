@@ -261,7 +261,8 @@ std::vector<RegionLook> look_at(std::span<const ColourRegion> regions, const opt
         }
         mean /= area, squares /= area;
         look.lab = lab(print / area);
-        look.difference = optics::ciede2000(lab(target / area), look.lab);
+        look.asked = lab(target / area);
+        look.difference = optics::ciede2000(look.asked, look.lab);
         look.unevenness = std::sqrt((squares - mean.cwiseProduct(mean)).cwiseMax(0).sum());
     }
     return looks;

@@ -68,8 +68,9 @@ private:
                                 std::span<const Eigen::Vector3f> near_target, std::span<const Eigen::Vector3f> near);
 
 struct RegionLook {
-    Eigen::Vector3d lab = Eigen::Vector3d::Zero();  ///< of the print's mean
-    double difference = 0;                          ///< CIEDE2000 of the means
+    Eigen::Vector3d lab = Eigen::Vector3d::Zero();    ///< of the print's mean
+    Eigen::Vector3d asked = Eigen::Vector3d::Zero();  ///< of the target's
+    double difference = 0;                            ///< CIEDE2000 of the means
     double unevenness = 0;
 };
 

@@ -16,8 +16,8 @@ constexpr float gain_after_overshoot = 0.6f;
 
 /// A loop without a limit ends when this many steps in a row do not bring the best mean below `least_gain` times the
 /// best one before them. Descent swings, so it is given more of them: ended where its first two are a tenth worse than
-/// what it starts from, white pages of solids and type and a fox have the same print in half the time, but the blacks
-/// of a page of codes end 4.37 off for 3.61.
+/// what it starts from, white pages of solids and type and a fox have the same print in two thirds of the time, but the
+/// blacks of a page of codes end 4.37 off for 3.61.
 constexpr std::size_t patience_of_descent = 5, patience_of_feedback = 3;
 constexpr double least_gain = 0.99;
 

@@ -40,22 +40,6 @@ std::optional<optics::ResinVolume> JobVolume::finish() {
     return volume;
 }
 
-namespace {
-
-/// By area.
-Eigen::Vector3d mean_of(const std::vector<Eigen::Vector3f>& rgb, const optics::Surface& surface,
-                        const std::vector<std::uint32_t>& cells) {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    double area = 0;
-    for (const std::uint32_t i : cells) {
-        sum += double(surface.cells[i].area_mm2) * rgb[i].cast<double>();
-        area += double(surface.cells[i].area_mm2);
-    }
-    return area > 0 ? sum / area : sum;
-}
-
-}  // namespace
-
 SeenPrint seen_from(const JobPrediction& p, double viewing_distance_mm, bool adapts,
                     std::shared_ptr<const halftone::SeenTarget> asked) {
     const optics::Surface& surface = p.predicted.surface;
@@ -70,8 +54,6 @@ SeenPrint seen_from(const JobPrediction& p, double viewing_distance_mm, bool ada
     seen.difference = colour_differences(seen.target, seen.print);
     seen.regions = asked->regions;
     seen.looks = halftone::look_at(seen.regions, surface, near_target, near);
-    for (const halftone::ColourRegion& region : seen.regions)
-        seen.asked.push_back(mean_of(near_target, surface, region.interior));
     const halftone::CellNeighbours cells(surface);
     for (const halftone::ColourRegion& region : seen.regions)
         seen.rims.push_back(

@@ -53,7 +53,6 @@ struct SeenPrint {
     float paper = 1;                             ///< the level
     std::vector<halftone::ColourRegion> regions;
     std::vector<halftone::RegionLook> looks;
-    std::vector<Eigen::Vector3d> asked;        ///< of regions, linear sRGB: mean of what is seen of the target within
     std::vector<double> rims;                  ///< of regions that are solids (rim_chroma); 0 of others
     std::vector<halftone::FineContrast> fine;  ///< per cell: within a millimetre
 };

@@ -261,8 +261,10 @@ Row row_of(const RegionSources& s, std::size_t r, const halftone::CellNeighbours
     Row row;
     io::ReportRegion& region = row.said;
     row.cells = of.cells, row.oklab = oklab_of(of.target);
-    row.printed = optics::linear_srgb_from_xyz(optics::xyz_from_lab(look.lab, optics::d65_white()));
-    row.asked_seen = p.seen.asked[r];
+    const auto rgb = [](const Eigen::Vector3d& lab) {
+        return Eigen::Vector3d(optics::linear_srgb_from_xyz(optics::xyz_from_lab(lab, optics::d65_white())));
+    };
+    row.printed = rgb(look.lab), row.asked_seen = rgb(look.asked);
     region.kind = kind_word(of.kind, is_page);
     region.asked = text_of(of.target);
     put_at(middle_of(of, surface), surface, region);
