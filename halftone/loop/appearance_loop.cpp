@@ -237,7 +237,7 @@ LoopRun::LoopRun(const LoopTask& task, const LoopOptions& options, Progress& pro
 
 const EyeFilter& LoopRun::wide_filter() {
     if (!wide_)
-        wide_.emplace(*task_.surface, wider * options_.viewing_distance_mm, EyeSurround::none, OpponentSpace::neutral,
+        wide_.emplace(*task_.surface, wider * options_.viewing_distance_mm, EyeSurround::none, OpponentSpace::cielab,
                       EyeParts::narrowest);
     return *wide_;
 }
@@ -252,7 +252,7 @@ Colours LoopRun::mapped_target() {
 std::vector<float> LoopRun::contrast_part_of_cells() {
     if (options_.intent == Intent::contrast) return std::vector<float>(target_.size(), part_for_contrast);
     const EyeFilter& eye = measure_.eye();
-    return contrast_parts(lost_contrast(eye.filter(wanted_), eye.filter(state_.open), wide_filter()),
+    return contrast_parts(lost_contrast(eye.smoothed(wanted_), eye.smoothed(state_.open), wide_filter()),
                           most_contrast_part);
 }
 

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "optics/colour/colour.h"
+#include "optics/numerics/portable_math.h"
 #include "optics/scene/surface_smoothing.h"
 
 namespace voxtone::halftone {
@@ -34,6 +35,24 @@ std::vector<Gaussian> gaussians(std::size_t channel, EyeSurround surround) {
     return of_channel;
 }
 
+constexpr double least_light = 1e-4;  // keeps the slope of Lab from being that at black alone
+
+/// Y of linear sRGB, 1 for white.
+const Eigen::Vector3f& luminance_row() {
+    static const Eigen::Vector3f row = optics::xyz_from_linear_srgb_matrix().row(1).transpose().cast<float>();
+    return row;
+}
+
+constexpr float knee = 216.0f / 24389;  // CIE 15: below it lightness is straight, and so for negative light
+float lightness_of(float luminance) {
+    return luminance > knee ? 116 * portable::cbrt(luminance) - 16 : 24389.0f / 27 * luminance;
+}
+/// d L / d luminance where lightness is `lightness`.
+float lightness_slope(float lightness) {
+    const float root = (lightness + 16) / 116;
+    return lightness > 8 ? 116 / (3 * root * root) : 24389.0f / 27;
+}
+
 }  // namespace
 
 struct EyeFilter::Data {
@@ -49,6 +68,7 @@ struct EyeFilter::Data {
     std::vector<Wide> wide;
     std::size_t gaussians = 1;  ///< all that the filter has, were they made or not
     Eigen::Matrix3f to_opponent, from_opponent;
+    bool as_light = false;  ///< colour too
 
     /// That so many values, cell by cell, are of: 1 or 2.
     [[nodiscard]] std::size_t pictures(std::size_t values) const {
@@ -62,6 +82,7 @@ const Eigen::Matrix3d& opponent_from_xyz_matrix(OpponentSpace space) {
         (Eigen::Matrix3d() << 0.0556, 0.9981, -0.0254, 0.9510, -0.9038, 0, 0.0386, 1.0822, -1.0276).finished();
     static const Eigen::Matrix3d published =
         (Eigen::Matrix3d() << 0.279, 0.72, -0.107, -0.449, 0.29, -0.077, 0.086, -0.59, 0.501).finished();
+    VOXTONE_EXPECT(space != OpponentSpace::cielab);
     return space == OpponentSpace::neutral ? neutral : published;
 }
 
@@ -71,9 +92,12 @@ EyeFilter::EyeFilter(const optics::Surface& surface, double viewing_distance_mm,
     if (!(viewing_distance_mm > 0) || !std::isfinite(viewing_distance_mm))
         throw InputError(fmt::format("the viewing distance is {} mm; it must be above 0", viewing_distance_mm));
     Data& d = *data_;
-    const Eigen::Matrix3d to_opponent = opponent_from_xyz_matrix(space) * optics::xyz_from_linear_srgb_matrix();
-    d.to_opponent = to_opponent.cast<float>();
-    d.from_opponent = to_opponent.inverse().cast<float>();
+    d.as_light = space != OpponentSpace::cielab;
+    if (d.as_light) {
+        const Eigen::Matrix3d to_opponent = opponent_from_xyz_matrix(space) * optics::xyz_from_linear_srgb_matrix();
+        d.to_opponent = to_opponent.cast<float>();
+        d.from_opponent = to_opponent.inverse().cast<float>();
+    }
     if (surface.cells.empty()) return;
     d.points = optics::surface_points(surface);
     const double point_mm = optics::typical_edge_mm(d.points);
@@ -102,13 +126,54 @@ EyeFilter::~EyeFilter() = default;
 EyeFilter::EyeFilter(EyeFilter&&) noexcept = default;
 EyeFilter& EyeFilter::operator=(EyeFilter&&) noexcept = default;
 
-std::vector<Eigen::Vector3f> EyeFilter::filter(std::span<const Eigen::Vector3f> rgb) const {
-    return through(data_->to_opponent, data_->from_opponent, smoothed(rgb));
+EyeFilter::Channels EyeFilter::channels_of(std::span<const Eigen::Vector3f> near) const {
+    const Data& d = *data_;
+    Channels channels;
+    for (std::vector<float>& channel : channels) channel.resize(near.size());
+    parallel_for(0, near.size(), 1024, [&](std::size_t i) {
+        Eigen::Vector3f of;
+        if (d.as_light) {
+            of = d.to_opponent * near[i];
+        } else {
+            of = optics::lab_from_linear_srgb(near[i].cast<double>().cwiseMax(0)).cast<float>();
+            of[0] = luminance_row().dot(near[i]);
+        }
+        for (std::size_t c = 0; c < 3; ++c) channels[c][i] = of[static_cast<Eigen::Index>(c)];
+    });
+    return channels;
+}
+
+EyeFilter::Channels EyeFilter::through(const Channels& channels) const {
+    const Data& d = *data_;
+    VOXTONE_EXPECT(d.wide.size() + 1 == d.gaussians);
+    const std::size_t count = channels[0].size();
+    Channels sum = channels;
+    for (std::size_t c = 0; c < 3; ++c)
+        for (float& value : sum[c]) value *= d.narrow_weight[c];
+    std::vector<float> part(count);
+    for (const Data::Wide& w : d.wide) {
+        w.smoothing->apply(channels[w.channel], part, d.pictures(count));
+        parallel_for(0, count, 4096, [&](std::size_t i) { sum[w.channel][i] += w.weight * part[i]; });
+    }
+    return sum;
+}
+
+std::vector<Eigen::Vector3f> EyeFilter::lab_of(std::span<const Eigen::Vector3f> near) const {
+    const Channels seen = through(channels_of(near));
+    std::vector<Eigen::Vector3f> lab(near.size());
+    parallel_for(0, near.size(), 1024, [&](std::size_t i) {
+        const Eigen::Vector3f of(seen[0][i], seen[1][i], seen[2][i]);
+        lab[i] =
+            data_->as_light
+                ? optics::lab_from_linear_srgb((data_->from_opponent * of).cast<double>().cwiseMax(0)).cast<float>()
+                : Eigen::Vector3f(lightness_of(of[0]), of[1], of[2]);
+    });
+    return lab;
 }
 
 EyeFilter::Views EyeFilter::views(std::span<const Eigen::Vector3f> rgb) const {
-    std::vector<Eigen::Vector3f> near = smoothed(rgb), far = through(data_->to_opponent, data_->from_opponent, near);
-    return {std::move(far), std::move(near)};
+    std::vector<Eigen::Vector3f> near = smoothed(rgb), lab = lab_of(near);
+    return {std::move(lab), std::move(near)};
 }
 
 std::array<EyeFilter::Views, 2> EyeFilter::views(std::span<const Eigen::Vector3f> first,
@@ -117,47 +182,45 @@ std::array<EyeFilter::Views, 2> EyeFilter::views(std::span<const Eigen::Vector3f
     VOXTONE_EXPECT(first.size() == count && second.size() == count);
     std::vector<Eigen::Vector3f> both(2 * count);
     parallel_for(0, count, 4096, [&](std::size_t i) { both[2 * i] = first[i], both[2 * i + 1] = second[i]; });
-    const std::vector<Eigen::Vector3f> near = smoothed(both),
-                                       far = through(data_->to_opponent, data_->from_opponent, near);
+    const std::vector<Eigen::Vector3f> near = smoothed(both), lab = lab_of(near);
     std::array<Views, 2> views;
     for (std::size_t p = 0; p < 2; ++p) {
-        views[p].filtered.resize(count), views[p].smoothed.resize(count);
-        parallel_for(0, count, 4096, [&](std::size_t i) {
-            views[p].filtered[i] = far[2 * i + p], views[p].smoothed[i] = near[2 * i + p];
-        });
+        views[p].lab.resize(count), views[p].smoothed.resize(count);
+        parallel_for(0, count, 4096,
+                     [&](std::size_t i) { views[p].lab[i] = lab[2 * i + p], views[p].smoothed[i] = near[2 * i + p]; });
     }
     return views;
 }
 
-std::vector<Eigen::Vector3f> EyeFilter::transposed(std::span<const Eigen::Vector3f> by_seen) const {
-    return through(data_->from_opponent.transpose(), data_->to_opponent.transpose(), smoothed(by_seen));
+std::vector<Eigen::Vector3f> EyeFilter::filter(std::span<const Eigen::Vector3f> rgb) const {
+    const Channels seen = through(channels_of(smoothed(rgb)));
+    std::vector<Eigen::Vector3f> out(rgb.size());
+    parallel_for(0, out.size(), 1024, [&](std::size_t i) {
+        const Eigen::Vector3f of(seen[0][i], seen[1][i], seen[2][i]);
+        out[i] = data_->as_light
+                     ? Eigen::Vector3f(data_->from_opponent * of)
+                     : optics::linear_srgb_from_lab(Eigen::Vector3d(lightness_of(of[0]), of[1], of[2])).cast<float>();
+    });
+    return out;
 }
 
-std::vector<Eigen::Vector3f> EyeFilter::through(const Eigen::Matrix3f& from, const Eigen::Matrix3f& into,
-                                                std::span<const Eigen::Vector3f> first) const {
-    const Data& d = *data_;
-    VOXTONE_EXPECT(d.wide.size() + 1 == d.gaussians);
-    const std::size_t count = first.size();
-    std::array<std::vector<float>, 3> opponent, sum;
-    for (std::size_t c = 0; c < 3; ++c) {
-        opponent[c].resize(count);
-        sum[c].resize(count);
-    }
-    parallel_for(0, count, 4096, [&](std::size_t i) {
-        const Eigen::Vector3f o = from * first[i];
-        for (std::size_t c = 0; c < 3; ++c) {
-            opponent[c][i] = o[static_cast<Eigen::Index>(c)];
-            sum[c][i] = d.narrow_weight[c] * opponent[c][i];
-        }
+std::vector<Eigen::Vector3f> EyeFilter::by_smoothed(std::span<const Eigen::Vector3f> by_lab, const Views& views) const {
+    const std::size_t count = by_lab.size();
+    VOXTONE_EXPECT(views.lab.size() == count && views.smoothed.size() == count && !data_->as_light);
+    Channels channels;
+    for (std::vector<float>& channel : channels) channel.resize(count);
+    parallel_for(0, count, 1024, [&](std::size_t i) {
+        channels[0][i] = by_lab[i][0] * lightness_slope(views.lab[i][0]);
+        channels[1][i] = by_lab[i][1], channels[2][i] = by_lab[i][2];
     });
-    std::vector<float> part(count);
-    for (const Data::Wide& w : d.wide) {
-        w.smoothing->apply(opponent[w.channel], part, d.pictures(count));
-        parallel_for(0, count, 4096, [&](std::size_t i) { sum[w.channel][i] += w.weight * part[i]; });
-    }
+    channels = through(channels);
     std::vector<Eigen::Vector3f> out(count);
-    parallel_for(0, count, 4096,
-                 [&](std::size_t i) { out[i] = into * Eigen::Vector3f(sum[0][i], sum[1][i], sum[2][i]); });
+    parallel_for(0, count, 1024, [&](std::size_t i) {
+        const Eigen::Matrix3f slope =
+            optics::lab_derivative(views.smoothed[i].cast<double>().cwiseMax(least_light)).cast<float>();
+        out[i] = channels[0][i] * luminance_row() + channels[1][i] * slope.row(1).transpose() +
+                 channels[2][i] * slope.row(2).transpose();
+    });
     return out;
 }
 

@@ -38,7 +38,7 @@ LoopMeasure::LoopMeasure(const optics::Surface& surface, std::span<const Eigen::
       adapts_(adapts) {
     auto [seen_asked, seen_shown] = eye().views(target, shown);
     lab_asked_ = lab_of(target);
-    lab_seen_asked_ = lab_of(seen_asked.filtered), lab_seen_shown_ = lab_of(seen_shown.filtered);
+    lab_seen_asked_ = std::move(seen_asked.lab), lab_seen_shown_ = std::move(seen_shown.lab);
     near_asked_ = std::move(seen_asked.smoothed);
     weight_ = weights(std::vector<float>(regions().size(), 1.0f), 0);
 }
@@ -59,17 +59,18 @@ LoopMeasure::Value LoopMeasure::operator()(std::span<const Eigen::Vector3f> rgb,
                                            std::span<const RegionLook> open) const {
     Value value;
     if (adapts_) value.paper = paper_level(surface_, asked_, rgb);
-    value.views = eye().views(rgb);
+    std::vector<Eigen::Vector3f> adapted(rgb.begin(), rgb.end());
+    for (Eigen::Vector3f& colour : adapted) colour /= value.paper;
+    auto [as_is, over_paper] = eye().views(rgb, adapted);
+    value.views = std::move(as_is);
     // Lab of what is wanted is known; that of the print is found once.
-    std::vector<Eigen::Vector3f> near(rgb.size());
     std::vector<double> off_asked(rgb.size()), off_cells(rgb.size()), off(rgb.size());
-    parallel_for(0, rgb.size(), 1024, [&](std::size_t i) {
-        const Eigen::Vector3d print = lab_of(Eigen::Vector3f(value.views.filtered[i] / value.paper));
+    parallel_for(0, rgb.size(), 1024, [&, &lab = over_paper.lab](std::size_t i) {
+        const Eigen::Vector3d print = lab[i].cast<double>();
         off_asked[i] = optics::ciede2000(lab_seen_asked_[i].cast<double>(), print);
         off[i] = lab_seen_shown_[i] == lab_seen_asked_[i] ? off_asked[i]
                                                           : optics::ciede2000(lab_seen_shown_[i].cast<double>(), print);
         off_cells[i] = optics::ciede2000(lab_asked_[i].cast<double>(), lab_of(rgb[i]));
-        near[i] = value.views.smoothed[i] / value.paper;
     });
     value.seen = optics::summarize_by_area(surface_, off_asked);
     value.cells = optics::summarize_by_area(surface_, off_cells);
@@ -78,7 +79,7 @@ LoopMeasure::Value LoopMeasure::operator()(std::span<const Eigen::Vector3f> rgb,
         const double a = static_cast<double>(weight_[i] * surface_.cells[i].area_mm2);
         sum += a * off[i], all += a;
     }
-    value.looks = look_at(regions(), surface_, near_asked_, near);
+    value.looks = look_at(regions(), surface_, near_asked_, over_paper.smoothed);
     for (std::size_t r = 0; r < open.size(); ++r)
         sum += regions()[r].area_mm2 * static_cast<double>(weight_of(regions()[r])) *
                std::max(0.0, worse_by(value.looks[r], open[r]) - let_go);

@@ -25,13 +25,13 @@ float lightness_of(const Eigen::Vector3f& rgb) {
 namespace {
 
 /// S(t^2), S(t p).
-std::vector<Eigen::Vector3f> products(std::span<const Eigen::Vector3f> seen_target,
-                                      std::span<const Eigen::Vector3f> seen, const EyeFilter& wide) {
-    VOXTONE_EXPECT(seen.size() == seen_target.size());
-    const std::size_t n = seen.size();
+std::vector<Eigen::Vector3f> products(std::span<const Eigen::Vector3f> near_target,
+                                      std::span<const Eigen::Vector3f> near, const EyeFilter& wide) {
+    VOXTONE_EXPECT(near.size() == near_target.size());
+    const std::size_t n = near.size();
     std::vector<Eigen::Vector3f> light(n), product(n);
     parallel_for(0, n, 1024, [&](std::size_t i) {
-        light[i] = {lightness_of(seen_target[i]), lightness_of(seen[i]), 0};
+        light[i] = {lightness_of(near_target[i]), lightness_of(near[i]), 0};
     });
     const std::vector<Eigen::Vector3f> mean = wide.smoothed(light);
     parallel_for(0, n, 1024, [&](std::size_t i) {
@@ -43,19 +43,19 @@ std::vector<Eigen::Vector3f> products(std::span<const Eigen::Vector3f> seen_targ
 
 }  // namespace
 
-std::vector<FineContrast> fine_contrast(std::span<const Eigen::Vector3f> seen_target,
-                                        std::span<const Eigen::Vector3f> seen, const EyeFilter& wide) {
+std::vector<FineContrast> fine_contrast(std::span<const Eigen::Vector3f> near_target,
+                                        std::span<const Eigen::Vector3f> near, const EyeFilter& wide) {
     std::vector<FineContrast> contrast;
-    for (const Eigen::Vector3f& product : products(seen_target, seen, wide)) {
+    for (const Eigen::Vector3f& product : products(near_target, near, wide)) {
         const float wanted = std::sqrt(std::max(product[0], 0.0f));
         contrast.push_back({wanted, wanted > least_contrast ? product[1] / product[0] : 1});
     }
     return contrast;
 }
 
-std::vector<float> lost_contrast(std::span<const Eigen::Vector3f> seen_target, std::span<const Eigen::Vector3f> seen,
+std::vector<float> lost_contrast(std::span<const Eigen::Vector3f> near_target, std::span<const Eigen::Vector3f> near,
                                  const EyeFilter& wide) {
-    const std::vector<Eigen::Vector3f> product = products(seen_target, seen, wide);
+    const std::vector<Eigen::Vector3f> product = products(near_target, near, wide);
     const std::size_t n = product.size();
     std::vector<Eigen::Vector3f> lost(n);
     parallel_for(0, n, 1024, [&](std::size_t i) {

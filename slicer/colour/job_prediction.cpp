@@ -7,9 +7,11 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "halftone/loop/misfit.h"
 #include "halftone/loop/paper.h"
+#include "optics/colour/colour.h"
 #include "slicer/look/coarse_cells.h"
 #include "slicer/options/model_choice.h"
 #include "slicer/prepare/phase.h"
@@ -50,8 +52,14 @@ SeenPrint seen_from(const JobPrediction& p, double viewing_distance_mm, bool ada
     for (Eigen::Vector3f& rgb : print) rgb /= seen.paper;
     auto [target_views, print_views] = asked->eye.views(p.target, print);
     const std::vector<Eigen::Vector3f>&near_target = target_views.smoothed, &near = print_views.smoothed;
-    seen.target = std::move(target_views.filtered), seen.print = std::move(print_views.filtered);
-    seen.difference = colour_differences(seen.target, seen.print);
+    seen.difference.resize(print.size());
+    seen.target.resize(print.size()), seen.print.resize(print.size());
+    parallel_for(0, print.size(), 1024, [&](std::size_t i) {
+        const Eigen::Vector3d wanted = target_views.lab[i].cast<double>(), got = print_views.lab[i].cast<double>();
+        seen.difference[i] = optics::ciede2000(wanted, got);
+        seen.target[i] = optics::linear_srgb_from_lab(wanted).cast<float>();
+        seen.print[i] = optics::linear_srgb_from_lab(got).cast<float>();
+    });
     seen.regions = asked->regions;
     seen.looks = halftone::look_at(seen.regions, surface, near_target, near);
     const halftone::CellNeighbours cells(surface);
@@ -59,7 +67,7 @@ SeenPrint seen_from(const JobPrediction& p, double viewing_distance_mm, bool ada
         seen.rims.push_back(
             region.kind == halftone::RegionKind::solid ? halftone::rim_chroma(region, cells, near_target, near) : 0);
     const halftone::EyeFilter wide(surface, halftone::wider * viewing_distance_mm, halftone::EyeSurround::none,
-                                   halftone::OpponentSpace::neutral, halftone::EyeParts::narrowest);
+                                   halftone::OpponentSpace::cielab, halftone::EyeParts::narrowest);
     seen.fine = halftone::fine_contrast(near_target, near, wide);
     return seen;
 }

@@ -198,7 +198,9 @@ std::optional<Row> small_type(const RegionSources& s) {
 
 double rim_limit(const VerdictLimits& limits) { return 2 * limits.bad; }
 
-const char* is_are(const io::ReportRegion& region) { return region.pieces > 1 ? "are" : "is"; }
+/// A colour is one, in however many places.
+bool is_plural(const io::ReportRegion& region) { return region.kind == "type and lines"; }
+const char* is_are(const io::ReportRegion& region) { return is_plural(region) ? "are" : "is"; }
 
 std::string what_is_wrong(const io::ReportRegion& region, const VerdictLimits& limits) {
     if (region.contrast_asked >= legible && region.contrast < legible)
@@ -209,24 +211,24 @@ std::string what_is_wrong(const io::ReportRegion& region, const VerdictLimits& l
                            region.out_of_reach ? ": no mixture of the loaded resins is nearer" : "");
     if (region.rim > rim_limit(limits))
         return fmt::format("{} a rim of another colour, {:.0f} units of CIELAB in chroma",
-                           region.pieces > 1 ? "have" : "has", *region.rim);
+                           is_plural(region) ? "have" : "has", *region.rim);
     if (region.unevenness > flecked_above)
         return fmt::format("{} not even: flecked by {:.1f} CIEDE2000", is_are(region), *region.unevenness);
     return {};
 }
 
-/// How bad a region is by what is good; above 1 it is not good.
+/// How bad a region is, by what is bad: mottle counts twice what a mean does (halftone::worse_by).
 double badness(const io::ReportRegion& region, const VerdictLimits& limits) {
     const double read = region.contrast_asked >= legible ? legible / std::max(region.contrast, 1e-3) : 0;
-    return std::max({region.de2000.value_or(0) / limits.bad, region.unevenness.value_or(0) / flecked_above,
+    return std::max({region.de2000.value_or(0) / limits.bad, 2 * region.unevenness.value_or(0) / limits.bad,
                      region.rim.value_or(0) / rim_limit(limits), read});
 }
 
 double seen_mm2(const io::ReportRegion& region) { return region.area_mm2 * region.seen_share; }
 
-/// By how much it is to be noted.
+/// By how much it is noted: eyes of another colour more than a large ground with a breath of mottle.
 double note_of(const io::ReportRegion& region, const VerdictLimits& limits) {
-    return badness(region, limits) * std::sqrt(seen_mm2(region));
+    return badness(region, limits) * std::pow(seen_mm2(region), 0.25);
 }
 
 std::optional<Row> thin_walls(const RegionSources& s, const ThinWalls& walls) {
@@ -368,7 +370,9 @@ std::string colour_word(const Eigen::Vector3f& rgb) {
     }
     if (hue < 15 || hue >= 345) return lab[0] > 65 ? "pink" : "magenta";
     if (hue < 42) return lab[0] > 70 ? "pink" : lab[0] < 35 && chroma < 45 ? "brown" : "red";
-    if (hue < 75) return lab[0] < 48 ? "brown" : "orange";
+    if (hue < 75 && (lab[0] < 48 || (chroma < 30 && lab[0] < 65))) return "brown";
+    if (hue < 100 && chroma < 35 && lab[0] >= 65) return "beige";
+    if (hue < 75) return "orange";
     if (hue < 108) return lab[0] < 45 ? "olive" : "yellow";
     if (hue < 175) return "green";
     if (hue < 245) return "cyan";

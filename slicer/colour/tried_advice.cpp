@@ -27,7 +27,7 @@ double changed_by_blur(const AdviceSources& s, double spread_mm) {
     constexpr double degrees = 0.0283;  // the narrowest Gaussian's spread (eye_filter.h)
     const optics::Surface& surface = s.prediction.predicted.surface;
     const halftone::EyeFilter blur(surface, spread_mm / std::tan(degrees * 3.14159265358979323846 / 180),
-                                   halftone::EyeSurround::none, halftone::OpponentSpace::neutral,
+                                   halftone::EyeSurround::none, halftone::OpponentSpace::cielab,
                                    halftone::EyeParts::narrowest);
     const std::vector<double> changed = colour_differences(s.prediction.target, blur.smoothed(s.prediction.target));
     double sum = 0, all = 0;

@@ -99,20 +99,6 @@ Losses losses_of(const VerdictSources& s, const JobPrediction& p, const std::vec
     return losses;
 }
 
-std::string opening(io::VerdictLevel level, double mean) {
-    switch (level) {
-        case io::VerdictLevel::good:
-            return fmt::format("On the whole good, {:.1f}", mean);
-        case io::VerdictLevel::fair:
-            return fmt::format("On the whole fair, {:.1f}: much as asked, with differences that are seen", mean);
-        case io::VerdictLevel::bad:
-            return fmt::format("On the whole bad, {:.1f}: it will not look as asked", mean);
-        case io::VerdictLevel::unknown:
-            break;
-    }
-    return "How it will look was not predicted";
-}
-
 std::string reason(LossCause cause, const Losses& losses, const PlaceWords& places, const JobPrediction& p) {
     if (cause == thin_wall) {
         const auto& at = p.predicted.surface.cells[losses.walls.worst].centre_mm;
@@ -201,7 +187,7 @@ void judge_prediction(const VerdictSources& s, const JobPrediction& p, io::Repor
     verdict.off_share = losses.all_seen > 0 ? losses.off / losses.all_seen : 0;
     if (!s.body.is_picture) add_sides(p, sides, verdict);
     add_worst(verdict);
-    verdict.headline = opening(verdict.level, whole.mean);
+    verdict.headline = opening_of(whole, limits);
     if (verdict.level != io::VerdictLevel::good) {
         add_causes(losses, verdict);
         if (!verdict.causes.empty())

@@ -5,6 +5,8 @@
 #include <numeric>
 #include <vector>
 
+#include <fmt/core.h>
+
 #include "base/contracts.h"
 
 namespace voxtone::slicer {
@@ -26,6 +28,28 @@ WholeVerdict judge_whole(std::span<const double> difference, std::span<const dou
                   : whole.mean > limits.good || whole.wrong_share > much ? fair
                                                                          : good;
     return whole;
+}
+
+namespace {
+
+/// With a digit more where one would make it the limit that it is above.
+std::string figure(double mean, double limit) {
+    const std::string text = fmt::format("{:.1f}", mean);
+    return mean > limit && text == fmt::format("{:.1f}", limit) ? fmt::format("{:.2f}", mean) : text;
+}
+
+}  // namespace
+
+std::string opening_of(const WholeVerdict& whole, const VerdictLimits& limits) {
+    if (whole.level == io::VerdictLevel::unknown) return "How it will look was not predicted";
+    const bool is_bad = whole.level == io::VerdictLevel::bad;
+    const double limit = is_bad ? limits.bad : limits.good;
+    std::string text = figure(whole.mean, limit);
+    if (whole.level == io::VerdictLevel::good) return "On the whole good, " + text;
+    if (whole.mean <= limit)
+        text += fmt::format(", and {:.0f} % of what is seen is clearly off or flecked", 100 * whole.wrong_share);
+    return is_bad ? fmt::format("On the whole bad, {}: it will not look as asked", text)
+                  : fmt::format("On the whole fair, {}: much as asked, with differences that are seen", text);
 }
 
 double weighted_percentile(std::span<const double> difference, std::span<const double> weight, double part) {

@@ -24,6 +24,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 
 #include "io/report/report.h"
 #include "slicer/options/resolved_job.h"
@@ -40,6 +41,9 @@ struct WholeVerdict {
 /// good.
 [[nodiscard]] WholeVerdict judge_whole(std::span<const double> difference, std::span<const double> weight,
                                        std::span<const char> flecked, const VerdictLimits& limits);
+
+/// "On the whole fair, 2.9: ..."; what the level comes of where the mean alone would not give it.
+[[nodiscard]] std::string opening_of(const WholeVerdict& whole, const VerdictLimits& limits);
 
 /// The smallest difference that this part of all weight does not exceed.
 [[nodiscard]] double weighted_percentile(std::span<const double> difference, std::span<const double> weight,

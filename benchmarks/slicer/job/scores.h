@@ -26,14 +26,14 @@ struct Figures {
 
 struct Scores {
     Figures cells_in_gamut, cells_all;  ///< cell by cell
-    Figures eye_in_gamut, eye_all;      ///< print and target both seen through the eye filter
+    Figures eye_in_gamut, eye_all;      ///< print and target both behind the eye filter, colour smoothed as light
     Figures eye_reachable;      ///< cells in the gamut, what surrounds them mapped into it: the filter mixes them
     Figures eye_mapped;         ///< all cells, the target mapped into the gamut
-    Figures low_pass_in_gamut;  ///< the same without the filter's negative surround
+    Figures seen_in_gamut;      ///< colour smoothed as it is perceived: as the program says it
     Figures s_cielab_in_gamut;  ///< the same in the published opponent channels, in which white is not neutral
     double at_limit = 0;        ///< share of eye_in_gamut's sum in cells that have nothing more to give
-    double contrast_kept = 0;   ///< of the in-gamut cells, as seen (low_pass)
-    double paper = 0;           ///< mean CIEDE2000 as seen (low_pass) where the target is seen as white; 0: nowhere
+    double contrast_kept = 0;   ///< of the in-gamut cells, as seen
+    double paper = 0;           ///< mean CIEDE2000 as seen where the target is seen as white; 0: nowhere
 };
 
 inline constexpr double fine_mm = 0.8;
@@ -48,10 +48,10 @@ inline constexpr double fine_mm = 0.8;
 
 struct Eye {
     Eye(const optics::Surface& surface, double distance_mm)
-        : published(surface, distance_mm),
-          low_pass(surface, distance_mm, halftone::EyeSurround::none),
+        : as_light(surface, distance_mm, halftone::EyeSurround::none, halftone::OpponentSpace::neutral),
+          seen(surface, distance_mm),
           s_cielab(surface, distance_mm, halftone::EyeSurround::published, halftone::OpponentSpace::published) {}
-    halftone::EyeFilter published, low_pass, s_cielab;
+    halftone::EyeFilter as_light, seen, s_cielab;
 };
 [[nodiscard]] Scores score(const Judgement& j, const Eye& eye);
 

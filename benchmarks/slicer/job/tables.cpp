@@ -61,7 +61,7 @@ std::string slab_tables(const std::vector<SlabRow>& rows, const std::vector<std:
         error_table(rows, names, "After the eye filter, in-gamut pixels, what surrounds them mapped into the gamut",
                     &Scores::eye_reachable) +
         error_table(rows, names, "After the eye filter without its negative surround, in-gamut pixels",
-                    &Scores::low_pass_in_gamut) +
+                    &Scores::seen_in_gamut) +
         error_table(rows, names,
                     "After the eye filter in S-CIELAB's own channels, in which white is not neutral, in-gamut pixels",
                     &Scores::s_cielab_in_gamut) +

@@ -260,6 +260,9 @@ TEST_CASE("A tint is told from white and grey") {
     CHECK(word(250, 248, 235) == "yellowish white");
     CHECK(word(128, 128, 128) == "grey");
     CHECK(word(118, 130, 120) == "greenish grey");
+    CHECK(word(135, 112, 88) == "brown");
+    CHECK(word(232, 215, 190) == "beige");
+    CHECK(word(250, 160, 60) == "orange");
 }
 
 TEST_CASE("A patch that hardly differs from its paper in lightness is no fine detail that is lost") {

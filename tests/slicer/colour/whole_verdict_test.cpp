@@ -128,3 +128,15 @@ TEST_CASE("A percentile is of the weight") {
     CHECK(weighted_percentile(difference, heavy, 0.5) == 4);
     CHECK(weighted_percentile({}, {}, 0.95) == 0);
 }
+
+TEST_CASE("The first words do not contradict the level, neither by rounding nor by what else decides it") {
+    using Catch::Matchers::Contains, Catch::Matchers::StartsWith;
+    const auto said = [&](io::VerdictLevel level, double mean, double wrong) {
+        return opening_of({level, mean, wrong}, limits);
+    };
+    CHECK(said(io::VerdictLevel::good, 2.4, 0.02) == "On the whole good, 2.4");
+    CHECK_THAT(said(io::VerdictLevel::fair, limits.good + 0.02, 0), StartsWith("On the whole fair, 2.52: "));
+    CHECK_THAT(said(io::VerdictLevel::fair, 2.42, 0.16), Contains("2.4, and 16 % of what is seen is clearly off"));
+    CHECK_THAT(said(io::VerdictLevel::bad, limits.bad + 0.03, 0.3), StartsWith("On the whole bad, 5.03: "));
+    CHECK_THAT(said(io::VerdictLevel::bad, 4.4, 0.6), Contains("4.4, and 60 % of what is seen"));
+}
