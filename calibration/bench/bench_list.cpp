@@ -8,11 +8,9 @@
 
 #include "base/error.h"
 #include "base/printable.h"
-#include "calibration/patches/table_cells.h"
+#include "calibration/tables/table_cells.h"
+#include "calibration/tables/text_table.h"
 #include "io/disk/named_path.h"
-#include "io/files/csv_table.h"
-#include "io/files/utf8.h"
-#include "io/files/whole_file.h"
 
 namespace voxtone::calibration {
 namespace {
@@ -22,20 +20,13 @@ constexpr std::string_view list_header = "file,shows,resin,thickness_mm";
 
 class ListReader {
 public:
-    ListReader(std::string_view text, const std::string& source) : text_(text), source_(source) {}
+    ListReader(std::string_view text, const std::string& source)
+        : csv_(text, source, fmt::format("expected {}", list_header), {}, CsvText::ShortRows::filled) {}
 
     BenchList read() {
-        io::CsvReader csv(text_, io::CsvRules::lenient);
-        line_ = csv.header().line;
-        const std::vector<std::string>& names = csv.header().cells;
-        if (names.empty()) throw InputError(fmt::format("{}: no header line; expected {}.", source_, list_header));
-        if (const std::string header = fmt::format("{}", fmt::join(names, ",")); header != list_header)
-            fail(fmt::format("\"{}\", expected the header {}", printable(header.substr(0, 60)), list_header));
-        io::CsvRow cells;
-        for (std::string fault; csv.next(cells, fault);) {
-            line_ = cells.line;
-            row({cells.cells.begin(), cells.cells.end()});
-        }
+        if (const std::string header = fmt::format("{}", fmt::join(csv_.names(), ",")); header != list_header)
+            csv_.fail(fmt::format("\"{}\", expected the header {}", printable(header.substr(0, 60)), list_header));
+        while (csv_.next()) row(csv_.cells());
         if (list_.checker.empty()) missing("checker", "the photograph of a colour checker, which tells what white is");
         if (list_.sheet.empty()) missing("sheet", "the printed edge without a slab, which tells its white and black");
         if (list_.slabs.empty()) missing("slab", "at least one photograph of a slab");
@@ -43,30 +34,24 @@ public:
     }
 
 private:
-    [[noreturn]] void fail(const std::string& what) const {
-        throw InputError(fmt::format("{}: line {}: {}.", source_, line_, what));
-    }
     [[noreturn]] void missing(const char* word, const char* what) const {
-        throw InputError(fmt::format("{}: no line shows \"{}\": {}.", source_, word, what));
+        throw InputError(fmt::format("{}: no line shows \"{}\": {}.", csv_.source(), word, what));
     }
 
     void one(std::string& place, std::string_view file, std::string_view shows) const {
-        if (!place.empty()) fail(fmt::format("a second photograph shows the {}; one is used", shows));
+        if (!place.empty()) csv_.fail(fmt::format("a second photograph shows the {}; one is used", shows));
         place = file;
     }
 
-    void row(const std::vector<std::string_view>& cells) {
-        if (cells.size() < 2 || cells.size() > 4)
-            fail(fmt::format("{} cells, but the header has 4 ({})", cells.size(), list_header));
-        const std::string_view file = cells[0], shows = cells[1];
-        const auto more = [&](std::size_t k) { return k < cells.size() ? cells[k] : std::string_view(); };
-        if (file.empty()) fail("no file");
+    void row(const std::vector<std::string>& cells) {
+        const std::string &file = cells[0], &shows = cells[1];
+        if (file.empty()) csv_.fail(0, "no file");
         if (shows == "slab") {
-            list_.slabs.push_back(slab(file, more(2), more(3)));
+            list_.slabs.push_back(slab(file, cells[2]));
             return;
         }
-        if (!more(2).empty() || !more(3).empty())
-            fail(fmt::format("resin and thickness belong to a slab, but the line shows \"{}\"", printable(shows)));
+        if (!cells[2].empty() || !cells[3].empty())
+            csv_.fail(fmt::format("resin and thickness belong to a slab, but the line shows \"{}\"", printable(shows)));
         if (shows == "checker")
             one(list_.checker, file, shows);
         else if (shows == "paper")
@@ -74,25 +59,21 @@ private:
         else if (shows == "sheet")
             one(list_.sheet, file, shows);
         else
-            fail(fmt::format("shows \"{}\"; expected checker, paper, sheet or slab", printable(shows.substr(0, 40))));
+            csv_.fail(1, fmt::format("{}; expected checker, paper, sheet or slab", shown(shows)));
     }
 
-    [[nodiscard]] SlabPhotograph slab(std::string_view file, std::string_view resin, std::string_view mm) const {
+    [[nodiscard]] SlabPhotograph slab(const std::string& file, const std::string& resin) const {
         if (resin.empty() || resin.size() > 32 || printable(resin) != resin)
-            fail("the resin of a slab is a short word such as C or W");
-        SlabPhotograph result{std::string(file), std::string(resin), 0};
-        result.thickness_mm = number_with_comma(mm).value_or(0);
+            csv_.fail(2, "the resin of a slab is a short word such as C or W");
+        const SlabPhotograph result{file, resin, csv_.number(3)};
         if (!(result.thickness_mm >= 0.05 && result.thickness_mm <= 10))
-            fail(fmt::format("thickness_mm is \"{}\"; expected the slab's thickness in mm, from 0.05 to 10",
-                             printable(mm.substr(0, 40))));
+            csv_.fail(3, fmt::format("{}; expected the slab's thickness in mm, from 0.05 to 10", result.thickness_mm));
         for (const SlabPhotograph& other : list_.slabs)
-            if (other.file == file) fail(fmt::format("{} is listed twice", printable(file)));
+            if (other.file == file) csv_.fail(fmt::format("{} is listed twice", printable(file)));
         return result;
     }
 
-    std::string_view text_;
-    const std::string& source_;
-    std::size_t line_ = 0;
+    CsvText csv_;
     BenchList list_;
 };
 
@@ -113,9 +94,7 @@ BenchList parse_bench_list(std::string_view text, const std::string& source) {
 }
 
 BenchList read_bench_list(const std::filesystem::path& file) {
-    const std::vector<std::uint8_t> bytes = io::read_whole_file(file, most_list_bytes);
-    BenchList list =
-        parse_bench_list(io::text_as_utf8({reinterpret_cast<const char*>(bytes.data()), bytes.size()}), file.string());
+    BenchList list = parse_bench_list(read_text(file, most_list_bytes), file.string());
     const auto seen = [&](const std::string& name) { return io::named_path(file.parent_path(), name).string(); };
     for (std::string* name : {&list.checker, &list.paper, &list.sheet})
         if (!name->empty()) *name = seen(*name);

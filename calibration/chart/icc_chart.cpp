@@ -13,7 +13,7 @@
 #include "calibration/chart/icc_measurements.h"
 #include "calibration/chart/mixture_samples.h"
 #include "calibration/patches/chart_reading.h"
-#include "calibration/patches/table_cells.h"
+#include "calibration/tables/table_cells.h"
 
 namespace voxtone::calibration {
 

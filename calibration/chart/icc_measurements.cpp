@@ -10,7 +10,8 @@
 #include "calibration/patches/cgats_file.h"
 #include "calibration/patches/chart_reading.h"
 #include "calibration/patches/cxf_file.h"
-#include "calibration/patches/table_cells.h"
+#include "calibration/tables/cgats_text.h"
+#include "calibration/tables/table_cells.h"
 
 namespace voxtone::calibration {
 
@@ -45,7 +46,7 @@ std::optional<IccMeasurements> icc_measurements(const io::DeviceProfile& profile
         const std::string tag(trimmed(text.tag));
         const std::string source = fmt::format("{} ({})", profile.name, tag);
         const bool cxf = is_xml(text.text);
-        if (!cxf && !is_cgats(text.text)) {
+        if (!cxf && !CgatsText::is(text.text)) {
             notes.push_back(
                 fmt::format("{}: names measurements ({}) and does not hold them.", source, shown(text.text)));
             continue;

@@ -10,11 +10,9 @@
 #include "base/error.h"
 #include "calibration/patches/measured_values.h"
 #include "calibration/patches/patch_mixture.h"
-#include "calibration/patches/table_cells.h"
-#include "io/files/csv_table.h"
+#include "calibration/tables/table_cells.h"
+#include "calibration/tables/text_table.h"
 #include "io/files/json_object.h"
-#include "io/files/utf8.h"
-#include "io/files/whole_file.h"
 
 namespace voxtone::calibration {
 
@@ -77,42 +75,26 @@ void finish(LayerChart& chart, const std::vector<double>& lab, std::string_view 
     chart.notes = lights.notes;
 }
 
-io::CsvReader laminate_reader(std::string_view text) {
-    return {text, io::CsvRules::lenient, [](const std::vector<std::string>& cells) {
-                return cells.size() >= 4 && in_capitals(cells[0]) == "LAYERS";
-            }};
+bool is_laminate_header(const std::vector<std::string>& cells) {
+    return cells.size() >= 4 && in_capitals(cells[0]) == "LAYERS";
 }
 
 LayerChart parse_table(std::string_view text, LayerChart chart, std::optional<optics::Illuminant> illuminant) {
-    io::CsvReader csv = laminate_reader(text);
-    std::vector<double> lab;
-    const std::vector<std::string>& names = csv.header().cells;
+    constexpr std::string_view example = "a chart of laminates begins with layers,L,a,b";
+    CsvText table(text, chart.source, example, is_laminate_header);
+    const std::vector<std::string>& names = table.names();
     if (names.size() != 4 || in_capitals(names[1]) != "L" || in_capitals(names[2]) != "A" ||
         in_capitals(names[3]) != "B")
-        throw InputError(fmt::format("{}: line {}: a chart of laminates begins with layers,L,a,b.", chart.source,
-                                     csv.header().line));
-    io::CsvRow row;
-    for (std::string fault; csv.next(row, fault);) {
-        const std::string where = fmt::format("{}: line {}", chart.source, row.line);
-        if (!fault.empty())
-            throw InputError(
-                fmt::format("{}: {}; put the layers between quotes: \"Y 0.08, W 0.8\",92.9,-7.4,18.0.", where, fault));
-        std::vector<double> colour;
-        for (std::size_t k = 1; k < 4; ++k) {
-            const auto value = number_with_comma(row.cells[k]);
-            if (!value) throw InputError(fmt::format("{}: {} is no number.", where, shown(row.cells[k])));
-            colour.push_back(*value);
-        }
+        table.fail(example);
+    std::vector<double> lab;
+    while (table.next()) {
         LayerLaminate laminate;
-        for (const std::string_view layer : split(row.cells[0], ','))
-            laminate.push_back(parse_layer(chart, layer, where));
-        add_laminate(chart, lab, std::move(laminate), colour, where);
+        for (const std::string_view layer : split(table.cells()[0], ','))
+            laminate.push_back(parse_layer(chart, layer, table.where()));
+        add_laminate(chart, lab, std::move(laminate), {table.number(1), table.number(2), table.number(3)},
+                     table.where());
     }
-    MeasuringConditions conditions;
-    for (const std::string& comment : csv.comments())
-        if (const auto colon = comment.find(':'); colon != std::string::npos)
-            note_condition(conditions, comment.substr(0, colon), comment.substr(colon + 1));
-    finish(chart, lab, conditions.illuminant, illuminant);
+    finish(chart, lab, conditions_of(table).illuminant, illuminant);
     return chart;
 }
 
@@ -161,7 +143,7 @@ LayerChart parse_json(std::string_view text, LayerChart chart, std::optional<opt
 
 bool is_layer_chart(std::string_view text) {
     if (first_line(text).starts_with('{')) return true;
-    const io::CsvReader csv = laminate_reader(text);
+    const io::CsvReader csv(text, io::CsvRules::lenient, is_laminate_header);
     const std::vector<std::string>& names = csv.header().cells;
     return names.size() > 1 && in_capitals(names[0]) == "LAYERS";
 }
@@ -175,8 +157,7 @@ LayerChart parse_layer_chart(std::string_view text, std::string source, std::opt
 
 std::optional<LayerChart> read_layer_chart(const std::filesystem::path& file,
                                            std::optional<optics::Illuminant> illuminant) {
-    const auto bytes = io::read_whole_file(file, most_chart_bytes);
-    const std::string text = io::text_as_utf8({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    const std::string text = read_text(file, most_chart_bytes);
     if (!is_layer_chart(text)) return std::nullopt;
     return parse_layer_chart(text, file.string(), illuminant);
 }

@@ -7,10 +7,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/contracts.h"
 #include "base/error.h"
 #include "base/printable.h"
-#include "calibration/patches/table_cells.h"
+#include "calibration/tables/table_cells.h"
 #include "io/files/json_keys.h"
 
 namespace voxtone::calibration {
@@ -25,7 +24,7 @@ constexpr std::size_t most_columns_of_chart = 5000, most_roles = 64;
 // Reads the header of a chart: first what is measured, then what is left for resins.
 class HeaderReader {
 public:
-    HeaderReader(std::span<const std::string_view> names, const std::string& where, const ColumnWords& words)
+    HeaderReader(std::span<const std::string> names, const std::string& where, const ColumnWords& words)
         : names_(names), where_(where), words_(words) {
         if (names.size() > most_columns_of_chart)
             fail(fmt::format("{} columns, more than {}", names.size(), most_columns_of_chart));
@@ -241,7 +240,7 @@ private:
         // L alone, or R beside a spectrum: a resin of that name.
         if (m.of == Of::quantity && m.plain && !m.error && !chosen && !whole) be_role(m);
         if (m.of == Of::unknown) leave_aside(k);
-        ChartColumns::Column column{.name = std::string(names_[k])};
+        ChartColumns::Column column;
         if (chosen) {
             column.kind = m.error ? Kind::error : Kind::value;
             column.index = channel_index(m);
@@ -254,7 +253,7 @@ private:
         }
         if (column.kind != Kind::unused && !placed_.insert({column.kind, column.index}).second)
             fail(fmt::format("column {} is there twice", shown(names_[k])));
-        columns_.columns.push_back(std::move(column));
+        columns_.columns.push_back(column);
     }
 
     // A name that is nearly one of ours is a slip, any other somebody else's.
@@ -276,7 +275,7 @@ private:
             fail(fmt::format("the resin {} has two columns", shown(m.role)));
         if (columns_.roles.size() >= most_roles) fail(fmt::format("more than {} resins", most_roles));
         columns_.roles.push_back(m.role);
-        return {.kind = Kind::share, .index = columns_.roles.size() - 1, .name = std::string(name)};
+        return {.kind = Kind::share, .index = columns_.roles.size() - 1};
     }
 
     void check_roles() {
@@ -312,7 +311,7 @@ private:
         columns_.has_errors = errors != 0;
     }
 
-    std::span<const std::string_view> names_;
+    std::span<const std::string> names_;
     std::string where_;
     ColumnWords words_;
     std::vector<Meaning> meanings_;
@@ -320,80 +319,98 @@ private:
     std::set<std::pair<Kind, std::size_t>> placed_;
 };
 
-double number_of(const ChartColumns::Column& column, std::string_view cell, const std::string& where) {
-    if (column.kind == Kind::share && cell.ends_with('%')) cell = trimmed(cell.substr(0, cell.size() - 1));
+double number_of(const TextTable& row, std::size_t k, bool share) {
+    std::string_view cell = row.cells()[k];
+    if (share && cell.ends_with('%')) cell = trimmed(cell.substr(0, cell.size() - 1));
     if (const auto value = number_with_comma(cell)) return *value;
-    if (column.kind == Kind::share)
-        throw InputError(fmt::format("{}: column {} has {}, which is no number, but the share of a resin is one.",
-                                     where, shown(column.name), shown(cell)));
-    if (cell.empty())
-        throw InputError(fmt::format("{}: column {} is empty; measure the patch, or leave its line out.", where,
-                                     shown(column.name)));
-    throw InputError(fmt::format("{}: column {} has {}, which is no number.", where, shown(column.name), shown(cell)));
+    if (cell.empty() && !share) row.fail(k, "is empty; measure the patch, or leave its line out");
+    row.fail(k, fmt::format("{} is no number{}", shown(cell), share ? ", but the share of a resin is one" : ""));
+}
+
+// Whether nothing is measured: every measured cell is empty.
+bool is_unmeasured(const TextTable& row, const ChartColumns& columns) {
+    for (std::size_t k = 0; k < columns.columns.size(); ++k)
+        if (columns.columns[k].kind == Kind::value && !row.cells()[k].empty()) return false;
+    return true;
+}
+
+Patch patch_of(const TextTable& row, const ChartColumns& columns) {
+    Patch patch;
+    patch.where = row.where();
+    for (const std::string& role : columns.roles) patch.top.push_back({role, 0});
+    patch.rho.resize(columns.channels());
+    if (columns.has_errors) patch.error.resize(columns.channels());
+    for (std::size_t k = 0; k < columns.columns.size(); ++k) {
+        const ChartColumns::Column& column = columns.columns[k];
+        const std::string& cell = row.cells()[k];
+        switch (column.kind) {
+            case Kind::unused:
+                break;
+            case Kind::share:
+                patch.top[column.index].fraction = number_of(row, k, true);
+                break;
+            case Kind::thickness:
+            case Kind::base:
+                (column.kind == Kind::base ? patch.base_mm : patch.thickness_mm) =
+                    cell.empty() ? 0 : number_of(row, k, false);
+                break;
+            case Kind::backing:
+                if (!cell.empty() && !is_role(cell))
+                    row.fail(k, fmt::format("{} is no role of a resin, a short word such as W", shown(cell)));
+                patch.backing = cell;
+                break;
+            case Kind::value:
+                patch.rho[column.index] = number_of(row, k, false);
+                break;
+            case Kind::error:
+                patch.error[column.index] = number_of(row, k, false);
+                break;
+            case Kind::row:
+            case Kind::column:
+                // What other programs call a row may be a word.
+                if (const auto place = calibration::number(cell); place && *place >= 1 && *place <= 10000)
+                    (column.kind == Kind::row ? patch.row : patch.column) = static_cast<int>(*place);
+        }
+    }
+    return patch;
 }
 
 }  // namespace
 
-ChartColumns chart_columns(std::span<const std::string_view> names, const std::string& where,
-                           const ColumnWords& words) {
+ChartColumns chart_columns(std::span<const std::string> names, const std::string& where, const ColumnWords& words) {
     return HeaderReader(names, where, words).read();
 }
 
-void put_columns_in(const ChartColumns& columns, ChartReading& reading) {
+void take_rows(TextTable& table, const ChartColumns& columns, ChartReading& reading) {
+    std::vector<Patch>& patches = reading.table.patches;
+    std::size_t unmeasured = 0;
+    while (table.next()) {
+        if (patches.size() + unmeasured >= most_chart_patches)
+            table.fail(fmt::format("more than {} patches", most_chart_patches));
+        if (is_unmeasured(table, columns))
+            ++unmeasured;
+        else
+            patches.push_back(patch_of(table, columns));
+    }
+    const std::string& source = reading.table.source;
+    if (unmeasured > 0 && patches.empty())
+        throw InputError(fmt::format("{}: no patch is measured yet: its {} lines have no colour; fill them in.", source,
+                                     unmeasured));
     reading.quantity = columns.quantity;
     reading.inks = columns.of_inks ? columns.roles.size() : 0;
     reading.rest_is_white = columns.rest_is_white;
     reading.aside = columns.aside;
     if (columns.quantity == Quantity::spectrum) reading.table.channels.wavelengths_nm = columns.wavelengths_nm;
     // A name tells of its own column, the file of all.
+    reading.conditions = conditions_of(table);
     const MeasuringConditions& told = columns.conditions;
     if (!told.illuminant.empty()) reading.conditions.illuminant = told.illuminant;
     if (!told.observer.empty()) reading.conditions.observer = told.observer;
     if (!told.filter.empty()) reading.conditions.filter = told.filter;
-    for (const std::string& note : columns.notes)
-        reading.table.notes.push_back(fmt::format("{}: {}.", reading.table.source, note));
-}
-
-bool is_unmeasured(const ChartColumns& columns, std::span<const std::string_view> cells) {
-    VOXTONE_EXPECT(cells.size() == columns.columns.size());
-    for (std::size_t k = 0; k < cells.size(); ++k)
-        if (columns.columns[k].kind == Kind::value && !cells[k].empty()) return false;
-    return true;
-}
-
-Patch chart_row(const ChartColumns& columns, std::span<const std::string_view> cells, std::string where) {
-    VOXTONE_EXPECT(cells.size() == columns.columns.size());
-    Patch patch;
-    patch.where = std::move(where);
-    for (const std::string& role : columns.roles) patch.top.push_back({role, 0});
-    patch.rho.resize(columns.channels());
-    if (columns.has_errors) patch.error.resize(columns.channels());
-    for (std::size_t k = 0; k < cells.size(); ++k) {
-        const ChartColumns::Column& column = columns.columns[k];
-        if (column.kind == Kind::unused) continue;
-        if (column.kind == Kind::backing) {
-            if (!cells[k].empty() && !is_role(cells[k]))
-                throw InputError(fmt::format("{}: the backing {} is no role of a resin, a short word such as W.",
-                                             patch.where, shown(cells[k])));
-            patch.backing = cells[k];
-            continue;
-        }
-        if (column.kind == Kind::row || column.kind == Kind::column) {
-            // What other programs call a row may be a word.
-            const auto place = number(cells[k]);
-            if (place && *place >= 1 && *place <= 10000)
-                (column.kind == Kind::row ? patch.row : patch.column) = static_cast<int>(*place);
-            continue;
-        }
-        const bool of_layer = column.kind == Kind::thickness || column.kind == Kind::base;
-        const double value = of_layer && cells[k].empty() ? 0 : number_of(column, cells[k], patch.where);
-        if (column.kind == Kind::share) patch.top[column.index].fraction = value;
-        if (column.kind == Kind::thickness) patch.thickness_mm = value;
-        if (column.kind == Kind::base) patch.base_mm = value;
-        if (column.kind == Kind::value) patch.rho[column.index] = value;
-        if (column.kind == Kind::error) patch.error[column.index] = value;
-    }
-    return patch;
+    for (const std::string& note : columns.notes) reading.table.notes.push_back(fmt::format("{}: {}.", source, note));
+    if (unmeasured > 0)
+        reading.table.notes.push_back(
+            fmt::format("{}: {} patches have no colour and are left out.", source, unmeasured));
 }
 
 }  // namespace voxtone::calibration

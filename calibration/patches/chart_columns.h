@@ -20,11 +20,11 @@
 
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "calibration/patches/chart_reading.h"
 #include "calibration/patches/column_meaning.h"
+#include "calibration/tables/text_table.h"
 
 namespace voxtone::calibration {
 
@@ -33,7 +33,6 @@ struct ChartColumns {
     struct Column {
         Kind kind = Kind::unused;
         std::size_t index = 0;  ///< of the share, or of the channel
-        std::string name;       ///< as the file writes it
     };
     std::vector<Column> columns;
     std::vector<std::string> roles;  ///< of the shares
@@ -51,16 +50,11 @@ struct ChartColumns {
 
 /// `where` begins the messages of the InputError: nothing is measured, no resin, a column twice, a part of L, a, b, an
 /// error without its channel, device RGB, a Y that may be yellow.
-[[nodiscard]] ChartColumns chart_columns(std::span<const std::string_view> names, const std::string& where,
+[[nodiscard]] ChartColumns chart_columns(std::span<const std::string> names, const std::string& where,
                                          const ColumnWords& words = {});
 
-/// What the columns say of a whole chart; its conditions are what the file says of them elsewhere.
-void put_columns_in(const ChartColumns& columns, ChartReading& reading);
-
-/// Whether nothing is measured in a row: every measured cell is empty. Contract: as many cells as columns.
-[[nodiscard]] bool is_unmeasured(const ChartColumns& columns, std::span<const std::string_view> cells);
-
-/// A row as a patch of a ChartReading. Contract: as many cells as columns. Throws InputError for what is no number.
-[[nodiscard]] Patch chart_row(const ChartColumns& columns, std::span<const std::string_view> cells, std::string where);
+/// Takes all rows that the table still has, and what it says of them. Rows of which nothing is measured are left out,
+/// said. Throws InputError for what is no number, and where nothing is measured at all.
+void take_rows(TextTable& table, const ChartColumns& columns, ChartReading& reading);
 
 }  // namespace voxtone::calibration

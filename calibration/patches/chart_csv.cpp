@@ -2,8 +2,8 @@
 #include "calibration/patches/chart_csv.h"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
-#include <optional>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,8 +11,7 @@
 #include "base/contracts.h"
 #include "base/error.h"
 #include "calibration/patches/chart_columns.h"
-#include "calibration/patches/table_cells.h"
-#include "io/files/csv_table.h"
+#include "calibration/tables/table_cells.h"
 
 namespace voxtone::calibration {
 
@@ -37,86 +36,6 @@ std::vector<std::string> told_resins(std::string_view text) {
     return resins;
 }
 
-class ChartCsvReader {
-public:
-    ChartCsvReader(std::string_view text, const std::string& source, const ColumnWords& words)
-        : text_(text), words_(words), told_(told_resins(text)) {
-        reading_.table.source = source;
-        known_.assign(words.known.begin(), words.known.end());
-        known_.insert(known_.end(), told_.begin(), told_.end());
-        words_.known = known_;
-    }
-
-    ChartReading read() {
-        io::CsvReader csv(text_, io::CsvRules::lenient, [&](const auto& cells) { return is_header(cells); });
-        if (csv.header().cells.empty())
-            throw InputError(fmt::format(
-                "{}: has no header line; a chart begins with a line such as W,C,M,Y,K,L,a,b, and a target with "
-                "top,backing,thickness_mm,R,G,B.",
-                reading_.table.source));
-        header(csv);
-        io::CsvRow row;
-        for (std::string fault; csv.next(row, fault);) {
-            line_ = row.line;
-            if (!fault.empty()) throw InputError(fmt::format("{}: {}.", where(), fault));
-            patch(row.cells);
-        }
-        for (const std::string& comment : csv.comments()) {
-            const std::size_t colon = comment.find(':');
-            if (colon != std::string::npos)
-                note_condition(reading_.conditions, comment.substr(0, colon), comment.substr(colon + 1));
-        }
-        put_columns_in(*columns_, reading_);
-        if (unmeasured_ > 0 && reading_.table.patches.empty())
-            throw InputError(fmt::format("{}: no patch is measured yet: its {} lines have no colour; fill them in.",
-                                         reading_.table.source, unmeasured_));
-        if (unmeasured_ > 0)
-            reading_.table.notes.push_back(
-                fmt::format("{}: {} patches have no colour and are left out.", reading_.table.source, unmeasured_));
-        return std::move(reading_);
-    }
-
-private:
-    std::string where() const { return fmt::format("{}: line {}", reading_.table.source, line_); }
-
-    // Instruments write titles above the header.
-    bool is_header(const std::vector<std::string>& cells) const {
-        const std::vector<std::string_view> names(cells.begin(), cells.end());
-        try {
-            return !chart_columns(names, {}, words_).columns.empty();
-        } catch (const InputError&) {
-            return false;
-        }
-    }
-
-    void header(const io::CsvReader& csv) {
-        line_ = csv.header().line;
-        const std::vector<std::string_view> names(csv.header().cells.begin(), csv.header().cells.end());
-        columns_ = chart_columns(names, where(), words_);
-        if (csv.lines_above() > 0)
-            reading_.table.notes.push_back(fmt::format("{}: what stands above the header in line {} is left aside.",
-                                                       reading_.table.source, line_));
-    }
-
-    void patch(const std::vector<std::string>& cells) {
-        if (reading_.table.patches.size() >= most_chart_patches)
-            throw InputError(fmt::format("{}: more than {} patches.", where(), most_chart_patches));
-        cells_.assign(cells.begin(), cells.end());
-        if (is_unmeasured(*columns_, cells_))
-            ++unmeasured_;
-        else
-            reading_.table.patches.push_back(chart_row(*columns_, cells_, where()));
-    }
-
-    std::string_view text_;
-    ColumnWords words_;
-    std::vector<std::string> told_, known_;
-    ChartReading reading_;
-    std::optional<ChartColumns> columns_;
-    std::vector<std::string_view> cells_;
-    std::size_t line_ = 0, unmeasured_ = 0;
-};
-
 // Roles in the order in which they come; white first, as people write it.
 std::vector<std::string> roles_of(const PatchTable& table) {
     std::vector<std::string> roles;
@@ -129,8 +48,29 @@ std::vector<std::string> roles_of(const PatchTable& table) {
 
 }  // namespace
 
-ChartReading read_chart_csv(std::string_view text, const std::string& source, const ColumnWords& words) {
-    return ChartCsvReader(text, source, words).read();
+ChartReading read_chart_csv(std::string_view text, const std::string& source, ColumnWords words) {
+    std::vector<std::string> known(words.known.begin(), words.known.end());
+    std::ranges::copy(told_resins(text), std::back_inserter(known));
+    words.known = known;
+    // Instruments write titles above the header.
+    const auto is_header = [&](const std::vector<std::string>& names) {
+        try {
+            return !chart_columns(names, {}, words).columns.empty();
+        } catch (const InputError&) {
+            return false;
+        }
+    };
+    CsvText table(
+        text, source,
+        "a chart begins with a line such as W,C,M,Y,K,L,a,b, and a target with top,backing,thickness_mm,R,G,B",
+        is_header);
+    const ChartColumns columns = chart_columns(table.names(), table.where(), words);
+    ChartReading reading;
+    reading.table.source = source;
+    if (table.lines_above() > 0)
+        reading.table.notes.push_back(fmt::format("{}: what stands above the header is left aside.", table.where()));
+    take_rows(table, columns, reading);
+    return reading;
 }
 
 std::string resins_comment(const std::vector<std::string>& roles) {

@@ -20,8 +20,7 @@
 namespace voxtone::calibration {
 
 /// Throws InputError that names file, line and column.
-[[nodiscard]] ChartReading read_chart_csv(std::string_view text, const std::string& source,
-                                          const ColumnWords& words = {});
+[[nodiscard]] ChartReading read_chart_csv(std::string_view text, const std::string& source, ColumnWords words = {});
 
 /// "# resins: W,C,Vio" where not all of them are known as resins by their names; else nothing.
 [[nodiscard]] std::string resins_comment(const std::vector<std::string>& roles);

@@ -11,7 +11,7 @@
 #include "base/counted.h"
 #include "base/error.h"
 #include "calibration/patches/patch_mixture.h"
-#include "calibration/patches/table_cells.h"
+#include "calibration/tables/table_cells.h"
 #include "optics/colour/channels.h"
 #include "optics/colour/colour.h"
 

@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-#include "calibration/patches/table_cells.h"
+#include "calibration/tables/table_cells.h"
 #include "io/profiles/resin_file.h"
 
 namespace voxtone::calibration {

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "calibration/patches/table_cells.h"
+#include "calibration/tables/table_cells.h"
 #include "io/files/xml_reader.h"
 
 namespace voxtone::calibration {

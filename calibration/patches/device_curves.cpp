@@ -6,38 +6,28 @@
 
 #include <fmt/format.h>
 
-#include "base/contracts.h"
 #include "base/error.h"
-#include "calibration/patches/table_cells.h"
+#include "calibration/tables/table_cells.h"
 
 namespace voxtone::calibration {
 
-DeviceCurves::DeviceCurves(std::span<const std::string_view> fields, const std::string& where) {
+DeviceCurves::DeviceCurves(TextTable& table) {
     std::size_t steps = 0;
-    for (const std::string_view field : fields) {
+    for (const std::string& field : table.names()) {
         const std::size_t last = field.rfind('_');
-        const std::string ink(last == std::string_view::npos ? std::string_view() : field.substr(last + 1));
+        const std::string ink = last == std::string::npos ? std::string() : field.substr(last + 1);
         const bool counts = ink == "I";
         if (ink.empty() || (!counts && std::ranges::find(inks_, ink) != inks_.end()))
-            throw InputError(
-                fmt::format("{}: the field {} of its CAL table is no ink, or is there twice.", where, shown(field)));
+            table.fail(fmt::format("the field {} is no ink, or is there twice", shown(field)));
         steps += counts ? 1 : 0;
         inks_.push_back(counts ? "" : ink);
     }
-    if (steps != 1)
-        throw InputError(
-            fmt::format("{}: its CAL table needs one field that counts the steps, such as CMYK_I.", where));
-}
-
-void DeviceCurves::add(std::span<const std::string_view> values, const std::string& where) {
-    VOXTONE_EXPECT(values.size() == inks_.size());
-    for (std::size_t k = 0; k < values.size(); ++k) {
-        const auto value = number_with_comma(values[k]);
-        if (!value) throw InputError(fmt::format("{}: {} in its CAL table is no number.", where, shown(values[k])));
-        (inks_[k].empty() ? input_ : printed_[inks_[k]]).push_back(*value);
+    if (steps != 1) table.fail("it needs one field that counts the steps, such as CMYK_I");
+    while (table.next()) {
+        for (std::size_t k = 0; k < inks_.size(); ++k)
+            (inks_[k].empty() ? input_ : printed_[inks_[k]]).push_back(table.number(k));
+        if (input_.size() > 1 && !(input_.back() > input_[input_.size() - 2])) table.fail("the steps do not rise");
     }
-    if (input_.size() > 1 && !(input_.back() > input_[input_.size() - 2]))
-        throw InputError(fmt::format("{}: the steps of its CAL table do not rise.", where));
 }
 
 bool DeviceCurves::straight() const {

@@ -9,24 +9,20 @@
 #pragma once
 
 #include <map>
-#include <span>
 #include <string>
-#include <string_view>
-#include <utility>
 #include <vector>
 
 #include "calibration/patches/chart_reading.h"
+#include "calibration/tables/text_table.h"
 
 namespace voxtone::calibration {
 
 class DeviceCurves {
 public:
     DeviceCurves() = default;
-    /// `where` begins the messages of the InputError: no column that counts the steps, one that is no ink.
-    DeviceCurves(std::span<const std::string_view> fields, const std::string& where);
-
-    /// A row of as many values as fields. Throws InputError: what is no number, steps that do not rise.
-    void add(std::span<const std::string_view> values, const std::string& where);
+    /// Takes all rows. Throws InputError: no column that counts the steps, one that is no ink, what is no number, steps
+    /// that do not rise.
+    explicit DeviceCurves(TextTable& table);
     [[nodiscard]] bool empty() const { return input_.empty(); }
 
     /// The inks of a chart as they were printed, with a note; straight curves change nothing. Throws InputError where

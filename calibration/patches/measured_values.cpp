@@ -9,7 +9,7 @@
 
 #include "base/contracts.h"
 #include "base/error.h"
-#include "calibration/patches/table_cells.h"
+#include "calibration/tables/table_cells.h"
 #include "optics/colour/channels.h"
 #include "optics/colour/colour.h"
 
@@ -191,6 +191,12 @@ void note_condition(MeasuringConditions& conditions, std::string_view name, std:
     } else {
         note_word(conditions, key, value);
     }
+}
+
+MeasuringConditions conditions_of(const TextTable& table) {
+    MeasuringConditions conditions;
+    for (const auto& [name, value] : table.words()) note_condition(conditions, name, value);
+    return conditions;
 }
 
 void make_rho(PatchTable& table, Quantity quantity, const MeasuringConditions& conditions,

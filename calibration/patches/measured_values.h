@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "calibration/patches/patch_table.h"
+#include "calibration/tables/text_table.h"
 #include "optics/colour/spectral_colour.h"
 
 namespace voxtone::calibration {
@@ -34,6 +35,8 @@ struct MeasuringConditions {
 /// Keeps what a file says under a name: `ILLUMINANT D50`, `OBSERVER "2 degree"`, and what measuring programs call
 /// these.
 void note_condition(MeasuringConditions& conditions, std::string_view name, std::string_view value);
+/// All that the words of a table say.
+[[nodiscard]] MeasuringConditions conditions_of(const TextTable& table);
 
 /// How far values of a chart may lie outside of [0, 1]; beyond it they are no reflectances.
 inline constexpr double least_rho = -0.1, most_rho = 1.5;

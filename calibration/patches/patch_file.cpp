@@ -10,8 +10,8 @@
 #include "calibration/patches/chart_csv.h"
 #include "calibration/patches/cxf_file.h"
 #include "calibration/patches/target_csv.h"
+#include "calibration/tables/cgats_text.h"
 #include "io/files/utf8.h"
-#include "io/files/whole_file.h"
 
 namespace voxtone::calibration {
 
@@ -26,14 +26,13 @@ PatchTable parse_patches(std::string_view bytes, std::string source, const Patch
     const ChartRules rules{reading.illuminant, reading.printable_only};
     const ColumnWords words{reading.resins, reading.known, {}};
     if (is_xml(text)) return finished_chart(read_cxf(text, source), rules);
-    if (is_cgats(text)) return finished_chart(read_cgats(text, source, words), rules);
+    if (CgatsText::is(text)) return finished_chart(read_cgats(text, source, words), rules);
     if (is_target_csv(text)) return read_target_csv(text, std::move(source), reading.illuminant);
     return finished_chart(read_chart_csv(text, source, words), rules);
 }
 
 PatchTable read_patches(const std::filesystem::path& file, const PatchReading& reading) {
-    const auto bytes = io::read_whole_file(file, most_bytes);
-    return parse_patches({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file.string(), reading);
+    return parse_patches(read_text(file, most_bytes), file.string(), reading);
 }
 
 void apply_white_reference(PatchTable& table, double reflectance) {

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "calibration/patches/table_cells.h"
+#include "calibration/tables/table_cells.h"
 
 namespace voxtone::calibration {
 

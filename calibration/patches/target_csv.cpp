@@ -2,6 +2,7 @@
 #include "calibration/patches/target_csv.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <vector>
 
@@ -12,8 +13,8 @@
 #include "base/printable.h"
 #include "calibration/patches/measured_values.h"
 #include "calibration/patches/patch_mixture.h"
-#include "calibration/patches/table_cells.h"
-#include "io/files/csv_table.h"
+#include "calibration/tables/table_cells.h"
+#include "calibration/tables/text_table.h"
 #include "io/files/json_keys.h"
 
 namespace voxtone::calibration {
@@ -29,51 +30,32 @@ struct Column {
 };
 
 // A title may stand above the header.
-io::CsvReader target_reader(std::string_view text) {
-    return {text, io::CsvRules::lenient, [](const std::vector<std::string>& cells) {
-                return cells.size() > 1 && cells[0] == "top" && cells[1] == "backing";
-            }};
+bool is_target_header(const std::vector<std::string>& cells) {
+    return cells.size() > 1 && cells[0] == "top" && cells[1] == "backing";
 }
 
 class TargetReader {
 public:
     TargetReader(std::string_view text, std::string source, std::optional<optics::Illuminant> illuminant)
-        : text_(text), illuminant_(illuminant) {
-        table_.source = std::move(source);
+        : csv_(text, std::move(source),
+               "a target begins top,backing,thickness_mm,R,G,B, a chart with a line such as W,C,M,Y,K,L,a,b",
+               is_target_header),
+          illuminant_(illuminant) {
+        table_.source = csv_.source();
     }
 
     PatchTable read() {
-        io::CsvReader csv = target_reader(text_);
-        if (csv.header().cells.empty())
-            fail(
-                "has no header line; a target begins top,backing,thickness_mm,R,G,B, a chart with a line such as "
-                "W,C,M,Y,K,L,a,b");
-        line_ = csv.header().line;
-        header({csv.header().cells.begin(), csv.header().cells.end()});
-        io::CsvRow cells;
-        for (std::string fault; csv.next(cells, fault);) {
-            line_ = cells.line;
-            if (!fault.empty()) fail_here(fault);
-            row(cells.cells);
-        }
-        if (table_.patches.empty()) fail("has a header and no patches; give one line per measured square");
-        MeasuringConditions conditions;
-        for (const std::string& comment : csv.comments())
-            if (const std::size_t colon = comment.find(':'); colon != std::string::npos)
-                note_condition(conditions, comment.substr(0, colon), comment.substr(colon + 1));
-        if (colorimetric()) make_rho(table_, quantity_, conditions, illuminant_);
+        header(csv_.names());
+        while (csv_.next()) row(csv_.cells());
+        if (table_.patches.empty())
+            throw InputError(
+                fmt::format("{}: has a header and no patches; give one line per measured square.", table_.source));
+        if (colorimetric()) make_rho(table_, quantity_, conditions_of(csv_), illuminant_);
         return std::move(table_);
     }
 
 private:
     bool colorimetric() const { return quantity_ == Quantity::lab || quantity_ == Quantity::xyz; }
-
-    [[noreturn]] void fail(const std::string& what) const {
-        throw InputError(fmt::format("{}: {}.", table_.source, what));
-    }
-    [[noreturn]] void fail_here(const std::string& what) const {
-        throw InputError(fmt::format("{}: line {}: {}.", table_.source, line_, what));
-    }
 
     static bool is_wide(std::string_view name) { return name == "wR" || name == "wG" || name == "wB"; }
     static std::optional<std::pair<Quantity, std::size_t>> letter_channel(std::string_view name) {
@@ -85,14 +67,10 @@ private:
         return std::pair(quantities[at / 3], at % 3);
     }
 
-    void header(const std::vector<std::string_view>& names) {
-        if (names.size() > most_columns) fail_here(fmt::format("{} columns, more than {}", names.size(), most_columns));
-        const std::vector<std::string> first{"top", "backing", "thickness_mm"};
-        for (std::size_t k = 0; k < first.size(); ++k) {
-            if (k < names.size() && names[k] == first[k]) continue;
-            fail_here(fmt::format("column {} is {}, expected \"{}\": the header begins top,backing,thickness_mm", k + 1,
-                                  k < names.size() ? shown(names[k]) : "missing", first[k]));
-        }
+    void header(const std::vector<std::string>& names) {
+        if (names.size() > most_columns) csv_.fail(fmt::format("{} columns, more than {}", names.size(), most_columns));
+        csv_.expect_names(std::array<std::string_view, 3>{"top", "backing", "thickness_mm"},
+                          "top,backing,thickness_mm, and what is measured");
         columns_ = {{Column::Kind::top}, {Column::Kind::backing}, {Column::Kind::thickness}};
         // Values first, so that an error column may stand before its channel.
         std::vector<double> wavelengths;
@@ -105,58 +83,58 @@ private:
             if (!nm && !letter) {
                 const std::vector<std::string> known{"base_mm", "R", "G", "B", "R_se", "G_se", "B_se", "L",
                                                      "a",       "b", "X", "Y", "Z",    "wR",   "wG",   "wB"};
-                fail_here(fmt::format("column {}: {}; a wavelength is a number in nm", k + 1,
-                                      io::unknown_key_message(printable(name.substr(0, 40)), known)));
+                csv_.fail(k, fmt::format("{}; a wavelength is a number in nm",
+                                         io::unknown_key_message(printable(name.substr(0, 40)), known)));
             }
             if (nm && !(*nm >= 100 && *nm <= 20000))
-                fail_here(fmt::format("column {}: a wavelength of {} nm; expected 100 to 20000", k + 1, *nm));
+                csv_.fail(k, fmt::format("a wavelength of {} nm; expected 100 to 20000", *nm));
             const Quantity quantity = nm ? Quantity::spectrum : letter->first;
             if (!channels.empty() && (quantity != quantity_ || is_wide(name) != table_.channels.is_own()))
-                fail_here(
+                csv_.fail(
                     "R, G, B and wavelengths in one table, or L, a, b or X, Y, Z beside them; give three channels of "
                     "one kind, or wavelengths");
             quantity_ = quantity;
             if (is_wide(name)) table_.channels = optics::wide_channels();
             if (!channels.try_emplace(name, nm ? wavelengths.size() : letter->second).second)
-                fail_here(fmt::format("column {} is there twice", shown(name)));
+                csv_.fail(fmt::format("column {} is there twice", shown(name)));
             if (nm) wavelengths.push_back(*nm);
         }
         if (channels.empty())
-            fail_here("no channel; after thickness_mm come R,G,B or L,a,b or X,Y,Z or wavelengths in nm");
+            csv_.fail("no channel; after thickness_mm come R,G,B or L,a,b or X,Y,Z or wavelengths in nm");
         if (wavelengths.empty() && channels.size() != 3)
-            fail_here(fmt::format("of {} some are missing; all three are needed",
+            csv_.fail(fmt::format("of {} some are missing; all three are needed",
                                   quantity_ == Quantity::rgb   ? "R, G and B"
                                   : quantity_ == Quantity::lab ? "L, a and b"
                                                                : "X, Y and Z"));
         for (std::size_t k = 1; k < wavelengths.size(); ++k)
             if (!(wavelengths[k] > wavelengths[k - 1]))
-                fail_here(fmt::format("wavelengths must rise, {} comes after {}", wavelengths[k], wavelengths[k - 1]));
+                csv_.fail(fmt::format("wavelengths must rise, {} comes after {}", wavelengths[k], wavelengths[k - 1]));
         if (!table_.channels.is_own()) table_.channels.wavelengths_nm = wavelengths;
         std::size_t errors = 0;
         for (std::size_t k = 3; k < names.size(); ++k) {
             std::string_view name = names[k];
             if (name == "base_mm") {
                 if (std::ranges::any_of(columns_, [](const Column& c) { return c.kind == Column::Kind::base; }))
-                    fail_here("column \"base_mm\" is there twice");
+                    csv_.fail("column \"base_mm\" is there twice");
                 columns_.push_back({Column::Kind::base});
                 continue;
             }
             const bool error = name.ends_with("_se");
             if (error) name.remove_suffix(3), ++errors;
             const auto channel = channels.find(name);
-            if (channel == channels.end()) fail_here(fmt::format("column {} belongs to no channel", shown(names[k])));
+            if (channel == channels.end()) csv_.fail(fmt::format("column {} belongs to no channel", shown(names[k])));
             columns_.push_back({error ? Column::Kind::error : Column::Kind::value, channel->second});
         }
         if (errors != 0 && errors != channels.size())
-            fail_here(fmt::format("{} of {} channels have a standard error; give it for all or for none", errors,
+            csv_.fail(fmt::format("{} of {} channels have a standard error; give it for all or for none", errors,
                                   channels.size()));
         has_errors_ = errors != 0;
     }
 
     void row(const std::vector<std::string>& cells) {
-        if (table_.patches.size() >= most_patches) fail_here(fmt::format("more than {} patches", most_patches));
+        if (table_.patches.size() >= most_patches) csv_.fail(fmt::format("more than {} patches", most_patches));
         Patch patch;
-        patch.where = fmt::format("{}: line {}", table_.source, line_);
+        patch.where = csv_.where();
         try {
             patch.top = parse_mixture(cells[0]);
             check_role(cells[1], cells[1]);
@@ -168,21 +146,20 @@ private:
         if (has_errors_) patch.error.resize(table_.channels.size());
         const std::string name = patch_name(patch);
         for (std::size_t k = 2; k < cells.size(); ++k) {
-            const auto value = number_with_comma(cells[k]);
-            if (!value) fail_here(fmt::format("patch {}, column {}: {} is no number", name, k + 1, shown(cells[k])));
+            const double value = csv_.number(k);
             const Column& column = columns_[k];
             switch (column.kind) {
                 case Column::Kind::thickness:
-                    patch.thickness_mm = *value;
+                    patch.thickness_mm = value;
                     break;
                 case Column::Kind::base:
-                    patch.base_mm = *value;
+                    patch.base_mm = value;
                     break;
                 case Column::Kind::error:
-                    patch.error[column.channel] = *value;
+                    patch.error[column.channel] = value;
                     break;
                 default:
-                    patch.rho[column.channel] = *value;
+                    patch.rho[column.channel] = value;
             }
         }
         check(patch, name);
@@ -191,25 +168,25 @@ private:
 
     void check(const Patch& patch, const std::string& name) const {
         if (!(patch.thickness_mm >= 0.001 && patch.thickness_mm <= 1000))
-            fail_here(
+            csv_.fail(
                 fmt::format("patch {}: thickness_mm is {}; expected mm, from 0.001 to 1000", name, patch.thickness_mm));
         if (!(patch.base_mm == 0 || (patch.base_mm >= 0.001 && patch.base_mm <= 10000)))
-            fail_here(
+            csv_.fail(
                 fmt::format("patch {}: base_mm is {}; expected mm, from 0.001 to 10000, or 0 where it is not known",
                             name, patch.base_mm));
         for (std::size_t c = 0; c < patch.rho.size() && !colorimetric(); ++c) {
             const double rho = patch.rho[c];
             const std::string channel = channel_name(table_.channels, c);
             if (has_errors_ && !(patch.error[c] > 0 && patch.error[c] <= 1))
-                fail_here(fmt::format("patch {}: the standard error of {} is {}; expected more than 0 and at most 1",
+                csv_.fail(fmt::format("patch {}: the standard error of {} is {}; expected more than 0 and at most 1",
                                       name, channel, patch.error[c]));
             if (rho < (has_errors_ ? -6 * patch.error[c] : 0))
-                fail_here(fmt::format(
+                csv_.fail(fmt::format(
                     "patch {}: {} is {}, but a reflectance cannot be negative; look at the dark level that was "
                     "subtracted, or give standard errors (R_se, ...) if this is noise",
                     name, channel, rho));
             if (rho > 1)
-                fail_here(fmt::format(
+                csv_.fail(fmt::format(
                     "patch {}: {} is {}, above 1, more than a perfect diffuser reflects; divide by the white "
                     "reference's reflectance, and give shares, not percent",
                     name, channel, rho));
@@ -229,7 +206,7 @@ private:
             channel < patch.rho.size()
                 ? fmt::format("{} {} there and {} here", value_name(channel), other.rho[channel], patch.rho[channel])
                 : "other standard errors";
-        fail_here(fmt::format(
+        csv_.fail(fmt::format(
             "patch {} of {} mm was measured already ({}) with other values: {}; keep one row, the mean of both", name,
             patch.thickness_mm, other.where, values));
     }
@@ -239,11 +216,10 @@ private:
         return std::string(1, (quantity_ == Quantity::lab ? "Lab" : "XYZ")[channel]);
     }
 
-    std::string_view text_;
+    CsvText csv_;
     std::optional<optics::Illuminant> illuminant_;
     PatchTable table_;
     Quantity quantity_ = Quantity::rgb;
-    std::size_t line_ = 0;
     std::vector<Column> columns_;
     bool has_errors_ = false;
     std::map<std::string, std::size_t> seen_;
@@ -252,7 +228,7 @@ private:
 }  // namespace
 
 bool is_target_csv(std::string_view text) {
-    const io::CsvReader csv = target_reader(text);
+    const io::CsvReader csv(text, io::CsvRules::lenient, is_target_header);
     return csv.header().cells.empty() || csv.header().cells.front() == "top";
 }
 

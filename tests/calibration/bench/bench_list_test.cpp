@@ -71,8 +71,8 @@ TEST_CASE("a list that cannot be read is refused by line", "[edge]") {
     refuse(head + "c.tif,checker\na.tif,slab,W,1\n", "no line shows \"sheet\"");
     refuse(head + light, "no line shows \"slab\"");
     refuse(head + light + "more.tif,sheet\n", "line 5: a second photograph");
-    refuse(head + light + "a.tif,slab,W\n", "line 5: thickness_mm");
-    refuse(head + light + "a.tif,slab,W,half\n", "\"half\"");
+    refuse(head + light + "a.tif,slab,W\n", "line 5, column 4 (\"thickness_mm\"): \"\" is no number");
+    refuse(head + light + "a.tif,slab,W,half\n", "\"half\" is no number");
     refuse(head + light + "a.tif,slab,W,50\n", "from 0.05 to 10");
     refuse(head + light + "a.tif,slab,,1\n", "the resin");
     refuse(head + light + "a.tif,lamp,,\n", "\"lamp\"; expected checker, paper, sheet or slab");

@@ -111,11 +111,11 @@ TEST_CASE("profiles are read, and written as they were read", "[edge]") {
 TEST_CASE("profiles that no bench gives are refused with the line and what to do", "[edge]") {
     refuse("", "no header line");
     refuse("resin;thickness_mm\n", "2 columns");
-    refuse("resin,thickness,x_mm,R,G,B\n", "column 2 is \"thickness\"");
+    refuse("resin,thickness,x_mm,R,G,B\n", "line 1: column 2 is \"thickness\"");
     refuse("resin,thickness_mm,x_mm,R,G,B,error_R\n", "7 columns");
     refuse("resin,thickness_mm,x_mm,R,G,B\n", "no samples");
     refuse("resin,thickness_mm,x_mm,R,G,B\nW,0.5,0,1,2\n", "line 2: has 5 cells");
-    refuse("resin,thickness_mm,x_mm,R,G,B\nW,0.5,a,1,1,1\n", "x_mm is \"a\"");
+    refuse("resin,thickness_mm,x_mm,R,G,B\nW,0.5,a,1,1,1\n", "line 2, column 3 (\"x_mm\"): \"a\" is no number");
     refuse("resin,thickness_mm,x_mm,R,G,B\nW,500,0,1,1,1\n", "thickness_mm is 500");
     refuse("resin,thickness_mm,x_mm,R,G,B\nW,0.5,0,1,1,1\nW,0.5,0,1,1,1\n", "must grow");
     refuse(csv(0.5, 0.1), "wrong way round");

@@ -157,8 +157,10 @@ TEST_CASE("Charts of laminates are read, and refused in one sentence") {
     };
     CHECK_THAT(refused("layers,L,a,b\nY 0.08,92,1,1\n\"Y 0.08 W\",1,2,3\n"),
                Contains("t: line 3: the layer \"Y 0.08 W\""));
-    CHECK_THAT(refused("layers,L,a,b\nY 0.08,W 0.8,92,1,1\n"), Contains("between quotes"));
-    CHECK_THAT(refused("layers,L,a,b\nY 0.08,bright,1,1\n"), Contains("is no number"));
+    CHECK_THAT(refused("layers,L,a,b\nY 0.08,W 0.8,92,1,1\n"),
+               Contains("t: line 2: has 5 cells") && Contains("stands in quotes"));
+    CHECK_THAT(refused("layers,L,a,b\nY 0.08,bright,1,1\n"),
+               Contains("t: line 2, column 2 (\"L\"): \"bright\" is no number"));
     CHECK_THAT(refused("layers,L,a,b\nY 0.08,900,1,1\n"), Contains("no colour that a print has"));
     CHECK_THAT(refused("layers,X,Y,Z\n"), Contains("begins with layers,L,a,b"));
     CHECK_THAT(refused("layers,L,a,b\n"), Contains("no laminate"));

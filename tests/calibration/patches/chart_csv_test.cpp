@@ -269,7 +269,7 @@ TEST_CASE("Titles above the header of a chart are left aside, said") {
         parsed("Measured 2026-11-02, CM-700d, SCI\n\nC;W;L;a;b\n0,1;0,9;70;-20;-15\n", optics::Illuminant::d50);
     REQUIRE(table.patches.size() == 1);
     CHECK(table.patches[0].where == "chart: line 4");
-    CHECK_THAT(notes_of(table), Contains("above the header in line 3"));
+    CHECK_THAT(notes_of(table), Contains("line 3: what stands above the header"));
     // A header that is none is told, and no row is taken for one.
     CHECK_THAT(chart_fault("W,C,L,a\n0.9,0.1,450,550\n0.9,0.1,450,550\n"),
                Contains("line 1") && Contains("one is missing"));

@@ -136,7 +136,7 @@ TEST_CASE("A faulty table names line, patch and what is wrong") {
     CHECK_THAT(fault("top,backing,thickness_mm,425,400\n"), Contains("must rise"));
     CHECK_THAT(fault("top,backing,thickness_mm,R,G,B,R\n"), Contains("twice"));
     CHECK_THAT(fault(header + "C,W,0.675,0.1,0.2\n"), Contains("line 2") && Contains("5 cells"));
-    CHECK_THAT(fault(header + "C,W,0.675,0.1,0.2,x\n"), Contains("C on W") && Contains("\"x\" is no number"));
+    CHECK_THAT(fault(header + "C,W,0.675,0.1,0.2,x\n"), Contains("line 2, column 6 (\"B\"): \"x\" is no number"));
     CHECK_THAT(fault(header + "C,W,0.675,0.1,nan,0.2\n"), Contains("no number"));
     CHECK_THAT(fault(header + "C,W,0.675,0.1,1e999,0.2\n"), Contains("no number"));
     CHECK_THAT(fault(header + "C,W,0.675,0.1,-0.01,0.2\n"),

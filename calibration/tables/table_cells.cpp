@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "calibration/patches/table_cells.h"
+#include "calibration/tables/table_cells.h"
 
 #include <algorithm>
 #include <charconv>
