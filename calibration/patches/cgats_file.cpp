@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "calibration/patches/cgats_file.h"
 
+#include <algorithm>
 #include <optional>
 
 #include <fmt/format.h>
@@ -16,12 +17,18 @@ namespace {
 constexpr std::string_view calibration_kind = "CAL";
 
 void refuse_expected_colours(const CgatsText& table) {
-    const bool first = table.kind().starts_with("CTI1");
-    if (first || table.kind().starts_with("CTI2"))
+    const bool first = table.kind().starts_with("CTI1"), second = table.kind().starts_with("CTI2");
+    // targen's guess of the paper's colour, which stays where a file has lost its first line.
+    const bool guessed = !table.kind().starts_with("CTI3") && std::ranges::any_of(table.words(), [](const auto& w) {
+        return w.first == "APPROX_WHITE_POINT";
+    });
+    if (first || second || guessed)
         table.fail(fmt::format(
-            "is a chart of Argyll's that is to be printed ({}): its colours are what is expected of it, and nobody has "
-            "measured them; print it, measure it, and give the .ti3",
-            first ? "CTI1, a .ti1" : "CTI2, a .ti2"));
+            "is a chart of Argyll's that is to be printed ({}): its colours are what is expected of it, and "
+            "nobody has measured them; print it, measure it, and give the .ti3",
+            first    ? "CTI1, a .ti1"
+            : second ? "CTI2, a .ti2"
+                     : "APPROX_WHITE_POINT"));
 }
 
 }  // namespace

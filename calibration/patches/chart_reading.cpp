@@ -171,6 +171,18 @@ void check_layers(PatchTable& table) {
             table.source, unseen));
 }
 
+// Values that somebody filled in to make a table complete.
+void expect_measured(const PatchTable& table) {
+    constexpr std::size_t least_mixtures = 3;
+    const std::vector<Patch>& patches = table.patches;
+    const auto same = [&](const Patch& patch) { return patch.rho == patches.front().rho; };
+    if (!std::ranges::all_of(patches, same) || std::ranges::max(repeat_groups(table)) + 1 < least_mixtures) return;
+    throw InputError(
+        fmt::format("{}: all {} patches have one and the same colour, which no instrument reads of several mixtures: "
+                    "nobody has measured them; measure them, and fill their colours in.",
+                    table.source, patches.size()));
+}
+
 // Colours as the eye compares them: under the illuminant that they were measured for, spectra and R, G, B under D65.
 std::vector<Eigen::Vector3d> labs_of(const PatchTable& table) {
     const optics::Channels& channels = table.channels;
@@ -215,6 +227,7 @@ PatchTable finished_chart(ChartReading reading, const ChartRules& rules) {
     check_layers(table);
     check_coverage(table);
     make_rho(table, reading.quantity, reading.conditions, rules.illuminant);
+    expect_measured(table);
     check_repeats(table);
     return std::move(table);
 }

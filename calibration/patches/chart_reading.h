@@ -36,7 +36,8 @@ struct ChartRules {
 };
 
 /// Throws InputError that names the row: shares below 0, sums that are not 1, ink percentages above 100 together (and
-/// how many rows would do), thickness without backing, and all that make_rho, check_coverage and check_repeats refuse.
+/// how many rows would do), thickness without backing, one colour for all mixtures, and all that make_rho,
+/// check_coverage and check_repeats refuse.
 [[nodiscard]] PatchTable finished_chart(ChartReading reading, const ChartRules& rules = {});
 
 /// Group of each patch, counted from 0 in the order of the table: patches of one mixture (shares to 0.0001), thickness,

@@ -238,7 +238,8 @@ private:
     [[noreturn]] void fail_for_want_of_pairs() const {
         if (std::ranges::none_of(content_.objects, &CxfObject::measured))
             fail(
-                "no object has a ReflectanceSpectrum, ColorCIELab or ColorCIEXYZ; export the measurement of the chart");
+                "is no measured chart: no object has a ReflectanceSpectrum, ColorCIELab or ColorCIEXYZ; print it, "
+                "measure it, and export the measurement");
         if (std::ranges::any_of(content_.objects, &CxfObject::device_rgb))
             fail(
                 "its patches are given as RGB of a device, which says nothing of the resins that the printer mixed; "
@@ -249,8 +250,21 @@ private:
             "in a table with columns such as W,C,M,Y,K");
     }
 
+    // What a chart aims at may stand beside what was measured of it.
+    static bool is_aim(const std::string& type) {
+        constexpr std::string_view aims[] = {"TARGET", "STANDARD", "REFERENCE"};
+        return std::ranges::find(aims, in_capitals(type)) != std::end(aims);
+    }
+
     void take_one_kind() {
-        const std::string kind = pairs_.front().measured->type;
+        const auto measured =
+            std::ranges::find_if_not(pairs_, [](const Pair& pair) { return is_aim(pair.measured->type); });
+        const std::string kind = (measured == pairs_.end() ? pairs_.front() : *measured).measured->type;
+        if (is_aim(kind))
+            reading_.table.notes.push_back(fmt::format(
+                "{}: its colours stand in objects of the type {}, which may be what the chart aims at; they are taken "
+                "as measured.",
+                source_, shown(kind)));
         const std::size_t all = pairs_.size();
         std::erase_if(pairs_, [&](const Pair& pair) { return pair.measured->type != kind; });
         if (pairs_.size() < all)

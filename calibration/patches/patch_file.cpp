@@ -11,6 +11,7 @@
 #include "calibration/patches/cxf_file.h"
 #include "calibration/patches/target_csv.h"
 #include "calibration/tables/cgats_text.h"
+#include "calibration/tables/table_cells.h"
 #include "io/files/utf8.h"
 
 namespace voxtone::calibration {
@@ -19,12 +20,23 @@ namespace {
 
 constexpr std::uint64_t most_bytes = std::uint64_t{64} << 20;
 
+// Sections of spectra, each under a name.
+bool is_qtx(std::string_view text) {
+    const std::string head = in_capitals(text.substr(0, 200));
+    return head.find("[STANDARD_DATA ") != std::string::npos || head.find("[BATCH_DATA ") != std::string::npos;
+}
+
 }  // namespace
 
 PatchTable parse_patches(std::string_view bytes, std::string source, const PatchReading& reading) {
     const std::string text = io::text_as_utf8(bytes);
     const ChartRules rules{reading.illuminant, reading.printable_only};
     const ColumnWords words{reading.resins, reading.known, {}};
+    if (is_qtx(text))
+        throw InputError(
+            fmt::format("{}: is a QTX file, as Color iQC and Datacolor write it: spectra under names, and no shares of "
+                        "resins; export them as CSV, and give each resin a column beside them: W,C,M,Y,K,400,410,...",
+                        source));
     if (is_xml(text)) return finished_chart(read_cxf(text, source), rules);
     if (CgatsText::is(text)) return finished_chart(read_cgats(text, source, words), rules);
     if (is_target_csv(text)) return read_target_csv(text, std::move(source), reading.illuminant);

@@ -30,7 +30,7 @@ std::string spectrum(double low, double high, const std::string& start = " Start
            spectrum_row(400, 700, 20, low, high, "\n ") + "</cc:ReflectanceSpectrum></cc:ColorValues>";
 }
 
-std::string object(const std::string& name, const std::string& inside, const std::string& type = "Target") {
+std::string object(const std::string& name, const std::string& inside, const std::string& type = "Sample") {
     return fmt::format("<cc:Object ObjectType=\"{}\" Name=\"{}\" Id=\"i\">{}</cc:Object>\n", type, name, inside);
 }
 
