@@ -120,6 +120,10 @@ bool tells_spread(const ChartData& data, const ChartFitOptions& options, const P
     return false;
 }
 
+// Lengths and noise of a residual are chosen anew for each fold of so few mixtures: more take longer than their fits,
+// and tell seven numbers so well that it hardly matters who chooses.
+constexpr Eigen::Index most_chosen_anew = 250;
+
 // Standard error of an estimate from those that left a fold out each (Efron 1982).
 double jackknife_error(const std::vector<double>& left_out) {
     const auto folds = static_cast<double>(left_out.size());
@@ -172,7 +176,9 @@ ChartFit fit_chart(const PatchTable& table, const ChartFitOptions& target, const
     result.noise = data.noise;
     ChartFitOptions options = target;
     if (!tells_spread(data, target, progress, result)) options.pitch_mm = {};
-    result.curve = channel_curve(data, options, progress);
+    ChannelCurve curve = channel_curve(data, options, progress);
+    result.curve = std::move(curve.choices);
+    result.chosen_anew = curve.anew;
     const ObserverChoice choice = best_choice(result.curve, options);
     result.observer = choice;
 
@@ -204,7 +210,9 @@ ChartFit fit_chart(const PatchTable& table, const ChartFitOptions& target, const
     result.fitted = optics::summarize(root_differences(fitted, data.roots));
 
     const int folds = static_cast<int>(std::min<Eigen::Index>(options.folds, data.mixtures()));
-    const LeftOut out = leave_out(data, folds, choice, chosen, shape, progress);
+    result.residual_anew = options.residual && data.mixtures() <= most_chosen_anew;
+    const LeftOut out = result.residual_anew ? leave_out(data, folds, choice, options, nullptr, progress)
+                                             : leave_out(data, folds, choice, chosen, &shape, progress);
     add_held_out(data, out, result);
     add_limits(data, result);
     add_parameter_errors(data, model, out, result);

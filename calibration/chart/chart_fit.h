@@ -5,8 +5,9 @@
 // thick mixtures do not tell, from the white of another set.
 //
 // Errors that are reported are of mixtures that took no part: the mixtures are cut into folds, repeats of one mixture
-// together, and each fold is predicted by a fit of the others. Lengths and noise of the residual are chosen on all
-// (they are as many numbers as resins, and one). Thin squares, where there are some, are cut into the same folds.
+// together, and each fold is predicted by a fit of the others. Lengths and noise of the residual are chosen anew by the
+// others, of many mixtures on all (they are as many numbers as resins, and one). Channels are chosen on all, which
+// flatters: `chosen_anew` says by how much. Thin squares, where there are some, are cut into the same folds.
 #pragma once
 
 #include <string>
@@ -28,8 +29,10 @@ struct ChartFit {
     optics::ResinSet set;
     optics::DifferenceSummary fitted, held_out, held_out_physics, noise;  ///< CIEDE2000; noise: of repeats
     std::vector<ChannelChoice> curve;                                     ///< of the channels that were tried
-    ObserverChoice observer;                                              ///< what was taken
-    std::vector<HeldOutPatch> worst;                                      ///< largest held-out differences, first
+    double chosen_anew = 0;      ///< mean CIEDE2000 of the curve where others choose the channels; 0: no choice
+    bool residual_anew = false;  ///< held-out figures know nothing of their mixtures from the residual's shape either
+    ObserverChoice observer;     ///< what was taken
+    std::vector<HeldOutPatch> worst;             ///< largest held-out differences, first
     std::vector<HeldOutPatch> solids;            ///< held-out difference of each resin's solid, where it was measured
     optics::DifferenceSummary squares_held_out;  ///< CIEDE2000 of thin squares left out; count 0: there are none
     std::vector<double> length_error;            ///< relative standard error of white's scattering, by jackknife

@@ -37,7 +37,7 @@ Rows rows_of(const std::vector<int>& fold, int k) {
 
 // One fold: what the others say of it.
 void predict_fold(const ChartData& data, const std::vector<int>& fold, int k, const ObserverChoice& choice,
-                  const ChartFitOptions& options, const ResidualShape& shape, const Progress* progress, LeftOut& out) {
+                  const ChartFitOptions& options, const ResidualShape* shape, const Progress* progress, LeftOut& out) {
     const auto [kept, left] = rows_of(fold, k);
     if (left.empty()) return;
     ChartData part = chart_rows(data, kept);
@@ -56,8 +56,13 @@ void predict_fold(const ChartData& data, const std::vector<int>& fold, int k, co
     for (std::size_t i = 0; i < left_squares.size(); ++i)
         out.squares.row(left_squares[i]) = square_roots.row(static_cast<Eigen::Index>(i));
     const Eigen::MatrixX3d physics = predicted_roots(model, fit.parts, data.shares(left, Eigen::all));
-    const optics::ColourResidual residual =
-        options.residual ? make_residual(part, part.roots - fit.roots, shape) : optics::ColourResidual();
+    optics::ColourResidual residual;
+    if (options.residual) {
+        const Eigen::MatrixX3d misfit = part.roots - fit.roots;
+        const ChosenResidual chosen =
+            shape ? ChosenResidual{*shape, 0, true} : choose_residual_shape(part, misfit, progress);
+        if (chosen.helps) residual = make_residual(part, misfit, chosen.shape);
+    }
     for (std::size_t i = 0; i < left.size(); ++i) {
         const auto row = static_cast<Eigen::Index>(i);
         const Eigen::VectorXd shares = data.shares.row(left[i]).transpose();
@@ -71,6 +76,22 @@ LeftOut empty_prediction(const ChartData& data, int folds) {
     return {Eigen::MatrixX3d::Zero(data.mixtures(), 3), Eigen::MatrixX3d::Zero(data.mixtures(), 3),
             Eigen::MatrixX3d::Zero(data.squares.roots.rows(), 3),
             std::vector<ObserverParts>(static_cast<std::size_t>(folds))};
+}
+
+// The first, of the fewest channels, that is as good as the best.
+std::size_t first_as_good(const std::vector<double>& errors) {
+    const double least = *std::ranges::min_element(errors);
+    return static_cast<std::size_t>(std::ranges::find_if(errors, [&](double e) { return e <= as_good * least; }) -
+                                    errors.begin());
+}
+
+// Sums of CIEDE2000 by fold.
+std::vector<double> fold_errors(const Eigen::MatrixX3d& predicted, const ChartData& data,
+                                const std::vector<int>& fold) {
+    std::vector<double> sums(choice_folds);
+    const std::vector<double> differences = root_differences(predicted, data.roots);
+    for (std::size_t i = 0; i < fold.size(); ++i) sums[static_cast<std::size_t>(fold[i])] += differences[i];
+    return sums;
 }
 
 std::vector<ObserverChoice> candidates(const ChartData& data, const ChartFitOptions& options) {
@@ -135,7 +156,7 @@ std::vector<int> folds_of(Eigen::Index count, int folds, std::uint64_t cut) {
 }
 
 LeftOut leave_out(const ChartData& data, int folds, const ObserverChoice& choice, const ChartFitOptions& options,
-                  const ResidualShape& shape, const Progress* progress) {
+                  const ResidualShape* shape, const Progress* progress) {
     const std::vector<int> fold = folds_of(data.mixtures(), folds);
     LeftOut out = empty_prediction(data, folds);
     parallel_for(
@@ -145,8 +166,17 @@ LeftOut leave_out(const ChartData& data, int folds, const ObserverChoice& choice
     return out;
 }
 
-std::vector<ChannelChoice> channel_curve(const ChartData& data, const ChartFitOptions& options,
-                                         const Progress* progress) {
+double judged_anew(const std::vector<std::vector<double>>& errors) {
+    double sum = 0;
+    for (std::size_t fold = 0; fold < errors.front().size(); ++fold) {
+        std::vector<double> others;
+        for (const std::vector<double>& of : errors) others.push_back(std::reduce(of.begin(), of.end()) - of[fold]);
+        sum += errors[first_as_good(others)][fold];
+    }
+    return sum;
+}
+
+ChannelCurve channel_curve(const ChartData& data, const ChartFitOptions& options, const Progress* progress) {
     const std::vector<ObserverChoice> tried = candidates(data, options);
     if (tried.size() == 1) return {};
     const auto cuts = static_cast<std::size_t>(std::clamp<Eigen::Index>(cut_mixtures / data.mixtures(), 1, most_cuts));
@@ -154,31 +184,38 @@ std::vector<ChannelChoice> channel_curve(const ChartData& data, const ChartFitOp
     for (std::size_t cut = 0; cut < cuts; ++cut) fold.push_back(folds_of(data.mixtures(), choice_folds, cut));
     std::vector<LeftOut> left(tried.size() * cuts, empty_prediction(data, choice_folds));
     const std::size_t fits = cuts * choice_folds;
+    const ResidualShape usual = usual_residual_shape(data.resins());
     // The largest first: they take longest.
     parallel_for(
         0, tried.size() * fits, 1,
         [&](std::size_t task) {
             const std::size_t at = tried.size() - 1 - task / fits, cut = task % fits / choice_folds;
-            predict_fold(data, fold[cut], static_cast<int>(task % choice_folds), tried[at], options,
-                         usual_residual_shape(data.resins()), progress, left[at * cuts + cut]);
+            predict_fold(data, fold[cut], static_cast<int>(task % choice_folds), tried[at], options, &usual, progress,
+                         left[at * cuts + cut]);
         },
         progress);
-    std::vector<ChannelChoice> curve;
+    ChannelCurve curve;
     for (std::size_t k = 0; k < tried.size(); ++k) {
-        ChannelChoice& choice = curve.emplace_back(ChannelChoice{tried[k], 0, 0});
+        ChannelChoice& choice = curve.choices.emplace_back(ChannelChoice{tried[k], 0, 0});
         for (std::size_t cut = 0; cut < cuts; ++cut) {
             choice.physics += mean_difference(left[k * cuts + cut].physics, data) / static_cast<double>(cuts);
             choice.with_residual += mean_difference(left[k * cuts + cut].corrected, data) / static_cast<double>(cuts);
         }
+    }
+    for (std::size_t cut = 0; cut < cuts; ++cut) {
+        std::vector<std::vector<double>> errors;
+        for (std::size_t k = 0; k < tried.size(); ++k)
+            errors.push_back(fold_errors(left[k * cuts + cut].corrected, data, fold[cut]));
+        curve.anew += judged_anew(errors) / static_cast<double>(cuts * fold[cut].size());
     }
     return curve;
 }
 
 ObserverChoice best_choice(const std::vector<ChannelChoice>& curve, const ChartFitOptions& options) {
     if (curve.empty()) return {options.channels > 0 ? options.channels : least_channels, false};
-    const auto error = [](const ChannelChoice& choice) { return choice.with_residual; };
-    const double least = std::ranges::min(curve, {}, error).with_residual;
-    return std::ranges::find_if(curve, [&](const ChannelChoice& c) { return error(c) <= as_good * least; })->observer;
+    std::vector<double> errors;
+    for (const ChannelChoice& choice : curve) errors.push_back(choice.with_residual);
+    return curve[first_as_good(errors)].observer;
 }
 
 double mean_difference(const Eigen::MatrixX3d& predicted, const ChartData& data) {

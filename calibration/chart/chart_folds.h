@@ -40,13 +40,19 @@ struct LeftOut {
     std::vector<ObserverParts> parts;     ///< of each fold's fit
 };
 
-/// Every fold by the others. Throws Cancelled.
+/// Every fold by the others. `shape`: of the residual; nullptr: chosen anew by the others. Throws Cancelled.
 [[nodiscard]] LeftOut leave_out(const ChartData& data, int folds, const ObserverChoice& choice,
-                                const ChartFitOptions& options, const ResidualShape& shape, const Progress* progress);
+                                const ChartFitOptions& options, const ResidualShape* shape, const Progress* progress);
 
+struct ChannelCurve {
+    std::vector<ChannelChoice> choices;
+    double anew = 0;  ///< mean CIEDE2000 where mixtures are judged by the choice that the others make
+};
 /// Choices that so many mixtures can bear, cross-validated; fewer channels first. Empty: there is one alone.
-[[nodiscard]] std::vector<ChannelChoice> channel_curve(const ChartData& data, const ChartFitOptions& options,
-                                                       const Progress* progress);
+[[nodiscard]] ChannelCurve channel_curve(const ChartData& data, const ChartFitOptions& options,
+                                         const Progress* progress);
+/// Sum over folds of the errors by the choice that the other folds make, from errors [choice][fold].
+[[nodiscard]] double judged_anew(const std::vector<std::vector<double>>& errors);
 /// The fewest channels that are as good as the best. `curve` may be empty.
 [[nodiscard]] ObserverChoice best_choice(const std::vector<ChannelChoice>& curve, const ChartFitOptions& options);
 

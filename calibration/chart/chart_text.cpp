@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "calibration/chart/chart_text.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -41,6 +43,22 @@ void add_patches(io::JsonWriter& json, std::string_view key, std::string_view na
     json.end_list();
 }
 
+std::string honesty_of(const ChartFit& fit) {
+    std::string text;
+    if (!fit.set.residual.empty() || fit.residual_anew)
+        text = fit.residual_anew
+                   ? "The residual's lengths and noise are chosen anew without the mixtures that they judge."
+                   : "The residual's lengths and noise are chosen on all mixtures, so many that it hardly "
+                     "flatters.";
+    const auto taken = std::ranges::find(fit.curve, fit.observer, &ChannelChoice::observer);
+    if (taken != fit.curve.end())
+        text += fmt::format(
+            "{}The number of channels is chosen on all: where others choose it for the mixtures that "
+            "judge, {:.2f} of the curve is {:.2f}.",
+            text.empty() ? "" : " ", taken->with_residual, fit.chosen_anew);
+    return text;
+}
+
 std::string chart_fit_text(const ChartFit& fit) {
     const optics::ResinSet& set = fit.set;
     std::string text = fmt::format("{} resins in {} channels of their own from {} mixtures, {:.1f} s\n\n",
@@ -51,6 +69,7 @@ std::string chart_fit_text(const ChartFit& fit) {
     text += difference_line("mixtures that were fitted", fit.fitted);
     if (fit.squares_held_out.count > 0) text += difference_line("thin squares left out", fit.squares_held_out);
     if (fit.noise.count > 0) text += difference_line("repeats from their own mean", fit.noise);
+    if (const std::string honesty = honesty_of(fit); !honesty.empty()) text += honesty + "\n";
     if (!fit.curve.empty()) {
         text += "\nMixtures left out, by number of channels: mean by physics, with residual\n";
         for (const ChannelChoice& choice : fit.curve)
@@ -100,7 +119,7 @@ std::string chart_fit_json(const ChartFit& fit) {
         json.begin_object().add("channels", choice.observer.channels).add("observer", observer_word(choice.observer));
         json.add("physics", choice.physics).add("with_residual", choice.with_residual).end_object();
     }
-    json.end_list();
+    json.end_list().add("chosen_anew", fit.chosen_anew).add("residual_anew", fit.residual_anew);
     add_patches(json, "worst", "mixture", fit.worst);
     add_patches(json, "solids", "mixture", fit.solids);
     return json.add("warnings", fit.warnings).end_object().text();

@@ -6,8 +6,8 @@
 //    "held_out": DIFFERENCES, "held_out_physics": DIFFERENCES, "repeats": DIFFERENCES,
 //    "squares_held_out": DIFFERENCES, "length_error": [relative, by channel], "dot_spread": {"value", "error"},
 //    "residual": {"centres", "mean_de2000"}, "measured": {"surface", "gain"},
-//    "curve": [{"channels", "physics", "with_residual"}], "worst": [{"mixture", "de2000"}], "solids": [...],
-//    "warnings": [...]}
+//    "curve": [{"channels", "physics", "with_residual"}], "chosen_anew", "residual_anew", "worst": [{"mixture",
+//    "de2000"}], "solids": [...], "warnings": [...]}
 //   DIFFERENCES: {"count", "mean_de2000", "median_de2000", "p95_de2000", "max_de2000"}
 #pragma once
 
@@ -29,6 +29,8 @@ void add_differences(io::JsonWriter& json, std::string_view key, const optics::D
 void add_patches(io::JsonWriter& json, std::string_view key, std::string_view name,
                  const std::vector<HeldOutPatch>& patches);
 
+/// What of the held-out figures was chosen on the mixtures that they judge, and what that flatters; sentences.
+[[nodiscard]] std::string honesty_of(const ChartFit& fit);
 [[nodiscard]] std::string chart_fit_text(const ChartFit& fit);
 [[nodiscard]] std::string chart_fit_json(const ChartFit& fit);
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "calibration/chart/chart_text.h"
 #include "calibration/fit/patch_page.h"
 #include "io/report/plot_svg.h"
 #include "io/report/report_html.h"
@@ -28,6 +29,7 @@ ReportSection unseen_mixtures(const ChartFit& fit) {
         fmt::format("What this set is worth: every mixture was foretold by a fit of others. Its mean error is {:.2f} "
                     "CIEDE2000; half of all people see a difference of 0.8 side by side (Paravina et al. 2015).",
                     fit.held_out.mean));
+    if (const std::string honesty = honesty_of(fit); !honesty.empty()) section.paragraphs.push_back(honesty);
     ReportTable figures{"CIEDE2000", {"", "Mean", "Median", "95 %", "Largest"}, {}};
     const auto add = [&](const char* what, const optics::DifferenceSummary& d) {
         if (d.count > 0)

@@ -4,6 +4,8 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "calibration/chart/chart_folds.h"
+#include "calibration/chart/chart_text.h"
 #include "tests/calibration/patches/chart_samples.h"
 
 namespace voxtone::calibration {
@@ -71,6 +73,28 @@ TEST_CASE("Repeats of a mixture are its mean, and how far they lie from it is th
     // Lightness alone differs: 116 (f(Y/Yn) - 16 / 116), whose mean is between the two.
     CHECK(twice.lab(0, 0) == Approx(92.5));
     CHECK(twice.lab(1, 0) == Approx(50));
+}
+
+TEST_CASE("A choice is judged by folds that had no part in it") {
+    // Without the first fold the second choice looks better, without the second the first: 2 + 3, where both folds
+    // together choose the second and find 2 + 1.
+    CHECK(judged_anew({{1, 3}, {2, 1}}) == 5);
+    CHECK(judged_anew({{1, 1, 1}, {2, 2, 2}}) == 3);
+    // The first within a hundredth of the best is taken.
+    CHECK(judged_anew({{1.005, 1.005}, {1, 1}}) == Approx(2.01));
+    CHECK(judged_anew({{1.02, 1.02}, {1, 1}}) == 2);
+}
+
+TEST_CASE("A fit says which of its held-out figures were chosen on what they judge") {
+    ChartFit fit;
+    CHECK(honesty_of(fit).empty());
+    fit.curve = {{{3, false}, 2, 1.5}, {{4, false}, 2, 1.2}};
+    fit.observer = {4, false};
+    fit.chosen_anew = 1.3;
+    CHECK_THAT(honesty_of(fit), Contains("1.20 of the curve is 1.30") && !Contains("residual"));
+    fit.residual_anew = true;
+    CHECK_THAT(honesty_of(fit), Contains("chosen anew without the mixtures"));
+    CHECK_THAT(chart_fit_text(fit), Contains(honesty_of(fit)));
 }
 
 }  // namespace voxtone::calibration

@@ -80,6 +80,7 @@ TEST_CASE("A chart drawn by a set of four channels is fitted and foretells mixtu
     // What cross-validation promises is what others find, but for the noise of what it was judged by.
     CHECK(fit.held_out.mean < 1.5 * unseen.mean + 0.3);
     CHECK(fit.held_out.mean > 0.6 * unseen.mean);
+    CHECK(fit.residual_anew);
     CHECK(fit.solids.size() == 5);
     // Three channels of sRGB, as a set without an observer has them, cannot say as much.
     const auto vero = check_resins(optics::vero_opaque(), others, {}).differences;
