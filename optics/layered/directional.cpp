@@ -24,16 +24,17 @@ double appearance_of(const AngularGrid& grid, const MatrixXd& R) {
 // one.
 //   up_top = R_above C down_top + (e + D_up C) up_bottom         down_top = q + r up_top
 //   down_bottom = (e + D_down C) down_top + R_below C up_bottom  up_bottom = q_bottom + B down_bottom
-double appearance_of(const AngularGrid& grid, const LayerResponse& slab, Backing backing) {
+double appearance_of(const AngularGrid& grid, const LayerResponse& slab, Backing backing, double sent_back) {
     const Eigen::Index n = grid.size();
     const auto C = grid.c.matrix().asDiagonal();
     const auto r = grid.r.matrix().asDiagonal();
     const VectorXd q = (grid.eta * grid.eta * grid.t).matrix();  // radiance 1 in air
     const VectorXd q_bottom = backing == Backing::none ? q : VectorXd::Zero(n);
     MatrixXd B = r;
-    // A white sheet returns the flux that leaves, uniformly.
-    if (backing == Backing::white) {
-        B += grid.t.matrix() * (grid.t * grid.c).matrix().transpose() / (grid.t * grid.c).sum();
+    // A sheet returns a share of the flux that leaves, uniformly; a white one all of it.
+    if (backing == Backing::white || backing == Backing::sheet) {
+        B += (backing == Backing::white ? 1.0 : sent_back) * grid.t.matrix() * (grid.t * grid.c).matrix().transpose() /
+             (grid.t * grid.c).sum();
     }
     MatrixXd up_to_top = slab.D_up * C, down_to_bottom = slab.D_down * C;
     up_to_top.diagonal() += slab.direct.matrix();

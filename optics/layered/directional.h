@@ -24,6 +24,7 @@ namespace voxtone::optics {
 /// that has no lower side,
 [[nodiscard]] double appearance_of(const AngularGrid& grid, const Eigen::MatrixXd& R);
 /// and for a slab with a smooth lower surface over a backing.
-[[nodiscard]] double appearance_of(const AngularGrid& grid, const LayerResponse& slab, Backing backing);
+[[nodiscard]] double appearance_of(const AngularGrid& grid, const LayerResponse& slab, Backing backing,
+                                   double sent_back = 0);
 
 }  // namespace voxtone::optics

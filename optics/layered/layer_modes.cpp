@@ -43,12 +43,12 @@ Admittance Admittance::air(const OrdinatePlan& plan, bool lit) {
     return {y.asDiagonal().toDenseMatrix(), (-2 * q.array() / (1 + grid.r)).matrix()};
 }
 
-// The sheet returns the flux v.x+ that leaves, uniformly: R = diag(r) + v v^T / (1.v) with v = t sqrt(c).
-Admittance Admittance::white_sheet(const OrdinatePlan& plan) {
+// The sheet returns a share of the flux v.x+ that leaves, uniformly: R = diag(r) + share v v^T / (1.v), v = t sqrt(c).
+Admittance Admittance::white_sheet(const OrdinatePlan& plan, double share) {
     const AngularGrid& grid = plan.grid();
     const int n = plan.size();
     const OrdinateVector v = grid.t.matrix().cwiseProduct(plan.sqrt_c_);
-    OrdinateMatrix one_plus_R = v * v.transpose();
+    OrdinateMatrix one_plus_R = share * (v * v.transpose());
     one_plus_R /= (grid.t * grid.c).sum();
     one_plus_R.diagonal().array() += 1 + grid.r;
     OrdinateMatrix Y = 2 * one_plus_R.llt().solve(OrdinateMatrix::Identity(n, n));

@@ -60,8 +60,8 @@ struct Admittance {
     [[nodiscard]] static Admittance black(const OrdinatePlan& plan);
     /// A smooth lower surface to air, with uniform light of radiance 1 (`lit`) or 0 below it.
     [[nodiscard]] static Admittance air(const OrdinatePlan& plan, bool lit);
-    /// A smooth lower surface to air, and under the air a sheet that reflects everything diffusely.
-    [[nodiscard]] static Admittance white_sheet(const OrdinatePlan& plan);
+    /// A smooth lower surface to air, and under the air a sheet that sends back this share of what leaves, diffusely.
+    [[nodiscard]] static Admittance white_sheet(const OrdinatePlan& plan, double share = 1);
 };
 
 /// The modes of one medium. It must scatter or absorb.

@@ -12,6 +12,7 @@
 #include "optics/layered/directional.h"
 #include "optics/layered/layered_appearance.h"
 #include "optics/numerics/bicubic_table.h"
+#include "optics/scene/sheet.h"
 
 namespace voxtone::optics {
 
@@ -25,7 +26,7 @@ constexpr double absorption_scale = 0.02;
 constexpr double scattering_scale = 0.02;
 
 Admittance core_law(const OrdinatePlan& plan, const Medium& core, const Medium& clear, const ShellGeometry& geometry,
-                    Backing backing) {
+                    Backing backing, double sent_back) {
     if (std::isinf(geometry.core_mm)) return half_space(plan, core);
     const auto below = [&] {
         switch (backing) {
@@ -35,6 +36,8 @@ Admittance core_law(const OrdinatePlan& plan, const Medium& core, const Medium& 
                 return Admittance::air(plan, false);
             case Backing::white:
                 return Admittance::white_sheet(plan);
+            case Backing::sheet:
+                return Admittance::white_sheet(plan, sent_back);
         }
         VOXTONE_EXPECT(!"a backing that is known");
         return Admittance::black(plan);
@@ -48,10 +51,11 @@ struct Below {
     Admittance core;
     std::optional<Admittance> less;
 };
-Below below_shell(const OrdinatePlan& plan, const Medium& core, const Medium& clear, const ShellGeometry& geometry) {
-    if (!geometry.from_behind) return {core_law(plan, core, clear, geometry, geometry.backing), {}};
-    return {core_law(plan, core, clear, geometry, Backing::none),
-            core_law(plan, core, clear, geometry, Backing::black)};
+Below below_shell(const OrdinatePlan& plan, const Medium& core, const Medium& clear, const ShellGeometry& geometry,
+                  double sent_back) {
+    if (!geometry.from_behind) return {core_law(plan, core, clear, geometry, geometry.backing, sent_back), {}};
+    return {core_law(plan, core, clear, geometry, Backing::none, 0),
+            core_law(plan, core, clear, geometry, Backing::black, 0)};
 }
 
 double appearance_over(const OrdinatePlan& plan, const Medium& shell, const Medium& clear,
@@ -59,6 +63,12 @@ double appearance_over(const OrdinatePlan& plan, const Medium& shell, const Medi
     const std::array layers{LayerOf{clear, geometry.over_mm}, LayerOf{shell, geometry.shell_mm}};
     const double seen = layered_appearance(plan, layers, below.core);
     return below.less ? seen - layered_appearance(plan, layers, *below.less) : seen;
+}
+
+/// What a sheet lets in again (sheet.h); 0 where there is none.
+double sent_back_of(const ResinSet& set, const ShellGeometry& geometry, std::size_t channel) {
+    if (geometry.backing != Backing::sheet) return 0;
+    return share_sent_back(geometry.sheet[channel], reflectance_in_air(set.eta));
 }
 
 /// Nothing to light where there is none.
@@ -111,6 +121,7 @@ ShellAppearance::Tables::Tables(const ResinSet& resins, const ShellGeometry& she
     VOXTONE_EXPECT(shell.shell_mm > 0 && std::isfinite(shell.shell_mm) && shell.core_mm > 0);
     VOXTONE_EXPECT(shell.core_resin >= 0 && static_cast<std::size_t>(shell.core_resin) < set.resins.size());
     VOXTONE_EXPECT(!shell.from_behind || std::isfinite(shell.core_mm));
+    VOXTONE_EXPECT(shell.backing != Backing::sheet || shell.sheet.size() == set.channels.size());
     VOXTONE_EXPECT((shell.over_mm == 0 && shell.under_mm == 0) ||
                    (shell.clear_resin >= 0 && static_cast<std::size_t>(shell.clear_resin) < set.resins.size()));
     VOXTONE_EXPECT(shell.white() >= 0 && static_cast<std::size_t>(shell.white()) < set.resins.size());
@@ -126,7 +137,8 @@ ShellAppearance::Tables::Tables(const ResinSet& resins, const ShellGeometry& she
 void ShellAppearance::Tables::tabulate(std::size_t channel, const OrdinatePlan& plan) {
     const Medium core = set.resins[static_cast<std::size_t>(geometry.core_resin)].medium(channel);
     const Medium clear = clear_of(set, geometry, channel);
-    const Below below = below_shell(plan, core, clear, geometry);
+    const double sent_back = sent_back_of(set, geometry, channel);
+    const Below below = below_shell(plan, core, clear, geometry, sent_back);
     // A range of nothing (no resin absorbs, say) still needs an interval to stand on.
     const Medium most = medium.bound(channel);
     const double most_a = std::max(most.sigma_a, 1e-6 / inverse_absorption_scale),
@@ -145,8 +157,8 @@ void ShellAppearance::Tables::tabulate(std::size_t channel, const OrdinatePlan& 
     });
     tables[channel] = BicubicTable(samples, x_max, y_max);
     const Medium white_medium = set.resins[static_cast<std::size_t>(geometry.white())].medium(channel);
-    white[channel] =
-        appearance_over(plan, white_medium, clear, geometry, below_shell(plan, white_medium, clear, geometry));
+    white[channel] = appearance_over(plan, white_medium, clear, geometry,
+                                     below_shell(plan, white_medium, clear, geometry, sent_back));
 }
 
 ShellAppearance::ShellAppearance(const ResinSet& resins, const ShellGeometry& geometry)
@@ -218,7 +230,7 @@ std::vector<double> ShellAppearance::exact(std::span<const double> fractions) co
             if (geometry.under_mm > 0) whole = solver.add(whole, solver.layer(clear, geometry.under_mm));
             out[c] = geometry.from_behind
                          ? appearance_of(grid, whole, Backing::none) - appearance_of(grid, whole, Backing::black)
-                         : appearance_of(grid, whole, geometry.backing);
+                         : appearance_of(grid, whole, geometry.backing, sent_back_of(set, geometry, c));
         }
     }
     return out;

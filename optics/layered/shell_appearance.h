@@ -45,6 +45,7 @@ struct ShellGeometry {
     int core_resin = 0;                                        ///< index into the set
     double core_mm = std::numeric_limits<double>::infinity();  ///< > 0
     Backing backing = Backing::none;                           ///< has no meaning under an infinite core
+    std::vector<double> sheet = {};                            ///< per channel: the reflectance of a Backing::sheet
     bool from_behind = false;                                  ///< light comes from below alone; core_mm is finite
     /// The resin of which a body of this geometry, shell and core alike, is the white of media-relative values; -1: the
     /// core's.

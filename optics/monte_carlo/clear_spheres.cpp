@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "optics/media/droplet_spread.h"
+#include "optics/media/lateral_spread.h"
 
 namespace voxtone::optics {
 namespace {
@@ -50,7 +51,8 @@ ClearSpheres::ClearSpheres(const Scene& scene, const PathVolume& volume) : table
     for (std::size_t i = 0; i < square.size(); ++i) square[i] = of_cells[i] == material_ ? 1e30f : 0.0f;
     for (std::size_t a = 0; a < 3; ++a) spread(square, a, cell_side * scene.volume->pitch_mm()[a], largest_mm);
     constexpr double rounding = 0.999;
-    const double droplets_mm = DropletSpread(scene.resins->dot_spread, scene.volume->pitch_mm()).farthest_mm();
+    const double droplets_mm = DropletSpread(scene.resins->dot_spread, scene.volume->pitch_mm()).farthest_mm() +
+                               LateralSpread(scene.spread_mm, scene.volume->pitch_mm()).farthest_mm();
     for (std::size_t i = 0; i < square.size(); ++i) {
         const double room = rounding * std::sqrt(static_cast<double>(square[i])) - droplets_mm;
         fitting_[i] = static_cast<std::uint8_t>(std::upper_bound(radii_.begin(), radii_.end(), room) - radii_.begin());

@@ -86,7 +86,7 @@ double DirectionalPaths::estimate(const Surface& surface, const PathStarts& star
                 ray.d[stop.axis] = -ray.d[stop.axis];
                 continue;
             }
-            if (!stop.on_sheet || backing_ != Backing::white) return sum;
+            if (!stop.on_sheet || backing_ != Backing::white) return sum;  // calibration knows no other sheets
             sum += T_0_ * weight * (1 - R_45_) * beam(ray_from(nu_), optics, random) / mean_T_;
             ray.d = entering_light(2, 1.0, walk_.eta(), random);
         }

@@ -222,7 +222,12 @@ private:
                 hn::GatherOffset(di, reinterpret_cast<const std::int32_t*>(scene_.voxels), hn::ShiftLeft<1>(entry));
         }
         e.material = hn::And(e.content, hn::Set(di, 255));
-        if (scene_.droplets.chance > 0) {
+        if (scene_.spread.any()) {
+            if (!hn::AllFalse(Tag(), e.collides)) {
+                const Int found = spread_material(row, e.collides, e.at[0], e.at[1], e.place[2]);
+                e.material = hn::IfThenElse(hn::Gt(found, hn::Zero(di)), found, e.material);
+            }
+        } else if (scene_.droplets.chance > 0) {
             const Mask met = hn::And(e.collides, hn::RebindMask(Tag(), several));
             if (!hn::AllFalse(Tag(), met)) {
                 const Int found = droplet_material(row, met, e.base, e.place[0], e.place[1], e.place[2]);
@@ -255,6 +260,69 @@ private:
         const Mask elsewhere =
             hn::And(met, hn::Lt(unit(draws[2]), constant(static_cast<float>(scene_.droplets.chance))));
         return hn::IfThenElseZero(hn::RebindMask(di, elsewhere), hn::And(found, hn::Set(di, 255)));
+    }
+
+    /// The same where resin runs sideways (lateral_spread.h), from block to block; air: what would run out stays.
+    HWY_NOINLINE Int spread_material(std::size_t row, Mask met, Float x, Float y, Int z) {
+        const Tag d;
+        const IntTag di;
+        const BitTag db;
+        Bits draws[3];
+        draw_again(row, met, draws);
+        const Bits half = hn::Set(db, 0xffff);
+        const auto moved = [&](Float from, Bits a, Bits b, Bits c, float wide) {
+            const Float sum = hn::ConvertTo(d, hn::BitCast(di, hn::Add(hn::Add(a, b), c)));
+            const Float step = hn::Sub(hn::Mul(hn::Add(sum, constant(1.5f)), constant(0x1p-16f)), constant(1.5f));
+            return hn::ConvertTo(di, hn::Floor(hn::Add(from, hn::Mul(step, constant(wide)))));
+        };
+        const std::array<float, 2>& wide = scene_.spread.draw_voxels();
+        Int place[3] = {
+            moved(x, hn::And(draws[0], half), hn::ShiftRight<16>(draws[0]), hn::And(draws[1], half), wide[0]),
+            moved(y, hn::ShiftRight<16>(draws[1]), hn::And(draws[2], half), hn::ShiftRight<16>(draws[2]), wide[1]), z};
+        if (scene_.droplets.chance > 0) add_droplet_steps(row, met, place);
+        auto inside = hn::RebindMask(di, met);
+        for (std::size_t a = 0; a < 3; ++a) {
+            const Int size = hn::Set(di, scene_.size[a]);
+            if (a < 2 && scene_.sides == Sides::mirrored) {
+                const Int before = hn::Sub(hn::Set(di, -1), place[a]),
+                          beyond = hn::Sub(hn::Sub(hn::Add(size, size), hn::Set(di, 1)), place[a]);
+                place[a] = hn::IfThenElse(hn::Lt(place[a], hn::Zero(di)), before, place[a]);
+                place[a] = hn::IfThenElse(hn::Lt(place[a], size), place[a], beyond);
+            }
+            inside = hn::And(inside, hn::And(hn::Gt(place[a], hn::Set(di, -1)), hn::Lt(place[a], size)));
+        }
+        for (Int& p : place) p = hn::IfThenElseZero(inside, p);
+        const Int block = hn::Add(hn::Mul(hn::Add(hn::Mul(hn::ShiftRight<4>(place[2]), hn::Set(di, scene_.blocks[1])),
+                                                  hn::ShiftRight<4>(place[1])),
+                                          hn::Set(di, scene_.blocks[0])),
+                                  hn::ShiftRight<4>(place[0]));
+        const Int base = hn::GatherIndex(di, reinterpret_cast<const std::int32_t*>(scene_.base), block);
+        const Int fifteen = hn::Set(di, 15);
+        const Int local = hn::Add(hn::ShiftLeft<8>(hn::And(place[2], fifteen)),
+                                  hn::Add(hn::ShiftLeft<4>(hn::And(place[1], fifteen)), hn::And(place[0], fifteen)));
+        const Int entry = hn::Add(base, hn::IfThenElseZero(hn::Gt(base, hn::Set(di, 255)), local));
+        const Int found =
+            hn::GatherOffset(di, reinterpret_cast<const std::int32_t*>(scene_.voxels), hn::ShiftLeft<1>(entry));
+        return hn::IfThenElseZero(inside, hn::And(found, hn::Set(di, 255)));
+    }
+
+    /// On to the voxels that particles' droplets came from, evenly from the box around (droplet_spread.h).
+    HWY_INLINE void add_droplet_steps(std::size_t row, Mask met, Int (&place)[3]) {
+        const IntTag di;
+        const BitTag db;
+        Bits draws[3];
+        draw_again(row, met, draws);
+        const Bits half = hn::Set(db, 0xffff);
+        const Bits steps[3] = {hn::And(draws[0], half), hn::ShiftRight<16>(draws[0]), hn::And(draws[1], half)};
+        const auto elsewhere =
+            hn::RebindMask(di, hn::Lt(unit(draws[2]), constant(static_cast<float>(scene_.droplets.chance))));
+        for (std::size_t a = 0; a < 3; ++a) {
+            const int reach = scene_.droplets.reach[a];
+            const Bits step =
+                hn::ShiftRight<16>(hn::Mul(steps[a], hn::Set(db, static_cast<std::uint32_t>(2 * reach + 1))));
+            place[a] =
+                hn::Add(place[a], hn::IfThenElseZero(elsewhere, hn::Sub(hn::BitCast(di, step), hn::Set(di, reach))));
+        }
     }
 
     /// Particles: real ones absorb and scatter, the majorant's others do nothing. Russian roulette by weight.
@@ -377,6 +445,7 @@ private:
             e.high[a] = hn::Load(d, lanes_.high[a].data() + row);
         }
         e.majorant = hn::Load(d, lanes_.majorant.data() + row);
+        e.collides = hn::Xor(who, who);  // none
         e.crosses = who;
         e.any_crosses = true;
         e.outside = hn::Not(who);
@@ -491,7 +560,8 @@ private:
                                     ? crosses_rough(lane, roughness, way)
                                     : static_cast<double>(u[k]) >= turn_at_boundary(normals_[lane], eta(), way);
             const bool again = leaves && !on_sheet && scene_.follow_outside && meets_again(lane, at);
-            if (leaves && !again && (!on_sheet || scene_.backing == Backing::black)) {
+            if (leaves && on_sheet && scene_.sheet) lanes_.weight[lane] *= sent_back_at(lane);
+            if (leaves && !again && (!on_sheet || scene_.backing == Backing::black || lanes_.weight[lane] <= 0)) {
                 if (scene_.tells_exits && !on_sheet)
                     tell_exit(lane, at,
                               roughness > 0 ? way : leaving_direction(normals_[lane], eta(), direction(lane)));
@@ -527,6 +597,12 @@ private:
         return lost;
     }
 
+    /// What a sheet lets in again of light that left there.
+    [[nodiscard]] float sent_back_at(std::size_t lane) const {
+        const Point at = place_mm(lane);
+        return static_cast<float>(share_sent_back(static_cast<double>(scene_.sheet->at(at[0], at[1], scene_.channel)),
+                                                  scene_.surface_in_air));
+    }
     [[nodiscard]] double eta() const { return static_cast<double>(scene_.eta); }
     void tell_exit(std::size_t lane, const Point& at, const Point& way) {
         source_.left(lanes_.tag[lane], lanes_.weight[lane], {at, way, random_state(lane)});
@@ -652,10 +728,12 @@ private:
             const std::size_t lane = row + k;
             float weight = ended[k] != 0 ? 0.0f : lanes_.weight[lane];
             if (ended[k] == 0 && below[k] != 0) {
-                if (scene_.backing == Backing::white) {
+                if (scene_.sheet) lanes_.weight[lane] *= sent_back_at(lane);
+                if (scene_.backing == Backing::white || (scene_.sheet && lanes_.weight[lane] > 0)) {
                     send_back_up(lane);
                     continue;
                 }
+                if (scene_.sheet) weight = 0;
                 if (scene_.backing == Backing::black) weight = 0;
             }
             source_.finished(lanes_.tag[lane], weight, place(lane));
@@ -756,7 +834,13 @@ PacketScene packet_scene(const Scene& scene, const PathVolume& volume, std::size
     packet.g = static_cast<float>(scene.resins->g);
     packet.eta = static_cast<float>(scene.resins->eta);
     packet.roulette_weight = static_cast<float>(roulette_weight);
+    packet.spread = LateralSpread(scene.spread_mm, scene.volume->pitch_mm());
     packet.backing = scene.backing;
+    packet.channel = channel;
+    if (scene.backing == Backing::sheet) {
+        packet.sheet = scene.sheet;
+        packet.surface_in_air = reflectance_in_air(scene.resins->eta);
+    }
     packet.sides = scene.sides;
     return packet;
 }

@@ -16,6 +16,7 @@
 #include <cstdint>
 
 #include "optics/media/droplet_spread.h"
+#include "optics/media/lateral_spread.h"
 #include "optics/monte_carlo/clear_spheres.h"
 #include "optics/monte_carlo/path_random.h"
 #include "optics/monte_carlo/path_volume.h"
@@ -80,9 +81,13 @@ struct PacketScene {
     std::array<float, 256> sigma_t{}, albedo{};  ///< per material
     float g = 0, eta = 1, roulette_weight = 0.1f;
     DropletSpread droplets;  ///< within blocks of path_volume.h, at whose sides the box is folded back
+    LateralSpread spread;    ///< across blocks, before that
     PacketSpheres spheres;
     Backing backing = Backing::none;
     Sides sides = Sides::open;
+    std::shared_ptr<const Sheet> sheet;
+    std::size_t channel = 0;
+    double surface_in_air = 0;  ///< what the surface reflects of the light of a sheet
 };
 
 [[nodiscard]] PacketScene packet_scene(const Scene& scene, const PathVolume& volume, std::size_t channel,

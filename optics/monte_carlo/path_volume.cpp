@@ -9,6 +9,7 @@
 #include "base/contracts.h"
 #include "base/error.h"
 #include "base/parallel.h"
+#include "optics/media/lateral_spread.h"
 
 namespace voxtone::optics {
 namespace {
@@ -237,6 +238,23 @@ PathVolume::PathVolume(const Scene& scene, const BodyBoundary* boundary)
             majorant_[c][b] = static_cast<float>(largest);
         }
     });
+    const std::array<int, 2> reach = LateralSpread(scene.spread_mm, volume.pitch_mm()).reach();
+    for (std::size_t a = 0; a < 2; ++a)
+        if (reach[a] > 0) widen_majorants(a, (reach[a] + edge - 1) / edge);
+}
+
+/// Particles may belong to voxels that lie so many blocks away along an axis.
+void PathVolume::widen_majorants(std::size_t axis, int blocks_away) {
+    const auto n = static_cast<std::size_t>(blocks_[axis]), away = static_cast<std::size_t>(blocks_away),
+               stride = axis == 0 ? std::size_t{1} : static_cast<std::size_t>(blocks_[0]);
+    for (std::vector<float>& majorants : majorant_) {
+        const std::vector<float> own = majorants;
+        for (std::size_t b = 0; b < own.size(); ++b) {
+            const std::size_t place = b / stride % n;
+            for (std::size_t k = place - std::min(place, away); k <= std::min(place + away, n - 1); ++k)
+                majorants[b] = std::max(majorants[b], own[b + k * stride - place * stride]);
+        }
+    }
 }
 
 }  // namespace voxtone::optics

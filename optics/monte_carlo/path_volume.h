@@ -40,10 +40,11 @@ public:
     [[nodiscard]] const std::array<int, 3>& size() const { return size_; }  ///< with the offset at all sides
     [[nodiscard]] int offset() const { return offset_; }
     [[nodiscard]] const BodyBoundary* boundary() const { return boundary_; }
-    /// Per block: the largest sigma_t in it, mm^-1.
+    /// Per block: the largest sigma_t in it and in what runs into it, mm^-1.
     [[nodiscard]] const std::vector<float>& majorant(std::size_t channel) const { return majorant_[channel]; }
 
 private:
+    void widen_majorants(std::size_t axis, int blocks_away);
     const BodyBoundary* boundary_;
     int offset_;
     std::array<int, 3> size_{}, blocks_{};

@@ -77,6 +77,11 @@ double ScalarPaths::weight(const Surface& surface, const PathStarts& starts, std
             }
             if (!stop.on_sheet || backing_ == Backing::none) return weight;
             if (backing_ == Backing::black) return 0;
+            if (backing_ == Backing::sheet)
+                weight *= share_sent_back(sheet_->at(ray.voxel[0] * pitch_mm_[0] + ray.at[0],
+                                                     ray.voxel[1] * pitch_mm_[1] + ray.at[1], channel),
+                                          surface_in_air_);
+            if (weight <= 0) return 0;
             ray.d = entering_light(2, 1.0, walk_.eta(), random);
         }
         weight *= optics.albedo[ray.material];

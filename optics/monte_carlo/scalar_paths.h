@@ -55,7 +55,12 @@ private:
 class ScalarPaths {
 public:
     explicit ScalarPaths(const Scene& scene, double roulette_weight = default_roulette_weight)
-        : walk_(scene), backing_(scene.backing), roulette_weight_(roulette_weight) {}
+        : walk_(scene),
+          backing_(scene.backing),
+          sheet_(scene.sheet),
+          pitch_mm_(scene.volume->pitch_mm()),
+          surface_in_air_(reflectance_in_air(scene.resins->eta)),
+          roulette_weight_(roulette_weight) {}
 
     /// The weight of the path that these random numbers make, from this cell.
     [[nodiscard]] double weight(const Surface& surface, const PathStarts& starts, std::size_t cell, std::size_t channel,
@@ -64,6 +69,9 @@ public:
 private:
     VoxelWalk walk_;
     Backing backing_;
+    std::shared_ptr<const Sheet> sheet_;
+    std::array<double, 3> pitch_mm_;
+    double surface_in_air_;
     double roulette_weight_;
 };
 

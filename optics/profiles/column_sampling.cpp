@@ -78,7 +78,7 @@ Material ColumnSampler::at(const std::array<double, 3>& from, const std::array<f
 
 LayersEnd ColumnSampler::end(bool on_plane) const {
     if (!on_plane || scene_.backing == Backing::none) return LayersEnd::open;
-    return scene_.backing == Backing::white ? LayersEnd::white_sheet : LayersEnd::black_sheet;
+    return scene_.backing == Backing::white ? LayersEnd::white_sheet : LayersEnd::black_sheet;  // others: refused
 }
 
 }  // namespace voxtone::optics

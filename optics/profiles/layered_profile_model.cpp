@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/contracts.h"
+#include "base/error.h"
 #include "base/parallel.h"
 #include "optics/profiles/bounded_table.h"
 #include "optics/profiles/column_sampling.h"
@@ -248,6 +249,8 @@ LayeredProfileModel::LayeredProfileModel(const LayeredProfileOptions& options) :
 
 Appearance LayeredProfileModel::predict(const Scene& scene, const Surface& surface, const Progress* progress) const {
     require_resins(scene);
+    if (scene.backing == Backing::sheet)
+        throw InputError("layered-profile knows black and white sheets alone; predict by transport or monte-carlo");
     const ResinSet& set = *scene.resins;
     Appearance appearance;
     appearance.channels = set.channels.size();

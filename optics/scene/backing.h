@@ -8,6 +8,7 @@ enum class Backing {
     none,   ///< nothing: the body floats, and the same white light reaches it from below
     black,  ///< a sheet that absorbs everything
     white,  ///< a sheet that reflects everything, diffusely
+    sheet,  ///< one that reflects as the scene's `sheet` says (sheet.h)
 };
 
 }  // namespace voxtone::optics

@@ -7,9 +7,13 @@
 // reflect everything: the pattern goes on for ever, for plane-parallel problems.
 #pragma once
 
+#include <array>
+#include <memory>
+
 #include "optics/media/resin_volume.h"
 #include "optics/media/resins.h"
 #include "optics/scene/backing.h"
+#include "optics/scene/sheet.h"
 
 namespace voxtone::optics {
 
@@ -24,6 +28,9 @@ struct Scene {
     const ResinSet* resins = nullptr;  ///< material m of the volume is resins[m - 1]
     Backing backing = Backing::none;   ///< under the faces on the plane z = 0
     Sides sides = Sides::open;
+    std::shared_ptr<const Sheet> sheet = nullptr;  ///< where `backing` is a sheet
+    /// How far resin runs sideways before it is cured (lateral_spread.h): standard deviations along x and y, mm.
+    std::array<double, 2> spread_mm{};
 };
 
 /// Throws InputError that names the first material that has no resin in the set.

@@ -10,6 +10,7 @@
 
 #include "base/contracts.h"
 #include "base/parallel.h"
+#include "base/random.h"
 #include "optics/media/mirrored_box.h"
 #include "optics/transport/lattice.h"
 #include "optics/transport/transport_sweep.h"
@@ -17,26 +18,42 @@
 namespace voxtone::optics {
 namespace {
 
-/// What a part holds, in one number: up to four materials, ascending, each with the twelfths of the part that it
-/// fills; or that the mixture of the cell stands for it.
+/// What a part holds, in one number: a few materials, ascending, each with the twelfths of the part that it fills; or
+/// that the mixture of the cell stands for it.
 using Key = std::uint64_t;
-constexpr Key mixed = ~Key{0}, nothing = Key{1} << 8;
+constexpr Key mixed = ~Key{0};
 constexpr int twelfths = 12;
-constexpr std::size_t most_materials = 4;
 
-/// More of a material into a part; a fifth one is left out.
-Key with(Key part, Material m, int filled) {
-    std::array<int, most_materials> amount{};
-    std::array<Material, most_materials> material{};
+/// How such a number is written.
+struct KeyForm {
+    unsigned material_bits, amount_bits;
+    std::size_t most_materials;
+    [[nodiscard]] unsigned bits() const { return material_bits + amount_bits; }
+    [[nodiscard]] Key most_amount() const { return (Key{1} << amount_bits) - 1; }
+    [[nodiscard]] Material material(Key key) const {
+        return static_cast<Material>(key >> amount_bits & ((Key{1} << material_bits) - 1));
+    }
+    [[nodiscard]] int amount(Key key) const { return static_cast<int>(key & most_amount()); }
+    [[nodiscard]] Key one(Material m, Key filled) const { return Key{m} << amount_bits | filled; }
+    [[nodiscard]] Key nothing() const { return one(1, 0); }
+};
+/// A column of voxels has few materials; a voxel that others ran into may have all that are loaded.
+constexpr KeyForm of_voxels{8, 8, 4}, of_shares{4, 5, 7};
+KeyForm form_of(const ViewingGrid& grid) { return grid.spread.any() && grid.resins < 16 ? of_shares : of_voxels; }
+
+/// More of a material into a part; one too many is left out.
+Key with(const KeyForm& form, Key part, Material m, int filled) {
+    std::array<int, of_shares.most_materials> amount{};
+    std::array<Material, of_shares.most_materials> material{};
     std::size_t count = 0;
-    for (Key rest = part; rest != 0; rest >>= 16, ++count) {
-        material[count] = static_cast<Material>(rest >> 8 & 255);
-        amount[count] = static_cast<int>(rest & 255);
+    for (Key rest = part; rest != 0; rest >>= form.bits(), ++count) {
+        material[count] = form.material(rest);
+        amount[count] = form.amount(rest);
     }
     std::size_t place = 0;
     while (place < count && material[place] > m) ++place;
     if (place == count || material[place] != m) {
-        if (count == most_materials) return part;
+        if (count == form.most_materials) return part;
         for (std::size_t k = count++; k > place; --k) {
             material[k] = material[k - 1];
             amount[k] = amount[k - 1];
@@ -44,16 +61,24 @@ Key with(Key part, Material m, int filled) {
         material[place] = m;
         amount[place] = 0;
     }
-    amount[place] = std::min(amount[place] + filled, 255);
+    amount[place] = std::min(amount[place] + filled, static_cast<int>(form.most_amount()));
     Key more = 0;
-    for (std::size_t k = count; k-- > 0;) more = more << 16 | Key{material[k]} << 8 | static_cast<Key>(amount[k]);
+    for (std::size_t k = count; k-- > 0;)
+        more = more << form.bits() | form.one(material[k], static_cast<Key>(amount[k]));
     return more;
 }
 
 class BlockFiller {
 public:
     BlockFiller(const ViewingGrid& grid, const ResinVolume& volume)
-        : grid_(grid), volume_(volume), view_(grid.view_voxels), split_(grid.fine.split) {
+        : grid_(grid),
+          volume_(volume),
+          form_(form_of(grid)),
+          view_(grid.view_voxels),
+          split_(grid.fine.split),
+          spread_(volume, grid.mirrored, grid.spread, grid.resins),
+          given_(spread_),
+          part_shares_(grid.resins) {
         for (std::size_t a = 0; a < 3; ++a) extent_[a] = 4 * view_[a];
     }
 
@@ -62,7 +87,10 @@ public:
         corner_ = grid_.corner_of(block.at);
         axis_ = grid_.towards[t] / 2;
         plus_ = grid_.towards[t] % 2 == 1;
-        read_box(volume_, grid_.mirrored, corner_, extent_, box_);
+        if (grid_.spread.any())
+            spread_.read(corner_, extent_);
+        else
+            read_box(volume_, grid_.mirrored, corner_, extent_, box_);
         for_each({4, 4, 4}, [&](const Place& cell) {
             const auto place = static_cast<std::uint32_t>(place_in_block(cell));
             if (block.solid >> place & 1)
@@ -82,57 +110,106 @@ private:
             const Place& from = donors[0].from;
             for (std::size_t a = 0; a < 3; ++a)
                 above &= from[a] - corner_[a] - cell[a] * view_[a] == (a == axis_ ? (plus_ ? view_[a] : -view_[a]) : 0);
-            if (above) read_box(volume_, grid_.mirrored, from, view_, donor_);
+            if (above && grid_.spread.any()) given_.read(from, view_);
+            if (above && !grid_.spread.any()) read_box(volume_, grid_.mirrored, from, view_, donor_);
         }
         const bool given = above && !donors.empty();
         Place across = split_;
         across[axis_] = 1;
         for_each(across, [&](Place part) {
             column_.clear();
+            column_of_shares_.clear();
             Place in{};
             for (std::size_t a = 0; a < 3; ++a) in[a] = part[a] * view_[a] / split_[a];
-            if (above && given) add_column(donor_, view_, {}, in);
-            if (above) add_column(box_, extent_, {cell[0] * view_[0], cell[1] * view_[1], cell[2] * view_[2]}, in);
+            if (above && given) add_column(donor_, given_, view_, {}, in);
+            if (above)
+                add_column(box_, spread_, extent_, {cell[0] * view_[0], cell[1] * view_[1], cell[2] * view_[2]}, in);
             const int parts = split_[axis_];
             for (int depth = 0; depth < parts; ++depth) {
                 part[axis_] = plus_ ? parts - 1 - depth : depth;
-                to[grid_.fine.part(cell, part)] = above ? stretched(depth, parts) : mixed;
+                to[grid_.fine.part(cell, part)] = !above               ? mixed
+                                                  : grid_.spread.any() ? stretched_shares(depth, parts, cell, part)
+                                                                       : stretched(depth, parts);
             }
         });
     }
     [[nodiscard]] Key stretched(int depth, int parts) {
         const int filled = static_cast<int>(column_.size()), whole = twelfths * parts / view_[axis_];  // of one voxel
-        Key holds = filled > 0 ? 0 : nothing;
+        Key holds = filled > 0 ? 0 : form_.nothing();
         for (int v = 0; v < filled; ++v) {
             const int first = v * parts / filled, end = std::max((v + 1) * parts / filled, first + 1);
             if (depth >= first && depth < end)
-                holds = with(holds, column_[static_cast<std::size_t>(v)], whole / (end - first));
+                holds = with(form_, holds, column_[static_cast<std::size_t>(v)], whole / (end - first));
         }
         return holds;
     }
-    void add_column(const std::vector<Material>& box, const Place& extent, const Place& corner, Place in) {
+    /// The same of voxels that others ran into: twelfths by a ladder as in viewing_palette.cpp.
+    [[nodiscard]] Key stretched_shares(int depth, int parts, const Place& cell, const Place& part) {
+        const int filled = static_cast<int>(column_of_shares_.size());
+        if (filled == 0) return form_.nothing();
+        std::ranges::fill(part_shares_, 0.0);
+        for (int v = 0; v < filled; ++v) {
+            const int first = v * parts / filled, end = std::max((v + 1) * parts / filled, first + 1);
+            if (depth < first || depth >= end) continue;
+            const double whole = static_cast<double>(parts) / view_[axis_] / (end - first);  // of one voxel
+            const std::span<const float> holds = column_of_shares_[static_cast<std::size_t>(v)];
+            for (std::size_t r = 0; r < part_shares_.size(); ++r)
+                part_shares_[r] += whole * static_cast<double>(holds[r]);
+        }
+        std::uint64_t place = 0;
+        for (std::size_t a = 0; a < 3; ++a)
+            place = place << 21 | static_cast<std::uint64_t>((corner_[a] + cell[a] * view_[a]) * split_[a] / view_[a] +
+                                                             part[a] + (1 << 20));
+        const double chance = RandomStream(1, place).uniform();
+        Key holds = 0;
+        double counted = 0;
+        int given = 0;
+        std::size_t most = 0;
+        for (std::size_t r = 0; r < part_shares_.size(); ++r) {
+            if (part_shares_[r] > part_shares_[most]) most = r;
+            counted += part_shares_[r];
+            const int below = static_cast<int>(counted * twelfths + chance + 1e-6);
+            if (below > given) holds = with(form_, holds, static_cast<Material>(r + 1), below - given);
+            given = std::max(given, below);
+        }
+        return holds != 0 ? holds : with(form_, 0, static_cast<Material>(most + 1), 1);
+    }
+    void add_column(const std::vector<Material>& box, const SpreadBox& spread, const Place& extent, const Place& corner,
+                    Place in) {
         for (int k = 0; k < view_[axis_]; ++k) {
             in[axis_] = plus_ ? view_[axis_] - 1 - k : k;
-            const Material m = box[at3({corner[0] + in[0], corner[1] + in[1], corner[2] + in[2]}, extent)];
-            if (m != air) column_.push_back(m);
+            const std::size_t voxel = at3({corner[0] + in[0], corner[1] + in[1], corner[2] + in[2]}, extent);
+            if (grid_.spread.any()) {
+                if (!spread.is_air(voxel)) column_of_shares_.push_back(spread.shares(voxel));
+            } else if (box[voxel] != air) {
+                column_.push_back(box[voxel]);
+            }
         }
     }
 
     const ViewingGrid& grid_;
     const ResinVolume& volume_;
+    KeyForm form_;
     Place view_, split_, extent_{}, corner_{};
     std::size_t axis_ = 2;
     bool plus_ = true;
     std::vector<Material> box_, donor_, column_;
+    SpreadBox spread_, given_;  ///< in their place where resin runs sideways
+    std::vector<std::span<const float>> column_of_shares_;
+    std::vector<double> part_shares_;
 };
 
 /// Numbers what parts hold: whole resins first, the rest in the order in which it is met.
 class ContentNumbers {
 public:
     ContentNumbers(ViewingGrid& grid, std::size_t most)
-        : grid_(grid), contents_(grid.fine.contents), most_(most), of_mixture_(grid.mixtures.size(), 0) {
+        : grid_(grid),
+          form_(form_of(grid)),
+          contents_(grid.fine.contents),
+          most_(most),
+          of_mixture_(grid.mixtures.size(), 0) {
         contents_.assign(1, {});
-        (void)of_key(nothing);
+        (void)of_key(form_.nothing());
         for (const ViewingGrid::Mixture& mixture : grid.mixtures)
             for (const auto& hold : mixture.holds) (void)of_key(key_of_one(hold.material));
     }
@@ -140,9 +217,8 @@ public:
         if (key == 0) return 0;
         if (const auto found = of_key_.find(key); found != of_key_.end()) return found->second;
         ViewingGrid::Mixture content;
-        for (Key rest = key; rest != 0; rest >>= 16)
-            content.holds.push_back(
-                {static_cast<Material>(rest >> 8 & 255), 0, static_cast<float>(rest & 255) / twelfths});
+        for (Key rest = key; rest != 0; rest >>= form_.bits())
+            content.holds.push_back({form_.material(rest), 0, static_cast<float>(form_.amount(rest)) / twelfths});
         const Material some = content.holds.back().material;
         const std::uint16_t number = add(std::move(content), some);
         of_key_.emplace(key, number);
@@ -155,7 +231,7 @@ public:
     }
 
 private:
-    [[nodiscard]] static Key key_of_one(Material m) { return Key{m} << 8 | Key{twelfths}; }
+    [[nodiscard]] Key key_of_one(Material m) const { return form_.one(m, twelfths); }
     /// Where there are more than can be numbered a part is taken to be full of one of its resins.
     [[nodiscard]] std::uint16_t add(ViewingGrid::Mixture content, Material some) {
         if (contents_.size() >= most_) {
@@ -167,6 +243,7 @@ private:
     }
 
     const ViewingGrid& grid_;
+    KeyForm form_;
     std::vector<ViewingGrid::Mixture>& contents_;
     std::size_t most_;
     std::unordered_map<Key, std::uint16_t> of_key_;

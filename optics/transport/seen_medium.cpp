@@ -124,6 +124,38 @@ std::vector<TransportMedium> media_of_core(const ViewingGrid& grid, const Effect
     return media;
 }
 
+/// Mean share over a rectangle of the plane z = 0, voxels, of what leaves there that a sheet sends back.
+float sent_back_under(const ViewingGrid& grid, const Place& from, const std::array<int, 2>& extent, double rho,
+                      std::size_t channel) {
+    constexpr int samples = 4;  // along each axis
+    double sum = 0;
+    for (int j = 0; j < samples; ++j)
+        for (int i = 0; i < samples; ++i) {
+            const double x = (from[0] + (i + 0.5) / samples * extent[0]) * grid.pitch_mm[0],
+                         y = (from[1] + (j + 0.5) / samples * extent[1]) * grid.pitch_mm[1];
+            sum += share_sent_back(static_cast<double>(grid.sheet->at(x, y, channel)), rho);
+        }
+    return static_cast<float>(sum / (samples * samples));
+}
+
+void add_sheet(const ViewingGrid& grid, double eta, std::size_t channel, ViewingTransport::Media& media) {
+    const double rho = reflectance_in_air(eta);
+    const auto& view = grid.view_voxels;
+    media.sheet.assign(grid.open_faces.size(), 0.0f);
+    parallel_for(0, grid.open_faces.size(), 1 << 10, [&](std::size_t i) {
+        const OuterFace& face = grid.faces[grid.open_faces[i]];
+        if (face.kind != FaceKind::white_sheet) return;
+        Place from = grid.corner_of(grid.transport_block(face.cell / 64).at);
+        for (std::size_t a = 0; a < 2; ++a) from[a] += view[a] * (static_cast<int>(face.cell) >> (2 * a) & 3);
+        media.sheet[i] = sent_back_under(grid, from, {view[0], view[1]}, rho, channel);
+    });
+    media.core_sheet.assign(grid.core_block.size(), 0.0f);
+    for (std::size_t i = 0; i < media.core_sheet.size(); ++i)
+        if (const GridBlock& block = grid.blocks[grid.core_block[i]]; grid.is_on_sheet(block.at))
+            media.core_sheet[i] =
+                sent_back_under(grid, grid.corner_of(block.at), {4 * view[0], 4 * view[1]}, rho, channel);
+}
+
 }  // namespace
 
 std::shared_ptr<const TransportMedia> media_of_cells(const ViewingGrid& grid) {
@@ -136,6 +168,7 @@ ViewingTransport::Media media_of_grid(const ViewingGrid& grid, const EffectiveMe
     ViewingTransport::Media media;
     media.cells = media_of_mixtures(*media_of_cells(grid), seen, grid.mixtures, channel);
     media.core = media_of_core(grid, halftone, resins, channel);
+    if (grid.backing == Backing::sheet) add_sheet(grid, resins.eta, channel, media);
     if (!grid.fine.any()) return media;
     std::array<double, 3> edge = grid.edge_mm();
     for (std::size_t a = 0; a < 3; ++a) edge[a] /= grid.fine.split[a];

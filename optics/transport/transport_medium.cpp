@@ -228,7 +228,10 @@ double taken(const DiffuseLight& in, double d, double way, double first_way) {
 
 }  // namespace
 
-double way_into_sheet(const DirectionSet& set) {
+namespace {
+
+/// T and U of the header.
+std::array<double, 2> let_out(const DirectionSet& set) {
     const FaceLaw law = face_law(set, 2, {0, 0, 1});
     std::array<double, 2> all{}, through{};  // of phi and of J
     for (std::size_t d = 0; d < 8; ++d) {
@@ -239,7 +242,15 @@ double way_into_sheet(const DirectionSet& set) {
             through[of] += weight * static_cast<double>(law.through[0].v[d]);
         }
     }
-    const double T = through[0] / all[0], U = through[1] / all[1];
+    return {through[0] / all[0], through[1] / all[1]};
+}
+
+}  // namespace
+
+double let_out_of_diffuse(const DirectionSet& set) { return let_out(set)[0]; }
+
+double way_into_sheet(const DirectionSet& set) {
+    const auto [T, U] = let_out(set);
     constexpr double unmirrored = 1.066, mirrored = 0.95, T_mirrored = 0.404;
     return (mirrored + (unmirrored - mirrored) * (T - T_mirrored) / (1 - T_mirrored)) * (4 - 2 * U) / T;
 }

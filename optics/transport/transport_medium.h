@@ -91,6 +91,9 @@ private:
 /// between by T, and on for higher indices, which nothing has checked.
 [[nodiscard]] double way_into_sheet(const DirectionSet& set);
 
+/// T there.
+[[nodiscard]] double let_out_of_diffuse(const DirectionSet& set);
+
 /// How thick a slab of this resin has to be for a way into the sheet that is a tenth too long to change no channel's
 /// appearance by more than 0.001; a great length where none is. By diffusion in one dimension: with the admittance y =
 /// J / phi, D mu (y + D mu t) / (D mu + y t) through a thickness d, t = tanh(mu d), mu the decay of diffuse light.

@@ -51,6 +51,9 @@ ViewingGradient::ViewingGradient(const ViewingGrid& grid, const SeenMedium& seen
             static_cast<std::uint32_t>(one ? view[0] + view[1] + view[2] : *std::max_element(view.begin(), view.end()));
     }
     table_.resize(rows * resins_ * channels);
+    for (std::size_t a = 0; a < 2; ++a)  // sqrt(3) standard deviations
+        spread_step_[a] =
+            static_cast<int>(std::lround(std::sqrt(3.0) / 2 * static_cast<double>(grid.spread.draw_voxels()[a])));
 }
 
 std::size_t ViewingGradient::row(std::size_t mixture, const ViewingGrid::Home& home) const {
@@ -92,13 +95,26 @@ void ViewingGradient::add(std::size_t channel, const TransportMedia& media_of, c
     });
 }
 
+/// Where resin runs sideways it is jetted here and counts there: the derivatives of 3 x 3 voxels around, as Gauss and
+/// Hermite weigh them (moments of a Gaussian to the fifth); what would run out of the body stays.
 void ViewingGradient::take(const std::array<int, 3>& voxel, std::size_t first_resin, std::span<float> out) const {
     VOXTONE_EXPECT(first_resin + out.size() <= resins_);
-    const ViewingGrid::Home home = grid_.home_of(voxel);
-    if (home.cell < 0) {
-        std::fill(out.begin(), out.end(), 0.0f);
-        return;
-    }
+    std::fill(out.begin(), out.end(), 0.0f);
+    const ViewingGrid::Home own = grid_.home_of(voxel);
+    if (own.cell < 0) return;
+    if (!grid_.spread.any()) return add_from(own, first_resin, 1, out);
+    constexpr std::array<float, 3> weight{1.0f / 6, 2.0f / 3, 1.0f / 6};
+    for (int j = -1; j <= 1; ++j)
+        for (int i = -1; i <= 1; ++i) {
+            const ViewingGrid::Home there =
+                grid_.home_of({voxel[0] + i * spread_step_[0], voxel[1] + j * spread_step_[1], voxel[2]});
+            add_from(there.cell < 0 ? own : there, first_resin,
+                     weight[static_cast<std::size_t>(i + 1)] * weight[static_cast<std::size_t>(j + 1)], out);
+        }
+}
+
+void ViewingGradient::add_from(const ViewingGrid::Home& home, std::size_t first_resin, float weight,
+                               std::span<float> out) const {
     const auto cell = static_cast<std::size_t>(home.cell);
     const auto* const by_medium = by_medium_.data() + cell * channels_;
     const auto* by_share = table_.data() + (row(grid_.medium[cell], home) * resins_ + first_resin) * channels_;
@@ -107,7 +123,7 @@ void ViewingGradient::take(const std::array<int, 3>& voxel, std::size_t first_re
         for (std::size_t c = 0; c < channels_; ++c, ++by_share)
             sum +=
                 from_upper_half(by_medium[c][0]) * (*by_share)[0] + from_upper_half(by_medium[c][1]) * (*by_share)[1];
-        to = home.share * sum;
+        to += weight * (home.share * sum);
     }
 }
 

@@ -56,9 +56,11 @@ public:
 private:
     [[nodiscard]] std::size_t row(std::size_t mixture, const ViewingGrid::Home& home) const;
     void take(const std::array<int, 3>& voxel, std::size_t first_resin, std::span<float> out) const;
+    void add_from(const ViewingGrid::Home& home, std::size_t first_resin, float weight, std::span<float> out) const;
 
     const ViewingGrid& grid_;
     std::size_t resins_ = 0, channels_ = 0;
+    std::array<int, 2> spread_step_{};
     std::vector<std::array<std::uint16_t, 2>> by_medium_;  ///< [cell * channels + channel]: by sigma_t, sigma_s
     /// Of each mixture: a row for each of its layers; of one resin `alone`, for those along each axis.
     std::vector<std::uint32_t> first_row_;

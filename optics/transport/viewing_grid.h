@@ -20,11 +20,14 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "optics/media/lateral_spread.h"
 #include "optics/scene/backing.h"
+#include "optics/scene/sheet.h"
 #include "optics/scene/surface.h"
 #include "optics/transport/lattice.h"
 #include "optics/transport/transport_directions.h"
@@ -46,7 +49,13 @@ struct GridBlock {
     std::array<std::int32_t, 6> neighbour{-1, -1, -1, -1, -1, -1};
 };
 
-enum class FaceKind : std::uint8_t { light, black_sheet, white_sheet, mirror, core };
+enum class FaceKind : std::uint8_t {
+    light,
+    black_sheet,
+    white_sheet,  ///< any that sends light back (ViewingTransport::Media::sheet)
+    mirror,
+    core,
+};
 
 /// A face through which a transport cell borders on something that is not a transport cell.
 struct OuterFace {
@@ -230,6 +239,8 @@ struct ViewingGrid {
 
     bool mirrored = false;
     Backing backing = Backing::none;
+    std::shared_ptr<const Sheet> sheet;    ///< of Backing::sheet
+    LateralSpread spread;                  ///< of what its cells and their parts hold; core blocks hold their own
     std::array<int, 3> size{};             ///< of the volume
     std::vector<std::uint8_t> towards;     ///< of each transport block: the facing of the surface near it
     std::vector<Donor> donors;             ///< ascending in `to`

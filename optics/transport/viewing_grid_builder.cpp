@@ -162,7 +162,8 @@ struct ViewingGridBuilder {
         const int low = next[a] * view[a] - grid.shift_voxels[a];
         if (mirrored(a) && (low + view[a] <= 0 || low >= scene.volume->size()[a])) return FaceKind::mirror;
         if (f == 4 && low < 0 && scene.backing == Backing::black) return FaceKind::black_sheet;
-        if (f == 4 && low < 0 && scene.backing == Backing::white) return FaceKind::white_sheet;
+        if (f == 4 && low < 0 && (scene.backing == Backing::white || scene.backing == Backing::sheet))
+            return FaceKind::white_sheet;
         return FaceKind::light;
     }
 
@@ -556,6 +557,8 @@ ViewingGrid make_viewing_grid(const Scene& scene, const std::array<int, 3>& view
     made.window = window;
     made.mirrored = scene.sides == Sides::mirrored;
     made.backing = scene.backing;
+    made.sheet = scene.sheet;
+    made.spread = LateralSpread(scene.spread_mm, scene.volume->pitch_mm());
     made.size = scene.volume->size();
     made.resins = scene.resins->resins.size();
     made.mixes_core = colour.deeper_in_nodes;

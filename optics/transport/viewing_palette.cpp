@@ -75,6 +75,22 @@ struct Composition {
     }
 };
 
+/// Counts that shares of a cell come to, as many as `rungs` in a full one, along one ladder of all shares whose first
+/// rung lies at `chance`: over many cells each resin keeps its share.
+void take_shares(std::span<const double> shares, int rungs, double chance, Composition& to) {
+    to.clear();
+    double counted = 0;
+    int given = 0;
+    std::size_t most = 0;
+    for (std::size_t r = 0; r < shares.size(); ++r) {
+        if (shares[r] > shares[most]) most = r;
+        counted += shares[r];
+        const int below = static_cast<int>(counted * rungs + chance + 1e-6);
+        if (below > given) to.parts.push_back({static_cast<Material>(r + 1), 0, below - std::exchange(given, below)});
+    }
+    if (to.parts.empty()) to.parts.push_back({static_cast<Material>(most + 1), 0, 1});
+}
+
 struct CompositionHash {
     std::size_t operator()(const Composition& c) const {
         std::uint64_t sum = c.axis;
@@ -114,7 +130,11 @@ private:
 class CellVoxels {
 public:
     CellVoxels(const ViewingGrid& grid, const ResinVolume& volume)
-        : grid_(grid), volume_(volume), view_(grid.view_voxels) {
+        : grid_(grid),
+          volume_(volume),
+          view_(grid.view_voxels),
+          spread_(volume, grid.mirrored, grid.spread, grid.resins),
+          given_(spread_) {
         for (std::size_t a = 0; a < 3; ++a) extent_[a] = 4 * view_[a];
     }
     void enter_block(std::size_t t) {
@@ -122,13 +142,39 @@ public:
         corner_ = grid_.corner_of(block_->at);
         axis_ = static_cast<std::size_t>(grid_.towards[t] / 2);
         plus_ = grid_.towards[t] % 2 == 1;
-        read_box(volume_, grid_.mirrored, corner_, extent_, box_);
+        if (grid_.spread.any())
+            spread_.read(corner_, extent_);
+        else
+            read_box(volume_, grid_.mirrored, corner_, extent_, box_);
+    }
+    /// The one resin of a whole block that nothing else reaches, 0 where it is not so.
+    [[nodiscard]] int only(const GridBlock& block) {
+        const Place corner = grid_.corner_of(block.at);
+        const int material = std::max(volume_.uniform_material(corner, extent_), 0);
+        return material > 0 && grid_.spread.any() && spread_.only(corner, extent_) != material ? 0 : material;
     }
     void enter_cell(const Place& at) {
         at_ = at;
         donors_ = grid_.donors_to(block_->first_cell + static_cast<std::uint32_t>(place_in_block(at)));
     }
     [[nodiscard]] std::size_t axis() const { return axis_; }
+
+    /// Where resin runs sideways: shares of the cell's volume, one a resin.
+    void add_shares(std::span<double> shares) {
+        const auto add = [&](const SpreadBox& box, std::size_t voxel) {
+            const std::span<const float> holds = box.shares(voxel);
+            for (std::size_t r = 0; r < shares.size(); ++r)
+                shares[r] += static_cast<double>(holds[r]) / static_cast<double>(product(view_));
+        };
+        for_each(view_, [&](const Place& in) {
+            add(spread_,
+                at3({at_[0] * view_[0] + in[0], at_[1] * view_[1] + in[1], at_[2] * view_[2] + in[2]}, extent_));
+        });
+        for (const auto& [to, from] : donors_) {
+            given_.read(from, view_);
+            for (std::size_t voxel = 0; voxel < product(view_); ++voxel) add(given_, voxel);
+        }
+    }
 
     /// body(material or air, layer).
     template <class Body>
@@ -159,6 +205,7 @@ private:
     bool plus_ = true;
     std::span<const ViewingGrid::Donor> donors_;
     std::vector<Material> box_, donor_;
+    SpreadBox spread_, given_;  ///< in their place where resin runs sideways
 };
 
 /// How closely cells are told apart.
@@ -166,6 +213,9 @@ enum class Kinds {
     layered,  ///< by the counts in each layer
     counted,  ///< by the counts alone
     eighths,  ///< by their rounded shares
+    // Of resin that runs sideways, by shares rounded as closely as there are numbers for:
+    parts_of_96,
+    parts_of_24,
 };
 
 /// Gives every cell of the grid the number of its composition, and the grid the list of these.
@@ -198,7 +248,7 @@ private:
 
     void number_block(std::size_t t, CellVoxels& voxels, CompositionTable& table) {
         const GridBlock& block = grid_.transport_block(t);
-        const int only = volume_.uniform_material(grid_.corner_of(block.at), grid_.block_voxels());
+        const int only = voxels.only(block);
         std::uint16_t* const number = grid_.medium.data() + block.first_cell;
         if (only > 0 && grid_.donors_of[t] == grid_.donors_of[t + 1]) {
             const Composition whole{{{static_cast<Material>(only), 0, whole_cell()}}};
@@ -207,10 +257,18 @@ private:
         }
         voxels.enter_block(t);
         Composition found;
+        std::vector<double> shares(grid_.resins);
         for_each({4, 4, 4}, [&](const Place& at) {
             const std::size_t place = place_in_block(at);
             if (!(block.solid >> place & 1) || table.overflowed()) return;
             voxels.enter_cell(at);
+            if (grid_.spread.any()) {
+                std::ranges::fill(shares, 0.0);
+                voxels.add_shares(shares);
+                take_shares(shares, whole_cell(), chance_of(block, at), found);
+                number[place] = table.intern(found);
+                return;
+            }
             found.clear();
             voxels.each([&](Material m, int layer) {
                 if (m != air) found.add(m, layer);
@@ -225,7 +283,18 @@ private:
         });
     }
     /// What counts of a full cell sum up to.
-    [[nodiscard]] int whole_cell() const { return kinds_ == Kinds::eighths ? 8 : in_cell_; }
+    [[nodiscard]] int whole_cell() const {
+        switch (kinds_) {
+            case Kinds::eighths:
+                return 8;
+            case Kinds::parts_of_96:
+                return 96;
+            case Kinds::parts_of_24:
+                return 24;
+            default:
+                return in_cell_;
+        }
+    }
     /// Of a place of the body, whatever the tile: prints are compared with each other.
     [[nodiscard]] double chance_of(const GridBlock& block, const Place& at) const {
         std::uint64_t place = 0;
@@ -345,9 +414,10 @@ bool fill(ViewingGrid& grid, const ResinVolume& volume, std::vector<std::uint8_t
     }
     if (!same) return false;
     mix_core(grid, volume, materials, progress);
-    const bool fits = std::ranges::any_of(std::array{Kinds::layered, Kinds::counted, Kinds::eighths}, [&](Kinds kinds) {
-        return CompositionFinder(grid, volume, kinds, progress).run();
-    });
+    const auto kinds = grid.spread.any() ? std::array{Kinds::parts_of_96, Kinds::parts_of_24, Kinds::eighths}
+                                         : std::array{Kinds::layered, Kinds::counted, Kinds::eighths};
+    const bool fits =
+        std::ranges::any_of(kinds, [&](Kinds kind) { return CompositionFinder(grid, volume, kind, progress).run(); });
     VOXTONE_ENSURE(fits);
     return true;
 }

@@ -4,8 +4,9 @@
 //
 // A composition is the counts of materials in the layers of a cell, across the way to the surface. Where there are more
 // than 65,534 different ones, layers are forgotten; where these are too many still, shares are rounded to eighths, up
-// or down by a chance that keeps them on average (many_mixtures_test). Whole cells of six voxels (J750 High Mix) of
-// five resins are of less than 5,000 kinds.
+// or down by a chance that keeps them on average (many_mixtures_test). Where resin runs sideways (lateral_spread.h) a
+// cell has shares of its own from the first, without layers: in 96 parts, in 24 or in eighths. Whole cells of six
+// voxels (J750 High Mix) of five resins are of less than 5,000 kinds.
 #pragma once
 
 #include <cstdint>

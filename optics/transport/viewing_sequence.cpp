@@ -16,6 +16,14 @@
 namespace voxtone::optics {
 namespace {
 
+/// What voxels are to each other where resin runs sideways: less apart (lateral_spread.h).
+ResinSet as_printed(const Scene& scene) {
+    ResinSet resins = *scene.resins;
+    const LateralSpread spread(scene.spread_mm, scene.volume->pitch_mm());
+    if (spread.any()) resins.dot_spread = 1 - (1 - resins.dot_spread) * spread.kept_variance();
+    return resins;
+}
+
 /// Of diffusion alone, before light is swept; of a twin, all of white, for which a cut that is a mirror is a good
 /// guess.
 constexpr int first_rounds = 2, twin_rounds = 1;
@@ -33,7 +41,7 @@ ViewingSequence::ViewingSequence(const Scene& scene, const Surface& surface, con
     : scene_(scene),
       surface_(surface),
       options_(options),
-      halftone_(*scene.resins, scene.volume->pitch_mm(), seen_from(surface)),
+      halftone_(as_printed(scene), scene.volume->pitch_mm(), seen_from(surface)),
       grids_(scene_, surface, options_) {
     make_live(0, progress);
 }

@@ -85,6 +85,7 @@ ViewingTransport::ViewingTransport(const ViewingGrid& grid, const TransportOptio
     }
     volume_ = edge_[0] * edge_[1] * edge_[2];
     sheet_way_ = static_cast<float>(way_into_sheet(grid_.directions));
+    sheet_T_inverse_ = static_cast<float>(1 / let_out_of_diffuse(grid_.directions));
     const std::size_t cells = grid.cells(), faces = grid_.faces.size();
     moments_.resize(cells);
     x_ = scratch_.vector(0);
@@ -197,7 +198,7 @@ ViewingTransport::Exchange ViewingTransport::exchange_at(std::size_t f) const {
     const OuterFace& face = grid_.faces[f];
     const FaceSums& sums = sums_[grid_.law[f]];
     if (face.kind == FaceKind::mirror) return {0, face.area_mm2};
-    const float T = face.kind == FaceKind::white_sheet ? 0 : sums.through / sums.weight;
+    const float T = (face.kind == FaceKind::white_sheet ? 1 - sent_back(f) : 1.0f) * (sums.through / sums.weight);
     const float below =
         1 - T / 2 + T * 0.5f * edge_[static_cast<std::size_t>(face.facing) / 2] / (4 * D_[grid_.medium[face.cell]]);
     return {face.area_mm2 * T / 4 / below, face.area_mm2 / below};
@@ -234,7 +235,8 @@ int ViewingTransport::solve_diffusion(double tolerance, int most_steps) {
     return steps;
 }
 
-/// What a node loses for its phi: what it absorbs, and what a black sheet takes (transport_medium.h).
+/// What a node loses for its phi: what it absorbs, and what a sheet takes (transport_medium.h). Where the share R of
+/// what leaves comes in again, J = (1 - R) (T phi / 4 + U J / 2), and phi / J is 4 R / ((1 - R) T) more.
 float ViewingTransport::loss_of_core(std::size_t core) const {
     constexpr float least_way = 0.5f;  // of a thin block, whose middle lies below the sheet
     const GridBlock& block = grid_.blocks[grid_.core_block[core]];
@@ -242,8 +244,12 @@ float ViewingTransport::loss_of_core(std::size_t core) const {
     if (!grid_.is_on_sheet(block.at)) return absorbed;
     const float height = 4 * edge_[2],
                 depth = height + static_cast<float>(grid_.corner_of(block.at)[2] * grid_.pitch_mm[2]);
-    if (grid_.backing != Backing::black) return absorbed * depth / height;
-    const float way = sheet_way_ + (depth - height / 2) / core_D_[block.medium];
+    const float returned = grid_.backing == Backing::black ? 0
+                           : media_->core_sheet.empty()    ? 1
+                                                           : media_->core_sheet[core];
+    if (returned >= 1) return absorbed * depth / height;
+    const float way =
+        sheet_way_ + sheet_T_inverse_ * 4 * returned / (1 - returned) + (depth - height / 2) / core_D_[block.medium];
     return absorbed * depth / height + 16 * edge_[0] * edge_[1] / std::max(way, least_way);
 }
 
@@ -541,7 +547,7 @@ Octet ViewingTransport::returned(const Pool& pool, std::size_t face, std::size_t
                 leaving += flux_weight_[axis].v[d] * law.through[k].v[d] * leaves[k].v[d];
                 through += flux_weight_[axis].v[d] * law.through[k].v[d];
             }
-        radiance = leaving / through;
+        radiance = sent_back(face) * (leaving / through);
     }
     const Octet &back = law.through[slot ^ 3], &mirror = law.mirror[slot], &out = leaves[slot];
     for (std::size_t d = 0; d < 8; d += 4)

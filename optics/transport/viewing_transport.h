@@ -57,6 +57,9 @@ public:
     struct Media {
         std::vector<TransportMedium> cells, core;
         std::vector<TransportMedium> parts;  ///< of the fine cells, as ViewingGrid::Fine numbers them
+        /// Share of the light that leaves towards a sheet which comes in again: per open face, and per core node.
+        /// Empty: all of it from white sheets.
+        std::vector<float> sheet, core_sheet;
     };
     struct Sweeps {
         int least = 0, most = 0;
@@ -102,6 +105,10 @@ private:
     [[nodiscard]] float light(std::size_t face) const {
         if (!light_.empty()) return light_[grid_.place_of_face[face]];
         return grid_.faces[face].kind == FaceKind::light ? 1.0f : 0.0f;
+    }
+    /// What a sheet that is not black sends back.
+    [[nodiscard]] float sent_back(std::size_t face) const {
+        return media_->sheet.empty() ? 1.0f : media_->sheet[grid_.place_of_face[face]];
     }
     [[nodiscard]] float loss_of_core(std::size_t core) const;
     /// The steps it took.
@@ -150,7 +157,7 @@ private:
     std::vector<FaceSums> sums_;                                             ///< per law
     std::vector<Exchange> exchange_;                                         ///< per face that is not the core's
     std::vector<float> D_, core_D_, core_sigma_a_, widened_, core_widened_;  ///< per medium
-    float sheet_way_ = 0;                                                    ///< phi / J into a black sheet
+    float sheet_way_ = 0, sheet_T_inverse_ = 0;                              ///< phi / J into a black sheet; 1 / T
     std::vector<float> core_loss_;                                           ///< per core node
     std::array<SweepRows, 2> rows_;                                          ///< of light that runs up, and down
     std::vector<SweepMedium> cell_ways_, part_ways_;                         ///< per medium, of the solve that runs
