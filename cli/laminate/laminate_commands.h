@@ -15,5 +15,6 @@ namespace voxtone::cli {
 [[nodiscard]] Verb laminate_print_verb();
 [[nodiscard]] Verb laminate_search_verb();
 [[nodiscard]] Verb laminate_targets_verb();
+[[nodiscard]] Verb laminate_trace_verb();
 
 }  // namespace voxtone::cli

@@ -61,9 +61,10 @@ public:
         if (next_entry_ == entries_ && !draw()) return false;
         const std::size_t e = next_entry_++;
         const int top = scene_.volume->size()[2];
-        start.voxel = {column(entry_point_[e]), row(entry_point_[e]), top - 1};
-        start.at = {static_cast<float>(start.voxel[0]) + entry_.u[e], static_cast<float>(start.voxel[1]) + entry_.v[e],
-                    static_cast<float>(top)};
+        start.voxel[2] = top - 1;
+        start.at[2] = static_cast<float>(top);
+        enter(0, column(entry_point_[e]), entry_.u[e], start);
+        enter(1, row(entry_point_[e]), entry_.v[e], start);
         start.direction = {entry_.along_u[e], entry_.along_v[e], -entry_.inward[e]};
         start.depth = entry_.depth[e];
         for (std::size_t k = 0; k < 4; ++k) start.random[k] = entry_.random[k][e];
@@ -79,7 +80,7 @@ public:
         square_ += in_units(w * w);
         const int margin = static_cast<int>(options_.margin), width = static_cast<int>(options_.width),
                   height = static_cast<int>(options_.height);
-        const int x = static_cast<int>(at[0]) - margin, y = height - 1 - (static_cast<int>(at[1]) - margin);
+        const int x = cell(0, at[0]) - margin, y = height - 1 - (cell(1, at[1]) - margin);
         if (x < 0 || y < 0 || x >= width || y >= height) return;
         const int from_x = static_cast<int>(point % options_.width), from_y = static_cast<int>(point / options_.width);
         const auto count = [&](int offset, std::size_t origin) {
@@ -107,6 +108,17 @@ private:
     }
     [[nodiscard]] int row(std::size_t point) const {
         return static_cast<int>(options_.margin + options_.height - 1 - point / options_.width);
+    }
+    /// A place in a cell, in columns and within the volume.
+    void enter(std::size_t axis, int cell, float within, PathStart& start) const {
+        const int last = scene_.volume->size()[axis] - 1;
+        const double at = options_.first[axis] + (cell + static_cast<double>(within)) * options_.columns[axis];
+        const int voxel = std::clamp(static_cast<int>(std::floor(at)), 0, last);
+        start.voxel[axis] = voxel;
+        start.at[axis] = static_cast<float>(voxel) + static_cast<float>(std::clamp(at - voxel, 0.0, 1.0));
+    }
+    [[nodiscard]] int cell(std::size_t axis, float at) const {
+        return static_cast<int>(std::floor((static_cast<double>(at) - options_.first[axis]) / options_.columns[axis]));
     }
     /// The next paths of the task; false where there are none.
     bool draw() {
@@ -197,14 +209,19 @@ double share_beyond_window(const SampledBssrdf& responses, std::size_t channel) 
 SampledBssrdf trace_bssrdf(const Scene& scene, const SampledBssrdfOptions& options, Progress* progress) {
     const auto& size = scene.volume->size();
     const auto& pitch = scene.volume->pitch_mm();
-    VOXTONE_EXPECT(options.width >= 1 && options.height >= 1 && options.paths >= 1 && pitch[0] == pitch[1]);
-    VOXTONE_EXPECT(size[0] == static_cast<int>(options.width + 2 * options.margin));
-    VOXTONE_EXPECT(size[1] == static_cast<int>(options.height + 2 * options.margin));
+    VOXTONE_EXPECT(options.width >= 1 && options.height >= 1 && options.paths >= 1);
+    for (std::size_t a = 0; a < 2; ++a) {
+        const double cells = (a == 0 ? options.width : options.height) + 2.0 * options.margin;
+        VOXTONE_EXPECT(options.columns[a] > 0 && options.first[a] >= -1);
+        VOXTONE_EXPECT(options.first[a] + cells * options.columns[a] <= size[a] + 1);
+    }
+    const double pitch_mm = pitch[0] * options.columns[0];
+    VOXTONE_EXPECT(std::abs(pitch[1] * options.columns[1] / pitch_mm - 1) <= 0.02);
     std::vector<Material> top(static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]));
     scene.volume->copy_box({0, 0, size[2] - 1}, {size[0], size[1], 1}, top);
     for (const Material material : top) VOXTONE_EXPECT(material != air);
 
-    SampledBssrdf responses{options.width, options.height, options.radius, pitch[0], {}};
+    SampledBssrdf responses{options.width, options.height, options.radius, pitch_mm, {}};
     const PathVolume volume(scene);
     const WindowIndex window(options.radius);
     const std::size_t points = responses.points(), tasks = (points + points_per_task - 1) / points_per_task;

@@ -9,6 +9,7 @@
 // near and far.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -57,16 +58,19 @@ struct SampledBssrdf {
 [[nodiscard]] double share_beyond_window(const SampledBssrdf& responses, std::size_t channel);
 
 struct SampledBssrdfOptions {
-    std::uint32_t width = 64, height = 64;  ///< points: columns of voxels, one each
-    std::uint32_t margin = 12;              ///< columns around them that are no points
+    std::uint32_t width = 64, height = 64;  ///< points
+    std::uint32_t margin = 12;              ///< cells around them that are no points
     std::uint32_t radius = 10;
     std::uint32_t paths = 1000;  ///< per point and channel
     std::uint64_t seed = 1;
+    std::array<double, 2> columns{1, 1};  ///< of voxels, that a cell has along x and y; above 0, whole or not
+    std::array<double, 2> first{0, 0};    ///< where the margin begins, in columns from the volume's corner
 };
 
 /// Traced through the volume (path_packets.h): all that the scene says is simulated as it is, the error is noise. Paths
-/// from both points of a pair count for it. Columns are squares; the top is flat and all resin: contract. The same bits
-/// for any number of threads. `progress` advances by points, channel by channel.
+/// from both points of a pair count for it. Contract: cells are squares (to 2 %) and lie on the volume to a column,
+/// what sticks out enters at its edge; the top is flat and all resin. The same bits for any number of threads.
+/// `progress` advances by points, channel by channel.
 [[nodiscard]] SampledBssrdf trace_bssrdf(const Scene& scene, const SampledBssrdfOptions& options,
                                          Progress* progress = nullptr);
 

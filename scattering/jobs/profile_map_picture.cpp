@@ -18,7 +18,7 @@ constexpr double decades = 5;
 
 using Code = std::array<std::uint8_t, 3>;
 
-/// One of the nine pictures.
+/// One of the pictures.
 struct Panel {
     std::uint32_t width = 0, height = 0;
     std::vector<Code> pixels;
@@ -37,7 +37,7 @@ Code heat(double t) {
 struct Cut {
     std::uint32_t width, height, margin, full_width;
     Cut(std::uint32_t w, std::uint32_t h, std::uint32_t radius) : full_width(w) {
-        margin = std::min(w, h) >= 3 * radius ? radius : 0;
+        margin = unjudged_margin({w, h}, radius);
         width = w - 2 * margin;
         height = h - 2 * margin;
     }
@@ -51,43 +51,38 @@ struct Cut {
     }
 };
 
-/// Panels side by side, three in a row, pixels enlarged by whole numbers, on white.
-io::Picture8 lay_out(const std::vector<Panel>& panels) {
+/// Panels side by side, so many in a row, pixels enlarged by whole numbers, on white.
+io::Picture8 lay_out(const std::vector<Panel>& panels, std::uint32_t columns) {
     std::uint32_t scale_px = 0, wide = 0;
     for (const Panel& panel : panels) wide = std::max(wide, panel.width);
     scale_px = std::max(least_panel_px, wide);
     const auto scale = [&](const Panel& panel) { return std::max(1u, scale_px / std::max(panel.width, panel.height)); };
     std::uint32_t column = 0, height = gap_px;
     std::vector<std::uint32_t> top;
-    for (std::size_t row = 0; row < panels.size(); row += 3) {
+    for (std::size_t row = 0; row < panels.size(); row += columns) {
         top.push_back(height);
         column = std::max(column, panels[row].width * scale(panels[row]));
         height += panels[row].height * scale(panels[row]) + gap_px;
     }
-    io::Picture8 picture{3 * column + 4 * gap_px, height, 3, {}};
+    io::Picture8 picture{columns * column + (columns + 1) * gap_px, height, 3, {}};
     picture.codes.assign(std::size_t{3} * picture.width_px * picture.height_px, 255);
     for (std::size_t i = 0; i < panels.size(); ++i) {
         const Panel& panel = panels[i];
-        const std::uint32_t s = scale(panel), left = gap_px + static_cast<std::uint32_t>(i % 3) * (column + gap_px);
+        const std::uint32_t s = scale(panel),
+                            left = gap_px + static_cast<std::uint32_t>(i % columns) * (column + gap_px);
         for (std::uint32_t y = 0; y < panel.height * s; ++y)
             for (std::uint32_t x = 0; x < panel.width * s; ++x) {
                 const Code& code = panel.pixels[std::size_t{y / s} * panel.width + x / s];
-                std::copy(code.begin(), code.end(),
-                          picture.codes.begin() + static_cast<std::ptrdiff_t>(
-                                                      3 * (std::size_t{top[i / 3] + y} * picture.width_px + left + x)));
+                std::copy(
+                    code.begin(), code.end(),
+                    picture.codes.begin() + static_cast<std::ptrdiff_t>(
+                                                3 * (std::size_t{top[i / columns] + y} * picture.width_px + left + x)));
             }
     }
     return picture;
 }
 
 using Spreads = std::vector<SpreadImages>;  // by channel
-
-template <class Source>
-Spreads all_spreads(const Source& source, std::size_t channels) {
-    Spreads spreads;
-    for (std::size_t c = 0; c < channels; ++c) spreads.push_back(spread_of(source, c));
-    return spreads;
-}
 
 /// Albedo as colours of D65.
 Panel albedo_panel(const Cut& cut, const Spreads& spreads, const Eigen::Matrix3Xd& to_srgb) {
@@ -127,34 +122,44 @@ Panel response_panel(const std::vector<double>& window, std::uint32_t side, doub
 
 }  // namespace
 
-ComparisonPicture draw_comparison(const io::BssrdfFile& data, const ProfileMapResult& result,
-                                  std::optional<std::size_t> point) {
-    const optics::SampledBssrdf& responses = data.responses;
-    const std::size_t channels = responses.channels.size();
-    const std::array<Spreads, 3> spreads{all_spreads(responses, channels), all_spreads(result.factored, channels),
-                                         all_spreads(result.clustered, channels)};
+std::uint32_t unjudged_margin(const PointGrid& grid, std::uint32_t radius) {
+    return std::min(grid.width, grid.height) >= 3 * radius ? radius : 0;
+}
+
+std::size_t middle_point(const PointGrid& grid) { return std::size_t{grid.height / 2} * grid.width + grid.width / 2; }
+
+ComparisonPicture draw_columns(const optics::Channels& channels, const PointGrid& grid, std::uint32_t radius,
+                               std::size_t point, const std::vector<PictureColumn>& columns) {
     ComparisonPicture drawn;
-    drawn.channel = channels / 2;
-    drawn.point = point.value_or(std::size_t{responses.height / 2} * responses.width + responses.width / 2);
-    const std::array<std::vector<double>, 3> windows{response_at(responses, drawn.channel, drawn.point),
-                                                     response_at(result.factored, drawn.channel, drawn.point),
-                                                     response_at(result.clustered, drawn.channel, drawn.point)};
-    const Cut cut(responses.width, responses.height, responses.radius);
-    const auto [least_mm, most_mm] = width_limits(cut, spreads[0][drawn.channel]);
+    drawn.channel = channels.size() / 2;
+    drawn.point = point;
+    const Cut cut(grid.width, grid.height, radius);
+    const auto [least_mm, most_mm] = width_limits(cut, columns[0].spreads[drawn.channel]);
     drawn.least_mm = least_mm;
     drawn.most_mm = most_mm;
-    drawn.most_per_mm2 = *std::max_element(windows[0].begin(), windows[0].end());
+    drawn.most_per_mm2 = *std::max_element(columns[0].window.begin(), columns[0].window.end());
     drawn.least_per_mm2 = drawn.most_per_mm2 * std::pow(10, -decades);
 
     std::vector<Panel> panels;
-    const Eigen::Matrix3Xd to_srgb = optics::linear_srgb_weights(data.channels);
-    for (const Spreads& spread : spreads) panels.push_back(albedo_panel(cut, spread, to_srgb));
-    for (const Spreads& spread : spreads)
-        panels.push_back(width_panel(cut, spread[drawn.channel], drawn.least_mm, drawn.most_mm));
-    for (const auto& window : windows)
-        panels.push_back(response_panel(window, 2 * responses.radius + 1, drawn.most_per_mm2));
-    drawn.picture = lay_out(panels);
+    const Eigen::Matrix3Xd to_srgb = optics::linear_srgb_weights(channels);
+    for (const PictureColumn& column : columns) panels.push_back(albedo_panel(cut, column.spreads, to_srgb));
+    for (const PictureColumn& column : columns)
+        panels.push_back(width_panel(cut, column.spreads[drawn.channel], drawn.least_mm, drawn.most_mm));
+    for (const PictureColumn& column : columns)
+        panels.push_back(response_panel(column.window, 2 * radius + 1, drawn.most_per_mm2));
+    drawn.picture = lay_out(panels, static_cast<std::uint32_t>(columns.size()));
     return drawn;
+}
+
+ComparisonPicture draw_comparison(const io::BssrdfFile& data, const ProfileMapResult& result,
+                                  std::optional<std::size_t> chosen) {
+    const optics::SampledBssrdf& responses = data.responses;
+    const std::size_t channels = responses.channels.size();
+    const PointGrid grid{responses.width, responses.height};
+    const std::size_t point = chosen.value_or(middle_point(grid));
+    return draw_columns(data.channels, grid, responses.radius, point,
+                        {picture_column(responses, channels, point), picture_column(result.factored, channels, point),
+                         picture_column(result.clustered, channels, point)});
 }
 
 }  // namespace voxtone::scattering

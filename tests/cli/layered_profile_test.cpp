@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include <fmt/core.h>
@@ -94,6 +95,66 @@ TEST_CASE("slice prints layered profiles on a slab as wide as the map, with a re
         }
     }
     CHECK(dark_left > dark_right);
+}
+
+TEST_CASE("laminate trace sees in a print's voxels what its laminates were traced to show, on any number of threads") {
+    const Folder folder("layered-trace");
+    io::ProfileMap map = two_halves();
+    map.width_mm = map.width_px = 20, map.height_mm = map.height_px = 12;
+    map.cluster.assign(240, 0);
+    for (std::size_t p = 0; p < 240; ++p) map.cluster[p] = p % 20 >= 10;
+    map.target = {{3, profile(0.2, 0.3)}, {3, profile(0.5, 0.3)}};
+    for (auto& target : map.target)
+        for (optics::RadialSamples& samples : target) samples.light.resize(31);  // 3 pixels
+    const std::string file = write_map(folder, map);
+    REQUIRE(run_program(slab_job(folder, file) + " --quiet -o " + (folder / "out")).exit_code == 0);
+    const auto report = nlohmann::json::parse(read_file(folder / "out/report.json"));
+    std::map<int, double> reached;  // by cluster, red
+    for (const auto& row : report["sections"][0]["tables"][0]["rows"])
+        reached[std::stoi(row[0].get<std::string>())] = std::stod(row[5].get<std::string>());
+    CHECK(reached.at(1) - reached.at(0) > 0.05);
+    std::vector<nlohmann::json> traced;
+    for (const char* threads : {"1", "3"}) {
+        const Outcome outcome =
+            run_program(fmt::format("laminate trace {} --paths 400 --threads {} --quiet --json -o {}", folder / "out",
+                                    threads, folder / fmt::format("{}.png", threads)));
+        INFO(outcome.err);
+        REQUIRE(outcome.exit_code == 0);
+        const std::size_t last = outcome.out.rfind('\n', outcome.out.size() - 2);
+        traced.push_back(
+            nlohmann::json::parse(outcome.out.substr(last == std::string::npos ? 0 : last + 1)).at("result"));
+        traced.back().erase("seconds");
+    }
+    CHECK(traced[0] == traced[1]);
+    CHECK(read_file(folder / "1.png") == read_file(folder / "3.png"));
+    const auto& clusters = traced[0].at("clusters");
+    REQUIRE(clusters.size() == 2);
+    for (const auto& cluster : clusters) {
+        CHECK(cluster.at("places") == 7 * 6);
+        CHECK(cluster.at("noise") < 0.01);
+        CHECK(cluster.at("printed")[0].at("total").get<double>() ==
+              Approx(reached.at(cluster.at("cluster"))).margin(0.03));
+        CHECK(cluster.at("clustered")[0].at("total").get<double>() ==
+              Approx(cluster.at("cluster") == 1 ? 0.5 : 0.2).margin(0.03));
+    }
+    const auto fails = [&](const std::string& more, int exit_code, const std::string& words) {
+        const Outcome failed = run_program("laminate trace --quiet " + more);
+        INFO(more << ": " << failed.err);
+        CHECK(failed.exit_code == exit_code);
+        CHECK_THAT(failed.err, Contains(words));
+    };
+    fails((folder / "out") + " -o x.jpg", 2, "as .png or .svg");
+    fails(folder / "none", 3, "--show layered-profile");
+    fails((folder / "out") + " --profiles " + write_map(folder, two_halves(), "small.json"), 3, "map's own size");
+    fails((folder / "out") + " --dataset " + file, 3, "no data set");
+    folder.write("box.obj", box_obj());
+    REQUIRE(
+        run_program(fmt::format("slice --quiet --no-report --load W,K --laminate-thickness 0.6mm --laminate-steps 16 "
+                                "--laminate-rounds 0 --profile-placement box --show layered-profile --profiles {} {} "
+                                "-o {}",
+                                file, folder / "box.obj", folder / "body"))
+            .exit_code == 0);
+    fails(folder / "body", 3, "is a body");
 }
 
 TEST_CASE("Layered profiles are the same for any number of threads and from the job file that they leave") {

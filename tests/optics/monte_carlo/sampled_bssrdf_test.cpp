@@ -29,9 +29,12 @@ Slab homogeneous(const SampledBssrdfOptions& options, double sigma_t, double alb
     slab.set.channels.wavelengths_nm = {550};
     slab.set.eta = eta;
     slab.set.resins = {{"one", "W", {sigma_t}, {albedo}}};
-    slab.volume = make_resin_volume({static_cast<int>(options.width + 2 * options.margin),
-                                     static_cast<int>(options.height + 2 * options.margin), 5},
-                                    {0.4, 0.4, 0.2}, [](int, int, int) { return 1; });
+    const auto columns = [&](std::size_t a, std::uint32_t points) {
+        return static_cast<int>(std::ceil(options.first[a] + (points + 2.0 * options.margin) * options.columns[a]));
+    };
+    slab.volume =
+        make_resin_volume({columns(0, options.width), columns(1, options.height), 5},
+                          {0.4 / options.columns[0], 0.4 / options.columns[1], 0.2}, [](int, int, int) { return 1; });
     return slab;
 }
 
@@ -63,9 +66,12 @@ TEST_CASE("A half window holds one of each two opposite offsets") {
 
 TEST_CASE("Responses of a homogeneous slab are the profile that its layer has") {
     // The same slab twice: voxels with packets of paths, and as a plane layer traced path by path. Cells of a whole
-    // grid are pooled by offset; each pooled value is held against its standard error.
-    const SampledBssrdfOptions options{.width = 24, .height = 20, .margin = 30, .radius = 4, .paths = 800, .seed = 3};
-    for (const double eta : {1.0, 1.5}) {
+    // grid are pooled by offset; each pooled value is held against its standard error. Cells are columns of voxels, or
+    // some columns wide, as in a print.
+    for (const auto& [eta, columns] : {std::pair{1.0, std::array{1.0, 1.0}}, {1.5, {1, 1}}, {1.5, {3.3, 1.7}}}) {
+        SampledBssrdfOptions options{.width = 24, .height = 20, .margin = 30, .radius = 4, .paths = 800, .seed = 3};
+        options.columns = columns;
+        if (columns[0] > 1) options.first = {0.4, 0.7};
         const Slab slab = homogeneous(options, 5, 0.98, eta);
         const SampledBssrdf responses = trace_bssrdf(slab.scene(), options);
         const LayerScene scene{{{slab.set.resins[0].medium(0), 1.0}}, slab.set.g, eta, eta};
