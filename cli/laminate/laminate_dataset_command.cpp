@@ -52,7 +52,7 @@ Verb laminate_dataset_verb() {
                  "marble -o marble.bssrdf");
     command.add("pattern", a.pattern, "marble: veins; chess: white on black and translucent squares; stone: grains",
                 {.choices = pattern_names(), .required = true});
-    add_out_option(command, a.job.out, "FILE", "data set to write (format: docs/heterogeneous.md)");
+    add_out_option(command, a.job.out, "FILE", "data set to write (format: docs/bssrdf.md)");
     add_overwrite_option(command, a.job.overwrite);
     add_slab_options(command, a);
     command.add("--radius", a.job.radius, "of the window around a point, in points", {.range = {1, 64}});

@@ -9,6 +9,7 @@
 
 A verb takes the options of its command line as keywords (`help(voxtone.slice)`), and returns a Job. docs/python.md
 """
+from .bssrdf import write_bssrdf
 from .errors import (Bug, CheckFailed, Cancelled, Error, FileError, InputError, Killed, ProgramMissing, Stopped,
                      TryAgain, Unfinished, UsageError, Warned)
 from .job import Job
@@ -24,4 +25,4 @@ __all__ = ["Bug", "Cancelled", "CheckFailed", "Command", "Error", "FileError", "
            "Option", "Print", "ProgramMissing", "Stopped", "TryAgain", "Unfinished", "UsageError", "Warned", "batch",
            "calibrate", "compare", "connect", "estimate", "laminate", "list", "merge", "open", "option_table", "predict",
            "printers", "program", "proof", "read", "read_mesh", "resin_sets", "slice", "status", "target", "tray",
-           "verify", "version"]
+           "verify", "version", "write_bssrdf"]
