@@ -127,7 +127,7 @@ double mean_when_larger(const MeanParts& mean, double k, double exponent, double
     const double through = open > 0 ? std::max(0.0, left / open) : 0;
     // Where nothing is thick nobody knows what thick walls are like: at best, as asked.
     const double thick = mean.thick_walls < mean.thin ? mean.thick_walls : 0;
-    return mean.reach + (mean.thin - thick) * through + (mean.neighbours + thick) * std::pow(k, -exponent);
+    return mean.reach + mean.flat + (mean.thin - thick) * through + (mean.neighbours + thick) * std::pow(k, -exponent);
 }
 
 double mean_of_longer_loop(const std::vector<double>& means, int more) {

@@ -2,10 +2,11 @@
 //
 // What to try where a print is not as asked: each with what it would come to, by a cheap prediction, or not at all.
 //
-// The verdict's mean m is taken for a sum: what no mixture reaches (reach_mean), what is lost in thin walls, what light
-// does between neighbours. Then
+// The verdict's mean m is taken for a sum: what no mixture reaches (reach_mean), what is lost in thin walls, what flat
+// areas are off in their middles (flat), what light does between neighbours. Then
 //
-//   larger by k   reach + (thin - thick) max(0, 2 depth - k wall) / (2 depth - wall) + (neighbours + thick) k^-e, thick
+//   larger by k   reach + flat + (thin - thick) max(0, 2 depth - k wall) / (2 depth - wall) + (neighbours + thick)
+//   k^-e, thick
 //                 what thin walls are off that are thick (0: not known). Light spreads over a
 //                 fixed length, so that what is off is a band of fixed width: e = 1 beside edges. Where details are no
 //                 wider than the band, e is less: it is measured on the target itself, blurred by 0.5 and by 0.25 mm,
@@ -37,10 +38,10 @@ namespace voxtone::slicer {
 
 /// What the mean is made of.
 struct MeanParts {
-    double reach = 0, thin = 0, neighbours = 0;
+    double reach = 0, thin = 0, flat = 0, neighbours = 0;
     double wall_mm = 0;      ///< of the thin walls, about
     double thick_walls = 0;  ///< what `thin` would be were they thick
-    [[nodiscard]] double sum() const { return reach + thin + neighbours; }
+    [[nodiscard]] double sum() const { return reach + thin + flat + neighbours; }
 };
 
 struct AdviceSources {

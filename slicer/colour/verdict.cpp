@@ -60,6 +60,15 @@ void describe_walls(std::vector<ThinCell> cells, Losses& losses) {
     }
 }
 
+/// Per cell: what its flat area is off in its middle, which no size changes; 0 in none that has a middle.
+std::vector<double> off_in_the_middle(const SeenPrint& seen) {
+    std::vector<double> off(seen.difference.size(), 0);
+    for (std::size_t r = 0; r < seen.regions.size(); ++r)
+        if (seen.regions[r].interior.size() < seen.regions[r].cells.size())
+            for (const std::uint32_t i : seen.regions[r].cells) off[i] = seen.looks[r].difference;
+    return off;
+}
+
 Losses losses_of(const VerdictSources& s, const JobPrediction& p, const std::vector<double>& seen) {
     const std::vector<double>& difference = p.seen.difference;
     const VerdictLimits& limits = s.job.options.verdict;
@@ -72,12 +81,15 @@ Losses losses_of(const VerdictSources& s, const JobPrediction& p, const std::vec
         reach[i] = std::min(difference[i], s.colour.separation.gamut_distance(p.target[i]));
         if (difference[i] > limits.good) found[i] = loss_of_cell(p, s.colour, i, thin_mm);
     });
+    const std::vector<double> middle = off_in_the_middle(p.seen);
     double thin_seen = 0, rest = 0, rest_seen = 0;
     for (std::size_t i = 0; i < difference.size(); ++i) {
         const double d = difference[i], left = seen[i] * (d - reach[i]);
         const bool is_off = d > limits.good, is_thin = is_off && found[i].cause == thin_wall;
         losses.all_seen += seen[i], losses.mean.reach += seen[i] * reach[i];
-        (is_thin ? losses.mean.thin : losses.mean.neighbours) += left;
+        const double flat = is_thin ? 0 : std::min(left, seen[i] * std::max(0.0, middle[i] - reach[i]));
+        losses.mean.flat += flat;
+        (is_thin ? losses.mean.thin : losses.mean.neighbours) += left - flat;
         if (is_thin) thin_seen += seen[i];
         if (!is_off || found[i].cause == neighbours) rest += left, rest_seen += seen[i];
         if (!is_off) continue;
@@ -89,7 +101,8 @@ Losses losses_of(const VerdictSources& s, const JobPrediction& p, const std::vec
     }
     describe_walls(std::move(thin), losses);
     if (!(losses.all_seen > 0)) return losses;
-    for (double* part : {&losses.mean.reach, &losses.mean.thin, &losses.mean.neighbours}) *part /= losses.all_seen;
+    for (double* part : {&losses.mean.reach, &losses.mean.thin, &losses.mean.flat, &losses.mean.neighbours})
+        *part /= losses.all_seen;
     losses.mean.wall_mm = losses.walls.wall_mm;
     // Where hardly anything is thick nothing tells what thick walls would be like.
     constexpr double enough = 0.1;

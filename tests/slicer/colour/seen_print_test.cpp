@@ -206,16 +206,16 @@ TEST_CASE("Paper that is grey all over is even, and flecked paper is not, howeve
 }
 
 TEST_CASE("What a larger print comes to never rises with its size, and never falls below what resins reach") {
-    const MeanParts mean{.reach = 0.8, .thin = 2, .neighbours = 3, .wall_mm = 0.5, .thick_walls = 0.4};
+    const MeanParts mean{.reach = 0.8, .thin = 2, .flat = 0.5, .neighbours = 3, .wall_mm = 0.5, .thick_walls = 0.4};
     double before = mean_when_larger(mean, 1, 0.7, 2);
     CHECK(before == Approx(mean.sum()));
     for (double k = 1.1; k < 10; k *= 1.1) {
         const double now = mean_when_larger(mean, k, 0.7, 2);
         CHECK(now <= before);
-        CHECK(now >= mean.reach);
+        CHECK(now >= mean.reach + mean.flat);
         before = now;
     }
-    CHECK(mean_when_larger(mean, 4, 1, 2) == Approx(0.8 + 0.1 + 0.75));  // walls are thick then
+    CHECK(mean_when_larger(mean, 4, 1, 2) == Approx(0.8 + 0.5 + 0.1 + 0.75));  // walls are thick then
     const MeanParts all_thin{.reach = 0.8, .thin = 2, .neighbours = 0, .wall_mm = 0.5, .thick_walls = 2};
     CHECK(mean_when_larger(all_thin, 4, 1, 2) == Approx(0.8));
 }
