@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -46,11 +47,20 @@ std::vector<LaminateLayer> printable(const std::vector<LaminateLayer>& layers) {
     return kept;
 }
 
+/// Whether the map's samples are means over its pixels, as `laminate factor` writes them.
+bool is_of_cells(const io::ProfileMap& map) {
+    const double spacing = map.target[0][0].spacing_mm, pixel = map.width_mm / map.width_px;
+    return std::abs(spacing / pixel - 1) < 1e-3;
+}
+
 /// A disc that has room for the light that laminates spread beyond the map's samples: at its rim light is folded back.
+/// Waves shorter than two pixels are not in means over pixels: nothing is asked of them.
 optics::HankelGrid grid_for(const io::ProfileMap& map) {
     constexpr double least_reach_mm = 10, room = 1.5;
-    constexpr std::size_t coefficients = 64;
-    return {std::max(least_reach_mm, room * profile_extent_mm(map)), coefficients};
+    constexpr std::size_t least = 8, most = 64;
+    const double reach_mm = std::max(least_reach_mm, room * profile_extent_mm(map));
+    const auto known = static_cast<std::size_t>(std::lround(reach_mm / map.target[0][0].spacing_mm));
+    return {reach_mm, is_of_cells(map) ? std::clamp(known, least, most) : most};
 }
 
 /// What laminates are made of, and what is above them.
@@ -113,10 +123,14 @@ LaminateSearchOptions search_options(const slicer::LayeredOptions& options, cons
 std::vector<ClusterLaminate> wanted_clusters(const std::string& file, const io::ProfileMap& map,
                                              const optics::HankelGrid& grid) {
     std::vector<ClusterLaminate> clusters(map.target.size());
+    std::vector<double> left;
+    if (is_of_cells(map))
+        for (const double k : grid.k()) left.push_back(left_by_cells(k, map.width_mm / map.width_px));
     for (std::size_t k = 0; k < clusters.size(); ++k)
         for (std::size_t c = 0; c < map.target[k].size(); ++c) try {
                 optics::MeasuredSummary summary;
                 clusters[k].target.push_back(optics::measured_reflection(map.target[k][c], grid, summary));
+                for (std::size_t i = 0; i < left.size(); ++i) clusters[k].target.back()[i] /= left[i];
             } catch (const InputError& error) {
                 throw InputError(fmt::format("{}, cluster {}, channel {}: {}", file, k, c, error.what()));
             }
@@ -245,6 +259,20 @@ std::vector<std::string> warnings_of(const PlacedMap& placed, const LaminateFit&
 }
 
 }  // namespace
+
+double left_by_cells(double k, double pixel_mm) {
+    constexpr int directions = 32;
+    const auto square = [&](double along) {
+        const double x = std::numbers::pi * k * pixel_mm * along;
+        return std::abs(x) < 1e-9 ? 1.0 : std::sin(x) / x * (std::sin(x) / x);
+    };
+    double sum = 0;
+    for (int d = 0; d < directions; ++d) {
+        const double angle = std::numbers::pi / 2 * (d + 0.5) / directions;
+        sum += square(std::cos(angle)) * square(std::sin(angle));
+    }
+    return sum / directions;
+}
 
 double profile_extent_mm(const io::ProfileMap& map) {
     double extent = 0;
