@@ -16,12 +16,19 @@ ChannelProfiles mapped(ChannelProfiles profiles, Map&& map) {
     return profiles;
 }
 
-// wanted + modelled - judged
-ChannelProfiles corrected(ChannelProfiles wanted, const ChannelProfiles& modelled, const ChannelProfiles& judged) {
-    for (std::size_t c = 0; c < wanted.size(); ++c)
-        for (std::size_t i = 0; i < wanted[c].size(); ++i) wanted[c][i] += modelled[c][i] - judged[c][i];
-    return wanted;
+ChannelProfiles sum_of(ChannelProfiles a, const ChannelProfiles& b, double sign) {
+    for (std::size_t c = 0; c < b.size(); ++c)
+        for (std::size_t i = 0; i < b[c].size(); ++i) a[c][i] += sign * b[c][i];
+    return a;
 }
+
+}  // namespace
+
+ChannelProfiles model_error(const ChannelProfiles& modelled, const ChannelProfiles& judged, double turned_back) {
+    return sum_of(modelled, mapped(judged, [&](double seen) { return optics::behind_surface(seen, turned_back); }), -1);
+}
+
+namespace {
 
 class Designer {
 public:
@@ -29,7 +36,7 @@ public:
              const LaminateDesignOptions& options, const LaminateJudge& judge)
         : materials_(materials), wanted_(wanted), options_(options), judge_(judge) {
         wanted_behind_ = mapped(wanted, [&](double seen) { return optics::behind_surface(seen, options.turned_back); });
-        target_ = wanted_behind_;
+        target_ = sum_of(wanted_behind_, options.correction, 1);
     }
 
     [[nodiscard]] const ChannelProfiles& target() const { return target_; }
@@ -50,9 +57,8 @@ public:
             next.judged = judge_(next.layers);
             next.judged_distance = profile_distance(next.judged, wanted_, options_.search.dc_weight);
             distances_.push_back(next.judged_distance);
-            target_ = corrected(wanted_behind_, within, mapped(next.judged, [&](double seen) {
-                                    return optics::behind_surface(seen, options_.turned_back);
-                                }));
+            next.correction = model_error(within, next.judged, options_.turned_back);
+            target_ = sum_of(wanted_behind_, next.correction, 1);
         }
         if (!any_ || next.judged_distance < best_.judged_distance) best_ = std::move(next);
         any_ = true;

@@ -329,7 +329,7 @@ JobResult run_laminate_trace(const LaminateTraceJob& job, Progress& progress) {
     const slicer::StackVolume stack = slicer::read_stack_volume(reading, progress);
     check_slab(job, map, stack);
 
-    // Distances are those of the job's own report: its grid.
+    // Waves from 0.3 mm on, the total no heavier than the rest.
     const double extent_mm = of_map.radius * of_map.pitch_mm;
     Traced traced{map, optics::HankelGrid(std::max(10.0, 1.5 * extent_mm), 64), {}, {}, of_map.pitch_mm};
     traced.extent_mm = extent_mm;

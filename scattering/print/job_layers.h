@@ -6,9 +6,10 @@
 // Materials are the loaded resins, known by their profiles. For each cluster of the map the best laminate of blocks is
 // searched (scattering/design/laminate_search.h) and its thicknesses refined (laminate_refinement.h), under a smooth
 // surface to air and over the base resin taken to be deep; what the layered model gets wrong is corrected by tracing
-// the laminates (laminate_design.h): by default in one round, where there are 16 clusters at most. Or materials are
-// measured profiles (laminate_setting.h), with the surface that they had, and nothing is traced. What lies so deep that
-// it changes what is seen by less than 2 % of the distance is left out (shortened_laminate.h). The laminates are
+// the laminates (laminate_design.h): by default in one round, where there are 16 clusters at most; of more, if asked
+// for, the largest, until the rest would gain little over the corrections of those that are wanted alike. Or materials
+// are measured profiles (laminate_setting.h), with the surface that they had, and nothing is traced. What lies so deep
+// that it changes what is seen by less than 2 % of the distance is left out (shortened_laminate.h). The laminates are
 // aligned, interpolated to height fields over the map, and wrapped.
 #pragma once
 
@@ -37,6 +38,7 @@ struct ClusterLaminate {
     double share = 0;        ///< of the map's pixels
     ChannelProfiles target;  ///< Hankel coefficients, wanted
     LaminateDesign design;
+    bool borrowed = false;  ///< not traced: corrected as the traced one that is wanted most alike
 
     /// What is expected of the laminate, and how far that is from the target: as traced, or by the layered model.
     [[nodiscard]] const ChannelProfiles& expected() const {

@@ -131,6 +131,8 @@ std::string surface_name(const io::StackResin& resin) {
 
 struct Totals {
     double distance = 0, worst = 0, modelled = 0, uncorrected = 0, outside = 0;
+    double borrowed = 0, traced_share = 0;  ///< of the map
+    std::size_t borrowers = 0;
     bool traced = false;
     SearchCount count;
 };
@@ -139,15 +141,20 @@ Totals totals_of(const JobLayers& layers) {
     for (const ClusterLaminate& cluster : layers.clusters) {
         totals.distance += cluster.share * cluster.distance();
         totals.modelled += cluster.share * cluster.design.modelled_distance;
-        if (!cluster.design.judged_distances.empty())
+        if (!cluster.design.judged_distances.empty()) {
             totals.uncorrected += cluster.share * cluster.design.judged_distances.front();
+            totals.traced_share += cluster.share;
+        }
         totals.outside += cluster.share * cluster.design.outside;
         totals.traced = totals.traced || !cluster.design.judged.empty();
+        totals.borrowers += cluster.borrowed;
+        if (cluster.borrowed) totals.borrowed += cluster.share;
         if (cluster.share > 0) totals.worst = std::max(totals.worst, cluster.distance());
         totals.count.visited += cluster.design.found.count.visited;
         totals.count.pruned += cluster.design.found.count.pruned;
         totals.count.judged += cluster.design.found.count.judged;
     }
+    if (totals.traced_share > 0) totals.uncorrected /= totals.traced_share;
     return totals;
 }
 
@@ -176,12 +183,19 @@ std::string search_paragraph(const JobLayers& layers, const slicer::LoadedResins
         light_sentence(layers, totals), totals.distance, totals.worst);
 }
 
+/// Empty where all were traced.
+std::string borrowed_words(const Totals& totals) {
+    if (totals.borrowers == 0) return {};
+    return fmt::format("{} clusters, {:.1f} % of the map, corrected as the nearest that was traced", totals.borrowers,
+                       100 * totals.borrowed);
+}
+
 std::string correction_paragraph(const Totals& totals) {
     return fmt::format(
-        "Before it was corrected the traced distance was {:.4f}. The layered model by itself says {:.4f} of the "
-        "laminates "
-        "that are printed.",
-        totals.uncorrected, totals.modelled);
+        "Where they were traced the distance was {:.4f} at first. The layered model by itself says {:.4f} of the "
+        "laminates that are printed.{}",
+        totals.uncorrected, totals.modelled,
+        totals.borrowers > 0 ? fmt::format(" Not traced: {}.", borrowed_words(totals)) : "");
 }
 
 std::string gamut_paragraph(const Totals& totals) {
@@ -367,9 +381,9 @@ std::string layers_summary(const JobLayers& layers) {
     const Totals totals = totals_of(layers);
     return fmt::format(
         "  {} profiles by {} layers: distance {:.4f} on average, {:.4f} at most; outside of the gamut by at least "
-        "{:.4f}; {:.1f} % of the surface too thin for its laminate\n",
+        "{:.4f}; {:.1f} % of the surface too thin for its laminate{}{}\n",
         by_share(layers).size(), layers.aligned.layers(), totals.distance, totals.worst, totals.outside,
-        100 * layers.fit.thin_share);
+        100 * layers.fit.thin_share, totals.borrowers > 0 ? "; " : "", borrowed_words(totals));
 }
 
 }  // namespace voxtone::scattering

@@ -118,8 +118,9 @@ std::vector<OptionSpec> search_entries() {
          .group = heading,
          .help =
              "rounds in which a laminate is searched, traced by Monte Carlo and corrected for what the layered model "
-             "got wrong; the best is kept; 0: by the model alone; a round takes some ten seconds of one core for "
-             "each cluster; auto: 1 for up to 16 clusters of resins, else 0",
+             "got wrong; the best is kept; 0: by the model alone; a round takes some five seconds of one core for "
+             "each cluster, and of many only the largest, until the rest would gain little; auto: 1 for up to 16 "
+             "clusters of resins, else 0",
          .member = &O::laminate_rounds,
          .only_for = Show::layered_profile,
          .rule =
