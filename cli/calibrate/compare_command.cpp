@@ -69,8 +69,8 @@ void add_prediction_options(Verb& command, CompareArguments& a) {
     command.add("--predict", a.predict.model, "by which model", {.choices = {"transport", "monte-carlo"}});
     command.add("--cell", length(a.predict.cell_mm), "what is compared as one: edge of the cells");
     command.add("--spp", a.predict.quality.paths, "monte-carlo: paths per cell and channel");
-    command.add("--backing", a.predict.backing, "what lay under the print; auto: what the job said, else black",
-                {.choices = {"auto", "black", "white", "none"}});
+    command.add("--backing", a.predict.backing,
+                "what lay under the print, as `slice` is told; auto: what the job said, else black");
     add_resins_option(command, a.predict.resins, "; empty: that of the job");
     command.add("--viewing-distance", length(a.job.viewing_distance_mm),
                 "from which an eye looks: what it does not resolve does not count");

@@ -86,9 +86,8 @@ Verb predict_verb() {
                 "dark inside thin translucent walls",
                 {.choices = {"lost", "followed"}});
     command.add("--backing", o.backing,
-                "what lies under the print; auto: what the job said, else black "
-                "under a slab, none under a body",
-                {.choices = {"auto", "black", "white", "none"}});
+                std::string("what lies under the print: ") + slicer::backing_words +
+                    "; auto: what the job said, else black under a slab, none under a body");
     add_foreign_stack_options(command, o.resins, o.assign, o.nearest, o.printer, o.pitch);
     command.group("Run");
     command.add("--memory", memory(o.memory_gib),

@@ -58,6 +58,7 @@ StackDescription as_written(StackDescription stack) {
     if (stack.orientation.swap_xy) {
         std::swap(stack.size_px[0], stack.size_px[1]);
         std::swap(stack.pitch_um[0], stack.pitch_um[1]);
+        std::swap(stack.spread_mm[0], stack.spread_mm[1]);
     }
     stack.size_mm = stack_size_mm(stack);
     stack.content_sha256.assign(64, '0');  // known at the end

@@ -11,6 +11,7 @@
 #include "io/files/json_object.h"
 #include "io/files/json_writer.h"
 #include "io/files/sha256.h"
+#include "optics/media/lateral_spread.h"
 
 namespace voxtone::io {
 namespace {
@@ -62,9 +63,9 @@ StackMember member_in(const JsonObject& json) {
 }
 
 StackDescription from_json(const JsonObject& json, std::string_view source) {
-    json.allow_only({"format", "version", "printer", "pitch_um", "size_px", "layers", "first_layer", "size_mm",
-                     "origin_mm", "pattern", "background_rgb", "resins", "orientation", "resin_pixels", "members",
-                     "content_sha256", seal_key});
+    json.allow_only({"format", "version", "printer", "pitch_um", "spread_mm", "size_px", "layers", "first_layer",
+                     "size_mm", "origin_mm", "pattern", "background_rgb", "resins", "orientation", "resin_pixels",
+                     "members", "content_sha256", seal_key});
     if (json.text("format") != "voxtone-layers")
         json.fail("format", "is not \"voxtone-layers\": this is no manifest of a layer stack");
     if (json.integer("version", 0, 1000000) != 1)
@@ -72,6 +73,10 @@ StackDescription from_json(const JsonObject& json, std::string_view source) {
     StackDescription stack;
     stack.printer = json.text("printer");
     stack.pitch_um = read_three(json, "pitch_um", 0.001, most_um);
+    if (json.has("spread_mm")) {
+        const auto spread = json.numbers("spread_mm", 2, 0, optics::widest_spread_mm);
+        stack.spread_mm = {spread[0], spread[1]};
+    }
     const auto size = json.integers("size_px", 2, 1, 65535);
     stack.size_px = {static_cast<std::uint32_t>(size[0]), static_cast<std::uint32_t>(size[1])};
     stack.layers = static_cast<std::uint32_t>(json.integer("layers", 1, 1000000));
@@ -202,6 +207,7 @@ void add_members(JsonWriter& json, const StackDescription& stack) {
 void add_keys(JsonWriter& json, const StackDescription& stack) {
     json.add("format", "voxtone-layers").add("version", 1);
     json.line().add("printer", stack.printer).add("pitch_um", stack.pitch_um);
+    if (stack.spread_mm != std::array<double, 2>{}) json.add("spread_mm", stack.spread_mm);
     json.line().add("size_px", stack.size_px).add("layers", stack.layers).add("first_layer", stack.first_layer);
     json.add("size_mm", stack.size_mm).add("origin_mm", stack.origin_mm);
     json.line().add("pattern", stack.pattern).add("background_rgb", stack.background_rgb);

@@ -53,8 +53,10 @@ struct StackMember {
 };
 
 struct StackDescription {
-    std::string printer;                     ///< id of the profile
-    std::array<double, 3> pitch_um{};        ///< of columns, rows, layers
+    std::string printer;               ///< id of the profile
+    std::array<double, 3> pitch_um{};  ///< of columns, rows, layers
+    /// How far its resin runs before it is cured, along columns and rows: for who looks at it. 0: not, or not known.
+    std::array<double, 2> spread_mm{};
     std::array<std::uint32_t, 2> size_px{};  ///< columns, rows; 1..65535
     std::uint32_t layers = 0;                ///< in this folder, >= 1
     std::uint32_t first_layer = 0;           ///< number of the first one: a part of a stack starts later

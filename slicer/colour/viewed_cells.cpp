@@ -2,14 +2,19 @@
 #include "slicer/colour/viewed_cells.h"
 
 #include "slicer/look/coarse_cells.h"
+#include "slicer/prepare/backing_sheet.h"
 #include "slicer/surface/target_cells.h"
 
 namespace voxtone::slicer {
 
 optics::Scene scene_of(const optics::ResinVolume& volume, const LoadedResins& resins, const JobBody& body,
-                       optics::Backing under_picture) {
-    return {
-        .volume = &volume, .resins = &resins.set, .backing = body.is_picture ? under_picture : optics::Backing::none};
+                       const BackingChoice& under_picture) {
+    optics::Scene scene{.volume = &volume, .resins = &resins.set, .spread_mm = resins.spread_mm};
+    if (!body.is_picture) return scene;
+    const Eigen::Vector3d& mm = body.placement.extent_mm;
+    scene.backing = under_picture.kind;
+    scene.sheet = sheet_under(under_picture, {mm.x(), mm.y()}, resins.set.channels);
+    return scene;
 }
 
 optics::SurfacePart seen_part(const JobBody& body) {

@@ -25,7 +25,7 @@ struct ViewedCells {
 
 /// The print as models see it: a picture's slab lies on its sheet. Keeps references.
 [[nodiscard]] optics::Scene scene_of(const optics::ResinVolume& volume, const LoadedResins& resins, const JobBody& body,
-                                     optics::Backing under_picture);
+                                     const BackingChoice& under_picture);
 
 /// The top of a picture's slab, a body's whole surface.
 [[nodiscard]] optics::SurfacePart seen_part(const JobBody& body);

@@ -55,6 +55,11 @@ std::vector<JobInput> named_inputs(const OpenedJob& job, const Progress* progres
         if (!mark.font.empty())
             inputs.push_back(file_input(fmt::format("font:{}", m + 1), io::find_font(mark.font).string(), progress));
     }
+    // A word or a file: what it is counts, whichever it is.
+    if (const BackingChoice& backing = options.picture.backing; !backing.picture.empty())
+        inputs.push_back(file_input("backing", backing.picture, progress));
+    else if (backing != optics::Backing::black)
+        inputs.push_back({"backing", {}, text_sha256(backing.words)});
     if (!options.texture.empty()) inputs.push_back(file_input("texture", options.texture, progress));
     if (job.other)
         for (const JobInput& input : job.other->inputs()) inputs.push_back(file_input(input.key, input.file, progress));

@@ -12,10 +12,26 @@
 #include "base/units.h"
 #include "io/files/csv_table.h"
 #include "io/models/model_reader.h"
+#include "optics/colour/colour.h"
+#include "slicer/options/option_words.h"
 
 namespace voxtone::slicer {
 
 namespace {
+
+/// "#rrggbb" in linear light.
+std::optional<std::array<double, 3>> colour_in(const std::string& words) {
+    if (words.size() != 7 || words[0] != '#') return std::nullopt;
+    std::array<double, 3> rgb{};
+    for (std::size_t c = 0; c < 3; ++c) {
+        const char* const first = words.data() + 1 + 2 * c;
+        unsigned value = 0;
+        const auto [end, error] = std::from_chars(first, first + 2, value, 16);
+        if (error != std::errc() || end != first + 2) return std::nullopt;
+        rgb[c] = optics::srgb_decode(value / 255.0);
+    }
+    return rgb;
+}
 
 /// Multiples of 90 degrees come out exact, so that an upright box stays upright to the last bit.
 Eigen::Matrix3d axis_rotation(int axis, double degrees) {
@@ -159,6 +175,35 @@ LayerRange range_within(const std::optional<LayerRange>& asked, int layers) {
             asked->layers() == 1 ? fmt::format("{}", asked->first) : fmt::format("{}-{}", asked->first, asked->last),
             layers - 1));
     return {asked->first, std::min(asked->last, layers - 1)};
+}
+
+BackingChoice::BackingChoice(optics::Backing of) : kind(of), words(name_of(of)) {}
+
+BackingChoice parse_backing(std::string_view key, const std::string& words) {
+    if (const auto known = value_of<optics::Backing>(words)) return *known;
+    const auto require = [&](bool good, std::string_view rule) {
+        if (!good) throw UsageError(fmt::format("--{} {}: {}", key, words, rule));
+    };
+    constexpr std::string_view grey = "grey:", checker = "checker:";
+    constexpr double widest_mm = 1000;
+    BackingChoice sheet;
+    sheet.kind = optics::Backing::sheet;
+    sheet.words = words;
+    if (words.starts_with(grey)) {
+        const auto share = parse_number<double>(key, words.substr(grey.size()));
+        require(share >= 0 && share <= 1, "how much a grey sheet sends back is a number from 0 to 1");
+        sheet.linear_rgb.fill(share);
+    } else if (words.starts_with(checker)) {
+        sheet.checker_mm = parse_length_mm(words.substr(checker.size()), key);
+        require(sheet.checker_mm >= 0.01 && sheet.checker_mm <= widest_mm, "squares are 0.01 to 1000 mm wide");
+    } else if (const auto rgb = colour_in(words)) {
+        sheet.linear_rgb = *rgb;
+    } else {
+        require(words.find('.') != std::string::npos && words[0] != '#' && !io::is_model_name(words),
+                fmt::format("is none of {}", backing_words));
+        sheet.picture = words;
+    }
+    return sheet;
 }
 
 }  // namespace voxtone::slicer

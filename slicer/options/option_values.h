@@ -3,6 +3,7 @@
 // From the text of an option to its value. Each throws UsageError that names the option, the text and the rule.
 #pragma once
 
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -16,6 +17,7 @@
 
 #include "base/named_values.h"
 #include "io/shards/shard_number.h"
+#include "optics/scene/backing.h"
 #include "slicer/options/placement_options.h"
 #include "slicer/options/slice_options.h"
 
@@ -53,6 +55,25 @@ template <class Number>
 
 /// The parts between commas that are not empty.
 [[nodiscard]] std::vector<std::string> parse_list(const std::string& text);
+
+inline constexpr const char* backing_words =
+    "black, white, none, grey:0.5 (how much it sends back), #rrggbb, checker:2mm or a picture as large as the slab";
+
+/// What lies under a picture's slab.
+struct BackingChoice {
+    optics::Backing kind = optics::Backing::black;
+    std::string words = "black";  ///< as it is written
+    // Of a sheet that is neither black nor white the first of these that is there:
+    std::string picture = {};            ///< file
+    double checker_mm = 0;               ///< edge of the squares, black and white
+    std::array<double, 3> linear_rgb{};  ///< the same everywhere
+
+    BackingChoice() = default;
+    BackingChoice(optics::Backing of);  // NOLINT(google-explicit-constructor): each is a choice
+    friend bool operator==(const BackingChoice& a, const BackingChoice& b) { return a.words == b.words; }
+    friend bool operator==(const BackingChoice& a, optics::Backing b) { return a.kind == b; }
+};
+[[nodiscard]] BackingChoice parse_backing(std::string_view key, const std::string& words);
 
 /// "auto": nothing, the file's own.
 [[nodiscard]] std::optional<FileUnit> parse_file_unit(const std::string& text);

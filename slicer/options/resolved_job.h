@@ -26,9 +26,9 @@ struct PictureOptions {
     /// How large it is, by the first that is above 0; none: by the picture's own resolution.
     double width_mm = 0, height_mm = 0, dpi = 0, size_mm = 0;  ///< `size_mm`: of the longer of width and height
     double thickness_mm = 4;
-    bool cut_out = false;                              ///< transparent pixels are no print
-    optics::Backing backing = optics::Backing::black;  ///< what lies under it
-    PictureView view = PictureView::front;             ///< through: by a source behind it, and nothing lies under it
+    bool cut_out = false;                   ///< transparent pixels are no print
+    BackingChoice backing;                  ///< what lies under it
+    PictureView view = PictureView::front;  ///< through: by a source behind it, and nothing lies under it
     [[nodiscard]] bool is_lit_from_behind() const { return view == PictureView::through; }
 };
 

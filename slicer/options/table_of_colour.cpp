@@ -133,18 +133,20 @@ std::vector<OptionSpec> resins_entries() {
              .idle = {[](const O&, bool is_picture) {
                  return unless(is_picture, "light goes through the slabs of pictures; a mesh is seen from all sides");
              }}}),
-        choice(&O::backing, at(&Job::picture, &PictureOptions::backing),
-               {.key = "backing",
-                .metavar = "SHEET",
-                .group = group,
-                .help = "pictures: what lies under the slab: black, white or none",
-                .idle = {[](const O&, bool is_picture) {
-                             return unless(is_picture, "a sheet lies under pictures only; a mesh floats in light");
-                         },
-                         [](const O& o, bool) {
-                             return unless(o.view == name_of(PictureView::front),
-                                           "with --view through a source lies behind the picture, and no sheet");
-                         }}}),
+        {.key = "backing",
+         .metavar = "SHEET",
+         .group = group,
+         .help = fmt::format("pictures: what lies under the slab, air between: {}", backing_words),
+         .member = &O::backing,
+         .names = Names::input_or_known,
+         .idle = {[](const O&, bool is_picture) {
+                      return unless(is_picture, "a sheet lies under pictures only; a mesh floats in light");
+                  },
+                  [](const O& o, bool) {
+                      return unless(o.view == name_of(PictureView::front),
+                                    "with --view through a source lies behind the picture, and no sheet");
+                  }},
+         .resolve = [](const O& o, Job& job) { job.picture.backing = parse_backing("backing", o.backing); }},
     };
 }
 

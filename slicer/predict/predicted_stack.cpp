@@ -17,6 +17,7 @@
 #include "slicer/look/prediction_time.h"
 #include "slicer/predict/parts_in_sight.h"
 #include "slicer/predict/stack_boundary.h"
+#include "slicer/prepare/backing_sheet.h"
 
 namespace voxtone::slicer {
 
@@ -155,7 +156,7 @@ ReadStack read_stack(const ResolvedPrediction& job, Progress& progress) {
 /// From where it is seen, and over what.
 void look_from(const ResolvedPrediction& job, const ReadStack& stack, PredictFigures& figures) {
     figures.from_above = seen_from_above(job, stack.head);
-    const optics::Backing usual = figures.from_above ? optics::Backing::black : optics::Backing::none;
+    const BackingChoice usual = figures.from_above ? optics::Backing::black : optics::Backing::none;
     figures.backing = job.backing.value_or(stack.volume.backing.value_or(usual));
     figures.from_behind = stack.volume.from_behind && figures.from_above && !job.backing;
     if (figures.from_behind) figures.backing = optics::Backing::none;
@@ -167,7 +168,7 @@ std::optional<MeshBoundary> find_boundary(const ResolvedPrediction& job, const S
                                           const PredictFigures& figures, Progress& progress) {
     if (job.model != PredictionModel::monte_carlo || job.boundary == BodyEnd::voxels) return std::nullopt;
     StackBoundary found;
-    if (figures.backing != optics::Backing::none)
+    if (figures.backing.kind != optics::Backing::none)
         found.why_not = "what lies on a sheet ends there, and light paths know sheets under voxels alone";
     else
         found = boundary_of_stack(job.requested.stack, stack, progress);
@@ -256,7 +257,14 @@ PredictedStack predict_stack(const ResolvedPrediction& job, PredictFigures& figu
 
     look_from(job, read, figures);
     expect_files_fit(job, figures.from_above);
-    const optics::Scene scene{.volume = &stack.volume, .resins = &stack.resins, .backing = figures.backing};
+    const auto& voxels = stack.volume.size();
+    const auto& pitch_mm = stack.volume.pitch_mm();
+    const optics::Scene scene{.volume = &stack.volume,
+                              .resins = &stack.resins,
+                              .backing = figures.backing.kind,
+                              .sheet = sheet_under(figures.backing, {voxels[0] * pitch_mm[0], voxels[1] * pitch_mm[1]},
+                                                   stack.resins.channels),
+                              .spread_mm = stack.spread_mm};
     const std::uint64_t volumes = stack.volume.memory_bytes() * (options.absolute ? 1 : 2);
     const bool quick = quick_cells(job, stack.volume.pitch_mm()).has_value();
     PredictedCells cells = find_cells(scene, job, figures, progress);

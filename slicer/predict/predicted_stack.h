@@ -6,7 +6,6 @@
 #include <array>
 
 #include "base/progress.h"
-#include "optics/scene/backing.h"
 #include "slicer/look/surface_prediction.h"
 #include "slicer/options/option_words.h"
 #include "slicer/predict/prediction_options.h"
@@ -15,7 +14,7 @@
 namespace voxtone::slicer {
 
 struct PredictFigures {
-    optics::Backing backing{};
+    BackingChoice backing{};
     bool from_behind = false;  ///< lit from there alone
     BodyEnd boundary = BodyEnd::voxels;
     bool from_above = false;

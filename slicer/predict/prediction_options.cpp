@@ -22,11 +22,9 @@ std::string extension(const std::string& file) {
 }
 
 /// "auto": nothing.
-std::optional<optics::Backing> backing_or_auto(const std::string& text) {
+std::optional<BackingChoice> backing_or_auto(const std::string& text) {
     if (text == "auto") return std::nullopt;
-    const auto backing = value_of<optics::Backing>(text);
-    if (!backing) refuse_choice("backing", text, {"auto", "black", "white", "none"});
-    return backing;
+    return parse_backing("backing", text);
 }
 
 }  // namespace

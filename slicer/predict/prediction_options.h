@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "base/named_values.h"
-#include "optics/scene/backing.h"
 #include "slicer/options/model_choice.h"
 #include "slicer/options/option_words.h"
 #include "slicer/predict/stack_volume.h"
@@ -56,7 +55,7 @@ struct ResolvedPrediction {
     std::optional<std::array<double, 3>> pitch_mm;  ///< of foreign stacks
     std::vector<ColourAssignment> assign;           ///< of foreign stacks
     PredictionModel model = PredictionModel::transport;
-    std::optional<optics::Backing> backing;  ///< nothing: what the job said; else black under slabs, none under bodies
+    std::optional<BackingChoice> backing;  ///< nothing: what the job said; else black under slabs, none under bodies
     BodyEnd boundary = BodyEnd::automatic;
     LightOutside outside = LightOutside::lost;
     PredictedView view = PredictedView::automatic;

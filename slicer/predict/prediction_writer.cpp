@@ -144,7 +144,7 @@ PredictResult describe(const ResolvedPrediction& job, const PredictedStack& pred
     io::JsonWriter json;
     json.begin_object().add("format", "voxtone-prediction").add("version", 1).add("stack", options.stack);
     json.add("files", options.files).add("model", name_of(job.model)).add("view", f.from_above ? "top" : "body");
-    json.add("backing", name_of(f.backing)).add("boundary", name_of(f.boundary));
+    json.add("backing", f.backing.words).add("boundary", name_of(f.boundary));
     json.add("light_outside", name_of(job.outside));
     json.add("relative_to", options.absolute ? "entered light" : "white resin").add("resins", stack.resins.name);
     json.add("channels", prediction.channels).add("voxels", stack.volume.size());
@@ -157,13 +157,13 @@ PredictResult describe(const ResolvedPrediction& job, const PredictedStack& pred
     json.add("surface", f.surface_s).add("predict", f.predict_s).add("write", f.write_s).end_object();
     json.add("peak_memory_bytes", peak_memory_bytes()).end_object();
 
-    std::string text = fmt::format(
-        "{}: {} cells of {:.1f} x {:.1f} x {:.1f} um, {}, {} values, {} under it\n", fmt::join(options.files, ", "),
-        prediction.surface.cells.size(), f.cell_um[0], f.cell_um[1], f.cell_um[2],
-        f.from_above ? "seen from above" : "the whole surface", options.absolute ? "absolute" : "media-relative",
-        f.from_behind                        ? "a source of light"
-        : f.backing == optics::Backing::none ? "nothing"
-                                             : fmt::format("a {} sheet", name_of(f.backing)));
+    std::string text = fmt::format("{}: {} cells of {:.1f} x {:.1f} x {:.1f} um, {}, {} values, {} under it\n",
+                                   fmt::join(options.files, ", "), prediction.surface.cells.size(), f.cell_um[0],
+                                   f.cell_um[1], f.cell_um[2], f.from_above ? "seen from above" : "the whole surface",
+                                   options.absolute ? "absolute" : "media-relative",
+                                   f.from_behind                        ? "a source of light"
+                                   : f.backing == optics::Backing::none ? "nothing"
+                                                                        : fmt::format("a {} sheet", f.backing.words));
     text += fmt::format("  mean colour (linear sRGB): {:.4f} {:.4f} {:.4f}\n", f.mean[0], f.mean[1], f.mean[2]);
     if (errors)
         text +=

@@ -140,13 +140,17 @@ std::string set_of_printer(const std::string& printer) {
     return optics::vero_opaque().name;
 }
 
+/// Where its inputs are named from.
+std::filesystem::path folder_of_job(const std::filesystem::path& stack) {
+    return stack.filename() == io::manifest_name ? stack.parent_path() : stack;
+}
+
 /// The resin set that the job of a stack names, seen from here; or that of its printer, which is said unless the user
 /// names one.
 std::string set_of(const io::StackReader& stack, const StackVolumeOptions& options, Progress& progress) {
     const io::StackOrigin& origin = stack.origin();
     const std::filesystem::path path = options.stack;
-    if (!origin.resins.empty())
-        return input_named_in(path.filename() == io::manifest_name ? path.parent_path() : path, origin.resins);
+    if (!origin.resins.empty()) return input_named_in(folder_of_job(path), origin.resins);
     std::string set = set_of_printer(stack.description()->printer);
     if (options.resins.empty())
         progress.warn(named_warning(
@@ -287,7 +291,7 @@ StackVolume read_own(const io::StackReader& stack, const StackVolumeOptions& opt
     sliced.model = origin.model;
     result.of_picture = !origin.model.empty() && !io::is_model_name(origin.model) && !is_tray(sliced);
     if (result.of_picture && !origin.backing.empty())
-        result.backing = parse_choice<optics::Backing>("backing", origin.backing);
+        result.backing = parse_backing("backing", input_named_in(folder_of_job(options.stack), origin.backing));
     if (result.of_picture) result.from_behind = origin.view == name_of(PictureView::through);
     std::vector<NamedColour> colours{{description.background_rgb, no_material, "the background"}};
     for (const io::StackResin& resin : description.resins)
@@ -304,6 +308,8 @@ StackVolume read_own(const io::StackReader& stack, const StackVolumeOptions& opt
         std::swap(size[0], size[1]);
         std::swap(pitch_mm[0], pitch_mm[1]);
     }
+    result.spread_mm = description.spread_mm;
+    if (description.orientation.swap_xy) std::swap(result.spread_mm[0], result.spread_mm[1]);
     const LayerWindow window =
         window_in({{}, {size[0], size[1], static_cast<int>(description.layers)}}, part, options.stack);
     const std::uint64_t room =
@@ -403,7 +409,8 @@ std::string orientation_text(const io::Orientation& o) {
 
 /// How the bitmaps lie, and what is printed with their pixels.
 struct BitmapFrame {
-    std::array<double, 3> pitch_mm{};  ///< along the model's x, y, z
+    std::array<double, 3> pitch_mm{};   ///< along the model's x, y, z
+    std::array<double, 2> spread_mm{};  ///< of the printer, along x and y
     io::Orientation orientation;
     optics::ResinSet resins;
     std::string family;                  ///< of the resins' cartridges
@@ -414,7 +421,9 @@ struct BitmapFrame {
 BitmapFrame foreign_frame(const io::StackReader& stack, const StackVolumeOptions& options, Progress& progress) {
     std::optional<PrinterProfile> printer;
     if (!options.printer.empty()) printer = find_printer(options.printer);
-    BitmapFrame frame{foreign_pitch_mm(stack, options, printer), {}, {}, {}, {}};
+    BitmapFrame frame;
+    frame.pitch_mm = foreign_pitch_mm(stack, options, printer);
+    if (printer) frame.spread_mm = printer->sliced_spread_mm();
     if (const std::string set = !options.resins.empty() ? options.resins
                                 : printer               ? printer->default_resins
                                                         : "";
@@ -542,6 +551,7 @@ StackVolume read_foreign(const io::StackReader& stack, StackVolumeOptions option
     progress.end_stage();
     StackVolume result;
     result.volume = volume.finish();
+    result.spread_mm = frame.spread_mm;
     result.resins = std::move(assignment.resins);
     result.white = assignment.white;
     for (std::size_t a = 0; a < 3; ++a) result.corner_mm[a] = window.corner[a] * pitch_mm[a];

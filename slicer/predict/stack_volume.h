@@ -22,7 +22,7 @@
 #include "base/progress.h"
 #include "optics/media/resin_volume.h"
 #include "optics/media/resins.h"
-#include "optics/scene/backing.h"
+#include "slicer/options/option_values.h"
 
 namespace voxtone::slicer {
 
@@ -66,10 +66,11 @@ struct StackVolume {
     optics::ResinSet resins;  ///< material m is resins[m - 1]; the white resin is among them where the set has one
     int white = -1;           ///< index of the resin with the role W, or -1
     std::array<double, 3>
-        corner_mm{};          ///< of the volume: in the model's frame (own) or from the bitmaps' lower left (foreign)
-    bool of_picture = false;  ///< made by `slice` from a picture
-    std::optional<optics::Backing> backing;  ///< what the job said of what lies under a picture
-    bool from_behind = false;                ///< the job made a picture to be seen by light from behind
+        corner_mm{};  ///< of the volume: in the model's frame (own) or from the bitmaps' lower left (foreign)
+    std::array<double, 2> spread_mm{};     ///< how far resin runs, along the model's x and y
+    bool of_picture = false;               ///< made by `slice` from a picture
+    std::optional<BackingChoice> backing;  ///< what the job said of what lies under a picture
+    bool from_behind = false;              ///< the job made a picture to be seen by light from behind
     int clear_layers = 0;  ///< at a picture's bottom, that the job made all of clear resin; those on top are left out
     int clear = -1;        ///< index of the resin with the role T, or -1
 };

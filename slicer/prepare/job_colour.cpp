@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "io/profiles/resin_family.h"
 #include "io/profiles/resin_file.h"
+#include "slicer/prepare/backing_sheet.h"
 #include "slicer/prepare/phase.h"
 
 namespace voxtone::slicer {
@@ -83,6 +84,7 @@ LoadedResins load_roles(const ResolvedJob& job, const PrinterProfile& printer, c
         throw InputError(fmt::format("--load {}: {} resins, but {} carries {} at once; leave some out",
                                      fmt::join(roles, ","), roles.size(), printer.id, most_resins(printer)));
     loaded.set = all.subset(roles);
+    loaded.spread_mm = printer.sliced_spread_mm();
     check_clear(job, printer, all, roles);
     for (std::size_t r = 0; r < roles.size(); ++r) roles[r] = loaded.set.resins[r].role;
     loaded.core = loaded.set.find(job.core());
@@ -109,8 +111,8 @@ LoadedResins load_resins(const ResolvedJob& job, const PrinterProfile& printer) 
 std::optional<SlabUnderColour> slab_under_colour(const ResolvedJob& job, const JobBody& body) {
     if (!body.is_picture) return std::nullopt;
     const double clear_mm = job.colour.clear_over_mm() + job.colour.enclose_mm;
-    return SlabUnderColour{body.placement.extent_mm.z() - clear_mm, job.picture.backing,
-                           job.picture.is_lit_from_behind()};
+    const Eigen::Vector3d& mm = body.placement.extent_mm;
+    return SlabUnderColour{mm.z() - clear_mm, job.picture.backing, job.picture.is_lit_from_behind(), {mm.x(), mm.y()}};
 }
 
 double looked_through_mm(const ResolvedJob& job) {
@@ -137,7 +139,9 @@ optics::ShellGeometry shell_geometry(const ColourOptions& options, const LoadedR
     // A slab that is colour all through has no core; the model wants one: a nanometre of it is nothing to light.
     constexpr double no_core_mm = 1e-6;
     geometry.core_mm = std::max(slab->thickness_mm - geometry.shell_mm, no_core_mm);
-    geometry.backing = slab->backing;
+    geometry.backing = slab->backing.kind;
+    if (const auto sheet = sheet_under(slab->backing, slab->size_mm, resins.set.channels))
+        for (std::size_t c = 0; c < sheet->channels; ++c) geometry.sheet.push_back(sheet->mean(c));
     geometry.from_behind = slab->from_behind;
     if (geometry.from_behind) geometry.white_resin = resins.set.find("T");
     return geometry;

@@ -4,6 +4,7 @@
 // makes a colour.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,6 +29,7 @@ struct LoadedResins {
     optics::ResinSet set;                 ///< only what is loaded; resin r is material r + 1
     std::vector<io::StackResin> entries;  ///< names and colours for the manifest, same order
     int core = 0;                         ///< index of the core resin, or of the base below laminates
+    std::array<double, 2> spread_mm{};    ///< how far the printer lets them run, along the model's x and y
     [[nodiscard]] io::Material core_material() const { return static_cast<io::Material>(core + 1); }
 };
 
@@ -70,8 +72,9 @@ private:
 /// A slab of a picture, over a sheet.
 struct SlabUnderColour {
     double thickness_mm = 0;  ///< without clear resin over and under it
-    optics::Backing backing = optics::Backing::black;
+    BackingChoice backing;
     bool from_behind = false;
+    std::array<double, 2> size_mm{};  ///< along x and y
 };
 
 /// Nothing for a body.

@@ -18,6 +18,7 @@
 #include "io/files/json_keys.h"
 #include "io/files/json_object.h"
 #include "io/layers/layer_runs.h"
+#include "optics/media/lateral_spread.h"
 
 namespace voxtone::embedded {
 std::span<const EmbeddedFile> printers();
@@ -37,7 +38,7 @@ const std::initializer_list<std::string_view> known_keys{
     "max_resins", "max_colours",    "formats",    "min_layers",  "colours",         "background_rgb", "default_roles",
     "flip_x",     "material_names", "flip_y",     "unconfirmed", "swap_xy",         "notes",          "default_resins",
     "utility",    "mode",           "cartridges", "min_wall_mm", "min_wall_source", "pass_axis",      "pass_width_mm",
-    "pass_s",     "pass_source"};
+    "pass_s",     "pass_source",    "spread_mm"};
 
 /// Colours for roles that a profile does not name: told apart easily, never black.
 const std::map<std::string, io::Rgb>& usual_colours() {
@@ -194,6 +195,19 @@ HeadPasses read_passes(const io::JsonObject& file) {
     return passes;
 }
 
+/// Of resin, along columns and rows.
+std::array<double, 2> read_spread(const io::JsonObject& file) {
+    if (!file.has("spread_mm")) return {};
+    const std::vector<double> mm = file.numbers("spread_mm", 2, 0, std::numeric_limits<float>::max());
+    for (const double one : mm)
+        if (one > optics::widest_spread_mm)
+            file.fail("spread_mm",
+                      fmt::format("{:g} mm is wider than {:g} mm, at which no printer could place a voxel; give the "
+                                  "standard deviation, in millimetres",
+                                  one, optics::widest_spread_mm));
+    return {mm[0], mm[1]};
+}
+
 PrinterProfile printer_from_json(const io::JsonObject& file, const std::string& id) {
     if (!file.has("format") || !file.is_text("format") || file.text("format") != "voxtone-printer")
         file.fail("format", "is not \"voxtone-printer\": this is not a printer profile");
@@ -221,6 +235,7 @@ PrinterProfile printer_from_json(const io::JsonObject& file, const std::string& 
     if (file.has("utility")) printer.utility = file.text("utility");
     if (file.has("mode")) printer.mode = file.text("mode");
     printer.passes = read_passes(file);
+    printer.spread_mm = read_spread(file);
     printer.notes = texts_or(file, "notes", {});
     return printer;
 }
@@ -280,6 +295,7 @@ io::StackDescription PrinterProfile::describe(const std::array<std::uint32_t, 3>
     io::StackDescription stack;
     stack.printer = id;
     stack.pitch_um = {pitch.x(), pitch.y(), pitch.z()};
+    stack.spread_mm = sliced_spread_mm();
     stack.size_px = {voxels[0], voxels[1]};
     stack.layers = voxels[2];
     stack.background_rgb = background_rgb;

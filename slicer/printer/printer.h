@@ -55,6 +55,7 @@ struct PrinterProfile {
     std::string utility;                                ///< the program that takes the files, for people
     std::string mode;                                   ///< of printing, as it calls it
     HeadPasses passes{};                                ///< of the bitmaps: along their columns or rows
+    std::array<double, 2> spread_mm{};                  ///< of resin before it is cured, along columns and rows
     std::vector<std::string> notes;
 
     /// Takes the cartridges that this set is of; nothing changes where set or printer do not say which. Those of
@@ -68,6 +69,9 @@ struct PrinterProfile {
     [[nodiscard]] Eigen::Vector3d sliced_tray_mm() const { return as_sliced(tray_mm); }
     /// In the model's frame.
     [[nodiscard]] HeadPasses sliced_passes() const;
+    [[nodiscard]] std::array<double, 2> sliced_spread_mm() const {
+        return orientation.swap_xy ? std::array{spread_mm[1], spread_mm[0]} : spread_mm;
+    }
     /// A stack of so many voxels along the model's x, y, z, as `io::LayerStackWriter` wants it; without resins.
     [[nodiscard]] io::StackDescription describe(const std::array<std::uint32_t, 3>& voxels) const;
     [[nodiscard]] bool confirmed(const std::string& key) const { return !unconfirmed.contains(key); }

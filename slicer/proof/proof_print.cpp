@@ -149,7 +149,7 @@ std::unique_ptr<ProofPrint> make_print(const ResolvedProof& job, const std::stri
                                      .nearest = job.requested.nearest,
                                      .memory_bytes = volume_bytes(job)},
                                     progress);
-    print.scene = {.volume = &print.stack.volume, .resins = &print.stack.resins};
+    print.scene = {.volume = &print.stack.volume, .resins = &print.stack.resins, .spread_mm = print.stack.spread_mm};
     print.box = box_of(print.stack);
     print.body = body_of_stack(stack, print.stack, progress);
     find_surface_of(print, progress);

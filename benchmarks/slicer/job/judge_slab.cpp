@@ -68,7 +68,7 @@ Judgement judge_slab(const slicer::SliceOptions& options, const Effort& effort) 
     VOXTONE_EXPECT(stack.of_picture && stack.white >= 0);
     const optics::Scene scene{.volume = &stack.volume,
                               .resins = &stack.resins,
-                              .backing = stack.backing.value_or(optics::Backing::black),
+                              .backing = stack.backing.value_or(optics::Backing::black).kind,
                               .sides = optics::Sides::open};
     const auto cell = optics::cell_voxels(stack.volume.pitch_mm(), effort.cell_mm);
     Judgement j;

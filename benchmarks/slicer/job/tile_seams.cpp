@@ -54,7 +54,7 @@ std::string tile_seams(const std::filesystem::path& folder, std::size_t tile_cel
     const std::size_t channels = observed.channels();
     const optics::ResinVolume white = optics::all_of(stack.volume, static_cast<optics::Material>(stack.white + 1));
     const optics::Scene scene{
-        .volume = &white, .resins = &stack.resins, .backing = stack.backing.value_or(optics::Backing::none)};
+        .volume = &white, .resins = &stack.resins, .backing = stack.backing.value_or(optics::Backing::none).kind};
     optics::TransportOptions options;
     options.refinement = optics::Refinement::none;
     const auto cell = optics::cell_voxels(white.pitch_mm(), options.cell_mm);

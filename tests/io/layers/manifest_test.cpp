@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "io/files/sha256.h"
+#include "io/layers/layer_stack_writer.h"
 #include "tests/io/files/schema.h"
 
 using namespace voxtone;
@@ -82,6 +83,18 @@ TEST_CASE("a manifest says what resin is in bitmaps of single resins", "[manifes
         CHECK_THROWS_WITH(parse_manifest(replaced(text, name_of(pixels).data(), "grey"), "FILE"),
                           Contains("resin_pixels") && Contains("black"));
     }
+}
+
+TEST_CASE("a manifest says how far resin runs, where that is known", "[manifest]") {
+    CHECK(manifest_text(sample()).find("spread_mm") == std::string::npos);
+    auto stack = sample();
+    stack.spread_mm = {0.05, 0.08};
+    const auto text = manifest_text(stack);
+    CHECK(parse_manifest(text, "m") == stack);
+    CHECK(schema_faults("manifest", text).empty());
+    CHECK_THROWS_WITH(parse_manifest(replaced(text, "0.08", "0.8"), "FILE"), Contains("spread_mm"));
+    stack.orientation.swap_xy = true;
+    CHECK(as_written(stack).spread_mm == std::array{0.08, 0.05});
 }
 
 TEST_CASE("a cube of 10 mm is a millilitre", "[manifest]") {

@@ -99,7 +99,8 @@ TEST_CASE("What the job is to decide is nothing") {
 TEST_CASE("Every word comes out as its value") {
     check_words<Mixing>(&SliceOptions::mixing, [](const ResolvedJob& job) { return job.colour.mixing; });
     check_words<ScreenKind>(&SliceOptions::screen, [](const ResolvedJob& job) { return job.colour.screen; });
-    check_words<optics::Backing>(&SliceOptions::backing, [](const ResolvedJob& job) { return job.picture.backing; });
+    check_words<optics::Backing>(&SliceOptions::backing,
+                                 [](const ResolvedJob& job) { return job.picture.backing.kind; });
     check_words<RepairMode>(&SliceOptions::repair, [](const ResolvedJob& job) { return job.repair; });
     check_words<CavityMode>(&SliceOptions::cavities, [](const ResolvedJob& job) { return job.cavities; });
     check_words<halftone::Intent>(&SliceOptions::intent, [](const ResolvedJob& job) { return job.loop.intent; });
@@ -110,6 +111,23 @@ TEST_CASE("Every word comes out as its value") {
         CHECK(changed(layered(), [&](SliceOptions& o) { o.profile_placement = entry.name; }).layered->placement ==
               entry.value);
     CHECK(resolve(layered()).layered.has_value());
+}
+
+TEST_CASE("A sheet under a picture is grey, a colour, a checker or a picture") {
+    const auto sheet = [](const char* words) {
+        const BackingChoice choice = parse_backing("backing", words);
+        CHECK(choice.kind == optics::Backing::sheet);
+        CHECK(choice.words == words);
+        return choice;
+    };
+    CHECK(sheet("grey:0.5").linear_rgb == std::array{0.5, 0.5, 0.5});
+    const BackingChoice colour = sheet("#ff8000");
+    CHECK(colour.linear_rgb[0] == Approx(1));
+    CHECK(colour.linear_rgb[1] == Approx(0.2158605));
+    CHECK(colour.linear_rgb[2] == 0);
+    CHECK(sheet("checker:2mm").checker_mm == 2);
+    CHECK(sheet("desk.png").picture == "desk.png");
+    CHECK(parse_backing("backing", "none") == optics::Backing::none);
 }
 
 TEST_CASE("A bad value is refused, its key named") {
@@ -134,6 +152,11 @@ TEST_CASE("A bad value is refused, its key named") {
         {"layers", [](SliceOptions& o) { o.layers = "5-3"; }},
         {"formats", [](SliceOptions& o) { o.formats = {"bmp"}; }},
         {"backing", [](SliceOptions& o) { o.backing = "red"; }},
+        {"backing", [](SliceOptions& o) { o.backing = "grey:1.5"; }},
+        {"backing", [](SliceOptions& o) { o.backing = "grey:dark"; }},
+        {"backing", [](SliceOptions& o) { o.backing = "#12345"; }},
+        {"backing", [](SliceOptions& o) { o.backing = "checker:0"; }},
+        {"backing", [](SliceOptions& o) { o.backing = "cow.obj"; }},
         {"repair", [](SliceOptions& o) { o.repair = "on"; }},
         {"cavities", [](SliceOptions& o) { o.cavities = "on"; }},
         {"screen", [](SliceOptions& o) { o.screen = "lines"; }},

@@ -170,6 +170,8 @@ TEST_CASE("A wrong profile names file, key and rule") {
     CHECK_THAT(fault(profile_with("\"formats\": [\"bmp\"]")), Contains("'bmp' is none of png, gcvf"));
     CHECK_THAT(fault(profile_with("\"unconfirmed\": {\"pitch\": \"who knows\"}")),
                Contains("did you mean 'pitch_um'?"));
+    CHECK_THAT(fault(profile_with("\"spread_mm\": [0.05, 0.4]")), Contains("0.4 mm is wider than 0.3 mm"));
+    CHECK_THAT(fault(profile_with("\"spread_mm\": [-0.1, 0]")), Contains("spread_mm"));
     CHECK_THAT(fault(profile_with("\"pass_axis\": \"x\"")), Contains("without pass_width_mm"));
     CHECK_THAT(fault(profile_with("\"pass_width_mm\": 50")), Contains("key `pass_source`: is missing"));
     CHECK_THAT(fault(profile_with("\"pass_width_mm\": 50, \"pass_source\": \"a guide\", \"pass_axis\": \"z\"")),
