@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -64,7 +65,10 @@ void add_larger(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     constexpr double fourfold = 4;
     const double thick_mm = 2 * s.job.options.colour.depth_mm, most = std::min(fourfold, most_larger(s));
     const double exponent = exponent_of(s), now = s.mean.sum(), good = s.job.options.verdict.good;
-    const auto then = [&](double k) { return mean_when_larger(s.mean, k, exponent, thick_mm); };
+    // At best flat areas come nearer too: light from afar is in their middles.
+    MeanParts at_best = s.mean;
+    at_best.neighbours += std::exchange(at_best.flat, 0);
+    const auto then = [&](double k) { return mean_when_larger(at_best, k, exponent, thick_mm); };
     // As large as makes it good; else twice as large.
     const double type_k = s.type_mm > 0 && s.smallest_type_mm > 0 ? s.type_mm / s.smallest_type_mm : 1;
     double k = 1.25;
@@ -75,14 +79,17 @@ void add_larger(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     k = std::min(k, most);
     const Eigen::Vector3d& extent = s.body.placement.extent_mm;
     const double edge_mm = s.body.is_picture ? extent.x() : extent.maxCoeff(), to_mm = rounded_mm(k * edge_mm);
-    const double mean = then(to_mm / edge_mm);
+    const double mean = then(to_mm / edge_mm),
+                 most_mean = mean_when_larger(s.mean, to_mm / edge_mm, exponent, thick_mm);
     if (to_mm <= edge_mm || (mean > worth_a_word * now && !(for_type && type_k > 1))) return;
     std::string options = fmt::format("{} {:g}mm", s.body.is_picture ? "--width" : "--size", to_mm);
     // Where nothing else would tell what it comes to.
     const double area_mm2 = coloured_area_mm2(*s.body.surface) * std::pow(to_mm / edge_mm, 2);
     if (!s.loop && s.job.options.prediction.automatic && area_mm2 > 100 * auto_prediction_cm2)
         options += fmt::format(" --predict {}", name_of(PredictionModel::transport));
-    advice.push_back({fmt::format("print it larger ({}): then {:.1f} at best{}", options, mean,
+    const std::string least = fmt::format("{:.1f}", mean), at_most = fmt::format("{:.1f}", most_mean);
+    advice.push_back({fmt::format("print it larger ({}): then {}{}", options,
+                                  least == at_most ? least + " at best" : least + " to " + at_most,
                                   type_k > 1 && to_mm >= type_k * edge_mm ? ", and all type can be read" : ""),
                       options, seen_mean, now, mean});
 }

@@ -220,7 +220,10 @@ int follow(const Folder& folder, const std::string& command) {
             CHECK(came_to <= then);
         else if (text.find("at best") != std::string::npos)
             CHECK(came_to >= then);
-        else
+        else if (const auto to = text.find(" to ", text.find("then ")); to != std::string::npos) {
+            CHECK(came_to >= then - 0.05);
+            CHECK(came_to <= std::stod(text.substr(to + 4)) + 0.05);
+        } else
             CHECK(came_to == Approx(then).margin(std::max(0.5, 0.15 * then)));
         ++followed;
     }
