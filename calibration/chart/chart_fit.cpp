@@ -120,8 +120,8 @@ bool tells_spread(const ChartData& data, const ChartFitOptions& options, const P
     return false;
 }
 
-// Lengths and noise of a residual are chosen anew for each fold of so few mixtures: more take longer than their fits,
-// and tell seven numbers so well that it hardly matters who chooses.
+// Lengths and noise of a residual are chosen anew for each fold of so few mixtures; of more that takes longer than the
+// fit.
 constexpr Eigen::Index most_chosen_anew = 250;
 
 // Standard error of an estimate from those that left a fold out each (Efron 1982).

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "calibration/tables/table_cells.h"
+
 namespace voxtone::calibration {
 
 namespace {
@@ -19,22 +21,6 @@ std::string patches_text(const std::vector<HeldOutPatch>& patches) {
 
 std::string observer_word(const ObserverChoice& choice) { return choice.of_spectra ? "spectra" : "fitted"; }
 
-}  // namespace
-
-std::string difference_heading() {
-    return fmt::format("  {:<34} {:>6} {:>7} {:>7} {:>8}\n", "CIEDE2000", "mean", "median", "95 %", "largest");
-}
-
-std::string difference_line(std::string_view what, const optics::DifferenceSummary& d) {
-    return fmt::format("  {:<34} {:>6.2f} {:>7.2f} {:>7.2f} {:>8.2f}\n", what, d.mean, d.median, d.percentile_95,
-                       d.max);
-}
-
-void add_differences(io::JsonWriter& json, std::string_view key, const optics::DifferenceSummary& d) {
-    json.key(key).begin_object().add("count", d.count).add("mean_de2000", d.mean).add("median_de2000", d.median);
-    json.add("p95_de2000", d.percentile_95).add("max_de2000", d.max).end_object();
-}
-
 void add_patches(io::JsonWriter& json, std::string_view key, std::string_view name,
                  const std::vector<HeldOutPatch>& patches) {
     json.key(key).begin_list();
@@ -43,13 +29,70 @@ void add_patches(io::JsonWriter& json, std::string_view key, std::string_view na
     json.end_list();
 }
 
+}  // namespace
+
+std::string figures_text(const FitFigures& figures) {
+    std::string text =
+        fmt::format("  {:<34} {:>6} {:>7} {:>7} {:>8}\n", "CIEDE2000", "mean", "median", "95 %", "largest");
+    for (const auto& [key, name, d] : figures.lines)
+        if (d.count > 0)
+            text += fmt::format("  {:<34} {:>6.2f} {:>7.2f} {:>7.2f} {:>8.2f}\n", name, d.mean, d.median,
+                                d.percentile_95, d.max);
+    return text;
+}
+
+void add_figures(io::JsonWriter& json, const FitFigures& figures) {
+    for (const auto& [key, name, d] : figures.lines) {
+        json.key(key).begin_object().add("count", d.count).add("mean_de2000", d.mean).add("median_de2000", d.median);
+        json.add("p95_de2000", d.percentile_95).add("max_de2000", d.max).end_object();
+    }
+    add_patches(json, "worst", figures.patch, figures.worst);
+}
+
+io::ReportSection figures_section(const FitFigures& figures, const std::string& title) {
+    io::ReportSection section;
+    section.title = title;
+    section.printed = true;
+    io::ReportTable table{"CIEDE2000", {"", "Mean", "Median", "95 %", "Largest"}, {}};
+    for (const auto& [key, name, d] : figures.lines)
+        if (d.count > 0)
+            table.rows.push_back({std::string(trimmed(name)), fmt::format("{:.2f}", d.mean),
+                                  fmt::format("{:.2f}", d.median), fmt::format("{:.2f}", d.percentile_95),
+                                  fmt::format("{:.2f}", d.max)});
+    section.tables = {table, patches_table("Largest errors", figures.patch, figures.worst)};
+    return section;
+}
+
+io::ReportTable patches_table(const std::string& title, const std::string& name,
+                              const std::vector<HeldOutPatch>& patches) {
+    io::ReportTable table{title, {name, "CIEDE2000"}, {}};
+    for (const HeldOutPatch& patch : patches)
+        table.rows.push_back({patch.mixture, fmt::format("{:.2f}", patch.difference)});
+    return table;
+}
+
+std::string instrument_sentence(const optics::ResinSet& set) {
+    return fmt::format("The instrument sees {:.2f} % of neutral light from the surface; its gain is {:.3f}",
+                       100 * set.measured.surface, set.measured.gain);
+}
+
+FitFigures figures_of(const ChartFit& fit) {
+    return {{{"held_out", "mixtures left out of the fit", fit.held_out},
+             {"held_out_physics", "  the same by physics alone", fit.held_out_physics},
+             {"fitted", "mixtures that were fitted", fit.fitted},
+             {"squares_held_out", "thin squares left out", fit.squares_held_out},
+             {"repeats", "repeats from their own mean", fit.noise}},
+            "mixture",
+            fit.worst};
+}
+
 std::string honesty_of(const ChartFit& fit) {
     std::string text;
-    if (!fit.set.residual.empty() || fit.residual_anew)
-        text = fit.residual_anew
-                   ? "The residual's lengths and noise are chosen anew without the mixtures that they judge."
-                   : "The residual's lengths and noise are chosen on all mixtures, so many that it hardly "
-                     "flatters.";
+    if (fit.residual_anew)
+        text = "The residual's lengths and noise are chosen anew without the mixtures that they judge.";
+    else if (!fit.set.residual.empty())
+        text = fmt::format("The residual's lengths and noise, {} numbers, are chosen on all {} mixtures.",
+                           fit.set.resins.size() + 1, fit.held_out.count);
     const auto taken = std::ranges::find(fit.curve, fit.observer, &ChannelChoice::observer);
     if (taken != fit.curve.end())
         text += fmt::format(
@@ -63,12 +106,7 @@ std::string chart_fit_text(const ChartFit& fit) {
     const optics::ResinSet& set = fit.set;
     std::string text = fmt::format("{} resins in {} channels of their own from {} mixtures, {:.1f} s\n\n",
                                    set.resins.size(), set.channels.size(), fit.fitted.count, fit.seconds);
-    text += difference_heading();
-    text += difference_line("mixtures left out of the fit", fit.held_out);
-    text += difference_line("  the same by physics alone", fit.held_out_physics);
-    text += difference_line("mixtures that were fitted", fit.fitted);
-    if (fit.squares_held_out.count > 0) text += difference_line("thin squares left out", fit.squares_held_out);
-    if (fit.noise.count > 0) text += difference_line("repeats from their own mean", fit.noise);
+    text += figures_text(figures_of(fit));
     if (const std::string honesty = honesty_of(fit); !honesty.empty()) text += honesty + "\n";
     if (!fit.curve.empty()) {
         text += "\nMixtures left out, by number of channels: mean by physics, with residual\n";
@@ -94,8 +132,7 @@ std::string chart_fit_text(const ChartFit& fit) {
     text += fit.dot_spread_text + "\n";
     text += fmt::format("Largest errors of mixtures left out: {}\n", patches_text(fit.worst));
     if (!fit.solids.empty()) text += fmt::format("Solids, left out: {}\n", patches_text(fit.solids));
-    text += fmt::format("The instrument sees {:.2f} % of neutral light from the surface; its gain is {:.3f}\n",
-                        100 * set.measured.surface, set.measured.gain);
+    text += instrument_sentence(set) + "\n";
     return text;
 }
 
@@ -105,13 +142,9 @@ std::string chart_fit_json(const ChartFit& fit) {
     json.begin_object().add("format", "voxtone-chart-fit").add("version", 1).add("seconds", fit.seconds);
     json.add("channels", set.channels.size()).add("observer", observer_word(fit.observer));
     json.add("mixtures", fit.fitted.count);
-    add_differences(json, "fitted", fit.fitted);
-    add_differences(json, "held_out", fit.held_out);
-    add_differences(json, "held_out_physics", fit.held_out_physics);
-    add_differences(json, "repeats", fit.noise);
+    add_figures(json, figures_of(fit));
     json.key("residual").begin_object().add("centres", set.residual.centres().rows());
     json.add("mean_de2000", fit.residual_size).end_object();
-    add_differences(json, "squares_held_out", fit.squares_held_out);
     json.add("length_error", fit.length_error).key("dot_spread").begin_object().add("value", set.dot_spread);
     json.add("error", fit.dot_spread_error).end_object().key("measured").begin_object();
     json.add("surface", set.measured.surface).add("gain", set.measured.gain).end_object().key("curve").begin_list();
@@ -120,7 +153,6 @@ std::string chart_fit_json(const ChartFit& fit) {
         json.add("physics", choice.physics).add("with_residual", choice.with_residual).end_object();
     }
     json.end_list().add("chosen_anew", fit.chosen_anew).add("residual_anew", fit.residual_anew);
-    add_patches(json, "worst", "mixture", fit.worst);
     add_patches(json, "solids", "mixture", fit.solids);
     return json.add("warnings", fit.warnings).end_object().text();
 }

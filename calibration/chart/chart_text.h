@@ -12,23 +12,33 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "calibration/chart/chart_fit.h"
 #include "io/files/json_writer.h"
+#include "io/report/report.h"
 
 namespace voxtone::calibration {
 
-/// A table of differences: its heading, and a line of it.
-[[nodiscard]] std::string difference_heading();
-[[nodiscard]] std::string difference_line(std::string_view what, const optics::DifferenceSummary& differences);
-/// One JSON object within another.
-void add_differences(io::JsonWriter& json, std::string_view key, const optics::DifferenceSummary& differences);
-/// A list of objects: `name`, and how far the patch is off.
-void add_patches(io::JsonWriter& json, std::string_view key, std::string_view name,
-                 const std::vector<HeldOutPatch>& patches);
+/// How far off a fit is, for its text, its JSON object and its page alike.
+struct FitFigures {
+    struct Line {
+        std::string key, name;  ///< in JSON, and in words
+        optics::DifferenceSummary of;
+    };
+    std::vector<Line> lines;  ///< in JSON all, else those that count something
+    std::string patch;        ///< what is off: "mixture", "laminate"
+    std::vector<HeldOutPatch> worst;
+};
+[[nodiscard]] std::string figures_text(const FitFigures& figures);
+void add_figures(io::JsonWriter& json, const FitFigures& figures);
+[[nodiscard]] io::ReportSection figures_section(const FitFigures& figures, const std::string& title);
+[[nodiscard]] io::ReportTable patches_table(const std::string& title, const std::string& name,
+                                            const std::vector<HeldOutPatch>& patches);
+/// "The instrument sees 1.50 % of neutral light from the surface; its gain is 1.000"
+[[nodiscard]] std::string instrument_sentence(const optics::ResinSet& set);
 
+[[nodiscard]] FitFigures figures_of(const ChartFit& fit);
 /// What of the held-out figures was chosen on the mixtures that they judge, and what that flatters; sentences.
 [[nodiscard]] std::string honesty_of(const ChartFit& fit);
 [[nodiscard]] std::string chart_fit_text(const ChartFit& fit);

@@ -8,6 +8,8 @@
 
 #include "calibration/chart/chart_text.h"
 #include "calibration/fit/patch_page.h"
+#include "calibration/layers/layer_text.h"
+#include "io/programs/build_identity.h"
 #include "io/report/plot_svg.h"
 #include "io/report/report_html.h"
 #include "optics/colour/colour.h"
@@ -22,33 +24,13 @@ using io::ReportTable;
 std::string number(double value) { return fmt::format("{:.2f}", value); }
 
 ReportSection unseen_mixtures(const ChartFit& fit) {
-    ReportSection section;
-    section.title = "Mixtures that took no part";
-    section.printed = true;
+    ReportSection section = figures_section(figures_of(fit), "Mixtures that took no part");
     section.paragraphs.push_back(
         fmt::format("What this set is worth: every mixture was foretold by a fit of others. Its mean error is {:.2f} "
                     "CIEDE2000; half of all people see a difference of 0.8 side by side (Paravina et al. 2015).",
                     fit.held_out.mean));
     if (const std::string honesty = honesty_of(fit); !honesty.empty()) section.paragraphs.push_back(honesty);
-    ReportTable figures{"CIEDE2000", {"", "Mean", "Median", "95 %", "Largest"}, {}};
-    const auto add = [&](const char* what, const optics::DifferenceSummary& d) {
-        if (d.count > 0)
-            figures.rows.push_back({what, number(d.mean), number(d.median), number(d.percentile_95), number(d.max)});
-    };
-    add("Mixtures left out of the fit", fit.held_out);
-    add("The same by physics alone, without the residual", fit.held_out_physics);
-    add("Mixtures that were fitted", fit.fitted);
-    add("Thin squares left out", fit.squares_held_out);
-    add("Repeats of one mixture from their mean: the noise", fit.noise);
-    section.tables.push_back(figures);
-    ReportTable worst{"Largest errors of mixtures left out", {"Mixture, %", "CIEDE2000"}, {}};
-    for (const HeldOutPatch& patch : fit.worst) worst.rows.push_back({patch.mixture, number(patch.difference)});
-    section.tables.push_back(worst);
-    if (!fit.solids.empty()) {
-        ReportTable solids{"Solids, left out", {"Resin", "CIEDE2000"}, {}};
-        for (const HeldOutPatch& patch : fit.solids) solids.rows.push_back({patch.mixture, number(patch.difference)});
-        section.tables.push_back(solids);
-    }
+    if (!fit.solids.empty()) section.tables.push_back(patches_table("Solids, left out", "resin", fit.solids));
     return section;
 }
 
@@ -113,11 +95,9 @@ ReportSection channels_of(const ChartFit& fit) {
     const optics::ResinSet& set = fit.set;
     ReportSection section;
     section.title = "Channels and resins";
-    section.paragraphs.push_back(fmt::format(
-        "{} channels{}; {}. g = {}, eta = {}; the instrument sees {:.2f} % of neutral light from the surface, its gain "
-        "is {:.3f}.",
-        set.channels.size(), fit.observer.of_spectra ? ", bands of the measured spectra" : "", set.source, set.g,
-        set.eta, 100 * set.measured.surface, set.measured.gain));
+    section.paragraphs.push_back(fmt::format("{} channels{}; {}. g = {}, eta = {}. {}.", set.channels.size(),
+                                             fit.observer.of_spectra ? ", bands of the measured spectra" : "",
+                                             set.source, set.g, set.eta, instrument_sentence(set)));
     section.paragraphs.push_back(
         set.residual.empty()
             ? std::string("No residual: none was wanted, or it made mixtures that were left out no better.")
@@ -148,6 +128,20 @@ ReportSection channels_of(const ChartFit& fit) {
 }
 
 }  // namespace
+
+std::string layer_fit_html(const LayerFit& fit) {
+    io::Report report;
+    report.program_version = io::program_version();
+    report.title = fmt::format("Fit of {}", fit.set.name);
+    report.warnings = fit.warnings;
+    report.total_seconds = fit.seconds;
+    ReportSection section = figures_section(figures_of(fit), "Laminates that took no part");
+    section.paragraphs.push_back(fmt::format("{}. Laminates are named by their layers from the top, mm. {}.",
+                                             fit.set.source, instrument_sentence(fit.set)));
+    section.drawings.push_back({"", albedo_plot(fit.set)});
+    report.sections.push_back(section);
+    return io::report_html(report);
+}
 
 std::string chart_fit_html(const ChartFit& fit, const PatchTable& table, const PatchCheck& check, const PatchMap& map) {
     io::Report report = patch_report(table, check, fit.set, map, 0);

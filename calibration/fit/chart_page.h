@@ -8,6 +8,7 @@
 
 #include "calibration/chart/chart_fit.h"
 #include "calibration/fit/patch_map.h"
+#include "calibration/layers/layer_fit.h"
 #include "calibration/patches/patch_check.h"
 
 namespace voxtone::calibration {
@@ -15,5 +16,8 @@ namespace voxtone::calibration {
 /// `check`: of the fit's set with `table`, the patches that are shown.
 [[nodiscard]] std::string chart_fit_html(const ChartFit& fit, const PatchTable& table, const PatchCheck& check,
                                          const PatchMap& map);
+
+/// The page of laminates: figures and resins.
+[[nodiscard]] std::string layer_fit_html(const LayerFit& fit);
 
 }  // namespace voxtone::calibration

@@ -50,7 +50,14 @@ void expect_chart_options(const FitJob& job) {
     refuse(!job.map.target.empty(), "--target", "its patches lie on no target");
 }
 
-/// Layers in the place of patches: no page shows them yet.
+/// All that a fit leaves, when nothing can fail any more but the disk; the set last.
+void write_fit(const FitJob& job, const optics::ResinSet& set, const std::string& json, const std::string& page) {
+    if (!job.report.empty()) io::write_whole_file(job.report, page);
+    io::write_whole_file(side_file(job.out), json + "\n");
+    io::write_whole_file(job.out, io::resin_set_text(set));
+}
+
+/// Layers in the place of patches.
 JobResult run_layer_fit(const FitJob& job, const LayerChart& chart, Progress& progress) {
     const FitOptions fit = options_of(job);
     expect_chart_options(job);
@@ -60,9 +67,6 @@ JobResult run_layer_fit(const FitJob& job, const LayerChart& chart, Progress& pr
     if (!job.squares.empty())
         throw UsageError(
             fmt::format("--squares with {}, laminates, which tell lengths themselves. Leave it out.", job.patches));
-    if (!job.report.empty())
-        throw UsageError(
-            fmt::format("--report with {}, laminates: there is no page of them. Leave it out.", job.patches));
     for (const std::string& note : chart.notes) progress.warn(named_warning("assumed", note));
     const auto others = job.check.empty() ? std::nullopt : read_layer_chart(job.check, job.measured.reading.illuminant);
     if (!job.check.empty() && !others)
@@ -73,17 +77,9 @@ JobResult run_layer_fit(const FitJob& job, const LayerChart& chart, Progress& pr
     for (const std::string& warning : found.warnings) progress.warn(warning);
     std::string text = layer_fit_text(found);
     if (others) text += fmt::format("\n{}\n{}", job.check, layer_check_text(check_layers(found.set, *others)));
-    io::write_whole_file(job.out, io::resin_set_text(found.set));
-    io::write_whole_file(side_file(job.out), layer_fit_json(found) + "\n");
+    write_fit(job, found.set, layer_fit_json(found), job.report.empty() ? std::string() : layer_fit_html(found));
     text += fmt::format("\nWrote {} and {}\n", job.out, side_file(job.out).string());
     return {layer_fit_json(found), text};
-}
-
-/// All that a fit leaves, when nothing can fail any more but the disk; the set last.
-void write_fit(const FitJob& job, const optics::ResinSet& set, const std::string& json, const std::string& page) {
-    if (!job.report.empty()) io::write_whole_file(job.report, page);
-    io::write_whole_file(side_file(job.out), json + "\n");
-    io::write_whole_file(job.out, io::resin_set_text(set));
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include "calibration/chart/chart_text.h"
 #include "io/files/json_writer.h"
 
 namespace voxtone::calibration {
@@ -17,19 +16,27 @@ std::string worst_text(const std::vector<HeldOutPatch>& worst) {
     return text;
 }
 
+FitFigures figures_of(const LayerCheck& check) {
+    return {{{"laminates", "laminates", check.summary}}, "laminate", check.worst};
+}
+
 }  // namespace
+
+FitFigures figures_of(const LayerFit& fit) {
+    return {{{"held_out", "laminates left out of the fit", fit.held_out},
+             {"fitted", "laminates that were fitted", fit.fitted}},
+            "laminate",
+            fit.worst};
+}
 
 std::string layer_fit_text(const LayerFit& fit) {
     const optics::ResinSet& set = fit.set;
     std::string text = fmt::format("{} resins in {} channels of their own from {} laminates, {:.1f} s\n\n",
                                    set.resins.size(), set.channels.size(), fit.fitted.count, fit.seconds);
-    text += difference_heading();
-    if (fit.held_out.count > 0) text += difference_line("laminates left out of the fit", fit.held_out);
-    text += difference_line("laminates that were fitted", fit.fitted);
+    text += figures_text(figures_of(fit));
     text += fmt::format("\nLargest errors{}, layers from the top, mm:\n{}",
                         fit.held_out.count > 0 ? " of laminates left out" : "", worst_text(fit.worst));
-    text += fmt::format("The instrument sees {:.2f} % of neutral light from the surface; its gain is {:.3f}\n",
-                        100 * set.measured.surface, set.measured.gain);
+    text += instrument_sentence(set) + "\n";
     return text;
 }
 
@@ -37,24 +44,20 @@ std::string layer_fit_json(const LayerFit& fit) {
     io::JsonWriter json;
     json.begin_object().add("format", "voxtone-layer-fit").add("version", 1).add("seconds", fit.seconds);
     json.add("channels", fit.set.channels.size()).add("laminates", fit.fitted.count);
-    add_differences(json, "fitted", fit.fitted);
-    add_differences(json, "held_out", fit.held_out);
+    add_figures(json, figures_of(fit));
     json.key("measured").begin_object().add("surface", fit.set.measured.surface);
     json.add("gain", fit.set.measured.gain).end_object();
-    add_patches(json, "worst", "laminate", fit.worst);
     return json.add("warnings", fit.warnings).end_object().text();
 }
 
 std::string layer_check_text(const LayerCheck& check) {
-    return difference_heading() + difference_line("laminates", check.summary) +
-           "\nLargest errors, layers from the top, mm:\n" + worst_text(check.worst);
+    return figures_text(figures_of(check)) + "\nLargest errors, layers from the top, mm:\n" + worst_text(check.worst);
 }
 
 std::string layer_check_json(const LayerCheck& check) {
     io::JsonWriter json;
     json.begin_object().add("format", "voxtone-layer-check").add("version", 1);
-    add_differences(json, "laminates", check.summary);
-    add_patches(json, "worst", "laminate", check.worst);
+    add_figures(json, figures_of(check));
     return json.end_object().text();
 }
 

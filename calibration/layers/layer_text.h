@@ -10,10 +10,12 @@
 
 #include <string>
 
+#include "calibration/chart/chart_text.h"
 #include "calibration/layers/layer_fit.h"
 
 namespace voxtone::calibration {
 
+[[nodiscard]] FitFigures figures_of(const LayerFit& fit);
 [[nodiscard]] std::string layer_fit_text(const LayerFit& fit);
 [[nodiscard]] std::string layer_fit_json(const LayerFit& fit);
 [[nodiscard]] std::string layer_check_text(const LayerCheck& check);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "calibration/fit/fit_job.h"
 
+#include <fmt/format.h>
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
@@ -50,4 +51,25 @@ TEST_CASE("a fit whose check cannot be done leaves no file") {
     job.check = job.patches;
     (void)run_fit_job(job, quiet);
     for (const std::filesystem::path& file : job.outputs()) CHECK(std::filesystem::exists(file));
+}
+
+TEST_CASE("a fit of laminates has a page, too") {
+    const io::TemporaryFolder folder;
+    // Yellow upon white, upon a white base: the thicker the deeper.
+    std::string text = "# illuminant: D50\nlayers,L,a,b\n\"W 2\",93,-1,3\n\"Y 2\",80,2,88\n";
+    for (int k = 1; k <= 10; ++k)
+        text += fmt::format("\"Y {}, W 2\",{},{},{}\n", 0.02 * k, 92 - 0.6 * k, -1 - 0.4 * k, 3 + 6 * k);
+    FitJob job;
+    job.patches = folder.path() / "laminates.csv";
+    io::write_whole_file(job.patches, text);
+    job.out = folder.path() / "set.json";
+    job.report = folder.path() / "set.html";
+    job.chart.channels = 3;
+    Progress quiet;
+    const JobResult result = run_fit_job(job, quiet);
+    CHECK_THAT(result.text, Contains("laminates left out of the fit"));
+    const auto bytes = io::read_whole_file(job.report, 1 << 24);
+    const std::string page(bytes.begin(), bytes.end());
+    CHECK_THAT(page, Contains("Laminates that took no part") && Contains("laminates left out of the fit") &&
+                         Contains("Y 0.2, W 2") && Contains("Resins by channel"));
 }
