@@ -78,15 +78,23 @@ std::string albedo_plot(const optics::ResinSet& set) {
     for (std::size_t c = 0; c < set.channels.size(); ++c) at.push_back(static_cast<double>(c + 1));
     io::Plot plot({0.5, channels + 0.5, false, at, "channel"}, {0, 1.1, false, {0, 0.25, 0.5, 0.75, 1}, "albedo"},
                   "Resins by channel");
-    const std::vector<std::string> usual{"#0097a7", "#c2185b", "#f9a825", "#212121", "#9e9e9e", "#6a1b9a"};
+    const std::vector<std::string> usual{"#0097a7", "#c2185b", "#f9a825", "#212121", "#9e9e9e"};
+    std::vector<double> labels;
     for (std::size_t r = 0; r < set.resins.size(); ++r) {
         const std::string_view roles = "CMYKW";
         const std::size_t known = set.resins[r].role.size() == 1 ? roles.find(set.resins[r].role[0]) : roles.npos;
-        const std::string& colour = usual[known == roles.npos ? 5 : known];
+        // Others are told apart by turns around the circle.
+        const std::string colour =
+            known == roles.npos ? fmt::format("hsl({:.0f},60%,40%)", std::fmod(137.5 * double(r), 360)) : usual[known];
         io::Plot::Points line;
         for (std::size_t c = 0; c < at.size(); ++c) line.emplace_back(at[c], set.resins[r].albedo[c]);
         plot.line(line, colour);
-        plot.label(line.back().first + 0.05, line.back().second, set.resins[r].role, colour);
+        // No label upon another.
+        double height = line.back().second;
+        while (std::ranges::any_of(labels, [&](double other) { return std::abs(other - height) < 0.065; }))
+            height -= 0.02;
+        labels.push_back(height);
+        plot.label(line.back().first + 0.05, height, set.resins[r].role, colour);
     }
     return plot.svg();
 }
