@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include <Eigen/LU>
+
 #include "base/contracts.h"
 #include "base/parallel.h"
 #include "optics/colour/colour.h"
@@ -25,8 +27,8 @@ struct Part {
     double value = 0;
     Eigen::Vector3f by_residual;
 };
-Part part_of(const Eigen::Vector3f& residual, const Eigen::Vector3d& squares = {1, 4, 4}) {
-    const Eigen::Vector3d r = residual.cast<double>(), weighed = squares.cwiseProduct(r);
+Part part_of(const Eigen::Vector3f& residual) {
+    const Eigen::Vector3d r = residual.cast<double>(), weighed = Eigen::Vector3d(1, 4, 4).cwiseProduct(r);
     const double length = std::sqrt(weighed.dot(r) + soft * soft);
     return {length - soft, (weighed / length).cast<float>()};
 }
@@ -34,6 +36,20 @@ Part part_of(const Eigen::Vector3f& residual, const Eigen::Vector3d& squares = {
 /// d (by_oklab . oklab_of(p)) / d p.
 Eigen::Vector3f by_light(const Eigen::Vector3f& p, const Eigen::Vector3f& by_oklab) {
     return (optics::oklab_derivative(lit(p)).transpose() * by_oklab.cast<double>()).cast<float>();
+}
+
+Eigen::Vector3d light_of_lab(const Eigen::Vector3f& lab) {
+    return optics::linear_srgb_from_lab(lab.cast<double>()).cwiseMax(least_light);
+}
+Eigen::Vector3f oklab_of_lab(const Eigen::Vector3f& lab) {
+    return optics::oklab_from_linear_srgb(light_of_lab(lab)).cast<float>();
+}
+
+/// d (by_oklab . oklab_of_lab(lab)) / d lab.
+Eigen::Vector3f by_lab(const Eigen::Vector3f& lab, const Eigen::Vector3f& by_oklab) {
+    const Eigen::Vector3d rgb = light_of_lab(lab);
+    const Eigen::Matrix3d slope = optics::oklab_derivative(rgb) * optics::lab_derivative(rgb).inverse();
+    return (slope.transpose() * by_oklab.cast<double>()).cast<float>();
 }
 
 }  // namespace
@@ -45,13 +61,9 @@ MisfitFunction::MisfitFunction(const optics::Surface& surface, const EyeFilter& 
       wide_(wide),
       contrast_part_(std::move(contrast_part)),
       target_(target),
-      target_views_(eye.views(target)),
-      metric_(target.size()) {
+      target_views_(eye.views(target)) {
     VOXTONE_EXPECT(!wide || contrast_part_.size() == target.size());
     VOXTONE_EXPECT(weight.empty() || weight.size() == target.size());
-    parallel_for(0, target.size(), 1024, [&](std::size_t i) {
-        metric_[i] = optics::ciede2000_metric(target_views_.lab[i].cast<double>()).cast<float>();
-    });
     double mean = 0;
     for (const optics::SurfaceCell& cell : surface.cells) mean += cell.area_mm2;
     mean /= static_cast<double>(std::max<std::size_t>(1, surface.cells.size()));
@@ -71,7 +83,7 @@ Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted, co
     const std::vector<Eigen::Vector3f>& nearer = views.smoothed;
     std::vector<Eigen::Vector3f> far(n), near(n), as_is(n);
     parallel_for(0, n, 1024, [&](std::size_t i) {
-        far[i] = (views.lab[i] - target_views_.lab[i]) / 100;
+        far[i] = oklab_of_lab(views.lab[i]) - oklab_of_lab(target_views_.lab[i]);
         near[i] = oklab_of(nearer[i]) - oklab_of(target_views_.smoothed[i]);
     });
     // d - k S d; in the derivative it stands transposed, d - S k d: smoothing averages by area over neighbours, S_ij =
@@ -94,18 +106,19 @@ Misfit MisfitFunction::operator()(std::span<const Eigen::Vector3f> predicted, co
     take_level(false);
     std::vector<double> value(n);
     parallel_for(0, n, 1024, [&](std::size_t i) {
-        const Part from_far = part_of(Eigen::Vector3f(metric_[i] * far[i]), {1, 1, 1}), from_near = part_of(near[i]),
+        const Part from_far = part_of(far[i]), from_near = part_of(near[i]),
                    by_itself = part_of(oklab_of(predicted[i]) - oklab_of(target_[i]));
         value[i] = static_cast<double>(area_[i] * weight_[i]) *
                    (from_far.value + static_cast<double>(gamma) * from_near.value +
                     static_cast<double>(beta) * by_itself.value);
-        far[i] = weight_[i] / 100 * metric_[i].transpose() * from_far.by_residual;
+        far[i] = weight_[i] * from_far.by_residual;
         near[i] = weight_[i] * gamma * from_near.by_residual;
         as_is[i] = weight_[i] * beta * by_light(predicted[i], by_itself.by_residual);
     });
     Misfit misfit;
     for (const double v : value) misfit.value += v;
     take_level(true);
+    parallel_for(0, n, 1024, [&](std::size_t i) { far[i] = by_lab(views.lab[i], far[i]); });
     far = eye_.by_smoothed(far, views);
     parallel_for(0, n, 1024, [&](std::size_t i) { near[i] = far[i] + by_light(nearer[i], near[i]); });
     misfit.by_colour = eye_.smoothed(near);

@@ -133,7 +133,8 @@ optics::SampledBssrdf trace(const LaminateTraceJob& job, const io::ProfileMap& m
         options.first[a] = -stack.corner_mm[a] / pitch[a];
     }
     progress.begin_stage("trace", map.channels.size() * std::uint64_t{map.width_px} * map.height_px, "places");
-    const optics::Scene scene{&stack.volume, &stack.resins, stack.backing ? stack.backing->kind : optics::Backing::none};
+    const optics::Scene scene{&stack.volume, &stack.resins,
+                              stack.backing ? stack.backing->kind : optics::Backing::none};
     optics::SampledBssrdf printed = optics::trace_bssrdf(scene, options, &progress);
     progress.end_stage();
     return printed;
