@@ -61,6 +61,21 @@ bool is_cut_short(const AdviceSources& s) {
            s.loop->result.why_stopped == halftone::all_iterations_made;
 }
 
+/// The option that says how large it is, as the user said it, and what it says now.
+struct SizeOption {
+    const char* name;
+    double mm;
+};
+SizeOption size_option(const AdviceSources& s) {
+    const Eigen::Vector3d& extent = s.body.placement.extent_mm;
+    if (!s.body.is_picture) return {"--size", extent.maxCoeff()};
+    const PictureOptions& picture = s.job.options.picture;
+    if (picture.width_mm > 0) return {"--width", extent.x()};
+    if (picture.height_mm > 0) return {"--height", extent.y()};
+    return picture.size_mm > 0 && picture.dpi == 0 ? SizeOption{"--size", std::max(extent.x(), extent.y())}
+                                                   : SizeOption{"--width", extent.x()};
+}
+
 void add_larger(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     constexpr double fourfold = 4;
     const double thick_mm = 2 * s.job.options.colour.depth_mm, most = std::min(fourfold, most_larger(s));
@@ -77,12 +92,12 @@ void add_larger(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     const bool for_type = type_k > k || now <= good || is_cut_short(s);
     if (for_type) k = type_k;
     k = std::min(k, most);
-    const Eigen::Vector3d& extent = s.body.placement.extent_mm;
-    const double edge_mm = s.body.is_picture ? extent.x() : extent.maxCoeff(), to_mm = rounded_mm(k * edge_mm);
+    const auto [option, edge_mm] = size_option(s);
+    const double to_mm = rounded_mm(k * edge_mm);
     const double mean = then(to_mm / edge_mm),
                  most_mean = mean_when_larger(s.mean, to_mm / edge_mm, exponent, thick_mm);
     if (to_mm <= edge_mm || (mean > worth_a_word * now && !(for_type && type_k > 1))) return;
-    std::string options = fmt::format("{} {:g}mm", s.body.is_picture ? "--width" : "--size", to_mm);
+    std::string options = fmt::format("{} {:g}mm", option, to_mm);
     // Where nothing else would tell what it comes to.
     const double area_mm2 = coloured_area_mm2(*s.body.surface) * std::pow(to_mm / edge_mm, 2);
     if (!s.loop && s.job.options.prediction.automatic && area_mm2 > 100 * auto_prediction_cm2)

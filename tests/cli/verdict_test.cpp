@@ -334,6 +334,11 @@ TEST_CASE("Whoever follows an advice comes to what it says") {
     // Who lets it run until it stops is not told to; of another size after a loop that was cut short nothing is known.
     CHECK(advised(verdict_of(folder, squares + "--iterations auto"), "--iterations").is_null());
     CHECK(advised(verdict_of(folder, squares + "--iterations 1"), "--width").is_null());
+    // Who said how high it is is told how high.
+    const auto high = verdict_of(folder, folder / "squares.png" +
+                                             " --thickness 2mm --resins vero-opaque --height "
+                                             "3.6mm --iterations 0");
+    CHECK_FALSE(advised(high, "--height").is_null());
     // Thicker walls are another model.
     for (const double fin_mm : {0.6, 2.0}) folder.write(fmt::format("fin{}.obj", fin_mm), finned_obj(fin_mm));
     const auto thin = verdict_of(folder, folder / "fin0.6.obj" + " --unit mm --iterations 0"),
