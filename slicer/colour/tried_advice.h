@@ -12,10 +12,9 @@
 //                 wider than the band, e is less: it is measured on the target itself, blurred by 0.5 and by 0.25 mm,
 //                 e = log2 of the ratio of what the two change, at most 1. What goes farther than 0.5 mm grows no less.
 //                 Middles of flat areas come nearer only where light from afar is what they are off by: both ends are
-//                 said ("2.7 to 3.3"), or, where there are none, "at best". The bundled cow of 12 mm came to 3.0 at
-//                 twice the size for 2.7 to 4.1, of 18 mm to 2.4 at 30 mm for 2.5 to 3.4, a flag of 15 mm with stripes
-//                 of 1 mm, 3.1 off, to 2.7 for 1.8 to 2.7. Not after a loop that was cut short: another size would be
-//                 cut short elsewhere
+//                 said, or, where there are none, "at best". With the loop the bundled cow of 12 mm came to 2.7 at 27
+//                 mm for 2.4 to 4.0, of 18 mm to 2.2 at 33 mm for 2.4 to 3.4, a flag of 15 mm with stripes to 2.85 at
+//                 23 mm for 2.4 to 2.8. Not after a loop that was cut short: another size would be cut short elsewhere
 //   thicker walls the cells of thin walls become as those are that have a core behind them,
 //                 where there are such
 //   the loop      of what reach leaves, at most `left_by_loop` is left: a bound, and said as one ("or less"). Left were
