@@ -5,16 +5,16 @@
 // The verdict's mean m is taken for a sum: what no mixture reaches (reach_mean), what is lost in thin walls, what flat
 // areas are off in their middles (flat), what light does between neighbours. Then
 //
-//   larger by k   reach + flat + (thin - thick) max(0, 2 depth - k wall) / (2 depth - wall) + (neighbours + thick)
-//   k^-e, thick
-//                 what thin walls are off that are thick (0: not known). Light spreads over a
-//                 fixed length, so that what is off is a band of fixed width: e = 1 beside edges. Where details are no
-//                 wider than the band, e is less: it is measured on the target itself, blurred by 0.5 and by 0.25 mm,
-//                 e = log2 of the ratio of what the two change, at most 1. What goes farther than 0.5 mm grows no less.
-//                 Middles of flat areas come nearer only where light from afar is what they are off by: both ends are
-//                 said, or, where there are none, "at best". With the loop the bundled cow of 12 mm came to 2.7 at 27
-//                 mm for 2.4 to 4.0, of 18 mm to 2.2 at 33 mm for 2.4 to 3.4, a flag of 15 mm with stripes to 2.85 at
-//                 23 mm for 2.4 to 2.8. Not after a loop that was cut short: another size would be cut short elsewhere
+//   larger by k   reach + flat + (thin - thick) t + (neighbours + thick) k^-e,
+//                 t = max(0, 2 depth - k wall) / (2 depth - wall), thick: what thin walls are off that are thick (0:
+//                 not known). Light spreads over a fixed length, so that what is off is a band of fixed width: e = 1
+//                 beside edges. Where details are no wider than the band, e is less: it is measured on the target
+//                 itself, blurred by 0.5 and by 0.25 mm, e = log2 of the ratio of what the two change, at most 1. What
+//                 goes farther than 0.5 mm grows no less. Middles of flat areas come nearer only where light from afar
+//                 is what they are off by: both ends are said, or, where there are none, "at best". With the loop the
+//                 bundled cow of 12 mm came to 2.7 at 27 mm for 2.4 to 4.0, of 18 mm to 2.2 at 33 mm for 2.4 to 3.4, a
+//                 flag of 15 mm with stripes to 2.85 at 23 mm for 2.4 to 2.8. Not after a loop that was cut short:
+//                 another size would be cut short elsewhere
 //   thicker walls the cells of thin walls become as those are that have a core behind them,
 //                 where there are such
 //   the loop      of what reach leaves, at most `left_by_loop` is left: a bound, and said as one ("or less"). Left were
