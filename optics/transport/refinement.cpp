@@ -13,6 +13,7 @@
 #include "base/random.h"
 #include "optics/media/mirrored_box.h"
 #include "optics/transport/lattice.h"
+#include "optics/transport/share_ladder.h"
 #include "optics/transport/transport_sweep.h"
 
 namespace voxtone::optics {
@@ -143,7 +144,7 @@ private:
         }
         return holds;
     }
-    /// The same of voxels that others ran into: twelfths by a ladder as in viewing_palette.cpp.
+    /// The same of voxels that others ran into: twelfths by share_ladder.h.
     [[nodiscard]] Key stretched_shares(int depth, int parts, const Place& cell, const Place& part) {
         const int filled = static_cast<int>(column_of_shares_.size());
         if (filled == 0) return form_.nothing();
@@ -162,17 +163,10 @@ private:
                                                              part[a] + (1 << 20));
         const double chance = RandomStream(1, place).uniform();
         Key holds = 0;
-        double counted = 0;
-        int given = 0;
-        std::size_t most = 0;
-        for (std::size_t r = 0; r < part_shares_.size(); ++r) {
-            if (part_shares_[r] > part_shares_[most]) most = r;
-            counted += part_shares_[r];
-            const int below = static_cast<int>(counted * twelfths + chance + 1e-6);
-            if (below > given) holds = with(form_, holds, static_cast<Material>(r + 1), below - given);
-            given = std::max(given, below);
-        }
-        return holds != 0 ? holds : with(form_, 0, static_cast<Material>(most + 1), 1);
+        climb_ladder(part_shares_, twelfths, chance, [&](std::size_t r, int count) {
+            holds = with(form_, holds, static_cast<Material>(r + 1), count);
+        });
+        return holds;
     }
     void add_column(const std::vector<Material>& box, const SpreadBox& spread, const Place& extent, const Place& corner,
                     Place in) {

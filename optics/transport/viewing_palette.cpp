@@ -12,6 +12,7 @@
 #include "base/random.h"
 #include "optics/media/mirrored_box.h"
 #include "optics/transport/lattice.h"
+#include "optics/transport/share_ladder.h"
 
 namespace voxtone::optics {
 namespace {
@@ -75,20 +76,12 @@ struct Composition {
     }
 };
 
-/// Counts that shares of a cell come to, as many as `rungs` in a full one, along one ladder of all shares whose first
-/// rung lies at `chance`: over many cells each resin keeps its share.
+/// Counts that shares of a cell come to, as many as `rungs` in a full one.
 void take_shares(std::span<const double> shares, int rungs, double chance, Composition& to) {
     to.clear();
-    double counted = 0;
-    int given = 0;
-    std::size_t most = 0;
-    for (std::size_t r = 0; r < shares.size(); ++r) {
-        if (shares[r] > shares[most]) most = r;
-        counted += shares[r];
-        const int below = static_cast<int>(counted * rungs + chance + 1e-6);
-        if (below > given) to.parts.push_back({static_cast<Material>(r + 1), 0, below - std::exchange(given, below)});
-    }
-    if (to.parts.empty()) to.parts.push_back({static_cast<Material>(most + 1), 0, 1});
+    climb_ladder(shares, rungs, chance, [&](std::size_t r, int count) {
+        to.parts.push_back({static_cast<Material>(r + 1), 0, count});
+    });
 }
 
 struct CompositionHash {

@@ -57,10 +57,11 @@ std::string error_table(const std::vector<SlabRow>& rows, const std::vector<std:
 
 std::string slab_tables(const std::vector<SlabRow>& rows, const std::vector<std::string>& names) {
     std::string text =
-        error_table(rows, names, "After the eye filter at 300 mm, in-gamut pixels", &Scores::eye_in_gamut) +
+        error_table(rows, names, "After the eye filter at 300 mm, colour smoothed as light, in-gamut pixels",
+                    &Scores::eye_in_gamut) +
         error_table(rows, names, "After the eye filter, in-gamut pixels, what surrounds them mapped into the gamut",
                     &Scores::eye_reachable) +
-        error_table(rows, names, "After the eye filter without its negative surround, in-gamut pixels",
+        error_table(rows, names, "As the program says it, colour smoothed as it is perceived, in-gamut pixels",
                     &Scores::seen_in_gamut) +
         error_table(rows, names,
                     "After the eye filter in S-CIELAB's own channels, in which white is not neutral, in-gamut pixels",
