@@ -12,8 +12,8 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "optics/media/mirrored_box.h"
+#include "optics/numerics/share_ladder.h"
 #include "optics/transport/lattice.h"
-#include "optics/transport/share_ladder.h"
 #include "optics/transport/transport_sweep.h"
 
 namespace voxtone::optics {

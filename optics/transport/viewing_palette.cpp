@@ -11,8 +11,8 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "optics/media/mirrored_box.h"
+#include "optics/numerics/share_ladder.h"
 #include "optics/transport/lattice.h"
-#include "optics/transport/share_ladder.h"
 
 namespace voxtone::optics {
 namespace {
