@@ -15,7 +15,10 @@ namespace voxtone::slicer {
 
 namespace {
 
-Eigen::Vector3d out_of(MarkSide side) {
+/// Of a picture, whichever way it lies, the front is its face.
+Eigen::Vector3d out_of(MarkSide side, const std::optional<Eigen::Vector3d>& picture_faces) {
+    if (picture_faces && side == MarkSide::front) return *picture_faces;
+    if (picture_faces && side == MarkSide::back) return -*picture_faces;
     switch (side) {
         case MarkSide::front:
             return -Eigen::Vector3d::UnitY();
@@ -34,7 +37,7 @@ Eigen::Vector3d out_of(MarkSide side) {
 
 std::vector<Eigen::Vector3d> outs_of(const MarkOptions& mark, const MarkedBody& body) {
     const MarkSide side = std::get<MarkSide>(mark.place);
-    if (side > MarkSide::flattest) return {out_of(side)};
+    if (side > MarkSide::flattest) return {out_of(side, body.picture_faces)};
     if (body.picture_faces) return {*body.picture_faces};
     return facing_directions(*body.solid);
 }
@@ -96,10 +99,10 @@ std::string no_place_text(const MarkOptions& mark, const MarkedBody& body) {
 }
 
 /// In the middle of the body's box as seen from there, and above all of it.
-MarkFrame middle_of_side(const MarkOptions& mark, const SolidMesh& body, double width_mm, double height_mm) {
-    const MarkAxes axes = axes_facing(out_of(std::get<MarkSide>(mark.place)));
+MarkFrame middle_of_side(const MarkOptions& mark, const MarkedBody& body, double width_mm, double height_mm) {
+    const MarkAxes axes = axes_facing(out_of(std::get<MarkSide>(mark.place), body.picture_faces));
     Eigen::AlignedBox3d box;
-    for (const Eigen::Vector3d& p : body.positions_mm)
+    for (const Eigen::Vector3d& p : body.solid->positions_mm)
         box.extend(Eigen::Vector3d(axes.right.dot(p), axes.up.dot(p), axes.out.dot(p)));
     Eigen::Vector3d seen = box.center();
     seen.z() = box.max().z();
@@ -137,7 +140,7 @@ MarkFrame place_of_mark(const MarkOptions& mark, const MarkedBody& body, double 
         return frame_at_point(mark, body.solid, width_mm, height_mm);
     const bool on_a_side = std::get<MarkSide>(mark.place) > MarkSide::flattest;
     if (on_a_side && (mark.at_mm || mark.kind == MarkKind::picture))
-        return middle_of_side(mark, *body.solid, width_mm, height_mm);
+        return middle_of_side(mark, body, width_mm, height_mm);
     const FlatQuery query{.width_mm = width_mm, .height_mm = height_mm, .turn_deg = mark.turn_deg, .taken = taken};
     const auto found = find_place(mark, body, query);
     if (!found) refuse_size(mark, body, query);

@@ -193,6 +193,14 @@ TEST_CASE("A label of a picture lies on its back or its rim, and never across it
     CHECK_THROWS_WITH(marked(small, "Klein und Sohn; size=2mm"),
                       Contains("neither the picture's back nor its rim") && Contains("would fit"));
     CHECK_THAT(marked(small, "AB; size=1mm; place=top").notes[0], Contains("on the picture,"));
+    // Whoever holds a picture calls its face the front.
+    CHECK_THAT(marked(small, "AB; size=1mm; place=front").notes[0], Contains("on the picture,"));
+    CHECK_THAT(marked(small, "AB; size=1mm; place=back").notes[0], Contains("on the back of the picture"));
+    const io::TemporaryFolder folder;
+    io::write_whole_file(folder.path() / "dot.png", io::png_bytes({1, 1, 3, {200, 0, 0}}));
+    const std::string dot = (folder.path() / "dot.png").string() + "; size=2mm; place=back";
+    lay_marks({parse_mark(MarkFamily::decal, dot)}, {usual.mesh, usual.solid, usual.surface, true}, {});
+    CHECK(usual.mesh.decals.back().out.z() == -1);
 }
 
 TEST_CASE("A label contrasts with what lies below it, on the ground that it was given or on the model") {
