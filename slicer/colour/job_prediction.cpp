@@ -42,6 +42,21 @@ std::optional<optics::ResinVolume> JobVolume::finish() {
     return volume;
 }
 
+namespace {
+
+constexpr double flare = 0.01;
+
+/// CIEDE2000 of two colours in CIELAB, each with the light of a room over it.
+double difference_in_a_room(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    const auto seen = [](const Eigen::Vector3d& lab) -> Eigen::Vector3d {
+        return optics::lab_from_linear_srgb(
+            ((optics::linear_srgb_from_lab(lab).array() + flare) / (1 + flare)).matrix());
+    };
+    return optics::ciede2000(seen(a), seen(b));
+}
+
+}  // namespace
+
 SeenPrint seen_from(const JobPrediction& p, double viewing_distance_mm, bool adapts,
                     std::shared_ptr<const halftone::SeenTarget> asked) {
     const optics::Surface& surface = p.predicted.surface;
@@ -56,12 +71,13 @@ SeenPrint seen_from(const JobPrediction& p, double viewing_distance_mm, bool ada
     seen.target.resize(print.size()), seen.print.resize(print.size());
     parallel_for(0, print.size(), 1024, [&](std::size_t i) {
         const Eigen::Vector3d wanted = target_views.lab[i].cast<double>(), got = print_views.lab[i].cast<double>();
-        seen.difference[i] = optics::ciede2000(wanted, got);
+        seen.difference[i] = difference_in_a_room(wanted, got);
         seen.target[i] = optics::linear_srgb_from_lab(wanted).cast<float>();
         seen.print[i] = optics::linear_srgb_from_lab(got).cast<float>();
     });
     seen.regions = asked->regions;
     seen.looks = halftone::look_at(seen.regions, surface, near_target, near);
+    for (halftone::RegionLook& look : seen.looks) look.difference = difference_in_a_room(look.asked, look.lab);
     const halftone::CellNeighbours cells(surface);
     for (const halftone::ColourRegion& region : seen.regions)
         seen.rims.push_back(

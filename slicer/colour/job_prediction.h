@@ -46,7 +46,9 @@ private:
 };
 
 /// Target and print after the eye filter, per cell: as they are seen from the viewing distance by who takes the print's
-/// own paper for white (halftone/loop/paper.h), and region by region (halftone/loop/colour_regions.h).
+/// own paper for white (halftone/loop/paper.h), and region by region (halftone/loop/colour_regions.h). Differences are
+/// those of colours with a room's light over both, 1 % of white: what sRGB's codes stand for is seen so (IEC 61966-2-1,
+/// encoding viewing flare), so that nobody who wrote (0, 0, 0) has ever seen less.
 struct SeenPrint {
     std::vector<Eigen::Vector3f> target, print;  ///< linear sRGB, not clamped; the print over its paper's level
     std::vector<double> difference;              ///< CIEDE2000

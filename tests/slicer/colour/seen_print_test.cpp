@@ -279,3 +279,19 @@ TEST_CASE("A patch that hardly differs from its paper in lightness is no fine de
     };
     CHECK_FALSE(printed_paler(patch));
 }
+
+TEST_CASE("Black is looked at in a room, whose light lies over what was asked for, too") {
+    const auto off = [](float asked, float printed) {
+        JobPrediction p = test::page_of(4, 4, [&](double, double) { return Eigen::Vector3f(asked, asked, asked); });
+        for (Eigen::Vector3f& rgb : p.predicted.rgb) rgb.setConstant(printed);
+        return seen_from(p, 300, false).difference.front();
+    };
+    const auto by_codes = [](double a, double b) {
+        return optics::ciede2000(optics::lab_from_linear_srgb(Eigen::Vector3d::Constant(a)),
+                                 optics::lab_from_linear_srgb(Eigen::Vector3d::Constant(b)));
+    };
+    // 1 % over both, so that white stays white.
+    CHECK(off(0, 0.005f) == Approx(by_codes(0.01 / 1.01, 0.015 / 1.01)).epsilon(1e-3));
+    CHECK(off(0, 0.005f) < 0.9 * by_codes(0, 0.005));
+    CHECK(off(1, 0.8f) == Approx(by_codes(1, 0.81 / 1.01)).epsilon(1e-3));
+}
