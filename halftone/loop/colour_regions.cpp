@@ -151,6 +151,26 @@ bool stands_apart(const optics::Surface& surface, const CellRows& rows, const st
     return 2 * static_cast<std::size_t>(far) >= others.size();
 }
 
+// Nowhere wider than two cells, and of the colours that lie on either side, mixed: the cells that a border runs
+// through.
+bool is_blurred_edge(const CellRows& rows, std::span<const Eigen::Vector3f> target,
+                     const std::vector<std::uint32_t>& piece, Marks& mark) {
+    constexpr float off_the_line = 0.1f;  // of the distance between those colours
+    if (std::ranges::max(depths(rows, piece, 2, mark)) > 1) return false;
+    const auto is_mixed = [&](std::uint32_t cell) {
+        Eigen::Vector3f far = Eigen::Vector3f::Zero(), other = far;
+        const auto each = [&](const auto& visit) {
+            rows.visit_around(cell, [&](std::size_t near) { visit(Eigen::Vector3f(target[near] - target[cell])); });
+        };
+        each([&](const Eigen::Vector3f& d) { far = d.norm() > far.norm() ? d : far; });
+        each([&](const Eigen::Vector3f& d) { other = d.dot(far) < other.dot(far) ? d : other; });
+        const Eigen::Vector3f between = far - other;
+        const Eigen::Vector3f beside = far - far.dot(between) / between.squaredNorm() * between;
+        return other.dot(far) < 0 && beside.norm() < off_the_line * between.norm();
+    };
+    return 2 * static_cast<std::size_t>(std::ranges::count_if(piece, is_mixed)) >= piece.size();
+}
+
 double area_of(const optics::Surface& surface, const std::vector<std::uint32_t>& cells) {
     double area = 0;
     for (const std::uint32_t i : cells) area += static_cast<double>(surface.cells[i].area_mm2);
@@ -213,6 +233,7 @@ std::vector<ColourRegion> colour_regions(const optics::Surface& surface, std::sp
             continue;
         }
         if (area_of(surface, piece) >= solid_mm2) {
+            if (is_blurred_edge(rows, target, piece, mark)) continue;
             solids.push_back(oklab[piece.front()]);
             regions.push_back(region_of(surface, rows, target, RegionKind::solid, std::move(piece), mark));
             continue;

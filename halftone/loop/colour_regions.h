@@ -4,9 +4,10 @@
 //
 // Cells that touch and look the same way belong together while each is within 0.008 of its neighbour and 0.012 of the
 // first in Oklab; a piece is one thing where at least half of what lies three cells around it is 0.05 or farther from
-// it: the smooth grounds of photographs are not. Pieces from 1 mm2 on are solids; smaller ones of one colour together
-// are strokes, wherever they lie; those nowhere wider than two cells only in a colour that something wider has, for
-// they may be the blurred edges of others. Of less than 0.2 mm2 in all nothing is made. What is white (paper.h) is one
+// it: the smooth grounds of photographs are not. Pieces from 1 mm2 on are solids, but for the long blurred edges of
+// others: nowhere wider than two cells, half of them or more a mixture of what lies on either side. Smaller ones of one
+// colour together are strokes, wherever they lie; those nowhere wider than two cells only in a colour that something
+// wider has, for they may be blurred edges. Of less than 0.2 mm2 in all nothing is made. What is white (paper.h) is one
 // region, paper, in however many pieces. The interior of a region are the cells that lie 0.6 mm from its border or
 // farther, or all where those are less than a fifth.
 //

@@ -58,6 +58,24 @@ TEST_CASE("A card has paper, a solid and strokes, blurred edges are none of them
     CHECK(CellNeighbours(surface).around(regions[1], 1).size() == 41 * 42 - 39 * 40);
 }
 
+TEST_CASE("The blurred edge of a long stripe is no region, a long hairline is one", "[loop]") {
+    constexpr int width = 60, height = 200;
+    Colours flag;
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            flag.push_back(x < 20 || x > 50 ? red
+                           : x == 20        ? Eigen::Vector3f(0.3f * red + 0.7f * white)
+                           : x == 40        ? Eigen::Vector3f(0.4f * white)
+                                            : white);
+    const std::vector<ColourRegion> regions = colour_regions(test::flat_surface(width, height, cell_mm), flag);
+    REQUIRE(regions.size() == 4);
+    CHECK(regions[0].kind == RegionKind::paper);
+    CHECK(regions[1].cells.size() == 20 * height);
+    CHECK(regions[2].cells.size() == 9 * height);
+    CHECK(regions[3].cells.size() == height);
+    CHECK((regions[3].target - 0.4f * white).norm() < 1e-4f);
+}
+
 TEST_CASE("What photographs hold is no region", "[loop]") {
     const optics::Surface surface = test::flat_surface(n, n, cell_mm);
     const auto noise = [](int x, int y) {
