@@ -84,10 +84,11 @@ PartFinish finish_of(const PlacedBody& placed, const io::StackDescription& stack
     return finish;
 }
 
-io::PageOfStack printer_page(const OpenedJob& job, std::string title, std::vector<PlacedBody> bodies) {
-    return [&job, title = std::move(title), bodies = std::move(bodies)](const io::StackDescription& stack,
-                                                                        const io::TopmostLayers& topmost) {
-        HowToPrint what{title, job.outputs(), {}, heights_from_above(stack, topmost)};
+io::PageOfStack printer_page(const OpenedJob& job, std::string title, std::vector<PlacedBody> bodies,
+                             std::vector<std::string> missing) {
+    return [&job, title = std::move(title), bodies = std::move(bodies), missing = std::move(missing)](
+               const io::StackDescription& stack, const io::TopmostLayers& topmost) {
+        HowToPrint what{title, job.outputs(), {}, heights_from_above(stack, topmost), {}, missing};
         for (const PlacedBody& placed : bodies) what.parts.push_back(finish_of(placed, stack, topmost));
         return how_to_print_page(stack, job.printer, what);
     };

@@ -29,8 +29,9 @@ struct PlacedBody {
 [[nodiscard]] PartFinish finish_of(const PlacedBody& placed, const io::StackDescription& stack,
                                    const io::TopmostLayers& topmost);
 
-/// Keeps references to the job and the bodies.
-[[nodiscard]] io::PageOfStack printer_page(const OpenedJob& job, std::string title, std::vector<PlacedBody> bodies);
+/// Keeps references to the job and the bodies. `missing`: names of parts that failed.
+[[nodiscard]] io::PageOfStack printer_page(const OpenedJob& job, std::string title, std::vector<PlacedBody> bodies,
+                                           std::vector<std::string> missing = {});
 
 /// Hands OUT/printer over to `target` (--for-printer; empty: nowhere), and says so. Throws as io::hand_to_printer.
 void hand_over(const std::filesystem::path& out, const std::filesystem::path& target, bool overwrite,

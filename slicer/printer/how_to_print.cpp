@@ -59,10 +59,13 @@ std::string cards(const io::StackDescription& stack, const PrinterProfile& print
            "</dl>\n";
 }
 
-std::string warnings(const PrinterProfile& printer, bool is_marker) {
+std::string warnings(const PrinterProfile& printer, const HowToPrint& what) {
     std::string items;
-    if (!is_marker)
-        items = fmt::format(
+    for (const std::string& name : what.missing)
+        items += fmt::format("<li><b>{} is not in this print</b>: it failed, and somebody waits for it</li>\n",
+                             html_text(name));
+    if (what.remarks.empty())
+        items += fmt::format(
             "<li>First print on this machine? Print the marker first, which shows whether prints come out mirrored and "
             "whether each resin is where it was meant: <code>voxtone target marker --printer {} -o "
             "marker</code></li>\n",
@@ -380,7 +383,7 @@ std::string how_to_print_page(const io::StackDescription& stack, const PrinterPr
                "How to print " + what.title, std::string(io::page_asset("style")) + style,
                "<p class=\"soft\">For who stands at the printer. All of this comes from the printer's profile "
                "and the sliced print.</p>\n") +
-           cards(stack, printer) + warnings(printer, !what.remarks.empty()) + "<section>\n" +
+           cards(stack, printer) + warnings(printer, what) + "<section>\n" +
            (picture.empty() ? list_of(steps)
                             : "<div class=\"two\">\n<div>" + list_of(steps) + "</div>\n" + picture + "</div>\n") +
            "</section>\n" + members(stack) + remarks(what.remarks) + notes(printer) +

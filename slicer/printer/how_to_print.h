@@ -51,6 +51,7 @@ struct HowToPrint {
     std::vector<PartFinish> parts;  ///< empty: nothing is known of surfaces
     PictureFromAbove from_above;
     std::vector<std::string> remarks{};  ///< how it is read once it is printed
+    std::vector<std::string> missing{};  ///< parts that were to be in it and failed
 };
 
 /// `stack`: as its manifest describes it. `printer`: whose id it has.

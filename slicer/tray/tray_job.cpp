@@ -117,7 +117,9 @@ io::PageOfStack page_of(const PreparedTray& prepared, int number) {
             bodies.push_back({part.part.name, part.ready->body, std::move(at)});
     }
     std::string title = "a tray of " + counted(bodies.size(), "part");
-    return printer_page(prepared.any_job(), std::move(title), std::move(bodies));
+    std::vector<std::string> missing;
+    for (const FailedPart& part : prepared.parts.failed) missing.push_back(part.name);
+    return printer_page(prepared.any_job(), std::move(title), std::move(bodies), std::move(missing));
 }
 
 /// One tray on its way from its layers to its files.

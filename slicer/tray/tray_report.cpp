@@ -147,7 +147,8 @@ void TrayReport::add(const ReadyPart& part, io::Report own, Progress& progress) 
         of_one_body_ = std::move(own);
         return;
     }
-    Entry entry{row_of(part, own), std::nullopt, place_of(part, own), part.alone, part.ready->body.grid.pitch_mm};
+    Entry entry{row_of(part, own),      std::nullopt, place_of(part, own), part.alone, part.ready->body.grid.pitch_mm,
+                own.printing.support_ml};
     entry.surface = part.ready->print->viewer_surface(surface_share(), progress);
     entry.row.about = about_part(part.part);
     entries_.push_back(std::move(entry));
@@ -160,7 +161,8 @@ void TrayReport::add_component(const ReadyPart& part, std::optional<io::ViewerSu
     row.about = about_part(part.part);
     row.headline = fmt::format("{}, neither looped nor predicted", name_of(part.part.component->kind));
     if (!part.part.cuts) row.ml = double(part.component->all_voxels()) * grid.voxel_volume_mm3() * 1e-3;
-    entries_.push_back({std::move(row), std::move(surface), top_of(grid), part.alone, grid.pitch_mm, true});
+    const std::optional<double> support_ml = part.part.component->is_shape() ? std::optional(0.0) : std::nullopt;
+    entries_.push_back({std::move(row), std::move(surface), top_of(grid), part.alone, grid.pitch_mm, support_ml, true});
 }
 
 std::vector<Eigen::Vector3d> TrayReport::places(const Entry& entry, int tray) {
@@ -169,6 +171,18 @@ std::vector<Eigen::Vector3d> TrayReport::places(const Entry& entry, int tray) {
         if (copy.tray == tray)
             mm.emplace_back(entry.pitch_mm.cwiseProduct(Eigen::Vector3d(copy.at[0], copy.at[1], copy.at[2])));
     return mm;
+}
+
+std::optional<double> TrayReport::support_of(const std::vector<const Entry*>& entries, int tray) {
+    if (entries.empty()) return std::nullopt;  // without pages nobody looked
+    double ml = 0;
+    for (const Entry* entry : entries)
+        for (const PlacedCopy& copy : entry->copies) {
+            if (copy.tray != tray) continue;
+            if (copy.at[2] > 0 || !entry->support_ml) return std::nullopt;
+            ml += *entry->support_ml;
+        }
+    return ml;
 }
 
 std::vector<const TrayReport::Entry*> TrayReport::on(int tray) const {
@@ -241,6 +255,7 @@ io::Report TrayReport::of_bodies(const Tray& tray, LayerWatchers& watchers, Prog
     io::Report report;
     report.title = title_of(tray.out);
     add_print(tray.job, tray.stack, tray.grid, report);
+    report.printing.support_ml = support_of(entries, tray.number);
     if (!std::ranges::all_of(entries, &Entry::is_component)) {
         report.verdict = verdict_of(entries);
         report.verdict->good_up_to = tray.job.options.verdict.good;

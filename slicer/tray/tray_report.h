@@ -51,11 +51,14 @@ private:
         io::ViewerPlace worst;  ///< in the part's own mm
         std::vector<PlacedCopy> copies;
         Eigen::Vector3d pitch_mm;
+        std::optional<double> support_ml;  ///< of one copy
         bool is_component = false;
     };
     /// Of an entry, on one tray, in its mm.
     [[nodiscard]] static std::vector<Eigen::Vector3d> places(const Entry& entry, int tray);
     [[nodiscard]] std::vector<const Entry*> on(int tray) const;
+    /// Below what hangs over; nothing where one stands above others, or what it is made of is not known.
+    [[nodiscard]] static std::optional<double> support_of(const std::vector<const Entry*>& entries, int tray);
     static void add_surface(const std::vector<const Entry*>& entries, int tray, io::Report& report, Progress& progress);
     [[nodiscard]] static io::ReportVerdict verdict_of(const std::vector<const Entry*>& entries);
     [[nodiscard]] io::Report of_bodies(const Tray& tray, LayerWatchers& watchers, Progress& progress) const;

@@ -168,6 +168,7 @@ TEST_CASE("A part that fails is left out and told of, --fail-fast stops there") 
     const json report = read_json(bench.folder / "out/report.json");
     CHECK_THAT(report["verdict"]["sentence"].get<std::string>(), Catch::Matchers::StartsWith("Not on the tray: gone."));
     CHECK_THAT(report["warnings"].dump(), Contains("gone is not on the tray") && Contains("does not exist"));
+    CHECK_THAT(read_file(bench.folder / "out/printer/HOW-TO-PRINT.html"), Contains("<b>gone is not in this print</b>"));
     const json tray = read_json(bench.folder / "out/tray.json");
     REQUIRE(tray["parts"].size() == 1);
     CHECK(tray["parts"][0]["name"] == "marker");
@@ -369,20 +370,25 @@ TEST_CASE("A tray is estimated: what its parts take, and resin and disk for ever
         REQUIRE(said.exit_code == 0);
         return result_in(said);
     };
-    const json one = estimate(R"({"model": "marker.obj"})"), many = estimate(R"({"model": "marker.obj", "copies": 5})");
+    const json one = estimate(R"({"model": "marker.obj", "rotate": "x45"})"),
+               many = estimate(R"({"model": "marker.obj", "rotate": "x45", "copies": 5})");
     CHECK(many["ml"].get<double>() == Approx(5 * one["ml"].get<double>()));
     CHECK(many["layers"] == one["layers"]);
     CHECK(many["size_mm"][0].get<double>() * many["size_mm"][1].get<double>() >
           4 * one["size_mm"][0].get<double>() * one["size_mm"][1].get<double>());
     CHECK(many["cpu_seconds"].get<double>() < 3 * one["cpu_seconds"].get<double>());
     // The print is as the estimate says.
-    REQUIRE(bench.tray(R"({"model": "marker.obj", "copies": 5})").exit_code == 0);
+    REQUIRE(run_program("slice " + (bench.folder / "tray.json") + quick + "-o " + (bench.folder / "out")).exit_code ==
+            0);
     const json manifest = read_json(bench.folder / "out/manifest.json");
     CHECK(manifest["layers"] == many["layers"]);
     CHECK(manifest["size_px"][0] == many["size_px"][0]);
     double ml = 0;
     for (const json& resin : manifest["resins"]) ml += resin["ml"].get<double>();
     CHECK(ml == Approx(many["ml"].get<double>()).epsilon(0.02));
+    CHECK(read_json(bench.folder / "out/report.json").at("support_ml").get<double>() ==
+          Approx(many.at("support_ml").get<double>()));
+    CHECK(many.at("support_ml") > 0);
     CHECK(run_program("estimate --orientations " + (bench.folder / "tray.json")).exit_code == 2);
 }
 
