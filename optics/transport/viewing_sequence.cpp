@@ -24,6 +24,16 @@ ResinSet as_printed(const Scene& scene) {
     return resins;
 }
 
+/// Cells are cut to tell voxels apart. Where droplets have run together (ResinSet::dot_spread) there are none to be
+/// told: parts that held one voxel's resin each printed flat colours of a J750 2.3 CIEDE2000 off, cells 0.7
+/// (docs/decisions/008).
+TransportOptions suited_to(const ResinSet& resins, TransportOptions options) {
+    constexpr double mostly_run = 0.5;
+    if (options.refinement == Refinement::contrast && resins.dot_spread > mostly_run)
+        options.refinement = Refinement::none;
+    return options;
+}
+
 /// Of diffusion alone, before light is swept; of a twin, all of white, for which a cut that is a mirror is a good
 /// guess.
 constexpr int first_rounds = 2, twin_rounds = 1;
@@ -40,7 +50,7 @@ ViewingSequence::ViewingSequence(const Scene& scene, const Surface& surface, con
                                  const Progress* progress)
     : scene_(scene),
       surface_(surface),
-      options_(options),
+      options_(suited_to(*scene.resins, options)),
       halftone_(as_printed(scene), scene.volume->pitch_mm(), seen_from(surface)),
       grids_(scene_, surface, options_) {
     make_live(0, progress);
