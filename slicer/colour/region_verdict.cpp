@@ -281,8 +281,11 @@ Row row_of(const RegionSources& s, std::size_t r, const halftone::CellNeighbours
         region.contrast_asked = contrast(luminance(p.target, surface, of.cells), luminance(p.target, surface, ground));
         region.contrast =
             contrast(luminance(p.predicted.rgb, surface, of.cells), luminance(p.predicted.rgb, surface, ground));
-        // What is seen of strokes is their contrast: the eye mixes their colour with what lies beside them.
-        if (region.contrast_asked >= legible) region.de2000.reset();
+        // What is seen of strokes is their contrast: the eye mixes their colour with what lies beside them. Only what
+        // comes out in another hue is another colour all the same: windows that were to be yellow and are grey.
+        const Eigen::Vector3d as_light(look.asked[0], look.lab[1], look.lab[2]);
+        if (region.contrast_asked >= legible && optics::ciede2000(look.asked, as_light) <= s.limits.bad)
+            region.de2000.reset();
     }
     return row;
 }
