@@ -24,13 +24,8 @@ ResinSet as_printed(const Scene& scene) {
     return resins;
 }
 
-/// Cells are cut to tell voxels apart. Where droplets have run together (ResinSet::dot_spread) there are none to be
-/// told: parts that held one voxel's resin each printed flat colours of a J750 2.3 CIEDE2000 off, cells 0.7
-/// (docs/decisions/008).
 TransportOptions suited_to(const ResinSet& resins, TransportOptions options) {
-    constexpr double mostly_run = 0.5;
-    if (options.refinement == Refinement::contrast && resins.dot_spread > mostly_run)
-        options.refinement = Refinement::none;
+    if (options.refinement == Refinement::contrast && !voxels_are_apart(resins)) options.refinement = Refinement::none;
     return options;
 }
 

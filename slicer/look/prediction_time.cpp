@@ -23,9 +23,10 @@ double prediction_seconds(PredictionModel model, const ModelOptions& quality, co
         case PredictionModel::transport:
             break;
     }
-    // Larger cells than the eye's are predicted in the eye's, and quickly.
+    // Larger cells than the eye's are predicted in the eye's, and whole ones quickly.
     if (coarse_cells(pitch_mm, quality.cell_mm))
         return quick_s_per_cell * of_rgb * area_mm2 / (eye_cell_mm * eye_cell_mm);
+    if (quality.viewing_cells) return quick_s_per_cell * of_rgb * cells;
     return transport_s_per_cell * of_rgb * cells;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "optics/transport/refinement.h"
 #include "slicer/layers/layer_bytes.h"
 #include "slicer/look/prediction_time.h"
 
@@ -67,6 +68,7 @@ private:
 double prediction_cost(const OpenedJob& job, const JobBody& body, PredictionModel model, double area_mm2) {
     ModelOptions quality;
     quality.cell_mm = job.options.prediction.cell_mm;
+    quality.viewing_cells = !optics::voxels_are_apart(job.resins.set);
     const std::array pitch_mm{body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()};
     return prediction_seconds(model, quality, pitch_mm, area_mm2, job.resins.set.channels.size());
 }

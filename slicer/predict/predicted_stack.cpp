@@ -13,6 +13,7 @@
 #include "base/stopwatch.h"
 #include "base/warning.h"
 #include "io/disk/disk_space.h"
+#include "optics/transport/refinement.h"
 #include "slicer/look/coarse_cells.h"
 #include "slicer/look/prediction_time.h"
 #include "slicer/predict/parts_in_sight.h"
@@ -52,13 +53,16 @@ double guessed_area_mm2(const std::array<int, 3>& voxels, const std::array<doubl
 }
 
 /// The stages that are still to come, for the time that is shown as left; `read_s`: of the layers, 0 where they are
-/// read.
+/// read, as then nothing is known of the resins (null).
 void expect_rest(const ResolvedPrediction& job, double read_s, double area_mm2, const std::array<double, 3>& pitch_mm,
-                 std::size_t channels, Progress& progress) {
+                 const optics::ResinSet* resins, Progress& progress) {
     // Two cores of 2.5 GHz, by `voxtone predict` of the bundled cow at 15 and 30 mm.
     constexpr double surface_s_per_mm2 = 3e-4, write_s_per_mm2 = 5e-4;
     ModelOptions quality = job.requested.quality;
     quality.cell_mm = job.requested.cell_mm;
+    quality.viewing_cells = resins && !optics::voxels_are_apart(*resins);
+    constexpr std::size_t usual_channels = 3;  // what the resins have is known with the layers
+    const std::size_t channels = resins ? resins->channels.size() : usual_channels;
     std::vector<ExpectedStage> stages;
     if (read_s > 0) {
         stages.push_back({"read layers", read_s});
@@ -133,9 +137,8 @@ ReadStack read_stack(const ResolvedPrediction& job, Progress& progress) {
         expect_white(job, head);
         expect_files_fit(job, seen_from_above(job, head));
         expect_memory(job, head);
-        constexpr std::size_t usual_channels = 3;  // what the resins have is known with the layers
         expect_rest(job, read_s_per_voxel * voxels_of(head), guessed_area_mm2(head.size, head.pitch_mm, job.view),
-                    head.pitch_mm, usual_channels, progress);
+                    head.pitch_mm, nullptr, progress);
     };
     // The volume and, for relative values, its white twin are held at once.
     stack.volume = read_stack_volume({.stack = options.stack,
@@ -277,7 +280,7 @@ PredictedStack predict_stack(const ResolvedPrediction& job, PredictFigures& figu
 
     double area_mm2 = 0;
     for (const optics::SurfaceCell& cell : cells.surface.cells) area_mm2 += double(cell.area_mm2);
-    expect_rest(job, 0, area_mm2, stack.volume.pitch_mm(), stack.resins.channels.size(), progress);
+    expect_rest(job, 0, area_mm2, stack.volume.pitch_mm(), &stack.resins, progress);
     progress.begin_stage("predict", 0);
     ModelOptions quality = model_options(job, quick, job.memory_bytes - held);
     quality.from_behind = figures.from_behind;
