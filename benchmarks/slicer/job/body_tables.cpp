@@ -32,8 +32,7 @@ double sampling_error(const BodyJudgement& j, const Colours& target, const Colou
 }  // namespace
 
 std::array<BodyFigures, 2> body_figures(const BodyJudgement& j, double viewing_distance_mm) {
-    const halftone::EyeFilter eye(j.cells.surface, viewing_distance_mm, halftone::EyeSurround::published,
-                                  halftone::OpponentSpace::neutral);
+    const halftone::EyeFilter eye(j.cells.surface, viewing_distance_mm);
     const Colours target = eye.filter(j.cells.target);
     const std::array<Colours, 2> half{eye.filter(j.cells.half[0]), eye.filter(j.cells.half[1])};
     const Colours print = eye.filter(j.cells.print());

@@ -14,7 +14,7 @@
 namespace voxtone::loop_benchmark {
 
 struct BodyFigures {
-    Figures seen;         ///< after the eye filter
+    Figures seen;         ///< after the eye filter that the loop goes by, not over the paper's level: a window has none
     Figures cells;        ///< cell by cell
     double sampling = 0;  ///< standard error of the mean as seen, over windows
 };
