@@ -51,12 +51,14 @@ Eigen::Vector3f nearest_colour(const Eigen::Vector3f& target, const Eigen::Vecto
                                const std::array<bool, 3>& saturated) {
     constexpr double least = 1e-4;  // the cube root has a slope
     const Eigen::Vector3d lab = optics::lab_from_linear_srgb(target.cast<double>());
-    const Eigen::Matrix3d W = optics::ciede2000_metric(lab);
     Eigen::Vector3d v;
     for (Eigen::Index c = 0; c < 3; ++c)
         v[c] = std::clamp<double>(saturated[static_cast<std::size_t>(c)] ? from[c] : target[c], least, 1.0);
+    Eigen::Matrix3d W;
     const auto off = [&](const Eigen::Vector3d& rgb) -> Eigen::Vector3d {
-        return W * (optics::lab_from_linear_srgb(rgb) - lab);
+        const Eigen::Vector3d there = optics::lab_from_linear_srgb(rgb);
+        W = optics::ciede2000_metric(0.5 * (lab + there));
+        return W * (there - lab);
     };
     Eigen::Vector3d residual = off(v);
     double now = residual.squaredNorm(), damping = 1e-3;

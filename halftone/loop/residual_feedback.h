@@ -20,11 +20,12 @@
 // when its control cannot follow the residual by more than half. The one that misses most is given up, and the others
 // go where the colour, that channel as predicted, is nearest to the target:
 //
-//   min over the other channels of | W (Lab(v) - Lab(target)) |,   |W d| = CIEDE2000 of a small d at the target;
+//   min over the other channels of | W (Lab(v) - Lab(target)) |,   |W d| = CIEDE2000 of a small d half way between;
 //
 // then once more, if one of them cannot follow either. So white beside black turns grey and not blue: near grey a step
-// of chroma is seen as well as two or three of lightness. That is the relaxed target of the cell
-// (docs/decisions/002).
+// of chroma is seen as well as two or three of lightness; and crimson that no sheet of one voxel can show turns pink
+// and not grey: by the metric at the target, where chroma counts little, grey is nearer. That is the relaxed target of
+// the cell (docs/decisions/002).
 //
 // Based on the idea of O. Elek et al., "Scattering-aware texture reproduction for 3D printing", ACM TOG 36, 6 (2017);
 // the relaxation is our own. Gauss-Newton is written out for it: three unknowns, for each saturated cell.
@@ -60,7 +61,7 @@ std::size_t feed_back(std::span<const Eigen::Vector3f> target, std::span<const E
                       const FeedbackOptions& options, std::span<Eigen::Vector3f> control,
                       std::span<Eigen::Vector3f> relaxed);
 
-/// The colour nearest to `target` (by CIEDE2000's metric there) whose channels in `saturated` are those of `from`.
+/// The colour nearest to `target` (by CIEDE2000's metric half way) whose channels in `saturated` are those of `from`.
 [[nodiscard]] Eigen::Vector3f nearest_colour(const Eigen::Vector3f& target, const Eigen::Vector3f& from,
                                              const std::array<bool, 3>& saturated);
 

@@ -166,7 +166,8 @@ TEST_CASE("The nearest colour keeps the channels that are saturated and is a min
     CHECK(v.x() == 0.5f);
     const Eigen::Vector3d lab = optics::lab_from_linear_srgb(target.cast<double>());
     const auto cost = [&](const Eigen::Vector3f& rgb) {
-        return (optics::ciede2000_metric(lab) * (optics::lab_from_linear_srgb(rgb.cast<double>()) - lab)).norm();
+        const Eigen::Vector3d there = optics::lab_from_linear_srgb(rgb.cast<double>());
+        return (optics::ciede2000_metric(0.5 * (lab + there)) * (there - lab)).norm();
     };
     for (int c = 1; c < 3; ++c)
         for (const float step : {-0.02f, 0.02f}) {
@@ -175,6 +176,16 @@ TEST_CASE("The nearest colour keeps the channels that are saturated and is a min
             CHECK(cost(other) > cost(v));
         }
     CHECK((nearest_colour(target, from, {false, false, false}) - target).norm() < 1e-3f);
+}
+
+TEST_CASE("A deep colour that cannot be had keeps its hue and does not turn grey", "[loop]") {
+    // The cape of a figure, crimson in a sheet of one voxel: green cannot come down.
+    const Eigen::Vector3f target(0.521f, 0.009f, 0.125f), from(0.865f, 0.546f, 0.551f), grey(0.554f, 0.561f, 0.510f);
+    const auto lab = [](const Eigen::Vector3f& rgb) { return optics::lab_from_linear_srgb(rgb.cast<double>()); };
+    const Eigen::Vector3f v = nearest_colour(target, from, {false, true, false});
+    CHECK(v.y() == from.y());
+    CHECK(optics::ciede2000(lab(target), lab(v)) < optics::ciede2000(lab(target), lab(grey)) - 5);
+    CHECK(lab(v)[1] > 10);
 }
 
 TEST_CASE("The loop undoes a blur, keeps its best iterate and is never worse than the open loop", "[loop]") {
