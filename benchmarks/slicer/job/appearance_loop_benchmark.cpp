@@ -199,7 +199,7 @@ void run_figurines(const Arguments& a) {
                                                     {.windows = a.windows, .solids = 8});
             row.solids = judged.solids;
             if (row.solids.empty()) break;
-            row.difference[v] = solid_differences(judged);
+            row.difference[v] = solid_differences(judged, a.viewing_distance_mm);
             fmt::print(stderr, "{} {}: {:.1f} s printed, {:.1f} s traced\n", target.name, ways[v].name, print.seconds,
                        judged.cells.trace_seconds);
         }

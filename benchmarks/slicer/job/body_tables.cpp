@@ -47,19 +47,24 @@ std::array<BodyFigures, 2> body_figures(const BodyJudgement& j, double viewing_d
     return figures;
 }
 
-std::vector<double> solid_differences(const BodyJudgement& j) {
+std::vector<double> solid_differences(const BodyJudgement& j, double viewing_distance_mm) {
     constexpr float same = 0.02F;  // linear; what else a window sees is not of its solid
-    const Colours print = j.cells.print();
-    std::vector<Eigen::Vector3d> sum(j.solids.size(), Eigen::Vector3d::Zero());
+    const halftone::EyeFilter eye(j.cells.surface, viewing_distance_mm, halftone::EyeSurround::none,
+                                  halftone::OpponentSpace::cielab, halftone::EyeParts::narrowest);
+    const Colours target = eye.smoothed(j.cells.target), print = eye.smoothed(j.cells.print());
+    std::vector<std::array<Eigen::Vector3d, 2>> sum(j.solids.size(),
+                                                    {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});
     std::vector<double> cells(j.solids.size(), 0);
     for (std::size_t i = 0; i < print.size(); ++i) {
         const std::size_t solid = j.solid_of[j.window[i]];
         if (!j.inner[i] || (j.cells.target[i] - j.solids[solid].target).cwiseAbs().maxCoeff() > same) continue;
-        sum[solid] += print[i].cast<double>(), ++cells[solid];
+        sum[solid][0] += target[i].cast<double>(), sum[solid][1] += print[i].cast<double>(), ++cells[solid];
     }
     std::vector<double> difference;
-    for (std::size_t s = 0; s < sum.size(); ++s)
-        difference.push_back(differences({j.solids[s].target}, {(sum[s] / std::max(1.0, cells[s])).cast<float>()})[0]);
+    for (std::size_t s = 0; s < sum.size(); ++s) {
+        const double n = std::max(1.0, cells[s]);
+        difference.push_back(differences({(sum[s][0] / n).cast<float>()}, {(sum[s][1] / n).cast<float>()})[0]);
+    }
     return difference;
 }
 

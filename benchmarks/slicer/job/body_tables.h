@@ -30,8 +30,10 @@ struct BodyRow {
 [[nodiscard]] std::array<BodyFigures, 2> body_figures(const BodyJudgement& j,
                                                       double viewing_distance_mm);  ///< thick, thin
 
-/// Of each solid of a body whose windows lie in them: CIEDE2000 between the means of print and target in its windows.
-[[nodiscard]] std::vector<double> solid_differences(const BodyJudgement& j);
+/// Of each solid of a body whose windows lie in them: CIEDE2000 between the means of print and target in its windows,
+/// both as the eye's narrowest Gaussian leaves them: as solids of pages are judged, and as the program looks at
+/// regions.
+[[nodiscard]] std::vector<double> solid_differences(const BodyJudgement& j, double viewing_distance_mm);
 
 struct FigurineRow {
     std::string name;

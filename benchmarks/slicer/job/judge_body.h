@@ -9,7 +9,8 @@
 // cells of the body all of white (smoothed over the surface by a Gaussian of 0.3 mm, since white light is smooth); the
 // eye filter sees the window alone, so that its Gaussians wider than the window act on what of it there is. Judged are
 // the cells in the inner half of the radius: with the standard error of the mean over windows, which are independent of
-// each other.
+// each other. Sheets that enclose nothing and are printed a voxel thick (--sheet-thickness) are no boundary: the cape
+// of the mage is seen half as light as its voxels are.
 #pragma once
 
 #include <cstdint>
