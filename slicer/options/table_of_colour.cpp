@@ -203,8 +203,8 @@ std::vector<OptionSpec> loop_entries() {
                 .group = group,
                 .help = "feedback: each place corrects itself; descent: feedback, then along the gradient of the "
                         "whole print, which is sharper and takes two to three times the time and 1.5 times the "
-                        "memory; auto: descent up to 15 cm2 of coloured surface (of bodies 5, but with --intent "
-                        "contrast), feedback beyond",
+                        "memory; auto: descent for pictures and --intent contrast, up to 15 cm2 of coloured "
+                        "surface, feedback otherwise",
                 .only_for = Show::colour,
                 .idle = {idle::without_loop}}),
         plain(&O::resume, at(&Job::resume),

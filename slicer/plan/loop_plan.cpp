@@ -52,14 +52,13 @@ LoopPlan plan_loop(const OpenedJob& job, const JobBody& body, bool all_white) {
         return none(
             "The model is white all over and the print all of white resin: there is nothing to rearrange and nothing "
             "to predict.");
-    const double area_mm2 = coloured_area_mm2(*body.surface),
-                 most_cm2 = body.is_picture || options.intent == halftone::Intent::contrast ? descent_cm2
-                                                                                            : descent_of_body_cm2;
+    const double area_mm2 = coloured_area_mm2(*body.surface);
+    const bool gains_downhill = body.is_picture || options.intent == halftone::Intent::contrast;
     LoopPlan plan{.wanted = true,
                   .iterations = options.iterations.value_or(-1),
                   .patient = options.patient,
-                  .descent = options.method == LoopMethod::descent ||
-                             (options.method == LoopMethod::automatic && area_mm2 <= 100 * most_cm2),
+                  .descent = options.method == LoopMethod::descent || (options.method == LoopMethod::automatic &&
+                                                                       gains_downhill && area_mm2 <= 100 * descent_cm2),
                   .why_not = "",
                   .does_not_fit = ""};
     const double cell_mm = prediction.cell_mm, bytes = least_bytes(area_mm2 / (cell_mm * cell_mm)),

@@ -117,6 +117,20 @@ TEST_CASE("What is printed does not depend on the memory that there is") {
     CHECK(Planned(options).plan.loop.does_not_fit.empty());
 }
 
+TEST_CASE("A body goes by feedback however small it is, downhill where that or contrast is asked for") {
+    const Cube cube("1 0 0");
+    SliceOptions options = cube.options();
+    options.size_mm = 5;
+    const auto descends = [&] { return Planned(options).plan.loop.descent; };
+    CHECK_FALSE(descends());
+    options.intent = "contrast";
+    CHECK(descends());
+    options.size_mm = 20;  // 24 cm2
+    CHECK_FALSE(descends());
+    options.loop_method = "descent";
+    CHECK(descends());
+}
+
 TEST_CASE("A loop keeps to the memory that it is allowed, with the help of the disk, and says so beforehand") {
     const LoopPlan plan{.wanted = true, .descent = false, .why_not = "", .does_not_fit = ""};
     constexpr double cow_of_60mm = 6960, cell_mm = 0.085, gib = 1 << 30;
