@@ -288,9 +288,11 @@ TEST_CASE("dark squares whose noise is cut off at 0 are within errors that count
 TEST_CASE("photographs as bad as they come are measured within 0.005 or refused") {
     // Which are refused is not laid down: blur, clipping, darkness, dirt and steep light each may do it. What must not
     // be is a value that is off and said to be good: beyond 0.005 only what its own standard error covers four times.
-    // There is a limit to that, beyond the dirt drawn here: see docs/calibrate.md.
+    // There is a limit to that, beyond the dirt drawn here: see docs/calibrate.md. Of 24 draws the five that are
+    // measured (7 comes to 0.97 of what it may be off), and of those refused one for each reason, the nearest to its
+    // border.
     int measured = 0, refused = 0;
-    for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+    for (const std::uint64_t seed : {1, 6, 7, 12, 19, 3, 5, 9, 11, 13, 17}) {
         RandomStream random(1789, seed);
         const auto between = [&](double a, double b) { return a + (b - a) * random.uniform(); };
         const PhotoOptions options = options_of(
