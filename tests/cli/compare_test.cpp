@@ -84,12 +84,12 @@ calibration::PredictedPrint predicted(const slicer::PredictOptions& options) {
     return print;
 }
 
-/// As it is taken for printed: by light paths, 64 a cell, with resins of this set.
+/// As it is taken for printed: by light paths, 24 a cell, with resins of this set.
 calibration::PredictedPrint printed(const std::string& resins = {}) {
     slicer::PredictOptions options;
     options.stack = sliced().stack;
     options.model = "monte-carlo";
-    options.quality.paths = 64;
+    options.quality.paths = 24;
     options.resins = resins;
     return predicted(options);
 }
