@@ -43,6 +43,7 @@ public:
     /// An unmarked voxel of least energy; a marked voxel of most. Among equals the choice is fixed.
     [[nodiscard]] int lowest() const;
     [[nodiscard]] int highest() const;
+    [[nodiscard]] std::int32_t at(int voxel) const { return data_.energy[static_cast<std::size_t>(voxel)]; }
 
     /// What the vector code works on.
     struct Data {

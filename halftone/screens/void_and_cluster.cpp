@@ -9,7 +9,6 @@
 
 #include "base/contracts.h"
 #include "base/random.h"
-#include "halftone/screens/pattern_energy.h"
 
 namespace voxtone::halftone {
 namespace {
@@ -42,7 +41,22 @@ Period periodic_gaussian(double sigma_voxels) {
 /// Offsets 0 .. 63 on the torus as -31 .. 32 (out of reach).
 int signed_offset(int d) { return d <= size / 2 ? d : d - size; }
 
-PatternEnergy make_energy(const VoidAndClusterOptions& options) {
+/// `count` voxels without repetition: the head of a shuffled list.
+std::vector<int> random_voxels(int count, std::uint64_t seed) {
+    std::vector<int> list(voxels);
+    std::iota(list.begin(), list.end(), 0);
+    RandomStream random(seed, 0);
+    for (int n = 0; n < count; ++n) {
+        const int other = n + static_cast<int>(random.uniform() * (voxels - n));
+        std::swap(list[static_cast<std::size_t>(n)], list[static_cast<std::size_t>(other)]);
+    }
+    list.resize(static_cast<std::size_t>(count));
+    return list;
+}
+
+}  // namespace
+
+PatternEnergy void_and_cluster_energy(const VoidAndClusterOptions& options) {
     const double sigma_mm =
         options.sigma_pitches * std::cbrt(options.pitch_mm[0] * options.pitch_mm[1] * options.pitch_mm[2]);
     std::array<Period, 3> gaussian;
@@ -70,21 +84,6 @@ PatternEnergy make_energy(const VoidAndClusterOptions& options) {
     return PatternEnergy(std::move(near), far_weight, marked_offset);
 }
 
-/// `count` voxels without repetition: the head of a shuffled list.
-std::vector<int> random_voxels(int count, std::uint64_t seed) {
-    std::vector<int> list(voxels);
-    std::iota(list.begin(), list.end(), 0);
-    RandomStream random(seed, 0);
-    for (int n = 0; n < count; ++n) {
-        const int other = n + static_cast<int>(random.uniform() * (voxels - n));
-        std::swap(list[static_cast<std::size_t>(n)], list[static_cast<std::size_t>(other)]);
-    }
-    list.resize(static_cast<std::size_t>(count));
-    return list;
-}
-
-}  // namespace
-
 std::vector<std::uint32_t> void_and_cluster(const VoidAndClusterOptions& options, const Progress* progress) {
     for (double pitch : options.pitch_mm) VOXTONE_EXPECT(pitch > 0 && std::isfinite(pitch));
     VOXTONE_EXPECT(options.sigma_pitches >= 0.5 && options.sigma_pitches <= 3);
@@ -92,7 +91,7 @@ std::vector<std::uint32_t> void_and_cluster(const VoidAndClusterOptions& options
     const auto stop_if_asked = [&](int step) {
         if (progress && step % 4096 == 0) progress->check_cancelled();
     };
-    PatternEnergy pattern = make_energy(options);
+    PatternEnergy pattern = void_and_cluster_energy(options);
     const int initial = static_cast<int>(initial_share * voxels);
     for (int voxel : random_voxels(initial, options.seed)) pattern.mark(voxel);
 

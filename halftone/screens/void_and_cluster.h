@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "halftone/screens/pattern_energy.h"
 
 namespace voxtone::halftone {
 
@@ -40,6 +41,10 @@ inline constexpr int void_and_cluster_size = 64;
 /// more than 8 of them, sigma is 8 voxels (the tile is too short for more): isotropic up to pitch ratios of about 10.
 [[nodiscard]] std::vector<std::uint32_t> void_and_cluster(const VoidAndClusterOptions& options,
                                                           const Progress* progress = nullptr);
+
+/// The field of no marked voxel, of which the ranks are made; where all voxels are marked, an energy is 0.9 of a marked
+/// voxel's offset, 2^30.
+[[nodiscard]] PatternEnergy void_and_cluster_energy(const VoidAndClusterOptions& options);
 
 /// The same as thresholds 0 .. 65534: rank / 4, the last four lowered by 1 (see blue_noise_screen.h).
 [[nodiscard]] std::vector<std::uint16_t> void_and_cluster_thresholds(const VoidAndClusterOptions& options,
