@@ -40,12 +40,23 @@ std::string simulate(const Folder& folder, const std::string& more, const std::s
         folder / "bench.json", paths, more);
 }
 
-// One dictionary for all tests of the fit: few extinctions about the resins', few paths.
+// For all tests of the fit: few extinctions about the resins', few paths.
 std::string small_dictionary(const Folder& folder, const std::string& more = {}) {
     return fmt::format(
         "calibrate edge dictionary --setup {} --sigma-t 1.8,2.3,2.9,3.7,4.7,6,7.6,9.7,12.3 --g 0.4 --paths 16384 "
         "--json -o {} {}",
         folder / "bench.json", folder / "edges.dict", more);
+}
+
+// Traced once.
+std::string edge_dictionary() {
+    static const Folder folder("edge-dictionary");
+    static const nlohmann::json made = [] {
+        folder.write("bench.json", coarse_bench);
+        return result_of(run_program(small_dictionary(folder)));
+    }();
+    CHECK(made["format"] == "voxtone-calibrate-edge-dictionary");
+    return folder / "edges.dict";
 }
 
 void refuse(const std::string& arguments, int code, const std::string& why) {
@@ -140,9 +151,8 @@ TEST_CASE("edge: photographs of slabs become profiles, and profiles resins") {
     refuse(photo, 3, "--overwrite");
 
     // On to the resins.
-    CHECK(result_of(run_program(small_dictionary(folder)))["format"] == "voxtone-calibrate-edge-dictionary");
     const std::string fit = fmt::format("calibrate edge fit {} --setup {} --dictionary {} --report {} --json -o {}",
-                                        folder / "profiles.csv", folder / "setup.json", folder / "edges.dict",
+                                        folder / "profiles.csv", folder / "setup.json", edge_dictionary(),
                                         folder / "resins.html", folder / "resins.json");
     const nlohmann::json fitted = result_of(run_program(fit));
     CHECK(fitted["mu"].get<double>() == Approx(0.95).margin(0.03));
@@ -203,13 +213,12 @@ TEST_CASE("edge photo: what cannot be measured is refused, and nothing is left u
 
 namespace {
 
-/// Profiles and a dictionary, made once for all sections of a test.
+/// Profiles, made once for all sections of a test.
 struct EdgeInput {
     Folder folder{"edge-bad"};
     EdgeInput() {
         folder.write("bench.json", coarse_bench);
         static_cast<void>(result_of(run_program(simulate(folder, "-o " + (folder / "good.csv")))));
-        static_cast<void>(result_of(run_program(small_dictionary(folder))));
     }
 };
 
@@ -223,7 +232,7 @@ TEST_CASE("edge fit: bad input is refused or told") {
     const auto fit = [&](const std::vector<calibration::EdgeProfile>& profiles, const std::string& more = {}) {
         folder.write("bad.csv", calibration::edge_profiles_text(profiles));
         return fmt::format("calibrate edge fit {} --setup {} --dictionary {} --overwrite -o {} {}", folder / "bad.csv",
-                           folder / "bench.json", folder / "edges.dict", folder / "r.json", more);
+                           folder / "bench.json", edge_dictionary(), folder / "r.json", more);
     };
     const auto told = [&](const std::string& arguments, const std::string& why) { refuse(arguments, 0, why); };
     SECTION("as it should be") {
