@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "halftone/separation/translucency.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/contracts.h"
+#include "base/parallel.h"
+#include "optics/colour/observed_colour.h"
+#include "optics/layered/layered_appearance.h"
+#include "optics/media/effective_medium.h"
+#include "optics/numerics/portable_math.h"
+
+namespace voxtone::halftone {
+
+namespace {
+
+/// Denser where an alpha moves most; 0 is clear resin.
+constexpr std::array ladder{0.002, 0.005, 0.01, 0.02, 0.035, 0.055, 0.08, 0.12, 0.17, 0.24, 0.33, 0.45, 0.6, 0.8, 1.0};
+
+/// Luminance of what channels show.
+double luminance(const optics::ObservedColour<double>& observed, const std::vector<double>& value) {
+    return Eigen::Vector3d(0.2126, 0.7152, 0.0722).dot(observed.absolute(value.data()));
+}
+
+/// Where `x` lies among rising values, by a line between (0, 0) and the first, and so on; at most 1 past the last.
+float inverted(const std::array<double, ladder.size()>& rising, double x) {
+    double before = 0, before_k = 0;
+    for (std::size_t i = 0; i < ladder.size(); ++i) {
+        const double k = std::sqrt(ladder[i]);
+        if (rising[i] > x) return float(before_k + (k - before_k) * (x - before) / (rising[i] - before));
+        before = rising[i], before_k = k;
+    }
+    return 1;
+}
+
+}  // namespace
+
+optics::SlabReading Translucency::reading(const Eigen::Vector3f& rgb, double k) const {
+    VOXTONE_EXPECT(k > 0 && k <= 1);
+    const optics::ShellGeometry& geometry = appearance_.geometry();
+    const optics::ResinSet& set = appearance_.set();
+    const optics::EffectiveMedium medium(set, geometry.pitch_mm, geometry.seen);
+    const optics::OrdinatePlan plan = optics::appearance_plan(set.g, set.eta);
+    const auto white = optics::Admittance::white_sheet(plan), lit = optics::Admittance::air(plan, true),
+               dark = optics::Admittance::air(plan, false);
+    std::vector<double> shell = separation_.fractions(rgb), core(shell.size());
+    core[std::size_t(geometry.core_resin)] = 1;
+    for (auto* shares : {&shell, &core}) {
+        for (double& share : *shares) share *= k;
+        (*shares)[std::size_t(clear_)] += 1 - k;
+    }
+    const bool both_sides = geometry.seen == optics::SeenFrom::all_sides;
+    const double slab_mm = optics::translucency_slab_mm,
+                 shell_mm = std::min(appearance_.geometry().shell_mm / k, both_sides ? slab_mm / 2 : slab_mm);
+    std::vector<double> on_white, through;
+    for (std::size_t c = 0; c < appearance_.channels(); ++c) {
+        const optics::Medium of_shell = medium(shell, c);
+        const std::array layers{optics::LayerOf{of_shell, shell_mm},
+                                optics::LayerOf{medium(core, c), slab_mm - (both_sides ? 2 : 1) * shell_mm},
+                                optics::LayerOf{of_shell, both_sides ? shell_mm : 0}};
+        const auto seen = [&](const optics::Admittance& below) {
+            return optics::layered_appearance(plan, layers, below);
+        };
+        on_white.push_back(seen(white));
+        through.push_back(seen(lit) - seen(dark));
+    }
+    const optics::ObservedColour<double> observed(set.channels);
+    return {luminance(observed, on_white), luminance(observed, through)};
+}
+
+Translucency::Translucency(const optics::ShellAppearance& appearance, const Separation& separation, int clear)
+    : appearance_(appearance), separation_(separation), clear_(clear) {
+    VOXTONE_EXPECT(clear >= 0 && std::size_t(clear) < separation.resins());
+    const optics::TranslucencyScale scale(appearance.set().eta);
+    constexpr std::size_t colours = edge * edge * edge;
+    std::vector<std::array<double, ladder.size()>> root_eta(colours);
+    parallel_for(0, colours * ladder.size(), 1, [&](std::size_t i) {
+        const std::size_t colour = i / ladder.size();
+        const auto at = [](std::size_t n) { return float(std::pow(double(n) / (edge - 1), 3)); };
+        const Eigen::Vector3f rgb(at(colour / (edge * edge)), at(colour / edge % edge), at(colour % edge));
+        root_eta[colour][i % ladder.size()] = std::sqrt(scale.eta_per_cm(reading(rgb, ladder[i % ladder.size()])));
+    });
+    for (auto& rising : root_eta) {
+        for (std::size_t i = 1; i < rising.size(); ++i) rising[i] = std::max(rising[i], rising[i - 1] + 1e-9);
+        most_alpha_.push_back(float(optics::translucency_alpha(rising.back() * rising.back())));
+        most_root_eta_ = std::max(most_root_eta_, rising.back());
+    }
+    for (const auto& rising : root_eta)
+        for (std::size_t e = 0; e < etas; ++e)
+            root_kept_.push_back(inverted(rising, most_root_eta_ * double(e) / (etas - 1)));
+    for (std::size_t a = 0; a < alphas; ++a) {
+        const double eta = optics::translucency_eta_per_cm(double(a) / (alphas - 1));
+        root_eta_.push_back(float(std::min(std::sqrt(eta) / most_root_eta_, 1.0)));
+    }
+}
+
+float Translucency::kept(const Eigen::Vector3f& rgb, float alpha) const {
+    if (!(alpha < 1)) return 1;
+    if (!(alpha > 0)) return 0;
+    const float a = alpha * (alphas - 1);
+    const auto of_alpha = std::min(std::size_t(a), alphas - 2);
+    const float root = root_eta_[of_alpha] + (a - float(of_alpha)) * (root_eta_[of_alpha + 1] - root_eta_[of_alpha]);
+    const float e = root * (etas - 1);
+    const auto of_eta = std::min(std::size_t(e), etas - 2);
+    const float past = e - float(of_eta);
+    std::array<std::size_t, 3> first{};
+    std::array<float, 3> beyond{};
+    for (int c = 0; c < 3; ++c) {
+        const float x = portable::cbrt(std::clamp(rgb[c], 0.0f, 1.0f)) * (edge - 1);
+        first[std::size_t(c)] = std::min(std::size_t(x), edge - 2);
+        beyond[std::size_t(c)] = x - float(first[std::size_t(c)]);
+    }
+    float sum = 0;
+    for (unsigned corner = 0; corner < 8; ++corner) {
+        float weight = 1;
+        std::size_t colour = 0;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const bool upper = corner >> c & 1;
+            weight *= upper ? beyond[c] : 1 - beyond[c];
+            colour = colour * edge + first[c] + (upper ? 1 : 0);
+        }
+        const float* node = root_kept_.data() + colour * etas + of_eta;
+        sum += weight * (node[0] + past * (node[1] - node[0]));
+    }
+    return std::min(sum * sum, 1.0f);
+}
+
+double Translucency::most_alpha(const Eigen::Vector3f& rgb) const {
+    std::size_t colour = 0;
+    for (int c = 0; c < 3; ++c)
+        colour = colour * edge + std::size_t(std::lround(portable::cbrt(std::clamp(rgb[c], 0.0f, 1.0f)) * (edge - 1)));
+    return double(most_alpha_[colour]);
+}
+
+CumulativeMixture Translucency::diluted(const CumulativeMixture& mixture, float k) const {
+    if (k >= 1) return mixture;
+    CumulativeMixture out = mixture;
+    constexpr float whole = 65536;
+    const auto last = separation_.resins() - 1;
+    for (std::size_t r = 0; r < last; ++r) {
+        const float bound = mixture.bound[r] == 65535 ? whole : mixture.bound[r];
+        const float diluted = k * bound + (int(r) >= clear_ ? (1 - k) * whole : 0);
+        out.bound[r] = std::uint16_t(std::min(std::lround(diluted), 65535L));
+    }
+    return out;
+}
+
+}  // namespace voxtone::halftone
