@@ -41,7 +41,7 @@ const Print& print() {
 
 }  // namespace
 
-TEST_CASE("A print of any colour is thinned to where it reads as the alpha that is asked for") {
+TEST_CASE("A print of any colour is thinned to where it reads as the alpha that is asked for", "[slow]") {
     const optics::TranslucencyScale scale(print().set.eta);
     double worst = 0;
     for (const Vector3f& rgb : {Vector3f(1, 1, 1), Vector3f(0.5f, 0.5f, 0.5f), Vector3f(0.2f, 0.2f, 0.2f),
@@ -67,7 +67,7 @@ TEST_CASE("A print of any colour is thinned to where it reads as the alpha that 
     CHECK(worst > 1e-6);
 }
 
-TEST_CASE("Clear at 0, and at 1 what is printed without alpha, to the bit") {
+TEST_CASE("Clear at 0, and at 1 what is printed without alpha, to the bit", "[slow]") {
     const Translucency& translucency = print().translucency;
     const Vector3f rgb(0.7f, 0.1f, 0.1f);
     CHECK(translucency.kept(rgb, 0) == 0);
