@@ -400,6 +400,8 @@ private:
         if (material.name.empty()) material.name = fmt::format("number {}", parts_.materials.size() - 1);
         material.opaque = text(json, "alphaMode", "OPAQUE") == "OPAQUE";
         material.glass = is_glass(object(json, "extensions"));
+        const Json& clear = object(object(json, "extensions"), "KHR_materials_transmission");
+        material.through = static_cast<float>(std::clamp(real(clear, "transmissionFactor", 0), 0.0, 1.0));
         const Json& old_workflow = object(object(json, "extensions"), "KHR_materials_pbrSpecularGlossiness");
         // Where the other says nothing, or less than what must be understood, the older one is the material.
         const bool old = !old_workflow.empty() && !object(json, "pbrMetallicRoughness").contains("baseColorTexture") &&

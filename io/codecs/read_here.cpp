@@ -105,7 +105,7 @@ void ask_for_folder() {
 
 ModelFile read_model_here(const std::filesystem::path& path, const ReadOptions& options, const OtherDecoder& others) {
     return finish_model(parse_model(path, options, {.others = others}), path.filename().string(),
-                        {options.fill_gutters, options.texture_filter});
+                        {options.fill_gutters, options.texture_filter, options.keep_alpha});
 }
 
 Picture read_picture_here(const std::filesystem::path& path, const ReadOptions& options, const OtherDecoder& others) {

@@ -42,6 +42,7 @@ struct ReadOptions {
     bool fill_gutters = true;
     std::filesystem::path texture;  ///< of a model: laid on what has coordinates and no picture; empty: none
     TextureFilter texture_filter = TextureFilter::as_file;
+    bool keep_alpha = false;             ///< beside the colours, instead of laying these over white
     DrawingRaster drawing;               ///< of a picture that is a drawing
     std::string more = {};               ///< for messages: how the user allows more, if there is a way
     const Progress* progress = nullptr;  ///< asked for cancellation

@@ -16,6 +16,7 @@
 #include "io/models/fill_gutters.h"
 #include "io/models/texel_coverage.h"
 #include "io/models/weld.h"
+#include "io/pictures/picture.h"
 
 namespace voxtone::io {
 
@@ -92,7 +93,8 @@ public:
         cover();
         ModelFile file;
         file.wants_colour = parts_.has_colour && some_colour_is_not_white();
-        keep_invisible_colours();
+        // Where alpha is how clear a print is to be, all of it may be; but for Tr 1 (model_reader.h).
+        if (!options_.keep_alpha || parts_.format == "OBJ") keep_invisible_colours();
         make_materials();
         compose_corners();
         report_transparency();
@@ -242,8 +244,12 @@ private:
         for (std::size_t i = 0; i < variants.size(); ++i) {
             const PartMaterial& part = parts_.materials[i];
             const Variant& variant = variants[i];
-            SurfaceMaterial material{part.name, part.rgb, nullptr};
-            if (variant.transparent) {
+            SurfaceMaterial material;
+            material.name = part.name, material.rgb = part.rgb;
+            if (keeps_alpha(variant)) {
+                if (!part.opaque) material.alpha = std::clamp(part.alpha, 0.0f, 1.0f);
+                material.alpha *= 1 - part.through;
+            } else if (variant.transparent) {
                 material.rgb.setOnes();
                 transparent_materials_ +=
                     part.under == Eigen::Vector3f::Ones();  // else the file itself says what shows through
@@ -258,9 +264,17 @@ private:
                                          ? part.nearest
                                          : options_.filter == TextureFilter::nearest;
                 material.texture = std::make_shared<const Texture>(pyramid, part.wrap_u, part.wrap_v, nearest);
+                if (const auto alpha = alpha_pyramids_.find(variant); alpha != alpha_pyramids_.end())
+                    material.alpha_texture =
+                        std::make_shared<const Texture>(alpha->second, part.wrap_u, part.wrap_v, nearest);
             }
             mesh_.materials.push_back(std::move(material));
         }
+    }
+
+    /// Of what lies over a colour of the file's own the file itself says what is seen.
+    bool keeps_alpha(const Variant& variant) const {
+        return options_.keep_alpha && variant.under == std::array{1.f, 1.f, 1.f};
     }
 
     /// The last of an image's variants takes its texels, which may be most of the memory there is.
@@ -272,7 +286,11 @@ private:
         TexelImage texels = last ? std::move(image) : image;
         if (options_.fill_gutters) fill_gutters(texels, coverage_[index]);
         if (last) coverage_[index] = TexelCoverage(0, 0);
-        if (variant.transparent)
+        if (variant.transparent && keeps_alpha(variant)) {
+            if (looks_premultiplied(texels))
+                parts_.warnings.push_back(premultiplied_warning(parts_.image_names[index]));
+            alpha_pyramids_[variant] = std::make_shared<const MipPyramid>(take_alpha(texels));
+        } else if (variant.transparent)
             compose_over(texels, {variant.under[0], variant.under[1], variant.under[2]},
                          {variant.tint[0], variant.tint[1], variant.tint[2]}, variant.tint[3]);
         return std::make_shared<const MipPyramid>(std::move(texels));
@@ -281,6 +299,7 @@ private:
     void compose_corners() {
         if (parts_.corner_rgba.empty()) return;
         mesh_.corner_rgb.resize(parts_.corner_rgba.size());
+        if (options_.keep_alpha) mesh_.corner_alpha.resize(parts_.corner_rgba.size());
         std::size_t clamped = 0;
         bool differ_before = false, differ = false;
         const Eigen::Vector3f first = parts_.corner_rgba[0][0].head<3>();
@@ -296,6 +315,11 @@ private:
                 differ_before |= rgba.head<3>() != first;
                 differ |= rgb != first.cwiseMax(0).cwiseMin(1);
                 const float alpha = opaque || !(rgba.w() < 1) ? 1.0f : std::max(rgba.w(), 0.0f);
+                if (options_.keep_alpha) {
+                    mesh_.corner_alpha[t][c] = alpha;
+                    mesh_.corner_rgb[t][c] = rgb;
+                    continue;
+                }
                 transparent_corners_ += alpha < 1;
                 mesh_.corner_rgb[t][c] = rgb * alpha + Eigen::Vector3f::Constant(1 - alpha);
             }
@@ -320,8 +344,8 @@ private:
         if (transparent_materials_ == 0 && transparent_corners_ == 0) return;
         parts_.warnings.push_back(named_warning(
             "transparent",
-            fmt::format("{} has transparent colours ({} materials, {} vertex colours); a print is opaque, so they were "
-                        "laid over white.",
+            fmt::format("{} has transparent colours ({} materials, {} vertex colours); they were laid over white. "
+                        "--alpha translucency prints them so that light goes through.",
                         name_, transparent_materials_, transparent_corners_)));
     }
 
@@ -336,12 +360,13 @@ private:
     std::string lost_glass() const {
         std::vector<std::string> names;
         for (std::size_t m = 0; m < parts_.materials.size(); ++m)
-            if (used_material_[m] && parts_.materials[m].glass)
+            if (used_material_[m] && parts_.materials[m].glass &&
+                !(options_.keep_alpha && parts_.materials[m].through > 0))
                 names.push_back(fmt::format("'{}'", printable(parts_.materials[m].name)));
         if (names.empty()) return {};
         return fmt::format(
             "{} has materials of glass ({}); a print of colours is opaque: that one sees through them is LOST. Give "
-            "them the colour that they are to have.",
+            "them the colour that they are to have, or --alpha translucency.",
             name_, first_few(names, ", "));
     }
 
@@ -356,7 +381,8 @@ private:
     ModelParts parts_;
     const std::string& name_;
     const FinishOptions options_;
-    std::set<Variant> wanted_;  ///< that are still to be prepared
+    std::set<Variant> wanted_;                                             ///< that are still to be prepared
+    std::map<Variant, std::shared_ptr<const MipPyramid>> alpha_pyramids_;  ///< where alpha is kept
     TexturedMesh mesh_;
     std::vector<TexelCoverage> coverage_;
     std::vector<bool> used_material_;

@@ -14,6 +14,7 @@ namespace voxtone::io {
 struct FinishOptions {
     bool fill_gutters = true;  ///< texels that no triangle uses take the colour of the nearest used one
     TextureFilter filter = TextureFilter::as_file;
+    bool keep_alpha = false;  ///< apart from colours; of pictures over a colour of the file's own it is composed
 };
 
 /// Checks indices and values, welds positions, prepares textures. `name` is for messages. Throws InputError.

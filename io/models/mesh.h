@@ -3,8 +3,9 @@
 // A triangle mesh with its colour, as every reader delivers it.
 //
 // Colour of a surface point = material.rgb * corner colour (interpolated) * texture(uv)      (linear sRGB, per channel)
-// where a factor that is absent counts as 1, and over that the decals, one after the other. Alpha of textures is
-// composed over white by the reader, which says so.
+// where a factor that is absent counts as 1, and over that the decals, one after the other. Alpha is composed over
+// white by the reader, which says so; or it is kept apart (ReadOptions::keep_alpha), a product of the same three
+// factors.
 #pragma once
 
 #include <array>
@@ -25,6 +26,8 @@ struct SurfaceMaterial {
     std::string name;
     Eigen::Vector3f rgb = Eigen::Vector3f::Ones();  ///< linear sRGB
     std::shared_ptr<const Texture> texture;         ///< null: none
+    float alpha = 1;                                ///< where it is kept
+    std::shared_ptr<const Texture> alpha_texture;   ///< where it is kept: in each channel; null: 1 everywhere
 };
 
 struct TexturedMesh {
@@ -34,6 +37,7 @@ struct TexturedMesh {
     std::vector<std::array<Eigen::Vector2f, 3>>
         corner_uv;  ///< one per triangle, or empty; (0,0) is the texture's bottom left
     std::vector<std::array<Eigen::Vector3f, 3>> corner_rgb;  ///< one per triangle, linear sRGB factors, or empty
+    std::vector<std::array<float, 3>> corner_alpha;          ///< one per triangle, or empty
     std::vector<SurfaceMaterial> materials;                  ///< at least one
     std::vector<Decal> decals;                               ///< in mm of positions; no reader delivers any
 };

@@ -33,6 +33,7 @@ struct PartMaterial {
     Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
     bool nearest = false;
     bool glass = false;  ///< the format says that light goes through the body, which a print of it does not let
+    float through = 0;   ///< what share of it, unscattered, where the format says so; in [0, 1]
 };
 
 struct ModelParts {

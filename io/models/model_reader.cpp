@@ -90,7 +90,8 @@ ModelFile read_model(const std::filesystem::path& path, const ReadOptions& optio
     parts.warnings.insert(parts.warnings.begin(), warnings.begin(), warnings.end());
     sources.side_files.insert(sources.side_files.end(), parts.side_files.begin(), parts.side_files.end());
     sources.notes.insert(sources.notes.end(), parts.notes.begin(), parts.notes.end());
-    return finish_model(std::move(parts), path.filename().string(), {options.fill_gutters, options.texture_filter});
+    return finish_model(std::move(parts), path.filename().string(),
+                        {options.fill_gutters, options.texture_filter, options.keep_alpha});
 }
 
 std::vector<SideFile> side_files_of(const std::filesystem::path& path, const ReadOptions& options) {

@@ -28,7 +28,9 @@ bool is_invisible(const TexelImage& texels) {
 }  // namespace
 
 Picture read_picture(const std::filesystem::path& path, const ReadOptions& options, PictureAlpha alpha) {
-    const auto finish = alpha == PictureAlpha::cut ? finish_cut_out : finish_picture;
+    const auto finish = alpha == PictureAlpha::cut    ? finish_cut_out
+                        : alpha == PictureAlpha::kept ? finish_with_alpha
+                                                      : finish_picture;
     return finish(read_picture_with_alpha(path, options), path.filename().string(),
                   options.texture_filter == TextureFilter::nearest);
 }
@@ -95,14 +97,34 @@ void spread_colours(TexelImage& texels, const std::vector<std::uint16_t>& alpha)
 
 }  // namespace
 
+std::string premultiplied_warning(const std::string& name) {
+    return named_warning("premultiplied",
+                         fmt::format("The colours of {} are nowhere brighter than their alpha, as if they had been "
+                                     "multiplied by it, and print too dark then; save it with straight alpha.",
+                                     name));
+}
+
 Picture finish_picture(DecodedImage image, const std::string& name, bool nearest) {
     show_if_invisible(image, name);
     Picture picture = picture_of(image);
     if (image.has_alpha) {
         picture.warnings.push_back(
-            named_warning("transparent", fmt::format("{} has transparent pixels; they were laid over white.", name)));
+            named_warning("transparent", fmt::format("{} has transparent pixels; they were laid over white. --alpha "
+                                                     "translucency prints them so that light goes through, --cut-out "
+                                                     "leaves them out.",
+                                                     name)));
         compose_over(image.texels, Eigen::Vector3f::Ones());
     }
+    picture.texture = std::make_shared<const Texture>(std::move(image.texels), Wrap::clamp, Wrap::clamp, nearest);
+    return picture;
+}
+
+Picture finish_with_alpha(DecodedImage image, const std::string& name, bool nearest) {
+    if (image.has_alpha && looks_premultiplied(image.texels)) image.warnings.push_back(premultiplied_warning(name));
+    Picture picture = picture_of(image);
+    if (image.has_alpha)
+        picture.alpha_texture =
+            std::make_shared<const Texture>(take_alpha(image.texels), Wrap::clamp, Wrap::clamp, nearest);
     picture.texture = std::make_shared<const Texture>(std::move(image.texels), Wrap::clamp, Wrap::clamp, nearest);
     return picture;
 }

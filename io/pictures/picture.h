@@ -23,13 +23,14 @@ struct Picture {
     bool is_drawing = false;      ///< DecodedImage::is_drawing
     std::vector<std::string> warnings;
     std::string lost_colour;  ///< that of the warnings which tells of lost colours; empty: none is lost
+    std::shared_ptr<const Texture> alpha_texture;  ///< where alpha is kept and the picture has some
     /// Of a picture that is to be cut to shape: rows from the top, 65535 is opaque; its texture has alpha nowhere. Else
     /// empty.
     std::vector<std::uint16_t> alpha;
 };
 
 /// What becomes of it.
-enum class PictureAlpha : std::uint8_t { over_white, cut };
+enum class PictureAlpha : std::uint8_t { over_white, cut, kept };
 
 /// Under the same walls as `read_model`. Throws FileError, InputError.
 [[nodiscard]] Picture read_picture(const std::filesystem::path& path, const ReadOptions& options = {},
@@ -42,8 +43,14 @@ enum class PictureAlpha : std::uint8_t { over_white, cut };
 /// formats is no alpha. `name` is for the warning.
 void show_if_invisible(DecodedImage& image, const std::string& name);
 
+/// Of what looks_premultiplied.
+[[nodiscard]] std::string premultiplied_warning(const std::string& name);
+
 /// A decoded picture, composed over white. `name` is for the warning of that. `nearest`: Texture.
 [[nodiscard]] Picture finish_picture(DecodedImage image, const std::string& name, bool nearest = false);
+
+/// The same with its colours as they are, and alpha beside them.
+[[nodiscard]] Picture finish_with_alpha(DecodedImage image, const std::string& name, bool nearest = false);
 
 /// The same to be cut to shape where alpha is a half: colours are as in the file, without their alpha, and where alpha
 /// is less those of what is nearest and opaque. Throws InputError where it is opaque everywhere, or nowhere.

@@ -54,6 +54,13 @@ struct TexelImage {
     }
 };
 
+/// Whether colours look as if they were times alpha: where alpha is between, none is brighter than it, some are as
+/// bright.
+[[nodiscard]] bool looks_premultiplied(const TexelImage& image);
+
+/// Alpha as a grey, linear in 16 bits; the picture becomes opaque.
+[[nodiscard]] TexelImage take_alpha(TexelImage& image);
+
 /// Composes the picture over a colour in linear light: rgb <- tint * rgb * a + under * (1 - a) with a = alpha *
 /// tint_alpha.
 void compose_over(TexelImage& image, const Eigen::Vector3f& under,

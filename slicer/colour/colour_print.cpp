@@ -13,6 +13,7 @@
 #include "base/stopwatch.h"
 #include "base/warning.h"
 #include "io/files/json_writer.h"
+#include "slicer/colour/asked_alpha.h"
 #include "slicer/colour/colour_report.h"
 #include "slicer/colour/loop_report.h"
 #include "slicer/colour/verdict.h"
@@ -103,6 +104,9 @@ JobResult ColourPrint::keep_loop() const {
 }
 
 void ColourPrint::prepare(Progress& progress) {
+    if (const auto* translucency = parts_.translucency())
+        alpha_warning_ = alpha_out_of_reach(*body_.surface, parts_.surface_colour(), *translucency);
+    if (!alpha_warning_.empty()) progress.warn(alpha_warning_);
     if (may_loop()) {
         const Stopwatch watch;
         if (take_saved_loop(progress)) {
@@ -223,6 +227,7 @@ void ColourPrint::add_to(io::Report& report) const {
         judge({job_, body_, *colour_, prediction_, prediction_plan_.why_not, *report.gamut, loop_, plan_.all_white});
     if (!why_no_loop_.empty() && !plan_.all_white)
         report.warnings.push_back(named_warning("loop-left-out", why_no_loop_));
+    if (!alpha_warning_.empty()) report.warnings.push_back(alpha_warning_);
     add_remarks(loop_, prediction_, report);
 }
 

@@ -69,6 +69,7 @@ private:
     std::unique_ptr<const JobColour> colour_;
     PrintParts parts_;
     const JobPlan& plan_;
+    std::string alpha_warning_;             ///< empty: there is none
     std::string why_no_loop_;               ///< a sentence, or empty where none is due
     std::optional<PreparedLoop> prepared_;  ///< until it has run
     std::optional<JobLoop> loop_;           ///< nothing: the open loop is printed

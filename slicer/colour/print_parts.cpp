@@ -23,6 +23,13 @@ std::vector<int> resins_of_decals(const JobBody& body, const LoadedResins& resin
     return any ? indices : std::vector<int>{};
 }
 
+/// To the middle of the body where alpha says what lies there: no voxel is further from the surface.
+double reach_mm(const ResolvedJob& job, const JobBody& body) {
+    if (!has_alpha(body.model.mesh)) return looked_through_mm(job);
+    const double thin_mm = body.placement.extent_mm.minCoeff();
+    return std::max(looked_through_mm(job), (body.is_picture ? body.placement.extent_mm.z() : thin_mm / 2) + 1);
+}
+
 }  // namespace
 
 PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, double shell_mm)
@@ -39,8 +46,9 @@ PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const Loaded
 
 PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, const JobColour& colour,
                        const Progress& progress)
-    : PrintParts(job, body, resins, looked_through_mm(job)) {
+    : PrintParts(job, body, resins, reach_mm(job, body)) {
     colour_ = &colour;
+    if (surface_colour_.has_alpha()) translucency_.emplace(colour.appearance, colour.separation, resins.set.find("T"));
     zones_ = zones_of(colour.appearance.geometry());
     if (job.colour.screen == ScreenKind::blue_noise)
         screen_.emplace(std::array{body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()}, &progress);
@@ -49,6 +57,11 @@ PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const Loaded
 PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, const ShellFill& fill)
     : PrintParts(job, body, resins, fill.shell_mm()) {
     fill_ = &fill;
+}
+
+TranslucentBody PrintParts::translucent_body() const {
+    if (!translucency_) return {};
+    return {&*translucency_, static_cast<float>(colour_->appearance.geometry().shell_mm)};
 }
 
 LayerSources PrintParts::sources(const SkinSource* skin) const {
@@ -60,7 +73,7 @@ LayerSources PrintParts::sources(const SkinSource* skin) const {
                          .resins = fill_};
     if (colour_)
         sources.resins.emplace<MixtureSources>(surface_colour_, colour_->separation, screen_ ? &*screen_ : nullptr,
-                                               seed_, skin);
+                                               seed_, skin, translucent_body());
     sources.zones = zones_;
     return sources;
 }
@@ -123,7 +136,7 @@ optics::ResinVolume PrintParts::volume_of(const LayerSources& sources, std::uint
 
 std::optional<SkinVoxels> PrintParts::skin_voxels(const SkinMap& map, std::uint64_t memory_bytes,
                                                   const Progress& progress) const {
-    if (!screen_ || surface_colour_.sets_resins()) return std::nullopt;
+    if (!screen_ || surface_colour_.sets_resins() || translucency_) return std::nullopt;
     const int depth = shell_.block_size()[2];
     const auto& size = body_.grid.size;
     const auto visit_slab = [&](int slab, const auto& visit) {

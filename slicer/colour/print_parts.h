@@ -49,6 +49,10 @@ public:
                                             const Progress& progress) const;
     /// What of the print is clear by the job's options.
     [[nodiscard]] const DepthZones& zones() const { return zones_; }
+    /// What thins the resins where alpha does; null: nothing.
+    [[nodiscard]] const halftone::Translucency* translucency() const {
+        return translucency_ ? &*translucency_ : nullptr;
+    }
     /// What `volume` looks up again for every print by a skin, kept: nothing where it takes more than `memory_bytes`,
     /// or where not every voxel is screened by itself from the loop's mixtures.
     [[nodiscard]] std::optional<SkinVoxels> skin_voxels(const SkinMap& map, std::uint64_t memory_bytes,
@@ -65,6 +69,7 @@ private:
     [[nodiscard]] optics::ResinVolume volume_of(const LayerSources& sources, std::uint64_t memory_bytes,
                                                 const Progress& progress) const;
     PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, double shell_mm);
+    [[nodiscard]] TranslucentBody translucent_body() const;
 
     const JobBody& body_;
     const LoadedResins& resins_;
@@ -77,6 +82,7 @@ private:
     std::optional<ThinFeatures> thin_;
     DepthZones zones_;
     std::optional<halftone::BlueNoiseScreen> screen_;
+    std::optional<halftone::Translucency> translucency_;  ///< where alpha asks for it
 };
 
 }  // namespace voxtone::slicer

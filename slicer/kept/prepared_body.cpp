@@ -39,7 +39,8 @@ void vector_in(Stream& stream, Vector& v) {
 
 template <class Stream, class Mesh>
 void mesh_in(Stream& stream, Mesh& mesh) {
-    stream(mesh.positions, mesh.triangles, mesh.material_of_triangle, mesh.corner_uv, mesh.corner_rgb);
+    stream(mesh.positions, mesh.triangles, mesh.material_of_triangle, mesh.corner_uv, mesh.corner_rgb,
+           mesh.corner_alpha);
 }
 
 template <class Stream, class Solid>
@@ -85,18 +86,20 @@ void put_materials(PackedWriter& to, const std::vector<io::SurfaceMaterial>& mat
     std::map<const io::MipPyramid*, std::uint32_t> number;
     std::vector<const io::MipPyramid*> pyramids;
     for (const io::SurfaceMaterial& material : materials)
-        if (material.texture &&
-            number.emplace(material.texture->pyramid().get(), std::uint32_t(pyramids.size())).second)
-            pyramids.push_back(material.texture->pyramid().get());
+        for (const auto& texture : {material.texture, material.alpha_texture})
+            if (texture && number.emplace(texture->pyramid().get(), std::uint32_t(pyramids.size())).second)
+                pyramids.push_back(texture->pyramid().get());
     to(std::uint64_t{pyramids.size()});
     for (const io::MipPyramid* pyramid : pyramids)
         to(pyramid->levels(), pyramid->texels().srgb8, pyramid->texels().linear16);
     to(std::uint64_t{materials.size()});
     for (const io::SurfaceMaterial& material : materials) {
-        to(material.name, material.rgb, material.texture != nullptr);
-        if (!material.texture) continue;
-        const io::Texture& texture = *material.texture;
-        to(number.at(texture.pyramid().get()), texture.wrap_u(), texture.wrap_v(), texture.nearest());
+        to(material.name, material.rgb, material.alpha);
+        for (const auto& texture : {material.texture, material.alpha_texture}) {
+            to(texture != nullptr);
+            if (texture)
+                to(number.at(texture->pyramid().get()), texture->wrap_u(), texture->wrap_v(), texture->nearest());
+        }
     }
 }
 
@@ -125,16 +128,19 @@ std::vector<io::SurfaceMaterial> materials_from(PackedReader& from) {
     std::vector<io::SurfaceMaterial> materials;
     for (std::uint64_t i = 0; i < count; ++i) {
         io::SurfaceMaterial& material = materials.emplace_back();
-        bool has_texture = false;
-        from(material.name, material.rgb, has_texture);
-        if (!has_texture) continue;
-        std::uint32_t pyramid = 0;
-        io::Wrap wrap_u{}, wrap_v{};
-        bool nearest = false;
-        from(pyramid, wrap_u, wrap_v, nearest);
-        if (pyramid >= pyramids.size())
-            throw InputError("what the first shard left has a material without its texture");
-        material.texture = std::make_shared<const io::Texture>(pyramids[pyramid], wrap_u, wrap_v, nearest);
+        from(material.name, material.rgb, material.alpha);
+        for (auto* texture : {&material.texture, &material.alpha_texture}) {
+            bool has_texture = false;
+            from(has_texture);
+            if (!has_texture) continue;
+            std::uint32_t pyramid = 0;
+            io::Wrap wrap_u{}, wrap_v{};
+            bool nearest = false;
+            from(pyramid, wrap_u, wrap_v, nearest);
+            if (pyramid >= pyramids.size())
+                throw InputError("what the first shard left has a material without its texture");
+            *texture = std::make_shared<const io::Texture>(pyramids[pyramid], wrap_u, wrap_v, nearest);
+        }
     }
     return materials;
 }

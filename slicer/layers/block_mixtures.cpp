@@ -5,11 +5,16 @@
 
 namespace voxtone::slicer {
 
-BlockMixtures::BlockMixtures(const VisibleSurface& surface, const SurfaceColour& colour,
-                             const halftone::Separation& separation, const SkinSource* skin, const DepthZones& zones)
-    : surface_(surface), colour_(colour), separation_(separation), skin_(skin), zones_(zones) {
-    if (!colour.sets_resins() && !zones.any()) return;
-    const auto resins = static_cast<std::size_t>(separation.resins());
+BlockMixtures::BlockMixtures(const LayerSources& sources)
+    : surface_(sources.surface),
+      colour_(std::get<MixtureSources>(sources.resins).colour),
+      separation_(std::get<MixtureSources>(sources.resins).separation),
+      skin_(std::get<MixtureSources>(sources.resins).skin),
+      zones_(sources.zones),
+      translucent_(std::get<MixtureSources>(sources.resins).translucent),
+      core_(sources.core - 1) {
+    if (!colour_.sets_resins() && !zones_.any() && !translucent_.kept) return;
+    const auto resins = static_cast<std::size_t>(separation_.resins());
     halftone::SkinMixtures each(resins, 1, resins);
     for (std::size_t r = 0; r < resins; ++r) each.cell(r)[r] = 1;
     pure_ = halftone::cumulative_mixtures(each);
@@ -18,17 +23,27 @@ BlockMixtures::BlockMixtures(const VisibleSurface& surface, const SurfaceColour&
 std::size_t BlockMixtures::gather(const ShellBlock& block) {
     count_ = 0;
     marked_.clear();
+    thinned_.clear();
     for_each_shell_voxel(block, [&](int row, int lane) {
         const int at = row * ShellBlock::width + lane;
-        int resin = zones_.resin_at(block.distance_mm[at]);
-        if (resin < 0 && colour_.sets_resins())
-            resin = colour_.resin_at(surface_.source_triangle[block.triangle[at]], block.u[at], block.v[at]);
+        const std::uint32_t source = surface_.source_triangle[block.triangle[at]];
+        float depth_mm = block.distance_mm[at];
+        int resin = zones_.resin_at(depth_mm);
+        if (translucent_.kept) {
+            if (const float alpha = colour_.alpha_at(source, block.u[at], block.v[at]); alpha < 1) {
+                const float kept = translucent_.kept->kept(colour_.at(source, block.u[at], block.v[at]), alpha);
+                depth_mm *= kept;
+                thinned_.emplace_back(count_, kept);
+            }
+            if (depth_mm > translucent_.shell_mm) resin = core_;
+        }
+        if (resin < 0 && colour_.sets_resins()) resin = colour_.resin_at(source, block.u[at], block.v[at]);
         if (resin >= 0) marked_.emplace_back(count_, resin);
         if (skin_) {
-            mixture_[count_++] = skin_->mixture(block.triangle[at], block.u[at], block.v[at], block.distance_mm[at]);
+            mixture_[count_++] = skin_->mixture(block.triangle[at], block.u[at], block.v[at], depth_mm);
             return;
         }
-        const Eigen::Vector3f rgb = colour_.at(surface_.source_triangle[block.triangle[at]], block.u[at], block.v[at]);
+        const Eigen::Vector3f rgb = colour_.at(source, block.u[at], block.v[at]);
         red_[count_] = rgb.x();
         green_[count_] = rgb.y();
         blue_[count_] = rgb.z();
@@ -40,6 +55,7 @@ std::size_t BlockMixtures::gather(const ShellBlock& block) {
 const halftone::CumulativeMixture* BlockMixtures::separate() {
     if (!skin_) separation_.mixtures(red_.data(), green_.data(), blue_.data(), count_, mixture_.data());
     for (const auto& [voxel, resin] : marked_) mixture_[voxel] = pure_[static_cast<std::size_t>(resin)];
+    for (const auto& [voxel, kept] : thinned_) mixture_[voxel] = translucent_.kept->diluted(mixture_[voxel], kept);
     return mixture_.data();
 }
 

@@ -12,6 +12,7 @@
 #include "halftone/screens/blue_noise_screen.h"
 #include "halftone/separation/separation.h"
 #include "slicer/layers/block_fill.h"
+#include "slicer/layers/layer_sources.h"
 #include "slicer/layers/skin_source.h"
 #include "slicer/surface/surface_colour.h"
 #include "slicer/surface/surface_shell.h"
@@ -21,9 +22,8 @@ namespace voxtone::slicer {
 
 class BlockMixtures {
 public:
-    /// `skin`: null: separate the target colours.
-    BlockMixtures(const VisibleSurface& surface, const SurfaceColour& colour, const halftone::Separation& separation,
-                  const SkinSource* skin, const DepthZones& zones);
+    /// Of a shell by colour.
+    explicit BlockMixtures(const LayerSources& sources);
 
     /// Looks up what the voxels of the block ask for; returns how many there are.
     std::size_t gather(const ShellBlock& block);
@@ -37,8 +37,11 @@ private:
     const halftone::Separation& separation_;
     const SkinSource* skin_;
     DepthZones zones_;
-    std::vector<halftone::CumulativeMixture> pure_;    ///< of each resin, where marks are printed by one, or zones
-    std::vector<std::pair<std::size_t, int>> marked_;  ///< voxels of the block that are, and their resins
+    TranslucentBody translucent_;
+    int core_;
+    std::vector<halftone::CumulativeMixture> pure_;       ///< of each resin, where some voxels are of one
+    std::vector<std::pair<std::size_t, int>> marked_;     ///< voxels of the block that are, and their resins
+    std::vector<std::pair<std::size_t, float>> thinned_;  ///< those that are diluted, and to what
     std::size_t count_ = 0;
     std::array<float, max_voxels> red_, green_, blue_;
     std::array<halftone::CumulativeMixture, max_voxels> mixture_;
@@ -47,11 +50,10 @@ private:
 /// One resin for every shell voxel, by the blue-noise screen.
 class ScreenedMixtures : public BlockFill {
 public:
-    ScreenedMixtures(const VisibleSurface& surface, const SurfaceColour& colour, const halftone::Separation& separation,
-                     const SkinSource* skin, const DepthZones& zones, const halftone::BlueNoiseScreen& screen)
-        : mixtures_(surface, colour, separation, skin, zones),
-          screen_(screen),
-          resins_(static_cast<int>(separation.resins())) {}
+    explicit ScreenedMixtures(const LayerSources& sources)
+        : mixtures_(sources),
+          screen_(*std::get<MixtureSources>(sources.resins).screen),
+          resins_(static_cast<int>(std::get<MixtureSources>(sources.resins).separation.resins())) {}
     void fill(const ShellBlock& block, io::Material* out, LayerCounts& counts) override;
 
 private:

@@ -69,8 +69,7 @@ LayerCounts make_diffused_layers(const LayerSources& sources, const MixtureSourc
     options.pitch_mm = {grid.pitch_mm.x(), grid.pitch_mm.y(), grid.pitch_mm.z()};
     options.seed = by_colour.seed;
     halftone::ErrorDiffusion diffusion(width, height, static_cast<int>(by_colour.separation.resins()), options);
-    const auto mixtures = std::make_unique<BlockMixtures>(sources.surface, by_colour.colour, by_colour.separation,
-                                                          by_colour.skin, sources.zones);
+    const auto mixtures = std::make_unique<BlockMixtures>(sources);
     FullLayer full(width, height);
     io::LayerRuns runs{std::uint32_t(width), std::uint32_t(height)};
     LayerCounts counts;

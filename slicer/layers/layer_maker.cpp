@@ -73,7 +73,7 @@ bool shows_core_only(const LayerSources& s) {
     if (s.zones.any()) return false;
     if (s.core_only) return true;
     const auto* by_colour = std::get_if<MixtureSources>(&s.resins);
-    if (!by_colour || by_colour->skin || !by_colour->colour.constant()) return false;
+    if (!by_colour || by_colour->skin || !by_colour->colour.constant() || by_colour->translucent.kept) return false;
     const Eigen::Vector3f rgb = by_colour->colour.at(s.surface.source_triangle[0], 0, 0);
     halftone::CumulativeMixture mixture;
     by_colour->separation.mixtures(&rgb.x(), &rgb.y(), &rgb.z(), 1, &mixture);
@@ -100,8 +100,7 @@ std::unique_ptr<BlockFill> LayerMaker::block_fill() const {
     const auto& s = std::get<MixtureSources>(sources_.resins);
     if (sources_.core_only) return std::make_unique<BareCore>(sources_.zones, sources_.core);
     if (!s.screen) return nullptr;
-    return std::make_unique<ScreenedMixtures>(sources_.surface, s.colour, s.separation, s.skin, sources_.zones,
-                                              *s.screen);
+    return std::make_unique<ScreenedMixtures>(sources_);
 }
 
 int LayerMaker::slab_layers() const {

@@ -8,6 +8,7 @@
 
 #include "halftone/screens/blue_noise_screen.h"
 #include "halftone/separation/separation.h"
+#include "halftone/separation/translucency.h"
 #include "slicer/layers/block_fill.h"
 #include "slicer/layers/depth_zones.h"
 #include "slicer/layers/layer_source.h"
@@ -21,6 +22,13 @@
 
 namespace voxtone::slicer {
 
+/// A body whose resins are thinned by clear resin as alpha asks: a voxel at a depth is of what lies at k times that
+/// depth in the body without (k: Translucency::kept), diluted to k. The surface shell reaches through the whole body.
+struct TranslucentBody {
+    const halftone::Translucency* kept = nullptr;  ///< null: there is none of this
+    float shell_mm = 0;                            ///< without alpha
+};
+
 /// The shell by colour.
 struct MixtureSources {
     const SurfaceColour& colour;
@@ -28,6 +36,7 @@ struct MixtureSources {
     const halftone::BlueNoiseScreen* screen;  ///< null: error diffusion
     std::uint64_t seed;                       ///< of error diffusion
     const SkinSource* skin = nullptr;         ///< the appearance loop's mixtures instead of the separation's
+    TranslucentBody translucent = {};
 };
 
 /// Everything must outlive the maker of layers.

@@ -147,8 +147,7 @@ ScreenedSlab::ScreenedSlab(const LayerSources& sources, int slab, int first, int
     body_voxels(sources, first, last, first, spans_, counts);
     counts.solid_s += watch.lap();
     row_begin_.reserve(std::size_t(rows_) * std::size_t(layers_) + 1);
-    const auto& by_colour = std::get<MixtureSources>(sources.resins);
-    BlockMixtures mixtures(sources.surface, by_colour.colour, by_colour.separation, by_colour.skin, sources.zones);
+    BlockMixtures mixtures(sources);
     const int block_depth = sources.shell.block_size()[2];
     BlockRow blocks(*this, block_height_ * block_depth);
     for (int bj = 0; bj < sources.shell.block_rows(); ++bj) {

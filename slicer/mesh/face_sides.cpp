@@ -74,11 +74,12 @@ bool same_picture(const io::SurfaceMaterial& a, const io::SurfaceMaterial& b) {
 bool same_colour(const io::TexturedMesh& mesh, std::size_t a, std::size_t b) {
     const io::SurfaceMaterial &of_a = mesh.materials[mesh.material_of_triangle[a]],
                               &of_b = mesh.materials[mesh.material_of_triangle[b]];
-    if (of_a.rgb != of_b.rgb || !same_picture(of_a, of_b)) return false;
+    if (of_a.rgb != of_b.rgb || of_a.alpha != of_b.alpha || !same_picture(of_a, of_b)) return false;
     for (std::size_t c = 0; c < 3; ++c) {
         const std::size_t d = corner_at(mesh, a, c, b);
         if (d == 3) continue;
         if (!mesh.corner_rgb.empty() && mesh.corner_rgb[a][c] != mesh.corner_rgb[b][d]) return false;
+        if (!mesh.corner_alpha.empty() && mesh.corner_alpha[a][c] != mesh.corner_alpha[b][d]) return false;
         if (of_a.texture && !mesh.corner_uv.empty() && mesh.corner_uv[a][c] != mesh.corner_uv[b][d]) return false;
     }
     return true;

@@ -26,6 +26,12 @@ enum class Mixing {
     ideal,   ///< averaged
 };
 
+/// What alpha of a model or picture means.
+enum class AlphaMeaning {
+    over_white,    ///< how much of a colour there is over white
+    translucency,  ///< how far light gets (halftone/separation/translucency.h)
+};
+
 /// How a picture's slab is looked at.
 enum class PictureView {
     front,    ///< by light that falls on it
@@ -109,6 +115,12 @@ template <>
 struct NamesOf<slicer::Mixing> {
     using E = slicer::Mixing;
     static constexpr auto table = std::to_array<Named<E>>({{E::voxels, "voxels"}, {E::ideal, "ideal"}});
+};
+template <>
+struct NamesOf<slicer::AlphaMeaning> {
+    using E = slicer::AlphaMeaning;
+    static constexpr auto table =
+        std::to_array<Named<E>>({{E::over_white, "over-white"}, {E::translucency, "translucency"}});
 };
 template <>
 struct NamesOf<slicer::ScreenKind> {

@@ -41,6 +41,7 @@ struct ColourOptions {
     [[nodiscard]] double clear_over_mm() const { return coat_mm + enclose_mm; }
     ScreenKind screen = ScreenKind::blue_noise;
     Mixing mixing = Mixing::voxels;
+    AlphaMeaning alpha = AlphaMeaning::over_white;
 };
 
 /// Thickness of a picture as it is printed, mm, with what is clear over and under it.

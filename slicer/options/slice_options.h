@@ -57,6 +57,7 @@ struct SliceOptions {
     double depth_mm = 1;
     double coat_mm = 0;     ///< of clear resin over the colours
     double enclose_mm = 0;  ///< of clear resin over and under a picture
+    std::string alpha = "over-white";
     std::string repair = "auto";
     double sheet_thickness_mm = 0;  ///< of open sheets; 0: a voxel
     std::string cavities = "auto";

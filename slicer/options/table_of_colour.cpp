@@ -36,6 +36,32 @@ std::vector<OptionSpec> quality_entries() {
                          {"best", {{"iterations", "long"}, {"predict", "transport"}}}}}};
 }
 
+OptionSpec alpha_entry() {
+    OptionSpec spec = choice(&O::alpha, at(&Job::colour, &ColourOptions::alpha),
+                             {.key = "alpha",
+                              .metavar = "MEANING",
+                              .group = "Colour",
+                              .help = "alpha of colours: laid over-white, or translucency after ISO 19307: 0 prints as "
+                                      "clear resin (role T), 1 as opaque as the resins are, in shell and core",
+                              .only_for = Show::colour,
+                              .idle = {[](const O& o, bool) {
+                                  return unless(o.alpha == name_of(AlphaMeaning::over_white) || !o.cut_out,
+                                                "--cut-out takes alpha for a shape: leave one of the two out");
+                              }},
+                              .rule = [](const O& o) {
+                                  const bool plain =
+                                      o.coat_mm == 0 && o.enclose_mm == 0 && o.view == name_of(PictureView::front);
+                                  return unless(o.alpha == name_of(AlphaMeaning::over_white) || plain,
+                                                "goes with no --coat, --enclose or --view through");
+                              }});
+    const auto of_colour = spec.resolve;
+    spec.resolve = [of_colour](const O& o, Job& job) {
+        of_colour(o, job);
+        job.reading.keep_alpha = job.colour.alpha == AlphaMeaning::translucency;
+    };
+    return spec;
+}
+
 std::vector<OptionSpec> resins_entries() {
     const std::string group = "Colour";
     return {
@@ -105,6 +131,7 @@ std::vector<OptionSpec> resins_entries() {
                            return std::string_view("has a coat of its own: leave --coat or --enclose out");
                        return unless(o.enclose_mm >= 0 && o.enclose_mm <= 10, "must be 0 to 10 mm");
                    }}),
+        alpha_entry(),
         choice(&O::screen, at(&Job::colour, &ColourOptions::screen),
                {.key = "screen",
                 .metavar = "NAME",

@@ -57,8 +57,10 @@ LoopPlan plan_loop(const OpenedJob& job, const JobBody& body, bool all_white) {
     LoopPlan plan{.wanted = true,
                   .iterations = options.iterations.value_or(-1),
                   .patient = options.patient,
-                  .descent = options.method == LoopMethod::descent || (options.method == LoopMethod::automatic &&
-                                                                       gains_downhill && area_mm2 <= 100 * descent_cm2),
+                  // A gradient knows nothing of the clear resin that alpha lays between the others.
+                  .descent = !has_alpha(body.model.mesh) && (options.method == LoopMethod::descent ||
+                                                             (options.method == LoopMethod::automatic &&
+                                                              gains_downhill && area_mm2 <= 100 * descent_cm2)),
                   .why_not = "",
                   .does_not_fit = ""};
     const double cell_mm = prediction.cell_mm, bytes = least_bytes(area_mm2 / (cell_mm * cell_mm)),

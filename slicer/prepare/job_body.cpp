@@ -200,7 +200,9 @@ io::Picture read_input_picture(const ResolvedJob& job, const Progress& progress)
     reading.drawing = raster_of_picture(job);
     try {
         return io::read_picture(job.model, reading,
-                                job.picture.cut_out ? io::PictureAlpha::cut : io::PictureAlpha::over_white);
+                                job.picture.cut_out      ? io::PictureAlpha::cut
+                                : job.reading.keep_alpha ? io::PictureAlpha::kept
+                                                         : io::PictureAlpha::over_white);
     } catch (const InputError& error) {
         if (io::is_picture_name(job.model)) throw;
         throw InputError(fmt::format("{}; if it is a model, export it as one that can be read ({})", error.what(),

@@ -46,10 +46,11 @@ void check_clear(const ResolvedJob& job, const PrinterProfile& printer, const op
                  std::vector<std::string> roles) {
     if (!wants_clear(job) || std::ranges::find(roles, "T") != roles.end()) return;
     const ColourOptions& colour = job.colour;
-    const std::string said = job.picture.is_lit_from_behind() ? "--view through"
-                             : colour.coat_mm > 0             ? fmt::format("--coat {:g}mm", colour.coat_mm)
-                             : colour.enclose_mm > 0          ? fmt::format("--enclose {:g}mm", colour.enclose_mm)
-                                                              : std::string("--core T");
+    const std::string said = job.picture.is_lit_from_behind()             ? "--view through"
+                             : colour.coat_mm > 0                         ? fmt::format("--coat {:g}mm", colour.coat_mm)
+                             : colour.alpha == AlphaMeaning::translucency ? std::string("--alpha translucency")
+                             : colour.enclose_mm > 0 ? fmt::format("--enclose {:g}mm", colour.enclose_mm)
+                                                     : std::string("--core T");
     std::string remedy;
     if (all.find("T") < 0) {
         const std::string twin = clear_twin(job.resins.empty() ? printer.default_resins : job.resins);
@@ -65,8 +66,8 @@ void check_clear(const ResolvedJob& job, const PrinterProfile& printer, const op
 
 bool wants_clear(const ResolvedJob& job) {
     const ColourOptions& colour = job.colour;
-    return job.shows_colours() &&
-           (colour.core == "T" || colour.clear_over_mm() > 0 || job.picture.is_lit_from_behind());
+    return job.shows_colours() && (colour.core == "T" || colour.alpha == AlphaMeaning::translucency ||
+                                   colour.clear_over_mm() > 0 || job.picture.is_lit_from_behind());
 }
 
 std::string usual_resins(const ResolvedJob& job, const PrinterProfile& printer) {

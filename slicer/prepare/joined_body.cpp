@@ -55,6 +55,7 @@ void append_mesh(io::TexturedMesh& to, const io::TexturedMesh& from, const Eigen
                                     Eigen::Vector2f::Zero());
     append_or_fill<Eigen::Vector3f>(to.corner_rgb, from.corner_rgb, before, from.triangles.size(),
                                     Eigen::Vector3f::Ones());
+    append_or_fill<float>(to.corner_alpha, from.corner_alpha, before, from.triangles.size(), 1);
     append(to.materials, from.materials);
     for (io::Decal decal : from.decals) {
         decal.corner_mm += shift;

@@ -132,7 +132,8 @@ PictureSlab make_picture_slab(const io::Picture& picture, const PictureOptions& 
     io::TexturedMesh& mesh = slab.model.mesh;
     add_body(face, size_of(picture, face.box().sizes(), options), options.thickness_mm, mesh);
     mesh.materials.resize(2);
-    mesh.materials[PictureSlab::face_material] = {"picture", Eigen::Vector3f::Ones(), picture.texture};
+    mesh.materials[PictureSlab::face_material] = {"picture", Eigen::Vector3f::Ones(), picture.texture, 1,
+                                                  picture.alpha_texture};
     mesh.materials[1].name = "sides";
     mesh.material_of_triangle.assign(mesh.triangles.size(), 1);
     mesh.corner_uv.assign(mesh.triangles.size(),

@@ -22,6 +22,7 @@ void turn_around(io::TexturedMesh& mesh) {
     for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
     for (auto& uv : mesh.corner_uv) std::swap(uv[1], uv[2]);
     for (auto& rgb : mesh.corner_rgb) std::swap(rgb[1], rgb[2]);
+    for (auto& alpha : mesh.corner_alpha) std::swap(alpha[1], alpha[2]);
 }
 
 /// What decides how large the print is.

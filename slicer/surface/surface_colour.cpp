@@ -34,11 +34,20 @@ bool one_colour(const io::TexturedMesh& mesh) {
 
 }  // namespace
 
+bool has_alpha(const io::TexturedMesh& mesh) {
+    const auto below_one = [](float alpha) { return alpha < 1; };
+    return std::ranges::any_of(mesh.materials,
+                               [&](const auto& m) { return below_one(m.alpha) || bool(m.alpha_texture); }) ||
+           std::ranges::any_of(mesh.corner_alpha,
+                               [&](const auto& corners) { return std::ranges::any_of(corners, below_one); });
+}
+
 SurfaceColour::SurfaceColour(const io::TexturedMesh& mesh, double sample_spacing_mm, std::vector<int> resin_of_decal)
     : mesh_(mesh),
       sample_spacing_mm_(sample_spacing_mm),
       resin_of_decal_(std::move(resin_of_decal)),
-      constant_(mesh.decals.empty() && one_colour(mesh)) {
+      constant_(mesh.decals.empty() && one_colour(mesh)),
+      has_alpha_(slicer::has_alpha(mesh)) {
     if (!has_texture(mesh)) return;
     lod_.resize(mesh.triangles.size());
     parallel_for(0, mesh.triangles.size(), 4096, [&](std::size_t t) {
@@ -54,6 +63,25 @@ SurfaceColour::SurfaceColour(const io::TexturedMesh& mesh, double sample_spacing
 Eigen::Vector3f SurfaceColour::at(std::uint32_t triangle, float u, float v) const {
     const Eigen::Vector3f rgb = below_decals(triangle, u, v);
     return mesh_.decals.empty() ? rgb : under_decals(triangle, u, v, rgb);
+}
+
+float SurfaceColour::alpha_at(std::uint32_t triangle, float u, float v) const {
+    if (!has_alpha_) return 1;
+    const io::SurfaceMaterial& material = mesh_.materials[mesh_.material_of_triangle[triangle]];
+    float alpha = material.alpha;
+    // Differences: where all corners are 1, so is what lies between.
+    if (!mesh_.corner_alpha.empty()) {
+        const auto& [a, b, c] = mesh_.corner_alpha[triangle];
+        alpha *= a + u * (b - a) + v * (c - a);
+    }
+    if (material.alpha_texture && !mesh_.corner_uv.empty()) {
+        const auto& [a, b, c] = mesh_.corner_uv[triangle];
+        const Eigen::Vector2f uv = a + u * (b - a) + v * (c - a);
+        alpha *= material.alpha_texture->sample(uv.x(), uv.y(), lod_[triangle]).x();
+    }
+    for_each_decal(triangle, u, v,
+                   [&](std::size_t, const Eigen::Vector4f& over) { alpha = over[3] + (1 - over[3]) * alpha; });
+    return std::clamp(alpha, 0.0f, 1.0f);
 }
 
 template <class Visit>

@@ -14,6 +14,9 @@
 
 namespace voxtone::slicer {
 
+/// Whether alpha is kept beside the colours, and is below 1 anywhere.
+[[nodiscard]] bool has_alpha(const io::TexturedMesh& mesh);
+
 class SurfaceColour {
 public:
     /// Keeps a reference to the mesh, whose positions are in mm.
@@ -23,6 +26,11 @@ public:
 
     /// Point corner0 + u (corner1 - corner0) + v (corner2 - corner0) of a triangle of the mesh; linear sRGB in [0, 1].
     [[nodiscard]] Eigen::Vector3f at(std::uint32_t triangle, float u, float v) const;
+
+    /// What of alpha was kept beside the colours, in [0, 1]; a decal is opaque where it covers.
+    [[nodiscard]] float alpha_at(std::uint32_t triangle, float u, float v) const;
+    /// Whether that is below 1 anywhere.
+    [[nodiscard]] bool has_alpha() const { return has_alpha_; }
 
     /// Whether some decal is printed by a resin alone.
     [[nodiscard]] bool sets_resins() const { return !resin_of_decal_.empty(); }
@@ -43,7 +51,7 @@ private:
     double sample_spacing_mm_;
     std::vector<float> lod_;  ///< per triangle; empty without textures
     std::vector<int> resin_of_decal_;
-    bool constant_ = false;
+    bool constant_ = false, has_alpha_ = false;
 };
 
 }  // namespace voxtone::slicer

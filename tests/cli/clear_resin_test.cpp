@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "io/pictures/picture_writer.h"
 #include "run_program.h"
 #include "tests/places.h"
 
@@ -38,7 +39,8 @@ double share_of(const std::string& layer, const std::array<std::uint8_t, 3>& col
 
 TEST_CASE("What takes clear resin loads it where a slot is free, and says how to where none is") {
     const Folder folder("no-clear");
-    for (const std::string option : {"--coat 1mm", "--enclose 0.5mm", "--view through", "--core T"}) {
+    for (const std::string option :
+         {"--coat 1mm", "--enclose 0.5mm", "--view through", "--core T", "--alpha translucency"}) {
         CAPTURE(option);
         const std::string slice =
             fmt::format("slice {} --width 3mm {} --quality draft --no-report --quiet --overwrite -o {} ", picture,
@@ -104,4 +106,62 @@ TEST_CASE("A coat lies within a model's surface, and colour below it") {
     CHECK(thick.err.find("less than 1.35 mm") != std::string::npos);
     // Half a millimetre on either side of four.
     CHECK(share_of(out + "/layers/slice_00050.png", clear) == Approx(0.25).margin(0.03));
+}
+
+TEST_CASE("Alpha is how clear a print is: in shell and core, and nothing else where it is 1") {
+    const Folder folder("alpha");
+    /// Red; by thirds of the width opaque, of this alpha, and clear. `times_alpha`: as a renderer may leave it.
+    const auto picture = [&](const std::string& name, int alpha, int last, bool times_alpha) {
+        voxtone::io::Picture8 codes{60, 20, 4, {}};
+        for (int y = 0; y < 20; ++y)
+            for (int x = 0; x < 60; ++x) {
+                const int a = x < 20 ? 255 : x < 40 ? alpha + (times_alpha ? 8 * (x - 30) : 0) : last;
+                const int scale = times_alpha ? a : 255;
+                for (const int code : {200 * scale / 255, (times_alpha ? 255 : 60) * scale / 255, 40 * scale / 255, a})
+                    codes.codes.push_back(std::uint8_t(code));
+            }
+        const auto bytes = voxtone::io::png_bytes(codes);
+        folder.write(name, std::string(bytes.begin(), bytes.end()));
+        return folder / name;
+    };
+    const auto sliced = [&](const std::string& words, const std::string& name) {
+        const Outcome outcome =
+            run_program(fmt::format("slice {} --width 6mm --thickness 3mm --iterations 0 --predict none --resins "
+                                    "vero-opaque-clear --load C,M,Y,K,W,T --overwrite -o {}",
+                                    words, folder / name));
+        INFO(outcome.err);
+        REQUIRE(outcome.exit_code == 0);
+        return outcome.err;
+    };
+    using Catch::Matchers::Contains;
+    const std::string ramp = picture("ramp.png", 100, 0, false), opaque = picture("opaque.png", 255, 255, false);
+    CHECK_THAT(sliced(ramp, "white"), Contains("laid over white") && Contains("--alpha translucency"));
+    CHECK_THAT(sliced(ramp + " --alpha translucency", "ramp"),
+               !Contains("[transparent]") && !Contains("[alpha-range]"));
+    (void)sliced(opaque, "opaque"), (void)sliced(opaque + " --alpha translucency", "one");
+    const auto clear = colour_of(json_of(folder / "ramp/manifest.json"), "T");
+    for (const int k : {2, 55, 108}) {  // core to surface
+        CAPTURE(k);
+        const std::string layer = fmt::format("/layers/slice_{:05}.png", k);
+        CHECK(read_file(folder.path() / ("one" + layer)) == read_file(folder.path() / ("opaque" + layer)));
+        const Bitmap thinned = read_png(folder / ("ramp" + layer)), whole = read_png(folder / ("opaque" + layer));
+        const auto share = [&](double from, double to) {
+            int found = 0, all = 0;
+            for (int y = 0; y < thinned.height; ++y)
+                for (int x = int(from * thinned.width); x < int(to * thinned.width); ++x, ++all) {
+                    const auto p = thinned.at(x, y);
+                    found += p[0] == clear[0] && p[1] == clear[1] && p[2] == clear[2];
+                }
+            return double(found) / all;
+        };
+        // A pixel's breadth beside borders, where alpha is between.
+        CHECK(share(0.7, 1) == 1);
+        CHECK(share(0.37, 0.63) > 0.5);
+        CHECK(share(0.37, 0.63) < 0.95);
+        for (int y = 0; y < whole.height; ++y)
+            for (int x = 0; x < int(0.3 * whole.width); ++x) REQUIRE(thinned.at(x, y) == whole.at(x, y));
+    }
+    CHECK_THAT(sliced(picture("times.png", 120, 0, true) + " --alpha translucency", "out"),
+               Contains("[premultiplied]"));
+    CHECK_THAT(sliced(picture("much.png", 245, 0, false) + " --alpha translucency", "out"), Contains("[alpha-range]"));
 }

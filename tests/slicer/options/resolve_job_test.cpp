@@ -98,6 +98,7 @@ TEST_CASE("What the job is to decide is nothing") {
 
 TEST_CASE("Every word comes out as its value") {
     check_words<Mixing>(&SliceOptions::mixing, [](const ResolvedJob& job) { return job.colour.mixing; });
+    check_words<AlphaMeaning>(&SliceOptions::alpha, [](const ResolvedJob& job) { return job.colour.alpha; });
     check_words<ScreenKind>(&SliceOptions::screen, [](const ResolvedJob& job) { return job.colour.screen; });
     check_words<optics::Backing>(&SliceOptions::backing,
                                  [](const ResolvedJob& job) { return job.picture.backing.kind; });
@@ -161,6 +162,8 @@ TEST_CASE("A bad value is refused, its key named") {
         {"cavities", [](SliceOptions& o) { o.cavities = "on"; }},
         {"screen", [](SliceOptions& o) { o.screen = "lines"; }},
         {"mixing", [](SliceOptions& o) { o.mixing = "paint"; }},
+        {"alpha", [](SliceOptions& o) { o.alpha = "glass"; }},
+        {"alpha", [](SliceOptions& o) { o.alpha = "translucency", o.coat_mm = 1; }},
         {"intent", [](SliceOptions& o) { o.intent = "good"; }},
         {"loop-model", [](SliceOptions& o) { o.loop_model = "none"; }},
         {"loop-method", [](SliceOptions& o) { o.loop_method = "ascent"; }},
