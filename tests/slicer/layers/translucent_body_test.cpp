@@ -3,6 +3,7 @@
 // Printed voxels of flat slabs with alpha, read by the modes of their layers.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -49,8 +50,13 @@ const Colours& colours() {
     return made;
 }
 
-/// A slab of one colour and alpha, 148 layers or 4 mm thick: its shares of resins in each seven layers, from above.
-std::vector<std::vector<double>> printed(const Vector3f& rgb, float alpha) {
+const halftone::BlueNoiseScreen& screen() {
+    static const halftone::BlueNoiseScreen made(pitch_mm);
+    return made;
+}
+
+/// A slab of one colour and alpha, 148 layers or 4 mm thick. `translucent`: alpha counts.
+MadeVoxels voxels_of(const Vector3f& rgb, float alpha, bool translucent = true) {
     VoxelGrid grid;
     grid.pitch_mm = {pitch_mm[0], pitch_mm[1], pitch_mm[2]};
     grid.size = {64, 32, 148};
@@ -69,12 +75,16 @@ std::vector<std::vector<double>> printed(const Vector3f& rgb, float alpha) {
     mesh.materials[0].alpha = alpha;
     const SurfaceColour colour(mesh, pitch_mm[0]);
     const SurfaceIndex index(top);
-    const SurfaceShell shell(index, grid, mm.z() + 1);
+    const SurfaceShell shell(index, grid, translucent ? mm.z() + 1 : 1);
     const Solid solid(shapes::box(Vector3d::Zero(), mm), grid);
-    static const halftone::BlueNoiseScreen screen(pitch_mm);
-    const MadeVoxels made = made_voxels(
-        {solid, nullptr, top, shell, 5,
-         MixtureSources{colour, colours().separation, &screen, 1, nullptr, {&colours().translucency, 1.0f}}});
+    MixtureSources sources{colour, colours().separation, &screen(), 1, nullptr};
+    if (translucent) sources.translucent = {&colours().translucency, 1.0f};
+    return made_voxels({solid, nullptr, top, shell, 5, sources});
+}
+
+/// Its shares of resins in each four layers, from above.
+std::vector<std::vector<double>> printed(const Vector3f& rgb, float alpha) {
+    const MadeVoxels made = voxels_of(rgb, alpha);
     constexpr int group = 4;
     std::vector<std::vector<double>> shares;
     for (int k = 148 - group; k >= 0; k -= group) {
@@ -145,4 +155,23 @@ TEST_CASE("Printed slabs of nine colours read as the alpha that was asked for, a
     CHECK(colour_sum / slabs < 2);
     std::printf("ramps of A: worst %.3f of A, colours of thick slabs %.2f CIEDE2000 on average\n", worst,
                 colour_sum / slabs);
+}
+
+TEST_CASE("Alpha of 1 prints the same voxels, of 0 clear resin alone", "[slow]") {
+    const Vector3f rgb(0.7f, 0.1f, 0.1f);
+    const MadeVoxels whole = voxels_of(rgb, 1, false);
+    const MadeVoxels one = voxels_of(rgb, 1), half = voxels_of(rgb, 0.2f);
+    // The highest threshold of the screen takes the last resin of any mixture that is screened, and core is then.
+    std::size_t others = 0, thinned = 0;
+    for (int k = 0; k < 148; ++k)
+        for (int j = 0; j < 32; ++j)
+            for (int i = 0; i < 64; ++i) {
+                const bool highest = screen().row(j, k)[i & halftone::BlueNoiseScreen::mask] == 65535;
+                others += one.at(i, j, k) != whole.at(i, j, k) && !highest;
+                thinned += half.at(i, j, k) != whole.at(i, j, k);
+            }
+    CHECK(others == 0);
+    CHECK(thinned > 10'000);
+    const MadeVoxels clear = voxels_of(rgb, 0);
+    CHECK(std::ranges::count(clear.materials, io::Material{6}) == std::ptrdiff_t(clear.materials.size()));
 }
