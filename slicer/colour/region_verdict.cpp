@@ -55,16 +55,15 @@ double luminance(const std::vector<Eigen::Vector3f>& rgb, const optics::Surface&
 
 double contrast(double a, double b) { return a + b > 0 ? std::abs(a - b) / (a + b) : 0; }
 
-/// The cell that lies nearest to the middle of its interior.
-std::uint32_t middle_of(const ColourRegion& region, const optics::Surface& surface) {
+/// The one that lies nearest to the middle of these cells.
+std::uint32_t middle_of(const std::vector<std::uint32_t>& cells, const optics::Surface& surface) {
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     const auto centre = [&](std::uint32_t i) {
         const auto& c = surface.cells[i].centre_mm;
         return Eigen::Vector3d(c[0], c[1], c[2]);
     };
-    for (const std::uint32_t i : region.interior) middle += centre(i) / static_cast<double>(region.interior.size());
-    return *std::ranges::min_element(region.interior, {},
-                                     [&](std::uint32_t i) { return (centre(i) - middle).squaredNorm(); });
+    for (const std::uint32_t i : cells) middle += centre(i) / static_cast<double>(cells.size());
+    return *std::ranges::min_element(cells, {}, [&](std::uint32_t i) { return (centre(i) - middle).squaredNorm(); });
 }
 
 /// A row before those like it are joined to it.
@@ -231,7 +230,36 @@ double note_of(const io::ReportRegion& region, const VerdictLimits& limits) {
     return badness(region, limits) * std::pow(seen_mm2(region), 0.25);
 }
 
-std::optional<Row> thin_walls(const RegionSources& s, const ThinWalls& walls) {
+/// What hangs together, a cell of another kind between them or none, and is large enough to speak of; the largest
+/// first.
+std::vector<std::vector<std::uint32_t>> pieces_of(const std::vector<std::uint32_t>& of,
+                                                  const halftone::CellNeighbours& cells) {
+    const optics::Surface& surface = cells.surface();
+    std::vector<char> waits(surface.cells.size(), 0);
+    for (const std::uint32_t i : of) waits[i] = 1;
+    std::vector<std::vector<std::uint32_t>> pieces;
+    for (const std::uint32_t first : of) {
+        if (!std::exchange(waits[first], 0)) continue;
+        std::vector<std::uint32_t> piece{first};
+        for (std::size_t next = 0; next < piece.size(); ++next)
+            cells.visit_around(piece[next], [&](std::size_t near) {
+                cells.visit_around(near, [&](std::size_t other) {
+                    if (std::exchange(waits[other], 0)) piece.push_back(static_cast<std::uint32_t>(other));
+                });
+            });
+        pieces.push_back(std::move(piece));
+    }
+    const auto area = [&](const std::vector<std::uint32_t>& piece) {
+        double sum = 0;
+        for (const std::uint32_t i : piece) sum += double(surface.cells[i].area_mm2);
+        return sum;
+    };
+    std::ranges::stable_sort(pieces, std::greater<>(), area);
+    while (pieces.size() > 1 && area(pieces.back()) < least_mm2) pieces.pop_back();
+    return pieces;
+}
+
+std::optional<Row> thin_walls(const RegionSources& s, const ThinWalls& walls, const halftone::CellNeighbours& cells) {
     const JobPrediction& p = s.prediction;
     Row row;
     Eigen::Vector3f target = Eigen::Vector3f::Zero();
@@ -246,7 +274,9 @@ std::optional<Row> thin_walls(const RegionSources& s, const ThinWalls& walls) {
     row.said.kind = "thin walls";
     row.said.asked = text_of(target / float(area_mm2));
     row.said.area_mm2 = area_mm2, row.said.de2000 = off;
-    put_at(walls.worst, p.predicted.surface, row.said);
+    const auto pieces = pieces_of(walls.cells, cells);
+    row.said.pieces = int(pieces.size());
+    put_at(middle_of(pieces[0], p.predicted.surface), p.predicted.surface, row.said);
     row.cells = walls.cells;
     row.said.good = off <= s.limits.bad;
     if (!row.said.good)
@@ -269,7 +299,7 @@ Row row_of(const RegionSources& s, std::size_t r, const halftone::CellNeighbours
     row.printed = rgb(look.lab), row.asked_seen = rgb(look.asked);
     region.kind = kind_word(of.kind, is_page);
     region.asked = text_of(of.target);
-    put_at(middle_of(of, surface), surface, region);
+    put_at(middle_of(of.interior, surface), surface, region);
     region.area_mm2 = of.area_mm2, region.de2000 = look.difference;
     if (of.kind == RegionKind::solid) region.rim = std::max(0.0, p.seen.rims[r]);
     if (of.kind != RegionKind::strokes) region.unevenness = unevenness_of(of, cells, p.seen.target, p.seen.print);
@@ -407,7 +437,7 @@ JudgedRegions judge_regions(const RegionSources& s, const ThinWalls& walls) {
     auto more = small_type(s);
     if (!more) more = lost_detail(p, cells);
     if (!more) more = lost_lines_row(s);
-    for (auto& row : {std::move(more), thin_walls(s, walls)})
+    for (auto& row : {std::move(more), thin_walls(s, walls, cells)})
         if (row) say_where(s, rows.emplace_back(*row));
     for (Row& row : rows) judged.rows.push_back(std::move(row.said));
     std::ranges::stable_sort(judged.rows, std::greater<>(), [&](const io::ReportRegion& region) {

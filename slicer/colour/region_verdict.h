@@ -51,8 +51,7 @@ struct RegionSources {
 /// Cells that are off because the body ends behind them.
 struct ThinWalls {
     std::vector<std::uint32_t> cells;
-    double wall_mm = 0;       ///< how thick they are about
-    std::uint32_t worst = 0;  ///< where they are worst
+    double wall_mm = 0;  ///< how thick they are about
 };
 
 struct JudgedRegions {

@@ -43,7 +43,6 @@ struct Losses {
 
 struct ThinCell {
     double thickness_mm, weight;
-    std::uint32_t cell;
 };
 
 /// Corners are longer to cross than the wall that they end, so the thickness is that of the middle.
@@ -51,9 +50,8 @@ void describe_walls(std::vector<ThinCell> cells, Losses& losses) {
     if (cells.empty()) return;
     std::stable_sort(cells.begin(), cells.end(),
                      [](const ThinCell& a, const ThinCell& b) { return a.thickness_mm < b.thickness_mm; });
-    double sum = 0, worst = -1;
+    double sum = 0;
     for (const ThinCell& cell : cells) {
-        if (cell.weight > worst) worst = cell.weight, losses.walls.worst = cell.cell;
         losses.walls.wall_mm = cell.thickness_mm;
         sum += cell.weight;
         if (sum >= losses.of(thin_wall) / 2) return;
@@ -96,7 +94,7 @@ Losses losses_of(const VerdictSources& s, const JobPrediction& p, const std::vec
         losses.off += seen[i];
         losses.of(found[i].cause) += seen[i] * d;
         if (!is_thin) continue;
-        thin.push_back({found[i].wall_mm, seen[i] * d, static_cast<std::uint32_t>(i)});
+        thin.push_back({found[i].wall_mm, seen[i] * d});
         losses.walls.cells.push_back(static_cast<std::uint32_t>(i));
     }
     describe_walls(std::move(thin), losses);
@@ -112,12 +110,8 @@ Losses losses_of(const VerdictSources& s, const JobPrediction& p, const std::vec
     return losses;
 }
 
-std::string reason(LossCause cause, const Losses& losses, const PlaceWords& places, const JobPrediction& p) {
-    if (cause == thin_wall) {
-        const auto& at = p.predicted.surface.cells[losses.walls.worst].centre_mm;
-        return fmt::format("light passes through thin walls ({:.1f} mm, {})", losses.walls.wall_mm,
-                           places.at({at[0], at[1], at[2]}));
-    }
+std::string reason(LossCause cause, const Losses& losses) {
+    if (cause == thin_wall) return fmt::format("light passes through thin walls ({:.1f} mm)", losses.walls.wall_mm);
     if (cause == gamut) return "the loaded resins cannot show these colours";
     return "light spreads between neighbouring colours and at edges";
 }
@@ -206,7 +200,7 @@ void judge_prediction(const VerdictSources& s, const JobPrediction& p, io::Repor
         if (!verdict.causes.empty())
             verdict.why =
                 fmt::format("{} because {}.", losses.share(losses.main()) > 0.9 ? "Nearly all of it" : "Mostly",
-                            reason(losses.main(), losses, places, p));
+                            reason(losses.main(), losses));
     }
     const auto type = std::ranges::find_if(verdict.regions, [](const auto& r) { return r.type_mm.has_value(); });
     const bool all_is_well = verdict.level == io::VerdictLevel::good && type == verdict.regions.end();

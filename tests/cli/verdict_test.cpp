@@ -444,6 +444,34 @@ TEST_CASE("Thin walls are a region of their own, with their place and what they 
     CHECK_FALSE((*walls)["good"].get<bool>());
     CHECK_THAT((*walls)["why"].get<std::string>(), Contains("let light pass") && Contains("0.5 mm thick"));
     CHECK(double((*walls)["area_mm2"]) > 20);
+    CHECK((*walls)["pieces"] == 1);
+}
+
+TEST_CASE("Thin walls in two places are two places") {
+    const Folder folder("two-walls");
+    folder.write("one.obj", ramp_box_obj(4, 0.5, 3));
+    const std::string both = read_file(folder.path() / "one.obj");
+    std::string second;
+    std::istringstream lines(both);
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream words(line);
+        std::string word;
+        words >> word;
+        if (word == "v") {
+            double x = 0, y = 0, z = 0;
+            std::string colour;
+            words >> x >> y >> z;
+            std::getline(words, colour);
+            second += fmt::format("v {} {} {}{}\n", x, y + 6, z, colour);
+        } else if (word == "f") {
+            second += "f";
+            for (int corner = 0; words >> corner;) second += fmt::format(" {}", corner + 8);
+            second += "\n";
+        }
+    }
+    folder.write("two.obj", both + second);
+    const auto report = verdict_of(folder, folder / "two.obj" + " --iterations 0");
+    CHECK_THAT(report["verdict"]["sentence"].get<std::string>(), Contains("thin walls (2 places, the largest "));
 }
 
 TEST_CASE("What is thinner than a voxel is printed one voxel thick, and said, or vanishes where that is asked for") {

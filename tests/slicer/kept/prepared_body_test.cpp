@@ -35,7 +35,7 @@ JobBody body_with_texture() {
     body.name = "tile";
     body.model.mesh.materials.push_back(
         {"glaze", Eigen::Vector3f(0.25f, 0.5f, 1),
-         std::make_shared<const io::Texture>(std::move(image), io::Wrap{}, io::Wrap{}, false)});
+         std::make_shared<const io::Texture>(std::move(image), io::Wrap{}, io::Wrap{}, false), 1, nullptr});
     return body;
 }
 
