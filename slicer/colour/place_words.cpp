@@ -12,6 +12,16 @@
 
 namespace voxtone::slicer {
 
+namespace {
+
+/// As programs number what nobody named: "4700acf5-024d".
+bool is_number(const std::string& name) {
+    return name.find_first_not_of("0123456789abcdefABCDEF-{}_") == std::string::npos &&
+           name.find_first_of("0123456789") != std::string::npos;
+}
+
+}  // namespace
+
 PlaceWords::PlaceWords(const JobBody& body) : body_(body) {
     if (body.is_picture) return;
     std::map<std::string, std::size_t> triangles;
@@ -19,7 +29,7 @@ PlaceWords::PlaceWords(const JobBody& body) : body_(body) {
         ++triangles[body.model.mesh.materials[material].name];
     // What most of it is made of is no place.
     for (const auto& [name, count] : triangles)
-        if (!name.empty() && 2 * count < body.model.mesh.triangles.size()) names_.insert(name);
+        if (!name.empty() && !is_number(name) && 2 * count < body.model.mesh.triangles.size()) names_.insert(name);
 }
 
 std::string PlaceWords::at(const std::array<double, 3>& at_mm) const {

@@ -295,3 +295,19 @@ TEST_CASE("Black is looked at in a room, whose light lies over what was asked fo
     CHECK(off(0, 0.005f) < 0.9 * by_codes(0, 0.005));
     CHECK(off(1, 0.8f) == Approx(by_codes(1, 0.81 / 1.01)).epsilon(1e-3));
 }
+
+TEST_CASE("A place is told by the name that somebody gave it, and not by a number") {
+    const auto at_top = [](const std::string& name) {
+        RoofedCube cube;
+        io::TexturedMesh& mesh = cube.body.model.mesh;
+        mesh.triangles.resize(4);
+        mesh.material_of_triangle = {0, 1, 1, 1};
+        mesh.materials.resize(2);
+        mesh.materials[0].name = name, mesh.materials[1].name = "Body";
+        return PlaceWords(cube.body).at({3, 2, 4});
+    };
+    CHECK(at_top("Roof") == "upper right, on 'Roof'");
+    for (const char* number : {"4700acf5024d4a4ca7e5edd0aa6f6fd5", "12", "{0b8e-11}"})
+        CHECK(at_top(number) == "upper right");
+    CHECK(at_top("Face") == "upper right, on 'Face'");
+}
