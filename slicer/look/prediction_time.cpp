@@ -10,9 +10,10 @@ namespace voxtone::slicer {
 double prediction_seconds(PredictionModel model, const ModelOptions& quality, const std::array<double, 3>& pitch_mm,
                           double area_mm2, std::size_t channels) {
     // Seconds on two cores of 2.5 GHz, by `voxtone predict` of a photograph 10 mm wide and `slice --predict-cell` of
-    // the bundled cow at 10 mm, R, G and B; of paths: docs/heterogeneous.md, in white.
-    constexpr double transport_s_per_cell = 1.5e-4, quick_s_per_cell = 6e-5, layered_s_per_cell = 1.7e-4,
-                     s_per_path = 7e-7;
+    // the bundled cow at 10 mm, R, G and B; in whole cells, `predict` of the cow at 30 mm with j750-vivid; of paths:
+    // docs/heterogeneous.md, in white.
+    constexpr double transport_s_per_cell = 1.5e-4, whole_s_per_cell = 1e-4, quick_s_per_cell = 6e-5,
+                     layered_s_per_cell = 1.7e-4, s_per_path = 7e-7;
     constexpr double print_and_white = 2;
     const double cells = area_mm2 / (quality.cell_mm * quality.cell_mm), of_rgb = double(channels) / 3;
     switch (model) {
@@ -23,10 +24,10 @@ double prediction_seconds(PredictionModel model, const ModelOptions& quality, co
         case PredictionModel::transport:
             break;
     }
-    // Larger cells than the eye's are predicted in the eye's, and whole ones quickly.
+    // Larger cells than the eye's are predicted in the eye's, and quickly.
     if (coarse_cells(pitch_mm, quality.cell_mm))
         return quick_s_per_cell * of_rgb * area_mm2 / (eye_cell_mm * eye_cell_mm);
-    if (quality.viewing_cells) return quick_s_per_cell * of_rgb * cells;
+    if (quality.viewing_cells) return whole_s_per_cell * of_rgb * cells;
     return transport_s_per_cell * of_rgb * cells;
 }
 
