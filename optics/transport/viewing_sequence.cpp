@@ -2,6 +2,7 @@
 #include "optics/transport/viewing_sequence.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "base/contracts.h"
@@ -9,6 +10,7 @@
 #include "base/parallel.h"
 #include "base/step_part.h"
 #include "base/stopwatch.h"
+#include "optics/media/droplet_spread.h"
 #include "optics/transport/refinement.h"
 #include "optics/transport/seen_medium.h"
 #include "optics/transport/viewing_gradient.h"
@@ -22,6 +24,21 @@ ResinSet as_printed(const Scene& scene) {
     const LateralSpread spread(scene.spread_mm, scene.volume->pitch_mm());
     if (spread.any()) resins.dot_spread = 1 - (1 - resins.dot_spread) * spread.kept_variance();
     return resins;
+}
+
+/// A prediction that stands alone sees how far droplets of such a set run (droplet_spread.h: even within a box), within
+/// layers, as a Gaussian as wide. Without, `compare` told light paths of the same print to be blurred by 0.03 mm or
+/// more.
+Scene with_droplets(const Scene& scene, const TransportOptions& options) {
+    Scene seen = scene;
+    if (options.refinement != Refinement::contrast || voxels_are_apart(*scene.resins)) return seen;
+    const DropletSpread droplets(scene.resins->dot_spread, scene.volume->pitch_mm());
+    for (std::size_t a = 0; a < seen.spread_mm.size(); ++a) {
+        const double box = 2 * droplets.reach[a] + 1, pitch_mm = scene.volume->pitch_mm()[a];
+        seen.spread_mm[a] =
+            std::hypot(scene.spread_mm[a], pitch_mm * std::sqrt(droplets.chance * (box * box - 1) / 12));
+    }
+    return seen;
 }
 
 TransportOptions suited_to(const ResinSet& resins, TransportOptions options) {
@@ -43,7 +60,7 @@ void require_memory(const std::string& what, std::size_t needed, std::size_t all
 
 ViewingSequence::ViewingSequence(const Scene& scene, const Surface& surface, const TransportOptions& options,
                                  const Progress* progress)
-    : scene_(scene),
+    : scene_(with_droplets(scene, options)),
       surface_(surface),
       options_(suited_to(*scene.resins, options)),
       halftone_(as_printed(scene), scene.volume->pitch_mm(), seen_from(surface)),
