@@ -18,6 +18,9 @@ namespace {
 /// Denser where an alpha moves most; 0 is clear resin.
 constexpr std::array ladder{0.002, 0.005, 0.01, 0.02, 0.035, 0.055, 0.08, 0.12, 0.17, 0.24, 0.33, 0.45, 0.6, 0.8, 1.0};
 
+/// Of light through the slab: less tells nothing any more, and eta goes on with k, as of all that is homogeneous.
+constexpr double least_told = 1e-8;
+
 /// Luminance of what channels show.
 double luminance(const optics::ObservedColour<double>& observed, const std::vector<double>& value) {
     return Eigen::Vector3d(0.2126, 0.7152, 0.0722).dot(observed.absolute(value.data()));
@@ -79,10 +82,14 @@ Translucency::Translucency(const optics::ShellAppearance& appearance, const Sepa
         const std::size_t colour = i / ladder.size();
         const auto at = [](std::size_t n) { return float(std::pow(double(n) / (edge - 1), 3)); };
         const Eigen::Vector3f rgb(at(colour / (edge * edge)), at(colour / edge % edge), at(colour % edge));
-        root_eta[colour][i % ladder.size()] = std::sqrt(scale.eta_per_cm(reading(rgb, ladder[i % ladder.size()])));
+        const optics::SlabReading read = reading(rgb, ladder[i % ladder.size()]);
+        if (read.through >= least_told) root_eta[colour][i % ladder.size()] = std::sqrt(scale.eta_per_cm(read));
     });
     for (auto& rising : root_eta) {
-        for (std::size_t i = 1; i < rising.size(); ++i) rising[i] = std::max(rising[i], rising[i - 1] + 1e-9);
+        for (std::size_t i = 1; i < rising.size(); ++i) {
+            if (rising[i] == 0) rising[i] = rising[i - 1] * std::sqrt(ladder[i] / ladder[i - 1]);
+            rising[i] = std::max(rising[i], rising[i - 1] + 1e-9);
+        }
         most_alpha_.push_back(float(optics::translucency_alpha(rising.back() * rising.back())));
         most_root_eta_ = std::max(most_root_eta_, rising.back());
     }
