@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -230,24 +231,30 @@ double note_of(const io::ReportRegion& region, const VerdictLimits& limits) {
     return badness(region, limits) * std::pow(seen_mm2(region), 0.25);
 }
 
-/// What hangs together, a cell of another kind between them or none, and is large enough to speak of; the largest
-/// first.
-std::vector<std::vector<std::uint32_t>> pieces_of(const std::vector<std::uint32_t>& of,
-                                                  const halftone::CellNeighbours& cells) {
-    const optics::Surface& surface = cells.surface();
-    std::vector<char> waits(surface.cells.size(), 0);
-    for (const std::uint32_t i : of) waits[i] = 1;
+/// Walls that lie apart, by boxes of `box_mm` that touch, so that both faces of a wall are one; those that are large
+/// enough to speak of, the largest first.
+std::vector<std::vector<std::uint32_t>> pieces_of(const std::vector<std::uint32_t>& of, const optics::Surface& surface,
+                                                  double box_mm) {
+    using Box = std::array<int, 3>;
+    std::map<Box, std::vector<std::uint32_t>> waits;
+    for (const std::uint32_t i : of) {
+        Box box{};
+        for (std::size_t a = 0; a < 3; ++a) box[a] = int(std::floor(double(surface.cells[i].centre_mm[a]) / box_mm));
+        waits[box].push_back(i);
+    }
     std::vector<std::vector<std::uint32_t>> pieces;
-    for (const std::uint32_t first : of) {
-        if (!std::exchange(waits[first], 0)) continue;
-        std::vector<std::uint32_t> piece{first};
-        for (std::size_t next = 0; next < piece.size(); ++next)
-            cells.visit_around(piece[next], [&](std::size_t near) {
-                cells.visit_around(near, [&](std::size_t other) {
-                    if (std::exchange(waits[other], 0)) piece.push_back(static_cast<std::uint32_t>(other));
-                });
-            });
-        pieces.push_back(std::move(piece));
+    while (!waits.empty()) {
+        std::vector<std::uint32_t>& piece = pieces.emplace_back();
+        std::vector<Box> next{waits.begin()->first};
+        while (!next.empty()) {
+            const auto found = waits.find(next.back());
+            const Box at = next.back();
+            next.pop_back();
+            if (found == waits.end()) continue;
+            piece.insert(piece.end(), found->second.begin(), found->second.end());
+            waits.erase(found);
+            for (int n = 0; n < 27; ++n) next.push_back({at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1});
+        }
     }
     const auto area = [&](const std::vector<std::uint32_t>& piece) {
         double sum = 0;
@@ -259,7 +266,7 @@ std::vector<std::vector<std::uint32_t>> pieces_of(const std::vector<std::uint32_
     return pieces;
 }
 
-std::optional<Row> thin_walls(const RegionSources& s, const ThinWalls& walls, const halftone::CellNeighbours& cells) {
+std::optional<Row> thin_walls(const RegionSources& s, const ThinWalls& walls) {
     const JobPrediction& p = s.prediction;
     Row row;
     Eigen::Vector3f target = Eigen::Vector3f::Zero();
@@ -274,7 +281,7 @@ std::optional<Row> thin_walls(const RegionSources& s, const ThinWalls& walls, co
     row.said.kind = "thin walls";
     row.said.asked = text_of(target / float(area_mm2));
     row.said.area_mm2 = area_mm2, row.said.de2000 = off;
-    const auto pieces = pieces_of(walls.cells, cells);
+    const auto pieces = pieces_of(walls.cells, p.predicted.surface, std::max(1.0, walls.wall_mm));
     row.said.pieces = int(pieces.size());
     put_at(middle_of(pieces[0], p.predicted.surface), p.predicted.surface, row.said);
     row.cells = walls.cells;
@@ -437,7 +444,7 @@ JudgedRegions judge_regions(const RegionSources& s, const ThinWalls& walls) {
     auto more = small_type(s);
     if (!more) more = lost_detail(p, cells);
     if (!more) more = lost_lines_row(s);
-    for (auto& row : {std::move(more), thin_walls(s, walls, cells)})
+    for (auto& row : {std::move(more), thin_walls(s, walls)})
         if (row) say_where(s, rows.emplace_back(*row));
     for (Row& row : rows) judged.rows.push_back(std::move(row.said));
     std::ranges::stable_sort(judged.rows, std::greater<>(), [&](const io::ReportRegion& region) {

@@ -83,7 +83,7 @@ TEST_CASE("A thin wall gets its word, limits are the user's, and --strict makes 
     CHECK(io::schema_faults("report", read_file(folder.path() / "out/report.json")).empty());
     CHECK(verdict["causes"][0]["cause"] == "thin walls");
     const std::string sentence = verdict["sentence"];
-    CHECK_THAT(sentence, Contains("will not look as asked") && Contains("0.5 mm, ") && Contains("Try: "));
+    CHECK_THAT(sentence, Contains("will not look as asked") && Contains("thin walls (0.5 mm)") && Contains("Try: "));
     CHECK_THAT(plain.out, Contains(sentence));
     std::string page = read_file(folder.path() / "out/report.html");
     CHECK_THAT(page, Contains("thin walls"));
