@@ -85,9 +85,9 @@ TEST_CASE("A prepared body whose parts do not fit together is made anew, though 
     const fs::path file = io::prepared_file(folder.path(), this_job);
     const Bytes whole = io::read_whole_file(file, 1 << 20);
 
-    // Behind the material's name, its colour, and that it has a texture: which one.
+    // Behind the material's name, its colour, its alpha, and that it has a texture: which one.
     const std::size_t name = place_of(whole, std::vector<char>{'g', 'l', 'a', 'z', 'e'});
-    const std::size_t number = name + 5 + sizeof(Eigen::Vector3f) + sizeof(bool);
+    const std::size_t number = name + 5 + sizeof(Eigen::Vector3f) + sizeof(float) + sizeof(bool);
     forge(file, whole, number, std::uint32_t{0});
     CHECK(read_prepared(folder.path(), this_job));
     forge(file, whole, number, std::uint32_t{1});
