@@ -290,6 +290,24 @@ TEST_CASE("The colours that a row names differ by about what it says that they d
     CHECK(mixed == 1);
 }
 
+TEST_CASE("Windows that can be told from the wall and are of another colour are told as that") {
+    const Folder folder("windows");
+    write_sheet(folder, "night.png", 100, 60, [](int x, int y) {
+        return x % 20 >= 8 && x % 20 < 14 && y % 20 >= 8 && y % 20 < 14 ? std::array{255, 210, 90}
+                                                                        : std::array{12, 12, 20};
+    });
+    const auto regions =
+        verdict_of(folder, folder / "night.png" + " --width 10mm --thickness 2mm --iterations 0")["verdict"]["regions"];
+    INFO(regions.dump(1));
+    const auto windows = std::ranges::find_if(
+        regions, [](const auto& region) { return region["asked"].template get<std::string>().starts_with("yellow"); });
+    REQUIRE(windows != regions.end());
+    CHECK((*windows)["kind"] == "type and lines");
+    CHECK((*windows)["contrast"] > 0.5);
+    CHECK_FALSE((*windows)["good"].get<bool>());
+    CHECK_THAT((*windows)["why"].get<std::string>(), Contains("printed as"));
+}
+
 TEST_CASE("Of a page lines that are lost come before a larger patch that is off") {
     const Folder folder("order");
     write_sheet(folder, "page.png", 100, 60, [](int x, int y) {
