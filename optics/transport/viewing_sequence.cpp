@@ -35,8 +35,8 @@ Scene with_droplets(const Scene& scene, const TransportOptions& options) {
     const DropletSpread droplets(scene.resins->dot_spread, scene.volume->pitch_mm());
     for (std::size_t a = 0; a < seen.spread_mm.size(); ++a) {
         const double box = 2 * droplets.reach[a] + 1, pitch_mm = scene.volume->pitch_mm()[a];
-        seen.spread_mm[a] =
-            std::hypot(scene.spread_mm[a], pitch_mm * std::sqrt(droplets.chance * (box * box - 1) / 12));
+        const double droplets_mm = pitch_mm * std::sqrt(droplets.chance * (box * box - 1) / 12);
+        seen.spread_mm[a] = std::min(widest_spread_mm, std::hypot(scene.spread_mm[a], droplets_mm));
     }
     return seen;
 }

@@ -14,10 +14,13 @@ namespace voxtone::slicer {
 
 namespace {
 
-/// As programs number what nobody named: "4700acf5-024d".
+/// As programs number what nobody named: "12", "4700acf5-024d"; a "Bed2" is short enough to be a name.
 bool is_number(const std::string& name) {
-    return name.find_first_not_of("0123456789abcdefABCDEF-{}_") == std::string::npos &&
-           name.find_first_of("0123456789") != std::string::npos;
+    constexpr std::size_t least_of_hex = 8;
+    const bool digits = name.find_first_not_of("0123456789") == std::string::npos;
+    return digits ||
+           (name.size() >= least_of_hex && name.find_first_not_of("0123456789abcdefABCDEF-{}_") == std::string::npos &&
+            name.find_first_of("0123456789") != std::string::npos);
 }
 
 }  // namespace

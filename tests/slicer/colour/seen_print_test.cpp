@@ -309,5 +309,5 @@ TEST_CASE("A place is told by the name that somebody gave it, and not by a numbe
     CHECK(at_top("Roof") == "upper right, on 'Roof'");
     for (const char* number : {"4700acf5024d4a4ca7e5edd0aa6f6fd5", "12", "{0b8e-11}"})
         CHECK(at_top(number) == "upper right");
-    CHECK(at_top("Face") == "upper right, on 'Face'");
+    for (const std::string name : {"Face", "Bed2", "F-16"}) CHECK(at_top(name) == "upper right, on '" + name + "'");
 }
