@@ -149,3 +149,17 @@ TEST_CASE("The predictor follows Monte Carlo of spread voxels, in whole cells an
         }
     }
 }
+
+TEST_CASE("The widest spread is none too wide for the predictor where droplets run too", "[spread]") {
+    ResinSet set = vero_opaque();
+    set.dot_spread = 1;
+    const ResinVolume halftone = make_resin_volume({48, 24, 15}, j750_mm, [](int x, int y, int z) {
+        return z < 6 ? 5 : drawn(x, y, z) < 0.3 ? 1 : 5;
+    });
+    Scene scene{&halftone, &set, Backing::black, Sides::mirrored};
+    const TransportPredictor predictor(TransportOptions{});
+    const double own = mean_seen(scene, predictor, 0);
+    scene.spread_mm = {widest_spread_mm, widest_spread_mm};
+    // An even halftone looks the same, however far what has run already runs.
+    CHECK(std::abs(mean_seen(scene, predictor, 0) - own) < 0.01);
+}
