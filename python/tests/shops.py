@@ -65,7 +65,7 @@ class Served:
 
     def request(self, method: str, path: str, body: Optional[bytes] = None, headers: Optional[Dict[str, str]] = None,
                 token: bool = True) -> Tuple[int, bytes, Any]:
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=60)
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=180)
         try:
             said = {**({"Authorization": f"Bearer {self.token}"} if token else {}), **(headers or {})}
             connection.request(method, path, body, said)
@@ -95,7 +95,7 @@ class Served:
         """The one file of it."""
         return next((self.folder / "uploads" / upload).iterdir())
 
-    def wait_for(self, job: str, *states: str, seconds: float = 60) -> Dict[str, Any]:
+    def wait_for(self, job: str, *states: str, seconds: float = 180) -> Dict[str, Any]:
         until = time.monotonic() + seconds
         while True:
             told = self.ask("GET", f"/jobs/{job}")
@@ -104,7 +104,7 @@ class Served:
             assert time.monotonic() < until and told["state"] not in {"failed"} - set(states), told
             time.sleep(0.05)
 
-    def raw(self, data: bytes, seconds: float = 40) -> bytes:
+    def raw(self, data: bytes, seconds: float = 200) -> bytes:
         """All that is answered until the end."""
         with socket.create_connection(("127.0.0.1", self.port), seconds) as connection:
             try:

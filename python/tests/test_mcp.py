@@ -43,7 +43,7 @@ def client():
     client = Client()
     yield client
     client.server.stdin.close()
-    assert client.server.wait(60) == 0
+    assert client.server.wait(180) == 0
     client.server.stdout.close()
 
 

@@ -367,9 +367,9 @@ class Door(BaseHTTPRequestHandler):
         """What is on its way is taken for a moment, so that who sends gets to read the answer."""
         self.wfile.flush()
         self.connection.shutdown(socket.SHUT_WR)
-        self.connection.settimeout(0.3)
         until, most = time.monotonic() + 2, 1 << 22
-        while most > 0 and time.monotonic() < until:
+        while most > 0 and (left := until - time.monotonic()) > 0:
+            self.connection.settimeout(left)
             data = self.connection.recv(1 << 16)
             if not data:
                 return
