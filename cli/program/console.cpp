@@ -44,9 +44,18 @@ JobResult work_until_stopped(const std::function<JobResult(Progress&)>& work, Pr
     }
 }
 
-JobResult run_with_events(const std::function<JobResult(Progress&)>& work, std::chrono::milliseconds grace) {
-    ProgressEvents events(stdout_sink(), steady_seconds(), true);
-    JobResult result = work_until_stopped(work, events, Messages::events, grace);
+/// Warnings and the result alone.
+TextSink quiet_sink(TextSink sink) {
+    return [sink = std::move(sink)](std::string_view line) {
+        for (const std::string_view event : {"progress", "stage", "note"})
+            if (line.starts_with(fmt::format(R"({{"event":"{}")", event))) return;
+        sink(line);
+    };
+}
+
+JobResult run_with_events(const ConsoleOptions& options, const std::function<JobResult(Progress&)>& work) {
+    ProgressEvents events(options.quiet ? quiet_sink(stdout_sink()) : stdout_sink(), steady_seconds(), true);
+    JobResult result = work_until_stopped(work, events, Messages::events, options.grace);
     events.result(result.json);
     return result;
 }
@@ -92,7 +101,7 @@ void add_console_options(Verb& verb, ConsoleOptions& options) {
 }
 
 int run_on_console(const ConsoleOptions& options, const std::function<JobResult(Progress&)>& work) {
-    const JobResult result = options.json       ? run_with_events(work, options.grace)
+    const JobResult result = options.json       ? run_with_events(options, work)
                              : options.openjd() ? run_for_openjd(work, options.grace)
                                                 : run_with_text(options, work);
     return static_cast<int>(result.exit_code);

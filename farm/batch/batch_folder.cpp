@@ -54,7 +54,7 @@ void write_mark(const fs::path& out) {
 BatchFolder BatchFolder::make(const fs::path& out) {
     try {
         if (fs::exists(out) && !fs::is_directory(out))
-            throw InputError(fmt::format("{}: is there and is no folder; name a folder for the batch", out.string()));
+            throw FileError(fmt::format("{}: is there and is no folder; name a folder for the batch", out.string()));
         fs::create_directories(out);
         if (!fs::exists(out / mark_name)) {
             expect_free(out);

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <iterator>
 #include <map>
+#include <set>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -39,12 +40,17 @@ io::JsonObject object_of(const PlanRow& row, const std::string& source, bool in_
     return io::JsonObject::parse(lines_before + row.json, source);
 }
 
+/// With "copies", which makes a table one of a tray: who misspells it is told.
+std::vector<std::string> keys_of_job() {
+    std::vector<std::string> known{std::string(name_key), "format", "version", "inputs", "copies"};
+    for (std::string& key : slicer::option_keys()) known.push_back(std::move(key));
+    return known;
+}
+
 /// Texts of the user's own. Throws InputError for keys that are none.
 slicer::TemplateValues own_values(const io::JsonObject& object) {
     slicer::refuse_copies(object);
-    std::vector<std::string> known{std::string(name_key), "format", "version", "inputs"};
-    for (std::string& key : slicer::option_keys()) known.push_back(std::move(key));
-    return slicer::values_of_row(object, known);
+    return slicer::values_of_row(object, keys_of_job());
 }
 
 /// What only the batch may say of its jobs.
@@ -193,6 +199,18 @@ void find_doubles(const std::vector<PlannedJob>& jobs, std::vector<std::string>&
     }
 }
 
+/// A word that is misspelt is one of them.
+void note_own_words(const PlanRows& rows, Progress& progress) {
+    const std::vector<std::string> known = keys_of_job();
+    std::set<std::string> own;
+    for (const PlanRow& row : rows.rows)
+        own.merge([&] {
+            const std::vector<std::string> words = slicer::own_words(object_of(row, rows.source, false), known);
+            return std::set<std::string>(words.begin(), words.end());
+        }());
+    if (!own.empty()) progress.note(slicer::own_words_note(own));
+}
+
 [[noreturn]] void refuse(const std::string& source, const std::vector<std::string>& faults) {
     if (faults.size() == 1) throw InputError(faults[0] + "; no job was started");
     throw InputError(fmt::format("{}: {}; no job was started, mend them and run it again:\n{}", source,
@@ -213,6 +231,7 @@ std::vector<PlannedJob> plan_jobs(const PlanRows& rows, const PlanOptions& optio
     }
     find_doubles(jobs, faults);
     if (!faults.empty()) refuse(rows.source, faults);
+    if (progress) note_own_words(rows, *progress);
     return jobs;
 }
 

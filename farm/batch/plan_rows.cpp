@@ -7,15 +7,16 @@
 #include <array>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include <fmt/core.h>
 
 #include "base/error.h"
 #include "io/files/csv_table.h"
-#include "io/files/json_writer.h"
 #include "io/files/read_bytes.h"
 #include "io/models/foreign_kind.h"
 #include "io/models/model_reader.h"
+#include "slicer/plans/plan_table.h"
 #include "slicer/plans/tray_plan.h"
 
 namespace voxtone::farm {
@@ -30,15 +31,9 @@ std::string text_of_plan(const fs::path& file) {
 }
 
 void read_table(const std::string& text, const fs::path& folder, PlanRows& plan) {
-    const io::CsvTable table = io::parse_csv(text);
+    slicer::PlanTable table = slicer::plan_table(text, slicer::keys_of_part());
     for (const std::string& fault : table.faults) plan.faults.push_back(plan.source + ": " + fault);
-    for (const io::CsvRow& row : table.rows) {
-        io::JsonWriter json;
-        json.begin_object();
-        for (std::size_t i = 0; i < row.cells.size(); ++i)
-            if (!row.cells[i].empty()) json.add(table.header[i], row.cells[i]);  // empty: as if it were not there
-        plan.rows.push_back({row.line, json.end_object().text(), folder});
-    }
+    for (slicer::PlanTableRow& row : table.rows) plan.rows.push_back({row.line, std::move(row.json), folder});
 }
 
 void read_list(std::string_view text, const fs::path& folder, PlanRows& plan) {

@@ -254,6 +254,7 @@ CsvTable parse_csv(std::string_view text) {
         return table;
     }
     table.header = reader.header().cells;
+    table.header_line = reader.header().line;
     CsvRow row;
     for (std::string fault; reader.next(row, fault);) {
         if (fault.empty())

@@ -85,7 +85,8 @@ private:
 /// What of the text could be understood, and one sentence for each line that could not: "line 4: ...".
 struct CsvTable {
     std::vector<std::string> header;
-    std::vector<CsvRow> rows;  ///< each as long as the header
+    std::size_t header_line = 0;  ///< 0: there is none
+    std::vector<CsvRow> rows;     ///< each as long as the header
     std::vector<std::string> faults;
 };
 

@@ -54,6 +54,7 @@ std::vector<JsonStep> steps_of(std::string_view key, const json& object) {
 struct JsonObject::Document {
     std::string source, text;
     json root;
+    bool has_lines = true;
 };
 
 struct JsonObject::Node {
@@ -64,6 +65,7 @@ struct JsonObject::Node {
 
     /// "FILE: " or, where the text has this key, "FILE: line N: ".
     [[nodiscard]] std::string place_of(std::string_view key) const {
+        if (!document->has_lines) return document->source + ": ";
         std::vector<JsonStep> there = steps;
         for (JsonStep& step : steps_of(key, *value)) there.push_back(std::move(step));
         std::size_t line = line_in_json(document->text, there);
@@ -90,6 +92,14 @@ struct JsonObject::Node {
 JsonObject::JsonObject(std::shared_ptr<const Node> node) : node_(std::move(node)) {}
 
 JsonObject JsonObject::parse(std::string_view text, std::string source) {
+    return parsed(text, std::move(source), true);
+}
+
+JsonObject JsonObject::of_line(std::string_view text, std::string source) {
+    return parsed(text, std::move(source), false);
+}
+
+JsonObject JsonObject::parsed(std::string_view text, std::string source, bool has_lines) {
     auto document = std::make_shared<Document>();
     try {
         document->root = json::parse(text);
@@ -113,6 +123,7 @@ JsonObject JsonObject::parse(std::string_view text, std::string source) {
                         source, repeated->line, repeated->key));
     document->text = text;
     document->source = std::move(source);
+    document->has_lines = has_lines;
     const json* const value = &document->root;
     return JsonObject(std::make_shared<const Node>(Node{std::move(document), value, {}, {}}));
 }

@@ -25,6 +25,8 @@ class JsonObject {
 public:
     /// `source` names the text in errors. Throws InputError with line and column.
     [[nodiscard]] static JsonObject parse(std::string_view text, std::string source);
+    /// A text of one line, whose `source` says which.
+    [[nodiscard]] static JsonObject of_line(std::string_view text, std::string source);
     /// Throws FileError where the file cannot be read, InputError where it is larger than `most_bytes` or no JSON
     /// object.
     [[nodiscard]] static JsonObject read(const std::filesystem::path& file, std::size_t most_bytes = usual_bytes);
@@ -72,6 +74,7 @@ private:
     struct Document;
     struct Node;
     explicit JsonObject(std::shared_ptr<const Node> node);
+    [[nodiscard]] static JsonObject parsed(std::string_view text, std::string source, bool has_lines);
     std::shared_ptr<const Node> node_;
 };
 

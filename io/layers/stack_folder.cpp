@@ -58,7 +58,7 @@ void check_no_link(const fs::path& path) {
 void check_folder(const fs::path& out) {
     if (!is_there(out)) return;
     if (!fs::is_directory(out))
-        throw InputError(fmt::format("{}: is there and is no folder; name a folder for the stack", out.string()));
+        throw FileError(fmt::format("{}: is there and is no folder; name a folder for the stack", out.string()));
     for (const auto name : stack_names) check_no_link(out / name);
     for (const auto name : job_names) check_no_link(out / name);
 }

@@ -47,7 +47,7 @@ std::optional<ShardNumber> number_in(const std::string& name) {
 
 void check_folder(const fs::path& out) {
     if (fs::exists(out) && !fs::is_directory(out))
-        throw InputError(fmt::format("{}: is there and is no folder; name a folder for the stack", out.string()));
+        throw FileError(fmt::format("{}: is there and is no folder; name a folder for the stack", out.string()));
     if (fs::is_symlink(fs::symlink_status(shards_folder(out))))
         throw FileError(
             fmt::format("{}: is a link; layers would be written somewhere else than in the folder you "

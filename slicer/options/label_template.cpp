@@ -7,6 +7,7 @@
 #include <optional>
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include "base/error.h"
 #include "io/files/json_keys.h"
@@ -73,6 +74,12 @@ std::vector<std::string> own_words(const io::JsonObject& row, std::span<const st
     return own;
 }
 
+std::string own_words_note(const std::set<std::string>& own) {
+    return fmt::format("{} {} no key of a plan: taken as {} of your own, which labels have in braces ({{{}}})",
+                       fmt::join(own, ", "), own.size() == 1 ? "is" : "are", own.size() == 1 ? "a text" : "texts",
+                       *own.begin());
+}
+
 TemplateValues values_of_row(const io::JsonObject& row, std::span<const std::string> known) {
     TemplateValues values;
     for (const std::string& key : row.keys())
@@ -86,7 +93,8 @@ TemplateValues values_of_row(const io::JsonObject& row, std::span<const std::str
     try {
         row.allow_only(allowed);
     } catch (const InputError& error) {
-        throw InputError(fmt::format("{} A text of your own by that name is written in braces.", error.what()));
+        throw InputError(
+            fmt::format("{} A text of your own by that name is written in braces, such as {{serial}}", error.what()));
     }
     return values;
 }

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -24,6 +25,8 @@ using TemplateValues = std::map<std::string, std::string>;
 [[nodiscard]] TemplateValues values_of_row(const io::JsonObject& row, std::span<const std::string> known);
 /// Its words that are the user's own without saying so in braces.
 [[nodiscard]] std::vector<std::string> own_words(const io::JsonObject& row, std::span<const std::string> known);
+/// That they (one at least) are taken so is said: a key in another language than the plan's would be one of them.
+[[nodiscard]] std::string own_words_note(const std::set<std::string>& own);
 
 /// A label in whose text these names are replaced by their values; other names stay.
 [[nodiscard]] std::string with_values(const std::string& spelled, const TemplateValues& values);

@@ -45,10 +45,11 @@ Eigen::Matrix3d axis_rotation(int axis, double degrees) {
 }
 
 /// Nothing for "auto".
-std::optional<int> count_or_auto(std::string_view key, const std::string& text, int most) {
+std::optional<int> count_or_auto(std::string_view key, const std::string& text, int most,
+                                 std::string_view or_else = "or auto") {
     if (text == "auto") return std::nullopt;
     const int n = parse_number<int>(key, text);
-    if (n < 0 || n > most) throw UsageError(fmt::format("--{} {}: must be 0 to {}, or auto", key, text, most));
+    if (n < 0 || n > most) throw UsageError(fmt::format("--{} {}: must be 0 to {}, {}", key, text, most, or_else));
     return n;
 }
 
@@ -87,7 +88,11 @@ std::vector<std::string> parse_list(const std::string& text) {
 
 std::optional<FileUnit> parse_file_unit(const std::string& text) {
     if (text == "auto") return std::nullopt;
-    return FileUnit{text, mm_per_unit(text)};
+    try {
+        return FileUnit{text, mm_per_unit(text)};
+    } catch (const UsageError& error) {
+        throw UsageError(fmt::format("--unit: {}", error.what()));
+    }
 }
 
 Eigen::Matrix3d parse_rotation(const std::string& text) {
@@ -107,7 +112,7 @@ Eigen::Matrix3d parse_rotation(const std::string& text) {
 }
 
 std::optional<int> parse_iterations(const std::string& text) {
-    return text == patient_word ? std::nullopt : count_or_auto("iterations", text, 1000);
+    return text == patient_word ? std::nullopt : count_or_auto("iterations", text, 1000, "auto or long");
 }
 
 std::optional<int> parse_laminate_rounds(const std::string& text) { return count_or_auto("laminate-rounds", text, 20); }

@@ -137,7 +137,7 @@ std::vector<OptionSpec> size_entries() {
                    return unless(!is_picture || !(o.width_mm > 0 || o.height_mm > 0 || o.dpi > 0),
                                  "--width, --height or --dpi decides how large the picture is; give one of them");
                }},
-               .rule = [](const O& o) { return unless(o.size_mm >= 0, "must be above 0"); }}),
+               .rule = [](const O& o) { return unless(o.size_mm >= 0, "must not be negative"); }}),
         plain(&O::scale, at(&Job::placement, &PlacementOptions::scale),
               {.key = "scale",
                .metavar = "FACTOR",
@@ -152,7 +152,7 @@ std::vector<OptionSpec> size_entries() {
                .group = group,
                .help = "pictures: width of the slab; 0: from the picture's own resolution",
                .idle = {idle::of_a_mesh},
-               .rule = [](const O& o) { return unless(o.width_mm >= 0, "must be above 0"); }}),
+               .rule = [](const O& o) { return unless(o.width_mm >= 0, "must not be negative"); }}),
         plain(Length{&O::height_mm}, at(&Job::picture, &PictureOptions::height_mm),
               {.key = "height",
                .group = group,
@@ -162,7 +162,7 @@ std::vector<OptionSpec> size_entries() {
                    [](const O& o) {
                        if (o.height_mm > 0 && o.width_mm > 0)
                            return std::string_view("the picture keeps its shape: give --width or --height");
-                       return unless(o.height_mm >= 0, "must be above 0");
+                       return unless(o.height_mm >= 0, "must not be negative");
                    }}),
         plain(&O::dpi, at(&Job::picture, &PictureOptions::dpi),
               {.key = "dpi",

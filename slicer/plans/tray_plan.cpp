@@ -26,6 +26,7 @@
 #include "slicer/plans/fault_list.h"
 #include "slicer/plans/job_names.h"
 #include "slicer/plans/labelled_copies.h"
+#include "slicer/plans/plan_table.h"
 
 namespace voxtone::slicer {
 
@@ -51,11 +52,11 @@ std::vector<std::string> with_options(std::vector<std::string> words) {
     return words;
 }
 std::vector<std::string> keys_of_plan() { return with_options({"format", "version", parts_key}); }
-std::vector<std::string> keys_of_part() {
+/// Of which one says what the part is.
+std::vector<std::string> keys_of_bodies() {
     std::vector<std::string> words = component_keys();
-    words.insert(words.end(),
-                 {std::string(part_job_key), name_key, copies_key, at_key, priority_key, cuts_key, first_key});
-    return with_options(std::move(words));
+    words.insert(words.end(), {"model", std::string(part_job_key)});
+    return words;
 }
 
 /// Texts of the user's own. Throws InputError for keys that are none.
@@ -117,10 +118,10 @@ void take_model(const io::JsonObject& object, const fs::path& folder, TrayPart& 
     part.options.turn = false;
     std::erase(said, turn_key);
     if (part.options.model.empty())
-        object.fail("model",
-                    "names the part's model or picture; so does a \"job\", and a component is a \"box\", \"cylinder\", "
-                    "\"stack\" or "
-                    "\"gcvf\"");
+        object.fail(
+            "model",
+            "is missing: it names the part's model or picture; so does a \"job\", and a component is a \"box\", "
+            "\"cylinder\", \"stack\" or \"gcvf\"");
     part.options = with_absolute_paths(std::move(part.options));
     drop_idle(part.options, said);  // what is said for all is meant where it can be: a picture has no size
 }
@@ -222,6 +223,7 @@ struct PartRow {
 struct PlanText {
     std::optional<io::JsonObject> common;  ///< of a table nothing
     std::vector<PartRow> parts;
+    std::vector<std::string> faults;  ///< of lines that are no part
 };
 
 std::string text_of(const fs::path& file) {
@@ -231,18 +233,28 @@ std::string text_of(const fs::path& file) {
 
 bool is_table(const fs::path& file) { return io::is_table_file(file, "model"); }
 
-/// A cell is what an object has under the header's word; an empty one is not there.
+/// What can be known to be wrong of the header, before the same is said of each line.
+void check_header(const PlanTable& table, const std::string& file) {
+    io::JsonWriter json;
+    json.begin_object();
+    for (const std::string& word : table.header) json.add(word, "");
+    const std::string place = fmt::format("{}: line {}", file, table.header_line);
+    (void)own_values(io::JsonObject::of_line(json.end_object().text(), place), keys_of_part());
+    const std::vector<std::string> bodies = keys_of_bodies();
+    if (std::ranges::find_first_of(table.header, bodies) == table.header.end())
+        throw InputError(
+            fmt::format("{}: has no column `model`, which names the model or picture of each part; its columns are {}",
+                        place, fmt::join(table.header, ", ")));
+}
+
 PlanText text_of_table(const std::string& file) {
-    const io::CsvTable table = io::parse_csv(text_of(file));
-    if (!table.faults.empty()) throw InputError(fmt::format("{}: {}", file, table.faults.front()));
+    const PlanTable table = plan_table(text_of(file), keys_of_part());
     PlanText plan;
-    for (const io::CsvRow& row : table.rows) {
-        io::JsonWriter json;
-        json.begin_object();
-        for (std::size_t i = 0; i < row.cells.size(); ++i)
-            if (!row.cells[i].empty()) json.add(table.header[i], row.cells[i]);
+    for (const std::string& fault : table.faults) plan.faults.push_back(fmt::format("{}: {}", file, fault));
+    if (!table.header.empty()) check_header(table, file);
+    for (const PlanTableRow& row : table.rows) {
         const std::string place = fmt::format("{}: line {}", file, row.line);
-        plan.parts.push_back({io::JsonObject::parse(json.end_object().text(), place), place});
+        plan.parts.push_back({io::JsonObject::of_line(row.json, place), place});
     }
     return plan;
 }
@@ -277,7 +289,6 @@ void take_common(const io::JsonObject& object, const fs::path& folder, const Sli
 
 namespace {
 
-/// That they are taken so is said: a key in another language than the plan's would be one of them.
 void note_own_words(const PlanText& text, TrayPlan& plan) {
     std::set<std::string> own;
     const auto add = [&](const io::JsonObject& object, const std::vector<std::string>& known) {
@@ -285,25 +296,26 @@ void note_own_words(const PlanText& text, TrayPlan& plan) {
     };
     if (text.common) add(*text.common, keys_of_plan());
     for (const PartRow& part : text.parts) add(part.object, keys_of_part());
-    if (own.empty()) return;
-    plan.notes.push_back(fmt::format(
-        "{} {} no key of a plan: taken as {} of your own, which labels have in braces ({{{}}})", fmt::join(own, ", "),
-        own.size() == 1 ? "is" : "are", own.size() == 1 ? "a text" : "texts", *own.begin()));
+    if (!own.empty()) plan.notes.push_back(own_words_note(own));
 }
 
 TrayPlan plan_of_text(const PlanText& text, const std::string& file, const fs::path& folder,
                       const SliceOptions& common) {
-    if (text.parts.empty()) throw InputError(fmt::format("{}: has no part; name a model for each in \"parts\"", file));
+    if (text.parts.empty() && text.faults.empty())
+        throw InputError(fmt::format(
+            "{}: has no part; {}", file,
+            text.common ? "name a model for each in \"parts\"" : "each has a line below the header, with its model"));
     TrayPlan plan;
     plan.file = file;
     plan.common = common;
     plan.common.model.clear();
     if (text.common) take_common(*text.common, folder, common, plan.common);
     FaultList faults;
+    for (const std::string& fault : text.faults) faults.look([&] { throw InputError(fault); });
     for (const PartRow& part : text.parts)
         faults.look([&] { plan.parts.push_back(part_of(part.object, folder, plan.common, part.place)); });
-    faults.expect_none(
-        fmt::format("{} of the {} parts of {} are not as a plan has them", faults.size(), text.parts.size(), file));
+    faults.expect_none(fmt::format("{} of the {} parts of {} are not as a plan has them", faults.size(),
+                                   text.parts.size() + text.faults.size(), file));
     if (text.common)
         for (TrayPart& part : plan.parts) part.values.merge(own_values(*text.common, keys_of_plan()));
     note_own_words(text, plan);
@@ -314,6 +326,13 @@ TrayPlan plan_of_text(const PlanText& text, const std::string& file, const fs::p
 }
 
 }  // namespace
+
+std::vector<std::string> keys_of_part() {
+    std::vector<std::string> words = component_keys();
+    words.insert(words.end(),
+                 {std::string(part_job_key), name_key, copies_key, at_key, priority_key, cuts_key, first_key});
+    return with_options(std::move(words));
+}
 
 TrayPlan read_tray_plan(const std::string& file, const SliceOptions& common) {
     return plan_of_text(is_table(file) ? text_of_table(file) : text_of_object(file), file, fs::path(file).parent_path(),
@@ -351,7 +370,7 @@ bool is_tray_plan(const fs::path& file) {
             const io::JsonObject object = io::JsonObject::read(file);
             return object.has("format") && object.any_text("format") == format_name;
         }
-        const std::vector<std::string> header = io::parse_csv(text_of(file)).header;
+        const std::vector<std::string> header = plan_table(text_of(file), keys_of_part()).header;
         return std::ranges::any_of(header, [](const std::string& word) {
             const std::vector<std::string> components = component_keys();
             if (word == part_job_key) return true;

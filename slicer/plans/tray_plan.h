@@ -25,6 +25,9 @@ namespace voxtone::slicer {
 /// parts, and what the plan says over the rest.
 [[nodiscard]] TrayPlan read_tray_plan(const std::string& file, const SliceOptions& common);
 
+/// Words that a part of a plan may have: options, and its own.
+[[nodiscard]] std::vector<std::string> keys_of_part();
+
 /// Of the plan that stands for models alone.
 inline constexpr std::string_view tray_plan_name = "tray-plan.json";
 /// Models without a plan, each so many times.

@@ -28,8 +28,8 @@ void turn_around(io::TexturedMesh& mesh) {
 /// What decides how large the print is.
 std::string size_options(const Placement& placement, bool may_turn = false) {
     if (placement.is_picture) return "Give another --width or --thickness";
-    return may_turn ? "Turn it with --rotate, or give the right --unit, or a --size"
-                    : "Give the right --unit, or a --size";
+    const std::string give = placement.is_scaled ? "give another --size" : "give the right --unit, or a --size";
+    return (may_turn ? "Turn it with --rotate, or " : "To print it ") + give;
 }
 
 /// Lying in another way.
@@ -92,8 +92,8 @@ std::string units_that_fit(const Eigen::Vector3d& size_mm, const Eigen::Vector3d
 
 [[noreturn]] void refuse_for_tray(const Eigen::Vector3d& size_mm, const Eigen::Vector3d& tray_mm, int axis,
                                   const Placement& placement) {
-    const std::string unit = placement.is_picture     ? ""
-                             : placement.unit_assumed ? " (mm was assumed)"
+    const std::string unit = placement.is_picture || placement.is_scaled ? ""
+                             : placement.unit_assumed                    ? " (mm was assumed)"
                                                       : fmt::format(" ({:g} mm per unit)", placement.mm_per_file_unit);
     throw InputError(fmt::format("the model is {}{} and the printer's tray {}: too large along {} by {}. {}{}",
                                  extent_text_beside(size_mm, tray_mm), unit, extent_text(tray_mm),

@@ -41,6 +41,10 @@ TEST_CASE("A dumped default is a job file that slices") {
     job["report"] = false;
     folder.write("job.json", job.dump());
     CHECK(run_program("slice --quiet --job " + (folder / "job.json")).exit_code == 0);
+    // Quietly the events of --json are warnings and the result: those of progress are many.
+    const Outcome events = run_program("slice --quiet --json --overwrite --layers 0-1 --job " + (folder / "job.json"));
+    CHECK_THAT(events.out, Contains(R"({"event":"result")") && !Contains(R"("event":"progress")") &&
+                               !Contains(R"("event":"stage")"));
     // The command line wins over the file.
     CHECK(run_program("slice --quiet --layers 0-99999 --overwrite --job " + (folder / "job.json")).exit_code == 0);
     CHECK(nlohmann::json::parse(read_file(folder / "out/manifest.json"))["layers"] > 2);
@@ -56,6 +60,8 @@ TEST_CASE("Missing and invalid inputs have their own exit codes and one clear se
     const Outcome missing = run_program("slice " + (folder / "nothing.obj") + out);
     CHECK(missing.exit_code == 4);
     CHECK_THAT(missing.err, Contains("nothing.obj"));
+    folder.write("file", "no folder");
+    CHECK(run_program("slice " + (folder / "nothing.obj") + " -o " + (folder / "file")).exit_code == 4);
     folder.write("empty.obj", "");
     CHECK(run_program("slice " + (folder / "empty.obj") + out).exit_code == 3);
     folder.write("marker.obj", marker_obj());

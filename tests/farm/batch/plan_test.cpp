@@ -238,12 +238,27 @@ TEST_CASE("Every fault of a plan is told with its line, at once") {
     CHECK_FALSE(fs::exists(shop.folder.path() / "out"));
 }
 
+TEST_CASE("A batch says which words of its plan it takes for texts of the user's own") {
+    const Workshop shop;
+    shop.write("plan.csv", "Model,klant,Size\na.obj,Ada,9mm\nb.obj,Bob,8mm\n");
+    struct Notes final : Progress {
+        std::vector<std::string> all;
+        void on_note(const std::string& note) override { all.push_back(note); }
+    } notes;
+    CHECK(read_plan(shop.options("plan.csv"), &notes).size() == 2);
+    CHECK(notes.all ==
+          std::vector<std::string>{"klant is no key of a plan: taken as a text of your own, which labels have in "
+                                   "braces ({klant})"});
+}
+
 TEST_CASE("Faults of a table are told with their lines, those of its form too") {
     const Workshop shop;
     CHECK_THAT(shop.fault("plan.csv", "model,sise\na.obj,1mm\n"), Contains("plan.csv: line 2: ") && Contains("'size'"));
     CHECK_THAT(shop.fault("plan.csv", "model,size\na.obj,1mm\nb.obj\n"),
                Contains("plan.csv: line 3: has 1 cell") && Contains("no job was started"));
     CHECK_THAT(shop.fault("plan.csv", "model,size\n"), Contains("lists no job"));
+    CHECK_THAT(shop.fault("plan.csv", "model,copeis\na.obj,3\n"),
+               Contains("line 2") && Contains("did you mean 'copies'"));
     for (const std::string word : {"count", "quantity"})
         CHECK_THAT(shop.fault("plan.csv", "model," + word + "\na.obj,3\n"),
                    Contains("plan.csv: line 2: key `" + word + "`: copies are a tray's") && Contains("voxtone tray"));

@@ -201,7 +201,21 @@ TEST_CASE("A table says what an object would, and is wrong where that would be")
         }
     };
     CHECK(fault("model,at,turn\na.obj,10 20,true\n") == "none");
-    CHECK_THAT(fault("model,copys\na.obj,2\n"), Contains("line 2") && Contains("copys") && Contains("copies"));
+    // What is wrong with a column is told of the header, once.
+    for (const std::string rows : {"a.obj,2\n", "a.obj,2\nb.obj,3\n"}) {
+        const std::string said = fault("model,copys\n" + rows);
+        CHECK_THAT(said, Contains("tray.csv: line 1: unknown key 'copys'; did you mean 'copies'?"));
+        CHECK_THAT(said, !Contains("line 2"));
+    }
+    CHECK_THAT(fault("\nfile,size\na.obj,9mm\n"), Contains("line 2: has no column `model`") && Contains("file, size"));
+    CHECK(fault("Model,SIZE,Copies,customer\na.obj,9mm,2,Ada\n") == "none");
+    CHECK(fault("model,customer,Customer\na.obj,Ada,Bob\n") == "none");  // are the user's own, both
+    CHECK_THAT(fault("model,size\n"), Contains("has no part") && Contains("a line below the header"));
+    const std::string all = fault("model,copies,size\na.obj,x,9mm\nb.obj,2\nc.obj,1,9 parsec\n");
+    for (const char* const one :
+         {"3 of the 3 parts", "line 2: key `copies`", "line 3: has 2 cells", "line 4: key `size`"})
+        CHECK_THAT(all, Contains(one));
+    CHECK_THAT(all, !Contains("line 1"));
     CHECK_THAT(fault("model,printer\na.obj,generic\n"), Contains("whole tray"));
     CHECK_THAT(fault("model,copies\na.obj\n"), Contains("line 2"));
     CHECK_THAT(fault("model,name\na.obj,x\nb.obj,x\n"),
