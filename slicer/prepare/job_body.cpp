@@ -15,6 +15,7 @@
 #include "io/models/model_reader.h"
 #include "slicer/marks/lay_marks.h"
 #include "slicer/mesh/box.h"
+#include "slicer/mesh/parted_sheets.h"
 #include "slicer/printer/picture_slab.h"
 #include "slicer/printer/up_axis.h"
 #include "slicer/solid/cavities.h"
@@ -290,7 +291,8 @@ MeshBoundary boundary_of(const JobBody& body) {
     // picture's is its face alone.
     if (body.is_picture || body.repair.wrapped_faces > 0)
         return {body.solid->positions_mm, body.solid->triangles, corner};
-    return {body.surface->positions_mm, body.surface->triangles, corner};
+    const PartedSheets parted = part_sheets(body.surface->positions_mm, body.surface->triangles, body.grid.pitch_mm);
+    return {parted.positions_mm, parted.triangles, corner};
 }
 
 }  // namespace voxtone::slicer

@@ -69,8 +69,8 @@ void say_body(const JobBody& body, Progress& progress);
 /// The mesh of a body as its boundary for light paths, in mm from the corner of its grid: the staircase of its voxels
 /// lets light out near corners at once and shows slanting faces up to 7 CIEDE2000 too light (docs/decisions/010).
 /// It is what is seen from outside of the repaired mesh, or the wrap where one stands for a mesh
-/// that was not closed. Where shells cross, its seams are as rough as the visible surface's pieces; what gets through
-/// them leaves at the voxels. Copies the mesh.
+/// that was not closed; sheets that enclose nothing are as thick as they are printed. Where shells cross, its seams are
+/// as rough as the visible surface's pieces; what gets through them leaves at the voxels. Copies the mesh.
 [[nodiscard]] MeshBoundary boundary_of(const JobBody& body);
 
 }  // namespace voxtone::slicer

@@ -74,6 +74,18 @@ Direction stand_of(ProofView view) {
     return {};
 }
 
+/// From the body to the camera, in the room.
+Vector3d stand_direction(const ResolvedProof& job, bool flat) {
+    const Direction stand = stand_of(job.view.value_or(flat ? ProofView::top : ProofView::three_quarter));
+    const double a = stand.azimuth_deg * std::numbers::pi / 180, h = stand.height_deg * std::numbers::pi / 180;
+    return {std::cos(h) * std::cos(a), std::cos(h) * std::sin(a), std::sin(h)};
+}
+
+/// Whether a camera that looks along it has no horizon.
+bool is_upright(const Vector3d& direction) {
+    return direction.cross(Vector3d::UnitZ()).norm() < 1e-6 * direction.norm();
+}
+
 /// So far off that the box just fits the picture.
 double fitting_distance(const ResolvedProof& job, const Box& box, const Vector3d& from) {
     const Vector3d middle = 0.5 * (box.low + box.high), back = from.normalized();
@@ -95,6 +107,14 @@ double fitting_distance(const ResolvedProof& job, const Box& box, const Vector3d
 
 }  // namespace
 
+Vector3d rightward(const ResolvedProof& job, const Box& first, const Eigen::Matrix3d& axes, bool flat) {
+    const Vector3d middle = 0.5 * (first.low + first.high), seen = job.look_at ? vector_of(*job.look_at) : middle,
+                   back = job.camera ? Vector3d(axes * (vector_of(*job.camera) - seen)) : stand_direction(job, flat),
+                   up = is_upright(back) ? Vector3d::UnitY() : Vector3d::UnitZ(), right = up.cross(back);
+    return std::abs(right.x()) >= std::abs(right.y()) ? Vector3d(std::copysign(1, right.x()), 0, 0)
+                                                      : Vector3d(0, std::copysign(1, right.y()), 0);
+}
+
 optics::CameraView place_camera(const ResolvedProof& job, const Box& room, const Eigen::Matrix3d& axes, bool flat) {
     optics::CameraView view;
     const Eigen::Matrix3d to_model = axes.transpose();
@@ -102,14 +122,11 @@ optics::CameraView place_camera(const ResolvedProof& job, const Box& room, const
     view.focal_mm = job.requested.focal_mm;
     view.width_px = job.width_px;
     view.height_px = job.height_px;
-    const Direction stand = stand_of(job.view.value_or(flat ? ProofView::top : ProofView::three_quarter));
-    const double a = stand.azimuth_deg * std::numbers::pi / 180, h = stand.height_deg * std::numbers::pi / 180;
-    const Vector3d from(std::cos(h) * std::cos(a), std::cos(h) * std::sin(a), std::sin(h));
+    const Vector3d from = stand_direction(job, flat);
     view.position =
         job.camera.value_or(point_of(vector_of(view.target) + fitting_distance(job, room, from) * (to_model * from)));
     const Vector3d ahead = axes * (vector_of(view.target) - vector_of(view.position));
-    const bool straight = ahead.cross(Vector3d::UnitZ()).norm() < 1e-6 * ahead.norm();
-    view.up = point_of(to_model * (straight ? Vector3d::UnitY() : Vector3d::UnitZ()));
+    view.up = point_of(to_model * (is_upright(ahead) ? Vector3d::UnitY() : Vector3d::UnitZ()));
     return view;
 }
 

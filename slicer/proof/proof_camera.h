@@ -24,6 +24,11 @@ struct Box {
 /// z, up.
 [[nodiscard]] Eigen::Matrix3d room_axes(ProofUp up, double turn_deg);
 
+/// The axis of the room, one way or the other, that runs nearest to the right before the camera: what stands side by
+/// side stands along it. `first`: the box of what stands there first, in the model's frame.
+[[nodiscard]] Eigen::Vector3d rightward(const ResolvedProof& job, const Box& first, const Eigen::Matrix3d& axes,
+                                        bool flat);
+
 /// `room`: what is to be seen, in the room's frame; `flat`: a picture's slab.
 [[nodiscard]] optics::CameraView place_camera(const ResolvedProof& job, const Box& room, const Eigen::Matrix3d& axes,
                                               bool flat);

@@ -15,6 +15,7 @@
 #include "slicer/look/cell_mesh.h"
 #include "slicer/look/support_contact.h"
 #include "slicer/look/vertex_colours.h"
+#include "slicer/mesh/parted_sheets.h"
 #include "slicer/surface/surface_colour.h"
 
 namespace voxtone::slicer {
@@ -102,11 +103,13 @@ Vector3d paper_white(const StackVolume& stack) {
     return white;
 }
 
-ColouredSurface target_of(const JobBody& body, const SurfaceColour& requested) {
+/// `parted`: of the body's surface; a sheet's rim has the colour of the face that it goes along.
+ColouredSurface target_of(const JobBody& body, const PartedSheets& parted, const SurfaceColour& requested) {
     ColouredSurface out;
-    out.positions_mm = body.surface->positions_mm;
-    out.triangles = body.surface->triangles;
-    out.colour = [&surface = *body.surface, &requested](std::uint32_t t, float u, float v) {
+    out.positions_mm = parted.positions_mm;
+    out.triangles = parted.triangles;
+    out.colour = [&surface = *body.surface, &parted, &requested](std::uint32_t t, float u, float v) {
+        if (t >= surface.triangles.size()) t = parted.rim_of[t - surface.triangles.size()];
         const auto& corner = surface.source_uv[t];
         const Eigen::Vector2f at = (1 - u - v) * corner[0] + u * corner[1] + v * corner[2];
         return requested.at(surface.source_triangle[t], at.x(), at.y());
@@ -170,8 +173,9 @@ std::vector<std::unique_ptr<const DiffuseMesh>> make_target(const ProofPrint& pr
     progress.begin_stage("colour the target", 0);
     constexpr double spacing_mm = 0.1;
     const SurfaceColour requested(body.model.mesh, spacing_mm);
-    const VertexColours colours =
-        vertex_colours(target_of(body, requested), {.edge_mm = 2 * spacing_mm, .max_vertices = 3'000'000}, &progress);
+    const PartedSheets parted = part_sheets(body.surface->positions_mm, body.surface->triangles, body.grid.pitch_mm);
+    const VertexColours colours = vertex_colours(target_of(body, parted, requested),
+                                                 {.edge_mm = 2 * spacing_mm, .max_vertices = 3'000'000}, &progress);
     const Vector3d white = paper_white(print.stack);
     const DiffuseMesh::Gloss gloss{print.stack.resins.eta, print.finish.get(),
                                    vector_of(print.stack.corner_mm) + moved_mm};

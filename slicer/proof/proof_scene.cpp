@@ -19,17 +19,21 @@ class Row {
 public:
     explicit Row(const Eigen::Matrix3d& axes) : axes_(axes) {}
 
-    /// How far the next body is moved, in the model's frame.
-    Vector3d place(const Box& box) {
+    /// How far the next body is moved, in the model's frame: to the `right` of those before, in the room's.
+    Vector3d place(const Box& box, const Vector3d& right) {
         const Box here = turned(axes_, box);
         Vector3d moved = Vector3d::Zero();
         if (begun_) {
             const double gap = 0.12 * (here.high - here.low).maxCoeff();
-            moved = {all_.high.x() + gap - here.low.x(), middle_y_ - 0.5 * (here.low.y() + here.high.y()),
-                     all_.low.z() - here.low.z()};
+            moved = middle_ - 0.5 * (here.low + here.high);
+            moved.z() = all_.low.z() - here.low.z();
+            for (const Eigen::Index a : {0, 1}) {
+                if (right[a] > 0) moved[a] = all_.high[a] + gap - here.low[a];
+                if (right[a] < 0) moved[a] = all_.low[a] - gap - here.high[a];
+            }
         } else {
             all_ = here;
-            middle_y_ = 0.5 * (here.low.y() + here.high.y());
+            middle_ = 0.5 * (here.low + here.high);
         }
         begun_ = true;
         all_ = {all_.low.cwiseMin(here.low + moved), all_.high.cwiseMax(here.high + moved)};
@@ -40,7 +44,7 @@ public:
 private:
     Eigen::Matrix3d axes_;
     Box all_{Vector3d::Zero(), Vector3d::Zero()};
-    double middle_y_ = 0;
+    Vector3d middle_ = Vector3d::Zero();  ///< of the first
     bool begun_ = false;
 };
 
@@ -52,16 +56,19 @@ std::unique_ptr<const ProofScene> make_proof_scene(const ResolvedProof& job, Pro
     s.sky = light_of(job, progress);
     const Eigen::Matrix3d axes = room_axes(job.up, job.requested.turn_deg);
     Row row(axes);
+    const auto right_of = [&](const ProofPrint& first) {
+        return rightward(job, first.box, axes, first.stack.of_picture);
+    };
     for (const std::string& stack : job.requested.stacks) {
         auto print = make_print(job, stack, progress);
-        print->moved_mm = row.place(print->box);
+        print->moved_mm = row.place(print->box, right_of(s.prints.empty() ? *print : *s.prints.front()));
         s.prints.push_back(std::move(print));
         if (s.prints.back()->stack.resins.channels != s.channels())
             throw InputError(fmt::format("{}: its resins have other channels than those of {}; proof them apart", stack,
                                          job.requested.stacks.front()));
     }
     const ProofPrint& first = *s.prints.front();
-    if (job.requested.with_target) s.target = make_target(first, row.place(first.box), progress);
+    if (job.requested.with_target) s.target = make_target(first, row.place(first.box, right_of(first)), progress);
 
     s.camera.sky = &s.sky;
     for (std::size_t k = 0; k < 3; ++k) s.camera.sky_axes[k] = point_of(axes.row(static_cast<Eigen::Index>(k)));

@@ -9,9 +9,12 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "optics/layered/directional.h"
 #include "optics/monte_carlo/monte_carlo.h"
 #include "shapes.h"
+#include "slicer/mesh/parted_sheets.h"
 #include "slicer/solid/solid.h"
+#include "slicer/solid/thin_features.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;
@@ -28,7 +31,8 @@ constexpr std::array<double, 3> j750{0.0423333, 0.0846667, 0.027};
 struct Body {
     ResinVolume volume;
     Eigen::Vector3d corner;
-    Body(const SolidMesh& mesh, Material material) {
+    /// `thin`: with the voxels that features thinner than one need.
+    Body(const SolidMesh& mesh, Material material, bool thin = false) {
         Eigen::Vector3d low = mesh.positions_mm[0], high = low;
         for (const auto& p : mesh.positions_mm) {
             low = low.cwiseMin(p);
@@ -42,7 +46,11 @@ struct Body {
                 static_cast<int>(std::ceil((high - grid.origin_mm)[a] / grid.pitch_mm[a]));
         corner = grid.origin_mm;
         const Solid solid(mesh, grid);
-        const auto spans = solid.slab(0, grid.size[2]);
+        voxtone::slicer::SpanSlab spans = solid.slab(0, grid.size[2]);
+        if (thin) {
+            const voxtone::slicer::SolidIndex index(mesh);
+            (void)voxtone::slicer::ThinFeatures(index, solid).slab(0, grid.size[2], spans);
+        }
         ResinVolumeBuilder builder(grid.size, j750);
         std::vector<Material> layer(static_cast<std::size_t>(grid.size[0]) * static_cast<std::size_t>(grid.size[1]));
         for (int k = 0; k < grid.size[2]; ++k) {
@@ -175,6 +183,44 @@ TEST_CASE("A tilted plate of mesh looks as the flat one, on either side of the e
             INFO(angle << " " << c << ": " << seen[c] << ", flat " << reference[c] << " +- " << sigma);
             CHECK(std::abs(seen[c] - reference[c]) < 4 * sigma);
             CHECK(std::abs(1.03 * seen[c] - reference[c]) > (c == 2 ? 0 : 4) * sigma);
+        }
+    }
+}
+
+TEST_CASE("A sheet without a thickness looks as a slab of its voxels' thickness by adding-doubling") {
+    const ResinSet set = vero_opaque();
+    constexpr Material magenta = 2;
+    SolidMesh flat;
+    flat.positions_mm = {{0, 0, 0}, {6, 0, 0}, {6, 6, 0}, {0, 6, 0}};
+    flat.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 2, 1}, {0, 3, 2}};
+    const AngularGrid grid = angular_grid(set.eta, 16, 16);
+    const AddingDoubling solver(grid, set.g, 32);
+    for (const double angle : {0.3, 1.2}) {
+        const Eigen::Affine3d turn(Eigen::AngleAxisd(angle, Eigen::Vector3d(0.6, 0.8, 0).normalized()));
+        const SolidMesh mesh = shapes::moved(flat, turn);
+        const Body body(mesh, magenta, true);
+        const Eigen::Vector3d pitch(j750[0], j750[1], j750[2]), normal = turn.linear().col(2);
+        const auto parted = voxtone::slicer::part_sheets(mesh.positions_mm, mesh.triangles, pitch);
+        const MeshBoundary boundary(parted.positions_mm, parted.triangles, body.corner);
+        const Scene scene{&body.volume, &set, Backing::none, Sides::open};
+        Surface surface = find_surface(scene, {2, 1, 3}, SurfacePart::all);
+        const Eigen::Vector3d middle = turn * Eigen::Vector3d(3, 3, 0) - body.corner;
+        std::erase_if(surface.cells, [&](const SurfaceCell& cell) {
+            return (Eigen::Vector3d(cell.centre_mm[0], cell.centre_mm[1], cell.centre_mm[2]) - middle).norm() > 0.6;
+        });
+        REQUIRE(surface.cells.size() > 20);
+        const Appearance seen = MonteCarlo({.paths = 2000, .boundary = &boundary}).predict(scene, surface);
+        for (std::size_t c = 0; c < 3; ++c) {
+            double mean = 0, variance = 0;
+            for (std::size_t i = 0; i < surface.cells.size(); ++i) {
+                mean += seen.value[3 * i + c] / double(surface.cells.size());
+                variance += std::pow(seen.standard_error[3 * i + c] / double(surface.cells.size()), 2);
+            }
+            const LayerResponse slab =
+                solver.layer(set.resins[magenta - 1].medium(c), normal.cwiseAbs().cwiseProduct(pitch).maxCoeff());
+            const double wanted = appearance_of(grid, slab, Backing::none);
+            INFO(angle << " " << c << ": " << mean << " +- " << std::sqrt(variance) << ", slab " << wanted);
+            CHECK(std::abs(mean - wanted) < 4 * std::sqrt(variance));
         }
     }
 }

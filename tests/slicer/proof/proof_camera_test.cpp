@@ -166,3 +166,26 @@ TEST_CASE("Without a view a body is seen from three quarters and a picture from 
     CHECK(view.width_px == 640);
     CHECK(view.height_px == 400);
 }
+
+TEST_CASE("What stands beside the first stands to its right, from wherever it is seen") {
+    const Box first{{-3, 2, 1}, {9, 7, 19}};
+    const auto is_to_the_right = [&](const ResolvedProof& job, const Matrix3d& axes) {
+        const Vector3d right = rightward(job, first, axes, false);
+        CHECK(right.norm() == Approx(1));
+        CHECK(right.z() == 0);
+        const optics::Camera camera(place_camera(job, turned(axes, first), axes, false));
+        const Vector3d middle = 0.5 * (first.low + first.high);
+        return camera.picture_of(point_of(middle + axes.transpose() * right))[0] >
+               camera.picture_of(point_of(middle))[0] + 1;
+    };
+    for (const Up& up : ups)
+        for (const double turn : {0.0, 30.0, 200.0}) {
+            const Matrix3d axes = room_axes(up.up, turn);
+            for (const ProofView view : views) CHECK(is_to_the_right(proof(view), axes));
+            for (const optics::Point& place : {optics::Point{90, 3, 4}, {-80, 30, 9}, {5, 99, -40}, {1, -60, 70}}) {
+                ResolvedProof job = proof({});
+                job.camera = place;
+                CHECK(is_to_the_right(job, axes));
+            }
+        }
+}
