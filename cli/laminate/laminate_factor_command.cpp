@@ -48,6 +48,9 @@ Verb laminate_factor_verb() {
                 {.unit = "FILE", .required = true});
     add_out_option(command, a.job.out, "FILE", "profile map to write: NAME.json, with NAME.png beside it");
     add_overwrite_option(command, a.job.overwrite);
+    command.add("--luminance", a.job.luminance,
+                "of the data alone, as in the paper: a map of one channel, which asks the same of each channel of the "
+                "resins");
     add_map_options(command, a);
     command.add("--check", a.job.check,
                 "other data of the same surface: says how far profiles are wrong, without the noise", {.unit = "FILE"});

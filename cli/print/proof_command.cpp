@@ -46,11 +46,23 @@ void add_camera_options(Verb& command, slicer::ProofOptions& o) {
 
 void add_scene_options(Verb& command, slicer::ProofOptions& o) {
     command.group("Light and scene");
-    command.add("--light", o.light,
+    command.add("--light", o.lights,
                 "studio: two soft boxes and white walls; overcast: the CIE's overcast sky; even: the same "
-                "from everywhere; or a lat-long picture of a place (.exr)",
-                {.choices = {"studio", "overcast", "even", "FILE"}, .verb_checks = true});
-    command.add("--turn-light", o.turn_light_deg, "degrees, counter-clockwise from above", {.unit = "DEG"});
+                "from everywhere; or a lat-long picture of a place (.exr); edge, slit, spot: a beam on a part of what "
+                "is seen, which shows translucency. Said again: one picture below the other",
+                {.choices = {"studio", "overcast", "even", "edge", "slit", "spot", "FILE"},
+                 .verb_checks = true,
+                 .usual = "studio",
+                 .one_each = true});
+    command.add("--light-at", o.light_at,
+                "where the beam falls: middle of what is seen, or a place of the surface, mm in the model's frame as "
+                "printed",
+                {.unit = "middle|X,Y,Z"});
+    command.add("--light-width", length(o.light_width_mm), "of a slit, or across a spot", {.usual = "1mm, spot 2mm"});
+    command.add("--turn-light", o.turn_light_deg,
+                "degrees, counter-clockwise from above; a beam's seen from outside, about its place: an edge lies "
+                "across the picture and is lit above, 90: left",
+                {.unit = "DEG"});
     command.add("--ground", o.ground, "reflectance of the plane that the print lies on, or none", {.unit = "R|none"});
     command.add("--finish", o.finish, "glossy: as jetted, and matt where support lay; matt: support lay everywhere",
                 {.choices = {"glossy", "matt"}});

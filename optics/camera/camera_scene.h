@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "optics/camera/beam.h"
 #include "optics/camera/camera.h"
 #include "optics/camera/sky.h"
 #include "optics/monte_carlo/surface_finish.h"
@@ -51,6 +52,7 @@ struct Ground {
 struct CameraScene {
     CameraView view;
     const Sky* sky = nullptr;
+    const Beam* beam = nullptr;                                        ///< in the sky's place
     std::array<Point, 3> sky_axes{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  ///< the sky's x, y and z
     std::vector<ResinBody> prints;                                     ///< all of the same channels
     std::vector<const DiffuseBody*> diffusers;

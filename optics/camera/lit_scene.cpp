@@ -53,7 +53,7 @@ double mean_reflectance(double eta) {
 }
 
 LitScene::LitScene(const CameraScene& scene) : scene_(scene), camera_(scene.view) {
-    VOXTONE_EXPECT(scene.sky != nullptr);
+    VOXTONE_EXPECT(scene.sky != nullptr || scene.beam != nullptr);
     const Channels channels = scene.prints.empty() ? Channels{} : scene.prints.front().scene->resins->channels;
     const Eigen::Matrix3Xd weights = linear_srgb_weights(channels);
     light_ = light_of(channels, weights);
@@ -108,7 +108,8 @@ MetInAir LitScene::met(const Point& from, const Point& way) const {
     return first;
 }
 
-Point LitScene::draw_sky(double pixel, double u, double v) const {
+Point LitScene::draw_light(double pixel, double u, double v) const {
+    if (scene_.beam) return scene_.beam->draw(pixel, u, v);
     const Point d = scene_.sky->draw(pixel, u, v);
     Point way{};
     for (std::size_t a = 0; a < 3; ++a)

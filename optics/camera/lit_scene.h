@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What a ray in the air meets first, and what the sky sends along it, for one channel at a time.
+// What a ray in the air meets first, and what the light sends along it, for one channel at a time. Light is the sky, or
+// a beam in its place.
 #pragma once
 
 #include <algorithm>
@@ -33,10 +34,14 @@ public:
 
     [[nodiscard]] std::size_t channels() const { return light_.size(); }
     [[nodiscard]] const Camera& camera() const { return camera_; }
-    [[nodiscard]] const Light& sky(const Point& way) const { return scene_.sky->radiance(in_sky(way)); }
-    /// A direction drawn by the sky's luminance, and the density of any.
-    [[nodiscard]] Point draw_sky(double pixel, double u, double v) const;
-    [[nodiscard]] double sky_density(const Point& way) const { return scene_.sky->density(in_sky(way)); }
+    [[nodiscard]] const Light& light(const Point& from, const Point& way) const {
+        return scene_.beam ? scene_.beam->radiance(from, way) : scene_.sky->radiance(in_sky(way));
+    }
+    /// A direction drawn by the light's luminance, and the density of any.
+    [[nodiscard]] Point draw_light(double pixel, double u, double v) const;
+    [[nodiscard]] double light_density(const Point& way) const {
+        return scene_.beam ? scene_.beam->density(way) : scene_.sky->density(in_sky(way));
+    }
     [[nodiscard]] std::size_t prints() const { return volumes_.size(); }
     [[nodiscard]] const ResinBody& print(std::size_t i) const { return scene_.prints[i]; }
     [[nodiscard]] const PathVolume& volume(std::size_t i) const { return volumes_[i]; }

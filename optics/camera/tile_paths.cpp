@@ -227,8 +227,9 @@ void TilePaths::follow(AirRay ray, PathRandom& random) {
 void TilePaths::follow(AirRay ray, MetInAir met, PathRandom& random) {
     for (;; met = scene_.met(ray.from, ray.way)) {
         if (met.what == MetInAir::What::sky) {
-            const double asked = ray.density > 0 ? scene_.sky_density(ray.way) : 0.0;
-            return count(ray, scene_.sky(ray.way), ray.density > 0 ? ray.density / (ray.density + asked) : 1.0);
+            const double asked = ray.density > 0 ? scene_.light_density(ray.way) : 0.0;
+            return count(ray, scene_.light(ray.from, ray.way),
+                         ray.density > 0 ? ray.density / (ray.density + asked) : 1.0);
         }
         const Point at = along(ray.from, ray.way, met.distance);
         const bool in_air = met.what == MetInAir::What::print ? mirrored_again(ray, met, at, random)
@@ -256,11 +257,11 @@ bool TilePaths::diffuse(AirRay& ray, const MetInAir& met, const Point& at, PathR
     colour_by(ray, met.reflectance);
     ray.from = at;
     const double pixel = random.uniform(), u = random.uniform(), v = random.uniform();
-    const Point up = scene_.draw_sky(pixel, u, v);
+    const Point up = scene_.draw_light(pixel, u, v);
     const double cosine = dot(up, n);
     if (cosine > 0 && dot(up, true_normal) > 0 && scene_.sees_sky(at, up)) {
-        const double drawn = scene_.sky_density(up), law = cosine / std::numbers::pi;
-        count(ray, scene_.sky(up), law / (drawn + law));
+        const double drawn = scene_.light_density(up), law = cosine / std::numbers::pi;
+        count(ray, scene_.light(at, up), law / (drawn + law));
     }
     const double r = std::sqrt(random.uniform()), phi = 2 * std::numbers::pi * random.uniform();
     const double height = std::sqrt(std::max(0.0, 1 - r * r));

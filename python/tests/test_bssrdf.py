@@ -55,6 +55,16 @@ def test_the_program_finds_the_profile_that_was_written(tmp_path):
     assert slope == pytest.approx(1 / 0.6, rel=0.05)
 
 
+def test_one_channel_is_luminance(tmp_path):
+    light = window(0.6, height=6, width=7, channels=1)
+    voxtone.write_bssrdf(tmp_path / "a.bssrdf", light, PITCH, channels="luminance")
+    voxtone.laminate.factor(tmp_path / "a.bssrdf", clusters=1, out=tmp_path / "a.json").result()
+    made = json.loads((tmp_path / "a.json").read_text())
+    assert made["channels"]["kind"] == "own" and len(made["clusters"][0]) == 1
+    with pytest.raises(ValueError, match="for light of 3"):
+        voxtone.write_bssrdf(tmp_path / "b.bssrdf", window(0.6), PITCH, channels="luminance")
+
+
 def test_what_cannot_be_is_refused_in_a_sentence(tmp_path):
     good = window(0.6, height=6, width=7)
     turned = np.array(good)

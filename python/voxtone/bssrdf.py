@@ -11,6 +11,9 @@ import numpy as np
 
 _MOST_TOTAL = 1.0
 _MOST_SIDE, _MOST_RADIUS = 4096, 64
+_NAMED = {"rgb": ["R", "G", "B"], "luminance": ["luminance"]}
+# One channel that is seen as grey: its weights to XYZ are those of white (D50, ICC.1:2022).
+_LUMINANCE = {"kind": "own", "illuminant": "D50", "xyz": [[0.9642, 1.0, 0.8249]]}
 
 
 def half_window(radius: int) -> Sequence[Tuple[int, int]]:
@@ -27,7 +30,7 @@ def write_bssrdf(path: Union[str, "PathLike[str]"], light: np.ndarray, pitch_mm:
     light      (channels, height, width, 2 r + 1, 2 r + 1): [c, y, x, r + dy, r + dx] is the light per mm2 that leaves at
                point (x + dx, y + dy) of one unit that entered at (x, y); rows from the top; nothing counts beyond the
                radius r and outside of the grid. Both ways between two points are one value, their mean.
-    channels   "rgb", or wavelengths in nm
+    channels   "rgb", "luminance" (one), or wavelengths in nm
     total      (channels, height, width): what leaves anywhere of one unit; without it what leaves within the window
     noise      by channel: variance of a value / the value, per mm2 (of photon counts: one count); without it 0
     asymmetry  how far the two ways between points may differ in the mean, as a share of the light
@@ -40,9 +43,9 @@ def write_bssrdf(path: Union[str, "PathLike[str]"], light: np.ndarray, pitch_mm:
                          f"each point the window around it")
     count, height, width, side, _ = light.shape
     radius = side // 2
-    names = ["R", "G", "B"] if isinstance(channels, str) else [f"{nm:g} nm" for nm in channels]
-    if isinstance(channels, str) and channels != "rgb":
-        raise ValueError(f"channels: '{channels}' is neither \"rgb\" nor a list of wavelengths in nm")
+    if isinstance(channels, str) and channels not in _NAMED:
+        raise ValueError(f"channels: '{channels}' is neither \"rgb\" nor \"luminance\" nor a list of wavelengths in nm")
+    names = _NAMED[channels] if isinstance(channels, str) else [f"{nm:g} nm" for nm in channels]
     if len(names) != count:
         raise ValueError(f"channels: {len(names)} ({', '.join(names)}) for light of {count}; give a wavelength for each")
     if not 1 <= radius <= _MOST_RADIUS or not (1 <= height <= _MOST_SIDE and 1 <= width <= _MOST_SIDE):
@@ -87,8 +90,12 @@ def write_bssrdf(path: Union[str, "PathLike[str]"], light: np.ndarray, pitch_mm:
         raise ValueError(f"light: of channel {names[c]}, point ({x}, {y}) sends back {total[c, y, x]:.3g} of one unit that "
                          f"entered, expected 0 to 1: light is per mm2, and grey card and data belong to one exposure")
 
+    if isinstance(channels, str):
+        kept: object = _LUMINANCE if channels == "luminance" else channels
+    else:
+        kept = [float(nm) for nm in channels]
     header = (json.dumps({"format": "voxtone-bssrdf", "version": 1, "source": source,
-                          "channels": channels if isinstance(channels, str) else [float(nm) for nm in channels],
+                          "channels": kept,
                           "points": [width, height], "pitch_mm": float(pitch_mm), "radius": radius, "noise": noise})
               + "\n").encode()
     with Path(path).open("wb") as file:

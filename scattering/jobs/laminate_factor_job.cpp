@@ -11,6 +11,7 @@
 #include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
 #include "scattering/jobs/profile_map_picture.h"
+#include "scattering/local_profiles/luminance_channel.h"
 
 namespace voxtone::scattering {
 namespace {
@@ -20,9 +21,10 @@ namespace fs = std::filesystem;
 /// Of the light, beyond which a window is said to be too small.
 constexpr double most_beyond_window = 0.05;
 
-/// "red", "550 nm" or "channel 2".
+/// "red", "550 nm", "luminance" or "channel 2".
 std::string colour_name(const optics::Channels& channels, std::size_t c) {
     static constexpr const char* rgb[] = {"red", "green", "blue"};
+    if (is_luminance(channels)) return "luminance";
     return channels.is_rgb() ? std::string(rgb[c]) : channel_name(channels, c);
 }
 
@@ -136,6 +138,16 @@ std::string draw(const LaminateFactorJob& job, const io::BssrdfFile& data, const
         drawn.most_per_mm2);
 }
 
+io::BssrdfFile data_of(const LaminateFactorJob& job, const std::string& file) {
+    io::BssrdfFile data = io::read_bssrdf(file);
+    if (!job.luminance) return data;
+    if (data.channels.size() == 1)
+        throw InputError(fmt::format(
+            "--luminance: {} has one channel, {}, and so nothing to make luminance of; leave the option out", file,
+            optics::channels_text(data.channels)));
+    return luminance_of(data);
+}
+
 std::vector<fs::path> outputs(const LaminateFactorJob& job) {
     std::vector<fs::path> files{job.out, io::profile_map_picture(job.out)};
     if (!job.picture.empty()) files.emplace_back(job.picture);
@@ -152,9 +164,9 @@ void LaminateFactorJob::validate() const {
 JobResult run_laminate_factor(const LaminateFactorJob& job, Progress& progress) {
     job.validate();
     io::expect_outputs(outputs(job), job.overwrite);
-    const io::BssrdfFile data = io::read_bssrdf(job.dataset);
+    const io::BssrdfFile data = data_of(job, job.dataset);
     const std::optional<std::size_t> point = drawn_point(job, data.responses);
-    const io::BssrdfFile check = job.check.empty() ? io::BssrdfFile() : io::read_bssrdf(job.check);
+    const io::BssrdfFile check = job.check.empty() ? io::BssrdfFile() : data_of(job, job.check);
     const ProfileMapResult result = make_profile_map(data, job.map, progress, job.check.empty() ? nullptr : &check);
     io::write_profile_map(result.map, job.out);
     for (std::size_t c = 0; c < result.channels.size(); ++c)

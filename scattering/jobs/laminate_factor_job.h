@@ -19,6 +19,7 @@ struct LaminateFactorJob {
     ProfileMapOptions map;
     std::string dataset;     ///< file (io/profiles/bssrdf_file.h)
     std::string out;         ///< NAME.json (io/profiles/profile_map.h)
+    bool luminance = false;  ///< of the data, and of those to check with: one channel (luminance_channel.h)
     std::string check;       ///< other data of the same surface to compare with; empty: none
     std::string picture;     ///< PNG of data, factored and clustered side by side; empty: none
     bool overwrite = false;  ///< files that are there are replaced

@@ -23,6 +23,7 @@
 #include "scattering/jobs/profile_map_picture.h"
 #include "scattering/jobs/profile_plots.h"
 #include "scattering/jobs/spread_figures.h"
+#include "scattering/local_profiles/luminance_channel.h"
 #include "slicer/options/job_file.h"
 #include "slicer/options/resolve_job.h"
 #include "slicer/predict/stack_volume.h"
@@ -156,18 +157,18 @@ double scale_to(const LocalProfiles& of_map, optics::SampledBssrdf& data) {
     return scale;
 }
 
-optics::SampledBssrdf read_data(const LaminateTraceJob& job, const io::ProfileMap& map, const LocalProfiles& of_map) {
+io::BssrdfFile read_data(const LaminateTraceJob& job, const io::ProfileMap& map, const LocalProfiles& of_map) {
     io::BssrdfFile file = io::read_bssrdf(job.dataset);
+    if (is_luminance(map.channels) && file.channels.size() > 1) file = luminance_of(file);
     const optics::SampledBssrdf& data = file.responses;
     if (data.width != map.width_px || data.height != map.height_px || data.radius != of_map.radius ||
         file.channels != map.channels || std::abs(data.pitch_mm / of_map.pitch_mm - 1) > 1e-6)
         throw InputError(fmt::format(
             "{}: has {} x {} points of {:g} mm, radius {}, for {}; the map {} x {} of {:g} mm, radius {}, for {}: it "
-            "is "
-            "not the data set that the map was made from",
+            "is not the data set that the map was made from",
             job.dataset, data.width, data.height, data.pitch_mm, data.radius, optics::channels_text(file.channels),
             map.width_px, map.height_px, of_map.pitch_mm, of_map.radius, optics::channels_text(map.channels)));
-    return std::move(file.responses);
+    return file;
 }
 
 template <class Source>
@@ -320,14 +321,18 @@ JobResult run_laminate_trace(const LaminateTraceJob& job, Progress& progress) {
     check(job);
     io::expect_outputs({job.files.begin(), job.files.end()}, job.overwrite);
     const slicer::LayeredOptions options = options_of(job);
-    const io::ProfileMap map = io::read_profile_map(options.profiles);
-    const LocalProfiles of_map = profiles_of_map(map);
-    optics::SampledBssrdf data;
-    if (!job.dataset.empty()) data = read_data(job, map, of_map);
+    io::ProfileMap map = io::read_profile_map(options.profiles);
+    LocalProfiles of_map = profiles_of_map(map);
+    io::BssrdfFile asked;
+    optics::SampledBssrdf& data = asked.responses;
+    if (!job.dataset.empty()) asked = read_data(job, map, of_map);
     slicer::StackVolumeOptions reading;
     reading.stack = job.stack;
     reading.resins = job.resins;
     const slicer::StackVolume stack = slicer::read_stack_volume(reading, progress);
+    map = asked_of(stack.resins.channels, std::move(map));
+    asked = asked_of(stack.resins.channels, std::move(asked));
+    of_map = profiles_of_map(map);
     check_slab(job, map, stack);
 
     // Waves from 0.3 mm on, the total no heavier than the rest.

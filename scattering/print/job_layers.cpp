@@ -19,6 +19,7 @@
 #include "scattering/design/laminate_materials.h"
 #include "scattering/design/shortened_laminate.h"
 #include "scattering/jobs/laminate_setting.h"
+#include "scattering/local_profiles/luminance_channel.h"
 #include "scattering/print/layers_check.h"
 #include "slicer/prepare/phase.h"
 
@@ -420,6 +421,7 @@ std::unique_ptr<const JobLayers> arrange_layers(const slicer::LayeredOptions& op
                                                 const slicer::JobBody& body, const slicer::LoadedResins& resins,
                                                 Progress& progress) {
     check_thickness(body);
+    if (options.materials.empty()) map = asked_of(resins.set.channels, std::move(map));
     // What is wrong with map and mesh is said before the search.
     const optics::HankelGrid grid = grid_for(map);
     std::vector<ClusterLaminate> clusters = wanted_clusters(options.profiles, map, grid);

@@ -7,6 +7,7 @@
 #include "io/profiles/profile_map.h"
 #include "io/profiles/resin_file.h"
 #include "optics/media/resins.h"
+#include "scattering/local_profiles/luminance_channel.h"
 #include "scattering/print/layered_print.h"
 #include "scattering/print/layers_check.h"
 #include "slicer/prepare/other_print.h"
@@ -23,7 +24,7 @@ public:
 
     /// The printer's; those of published profiles where the map has other channels than these.
     std::string usual_resins(const slicer::PrinterProfile& printer) const override {
-        const bool by_channel = options_.materials.empty();
+        const bool by_channel = options_.materials.empty() && !is_luminance(map_.channels);
         const std::string& of_printer = printer.default_resins;
         return by_channel && io::find_resin_set(of_printer).channels != map_.channels ? optics::vero_opaque().name
                                                                                       : of_printer;

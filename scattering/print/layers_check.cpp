@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "base/error.h"
+#include "scattering/local_profiles/luminance_channel.h"
 
 namespace voxtone::scattering {
 
@@ -47,11 +48,11 @@ void check_layers(const slicer::LayeredOptions& options, const io::ProfileMap& m
     if (map.target.empty())
         throw InputError(fmt::format(
             "{}: has no clusters, so there is nothing to arrange; give a map with at least one", options.profiles));
-    if (options.materials.empty() && map.channels != resins.set.channels)
+    if (options.materials.empty() && !is_luminance(map.channels) && map.channels != resins.set.channels)
         throw InputError(fmt::format(
             "{}: its profiles are for {}, those of the resins {} for {}; the search compares channel by channel: make "
-            "the map "
-            "with the channels of the resins, or choose another --resins",
+            "the map with the channels of the resins or of luminance (laminate factor --luminance), or choose another "
+            "--resins",
             options.profiles, channels_in_full(map.channels), resins.set.name, channels_in_full(resins.set.channels)));
     if (resins.set.resins.size() < 2)
         throw InputError(

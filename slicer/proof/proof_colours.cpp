@@ -17,7 +17,10 @@ constexpr std::uint8_t sees_print = 2;  // optics::CameraPicture::sees
 
 std::optional<SeenPoint> seen_print(const ProofScene& scene, const optics::Camera& camera, std::size_t pixel) {
     const auto width = static_cast<std::size_t>(camera.width_px());
-    const optics::Point way = camera.direction(double(pixel % width) + 0.5, double(pixel / width) + 0.5);
+    return seen_along(scene, camera, camera.direction(double(pixel % width) + 0.5, double(pixel / width) + 0.5));
+}
+
+std::optional<SeenPoint> seen_along(const ProofScene& scene, const optics::Camera& camera, const optics::Point& way) {
     double nearest = std::numeric_limits<double>::infinity();
     std::optional<SeenPoint> seen;
     for (std::size_t k = 0; k < scene.camera.prints.size(); ++k) {

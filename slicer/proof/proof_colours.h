@@ -25,6 +25,9 @@ struct SeenPoint {
 
 [[nodiscard]] std::optional<SeenPoint> seen_print(const ProofScene& scene, const optics::Camera& camera,
                                                   std::size_t pixel);
+/// The same of any ray from the camera.
+[[nodiscard]] std::optional<SeenPoint> seen_along(const ProofScene& scene, const optics::Camera& camera,
+                                                  const optics::Point& way);
 
 /// One per pixel.
 [[nodiscard]] std::vector<Eigen::Vector3f> proof_colours(const optics::CameraPicture& picture, const ProofScene& scene);

@@ -54,6 +54,9 @@ optics::Sky preset(ProofLight light) {
         case ProofLight::overcast:
             return optics::overcast_sky();
         case ProofLight::even:
+        case ProofLight::edge:
+        case ProofLight::slit:
+        case ProofLight::spot:
             return optics::even_sky();
     }
     return optics::even_sky();
@@ -61,9 +64,9 @@ optics::Sky preset(ProofLight light) {
 
 }  // namespace
 
-optics::Sky light_of(const ResolvedProof& job, Progress& progress) {
-    optics::Sky sky = job.light ? preset(*job.light) : from_file(job.requested.light, progress);
-    return job.requested.turn_light_deg == 0 ? sky : sky.turned(job.requested.turn_light_deg);
+optics::Sky light_of(const ProofLamp& lamp, double turn_deg, Progress& progress) {
+    optics::Sky sky = lamp.kind ? preset(*lamp.kind) : from_file(lamp.words, progress);
+    return turn_deg == 0 ? sky : sky.turned(turn_deg);
 }
 
 }  // namespace voxtone::slicer

@@ -20,10 +20,11 @@ void need(bool good, std::string_view key, const std::string& value, std::string
     if (!good) throw UsageError(fmt::format("--{} {}: {}", key, value, rule));
 }
 
-std::optional<optics::Point> point_of(std::string_view key, const std::string& text) {
+std::optional<optics::Point> point_of(std::string_view key, const std::string& text,
+                                      std::string_view rule = "must be three lengths in mm: X,Y,Z") {
     if (text.empty()) return std::nullopt;
     const std::vector<std::string> parts = parse_list(text);
-    need(parts.size() == 3, key, text, "must be three lengths in mm: X,Y,Z");
+    need(parts.size() == 3, key, text, rule);
     optics::Point p{};
     for (std::size_t a = 0; a < 3; ++a) p[a] = parse_number<double>(key, parts[a]);
     return p;
@@ -36,6 +37,35 @@ void read_size(const std::string& text, ResolvedProof& job) {
     job.width_px = parse_number<int>("size", text.substr(0, x));
     job.height_px = parse_number<int>("size", text.substr(x + 1));
     for (const int px : {job.width_px, job.height_px}) need(px >= 16 && px <= most_px, "size", text, rule);
+}
+
+ProofLamp lamp_of(const std::string& text) {
+    const ProofLamp lamp{text, value_of<ProofLight>(text)};
+    std::vector<std::string> choices = names_of<ProofLight>();
+    choices.emplace_back("a picture's file (.exr)");
+    if (!lamp.kind && !std::filesystem::path(text).has_extension()) refuse_choice("light", text, choices);
+    return lamp;
+}
+
+void read_lights(const ProofOptions& o, ResolvedProof& job) {
+    bool beam = false, wide = false;
+    for (const std::string& text : o.lights) {
+        const ProofLamp& lamp = job.lamps.emplace_back(lamp_of(text));
+        beam = beam || lamp.is_beam();
+        wide = wide || (lamp.is_beam() && lamp.kind != ProofLight::edge);
+    }
+    if (job.lamps.empty()) job.lamps.push_back(lamp_of("studio"));
+    if (o.light_at != "middle") {
+        need(beam, "light-at", o.light_at,
+             "would be ignored: only a beam lights one place (--light edge, slit or spot)");
+        constexpr std::string_view rule = "must be middle, or three lengths in mm: X,Y,Z";
+        job.light_at = point_of("light-at", o.light_at, rule);
+        need(job.light_at.has_value(), "light-at", o.light_at, rule);
+    }
+    if (!o.light_width_mm) return;
+    const std::string width = fmt::format("{:g}mm", *o.light_width_mm);
+    need(wide, "light-width", width, "would be ignored: only a slit and a spot have a width (--light slit or spot)");
+    need(*o.light_width_mm > 0 && *o.light_width_mm <= 1000, "light-width", width, "must be above 0, up to 1000mm");
 }
 
 bool is_png_or_exr(const std::string& file) { return file.ends_with(".png") || file.ends_with(".exr"); }
@@ -76,9 +106,7 @@ ResolvedProof resolve(const ProofOptions& o) {
     job.look_at = point_of("look-at", o.look_at);
     need(!job.camera || o.view == "auto", "view", o.view, "would be ignored: --camera says where the camera stands");
     read_size(o.size, job);
-    job.light = value_of<ProofLight>(o.light);
-    if (!job.light && !std::filesystem::path(o.light).has_extension())
-        refuse_choice("light", o.light, {"studio", "overcast", "even", "a picture's file (.exr)"});
+    read_lights(o, job);
     job.finish = parse_choice<ProofFinish>("finish", o.finish);
     if (o.ground != "none") {
         job.ground = parse_number<double>("ground", o.ground);

@@ -21,8 +21,16 @@ enum class ProofView { three_quarter, front, right, back, left, top, bottom };
 /// Which way of the model as printed is up where the print stands.
 enum class ProofUp { z, minus_z, y, minus_y, x, minus_x };
 
-/// Lights that come with the program.
-enum class ProofLight { studio, overcast, even };
+/// Lights that come with the program: skies, and beams that light a part of what is seen.
+enum class ProofLight { studio, overcast, even, edge, slit, spot };
+
+struct ProofLamp {
+    std::string words;
+    std::optional<ProofLight> kind;  ///< nothing: a file
+    [[nodiscard]] bool is_beam() const {
+        return kind == ProofLight::edge || kind == ProofLight::slit || kind == ProofLight::spot;
+    }
+};
 
 /// How the printer leaves faces.
 enum class ProofFinish {
@@ -40,12 +48,15 @@ struct ProofOptions {
     std::string camera, look_at;  ///< "X,Y,Z" mm in the model's frame; empty: by the view
     double focal_mm = 85;         ///< for a frame of 36 mm; in [10, 2000]
     std::string size = "800x600";
-    std::uint32_t samples = 64;    ///< per pixel, at least 8, in fours; with an error: the least
-    double error = 0;              ///< wanted standard error of luminance, 1 is a white diffuser; 0: samples decide
-    double filter_px = 0.5;        ///< sigma of the Gaussian by which a pixel gathers its light; in [0, 1]
-    double exposure_ev = 0;        ///< in [-20, 20]
-    std::string light = "studio";  ///< or a lat-long picture (EXR, PNG, TIFF)
-    double turn_light_deg = 0;     ///< around the vertical, counter-clockwise from above
+    std::uint32_t samples = 64;  ///< per pixel, at least 8, in fours; with an error: the least
+    double error = 0;            ///< wanted standard error of luminance, 1 is a white diffuser; 0: samples decide
+    double filter_px = 0.5;      ///< sigma of the Gaussian by which a pixel gathers its light; in [0, 1]
+    double exposure_ev = 0;      ///< in [-20, 20]
+    /// Or a lat-long picture (EXR, PNG, TIFF). Several: as many pictures, the first on top. None: studio.
+    std::vector<std::string> lights;
+    double turn_light_deg = 0;             ///< counter-clockwise from above; of a beam from outside, about its place
+    std::string light_at = "middle";       ///< of a beam: of what is seen, or "X,Y,Z" mm in the model's frame
+    std::optional<double> light_width_mm;  ///< of a slit or a spot; in (0, 1000]; nothing: 1, 2
     std::string finish = "glossy";
     std::array<double, 2> roughness{0, 0.3};  ///< alpha of GGX: of glossy and of matt faces; in [0, 0.9]
     std::string ground = "0.5";               ///< its reflectance, or none
@@ -64,7 +75,8 @@ struct ResolvedProof {
     ProofUp up = ProofUp::z;
     std::optional<optics::Point> camera, look_at;
     int width_px = 0, height_px = 0;
-    std::optional<ProofLight> light;  ///< nothing: a file
+    std::vector<ProofLamp> lamps;  ///< one at least
+    std::optional<optics::Point> light_at;
     ProofFinish finish = ProofFinish::glossy;
     std::optional<double> ground;  ///< reflectance
     std::optional<std::array<double, 3>> pitch_mm;
@@ -97,8 +109,12 @@ struct voxtone::NamesOf<voxtone::slicer::ProofUp> {
 template <>
 struct voxtone::NamesOf<voxtone::slicer::ProofLight> {
     using E = slicer::ProofLight;
-    static constexpr auto table =
-        std::to_array<Named<E>>({{E::studio, "studio"}, {E::overcast, "overcast"}, {E::even, "even"}});
+    static constexpr auto table = std::to_array<Named<E>>({{E::studio, "studio"},
+                                                           {E::overcast, "overcast"},
+                                                           {E::even, "even"},
+                                                           {E::edge, "edge"},
+                                                           {E::slit, "slit"},
+                                                           {E::spot, "spot"}});
 };
 template <>
 struct voxtone::NamesOf<voxtone::slicer::ProofFinish> {

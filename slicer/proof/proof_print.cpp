@@ -2,6 +2,7 @@
 #include "slicer/proof/proof_print.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "slicer/look/support_contact.h"
 #include "slicer/look/vertex_colours.h"
 #include "slicer/mesh/parted_sheets.h"
+#include "slicer/proof/solid_boxes.h"
 #include "slicer/surface/surface_colour.h"
 
 namespace voxtone::slicer {
@@ -31,12 +33,27 @@ Box box_of(const StackVolume& stack) {
 }
 
 /// Outward.
+void add_box(const Box& box, const Eigen::Vector3f& rgb, io::ColouredMesh& mesh) {
+    const auto first = static_cast<std::uint32_t>(mesh.positions_mm.size());
+    for (int corner = 0; corner < 8; ++corner) mesh.positions_mm.push_back(corner_of(box, corner).cast<float>());
+    mesh.rgb.insert(mesh.rgb.end(), 8, rgb);
+    constexpr std::array<std::array<std::uint32_t, 3>, 12> triangles{{{0, 2, 1},
+                                                                      {1, 2, 3},
+                                                                      {4, 5, 6},
+                                                                      {5, 7, 6},
+                                                                      {0, 1, 4},
+                                                                      {1, 5, 4},
+                                                                      {2, 6, 3},
+                                                                      {3, 6, 7},
+                                                                      {0, 4, 2},
+                                                                      {2, 4, 6},
+                                                                      {1, 3, 5},
+                                                                      {3, 7, 5}}};
+    for (const auto& [a, b, c] : triangles) mesh.triangles.push_back({first + a, first + b, first + c});
+}
 io::ColouredMesh box_mesh(const Box& box, const Eigen::Vector3f& rgb) {
     io::ColouredMesh mesh;
-    for (int corner = 0; corner < 8; ++corner) mesh.positions_mm.push_back(corner_of(box, corner).cast<float>());
-    mesh.rgb.assign(8, rgb);
-    mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                      {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+    add_box(box, rgb, mesh);
     return mesh;
 }
 
@@ -124,9 +141,15 @@ void find_surface_of(ProofPrint& print, Progress& progress) {
         print.boundary.emplace(
             boundary_of(box_mesh(print.box, Eigen::Vector3f::Ones()), vector_of(print.stack.corner_mm)));
         print.boundary_is = "box";
+        print.boxes = {{Vector3d::Zero(), print.box.high - print.box.low}};
     } else if (body && body->relief.empty()) {
         print.boundary.emplace(boundary_of(*body));
         print.boundary_is = "mesh";
+    } else if (!body && !(print.boxes = solid_boxes(print.stack.volume)).empty()) {
+        io::ColouredMesh mesh;
+        for (const Box& box : print.boxes) add_box(box, Eigen::Vector3f::Ones(), mesh);
+        print.boundary.emplace(boundary_of(mesh, Vector3d::Zero()));
+        print.boundary_is = "box";
     } else {
         progress.warn(named_warning("voxel-surface",
                                     fmt::format("the surface is that of the voxels, smoothed, and not the mesh: {}",

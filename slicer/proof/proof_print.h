@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/progress.h"
 #include "optics/camera/camera_scene.h"
@@ -23,6 +24,7 @@ struct ProofPrint {
     StackBody body;  ///< what it was made of, where that can be had
     std::optional<MeshBoundary> boundary;
     std::string boundary_is;  ///< "mesh", "box" or "cells"
+    std::vector<Box> boxes;   ///< that the body is made of, where it is; mm from the corner of its volume
     std::unique_ptr<const optics::SurfaceFinish> finish;
     Box box;                                             ///< in the model's frame
     Eigen::Vector3d moved_mm = Eigen::Vector3d::Zero();  ///< from there, to where it stands

@@ -53,7 +53,7 @@ private:
 std::unique_ptr<const ProofScene> make_proof_scene(const ResolvedProof& job, Progress& progress) {
     auto made = std::make_unique<ProofScene>();
     ProofScene& s = *made;
-    s.sky = light_of(job, progress);
+    for (const ProofLamp& lamp : job.lamps) s.skies.push_back(light_of(lamp, job.requested.turn_light_deg, progress));
     const Eigen::Matrix3d axes = room_axes(job.up, job.requested.turn_deg);
     Row row(axes);
     const auto right_of = [&](const ProofPrint& first) {
@@ -70,7 +70,7 @@ std::unique_ptr<const ProofScene> make_proof_scene(const ResolvedProof& job, Pro
     const ProofPrint& first = *s.prints.front();
     if (job.requested.with_target) s.target = make_target(first, row.place(first.box, right_of(first)), progress);
 
-    s.camera.sky = &s.sky;
+    s.camera.sky = &s.skies.front();
     for (std::size_t k = 0; k < 3; ++k) s.camera.sky_axes[k] = point_of(axes.row(static_cast<Eigen::Index>(k)));
     for (const auto& print : s.prints)
         s.camera.prints.push_back({&print->scene, &*print->boundary, print->finish.get(),

@@ -17,8 +17,8 @@ namespace voxtone::slicer {
 struct ProofScene {
     std::vector<std::unique_ptr<const ProofPrint>> prints;
     std::vector<std::unique_ptr<const DiffuseMesh>> target;
-    optics::Sky sky = optics::even_sky();
-    optics::CameraScene camera;
+    std::vector<optics::Sky> skies;  ///< by lamp
+    optics::CameraScene camera;      ///< under the first
 
     [[nodiscard]] const optics::Channels& channels() const { return prints.front()->stack.resins.channels; }
 };

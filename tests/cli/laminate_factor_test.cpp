@@ -67,6 +67,42 @@ TEST_CASE("laminate factor scales to an albedo, and checks with other data") {
     }
 }
 
+TEST_CASE("a map of luminance is printed in resins of three channels and traced, and other single channels are not") {
+    const Folder folder("laminate_luminance");
+    const auto run = [](const std::string& arguments) {
+        const Outcome outcome = run_program(arguments);
+        INFO(arguments << "\n" << outcome.err);
+        CHECK(outcome.exit_code == 0);
+        return outcome;
+    };
+    run(fmt::format("laminate dataset marble --points 20 --radius 3 --paths 200 --quiet -o {}", folder / "a.bssrdf"));
+    const Outcome factor =
+        run(fmt::format("laminate factor {} --luminance --clusters 2 -o {}", folder / "a.bssrdf", folder / "a.json"));
+    CHECK_THAT(factor.out, Contains("  luminance: ") && !Contains("  red: "));
+    io::ProfileMap map = io::read_profile_map(folder / "a.json");
+    CHECK(map.target[0].size() == 1);
+    const std::string slice = fmt::format(
+        "slice {} --show layered-profile --resins vero-opaque-clear --load W,K --laminate-rounds 0 --laminate-steps 16 "
+        "--laminate-thickness 1mm --thickness 1.5mm --quiet --profiles ",
+        folder / "a.png");
+    run(slice + (folder / "a.json") + " -o " + (folder / "out"));
+    const Outcome traced = run(
+        fmt::format("laminate trace {} --dataset {} --paths 100 --quiet --json", folder / "out", folder / "a.bssrdf"));
+    const std::size_t last = traced.out.rfind('\n', traced.out.size() - 2);
+    const auto json = nlohmann::json::parse(traced.out.substr(last == std::string::npos ? 0 : last + 1)).at("result");
+    const auto& asked = json.at("clusters").at(0).at("asked");
+    REQUIRE(asked.size() == 3);
+    CHECK(asked[0] == asked[2]);
+    CHECK(json.at("clusters").at(0).at("printed")[0] != json.at("clusters").at(0).at("printed")[2]);
+
+    map.channels = {};
+    map.channels.wavelengths_nm = {550};
+    io::write_profile_map(map, folder / "nm.json");
+    const Outcome refused = run_program(slice + (folder / "nm.json") + " -o " + (folder / "no"));
+    CHECK(refused.exit_code == 3);
+    CHECK_THAT(refused.err, Contains("laminate factor --luminance"));
+}
+
 TEST_CASE("laminate dataset and laminate factor say what is wrong with their input") {
     const Folder folder("laminate_factor_wrong");
     const auto refused = [&](const std::string& arguments, int code, const std::string& message) {
@@ -94,6 +130,12 @@ TEST_CASE("laminate dataset and laminate factor say what is wrong with their inp
             .exit_code == 0);
     refused(fmt::format("laminate factor {} --check {} -o {}", folder / "a", folder / "b", folder / "x.json"), 3,
             "must be of one surface");
+    voxtone::io::BssrdfFile one = voxtone::io::read_bssrdf(folder / "a");
+    one.channels.wavelengths_nm = {550};
+    one.responses.channels.resize(1);
+    voxtone::io::write_bssrdf(one, folder / "one");
+    refused(fmt::format("laminate factor {} --luminance -o {}", folder / "one", folder / "x.json"), 3,
+            "has one channel");
     refused(fmt::format("laminate factor {} --point 6,0 --picture {} -o {}", folder / "a", folder / "p.png",
                         folder / "x.json"),
             2, "outside");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 
@@ -120,7 +121,15 @@ TEST_CASE("a proof's files, lights and views are checked before it works") {
     refused("out -o " + (folder / "there.png"), 3, "there.png");
     refused("out --size 800" + out, 2, "WIDTHxHEIGHT");
     refused("out --size 16000x16000 --memory 1" + out, 5, "ask for fewer pixels");
-    refused("out --light moon" + out, 2, "none of studio, overcast, even");
+    refused("out --light moon" + out, 2, "none of studio, overcast, even, edge, slit, spot");
+    refused("out --light-at 1,2,3" + out, 2, "only a beam lights one place");
+    refused("out --light spot --light-at 1,2" + out, 2, "X,Y,Z");
+    refused("out --light edge --light-at here" + out, 2, "middle, or three lengths");
+    refused("out --light edge --light studio --light-width 1mm" + out, 2, "only a slit and a spot have a width");
+    refused("out --light slit --light-width 0mm" + out, 2, "above 0, up to 1000mm");
+    refused(usual_stack() + " --light spot --light-at 900,900,0" + out, 3, "the camera sees no print there");
+    refused(usual_stack() + " --light edge --camera 0,0,900 --look-at 0,900,900" + out, 3,
+            "sees no print, so the beam");
     refused("out --view side" + out, 2, "--view");
     refused("out --view top --camera 0,0,9" + out, 2, "would be ignored");
     refused("out --camera 1,2" + out, 2, "X,Y,Z");
@@ -130,6 +139,48 @@ TEST_CASE("a proof's files, lights and views are checked before it works") {
     refused((folder / "nothing") + out, 4, "nothing");
     refused((folder / "nothing") + " --light " + (folder / "no.exr") + out, 4, "no.exr");
     CHECK(!std::filesystem::exists(folder / "p.png"));
+}
+
+TEST_CASE("under the edge of a beam slabs that scatter differently are told apart, below the same in even light") {
+    const Folder folder("proof-beam");
+    const std::string resins = " --resins vero-opaque-clear";
+    REQUIRE(run_program("laminate print \"W 2\" \"W 0.3, K 1.7\" --width 6mm --depth 6mm --quiet -o " +
+                        (folder / "slabs") + resins)
+                .exit_code == 0);
+    const std::string proof = "proof " + (folder / "slabs") + resins +
+                              " --view top --size 96x48 --spp 64 --quiet --json --light even --light edge";
+    std::vector<nlohmann::json> results;
+    for (const char* threads : {"1", "2"}) {
+        const std::string name = folder / threads;
+        const Outcome outcome =
+            run_program(fmt::format("{} --threads {} -o {}.png -o {}.exr", proof, threads, name, name));
+        INFO(outcome.out << outcome.err);
+        REQUIRE(outcome.exit_code == 0);
+        results.push_back(result_of(outcome.out));
+    }
+    CHECK(read_file(folder / "1.png") == read_file(folder / "2.png"));
+    CHECK(read_file(folder / "1.exr") == read_file(folder / "2.exr"));
+    const auto& result = results[0];
+    CHECK(result["surface"] == nlohmann::json({"box"}));
+    CHECK(result["light"] == "even, edge");
+    REQUIRE(result["beams"].size() == 1);
+    const auto& responses = result["beams"][0]["responses"];
+    CHECK(responses == results[1]["beams"][0]["responses"]);
+    REQUIRE(responses.size() == 2);
+    const auto number = [&](std::size_t slab, const char* key) { return responses[slab][key].get<double>(); };
+    // 2 mm of white and 0.3 mm of it on black.
+    const double error = std::hypot(number(0, "tenth_error_mm"), number(1, "tenth_error_mm"));
+    CHECK(number(0, "tenth_mm") > number(1, "tenth_mm") + 4 * error);
+    CHECK(responses[1]["slab"] == 1);
+    CHECK(responses[0]["distance_mm"].size() == responses[0]["luminance"].size());
+    CHECK(responses[0]["distance_mm"].front().get<double>() < -2);
+
+    const Bitmap picture = read_png(folder / "1.png");
+    REQUIRE(picture.height == 96);
+    // Where the second slab is: evenly lit above; lit and dark below.
+    CHECK(std::abs(mean_green(picture, 64, 12, 84, 20) - mean_green(picture, 64, 28, 84, 36)) < 12);
+    CHECK(mean_green(picture, 64, 60, 84, 68) > mean_green(picture, 64, 76, 84, 84) + 60);
+    CHECK_THAT(read_file(folder / "1.png"), Contains("light even; below the edge of a beam across ("));
 }
 
 TEST_CASE("a proof that is stopped leaves what it has, and says so in the file") {

@@ -6,9 +6,11 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "optics/colour/channels.h"
 #include "optics/numerics/hankel.h"
 #include "scattering/jobs/laminate_factor_job.h"
 #include "scattering/jobs/profile_map_picture.h"
+#include "scattering/local_profiles/luminance_channel.h"
 #include "tests/io/files/temporary_folder.h"
 #include "tests/scattering/local_profiles/response_samples.h"
 
@@ -105,6 +107,40 @@ TEST_CASE("A factorisation that is given too few steps says so, and one that has
     (void)run_laminate_factor(job, few);
     CHECK_THAT(few.all,
                Contains("red: the factorisation stopped") && Contains("after 1 steps") && Contains("[not-converged]"));
+}
+
+TEST_CASE("Of luminance is asked what Y of the channels says, of each channel of the resins") {
+    const io::BssrdfFile data = sample(200, 1), grey = luminance_of(data);
+    CHECK(is_luminance(grey.channels));
+    CHECK_FALSE(is_luminance(data.channels));
+    CHECK_FALSE(optics::fault_of(grey.channels));
+    REQUIRE(grey.responses.channels.size() == 1);
+    // IEC 61966-2-1, Y of linear sRGB.
+    const auto& of = data.responses.channels;
+    for (const std::size_t i : {std::size_t{0}, std::size_t{777}, of[0].pairs.size() - 1})
+        CHECK(grey.responses.channels[0].pairs[i] ==
+              Approx(0.2126 * of[0].pairs[i] + 0.7152 * of[1].pairs[i] + 0.0722 * of[2].pairs[i]).epsilon(1e-3));
+    CHECK(grey.responses.channels[0].total[5] ==
+          Approx(0.2126 * of[0].total[5] + 0.7152 * of[1].total[5] + 0.0722 * of[2].total[5]).epsilon(1e-3));
+    // Independent counts: weights squared.
+    CHECK(grey.responses.channels[0].noise == Approx(of[0].noise * 0.5619).epsilon(1e-3));
+
+    ProfileMapOptions options;
+    options.clusters.clusters = 3;
+    Progress quiet;
+    const io::ProfileMap map = make_profile_map(grey, options, quiet).map;
+    REQUIRE(map.target[0].size() == 1);
+    const optics::Channels wavelengths{{450, 550, 600, 650}};
+    const io::ProfileMap asked = asked_of(wavelengths, map);
+    CHECK(asked.channels == wavelengths);
+    for (std::size_t k = 0; k < 3; ++k) {
+        REQUIRE(asked.target[k].size() == 4);
+        for (const auto& samples : asked.target[k]) CHECK(samples.light == map.target[k][0].light);
+    }
+    const io::BssrdfFile many = asked_of(wavelengths, grey);
+    REQUIRE(many.responses.channels.size() == 4);
+    CHECK(many.responses.channels[3].pairs == grey.responses.channels[0].pairs);
+    CHECK(asked_of(wavelengths, data).channels == data.channels);  // of colours nothing else is asked
 }
 
 TEST_CASE("Profile maps that cannot be made are refused with the reason") {

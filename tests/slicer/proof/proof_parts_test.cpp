@@ -77,14 +77,11 @@ TEST_CASE("A target reflects the colour between its corners where a ray meets it
 
 TEST_CASE("A picture of all directions lights from where its pixels lie, as one sees them from the print") {
     const io::TemporaryFolder folder;
-    ResolvedProof job;
     Progress progress;
     for (const auto& [column, row] : {std::pair{8u, 4u}, std::pair{11u, 2u}, std::pair{1u, 5u}, std::pair{5u, 3u}})
         for (const double turn : {0.0, 90.0}) {
             CAPTURE(column, row, turn);
-            job.requested.light = one_lamp(folder, column, row);
-            job.requested.turn_light_deg = turn;
-            const optics::Sky sky = light_of(job, progress);
+            const optics::Sky sky = light_of({one_lamp(folder, column, row), {}}, turn, progress);
             const optics::Light lamp = sky.radiance(turned(direction_of(column, row), turn)),
                                 open = sky.radiance(turned(direction_of((column + 3) % columns, row), turn));
             CHECK(lamp[0] == Approx(100 * open[0]));
@@ -99,36 +96,29 @@ TEST_CASE("A picture of all directions lights from where its pixels lie, as one 
 TEST_CASE("A white diffuser in the open has 1 in every light") {
     const auto upward = [](const optics::Sky& sky) { return optics::luminance(sky.irradiance({0, 0, 1})); };
     Progress progress;
-    ResolvedProof job;
-    for (const ProofLight light : {ProofLight::studio, ProofLight::overcast}) {
-        job.light = light;
-        CHECK(upward(light_of(job, progress)) == Approx(std::numbers::pi).epsilon(1e-3));
-    }
-    job.light = ProofLight::even;
-    CHECK(light_of(job, progress).radiance(unit(1, 2, -3)) == optics::Light{1, 1, 1});
+    for (const ProofLight light : {ProofLight::studio, ProofLight::overcast})
+        CHECK(upward(light_of({"", light}, 0, progress)) == Approx(std::numbers::pi).epsilon(1e-3));
+    CHECK(light_of({"", ProofLight::even}, 0, progress).radiance(unit(1, 2, -3)) == optics::Light{1, 1, 1});
     const io::TemporaryFolder folder;
-    job.light.reset();
-    job.requested.light = one_lamp(folder, 3, 1);
-    CHECK(upward(light_of(job, progress)) == Approx(std::numbers::pi).epsilon(1e-3));
+    CHECK(upward(light_of({one_lamp(folder, 3, 1), {}}, 0, progress)) == Approx(std::numbers::pi).epsilon(1e-3));
 }
 
 TEST_CASE("What is no picture of all directions, or dark above, is refused in a sentence") {
     const io::TemporaryFolder folder;
     Progress progress;
-    ResolvedProof job;
-    job.requested.light = (folder.path() / "light.exr").string();
+    const ProofLamp lamp{(folder.path() / "light.exr").string(), {}};
     const auto write = [&](std::uint32_t width, std::uint32_t height, float above) {
         io::NumberPicture picture{width, height, {"R", "G", "B"}, {}};
         for (std::uint32_t row = 0; row < height; ++row)
             picture.values.insert(picture.values.end(), std::size_t{width} * 3, row < height / 2 ? above : 1.0f);
-        std::filesystem::remove(job.requested.light);
-        io::write_whole_file(job.requested.light, io::exr_bytes(picture));
+        std::filesystem::remove(lamp.words);
+        io::write_whole_file(lamp.words, io::exr_bytes(picture));
     };
     write(8, 8, 1);
-    CHECK_THROWS_WITH(light_of(job, progress), Catch::Contains("8 x 8") && Catch::Contains("twice as wide"));
+    CHECK_THROWS_WITH(light_of(lamp, 0, progress), Catch::Contains("8 x 8") && Catch::Contains("twice as wide"));
     write(8, 4, 0);
-    CHECK_THROWS_WITH(light_of(job, progress), Catch::Contains("dark above its horizon"));
-    CHECK_THROWS_AS(light_of(job, progress), InputError);
+    CHECK_THROWS_WITH(light_of(lamp, 0, progress), Catch::Contains("dark above its horizon"));
+    CHECK_THROWS_AS(light_of(lamp, 0, progress), InputError);
     write(8, 4, 1);
-    CHECK_NOTHROW(light_of(job, progress));
+    CHECK_NOTHROW(light_of(lamp, 0, progress));
 }
