@@ -12,8 +12,8 @@ import numpy as np
 _MOST_TOTAL = 1.0
 _MOST_SIDE, _MOST_RADIUS = 4096, 64
 _NAMED = {"rgb": ["R", "G", "B"], "luminance": ["luminance"]}
-# One channel that is seen as grey: its weights to XYZ are those of white (D50, ICC.1:2022).
-_LUMINANCE = {"kind": "own", "illuminant": "D50", "xyz": [[0.9642, 1.0, 0.8249]]}
+# One channel that is seen as grey: its weights to XYZ are those of D50 (ASTM E308), as the program has it.
+_LUMINANCE = {"kind": "own", "illuminant": "D50", "xyz": [[0.96422, 1.0, 0.82521]]}
 
 
 def half_window(radius: int) -> Sequence[Tuple[int, int]]:
