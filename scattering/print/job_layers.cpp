@@ -69,13 +69,12 @@ optics::HankelGrid grid_for(const io::ProfileMap& map) {
 struct Materials {
     std::vector<LaminateMaterial> materials;  ///< by resin
     double turned_back = 0;                   ///< by the surface
-    bool traceable = true;
 };
 
 Materials computed_materials(const optics::ResinSet& set, double most_mm, const optics::HankelGrid& grid,
                              Progress& progress) {
     progress.begin_stage(name_of(slicer::Phase::profiles), set.resins.size(), "resins");
-    Materials made{{}, optics::internal_diffuse_reflectance(set.eta), true};
+    Materials made{{}, optics::internal_diffuse_reflectance(set.eta)};
     for (std::size_t r = 0; r < set.resins.size(); ++r) {
         std::vector<double> known_mm;
         for (std::size_t c = 0; c < set.channels.size(); ++c)
@@ -101,7 +100,7 @@ Materials measured_materials(const slicer::LayeredOptions& options, const io::Pr
             "channel",
             options.profiles, channels_in_full(map.channels), setting.materials[0],
             channels_in_full(laminates.channels())));
-    return {laminates.materials(0, options.thickness_mm, {}, progress), laminates.turned_back(), false};
+    return {laminates.materials(0, options.thickness_mm, {}, progress), laminates.turned_back()};
 }
 
 LaminateSearchOptions search_options(const slicer::LayeredOptions& options, const slicer::LoadedResins& resins,
@@ -288,22 +287,14 @@ private:
     std::vector<std::size_t> order_;
 };
 
-/// Many clusters are only traced where that is asked for: in the voxels of a slab of marble of 100 the corrected
-/// laminates came no nearer (benchmarks/results/layered.json).
-int rounds_of(const slicer::LayeredOptions& options, std::size_t clusters, const Materials& made) {
-    constexpr std::size_t most_clusters = 16;
-    if (!made.traceable) return 0;
-    return options.rounds.value_or(clusters <= most_clusters ? 1 : 0);
-}
-
 void search_laminates(const slicer::LayeredOptions& options, const slicer::LoadedResins& resins,
-                      const optics::HankelGrid& grid, std::vector<ClusterLaminate>& clusters, const Materials& made,
-                      Progress& progress) {
+                      const optics::HankelGrid& grid, const io::ProfileMap& map, std::vector<ClusterLaminate>& clusters,
+                      const Materials& made, Progress& progress) {
     const std::span<const LaminateMaterial> materials = made.materials;
     LaminateDesignOptions design;
     design.search = search_options(options, resins, materials);
     design.turned_back = made.turned_back;
-    const int rounds = rounds_of(options, clusters.size(), made);
+    const int rounds = traced_rounds(options, map);
     design.rounds = std::max(1, rounds);
     LaminateJudge judge, last;
     if (rounds > 0) {
@@ -389,6 +380,14 @@ double left_by_cells(double k, double pixel_mm) {
     return sum / directions;
 }
 
+// Of data sets: in the voxels of a slab of marble of 16 or 100 clusters the corrected laminates are farther from the
+// map, of chess hardly nearer; totals are nearer, widths farther (benchmarks/results/layered.json).
+int traced_rounds(const slicer::LayeredOptions& options, const io::ProfileMap& map) {
+    constexpr std::size_t most_clusters = 16;
+    if (!options.materials.empty()) return 0;
+    return options.rounds.value_or(map.target.size() <= most_clusters && !is_of_cells(map) ? 1 : 0);
+}
+
 double profile_extent_mm(const io::ProfileMap& map) {
     double extent = 0;
     for (const auto& target : map.target)
@@ -432,9 +431,9 @@ std::unique_ptr<const JobLayers> arrange_layers(const slicer::LayeredOptions& op
                                     ? computed_materials(resins.set, options.thickness_mm, grid, progress)
                                     : measured_materials(options, map, resins, grid, progress);
     const double materials_s = watch.lap();
-    search_laminates(options, resins, grid, clusters, materials, progress);
+    search_laminates(options, resins, grid, map, clusters, materials, progress);
     return std::make_unique<const JobLayers>(
-        DesignedLaminates{std::move(map), grid, std::move(clusters), std::move(placed), !materials.traceable,
+        DesignedLaminates{std::move(map), grid, std::move(clusters), std::move(placed), !options.materials.empty(),
                           materials_s, watch.lap()},
         body, resins, progress);
 }

@@ -6,11 +6,12 @@
 // Materials are the loaded resins, known by their profiles. For each cluster of the map the best laminate of blocks is
 // searched (scattering/design/laminate_search.h) and its thicknesses refined (laminate_refinement.h), under a smooth
 // surface to air and over the base resin taken to be deep; what the layered model gets wrong is corrected by tracing
-// the laminates (laminate_design.h): by default in one round, where there are 16 clusters at most; of more, if asked
-// for, the largest, until the rest would gain little over the corrections of those that are wanted alike. Or materials
-// are measured profiles (laminate_setting.h), with the surface that they had, and nothing is traced. What lies so deep
-// that it changes what is seen by less than 2 % of the distance is left out (shortened_laminate.h). The laminates are
-// aligned, interpolated to height fields over the map, and wrapped.
+// the laminates (laminate_design.h): by default in one round, where there are 16 clusters at most and their profiles
+// are no means over pixels, as those of data sets are; of more, if asked for, the largest, until the rest would gain
+// little over the corrections of those that are wanted alike. Or materials are measured profiles (laminate_setting.h),
+// with the surface that they had, and nothing is traced. What lies so deep that it changes what is seen by less than 2
+// % of the distance is left out (shortened_laminate.h). The laminates are aligned, interpolated to height fields over
+// the map, and wrapped.
 #pragma once
 
 #include <memory>
@@ -53,6 +54,9 @@ struct ClusterLaminate {
 /// product of both transforms, mean over the directions. Maps whose samples are as far apart as their pixels are means
 /// of that kind (`laminate factor`); what is wanted of a point is their coefficient over it.
 [[nodiscard]] double left_by_cells(double k, double pixel_mm);
+
+/// In how many laminates are traced and corrected: as asked for, else as is told above; measured materials never.
+[[nodiscard]] int traced_rounds(const slicer::LayeredOptions& options, const io::ProfileMap& map);
 
 /// The farthest sample of any wanted profile.
 [[nodiscard]] double profile_extent_mm(const io::ProfileMap& map);

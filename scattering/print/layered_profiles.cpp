@@ -8,6 +8,7 @@
 #include "io/profiles/resin_file.h"
 #include "optics/media/resins.h"
 #include "scattering/local_profiles/luminance_channel.h"
+#include "scattering/print/job_layers.h"
 #include "scattering/print/layered_print.h"
 #include "scattering/print/layers_check.h"
 #include "slicer/prepare/other_print.h"
@@ -42,7 +43,7 @@ public:
     /// As docs/estimate.md measured it.
     std::vector<Work> work(const slicer::LoadedResins& resins) const override {
         constexpr double profiles_s_per_resin = 2, search_s_per_cluster = 2, traced_search_s_per_cluster = 10;
-        const bool traced = options_.rounds.value_or(1) > 0 && options_.materials.empty();
+        const bool traced = traced_rounds(options_, map_) > 0;
         return {{slicer::Phase::profiles, profiles_s_per_resin * double(resins.set.resins.size())},
                 {slicer::Phase::search,
                  (traced ? traced_search_s_per_cluster : search_s_per_cluster) * double(map_.target.size())}};

@@ -120,7 +120,7 @@ std::vector<OptionSpec> search_entries() {
              "rounds in which a laminate is searched, traced by Monte Carlo and corrected for what the layered model "
              "got wrong; the best is kept; 0: by the model alone; a round takes some five seconds of one core for "
              "each cluster, and of many only the largest, until the rest would gain little; auto: 1 for up to 16 "
-             "clusters of resins, else 0",
+             "clusters of resins that `laminate factor` did not make, else 0",
          .member = &O::laminate_rounds,
          .only_for = Show::layered_profile,
          .rule =
