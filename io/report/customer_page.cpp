@@ -51,13 +51,18 @@ void add_customer_pictures(std::string& html, const Report& report) {
     html += "</div>\n";
 }
 
+/// Never nothing: a page to send on says whether the print will look as asked, or that nobody knows.
+std::string customer_sentence(const Report& report) {
+    if (!report.verdict) return "How it will look was not predicted.";
+    if (!is_judged(report))
+        return "The picture shows the colours that are in reach; how light spreads in the resins was not looked at.";
+    return report.verdict->headline.empty() ? report.verdict->sentence : report.verdict->headline;
+}
+
 void add_customer_verdict(std::string& html, const Report& report) {
     const bool is_known = is_judged(report);
-    const std::string headline = !is_known ? "The picture shows the colours that are in reach; how light spreads in "
-                                             "the resins was not looked at."
-                                           : report.verdict->headline;
     html += fmt::format("<p class=\"verdict {}\">{}</p>\n", is_known ? name_of(report.verdict->level) : "",
-                        html_text(headline));
+                        html_text(customer_sentence(report)));
     // Who ordered it is the one who minds that its type cannot be read.
     if (is_known && !report.verdict->but.empty()) html += fmt::format("<p>{}</p>\n", html_text(report.verdict->but));
 }

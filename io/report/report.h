@@ -71,9 +71,9 @@ enum class VerdictLevel {
 
 /// Pieces of one flat colour, or type and lines of it, as a person sees them.
 struct ReportRegion {
-    std::string kind;                 ///< "paper", "solid", "type and lines", "small type", "fine detail", "thin walls"
-    std::string asked, printed = {};  ///< "red (255, 0, 0)", sRGB
-    std::string asked_seen = {};      ///< what the eye makes of `asked` at its size; empty: about the same
+    std::string kind;  ///< "paper", "solid", "type and lines", "small type", "fine detail", "texture", "thin walls"
+    std::string asked, printed = {};   ///< "red (255, 0, 0)", sRGB
+    std::string asked_seen = {};       ///< what the eye makes of `asked` at its size; empty: about the same
     std::array<double, 3> place_mm{};  ///< of a cell in the middle of the largest, in the print
     std::array<double, 3> normal{};    ///< outward, there
     std::string place = {};            ///< in words: "upper left front"
@@ -110,7 +110,7 @@ struct ReportVerdict {
     std::array<double, 3> but_mm{}, but_normal{};  ///< where that is
     std::optional<double> seen_mean, seen_p95;     ///< the headline and its tail: as seen from the viewing distance
     std::optional<double> reach_mean;              ///< of that, what no mixture of the loaded resins could avoid
-    double wrong_share = 0;                        ///< of what is seen: off by more than `bad_above`, or flecked
+    double wrong_share = 0;  ///< of what is seen: off by more than `bad_above`, flecked, or blurred
     double viewing_distance_mm = 0;
     double good_up_to = 0, bad_above = 0;  ///< means
     double off_share = 0;                  ///< of what is seen: differs by more than `good_up_to`

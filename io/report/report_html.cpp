@@ -147,15 +147,15 @@ std::string show_button(const std::array<double, 3>& at_mm, const std::array<dou
         numbers_of(at_mm), numbers_of(normal), text);
 }
 
-/// Solids, type and paper, the worst first.
+/// Solids, type, texture and paper, the worst first.
 void add_regions(std::string& html, const std::vector<ReportRegion>& regions) {
     constexpr std::size_t most = 8;
     if (regions.empty()) return;
     html +=
-        "<section>\n<h2>Solids, type and paper</h2>\n<p class=\"soft\">Each as one thing, those of one colour "
+        "<section>\n<h2>Solids, type, texture and paper</h2>\n<p class=\"soft\">Each as one thing, those of one colour "
         "together, the worst first, the print's own paper taken for white. Unevenness is the root mean square as seen "
         "within paper and solids, in CIEDE2000; the rim, within 0.6 mm of a solid's edge, is in units of CIELAB; type "
-        "is judged by its contrast.</p>\n<div class=\"table\"><table>\n<tr><th>Asked "
+        "and texture are judged by their contrast.</p>\n<div class=\"table\"><table>\n<tr><th>Asked "
         "for</th><th>Printed as</th><th>Where</th><th>mm²</th><th>CIEDE2000</th><th>Unevenness</th><th>Rim</th>"
         "<th></th></tr>\n";
     const auto text = [](const std::optional<double>& figure) {
@@ -201,7 +201,7 @@ void add_reasons(std::string& html, const ReportVerdict& v) {
     if (v.causes.empty()) return;
     html += fmt::format(
         "<p class=\"soft\">{:.0f} % of what is seen differs by more than {:g}. {:.0f} % is clearly off: by more than "
-        "{:g}, or flecked. What differs comes, by area and difference, of ",
+        "{:g}, flecked, or blurred. What differs comes, by area and difference, of ",
         100 * v.off_share, v.good_up_to, 100 * v.wrong_share, v.bad_above);
     for (std::size_t i = 0; i < v.causes.size(); ++i)
         html += fmt::format("{}{} {:.0f} %", i ? ", " : "", html_text(v.causes[i].name), 100 * v.causes[i].share);

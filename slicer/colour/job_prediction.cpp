@@ -55,6 +55,11 @@ double difference_in_a_room(const Eigen::Vector3d& a, const Eigen::Vector3d& b) 
     return optics::ciede2000(seen(a), seen(b));
 }
 
+std::vector<Eigen::Vector3f> in_a_room(std::vector<Eigen::Vector3f> rgb) {
+    for (Eigen::Vector3f& one : rgb) one = (one.array() + float(flare)) / (1 + float(flare));
+    return rgb;
+}
+
 }  // namespace
 
 SeenPrint seen_from(const JobPrediction& p, double viewing_distance_mm, bool adapts,
@@ -85,6 +90,7 @@ SeenPrint seen_from(const JobPrediction& p, double viewing_distance_mm, bool ada
     const halftone::EyeFilter wide(surface, halftone::wider * viewing_distance_mm, halftone::EyeSurround::none,
                                    halftone::OpponentSpace::cielab, halftone::EyeParts::narrowest);
     seen.fine = halftone::fine_contrast(near_target, near, wide);
+    seen.texture = look_at_texture(surface, in_a_room(near_target), in_a_room(near), seen.regions, viewing_distance_mm);
     return seen;
 }
 

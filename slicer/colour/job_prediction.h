@@ -20,6 +20,7 @@
 #include "io/layers/layer_runs.h"
 #include "optics/colour/colour.h"
 #include "slicer/colour/job_loop.h"
+#include "slicer/colour/lost_texture.h"
 #include "slicer/colour/sides_seen.h"
 #include "slicer/layers/layer_volume.h"
 #include "slicer/look/surface_prediction.h"
@@ -57,6 +58,7 @@ struct SeenPrint {
     std::vector<halftone::RegionLook> looks;
     std::vector<double> rims;                  ///< of regions that are solids (rim_chroma); 0 of others
     std::vector<halftone::FineContrast> fine;  ///< per cell: within a millimetre
+    std::vector<TextureLook> texture;          ///< per cell
 };
 
 struct JobPrediction {

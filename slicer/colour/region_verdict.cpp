@@ -266,6 +266,33 @@ std::vector<std::vector<std::uint32_t>> pieces_of(const std::vector<std::uint32_
     return pieces;
 }
 
+/// What has lost its detail to light that spreads within it: the colours are right on average, and it looks blurred.
+std::optional<Row> blurred_texture(const RegionSources& s, std::vector<char>& spoilt) {
+    const JobPrediction& p = s.prediction;
+    const optics::Surface& surface = p.predicted.surface;
+    const auto lost = lost_texture(surface, p.seen.texture, s.seen);
+    if (!lost) return std::nullopt;
+    Row row;
+    row.cells = lost->cells;
+    Eigen::Vector3f target = Eigen::Vector3f::Zero();
+    for (const std::uint32_t i : lost->cells) {
+        const float part = surface.cells[i].area_mm2 / float(lost->area_mm2);
+        target += part * p.seen.target[i], row.printed += (part * p.seen.print[i]).cast<double>();
+        spoilt[i] = 1;
+    }
+    const auto pieces = pieces_of(lost->cells, surface, 1.0);
+    row.said.kind = "texture";
+    row.said.asked = text_of(target);
+    row.said.area_mm2 = lost->area_mm2;
+    row.said.pieces = int(pieces.size());
+    row.said.contrast = lost->kept, row.said.contrast_asked = 1;
+    put_at(middle_of(pieces[0], surface), surface, row.said);
+    row.said.why = fmt::format("keeps {:.2f} of its contrast over {:.0f} % of what is seen: it comes out blurred",
+                               lost->kept, 100 * lost->seen_share);
+    row.said.good = false;
+    return row;
+}
+
 std::optional<Row> thin_walls(const RegionSources& s, const ThinWalls& walls) {
     const JobPrediction& p = s.prediction;
     Row row;
@@ -425,12 +452,12 @@ JudgedRegions judge_regions(const RegionSources& s, const ThinWalls& walls) {
     const halftone::CellNeighbours cells(p.predicted.surface);
     const bool is_page = s.is_picture && is_graphics(p);
     JudgedRegions judged;
-    judged.flecked.assign(p.target.size(), 0);
+    judged.spoilt.assign(p.target.size(), 0);
     std::vector<Row> rows;
     for (std::size_t r = 0; r < p.seen.regions.size(); ++r) {
         Row row = row_of(s, r, cells, is_page);
         if (row.said.unevenness > flecked_above)
-            for (const std::uint32_t cell : row.cells) judged.flecked[cell] = 1;
+            for (const std::uint32_t cell : row.cells) judged.spoilt[cell] = 1;
         rows.push_back(std::move(row));
     }
     rows = joined(std::move(rows));
@@ -444,7 +471,7 @@ JudgedRegions judge_regions(const RegionSources& s, const ThinWalls& walls) {
     auto more = small_type(s);
     if (!more) more = lost_detail(p, cells);
     if (!more) more = lost_lines_row(s);
-    for (auto& row : {std::move(more), thin_walls(s, walls)})
+    for (auto& row : {std::move(more), blurred_texture(s, judged.spoilt), thin_walls(s, walls)})
         if (row) say_where(s, rows.emplace_back(*row));
     for (Row& row : rows) judged.rows.push_back(std::move(row.said));
     std::ranges::stable_sort(judged.rows, std::greater<>(), [&](const io::ReportRegion& region) {

@@ -8,7 +8,8 @@
 // which size type cannot be read is a row of its own (type_size.h), the first. Type whose strokes are not wider than a
 // cell is no region: where three tenths of the surface are regions, and the target has a fine contrast of 0.08 and more
 // in Oklab's lightness of which not 0.6 is left (halftone/loop/lost_contrast.h), over a quarter of a square millimetre,
-// that is said of the place where most is lost. A solid is not good either whose rim, the chroma of print less target
+// that is said of the place where most is lost. Of textures
+// lost_texture.h speaks. A solid is not good either whose rim, the chroma of print less target
 // within 0.6 mm of its edge, is above twice "bad": CIEDE2000 divides chroma by 1 + 0.045 C, by two at C = 22. The
 // figures were chosen on the small print of public bug reports, which nobody can read, and on type of 4 to 14 points.
 //
@@ -43,6 +44,7 @@ struct RegionSources {
     const JobColour& colour;
     const SidesSeen& sides;
     const PlaceWords& places;
+    const std::vector<double>& seen;  ///< per cell, its area by how far it can be seen
     const VerdictLimits& limits;
     bool is_picture = false;
     double viewing_distance_mm = 0;
@@ -56,7 +58,7 @@ struct ThinWalls {
 
 struct JudgedRegions {
     std::vector<io::ReportRegion> rows;  ///< the worst first; empty where nothing is flat, as in photographs
-    std::vector<char> flecked;           ///< per cell: in a flat area that is uneven
+    std::vector<char> spoilt;            ///< per cell: in a flat area that is uneven, or in a texture that is lost
 };
 [[nodiscard]] JudgedRegions judge_regions(const RegionSources& sources, const ThinWalls& walls);
 

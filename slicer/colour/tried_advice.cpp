@@ -2,7 +2,9 @@
 #include "slicer/colour/tried_advice.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include <fmt/core.h>
@@ -10,6 +12,7 @@
 #include "halftone/loop/appearance_loop.h"
 #include "halftone/loop/eye_filter.h"
 #include "slicer/colour/type_size.h"
+#include "slicer/mesh/solid_mesh.h"
 #include "slicer/options/auto_limits.h"
 #include "slicer/prepare/resin_choice.h"
 #include "slicer/surface/target_cells.h"
@@ -132,13 +135,43 @@ void add_loop(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
          "--iterations auto", seen_mean, now, then});
 }
 
+/// Of faces that have their own back in the same place, both sides.
+double area_of_sheets_mm2(const SolidMesh& mesh) {
+    using Corners = std::array<std::array<double, 3>, 3>;
+    const auto corners = [&](const std::array<std::uint32_t, 3>& triangle) {
+        Corners at{};
+        for (std::size_t c = 0; c < 3; ++c) {
+            const Eigen::Vector3d& p = mesh.positions_mm[triangle[c]];
+            at[c] = {p.x(), p.y(), p.z()};
+        }
+        std::ranges::sort(at);
+        return at;
+    };
+    std::map<Corners, int> times;
+    for (const auto& triangle : mesh.triangles) ++times[corners(triangle)];
+    double area = 0;
+    for (const auto& triangle : mesh.triangles) {
+        if (times[corners(triangle)] < 2) continue;
+        const auto at = [&](std::size_t c) -> const Eigen::Vector3d& { return mesh.positions_mm[triangle[c]]; };
+        area += (at(1) - at(0)).cross(at(2) - at(0)).norm() / 2;
+    }
+    return area;
+}
+
 void add_thicker(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     const double thick_mm = 2 * s.job.options.colour.depth_mm, now = s.mean.sum();
-    const double then = now - s.mean.thin + s.mean.thick_walls;
+    const bool known = s.mean.thick_walls < s.mean.thin;
+    const double then = now - s.mean.thin + (known ? s.mean.thick_walls : 0);
     if (then > worth_a_word * now) return;
-    const std::string options = s.body.is_picture ? fmt::format("--thickness {:g}mm", thick_mm) : std::string();
-    advice.push_back({fmt::format("make walls of {:.1f} mm at least {:g} mm thick{}: then about {:.1f}", s.mean.wall_mm,
-                                  thick_mm, options.empty() ? "" : " (" + options + ")", then),
+    const bool sheets = !s.body.is_picture && area_of_sheets_mm2(*s.body.solid) > s.mean.thin_mm2 / 2;
+    const std::string options = s.body.is_picture ? fmt::format("--thickness {:g}mm", thick_mm)
+                                : sheets          ? fmt::format("--sheet-thickness {:g}mm", thick_mm)
+                                                  : std::string();
+    const std::string what =
+        sheets ? fmt::format("print open sheets {:g} mm thick", thick_mm)
+               : fmt::format("make walls of {:.1f} mm at least {:g} mm thick", s.mean.wall_mm, thick_mm);
+    advice.push_back({fmt::format("{}{}: then {}", what, options.empty() ? "" : " (" + options + ")",
+                                  known ? fmt::format("about {:.1f}", then) : fmt::format("{:.1f} at best", then)),
                       options, seen_mean, now, then});
 }
 

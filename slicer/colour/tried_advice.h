@@ -15,8 +15,10 @@
 //                 bundled cow of 12 mm came to 2.7 at 27 mm for 2.4 to 4.0, of 18 mm to 2.2 at 33 mm for 2.4 to 3.4, a
 //                 flag of 15 mm with stripes to 2.85 at 23 mm for 2.4 to 2.8. Not after a loop that was cut short:
 //                 another size would be cut short elsewhere
-//   thicker walls the cells of thin walls become as those are that have a core behind them,
-//                 where there are such
+//   thicker walls the cells of thin walls become as those are that have a core behind them; where hardly any has one,
+//                 at best as asked. Of pictures by --thickness; of sheets that enclose nothing, whose faces have
+//                 their own backs in the same place (mesh/open_pieces.h), by --sheet-thickness, where the thin walls
+//                 are those
 //   the loop      of what reach leaves, at most `left_by_loop` is left: a bound, and said as one ("or less"). Left were
 //                 of the bundled cow of 12, 18 and 30 mm 0.61, 0.57 and 0.47, a mage of 12 mm 0.62, a fox of 12 and 18
 //                 mm 0.50 and 0.47, a box of 6 mm 0.48, kodim23 0.42, a plate of 0.5 mm 0.17, a banana of 16 mm 0.10.
@@ -41,7 +43,8 @@ namespace voxtone::slicer {
 struct MeanParts {
     double reach = 0, thin = 0, flat = 0, neighbours = 0;
     double wall_mm = 0;      ///< of the thin walls, about
-    double thick_walls = 0;  ///< what `thin` would be were they thick
+    double thick_walls = 0;  ///< what `thin` would be were they thick; `thin`: not known
+    double thin_mm2 = 0;     ///< of the thin walls
     [[nodiscard]] double sum() const { return reach + thin + flat + neighbours; }
 };
 

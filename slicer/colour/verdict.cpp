@@ -102,6 +102,8 @@ Losses losses_of(const VerdictSources& s, const JobPrediction& p, const std::vec
     for (double* part : {&losses.mean.reach, &losses.mean.thin, &losses.mean.flat, &losses.mean.neighbours})
         *part /= losses.all_seen;
     losses.mean.wall_mm = losses.walls.wall_mm;
+    for (const std::uint32_t i : losses.walls.cells)
+        losses.mean.thin_mm2 += double(p.predicted.surface.cells[i].area_mm2);
     // Where hardly anything is thick nothing tells what thick walls would be like.
     constexpr double enough = 0.1;
     losses.mean.thick_walls = rest_seen < enough * losses.all_seen
@@ -161,7 +163,7 @@ void add_worst(io::ReportVerdict& verdict) {
     std::string what = worst.type_mm ? std::string("type")
                        : is_colour   ? word_of(worst.asked)
                                      : fmt::format("{}, {}", worst.kind, word_of(worst.asked));
-    if (worst.kind == "thin walls" || worst.kind == "fine detail") what = worst.kind;
+    if (worst.kind == "thin walls" || worst.kind == "fine detail" || worst.kind == "texture") what = worst.kind;
     std::vector<std::string> where;
     if (worst.pieces > 1) where.push_back(fmt::format("{} places", worst.pieces));
     where.push_back(fmt::format("{}{}", worst.pieces > 1 ? "the largest " : "", worst.place));
@@ -182,9 +184,9 @@ void judge_prediction(const VerdictSources& s, const JobPrediction& p, io::Repor
     const std::vector<double> seen = seen_areas(surface, sides);
     const Losses losses = losses_of(s, p, seen);
     JudgedRegions regions = judge_regions(
-        {p, s.colour, sides, places, limits, s.body.is_picture, verdict.viewing_distance_mm}, losses.walls);
+        {p, s.colour, sides, places, seen, limits, s.body.is_picture, verdict.viewing_distance_mm}, losses.walls);
     verdict.regions = std::move(regions.rows);
-    const WholeVerdict whole = judge_whole(p.seen.difference, seen, regions.flecked, limits);
+    const WholeVerdict whole = judge_whole(p.seen.difference, seen, regions.spoilt, limits);
     verdict.level = whole.level;
     verdict.seen_mean = whole.mean, verdict.wrong_share = whole.wrong_share;
     verdict.seen_p95 = weighted_percentile(p.seen.difference, seen, 0.95);
@@ -290,9 +292,9 @@ io::ReportVerdict judge(const VerdictSources& s) {
         judge_prediction(s, *s.prediction, verdict);
     } else if (s.all_white) {
         verdict.level = io::VerdictLevel::good;
-        verdict.sentence =
-            "It will look as asked: white everywhere, and all of white resin, so that there was nothing to rearrange "
-            "and nothing to predict.";
+        verdict.headline = "It will look as asked: white everywhere";
+        verdict.why = "All of it is white resin, so that there was nothing to rearrange and nothing to predict.";
+        verdict.sentence = verdict.headline + ". " + verdict.why;
     } else {
         judge_gamut(s, verdict);
     }

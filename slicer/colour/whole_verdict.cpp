@@ -12,14 +12,14 @@
 namespace voxtone::slicer {
 
 WholeVerdict judge_whole(std::span<const double> difference, std::span<const double> weight,
-                         std::span<const char> flecked, const VerdictLimits& limits) {
+                         std::span<const char> spoilt, const VerdictLimits& limits) {
     constexpr double much = 0.1, most = 0.5;
-    VOXTONE_EXPECT(difference.size() == weight.size() && (flecked.empty() || flecked.size() == weight.size()));
+    VOXTONE_EXPECT(difference.size() == weight.size() && (spoilt.empty() || spoilt.size() == weight.size()));
     double all = 0, sum = 0, off = 0, wrong = 0;
     for (std::size_t i = 0; i < weight.size(); ++i) {
         all += weight[i], sum += weight[i] * difference[i];
         if (difference[i] > limits.bad) off += weight[i];
-        if (difference[i] > limits.bad || (!flecked.empty() && flecked[i] != 0)) wrong += weight[i];
+        if (difference[i] > limits.bad || (!spoilt.empty() && spoilt[i] != 0)) wrong += weight[i];
     }
     if (!(all > 0)) return {};
     WholeVerdict whole{.mean = sum / all, .wrong_share = wrong / all};
@@ -47,7 +47,8 @@ std::string opening_of(const WholeVerdict& whole, const VerdictLimits& limits) {
     std::string text = figure(whole.mean, limit);
     if (whole.level == io::VerdictLevel::good) return "On the whole good, " + text;
     if (whole.mean <= limit)
-        text += fmt::format(", and {:.0f} % of what is seen is clearly off or flecked", 100 * whole.wrong_share);
+        text +=
+            fmt::format(", and {:.0f} % of what is seen is clearly off, flecked or blurred", 100 * whole.wrong_share);
     return is_bad ? fmt::format("On the whole bad, {}: it will not look as asked", text)
                   : fmt::format("On the whole fair, {}: much as asked, with differences that are seen", text);
 }

@@ -6,19 +6,19 @@
 //
 //   mean    m = sum w_i d_i / sum w_i
 //   off     s = sum w_i [d_i > bad] / sum w_i
-//   wrong   t = sum w_i [d_i > bad, or i lies in a flat area that is seen to be flecked] / sum w_i
+//   wrong   t = sum w_i [d_i > bad, or i lies in a flat area that is flecked or in a texture that is lost] / sum w_i
 //   bad     where m > bad  or s > 1/2
 //   fair    where m > good or t > 1/10
 //   good    otherwise
 //
 // Why so. The level never falls where nothing of the print gets worse: m, s and t rise with every d_i and t with
-// every flecked area. So it does not fall either where a print is made larger (light spreads
+// every area that is flecked or blurred. So it does not fall either where a print is made larger (light spreads
 // over a fixed length, so that what is off beside edges and in thin parts is a smaller share of it), where resins reach
 // more, where the loop goes on. No thing decides by itself: a rule that counts things, or the worst of them, has a
 // size below which it does not see any, and a small print is forgiven what a large one is blamed for. Nor is a thing
 // forgiven because it is small: each cell counts with its share. What is worst is said in a sentence of its own, and
 // changes no level. A tenth is seen at once wherever it lies; of what is half off nobody says that it is as asked.
-// Flecks alone make no print bad: its colours are those that were asked for.
+// Flecks and blur alone make no print bad: its colours are those that were asked for.
 // What it cannot see: that a face is worth more than the back of a head; that letters cannot be read (that, too, has
 // its sentence: type_size.h).
 #pragma once
@@ -37,10 +37,10 @@ struct WholeVerdict {
     double wrong_share = 0;  ///< t, in [0, 1]
 };
 
-/// One each per cell. `flecked`: 1 where the cell lies in such an area; empty: none does. Nothing weighs anything:
+/// One each per cell. `spoilt`: 1 where the cell lies in such an area; empty: none does. Nothing weighs anything:
 /// good.
 [[nodiscard]] WholeVerdict judge_whole(std::span<const double> difference, std::span<const double> weight,
-                                       std::span<const char> flecked, const VerdictLimits& limits);
+                                       std::span<const char> spoilt, const VerdictLimits& limits);
 
 /// "On the whole fair, 2.9: ..."; what the level comes of where the mean alone would not give it.
 [[nodiscard]] std::string opening_of(const WholeVerdict& whole, const VerdictLimits& limits);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <regex>
@@ -48,6 +49,8 @@ TEST_CASE("White everywhere needs no loop and no prediction, and looks as asked"
     CHECK_FALSE(report.contains("loop"));
     CHECK_FALSE(has_stage(report, "predict"));
     CHECK_THAT(read_file(folder.path() / "out/report.html"), Contains("Will it look as asked?"));
+    CHECK_THAT(read_file(folder.path() / "out/for-customer.html"),
+               Contains("<p class=\"verdict good\">It will look as asked: white everywhere</p>"));
     // What is asked for is done all the same.
     REQUIRE(run_program(slice + " --iterations 1 --predict transport").exit_code == 0);
     const auto asked = report_in(folder);
@@ -158,7 +161,7 @@ TEST_CASE("Of a white sheet it is said that its red is orange and that its fine 
         if (region.contains("de2000") && double(region["de2000"]) > 5) CHECK(region["printed"] != region["asked"]);
     const std::string sentence = verdict["sentence"];
     CHECK_THAT(sentence, Contains(regions[0]["why"].get<std::string>()));
-    CHECK_THAT(read_file(folder.path() / "out/report.html"), Contains("Solids, type and paper"));
+    CHECK_THAT(read_file(folder.path() / "out/report.html"), Contains("Solids, type, texture and paper"));
     CHECK_THAT(read_file(folder.path() / "out/report.html"), Contains("show me</button>"));
 }
 
@@ -447,6 +450,97 @@ TEST_CASE("A model's narrow legs are told by their colour, and not as type that 
     REQUIRE(legs != regions.end());
     CHECK(double((*legs)["de2000"]) > 5);
     CHECK_THAT((*legs)["why"].get<std::string>(), Contains("printed as"));
+}
+
+namespace {
+
+/// A photograph of nothing: waves of many lengths, as light as they are long.
+std::array<int, 3> clouds(int x, int y) {
+    double light = 0;
+    for (int n = 0; n < 24; ++n) {
+        const double length = 2.5 * std::pow(1.22, n), angle = 2.4 * n;
+        light +=
+            0.09 * std::pow(length, 0.35) * std::sin(6.283 * (x * std::cos(angle) + y * std::sin(angle)) / length + n);
+    }
+    const auto code = [&](double middle) { return int(std::clamp(middle + 55 * light, 0.0, 255.0)); };
+    return {code(150), code(130), code(110)};
+}
+
+}  // namespace
+
+TEST_CASE("A photograph whose texture light has taken is told to be blurred, and how much of it is kept") {
+    const Folder folder("clouds");
+    write_sheet(folder, "clouds.png", 120, 90, clouds);
+    const std::string slice = folder / "clouds.png" + " --width 10mm --thickness 2mm --resins vero-opaque ";
+    const auto texture = [&](const nlohmann::json& report) -> nlohmann::json {
+        for (const auto& region : report["verdict"]["regions"])
+            if (region["kind"] == "texture") return region;
+        return {};
+    };
+    const auto open = verdict_of(folder, slice + "--iterations 0");
+    CHECK(io::schema_faults("report", read_file(folder.path() / "out/report.json")).empty());
+    const auto lost = texture(open);
+    INFO(open["verdict"].dump(1));
+    REQUIRE_FALSE(lost.is_null());
+    CHECK_THAT(lost["why"].get<std::string>(), Contains("of its contrast over") && Contains("blurred"));
+    CHECK(double(lost["contrast"]) < 0.5);
+    CHECK_THAT(open["verdict"]["sentence"].get<std::string>(), Contains("texture ("));
+    CHECK(double(open["verdict"]["wrong_share"]) > 0.1);
+    // The loop gives contrast back.
+    const auto loop = verdict_of(folder, slice + "--iterations 4");
+    const auto left = texture(loop);
+    INFO(loop["verdict"].dump(1));
+    CHECK((left.is_null() || double(left["area_mm2"]) < 0.5 * double(lost["area_mm2"])));
+}
+
+TEST_CASE("Open sheets are advised a thickness, which does what is said") {
+    const Folder folder("sheets");
+    // A hill of soft colours without a base.
+    std::string text;
+    constexpr int n = 12;
+    for (int y = 0; y <= n; ++y)
+        for (int x = 0; x <= n; ++x)
+            text += fmt::format("v {} {} {} {} 0.4 0.45\n", 0.5 * x, 0.5 * y,
+                                1.2 * std::sin(0.3 * x) * std::sin(0.3 * y), 0.3 + 0.03 * x);
+    for (int y = 0; y < n; ++y)
+        for (int x = 0; x < n; ++x) {
+            const int a = y * (n + 1) + x + 1;
+            text += fmt::format("f {} {} {} {}\n", a, a + 1, a + n + 2, a + n + 1);
+        }
+    folder.write("hill.obj", text);
+    const std::string hill = folder / "hill.obj" + " --unit mm --iterations 0";
+    const auto report = verdict_of(folder, hill);
+    INFO(report["verdict"].dump(1));
+    const auto advice = advised(report, "--sheet-thickness 2mm");
+    REQUIRE_FALSE(advice.is_null());
+    CHECK_THAT(advice["text"].get<std::string>(), Contains("print open sheets 2 mm thick"));
+    CHECK(follow(folder, hill) >= 1);
+    // A closed plate as thin is no sheet: the option would do nothing.
+    folder.write("plate.obj", ramp_box_obj(6, 0.3, 5));
+    CHECK(advised(verdict_of(folder, folder / "plate.obj" + " --iterations 0"), "--sheet-thickness").is_null());
+}
+
+TEST_CASE("From which side a body looks best and worst is said, and how much of it no resin could avoid") {
+    const Folder folder("sides");
+    std::string text;
+    for (int c = 0; c < 12; ++c)  // the last four are the underside's own
+        text += fmt::format("v {} {} {} {}\n", c & 1 ? 6 : 0, c & 2 ? 5 : 0, c >= 4 && c < 8 ? 4 : 0,
+                            c < 8 ? "0.8 0.8 0.8" : "0 0 1");
+    text += "f 9 11 12 10\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+    folder.write("box.obj", text);
+    const auto verdict = verdict_of(folder, folder / "box.obj" + " --unit mm --iterations 0")["verdict"];
+    INFO(verdict.dump(1));
+    CHECK_THAT(verdict["sentence"].get<std::string>(), Contains("From ") && Contains(", from below "));
+    double below = 0, top = 0;
+    for (const auto& side : verdict["sides"]) {
+        if (side["from"] == "bottom") below = side["mean"];
+        if (side["from"] == "top") top = side["mean"];
+    }
+    CHECK(below > top + 2.5);
+    const double reach = verdict["seen_de2000"]["out_of_reach"];
+    CHECK((reach > 0 && reach < double(verdict["seen_de2000"]["mean"])));
+    CHECK_THAT(verdict["sentence"].get<std::string>(),
+               Contains(fmt::format("{:.1f} of it no mixture of these resins could avoid", reach)));
 }
 
 TEST_CASE("Thin walls are a region of their own, with their place and what they are printed as") {

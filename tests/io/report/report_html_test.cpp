@@ -160,6 +160,25 @@ TEST_CASE("Who ordered it reads the worst thing, too, once, and is led only wher
     CHECK(count(report_html(report), "show me") == 0);
 }
 
+TEST_CASE("The customer's page says something of the looks, whatever is known of them") {
+    Report report = sample("sword");
+    report.verdict.reset();
+    const auto said = [&] {
+        const std::string html = customer_html(report), begin = "<p class=\"verdict ";
+        const std::size_t at = html.find('>', html.find(begin));
+        REQUIRE(html.find(begin) != std::string::npos);
+        return html.substr(at + 1, html.find("</p>", at) - at - 1);
+    };
+    CHECK(said() == "How it will look was not predicted.");
+    report.verdict.emplace();
+    CHECK_THAT(said(), Contains("colours that are in reach"));
+    report.verdict->level = VerdictLevel::good;
+    report.verdict->sentence = "It will look as asked: white everywhere.";
+    CHECK(said() == report.verdict->sentence);
+    report.verdict->headline = "On the whole good, 1.2";
+    CHECK(said() == report.verdict->headline);
+}
+
 TEST_CASE("Drawings are in the page as they are, their captions as text") {
     const std::string html = report_html(sample("profile <1>"));
     CHECK(count(html, "<svg id=\"curve\"></svg><figcaption>profile &lt;1&gt;</figcaption>") == 1);
