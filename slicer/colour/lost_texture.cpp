@@ -57,7 +57,7 @@ std::vector<TextureLook> look_at_texture(const optics::Surface& surface, std::sp
     std::vector<TextureLook> looks(n);
     parallel_for(0, n, 1024, [&](std::size_t i) {
         if (flat[i][0] <= mostly && product[i][0] > 0)
-            looks[i] = {std::sqrt(product[i][0]), product[i][1] / product[i][0]};
+            looks[i] = {std::sqrt(product[i][0]), std::max(0.0f, product[i][1] / product[i][0])};
     });
     return looks;
 }
@@ -78,7 +78,7 @@ std::optional<LostTexture> lost_texture(const optics::Surface& surface, std::spa
     }
     if (lost.cells.empty() || lost.seen_share < least_share * all_seen) return std::nullopt;
     lost.seen_share /= all_seen;
-    lost.kept = std::max(0.0, kept / asked);
+    lost.kept = kept / asked;
     return lost;
 }
 

@@ -22,8 +22,9 @@ namespace voxtone::slicer {
 
 namespace {
 
-constexpr double worth_a_word = 0.9;   // of what there is now
-constexpr double left_by_loop = 0.65;  // at most, of what the resins could reach
+constexpr double worth_a_word = 0.9;    // of what there is now
+constexpr double left_by_loop = 0.65;   // at most, of what the resins could reach
+constexpr double least_wall_mm = 0.25;  // in which they do
 constexpr const char *seen_mean = "seen_de2000", *gamut_mean = "gamut";
 
 /// What blurring the target changes of it, on average.
@@ -117,7 +118,8 @@ void add_loop(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     double then = now;
     if (!s.loop) {
         if (s.job.resins.set.resins.size() < 2) return;
-        then = s.mean.reach + left_by_loop * (now - s.mean.reach);
+        const double lost_thin = s.mean.wall_mm < least_wall_mm ? s.mean.thin : 0;
+        then = s.mean.reach + lost_thin + left_by_loop * (now - s.mean.reach - lost_thin);
     } else if (is_cut_short(s)) {
         std::vector<double> means;
         for (const halftone::LoopStep& step : s.loop->result.state.steps)
@@ -222,6 +224,9 @@ std::vector<io::ReportAdvice> tried_advice(const AdviceSources& s) {
     std::vector<io::ReportAdvice> advice;
     add_loop(s, advice);
     add_thicker(s, advice);
+    // What an option makes thick enough needs no other cure.
+    if (advice.size() == 2 && !advice[1].options.empty() && s.mean.thin > s.mean.sum() / 2)
+        std::swap(advice[0], advice[1]);
     add_larger(s, advice);
     if (s.mean.reach >= (1 - worth_a_word) * s.mean.sum()) {
         std::vector<io::ReportAdvice> more = advice_on_reach(s.job, s.body);

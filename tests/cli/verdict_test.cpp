@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <regex>
+#include <set>
 #include <tuple>
 
 #include <fmt/core.h>
@@ -396,21 +397,44 @@ TEST_CASE("A draft tells of colours in reach, not of the print, and has no verdi
               .exit_code == 0);
 }
 
-TEST_CASE("A print's verdict does not get worse when it is printed larger or when the loop goes on") {
+namespace {
+
+/// A photograph of nothing: waves of many lengths, as light as they are long.
+std::array<int, 3> clouds(int x, int y) {
+    double light = 0;
+    for (int n = 0; n < 24; ++n) {
+        const double length = 2.5 * std::pow(1.22, n), angle = 2.4 * n;
+        light +=
+            0.09 * std::pow(length, 0.35) * std::sin(6.283 * (x * std::cos(angle) + y * std::sin(angle)) / length + n);
+    }
+    const auto code = [&](double middle) { return int(std::clamp(middle + 55 * light, 0.0, 255.0)); };
+    return {code(150), code(130), code(110)};
+}
+
+}  // namespace
+
+TEST_CASE("A print's verdict does not get worse printed larger, with more resins, or when the loop goes on") {
     const Folder folder("larger");
     write_sheet(folder, "squares.png", 48, 36, [](int x, int y) {
         return (x / 6 + y / 6) % 2 ? std::array{205, 190, 120} : std::array{90, 120, 140};
     });
+    write_sheet(folder, "clouds.png", 120, 90, clouds);
     folder.write("ramp.obj", ramp_box_obj(6, 4, 5));
     const auto rank = [](const nlohmann::json& report) {
         const std::string level = report["verdict"]["level"];
         return level == "good" ? 2 : level == "fair" ? 1 : 0;
     };
     const std::string squares = folder / "squares.png" + " --thickness 2mm --resins vero-opaque ",
-                      ramp = folder / "ramp.obj" + " ";
+                      photograph = folder / "clouds.png" + " --thickness 2mm --iterations 0",
+                      ramp = folder / "ramp.obj" + " --iterations 0",
+                      cow = source_dir() + "/examples/models/spot/spot.obj --iterations 0";
+    std::set<int> seen_ranks;
     for (const auto& [command, how, steps] :
          {std::tuple{squares + "--iterations 0", "--width", std::array{"4mm", "8mm", "16mm"}},
-          std::tuple{ramp + "--iterations 0", "--size", std::array{"4mm", "7mm", "12mm"}},
+          std::tuple{photograph, "--width", std::array{"5mm", "10mm", "20mm"}},
+          std::tuple{ramp, "--size", std::array{"4mm", "7mm", "12mm"}},
+          std::tuple{cow, "--size", std::array{"6mm", "10mm", "16mm"}},
+          std::tuple{ramp + " --size 6mm --resins vero-opaque", "--load", std::array{"K,W", "M,K,W", "C,M,Y,K,W"}},
           std::tuple{squares + "--width 5mm", "--iterations", std::array{"0", "1", "3"}}}) {
         int before = 0;
         double mean_before = 100;
@@ -420,8 +444,10 @@ TEST_CASE("A print's verdict does not get worse when it is printed larger or whe
             CHECK(rank(report) >= before);
             CHECK(seen(report) <= mean_before + 0.05);
             before = rank(report), mean_before = seen(report);
+            seen_ranks.insert(before);
         }
     }
+    CHECK(seen_ranks.size() == 3);  // all levels are among them
 }
 
 TEST_CASE("A model's narrow legs are told by their colour, and not as type that is hard to read") {
@@ -451,22 +477,6 @@ TEST_CASE("A model's narrow legs are told by their colour, and not as type that 
     CHECK(double((*legs)["de2000"]) > 5);
     CHECK_THAT((*legs)["why"].get<std::string>(), Contains("printed as"));
 }
-
-namespace {
-
-/// A photograph of nothing: waves of many lengths, as light as they are long.
-std::array<int, 3> clouds(int x, int y) {
-    double light = 0;
-    for (int n = 0; n < 24; ++n) {
-        const double length = 2.5 * std::pow(1.22, n), angle = 2.4 * n;
-        light +=
-            0.09 * std::pow(length, 0.35) * std::sin(6.283 * (x * std::cos(angle) + y * std::sin(angle)) / length + n);
-    }
-    const auto code = [&](double middle) { return int(std::clamp(middle + 55 * light, 0.0, 255.0)); };
-    return {code(150), code(130), code(110)};
-}
-
-}  // namespace
 
 TEST_CASE("A photograph whose texture light has taken is told to be blurred, and how much of it is kept") {
     const Folder folder("clouds");

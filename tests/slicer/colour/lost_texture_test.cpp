@@ -84,6 +84,7 @@ TEST_CASE("A texture that is there is not lost, nor is one that nobody sees") {
     CHECK(is_lost(furred(3), 0, 0.4f, 100));
     // So faint, or so dark in a room's light, that there is nothing to lose.
     CHECK_FALSE(is_lost(furred(1, 0.4f, 0.04f), 0, 0.4f));
+    CHECK_FALSE(is_lost(furred(1, 0.4f, 0.04f), -3, 0.4f));
     CHECK_FALSE(is_lost(furred(1, 0.0008f), 0, 0.0008f));
     // A corner of a print is no matter of the whole.
     JobPrediction p = test::page_of(10, 8, [](double x, double y) {
