@@ -22,9 +22,10 @@ namespace voxtone::slicer {
 
 namespace {
 
-constexpr double worth_a_word = 0.9;    // of what there is now
-constexpr double left_by_loop = 0.65;   // at most, of what the resins could reach
-constexpr double least_wall_mm = 0.25;  // in which they do
+constexpr double worth_a_word = 0.9;        // of what there is now
+constexpr double left_by_loop = 0.65;       // at most, of what the resins could reach
+constexpr double left_by_thickness = 0.35;  // at most, of what is lost in walls of a few voxels
+constexpr double least_wall_mm = 0.25;      // in which they do
 constexpr const char *seen_mean = "seen_de2000", *gamut_mean = "gamut";
 
 /// What blurring the target changes of it, on average.
@@ -162,8 +163,8 @@ double area_of_sheets_mm2(const SolidMesh& mesh) {
 
 void add_thicker(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     const double thick_mm = 2 * s.job.options.colour.depth_mm, now = s.mean.sum();
-    const bool known = s.mean.thick_walls < s.mean.thin;
-    const double then = now - s.mean.thin + (known ? s.mean.thick_walls : 0);
+    const bool known = s.mean.thick_walls < s.mean.thin, is_bound = !known && s.mean.wall_mm < least_wall_mm;
+    const double then = now - s.mean.thin + (is_bound ? left_by_thickness * s.mean.thin : s.mean.thick_walls);
     if (then > worth_a_word * now) return;
     const bool sheets = !s.body.is_picture && area_of_sheets_mm2(*s.body.solid) > s.mean.thin_mm2 / 2;
     const std::string options = s.body.is_picture ? fmt::format("--thickness {:g}mm", thick_mm)
@@ -173,7 +174,7 @@ void add_thicker(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) 
         sheets ? fmt::format("print open sheets {:g} mm thick", thick_mm)
                : fmt::format("make walls of {:.1f} mm at least {:g} mm thick", s.mean.wall_mm, thick_mm);
     advice.push_back({fmt::format("{}{}: then {}", what, options.empty() ? "" : " (" + options + ")",
-                                  known ? fmt::format("about {:.1f}", then) : fmt::format("{:.1f} at best", then)),
+                                  known ? fmt::format("about {:.1f}", then) : fmt::format("{:.1f} or less", then)),
                       options, seen_mean, now, then});
 }
 

@@ -524,6 +524,7 @@ TEST_CASE("Open sheets are advised a thickness, which does what is said") {
     const auto advice = advised(report, "--sheet-thickness 2mm");
     REQUIRE_FALSE(advice.is_null());
     CHECK_THAT(advice["text"].get<std::string>(), Contains("print open sheets 2 mm thick"));
+    CHECK(double(advice["then"]) > double(report["verdict"]["seen_de2000"]["out_of_reach"]));
     CHECK(follow(folder, hill) >= 1);
     // A closed plate as thin is no sheet: the option would do nothing.
     folder.write("plate.obj", ramp_box_obj(6, 0.3, 5));
