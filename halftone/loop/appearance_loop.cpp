@@ -445,9 +445,11 @@ bool LoopRun::move_downhill() {
 /// No descent may still follow.
 bool LoopRun::by_last_method() const { return state_.steps.back().method == LoopMethod::descent || !has_gradient(); }
 
-/// Only a loop without a limit stops by itself.
+/// Only a loop without a limit stops by itself; one that may take long lets a descent swing.
 bool LoopRun::gains_no_more() const {
-    return options_.iterations < 0 && by_last_method() && stopped_gaining(state_.steps);
+    const bool is_patient = options_.most_without_limit >= patient_iterations;
+    return options_.iterations < 0 && by_last_method() &&
+           (stopped_gaining(state_.steps) || (!is_patient && descent_lost_its_way(state_.steps)));
 }
 
 /// No step follows. A resumed loop may be there at its beginning.

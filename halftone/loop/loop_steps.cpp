@@ -80,6 +80,14 @@ bool stopped_gaining(const std::vector<LoopStep>& steps) {
            (steps_by(method, steps) > patience && steps_without_gain(steps, patience) == patience);
 }
 
+bool descent_lost_its_way(const std::vector<LoopStep>& steps) {
+    if (steps.size() < 3 || steps_by(LoopMethod::descent, steps) != 2) return false;
+    const std::vector<LoopStep> before(steps.begin(), steps.end() - 2);
+    const double best = least_score(before);
+    return std::all_of(steps.end() - 2, steps.end(),
+                       [&](const LoopStep& step) { return worthwhile * step.score > best; });
+}
+
 std::size_t steps_left(const std::vector<LoopStep>& steps, std::size_t allowed) {
     const LoopMethod method = steps.back().method;
     const std::size_t patience = patience_with(method), idle = steps_without_gain(steps, patience),

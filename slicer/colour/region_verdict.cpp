@@ -95,27 +95,34 @@ bool is_graphics(const JobPrediction& p) {
     return flat >= of_graphics * all;
 }
 
-/// Per cell whether it is of an area that is wide, or on the edge between two of them: no fine detail, however much of
-/// its contrast light takes at the edge.
-std::vector<char> wide_areas(const JobPrediction& p, const halftone::CellNeighbours& cells) {
+/// Per cell whether it is no fine detail, however much of its contrast light takes: of an area that is wide, on the
+/// edge between two of them, or on that of letters and lines, which are judged as what they are.
+std::vector<char> judged_areas(const JobPrediction& p, const halftone::CellNeighbours& cells) {
     std::vector<int> area(p.target.size(), 0);
+    std::vector<char> stroke(p.target.size(), 0);
     int count = 0;
-    for (const ColourRegion& of : p.seen.regions)
-        if (++count; of.interior.size() < of.cells.size())
-            for (const std::uint32_t i : of.cells) area[i] = count;
-    std::vector<char> wide(area.size());
-    parallel_for(0, wide.size(), 256, [&](std::size_t i) {
-        if (wide[i] = area[i] != 0; wide[i]) return;
+    for (const ColourRegion& of : p.seen.regions) {
+        ++count;
+        for (const std::uint32_t i : of.cells)
+            if (of.interior.size() < of.cells.size())
+                area[i] = count;
+            else
+                stroke[i] = 1;
+    }
+    std::vector<char> judged(area.size());
+    parallel_for(0, judged.size(), 256, [&](std::size_t i) {
+        if (judged[i] = area[i] != 0; judged[i]) return;
         int first = 0;
         cells.visit_around(i, [&](std::size_t near) {
             cells.visit_around(near, [&](std::size_t other) {
+                judged[i] = judged[i] || stroke[other];
                 if (area[other] == 0) return;
                 if (first == 0) first = area[other];
-                wide[i] = wide[i] || area[other] != first;
+                judged[i] = judged[i] || area[other] != first;
             });
         });
     });
-    return wide;
+    return judged;
 }
 
 /// Fine detail of graphics that lost much of its contrast; nothing where that is hardly anywhere.
@@ -129,10 +136,10 @@ std::optional<Row> lost_detail(const JobPrediction& p, const halftone::CellNeigh
     double kept = 0;
     float most = 0;
     std::size_t worst = 0;
-    const std::vector<char> wide = wide_areas(p, cells);
+    const std::vector<char> judged = judged_areas(p, cells);
     for (std::size_t i = 0; i < p.seen.fine.size(); ++i) {
         const halftone::FineContrast& fine = p.seen.fine[i];
-        if (wide[i] || fine.wanted < strong || fine.kept >= enough) continue;
+        if (judged[i] || fine.wanted < strong || fine.kept >= enough) continue;
         const auto area = static_cast<double>(surface.cells[i].area_mm2);
         region.area_mm2 += area, kept += area * static_cast<double>(fine.kept);
         row.cells.push_back(static_cast<std::uint32_t>(i));

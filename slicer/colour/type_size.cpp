@@ -180,13 +180,25 @@ std::optional<TypeSize> unreadable_type(const JobPrediction& p, double viewing_d
 }
 
 std::optional<LostLines> lost_lines(const JobPrediction& p) {
-    constexpr double enough = 0.6, least_mm2 = 1;
+    constexpr double enough = 0.6, least_mm2 = 2;
     constexpr double faint = 0.03;  // lightness, Oklab: what differs by less is ground in type_rows.cpp, too
     if (p.target.empty()) return std::nullopt;
     const LocalDetail detail(p);
     LostLines lost;
     double asked_of_all = 0, kept_of_all = 0, least_kept = enough;
-    for (const std::vector<std::uint32_t>& pattern : find_type(p).others) {
+    std::vector<Letter> patterns;
+    for (std::vector<std::uint32_t>& cells : find_type(p).others) {
+        double area_mm2 = 0;
+        for (const std::uint32_t cell : cells) area_mm2 += p.predicted.surface.cells[cell].area_mm2;
+        patterns.push_back({std::move(cells), area_mm2, 0});
+    }
+    const std::vector<std::vector<std::uint32_t>> grounds = grounds_of(p, patterns);
+    for (std::size_t n = 0; n < patterns.size(); ++n) {
+        const std::vector<std::uint32_t>& pattern = patterns[n].cells;
+        const auto contrast = [&](const std::vector<Eigen::Vector3f>& rgb) {
+            return contrast_of(luminance_of(p, rgb, pattern), luminance_of(p, rgb, grounds[n]));
+        };
+        if (contrast(p.predicted.rgb) >= std::min(readable_contrast, readable_part * contrast(p.target))) continue;
         double area_mm2 = 0, asked = 0, kept = 0;
         for (const std::uint32_t cell : pattern) {
             const double area = p.predicted.surface.cells[cell].area_mm2;

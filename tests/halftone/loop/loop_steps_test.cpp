@@ -47,3 +47,19 @@ TEST_CASE("A loop goes on while it gains, and through a time that is worse befor
         CHECK(steps_left(steps(method, idle), 40) < 40);
     }
 }
+
+TEST_CASE("A descent that throws the print off at once is given up, one that gains or hardly loses is not", "[loop]") {
+    const auto lost = [](const std::vector<double>& descent) {
+        std::vector<LoopStep> all = steps(LoopMethod::feedback, {8, 5, 3.5, 3.4});
+        for (const double score : descent) all.push_back({.method = LoopMethod::descent, .score = score});
+        return descent_lost_its_way(all);
+    };
+    CHECK(lost({4, 3.7}));
+    CHECK(lost({3.52, 3.52}));
+    CHECK_FALSE(lost({4}));
+    CHECK_FALSE(lost({4, 3.49}));
+    CHECK_FALSE(lost({3.3, 4}));
+    CHECK_FALSE(lost({4, 3.7, 3.6}));  // was let go on once
+    CHECK_FALSE(descent_lost_its_way(steps(LoopMethod::feedback, {3, 4, 5})));
+    CHECK_FALSE(descent_lost_its_way(steps(LoopMethod::descent, {3})));
+}
