@@ -51,7 +51,10 @@ TEST_CASE("A loop goes on while it gains, and through a time that is worse befor
 TEST_CASE("A descent that throws the print off at once is given up, one that gains or hardly loses is not", "[loop]") {
     const auto lost = [](const std::vector<double>& descent) {
         std::vector<LoopStep> all = steps(LoopMethod::feedback, {8, 5, 3.5, 3.4});
-        for (const double score : descent) all.push_back({.method = LoopMethod::descent, .score = score});
+        for (const double score : descent) {
+            all.push_back(all.back());
+            all.back().method = LoopMethod::descent, all.back().score = score;
+        }
         return descent_lost_its_way(all);
     };
     CHECK(lost({4, 3.7}));
