@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/marks/lay_marks.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -9,6 +10,7 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
+#include "base/warning.h"
 #include "io/pictures/texture.h"
 #include "optics/colour/colour.h"
 #include "slicer/marks/mark_place.h"
@@ -227,6 +229,27 @@ io::Decal decal_in(const MarkFrame& frame, const SolidMesh& body) {
     return decal;
 }
 
+/// A label that was told no place, and found none below or behind; empty: none of these.
+std::string in_sight_text(const MarkOptions& mark, const MarkedBody& body, const io::Decal& decal,
+                          std::span<const MarkFrame> taken) {
+    constexpr double square = 0.5, least_mm = 1;  // what is smaller nobody reads
+    const MarkSide* const side = std::get_if<MarkSide>(&mark.place);
+    if (!side || *side != MarkSide::unseen || body.picture_faces) return {};
+    if (decal.out.z() < -square || decal.out.y() > square) return {};
+    std::string text =
+        fmt::format("{}: lies {}, where it is seen: neither bottom nor back has a face of {:.1f} x {:.1f} mm",
+                    mark.said, side_text(decal.out), decal.width_mm, decal.height_mm);
+    if (mark.relief_voxels > 0) return text;
+    const auto size = [&](double turn) {
+        return mark.size_mm * share_that_fits_below(body, decal.width_mm, decal.height_mm, mark.turn_deg + turn, taken);
+    };
+    const double upright = size(0), across = size(90), best = std::max(upright, across);
+    if (best >= least_mm)
+        text += fmt::format("; \"size={:.2f}mm; place=bottom{}\" fits", best,
+                            across > upright ? fmt::format("; turn={:g}", mark.turn_deg + 90) : "");
+    return text;
+}
+
 void lay_mark(const MarkOptions& mark, const BodyToMark& body, const io::ReadOptions& reading,
               std::vector<MarkFrame>& taken, LaidMarks& laid) {
     const MarkShape shape = shape_of(mark, reading, body.pitch_mm);
@@ -241,6 +264,8 @@ void lay_mark(const MarkOptions& mark, const BodyToMark& body, const io::ReadOpt
         if (body.is_picture) marked.picture_faces = face_of_picture(body.mesh);
         const MarkFrame frame = place_of_mark(mark, marked, shape.width_mm, shape.height_mm, taken);
         decal = decal_in(frame, *body.solid);
+        if (std::string seen = in_sight_text(mark, marked, decal, taken); !seen.empty())
+            laid.warnings.push_back(named_warning("label-in-sight", std::move(seen)));
         if (body.is_picture) colour_below(frame, body);
         taken.push_back(frame);
     }

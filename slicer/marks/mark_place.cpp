@@ -42,6 +42,9 @@ std::vector<Eigen::Vector3d> outs_of(const MarkOptions& mark, const MarkedBody& 
     return facing_directions(*body.solid);
 }
 
+/// How uneven a bottom may be, of a label's diagonal: a belly is, a slanting face has a place of its own.
+constexpr double curved_part = 0.1;
+
 /// What is least seen first: of a picture its back, then its rim, and never its face; of a model the bottom, the back,
 /// a side, and the rest where none of these is flat enough. Raised ones would lift the print, if they were below.
 std::optional<MarkFrame> unseen_place(const MarkOptions& mark, const MarkedBody& body, const FlatQuery& query) {
@@ -62,6 +65,11 @@ std::optional<MarkFrame> unseen_place(const MarkOptions& mark, const MarkedBody&
     across.turn_deg += 90;
     if (auto found = first_flat_place(*body.solid, first, query)) return found;
     if (auto found = first_flat_place(*body.solid, first, across)) return found;
+    if (!body.picture_faces && !sides[0].empty())  // better curved below than flat where it is seen
+        for (FlatQuery turned : {query, across}) {
+            turned.most_uneven_mm = curved_part * std::hypot(query.width_mm, query.height_mm);
+            if (auto found = flattest_place(*body.solid, sides[0], turned)) return found;
+        }
     if (auto found = first_flat_place(*body.solid, sides, query); found || body.picture_faces) return found;
     return flattest_place(*body.solid, facing_directions(*body.solid), query);
 }
@@ -72,11 +80,12 @@ std::optional<MarkFrame> find_place(const MarkOptions& mark, const MarkedBody& b
 }
 
 /// How much smaller it would have to be; 0: no size does.
-double fitting_share(const MarkOptions& mark, const MarkedBody& body, const FlatQuery& query) {
+template <class Fits>
+double fitting_share(FlatQuery query, Fits&& fits) {
+    const double width_mm = query.width_mm, height_mm = query.height_mm;
     for (double share = 0.9; share > 0.05; share *= 0.85) {
-        FlatQuery smaller = query;
-        smaller.width_mm *= share, smaller.height_mm *= share;
-        if (find_place(mark, body, smaller)) return share;
+        query.width_mm = share * width_mm, query.height_mm = share * height_mm;
+        if (fits(query)) return share;
     }
     return 0;
 }
@@ -90,7 +99,8 @@ std::string no_place_text(const MarkOptions& mark, const MarkedBody& body) {
 }
 
 [[noreturn]] void refuse_size(const MarkOptions& mark, const MarkedBody& body, const FlatQuery& query) {
-    const double share = fitting_share(mark, body, query);
+    const double share =
+        fitting_share(query, [&](const FlatQuery& smaller) { return find_place(mark, body, smaller).has_value(); });
     throw InputError(
         fmt::format("{}: is {:.1f} x {:.1f} mm, and {} of that size: {}{} or name another place (place=...)", mark.said,
                     query.width_mm, query.height_mm, no_place_text(mark, body),
@@ -145,6 +155,16 @@ MarkFrame place_of_mark(const MarkOptions& mark, const MarkedBody& body, double 
     const auto found = find_place(mark, body, query);
     if (!found) refuse_size(mark, body, query);
     return *found;
+}
+
+double share_that_fits_below(const MarkedBody& body, double width_mm, double height_mm, double turn_deg,
+                             std::span<const MarkFrame> taken) {
+    const std::vector<Eigen::Vector3d> below{-Eigen::Vector3d::UnitZ()};
+    const FlatQuery whole{.width_mm = width_mm, .height_mm = height_mm, .turn_deg = turn_deg, .taken = taken};
+    return fitting_share(whole, [&](FlatQuery smaller) {
+        smaller.most_uneven_mm = curved_part * std::hypot(smaller.width_mm, smaller.height_mm);
+        return flattest_place(*body.solid, below, smaller).has_value();
+    });
 }
 
 }  // namespace voxtone::slicer

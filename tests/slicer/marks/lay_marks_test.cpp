@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
@@ -144,6 +145,21 @@ TEST_CASE("A label that is told no place lies where it is least seen") {
     Body raised = test::body_of(shapes::box(Eigen::Vector3d::Zero(), {10, 6, 20}), white);
     lay(raised, {"AB; size=2mm; raise=3"});
     CHECK(raised.mesh.decals[0].out == Eigen::Vector3d::UnitY());
+    // A belly is better than a flank, and who gets a flank is told, with what fits below; a small ball has no such
+    // place.
+    const auto warnings_of = [](const SolidMesh& solid, const std::string& mark) {
+        Body body = test::body_of(solid, white);
+        const LaidMarks laid = lay(body, {mark});
+        return fmt::format("{}", fmt::join(laid.warnings, " "));
+    };
+    const SolidMesh barrel = shapes::moved(shapes::sphere(20, 48), Eigen::Vector3d(20, 20, 20));
+    CHECK(out_of(barrel) == -Eigen::Vector3d::UnitZ());
+    CHECK(warnings_of(barrel, "AB; size=2mm").empty());
+    const SolidMesh flank = shapes::box(Eigen::Vector3d::Zero(), {1.5, 10, 8});
+    CHECK_THAT(warnings_of(flank, "ABCD; size=2.5mm"), Contains("where it is seen") &&
+                                                           Contains("mm; place=bottom; turn=90\" fits") &&
+                                                           Contains("[label-in-sight]"));
+    CHECK(warnings_of(flank, "ABCD; size=2.5mm; place=left").empty());
     // A ball has no flat face: it takes what is flattest.
     CHECK(out_of(shapes::sphere(3, 24)).norm() == Approx(1));
     // A picture of the user's is there to be seen, and stays where the face is largest.
