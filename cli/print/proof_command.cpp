@@ -60,8 +60,8 @@ void add_scene_options(Verb& command, slicer::ProofOptions& o) {
                 {.unit = "middle|X,Y,Z"});
     command.add("--light-width", length(o.light_width_mm), "of a slit, or across a spot", {.usual = "1mm, spot 2mm"});
     command.add("--turn-light", o.turn_light_deg,
-                "degrees, counter-clockwise from above; a beam's seen from outside, about its place: an edge lies "
-                "across the picture and is lit above, 90: left",
+                "degrees, counter-clockwise from above; a beam's seen from outside, about its place: an edge across "
+                "slabs is lit above, one on a body upright and lit on the left",
                 {.unit = "DEG"});
     command.add("--ground", o.ground, "reflectance of the plane that the print lies on, or none", {.unit = "R|none"});
     command.add("--finish", o.finish, "glossy: as jetted, and matt where support lay; matt: support lay everywhere",

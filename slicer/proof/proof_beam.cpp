@@ -66,15 +66,17 @@ Nearest nearest_pixel(const SeenPiece& piece, const InPicture& to, std::size_t w
     return nearest;
 }
 
-/// The plane that touches the surface there; `along` as far to the right in the picture as it goes.
+/// The plane that touches the surface there. Slabs stand in rows: `along` goes to the right in the picture, across all
+/// of them. It goes up on bodies, so that the lamp stands above: the ground would hide one that stands below.
 optics::BeamPlane plane_at(const ProofScene& scene, const SeenPoint& seen, double turn_deg) {
     const optics::CameraView& view = scene.camera.view;
     const Vector3d normal = vector_of(seen.normals.shading).normalized(), up = vector_of(view.up),
-                   ahead = vector_of(view.target) - vector_of(view.position);
-    Vector3d along = ahead.cross(up).normalized();
-    along -= along.dot(normal) * normal;
-    constexpr double seen_edge_on = 0.1;
-    if (along.norm() < seen_edge_on) along = up - up.dot(normal) * normal;
+                   ahead = vector_of(view.target) - vector_of(view.position), right = ahead.cross(up).normalized();
+    const bool slab = !scene.prints[seen.print]->boxes.empty();
+    const auto within = [&](const Vector3d& way) -> Vector3d { return way - way.dot(normal) * normal; };
+    Vector3d along = within(slab ? right : up);
+    constexpr double square_on = 0.1;
+    if (along.norm() < square_on) along = within(slab ? up : right);
     along = Eigen::AngleAxisd(turn_deg * std::numbers::pi / 180, normal) * along.normalized();
     return {optics::along(seen.place_mm, scene.camera.prints[seen.print].corner_mm, 1), point_of(normal),
             point_of(along)};

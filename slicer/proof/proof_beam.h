@@ -21,8 +21,9 @@ struct SeenPiece {
 /// Those with a pixel, print by print.
 [[nodiscard]] std::vector<SeenPiece> seen_pieces(const ProofScene& scene, const Progress& progress);
 
-/// On the surface's tangent plane at `--light-at`. In the middle of what is seen: an edge or a slit lies across the
-/// middle of the piece that is nearest to it, from left to right, and every piece has a spot of its own. Throws
+/// On the surface's tangent plane at `--light-at`. In the middle of what is seen: an edge or a slit lies on the middle
+/// of the piece that is nearest to it, and every piece has a spot of its own. An edge lies across slabs, lit above, and
+/// upright on bodies, lit on the left. Throws
 /// InputError where no print is seen there.
 [[nodiscard]] optics::Beam make_beam(const ResolvedProof& job, const ProofLamp& lamp, const ProofScene& scene,
                                      const std::vector<SeenPiece>& pieces);

@@ -46,6 +46,27 @@ double mean_green(const Bitmap& picture, int left, int top, int right, int botto
     return sum / ((right - left) * (bottom - top));
 }
 
+/// Within which distance the shadow beyond an edge falls to a share of what it is there, by the R(r) of a profile file:
+/// what a half-plane sends to a place that lies x outside is the integral of 2 r acos(x / r) R(r) over r > x.
+double falls_within(const std::string& file, double share) {
+    const auto R = nlohmann::json::parse(read_file(file)).at("R");
+    const double spacing = R["spacing_mm"], weights[3] = {0.2126, 0.7152, 0.0722};  // luminance, IEC 61966-2-1
+    std::vector<double> light(R["light"][0].size());
+    for (std::size_t c = 0; c < 3; ++c)
+        for (std::size_t i = 0; i < light.size(); ++i) light[i] += weights[c] * R["light"][c][i].get<double>();
+    const auto sent = [&](double x) {
+        double sum = 0;
+        for (std::size_t i = 1; i < light.size(); ++i) {
+            const double r = double(i) * spacing;
+            if (r > x) sum += spacing * 2 * r * std::acos(x / r) * light[i];
+        }
+        return sum;
+    };
+    double x = 0;
+    while (sent(x) > share * sent(0)) x += spacing;
+    return x;
+}
+
 }  // namespace
 
 TEST_CASE("a proof shows the print upright on its ground, the same for any number of threads") {
@@ -144,7 +165,7 @@ TEST_CASE("a proof's files, lights and views are checked before it works") {
 TEST_CASE("under the edge of a beam slabs that scatter differently are told apart, below the same in even light") {
     const Folder folder("proof-beam");
     const std::string resins = " --resins vero-opaque-clear";
-    REQUIRE(run_program("laminate print \"W 2\" \"W 0.3, K 1.7\" --width 6mm --depth 6mm --quiet -o " +
+    REQUIRE(run_program("laminate print \"W 2\" \"W 0.3, K 1.7\" --width 6mm --depth 6mm --base K=0.5mm --quiet -o " +
                         (folder / "slabs") + resins)
                 .exit_code == 0);
     const std::string proof = "proof " + (folder / "slabs") + resins +
@@ -172,6 +193,19 @@ TEST_CASE("under the edge of a beam slabs that scatter differently are told apar
     const double error = std::hypot(number(0, "tenth_error_mm"), number(1, "tenth_error_mm"));
     CHECK(number(0, "tenth_mm") > number(1, "tenth_mm") + 4 * error);
     CHECK(responses[1]["slab"] == 1);
+    // By adding-doubling of endless slabs on black: no light paths, no pixels.
+    REQUIRE(run_program("laminate predict \"W 2\" --quiet -o " + (folder / "thick.json") + resins).exit_code == 0);
+    REQUIRE(run_program("laminate predict \"W 0.3, K 1.7\" --quiet -o " + (folder / "thin.json") + resins).exit_code ==
+            0);
+    for (const auto& [key, share] : {std::pair{"half", 0.5}, {"tenth", 0.1}})
+        for (std::size_t slab : {0u, 1u}) {
+            const double off = number(slab, fmt::format("{}_mm", key).c_str()) -
+                               falls_within(folder / (slab == 0 ? "thick.json" : "thin.json"), share);
+            CAPTURE(key, slab, off);
+            CHECK(std::abs(off) < 4 * number(slab, fmt::format("{}_error_mm", key).c_str()));
+        }
+    CHECK(number(0, "tenth_mm") - falls_within(folder / "thin.json", 0.1) > 4 * number(0, "tenth_error_mm"));
+    CHECK(falls_within(folder / "thick.json", 0.1) - number(1, "tenth_mm") > 4 * number(1, "tenth_error_mm"));
     CHECK(responses[0]["distance_mm"].size() == responses[0]["luminance"].size());
     CHECK(responses[0]["distance_mm"].front().get<double>() < -2);
 

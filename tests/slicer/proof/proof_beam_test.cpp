@@ -98,6 +98,22 @@ TEST_CASE("an edge lies across the slab in the middle, a spot on each, and both 
     CHECK_THAT(beam_words(turned), Contains("0.5 mm wide, across (15, 3, 2) mm"));
 }
 
+TEST_CASE("on a body an edge stands upright, lit on the left, and the lamp above") {
+    TwoSlabs slabs;
+    auto body = std::make_unique<ProofPrint>();  // as the first, but not known as a slab
+    slabs.scene.prints[0] = std::move(body);
+    slabs.scene.prints.pop_back();
+    slabs.scene.camera.prints.pop_back();
+    const auto pieces = seen_pieces(slabs.scene, slabs.progress);
+    REQUIRE(pieces.size() == 1);
+    CHECK(pieces[0].slab == -1);
+    const optics::Beam beam = make_beam({}, edge, slabs.scene, pieces);
+    CHECK(beam.planes()[0].along[1] == Approx(1));
+    CHECK(beam.outside_mm(beam.planes()[0], {3, 1, 2}) == Approx(-2).margin(0.06));
+    CHECK(beam.radiance({3, 1, 2}, optics::Point{0, std::sqrt(0.5), std::sqrt(0.5)})[0] > 0);
+    CHECK(beam_responses(slabs.scene, beam, pieces, std::vector(480 * 200, Eigen::Vector3f(1, 1, 1))).empty());
+}
+
 TEST_CASE("a beam on nothing that is seen is refused in a sentence") {
     TwoSlabs slabs;
     ResolvedProof job;
