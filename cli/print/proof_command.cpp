@@ -50,7 +50,8 @@ void add_scene_options(Verb& command, slicer::ProofOptions& o) {
                 "studio: two soft boxes and white walls; overcast: the CIE's overcast sky; even: the same "
                 "from everywhere; or a lat-long picture of a place (.exr); edge, slit, spot: a beam on a part of what "
                 "is seen, which shows translucency. Said again: one picture below the other",
-                {.choices = {"studio", "overcast", "even", "edge", "slit", "spot", "FILE"},
+                {.unit = "LIGHT",
+                 .choices = {"studio", "overcast", "even", "edge", "slit", "spot", "FILE"},
                  .verb_checks = true,
                  .usual = "studio",
                  .one_each = true});

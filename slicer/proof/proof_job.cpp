@@ -207,6 +207,8 @@ std::string beams_text(const std::vector<Shot>& shots, const ProofScene& scene, 
         if (!shot.beam) continue;
         text += fmt::format("  {}\n", beam_words(*shot.beam));
         for (const BeamResponse& response : shot.responses) text += response_text(response, scene, job);
+        if (shot.responses.empty())
+            text += "    how far light goes on is told of flat slabs alone, on whose face the border lies\n";
     }
     return text;
 }

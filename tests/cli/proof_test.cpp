@@ -217,6 +217,25 @@ TEST_CASE("under the edge of a beam slabs that scatter differently are told apar
     CHECK_THAT(read_file(folder / "1.png"), Contains("light even; below the edge of a beam across ("));
 }
 
+TEST_CASE("a beam falls on bodies where it is told to, and tells why it has no figures") {
+    const Folder folder("proof-beam-body");
+    const std::string proof =
+        "proof " + usual_stack() + " --size 64x48 --spp 8 --view front --overwrite -o " + (folder / "p.png");
+    const Outcome spot = run_program(proof + " --light spot --light-width 0.5mm");
+    INFO(spot.err);
+    REQUIRE(spot.exit_code == 0);
+    CHECK_THAT(spot.out, Contains("a spot of light, 0.5 mm wide, at (") && Contains("told of flat slabs alone"));
+    CHECK_THAT(read_file(folder / "p.png"), Contains("0.5 mm wide, at ("));
+    const Outcome edge = run_program(proof + " --light edge --light-at 3,0,1 --json --quiet");
+    REQUIRE(edge.exit_code == 0);
+    const auto beam = result_of(edge.out)["beams"][0];
+    CHECK(beam["responses"].empty());
+    CHECK_FALSE(beam.contains("width_mm"));
+    // Of the base's front, 6 x 2 mm in the lower half of the picture, the left is lit and the right is not.
+    const Bitmap picture = read_png(folder / "p.png");
+    CHECK(mean_green(picture, 16, 30, 28, 40) > mean_green(picture, 40, 30, 52, 40) + 30);
+}
+
 TEST_CASE("a proof that is stopped leaves what it has, and says so in the file") {
     const Folder folder("proof-stopped");
     const Outcome outcome = run_and_signal(
