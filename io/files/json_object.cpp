@@ -145,8 +145,6 @@ JsonObject JsonObject::read(const std::filesystem::path& file, std::size_t most_
     return parse(text_as_utf8(text), file.string());
 }
 
-std::string JsonObject::place_of(std::string_view key) const { return node_->place_of(key); }
-
 void JsonObject::fail(std::string_view key, std::string_view rule) const {
     throw InputError(fmt::format("{}key `{}`: {}", node_->place_of(key), node_->name(key), rule));
 }

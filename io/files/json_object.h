@@ -64,8 +64,6 @@ public:
     [[nodiscard]] JsonObject object(std::string_view key) const;
     [[nodiscard]] std::vector<JsonObject> objects(std::string_view key) const;
 
-    /// "FILE: line N: " of a key, "FILE: " where the file has it not.
-    [[nodiscard]] std::string place_of(std::string_view key) const;
     /// Throws InputError "FILE: line N: key `KEY`: RULE", without the line where the file has no such key. `key` may
     /// end in places in a list, "rows[3][1]".
     [[noreturn]] void fail(std::string_view key, std::string_view rule) const;
