@@ -147,3 +147,15 @@ TEST_CASE("Printer profiles are what their schema says", "[schema]") {
     CHECK(refused("printer", text, "\"layer_um\": 27", "\"pitch_um\": [42, 84, 27]"));
     CHECK(refused("printer", text, "\"min_layers\"", "\"min_layer\""));
 }
+
+TEST_CASE("Kinds of foreign files are what their schema says", "[schema]") {
+    const std::string text = text_of(test::source_dir() + "/data/foreign-files.json");
+    CHECK(schema_faults("foreign-files", text) == Faults{});
+    CHECK(refused("foreign-files", text, "\"root\": \"x3d\"", "\"roots\": \"x3d\""));
+    CHECK(refused("foreign-files", text, "\"step stp", "\".step stp"));
+    CHECK(refused("foreign-files", text, "\"inside\": \"picture\"", "\"inside\": \"pixels\""));
+    CHECK(refused("foreign-files", text, "{\"hex\": \"ffd8ff\"}", "{\"hex\": \"ffd8f\"}"));
+    CHECK(refused("foreign-files", text, "{\"hex\": \"ffd8ff\"}", "{\"hex\": \"ffd8ff\", \"bytes\": \"BM\"}"));
+    CHECK(refused("foreign-files", text, "\"at\": 128", "\"at\": -1"));
+    CHECK(refused("foreign-files", text, "\"what\": \"a Rhino file\", ", ""));
+}
