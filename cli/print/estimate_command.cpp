@@ -12,7 +12,7 @@
 #include "slicer/estimate/estimate_job.h"
 #include "slicer/estimate/estimate_text.h"
 #include "slicer/plans/tray_plan.h"
-#include "slicer/tray/tray_estimate.h"
+#include "slicer/tray/run_print.h"
 
 namespace voxtone::cli {
 
@@ -46,8 +46,7 @@ int run(const EstimateArguments& arguments) {
                     "--orientations is a table of one body; name its model, and not a plan of several jobs");
             return farm::run_plan_estimate(plan_of(options), scope, progress);
         }
-        const slicer::JobEstimate estimate = models.empty() ? slicer::estimate_any(options, progress, scope)
-                                                            : slicer::estimate_tray(options, models, progress, scope);
+        const slicer::JobEstimate estimate = slicer::estimate_print({options, models}, progress, scope);
         return JobResult{slicer::estimate_json(estimate), slicer::estimate_text(estimate)};
     });
 }

@@ -133,9 +133,7 @@ slicer::TrayModels many_models(const JobArguments& arguments, const slicer::Slic
         if (std::ranges::find(units, model) != units.end() && !std::filesystem::exists(model))
             throw UsageError(
                 fmt::format("'{}' is a unit and no model: lengths have no space in them, as 12{}", model, model));
-        slicer::SliceOptions one;
-        one.model = model;
-        if (!slicer::is_tray(one) && !farm::is_plan(model)) continue;
+        if (!farm::is_plan(model)) continue;
         throw UsageError(
             models.files.size() > 1
                 ? fmt::format("{}: name one plan, or models and pictures; a plan names its parts itself", model)

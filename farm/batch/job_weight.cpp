@@ -45,7 +45,7 @@ JobWeight weigh(const slicer::SliceOptions& options, const std::vector<std::stri
     if (known && known->command == command && known->figures && known->figures->peak_memory_bytes > 0)
         return {static_cast<std::uint64_t>(allowance * double(known->figures->peak_memory_bytes)), options.threads, 0,
                 false};
-    if (slicer::is_tray(options))
+    if (slicer::model_kind(options.model) == slicer::ModelKind::tray_plan)
         return {beyond_every_machine, options.threads, 0, true};  // its models are known to it alone
     const std::uint64_t model = bytes_of_model(options.model);
     if (options.iterations == "0" && options.predict == "none") return {model, options.threads, 0, true};

@@ -147,8 +147,8 @@ void expect_sound(const PlannedJob& job) {
             fmt::format("the job's name '{}' {}; give it another under \"name\" or with --name", job.name, fault));
     expect_file(io::path_in_zip(job.options.model).file.string(), "model");
     expect_file(job.options.texture, "texture");
-    (void)slicer::open_job(job.options);  // what lies in its folder is looked at when its turn comes
-    if (slicer::is_tray(job.options)) expect_sound_parts(job);
+    const slicer::OpenedJob opened = slicer::open_job(job.options);  // its folder is looked at when its turn comes
+    if (opened.options.kind == slicer::ModelKind::tray_plan) expect_sound_parts(job);
 }
 
 /// Gives the job its name and place in the batch.

@@ -16,7 +16,7 @@
 #include "base/progress_bar.h"
 #include "io/disk/disk_space.h"
 #include "io/files/json_writer.h"
-#include "slicer/tray/tray_estimate.h"
+#include "slicer/tray/run_print.h"
 
 namespace voxtone::farm {
 
@@ -158,7 +158,7 @@ PlannedEstimate estimate_planned(const PlannedJob& job, const slicer::EstimateSc
     slicer::SliceOptions requested = job.options;
     requested.overwrite = true;  // what its folder holds does not matter here
     try {
-        planned.estimate = slicer::estimate_any(requested, progress, scope);
+        planned.estimate = slicer::estimate_print({requested}, progress, scope);
     } catch (const Cancelled&) {
         throw;
     } catch (const TryAgain&) {

@@ -8,9 +8,9 @@
 #include "base/error.h"
 #include "farm/batch/job_result.h"
 #include "farm/cluster/job_record.h"
-#include "io/programs/build_identity.h"
 #include "slicer/kept/input_digests.h"
-#include "slicer/tray/tray_estimate.h"
+#include "io/programs/build_identity.h"
+#include "slicer/tray/run_print.h"
 
 namespace voxtone::farm {
 
@@ -27,7 +27,7 @@ ChainEstimate estimate_chain(const PlannedJob& job, const ChainOptions& options,
     if (requested.threads == 0) requested.threads = options.most_cores;
     ChainEstimate made;
     try {
-        made.chain = task_chain(job, slicer::estimate_any(requested, progress), options);
+        made.chain = task_chain(job, slicer::estimate_print({requested}, progress), options);
         if (!made.chain.why_whole.empty()) made.message = fmt::format("it cannot be cut: {}", made.chain.why_whole);
     } catch (const Cancelled&) {
         throw;

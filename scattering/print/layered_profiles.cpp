@@ -66,7 +66,7 @@ private:
 /// A picture without a size of its own is as wide as the map.
 std::unique_ptr<const slicer::OtherPrint> open_layered(slicer::ResolvedJob& job) {
     io::ProfileMap map = io::read_profile_map(job.layered->profiles);
-    if (job.is_picture && !slicer::is_sized(job.picture)) job.picture.width_mm = job.raw.width_mm = map.width_mm;
+    if (job.is_picture() && !slicer::is_sized(job.picture)) job.picture.width_mm = job.raw.width_mm = map.width_mm;
     return std::make_unique<const LayeredProfiles>(*job.layered, std::move(map));
 }
 

@@ -75,7 +75,7 @@ bool is_judged_bad(const std::string& json, const fs::path& figures) {
 }
 
 /// What was said when this very job was done, where nothing is left of it to do.
-std::optional<SliceResult> done_before(const OpenedJob& job, const io::StackFolder& folder, const Progress& progress) {
+std::optional<JobResult> done_before(const OpenedJob& job, const io::StackFolder& folder, const Progress& progress) {
     const fs::path figures = folder.path() / report_file::figures;
     if (job.options.overwrite || job.options.until != Until::end || has_checkpoint(folder) || !fs::exists(figures) ||
         !holds_this_stack(job, folder, progress))
@@ -83,11 +83,11 @@ std::optional<SliceResult> done_before(const OpenedJob& job, const io::StackFold
     constexpr std::uint64_t most_bytes = std::uint64_t{1} << 30;
     const std::vector<std::uint8_t> json = io::read_whole_file(figures, most_bytes);
     const bool bad = is_judged_bad({json.begin(), json.end()}, figures);
-    return SliceResult{{json.begin(), json.end()},
-                       fmt::format("{}: holds this job's stack already, whole; nothing was done (--overwrite makes it "
-                                   "again)\n",
-                                   folder.path().string()),
-                       bad && job.options.strict ? ExitCode::check_failed : ExitCode::done};
+    return JobResult{{json.begin(), json.end()},
+                     fmt::format("{}: holds this job's stack already, whole; nothing was done (--overwrite makes it "
+                                 "again)\n",
+                                 folder.path().string()),
+                     bad && job.options.strict ? ExitCode::check_failed : ExitCode::done};
 }
 
 /// Another job's stack, and whatever else is no job's of this folder, is replaced only where that was allowed.
@@ -131,12 +131,12 @@ void announce(const PreparedJob& ready, Progress& progress) {
 }
 
 /// The end of a job that goes as far as the loop.
-SliceResult keep_loop(const PreparedJob& ready, Progress& progress) {
+JobResult keep_loop(const PreparedJob& ready, Progress& progress) {
     ready.print->rearrange(progress);
     JobResult kept = ready.print->keep_loop();
     LoopCheckpoint::remove_from(ready.job.options.out);
     set_stop_advice({});
-    return {std::move(kept.json), std::move(kept.text), kept.exit_code};
+    return kept;
 }
 
 /// Beside the stack, for another job of this body. One that was left out is no work to spare.
@@ -166,7 +166,7 @@ const io::StackDescription& finish_stack(PreparedJob& ready, io::LayerStackWrite
 
 }  // namespace
 
-SliceResult run_slice_job(const SliceOptions& requested, Progress& progress) {
+JobResult run_slice_job(const SliceOptions& requested, Progress& progress) {
     const Stopwatch watch;
     // All that can refuse the job, from what costs nothing to what costs most ...
     const OpenedJob opened =

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "io/models/model_reader.h"
 #include "slicer/options/option_scope.h"
 #include "slicer/options/option_table.h"
 
@@ -18,7 +17,7 @@ bool would_be_ignored(const SliceOptions& options, const std::string& key) {
     SliceOptions named = options;
     named.named = {key};
     try {
-        check_scope(named, !io::is_model_name(options.model));
+        check_scope(named);
         return false;
     } catch (const UsageError&) {
         return true;

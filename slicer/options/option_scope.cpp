@@ -24,11 +24,12 @@ std::string why_idle(const OptionSpec& spec, const SliceOptions& o, bool is_pict
 
 }  // namespace
 
-void check_scope(const SliceOptions& options, bool is_picture) {
-    if (is_tray(options)) return;
+void check_scope(const SliceOptions& options) {
+    const ModelKind kind = model_kind(options.model);
+    if (kind == ModelKind::tray_plan) return;
     for (const OptionSpec& spec : slice_option_table()) {
         if (std::ranges::find(options.named, spec.key) == options.named.end()) continue;
-        if (const std::string why = why_idle(spec, options, is_picture); !why.empty())
+        if (const std::string why = why_idle(spec, options, kind == ModelKind::picture); !why.empty())
             throw UsageError(fmt::format("--{} {} would be ignored: {}", spec.key, spec.get(options), why));
     }
 }

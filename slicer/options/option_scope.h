@@ -11,7 +11,7 @@ namespace voxtone::slicer {
 
 /// Looks at the options that the user named (SliceOptions::named), at no defaults. Throws UsageError that names the
 /// option and what makes it idle.
-void check_scope(const SliceOptions& options, bool is_picture);
+void check_scope(const SliceOptions& options);
 
 /// Whether other options do nothing beside some value of this one. Who names one on the command line changes the job
 /// of a file: what becomes idle in that file is no mistake.

@@ -55,8 +55,10 @@ std::optional<int> count_or_auto(std::string_view key, const std::string& text, 
 
 }  // namespace
 
-bool is_tray(const SliceOptions& options) {
-    return io::extension_of(options.model) == "json" || io::is_table_file(options.model, "model");
+ModelKind model_kind(const std::string& model) {
+    if (io::is_model_name(model)) return ModelKind::mesh;
+    const bool is_plan = io::extension_of(model) == "json" || io::is_table_file(model, "model");
+    return is_plan ? ModelKind::tray_plan : ModelKind::picture;
 }
 
 void refuse_choice(std::string_view key, std::string_view text, const std::vector<std::string>& choices) {

@@ -6,6 +6,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -23,9 +24,10 @@
 
 namespace voxtone::slicer {
 
-/// Whether the job is a tray of many parts: its model is their plan, by its name. What the options say is then meant
-/// for the parts, of which each has a scope of its own.
-[[nodiscard]] bool is_tray(const SliceOptions& options);
+/// What the file is that stands in a model's place, by its name; a text also by its first line. What the options say
+/// of a tray's plan is meant for the parts, of which each has a scope of its own.
+enum class ModelKind : std::uint8_t { mesh, picture, tray_plan };
+[[nodiscard]] ModelKind model_kind(const std::string& model);
 
 /// "--KEY: 'TEXT' is none of A, B".
 [[noreturn]] void refuse_choice(std::string_view key, std::string_view text, const std::vector<std::string>& choices);

@@ -33,7 +33,7 @@ void check_rules(const SliceOptions& o) {
 
 /// What a file is that cannot be read is more than that an option does not go with its name.
 void refuse_foreign_files(const SliceOptions& o) {
-    if (is_tray(o)) return;
+    if (model_kind(o.model) == ModelKind::tray_plan) return;
     if (const std::string why = io::foreign_kind(o.model); !why.empty()) throw InputError(why);
     const bool is_named = io::is_model_name(o.model) || io::is_picture_name(o.model);
     if (!is_named && std::ranges::find(o.named, "size") != o.named.end())
@@ -71,13 +71,13 @@ void settle_labels(ResolvedJob& job) {
 ResolvedJob resolve(const SliceOptions& options) {
     check_rules(options);
     refuse_foreign_files(options);
-    check_scope(options, !io::is_model_name(options.model));
+    check_scope(options);
     ResolvedJob job;
     job.raw = options;
     const Show show = value_of<Show>(options.show).value();
     for (const OptionSpec& spec : slice_option_table())
         if (spec.resolve && spec.belongs_to(show)) spec.resolve(options, job);
-    if (job.is_picture) job.picture.size_mm = std::exchange(job.placement.size_mm, 0);  // without its thickness
+    if (job.is_picture()) job.picture.size_mm = std::exchange(job.placement.size_mm, 0);  // without its thickness
     // Nothing that scatters need lie behind a picture that light comes through.
     if (job.picture.is_lit_from_behind() && std::ranges::find(options.named, "core") == options.named.end())
         job.colour.core = job.raw.core = "T";

@@ -110,7 +110,7 @@ struct ResolvedJob {
 
     std::string model;    ///< file
     std::string texture;  ///< file, for a mesh without pictures of its own; empty: none
-    bool is_picture = false;
+    ModelKind kind = ModelKind::mesh;
     std::filesystem::path out;
     bool overwrite = false, report = true, resume = false;
     std::filesystem::path for_printer;     ///< where OUT/printer goes besides; empty: nowhere
@@ -146,6 +146,7 @@ struct ResolvedJob {
     std::uint64_t seed = 1;
     int threads = 0;  ///< 0: one per core
 
+    [[nodiscard]] bool is_picture() const { return kind == ModelKind::picture; }
     [[nodiscard]] bool shows_colours() const { return !layered; }
     /// How deep the shell is in which it shows them, or what it shows instead.
     [[nodiscard]] double shell_mm() const {

@@ -44,7 +44,7 @@ std::vector<OptionSpec> files_entries() {
          .resolve =
              [](const O& o, Job& job) {
                  job.model = o.model;
-                 job.is_picture = !io::is_model_name(o.model) && !is_tray(o);
+                 job.kind = model_kind(o.model);
              }},
         plain(&O::out, at(&Job::out),
               {.key = "out",

@@ -11,8 +11,9 @@ using O = SliceOptions;
 using Job = ResolvedJob;
 using Length = OptionSpec::Length;
 
-std::string_view of_many_parts(const SliceOptions& o, bool) {
-    return unless(is_tray(o), "it is for many parts in one print: name several models, or the plan of a tray");
+/// Asked of one body alone (option_scope.h).
+std::string_view of_many_parts(const SliceOptions&, bool) {
+    return "it is for many parts in one print: name several models, or the plan of a tray";
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ PartJob take_part_job(const io::JsonObject& part, const std::filesystem::path& f
     read_job(job.file, of_job);
     read_job(job.file, taken);
     of_job = with_absolute_paths(std::move(of_job));
-    if (is_tray(of_job))
+    if (model_kind(of_job.model) == ModelKind::tray_plan)
         part.fail(
             part_job_key,
             fmt::format("{}: is of a whole tray; name its parts here, or its stack as one (\"stack\")", job.file));

@@ -59,8 +59,8 @@ StackBody body_of_stack(const std::string& stack, const StackVolume& volume, Pro
     try {
         SliceOptions requested;
         read_job(job_file.string(), requested);
-        if (is_tray(requested)) return {{}, "it is a tray of many parts"};
         const ResolvedJob job = resolve(requested);
+        if (job.kind == ModelKind::tray_plan) return {{}, "it is a tray of many parts"};
         if (job.layers) return {{}, "it is a part of its body's layers"};
         if (std::string why = changed_model(requested, progress); !why.empty()) return {{}, std::move(why)};
         JobBody body = prepare_body(job, find_printer(job.printer), progress);

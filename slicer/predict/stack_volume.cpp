@@ -287,9 +287,7 @@ StackVolume read_own(const io::StackReader& stack, const StackVolumeOptions& opt
     warn_of_seal(stack, options.stack, progress);
     StackVolume result;
     const io::StackOrigin& origin = stack.origin();
-    SliceOptions sliced;
-    sliced.model = origin.model;
-    result.of_picture = !origin.model.empty() && !io::is_model_name(origin.model) && !is_tray(sliced);
+    result.of_picture = !origin.model.empty() && model_kind(origin.model) == ModelKind::picture;
     if (result.of_picture && !origin.backing.empty())
         result.backing = parse_backing("backing", input_named_in(folder_of_job(options.stack), origin.backing));
     if (result.of_picture) result.from_behind = origin.view == name_of(PictureView::through);

@@ -31,7 +31,7 @@ void append(std::vector<std::string>& to, const std::vector<std::string>& from) 
 }
 
 io::ModelFile read_input(const ResolvedJob& job, io::ModelSources& sources, const Progress& progress) {
-    if (job.is_picture) {
+    if (job.is_picture()) {
         PictureOptions printed = job.picture;
         if (job.shows_colours()) printed.thickness_mm = printed_mm(job.picture, job.colour);
         PictureSlab slab = make_picture_slab(read_input_picture(job, progress), printed);
@@ -114,7 +114,7 @@ std::string wall_text(const ThinWall& wall, const JobBody& body, const Eigen::Al
 /// Throws InputError for a coat from either side that leaves no room for colour.
 void check_coat(const ResolvedJob& job, const Placement& placement) {
     const double thin_mm = placement.extent_mm.minCoeff();
-    if (job.is_picture || !job.shows_colours() || job.colour.coat_mm < thin_mm / 2) return;
+    if (job.is_picture() || !job.shows_colours() || job.colour.coat_mm < thin_mm / 2) return;
     throw InputError(fmt::format(
         "--coat {:g}mm: the model is {:.3g} mm thick at the most along one axis, so that coats from either side leave "
         "nothing for colour; give less than {:.3g} mm, or a larger --size",
@@ -215,7 +215,7 @@ JobBody read_body(const ResolvedJob& job, Progress& progress) {
     JobBody body;
     const Stopwatch watch;
     progress.begin_stage("read model", 0);
-    body.is_picture = job.is_picture;
+    body.is_picture = job.is_picture();
     io::ModelSources sources;
     body.model = read_input(job, sources, progress);
     body.side_files = std::move(sources.side_files);

@@ -119,7 +119,7 @@ std::optional<SlabUnderColour> slab_under_colour(const ResolvedJob& job, const J
 double looked_through_mm(const ResolvedJob& job) {
     const ColourOptions& colour = job.colour;
     // Clear resin lies all below an enclosed picture: to its lower face, and what rounding of voxels adds to that.
-    if (job.is_picture && colour.enclose_mm > 0) return printed_mm(job.picture, colour) + 1;
+    if (job.is_picture() && colour.enclose_mm > 0) return printed_mm(job.picture, colour) + 1;
     return colour.depth_mm + colour.clear_over_mm();
 }
 

@@ -109,12 +109,12 @@ ModelContents read_contents(const SliceOptions& options, Progress& progress, con
     ModelContents contents;
     contents.file = options.model;
     try {
-        if (is_tray(options))
+        ResolvedJob job = resolve(options);
+        if (job.kind == ModelKind::tray_plan)
             throw InputError(
                 fmt::format("{}: a plan, and no model; `voxtone estimate` tells what is in it", options.model));
-        ResolvedJob job = resolve(options);
         check_model(job);
-        if (job.is_picture)
+        if (job.is_picture())
             read_picture_file(job, progress, contents, view);
         else
             read_model_file(job, progress, contents, view);

@@ -16,7 +16,7 @@ namespace {
 
 /// How thick a picture's slab is, is known without the picture; which way it is turned then, not here.
 void check_thickness(const ResolvedJob& job, const PrinterProfile& printer) {
-    if (!job.is_picture || !job.placement.rotation.isIdentity(0)) return;
+    if (!job.is_picture() || !job.placement.rotation.isIdentity(0)) return;
     const Eigen::Vector3d slab_mm(1, 1, printed_mm(job.picture, job.colour));
     check_layer_count(grid_around(Eigen::Vector3d::Zero(), slab_mm, printer.sliced_pitch_mm()).size[2], printer,
                       "thicker (--thickness)");

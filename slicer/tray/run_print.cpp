@@ -2,7 +2,6 @@
 #include "slicer/tray/run_print.h"
 
 #include <filesystem>
-#include <utility>
 
 #include "base/error.h"
 #include "io/shards/shard_folder.h"
@@ -10,6 +9,7 @@
 #include "slicer/options/job_file.h"
 #include "slicer/options/option_values.h"
 #include "slicer/shards/shard_job.h"
+#include "slicer/tray/tray_estimate.h"
 #include "slicer/tray/tray_job.h"
 #include "slicer/tray/tray_shard.h"
 
@@ -19,15 +19,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
+bool is_plan_of_tray(const SliceOptions& options) { return model_kind(options.model) == ModelKind::tray_plan; }
+
 bool is_of_tray(const PrintRequest& request) {
-    return request.of_tray || !request.models.empty() || is_tray(request.options);
+    return request.of_tray || !request.models.empty() || is_plan_of_tray(request.options);
 }
 
 bool holds_tray(const fs::path& out) {
     for (const fs::path& folder : {io::shards_folder(out), out}) try {
             SliceOptions recorded;
             read_job((folder / job_file_name).string(), recorded);
-            return is_tray(recorded);
+            return is_plan_of_tray(recorded);
         } catch (const Error&) {
             continue;  // whoever reads it says what is wrong
         }
@@ -40,18 +42,22 @@ JobResult run_print(PrintRequest request, Progress& progress) {
     const SliceOptions& options = request.options;
     const bool is_shard = !options.shard.empty();
     if (is_of_tray(request)) {
-        if (request.models.empty() && !is_tray(options) && !options.model.empty())
+        if (request.models.empty() && !is_plan_of_tray(options) && !options.model.empty())
             request.models.files = {options.model};
         return is_shard ? run_tray_shard(options, request.models, progress)
                         : run_tray_job(options, request.models, progress);
     }
     if (is_shard) return run_shard_job(options, progress);
-    SliceResult result = run_slice_job(options, progress);
-    return {std::move(result.json), std::move(result.summary), result.exit_code};
+    return run_slice_job(options, progress);
 }
 
 JobResult run_merge(const MergeOptions& options, Progress& progress) {
     return holds_tray(options.out) ? run_tray_merge(options, progress) : run_merge_job(options, progress);
+}
+
+JobEstimate estimate_print(const PrintRequest& request, Progress& progress, const EstimateScope& scope) {
+    return is_of_tray(request) ? estimate_tray(request.options, request.models, progress, scope)
+                               : estimate_job(request.options, progress, scope);
 }
 
 }  // namespace voxtone::slicer

@@ -17,7 +17,6 @@
 #include "base/stopwatch.h"
 #include "io/disk/disk_space.h"
 #include "slicer/layers/layer_bytes.h"
-#include "slicer/options/option_values.h"
 #include "slicer/plan/phase_estimates.h"
 #include "slicer/plans/fault_list.h"
 #include "slicer/printer/placement.h"
@@ -223,10 +222,6 @@ JobEstimate estimate_tray(const SliceOptions& asked, const TrayModels& models, P
     }
     sum.free_disk_bytes = io::free_disk_bytes(options.out);
     return sum;
-}
-
-JobEstimate estimate_any(const SliceOptions& asked, Progress& progress, const EstimateScope& scope) {
-    return is_tray(asked) ? estimate_tray(asked, {}, progress, scope) : estimate_job(asked, progress, scope);
 }
 
 }  // namespace voxtone::slicer

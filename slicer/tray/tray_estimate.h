@@ -15,7 +15,4 @@ namespace voxtone::slicer {
 [[nodiscard]] JobEstimate estimate_tray(const SliceOptions& asked, const TrayModels& models, Progress& progress,
                                         const EstimateScope& scope);
 
-/// Of a tray, or of one body, whichever the options are of.
-[[nodiscard]] JobEstimate estimate_any(const SliceOptions& asked, Progress& progress, const EstimateScope& scope = {});
-
 }  // namespace voxtone::slicer

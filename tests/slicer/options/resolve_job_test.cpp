@@ -65,7 +65,7 @@ TEST_CASE("What the user wrote becomes values") {
         o.memory_gib = 2;
         o.predict = "monte-carlo";
     });
-    CHECK_FALSE(job.is_picture);
+    CHECK_FALSE(job.is_picture());
     CHECK_FALSE(job.layered);
     REQUIRE(job.placement.unit);
     CHECK(job.placement.unit->mm == 10);
@@ -93,7 +93,7 @@ TEST_CASE("What the job is to decide is nothing") {
     CHECK_FALSE(resolve(layered()).layered->rounds);
     CHECK_FALSE(changed(named(), [](SliceOptions& o) { o.predict = "none"; }).prediction.automatic);
     CHECK_FALSE(changed(named(), [](SliceOptions& o) { o.predict = "none"; }).prediction.model);
-    CHECK(changed(named(), [](SliceOptions& o) { o.model = "a.png"; }).is_picture);
+    CHECK(changed(named(), [](SliceOptions& o) { o.model = "a.png"; }).is_picture());
 }
 
 TEST_CASE("Every word comes out as its value") {
