@@ -25,8 +25,7 @@ std::optional<fs::path> place_in(const fs::path& folder, std::string name) {
 }
 
 /// Whether a file came or changed; that some are gone makes no print anew.
-bool has_more(const std::map<std::string, slicer::FileStamp>& now,
-              const std::map<std::string, slicer::FileStamp>& before) {
+bool has_more(const std::map<std::string, io::FileStamp>& now, const std::map<std::string, io::FileStamp>& before) {
     return !std::ranges::all_of(now, [&](const auto& file) {
         const auto then = before.find(file.first);
         return then != before.end() && then->second == file.second;
@@ -46,7 +45,7 @@ std::map<std::string, Arrivals::Seen> Arrivals::look(double now_s) {
         for (const fs::directory_entry& entry : fs::directory_iterator(place, error)) {
             const std::string file = entry.path().string();
             if (is_below && io::is_model_name(file)) continue;
-            const auto stamp = slicer::FileStamp::of(file);
+            const auto stamp = io::FileStamp::of(file);
             if (!stamp || entry.path().filename().string().starts_with('.')) continue;
             const auto before = seen_.find(file);
             const bool same = before != seen_.end() && before->second.stamp == *stamp;
@@ -124,7 +123,7 @@ bool Arrivals::take_names(const std::string& model_file, Model& model, double no
     if (!model.asked_at) model.asked_at = changes_;
     const auto named = side_files_(model_file);
     if (!named) return false;
-    std::map<std::string, slicer::FileStamp> beside;
+    std::map<std::string, io::FileStamp> beside;
     std::vector<std::string> missing;
     for (const io::SideFile& side : *named) {
         const auto place = place_in(folder_, side.name);
@@ -135,7 +134,7 @@ bool Arrivals::take_names(const std::string& model_file, Model& model, double no
         }
         if (!place) continue;
         const std::string file = (folder_ / *place).string();
-        if (const auto stamp = slicer::FileStamp::of(file)) beside[file] = *stamp;
+        if (const auto stamp = io::FileStamp::of(file)) beside[file] = *stamp;
     }
     model.changes = *std::exchange(model.asked_at, std::nullopt);
     if (model.was_told && !has_more(beside, model.beside)) {

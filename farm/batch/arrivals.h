@@ -17,8 +17,8 @@
 #include <string>
 #include <vector>
 
+#include "io/files/file_digest.h"
 #include "io/models/side_file.h"
-#include "slicer/kept/input_digests.h"
 
 namespace voxtone::farm {
 
@@ -57,15 +57,15 @@ public:
 
 private:
     struct Seen {
-        slicer::FileStamp stamp;
+        io::FileStamp stamp;
         double since_s = 0;
         bool told = false;  ///< of strays
     };
     enum class Stage { named, waits, told };  ///< what it names is to be found out; is not all there; it was told
     struct Model {
-        slicer::FileStamp stamp;
+        io::FileStamp stamp;
         Stage stage = Stage::named;
-        std::map<std::string, slicer::FileStamp> beside;  ///< files that are there, as they were when it was told
+        std::map<std::string, io::FileStamp> beside;  ///< files that are there, as they were when it was told
         std::vector<std::string> missing;
         double since_s = 0;                     ///< when it, or what it lacks, last changed
         std::uint64_t changes = 0;              ///< of the folder, when its names were asked for

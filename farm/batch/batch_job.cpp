@@ -25,7 +25,7 @@
 #include "io/models/foreign_kind.h"
 #include "io/models/model_reader.h"
 #include "slicer/options/command_words.h"
-#include "slicer/prepare/opened_job.h"
+#include "slicer/options/resolve_job.h"
 
 namespace voxtone::farm {
 
@@ -186,7 +186,7 @@ std::vector<io::SideFile> names_beside(const std::filesystem::path& model, const
                                        const Progress& progress) {
     const std::vector<PlannedJob> jobs = plan_jobs({model.string(), {row_of(model)}, {}}, plan, nullptr);
     if (jobs.empty()) return {};
-    io::ReadOptions reading = slicer::open_job(jobs[0].options).options.reading;
+    io::ReadOptions reading = slicer::resolve(jobs[0].options).reading;
     reading.progress = &progress;
     return io::side_files_of(model, reading);
 }

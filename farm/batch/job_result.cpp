@@ -7,11 +7,11 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
+#include "io/files/file_digest.h"
 #include "io/files/json_object.h"
 #include "io/files/whole_file.h"
 #include "io/layers/stack_folder.h"
 #include "io/report/report_picture.h"
-#include "slicer/kept/input_digests.h"
 #include "slicer/kept/job_identity.h"
 #include "slicer/kept/loop_checkpoint.h"
 #include "slicer/kept/report_files.h"
@@ -63,19 +63,19 @@ StackFigures read_job_figures(const fs::path& folder) {
     return figures;
 }
 
-void learn_inputs(const fs::path& folder, std::int64_t began_ns, slicer::InputDigests& digests) {
-    constexpr std::int64_t coarse_ns = 2'000'000'000;  // as slicer::FileStamp::settled
+void learn_inputs(const fs::path& folder, std::int64_t began_ns, io::FileDigests& digests) {
+    constexpr std::int64_t coarse_ns = 2'000'000'000;  // as io::FileStamp::settled
     for (const slicer::JobInput& input : noted_inputs(folder)) {
         if (input.file.empty() || input.sha256.empty()) continue;
         const std::string file = absolute(input.file);
-        if (const auto stamp = slicer::FileStamp::of(file); stamp && stamp->changed_ns + coarse_ns < began_ns)
+        if (const auto stamp = io::FileStamp::of(file); stamp && stamp->changed_ns + coarse_ns < began_ns)
             digests.learn(file, {*stamp, input.sha256});
     }
 }
 
-std::vector<std::pair<std::string, slicer::KnownDigest>> known_inputs(const fs::path& folder,
-                                                                      const slicer::InputDigests& digests) {
-    std::vector<std::pair<std::string, slicer::KnownDigest>> known;
+std::vector<std::pair<std::string, io::KnownDigest>> known_inputs(const fs::path& folder,
+                                                                  const io::FileDigests& digests) {
+    std::vector<std::pair<std::string, io::KnownDigest>> known;
     for (const slicer::JobInput& input : noted_inputs(folder)) {
         if (input.file.empty()) continue;
         const std::string file = absolute(input.file);
@@ -96,8 +96,8 @@ void write_job_picture(const fs::path& folder, const fs::path& file) {
 
 std::string take_stack(const fs::path& folder, std::int64_t began_ns, const fs::path& picture, JobState& state) {
     state.figures = read_job_figures(folder);
-    learn_inputs(folder, began_ns, slicer::input_digests());
-    state.inputs = known_inputs(folder, slicer::input_digests());
+    learn_inputs(folder, began_ns, io::file_digests());
+    state.inputs = known_inputs(folder, io::file_digests());
     try {
         write_job_picture(folder, picture);
     } catch (const Error& error) {

@@ -9,7 +9,7 @@
 #include "base/progress.h"
 #include "farm/batch/job_state.h"
 #include "farm/batch/plan.h"
-#include "slicer/kept/input_digests.h"
+#include "io/files/file_digest.h"
 
 namespace voxtone::farm {
 
@@ -23,10 +23,10 @@ namespace voxtone::farm {
 
 /// Teaches `digests` what the inputs held that the job in this folder notes, as far as they were last changed before
 /// the job began. Throws FileError, InputError.
-void learn_inputs(const std::filesystem::path& folder, std::int64_t began_ns, slicer::InputDigests& digests);
+void learn_inputs(const std::filesystem::path& folder, std::int64_t began_ns, io::FileDigests& digests);
 /// What is known for good of the inputs that the job in this folder notes.
-[[nodiscard]] std::vector<std::pair<std::string, slicer::KnownDigest>> known_inputs(
-    const std::filesystem::path& folder, const slicer::InputDigests& digests);
+[[nodiscard]] std::vector<std::pair<std::string, io::KnownDigest>> known_inputs(const std::filesystem::path& folder,
+                                                                                const io::FileDigests& digests);
 
 /// Writes a small picture of the print, where its job left one.
 void write_job_picture(const std::filesystem::path& folder, const std::filesystem::path& file);

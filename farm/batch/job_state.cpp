@@ -68,10 +68,10 @@ StackFigures read_figures(const io::JsonObject& json) {
     return figures;
 }
 
-std::pair<std::string, slicer::KnownDigest> read_input(const io::JsonObject& json) {
+std::pair<std::string, io::KnownDigest> read_input(const io::JsonObject& json) {
     json.allow_only({"file", "sha256", "size", "inode", "modified_ns", "changed_ns"});
     constexpr std::uint64_t latest = std::numeric_limits<std::int64_t>::max();
-    slicer::KnownDigest known;
+    io::KnownDigest known;
     known.sha256 = json.text("sha256");
     known.stamp = {json.integer("size", 0, any_count), json.integer("inode", 0, any_count),
                    static_cast<std::int64_t>(json.integer("modified_ns", 0, latest)),

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "base/named_values.h"
-#include "slicer/kept/input_digests.h"
+#include "io/files/file_digest.h"
 
 namespace voxtone::io {
 class JsonObject;
@@ -77,7 +77,7 @@ struct JobState {
     int exit_code = 0;                 ///< of the last attempt
     std::string message;               ///< why it failed or was stopped
     std::string finished;              ///< UTC
-    std::vector<std::pair<std::string, slicer::KnownDigest>>
+    std::vector<std::pair<std::string, io::KnownDigest>>
         inputs;                           ///< by absolute path, of those that are known for good
     std::optional<StackFigures> figures;  ///< of what is done
     std::optional<AfterState> after;      ///< where a command was to follow

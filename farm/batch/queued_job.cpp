@@ -14,8 +14,8 @@
 #include "farm/batch/job_log.h"
 #include "farm/batch/job_result.h"
 #include "io/disk/disk_space.h"
+#include "io/files/file_digest.h"
 #include "io/programs/build_identity.h"
-#include "slicer/kept/input_digests.h"
 #include "slicer/kept/loop_checkpoint.h"
 #include "slicer/options/command_words.h"
 
@@ -33,7 +33,7 @@ QueuedJob::QueuedJob(BatchContext& context, PlannedJob job, std::size_t number)
     weight_ = weigh(job_.options, job_.command, known ? &*known : nullptr);
     if (known) {
         state_ = *known;
-        for (const auto& [file, digest] : known->inputs) slicer::input_digests().learn(file, digest);
+        for (const auto& [file, digest] : known->inputs) io::file_digests().learn(file, digest);
     }
     state_.name = job_.name;
     state_.number = number;

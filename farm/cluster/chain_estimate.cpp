@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "farm/batch/job_result.h"
 #include "farm/cluster/job_record.h"
-#include "slicer/kept/input_digests.h"
+#include "io/files/file_digest.h"
 #include "io/programs/build_identity.h"
 #include "slicer/tray/run_print.h"
 
@@ -17,7 +17,7 @@ namespace voxtone::farm {
 bool is_done(const BatchFolder& batch, const PlannedJob& job, const Progress& progress) {
     const std::optional<JobState> known = batch.state_of(job.name);
     if (!known) return false;
-    for (const auto& [file, digest] : known->inputs) slicer::input_digests().learn(file, digest);
+    for (const auto& [file, digest] : known->inputs) io::file_digests().learn(file, digest);
     return known->phase == JobPhase::done && known->program == io::build_identity() &&
            holds_job(job.out, job, &progress);
 }

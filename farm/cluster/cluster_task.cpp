@@ -26,8 +26,8 @@
 #include "farm/cluster/stage_memory.h"
 #include "farm/cluster/submission.h"
 #include "io/disk/disk_space.h"
+#include "io/files/file_digest.h"
 #include "io/files/json_writer.h"
-#include "slicer/kept/input_digests.h"
 #include "slicer/kept/loop_checkpoint.h"
 #include "slicer/options/command_words.h"
 
@@ -132,7 +132,7 @@ private:
         std::vector<std::string> arguments = arguments_of(stage_, index_);
         const auto state = batch_.state_of(job_.name);
         if (state)
-            for (const auto& [file, digest] : state->inputs) slicer::input_digests().learn(file, digest);
+            for (const auto& [file, digest] : state->inputs) io::file_digests().learn(file, digest);
         const bool ours = state && state->folder_is_ours;
         for (std::string& word : words_for_folder(options_.stage, job_, ours, progress_))
             arguments.push_back(std::move(word));

@@ -9,13 +9,13 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
+#include "io/files/file_digest.h"
 #include "io/files/sha256.h"
 #include "io/files/zip_reader.h"
 #include "io/lettering/font_file.h"
 #include "io/models/model_reader.h"
 #include "io/profiles/resin_file.h"
 #include "io/programs/build_identity.h"
-#include "slicer/kept/input_digests.h"
 #include "slicer/options/job_file.h"
 #include "slicer/options/option_table.h"
 
@@ -32,7 +32,7 @@ std::string text_sha256(std::string_view text) {
 }
 
 JobInput file_input(std::string key, const std::string& file, const Progress* progress) {
-    return {std::move(key), file, input_digests().of(file, progress)};
+    return {std::move(key), file, io::file_sha256(file, progress)};
 }
 
 JobInput file_or_known(std::string key, const std::string& name, std::optional<std::string_view> known,

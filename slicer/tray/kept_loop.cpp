@@ -36,16 +36,14 @@ std::string why_no_kept_loop(const std::string& folder, const OpenedJob& job, co
     }
 }
 
-bool take_kept_loop(const std::string& name, const std::string& folder, const SliceOptions& options,
-                    Progress& progress) {
-    const OpenedJob job = open_job(options);
+bool take_kept_loop(const std::string& name, const std::string& folder, const OpenedJob& job, Progress& progress) {
     if (job.options.loop.iterations == 0) return false;
     if (const std::string why = why_no_kept_loop(folder, job, progress); !why.empty()) {
         progress.note(fmt::format("{}: the appearance loop is run again: {}", name, why));
         return false;
     }
     constexpr std::uint64_t most_bytes = std::uint64_t{1} << 34;
-    const fs::path own = fs::path(options.out) / io::skin_name;
+    const fs::path own = job.options.out / io::skin_name;
     fs::create_directories(own.parent_path());
     io::write_whole_file(own, io::read_whole_file(kept_in(folder), most_bytes));
     return true;

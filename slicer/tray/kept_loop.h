@@ -8,7 +8,6 @@
 
 #include "base/progress.h"
 #include "slicer/job/prepared_job.h"
-#include "slicer/options/slice_options.h"
 
 namespace voxtone::slicer {
 
@@ -16,9 +15,8 @@ namespace voxtone::slicer {
 [[nodiscard]] std::string why_no_kept_loop(const std::string& folder, const OpenedJob& job, const Progress& progress);
 
 /// Looks into the folder of the job, and says why its loop is run again where it is not this part's: by what is known
-/// before the model is read. Whether it was copied. Throws what opening the part's job throws, FileError.
-bool take_kept_loop(const std::string& name, const std::string& folder, const SliceOptions& options,
-                    Progress& progress);
+/// before the model is read. Whether it was copied. Throws FileError.
+bool take_kept_loop(const std::string& name, const std::string& folder, const OpenedJob& job, Progress& progress);
 
 /// The same with what the model tells: false, and said, where it is another job's after all.
 bool is_loop_of(const std::string& name, const PreparedJob& ready, Progress& progress);

@@ -36,6 +36,7 @@ constexpr double share_of_copy = 0.25;
 struct EstimatedPart {
     const TrayPart* part;
     std::optional<MeasuredBody> measured{};  ///< nothing: a component
+    std::optional<PrinterProfile> printer{};
     std::optional<ReadyComponent> component{};
     JobEstimate estimate = {};
     std::uint64_t resident_bytes = 0;  ///< when it was estimated
@@ -84,6 +85,7 @@ EstimatedPart estimate_part(const TrayPart& part, const EstimateScope& scope, co
                 part.job && !part.job->folder.empty() && why_no_kept_loop(part.job->folder, opened, progress).empty();
         });
         EstimatedPart made{&part};
+        made.printer = job.printer;
         made.measured.emplace(read_measured(job, progress));
         made.resident_bytes = resident_bytes();
         made.estimate = estimate_body(job, made.measured->body, made.measured->read, scope, progress);
@@ -189,7 +191,7 @@ JobEstimate estimate_tray(const SliceOptions& asked, const TrayModels& models, P
     for (const EstimatedPart& part : parts)
         standing.push_back(
             {part.part, part.measured ? &part.measured->body : nullptr, part.component ? &*part.component : nullptr});
-    const PrinterProfile printer = of_all ? of_all->printer : open_job(tray.plan.parts[0].options).printer;
+    const PrinterProfile printer = of_all ? of_all->printer : *parts[0].printer;
     JobEstimate sum;
     sum.model = models.empty() ? asked.model : fmt::format("{}", fmt::join(models.files, ", "));
     sum.threads = thread_count();

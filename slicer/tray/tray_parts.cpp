@@ -55,7 +55,8 @@ std::vector<std::string> roles_of(const OpenedJob& job) {
 struct WaitingPart {
     TrayPart part;
     SliceOptions options;    ///< as a job
-    SliceOptions as_said{};  ///< the same, which may leave the choice of resins to the printer
+    SliceOptions as_said{};  ///< the same, which may leave the choice of resins to the printer, ...
+    std::optional<OpenedJob> opened = std::nullopt;  ///< ... opened; nothing: a component
     std::optional<JobBody> body = std::nullopt;
     std::optional<ReadyComponent> component = std::nullopt;
 };
@@ -94,8 +95,8 @@ std::vector<WaitingPart> open_parts(const TrayPlan& plan, std::vector<FailedPart
         }
         const SliceOptions options = job_options(part, plan.common.out, roles);
         take_back(options.out);
-        const bool good = goes_well(part, plan.common.fail_fast, failed, progress, [&] {
-            const OpenedJob opened = open_job(options);
+        (void)goes_well(part, plan.common.fail_fast, failed, progress, [&] {
+            OpenedJob opened = open_job(options);
             if (opened.other)
                 throw InputError(
                     fmt::format("shows {}, which a tray's parts cannot yet: print it alone", opened.other->what()));
@@ -103,8 +104,8 @@ std::vector<WaitingPart> open_parts(const TrayPlan& plan, std::vector<FailedPart
                 throw InputError("loads other resins than the first part: say \"load\" beside \"parts\"");
             if (part.job) expect_of_the_tray(*part.job, opened);
             if (roles.empty()) roles = roles_of(opened);
+            waiting.push_back({part, job_options(part, plan.common.out, roles), options, std::move(opened)});
         });
-        if (good) waiting.push_back({part, job_options(part, plan.common.out, roles), options});
     }
     return waiting;
 }
@@ -170,9 +171,8 @@ void turn_parts(const TrayPlan& plan, std::vector<WaitingPart>& waiting, std::ve
     std::erase_if(waiting, [&](WaitingPart& part) {
         if (part.component) return false;
         return !goes_well(part.part, plan.common.fail_fast, failed, progress, [&] {
-            const OpenedJob job = open_job(part.options);
-            part.body.emplace(prepare_body(job.options, job.printer, progress));
-            if (!part.part.turn || !has_marked_sides(job.options)) return;
+            part.body.emplace(prepare_body(part.opened->options, part.opened->printer, progress));
+            if (!part.part.turn || !has_marked_sides(part.opened->options)) return;
             part.part.turn = false;
             progress.note(part.part.name + ": is not turned, for its labels or decals have places on the print");
         });
@@ -181,7 +181,7 @@ void turn_parts(const TrayPlan& plan, std::vector<WaitingPart>& waiting, std::ve
     if (model == waiting.end()) return;
     std::vector<StandingPart> all;
     for (const WaitingPart& part : waiting) all.push_back(standing(part));
-    const PrinterProfile printer = open_job(model->options).printer;
+    const PrinterProfile& printer = model->opened->printer;
     const std::vector<int> turns =
         turns_on_plate(all, printer.sliced_tray_mm(), plan.common.gap_mm, printer.sliced_passes());
     for (std::size_t p = 0; p < waiting.size(); ++p)
@@ -191,8 +191,8 @@ void turn_parts(const TrayPlan& plan, std::vector<WaitingPart>& waiting, std::ve
 /// With the loop of the job that it was alone; null where that is not to be had. The job says its resins as it did
 /// then; where it chooses others for its colours than this tray loads, it is another job.
 std::unique_ptr<PreparedJob> open_with_kept_loop(WaitingPart& part, bool loops_elsewhere, Progress& progress) {
+    if (!take_kept_loop(part.part.name, part.part.job->folder, *part.opened, progress)) return nullptr;
     SliceOptions options = part.as_said;
-    if (!take_kept_loop(part.part.name, part.part.job->folder, options, progress)) return nullptr;
     options.until = SliceOptions{}.until;  // that it is run, is done
     std::unique_ptr<PreparedJob> ready = open_ready(options, std::move(part.body), progress, loops_elsewhere);
     if (roles_of(ready->job) == part.options.load && is_loop_of(part.part.name, *ready, progress)) return ready;

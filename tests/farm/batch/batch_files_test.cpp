@@ -88,7 +88,7 @@ TEST_CASE("A state that is cut short or of another version is none") {
 TEST_CASE("A digest is that of the file as it is now") {
     const io::TemporaryFolder folder;
     const std::string file = (folder.path() / "a").string();
-    InputDigests digests;
+    io::FileDigests digests;
     CHECK(digests.of(file).empty());
     std::ofstream(file) << "one";
     const std::string one = digests.of(file);
@@ -97,7 +97,7 @@ TEST_CASE("A digest is that of the file as it is now") {
     std::ofstream(file) << "two";     // of the same size
     CHECK(digests.of(file) == io::file_sha256(file));
     // What is known of a file counts as long as its stamp is the same, and no longer.
-    digests.learn(file, {*FileStamp::of(file), "known"});
+    digests.learn(file, {*io::FileStamp::of(file), "known"});
     CHECK(digests.of(file) == "known");
     const auto time = fs::last_write_time(file);
     std::ofstream(file) << "six";

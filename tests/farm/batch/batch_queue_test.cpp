@@ -358,10 +358,10 @@ TEST_CASE("What an input held is known of one that was last changed long before 
     options.model = model;
     const std::vector<JobInput> inputs{{"model", model, std::string(64, 'a')}};
     std::ofstream(folder.path() / "job.json") << job_record(options, inputs, folder.path());
-    const auto stamp = FileStamp::of(model);
+    const auto stamp = io::FileStamp::of(model);
     REQUIRE(stamp);
     constexpr std::int64_t second = 1'000'000'000;
-    InputDigests young, old;
+    io::FileDigests young, old;
     learn_inputs(folder.path(), stamp->changed_ns + second, young);
     CHECK_FALSE(young.find(model));
     CHECK(known_inputs(folder.path(), young).empty());

@@ -9,7 +9,6 @@
 
 #include "io/files/file_digest.h"
 #include "io/profiles/resin_file.h"
-#include "slicer/kept/input_digests.h"
 #include "slicer/options/job_file.h"
 #include "tests/io/files/temporary_folder.h"
 
@@ -97,8 +96,9 @@ TEST_CASE("All who ask for a job's identity in a run ask one memo of what its in
     const OpenedJob job = open_job(options);
     CHECK(is_same_job(desk / "out", job));
     // Nobody reads the model again while it is the very file.
-    input_digests().learn(options.model, {*FileStamp::of(options.model), std::string(64, 'f')});
+    io::file_digests().learn(options.model, {*io::FileStamp::of(options.model), std::string(64, 'f')});
     CHECK(desk.identity(options).inputs[0].sha256 == std::string(64, 'f'));
+    CHECK(io::file_sha256(options.model) == std::string(64, 'f'));
     CHECK_FALSE(is_same_job(desk / "out", job));
     CHECK(opened_loop_identity(job) == desk.identity(options).opened_loop);
     desk.write("model.obj", "v 0 0 1\n");
