@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Phases of a job that whole jobs, shards and merges have in common (slice_job.cpp, shards/shard_job.cpp,
-// shards/merge_job.cpp), in the order in which they go through them.
+// Phases of a job that bodies and trays, whole, in shards and merged, have in common, in the order in which they go
+// through them.
 #pragma once
 
 #include <array>
@@ -17,6 +17,7 @@
 #include "io/layers/layer_runs.h"
 #include "io/report/report.h"
 #include "slicer/job/slice_report.h"
+#include "slicer/layers/layer_source.h"
 #include "slicer/look/thumbnails.h"
 #include "slicer/look/voxel_sample.h"
 #include "slicer/prepare/job_body.h"
@@ -44,11 +45,17 @@ using LayerTaker = std::function<void(int k, const io::LayerRuns& layer)>;
 struct LayerWatchers {
     std::optional<Thumbnails> thumbnails;
     std::optional<VoxelSample> voxels;
+    /// Both, of these layers of a print.
+    void watch(const LayerRange& layers, const VoxelGrid& grid, const OpenedJob& job);
     /// From any thread, once for each layer.
     void take_layer(int k, const io::LayerRuns& layer);
 };
 
-/// Makes the layers of the range, in slabs side by side; each goes to `take` and to those who look on.
+/// Makes the layers of the range, in slabs side by side, as many as memory allows; each goes to `take` and to those who
+/// look on.
+void make_layers(const LayerSource& layers, const LayerRange& range, const LayerTaker& take, LayerWatchers& watchers,
+                 JobMeasurements& figures, Progress& progress);
+/// Those of a body, whose print looks on, too.
 void make_layers(Print& print, const LayerRange& range, const LayerTaker& take, LayerWatchers& watchers,
                  JobMeasurements& figures, Progress& progress);
 

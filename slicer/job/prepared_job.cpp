@@ -11,10 +11,8 @@
 #include "base/stopwatch.h"
 #include "base/warning.h"
 #include "io/disk/disk_space.h"
-#include "io/shards/shard_folder.h"
 #include "slicer/colour/colour_print.h"
 #include "slicer/kept/skin_file.h"
-#include "slicer/options/job_file.h"
 #include "slicer/prepare/resin_choice.h"
 
 namespace voxtone::slicer {
@@ -57,16 +55,6 @@ PreparedJob::PreparedJob(OpenedJob opened, std::optional<JobBody> kept, Progress
       job(choose_said(std::move(opened), body, progress)),
       plan(plan_job(job, body)),
       print(make_print(job, body, identity, plan, progress)) {}
-
-void expect_no_other_shards(const OpenedJob& job, const Progress* progress) {
-    const std::filesystem::path folder = io::shards_folder(job.options.out);
-    if (std::error_code none; !std::filesystem::exists(folder / job_file_name, none)) return;
-    if (is_same_job(folder, job, progress)) return;
-    throw InputError(
-        fmt::format("{}: holds shards of another job, which would be lost: name another folder, merge them first, or "
-                    "allow it with --overwrite",
-                    folder.string()));
-}
 
 void expect_own_loop(const OpenedJob& job, const Progress* progress) {
     const ResolvedJob& options = job.options;

@@ -36,9 +36,6 @@ public:
     const std::unique_ptr<Print> print;
 };
 
-/// Shards of another job in the output folder. Throws InputError.
-void expect_no_other_shards(const OpenedJob& job, const Progress* progress);
-
 /// What an appearance loop came to, where the job would read it, must be of this job: what can be said of that before
 /// the model is read. Throws InputError, FileError.
 void expect_own_loop(const OpenedJob& job, const Progress* progress);

@@ -16,21 +16,18 @@
 #include "base/stopwatch.h"
 #include "base/warning.h"
 #include "io/files/json_object.h"
-#include "io/files/whole_file.h"
 #include "io/layers/layer_stack_writer.h"
 #include "io/layers/stack_folder.h"
-#include "io/printer/printer_folder.h"
-#include "io/shards/shard_folder.h"
 #include "slicer/estimate/estimate_job.h"
 #include "slicer/estimate/estimate_text.h"
 #include "slicer/job/job_phases.h"
+#include "slicer/job/output_folder.h"
 #include "slicer/job/prepared_job.h"
 #include "slicer/job/printer_page.h"
 #include "slicer/job/slice_report.h"
 #include "slicer/kept/job_identity.h"
 #include "slicer/kept/loop_checkpoint.h"
 #include "slicer/kept/report_files.h"
-#include "slicer/look/thumbnails.h"
 #include "slicer/options/job_file.h"
 #include "slicer/plan/phase_estimates.h"
 #include "slicer/prepare/opened_job.h"
@@ -41,11 +38,6 @@ namespace voxtone::slicer {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Whether the folder holds this very job's stack, whole, though perhaps without its report.
-bool holds_this_stack(const OpenedJob& job, const io::StackFolder& folder, const Progress& progress) {
-    return folder.holds_stack() && is_same_job(folder.path(), job, &progress);
-}
 
 bool has_checkpoint(const io::StackFolder& folder) { return fs::exists(folder.path() / io::checkpoint_name); }
 
@@ -76,25 +68,15 @@ bool is_judged_bad(const std::string& json, const fs::path& figures) {
 
 /// What was said when this very job was done, where nothing is left of it to do.
 std::optional<JobResult> done_before(const OpenedJob& job, const io::StackFolder& folder, const Progress& progress) {
-    const fs::path figures = folder.path() / report_file::figures;
-    if (job.options.overwrite || job.options.until != Until::end || has_checkpoint(folder) || !fs::exists(figures) ||
-        !holds_this_stack(job, folder, progress))
-        return std::nullopt;
-    constexpr std::uint64_t most_bytes = std::uint64_t{1} << 30;
-    const std::vector<std::uint8_t> json = io::read_whole_file(figures, most_bytes);
-    const bool bad = is_judged_bad({json.begin(), json.end()}, figures);
-    return JobResult{{json.begin(), json.end()},
+    if (job.options.overwrite || job.options.until != Until::end || has_checkpoint(folder)) return std::nullopt;
+    std::optional<std::string> json = said_before(job, folder, report_file::figures, progress);
+    if (!json) return std::nullopt;
+    const bool bad = is_judged_bad(*json, folder.path() / report_file::figures);
+    return JobResult{*std::move(json),
                      fmt::format("{}: holds this job's stack already, whole; nothing was done (--overwrite makes it "
                                  "again)\n",
                                  folder.path().string()),
                      bad && job.options.strict ? ExitCode::check_failed : ExitCode::done};
-}
-
-/// Another job's stack, and whatever else is no job's of this folder, is replaced only where that was allowed.
-void expect_replaceable(const OpenedJob& job, const io::StackFolder& folder, const Progress& progress) {
-    const bool goes_on = job.run.goes_on && has_checkpoint(folder);
-    if (!job.options.overwrite && !goes_on && !holds_this_stack(job, folder, progress)) folder.expect_free();
-    if (!job.options.overwrite) expect_no_other_shards(job, &progress);
 }
 
 /// A saved loop of another job is refused before the model is read.
@@ -174,19 +156,14 @@ JobResult run_slice_job(const SliceOptions& requested, Progress& progress) {
     VOXTONE_EXPECT(!opened.options.sharded);
     LoopCheckpoint::refuse_loss(opened.options.out, opened.run.goes_on, opened.options.overwrite);
     // From here on the output folder is this job's; what it holds stays until the new stack is whole.
-    std::vector<std::string_view> companions(report_file::all.begin(), report_file::all.end());
-    companions.push_back(io::shards_name);
-    io::StackFolder folder(opened.options.out, std::move(companions));
-    if (!folder.doubt().empty()) progress.warn(named_warning("lock-doubt", folder.doubt()));
+    io::StackFolder folder = take_output(opened.options.out, {io::shards_name}, progress);
     if (auto done = done_before(opened, folder, progress)) {
         hand_over(folder.path(), opened.options.for_printer, opened.options.overwrite, progress);
         return *std::move(done);
     }
-    expect_replaceable(opened, folder, progress);
-    if (!opened.options.for_printer.empty())
-        io::expect_printer_target(opened.options.out, opened.options.for_printer, opened.options.overwrite);
-    if (const std::string note = folder.strangers_note(); !note.empty())
-        progress.warn(named_warning("strange-files", note));
+    expect_replaceable(
+        opened, folder,
+        {opened.options.overwrite, opened.run.goes_on && has_checkpoint(folder), opened.options.for_printer}, progress);
     expect_resumable(opened, folder, progress);
     const ThreadLimit threads(static_cast<std::size_t>(opened.options.threads));
     for (const std::string& warning : opened.printer.warnings()) progress.warn(warning);
@@ -207,10 +184,7 @@ JobResult run_slice_job(const SliceOptions& requested, Progress& progress) {
     print->rearrange(progress);
     keep_loop_besides(ready);
     LayerWatchers watchers;
-    if (job.options.report) {
-        watchers.thumbnails.emplace(range.first, range.layers(), plan.grid, job.palette());
-        watchers.voxels.emplace(range.first, range.layers(), plan.grid);
-    }
+    if (job.options.report) watchers.watch(range, plan.grid, job);
     const auto write = [&](int k, const io::LayerRuns& layer) { writer.write(std::uint32_t(k - range.first), layer); };
     make_layers(*print, range, write, watchers, ready.figures, progress);
     const io::StackDescription& stack = finish_stack(ready, writer, progress);

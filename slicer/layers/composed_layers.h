@@ -40,8 +40,8 @@ public:
 
     /// Of each part, in the order in which they were given, in all layers that `make` has made, each counted as often.
     [[nodiscard]] std::vector<Overlap> overlapped() const;
-    /// Memory that making a slab takes: the most so far, before the first at most.
-    [[nodiscard]] std::uint64_t slab_bytes() const;
+    /// The most so far, before the first at most.
+    [[nodiscard]] std::uint64_t slab_bytes() const override;
     /// Of each part, what its layers came to; of parts that are made once for several places all stands at the first.
     [[nodiscard]] std::vector<LayerCounts> counted() const;
     /// The same of these layers, which are made for that.

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <span>
@@ -50,6 +51,8 @@ public:
     /// Makes the layers of [k_begin, k_end) that lie in this slab, from the bottom up, and hands each to `sink`. May be
     /// called from any thread, for different slabs at once.
     virtual LayerCounts make(int slab, int k_begin, int k_end, const LayerSink& sink) const = 0;
+    /// Memory that making a slab takes, of slabs that are so large that not every thread may make one; 0: of no others.
+    [[nodiscard]] virtual std::uint64_t slab_bytes() const { return 0; }
     /// The same layers for parts whose corners are at `places` of a print, one at least; at {0, 0, 0} they are those
     /// that `make` makes. As it stands here: the same voxels everywhere.
     [[nodiscard]] virtual std::unique_ptr<const SlabLayers> slab_layers_of(int slab, int k_begin, int k_end,

@@ -23,6 +23,7 @@
 #include "io/shards/merged_stack.h"
 #include "io/shards/shard_folder.h"
 #include "slicer/job/job_phases.h"
+#include "slicer/job/output_folder.h"
 #include "slicer/job/prepared_job.h"
 #include "slicer/job/printer_page.h"
 #include "slicer/kept/prepared_body.h"
@@ -118,7 +119,7 @@ io::PageOfStack page_of(const MergedPrint& print) {
 /// Where it could not be made when the stack was merged.
 void make_up_for_printer_folder(const MergeOptions& options, const io::ShardSet& shards, Progress& progress) {
     if (!io::waits_for_page(options.out, shards)) return;
-    const io::StackFolder folder(options.out, {report_file::all.begin(), report_file::all.end()});
+    const io::StackFolder folder = take_output(options.out, {}, progress);
     if (const std::optional<MergedPrint> print = merged_print(options, shards, job_text(options.out), progress))
         io::add_printer_folder(folder, shards, page_of(*print), &progress);
 }
@@ -130,11 +131,9 @@ void lay_together(const MergeOptions& options, const io::ShardSet& shards, Progr
             fmt::format("{}: is not of the job that the shards are of; make one of them again, with "
                         "--overwrite",
                         (io::shards_folder(options.out) / job_file_name).string()));
-    io::StackFolder folder(options.out, {report_file::all.begin(), report_file::all.end()});
-    if (!folder.doubt().empty()) progress.warn(named_warning("lock-doubt", folder.doubt()));
+    io::StackFolder folder = take_output(options.out, {}, progress);
     expect_replaceable(options, folder, shards);
-    if (const std::string note = folder.strangers_note(); !note.empty())
-        progress.warn(named_warning("strange-files", note));
+    say_strangers(folder, progress);
     io::expect_files(options.out, shards);
     const std::string job = job_text(options.out);
     const std::optional<MergedPrint> print = merged_print(options, shards, job, progress);

@@ -7,7 +7,6 @@
 #include <mutex>
 #include <utility>
 
-#include "base/stopwatch.h"
 #include "io/files/whole_file.h"
 #include "io/layers/stack_folder.h"
 #include "io/report/customer_page.h"
@@ -17,7 +16,6 @@
 #include "slicer/plans/part_about.h"
 #include "slicer/prepare/phase.h"
 #include "slicer/tray/component_surface.h"
-#include "slicer/tray/tray_layers.h"
 
 namespace voxtone::slicer {
 
@@ -50,8 +48,7 @@ public:
     [[nodiscard]] LayerSink sink() {
         const PreparedJob& ready = *part_.ready;
         const LayerRange& range = ready.plan.layers;
-        watchers_.thumbnails.emplace(range.first, range.layers(), ready.plan.grid, ready.job.palette());
-        watchers_.voxels.emplace(range.first, range.layers(), ready.plan.grid);
+        watchers_.watch(range, ready.plan.grid, ready.job);
         ready.print->expect_layers(range);
         return [this](int k, const io::LayerRuns& layer) {
             count_resins(layer);
@@ -60,12 +57,12 @@ public:
         };
     }
 
-    void set_figures(const LayerCounts& counts, const LayersMade& made) {
+    void set_figures(const LayerCounts& counts, const JobMeasurements& made) {
         JobMeasurements& figures = part_.ready->figures;
         figures.counts = counts;
-        figures.layers_s = made.seconds;
+        figures.layers_s = made.layers_s;
         figures.encode_s = made.encode_s;
-        figures.layer_bytes = made.bytes;
+        figures.layer_bytes = made.layer_bytes;
     }
 
     /// `is_all`: the tray is this body alone, its page the tray's.
@@ -156,7 +153,8 @@ PartSinks PartReports::sinks() {
     return sinks;
 }
 
-void PartReports::write(const ComposedLayers& layers, const LayersMade& made, TrayReport& tray, Progress& progress) {
+void PartReports::write(const ComposedLayers& layers, const JobMeasurements& made, TrayReport& tray,
+                        Progress& progress) {
     const std::vector<LayerCounts> counts = layers.counted();
     double all_s = 0;
     for (const LayerCounts& one : counts) all_s += seconds_of(one);
@@ -168,8 +166,11 @@ void PartReports::write(const ComposedLayers& layers, const LayersMade& made, Tr
             if (&part == &view->part()) break;
             first += std::size_t(std::ranges::count(part.alone, tray_, &PlacedCopy::tray));
         }
-        LayersMade own = made;
-        if (!is_all) own = {all_s > 0 ? made.seconds * seconds_of(counts[first]) / all_s : 0, 0, 0};
+        JobMeasurements own = made;
+        if (!is_all) {
+            own = {};
+            own.layers_s = all_s > 0 ? made.layers_s * seconds_of(counts[first]) / all_s : 0;
+        }
         view->set_figures(counts[first], own);
         view->write(is_all, tray, progress);
     }
@@ -190,10 +191,11 @@ void PartReports::write_later(View& view, TrayReport& tray, Progress& progress) 
         prepared_.places.trays[std::size_t(tray_)],
         {{view.part().ready->print->layers(), view.copy().at, 0, view.part().part.cuts, view.sink()}});
     LayerWatchers nobody;
-    const Stopwatch watch;
-    make_tray_layers(
-        alone, {first, first + body.grid.size[2] - 1}, [](int, const io::LayerRuns&) {}, nobody, progress);
-    view.set_figures(alone.counted()[0], {watch.total(), 0, 0});
+    JobMeasurements made;
+    make_layers(
+        alone, {first, first + body.grid.size[2] - 1}, [](int, const io::LayerRuns&) {}, nobody, made, progress);
+    made.encode_s = 0;  // nothing is written
+    view.set_figures(alone.counted()[0], made);
     view.write(false, tray, progress);
 }
 

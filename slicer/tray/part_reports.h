@@ -16,12 +16,6 @@
 
 namespace voxtone::slicer {
 
-/// What the layers of a tray took.
-struct LayersMade {
-    double seconds = 0, encode_s = 0;
-    std::uint64_t bytes = 0;
-};
-
 /// An empty report, which shares its room out among all copies.
 [[nodiscard]] TrayReport report_for(const PreparedTray& prepared, const std::filesystem::path& out);
 
@@ -33,8 +27,9 @@ public:
 
     /// For the layers of the tray, all of which they have to see.
     [[nodiscard]] PartSinks sinks();
-    /// Predicts each part and writes its report once they are made; that of a tray which is one body is left to `tray`.
-    void write(const ComposedLayers& layers, const LayersMade& made, TrayReport& tray, Progress& progress);
+    /// Predicts each part and writes its report once they are made, which took what `made` says; that of a tray which
+    /// is one body is left to `tray`.
+    void write(const ComposedLayers& layers, const JobMeasurements& made, TrayReport& tray, Progress& progress);
 
 private:
     class View;

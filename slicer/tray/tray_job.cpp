@@ -2,7 +2,6 @@
 #include "slicer/tray/tray_job.h"
 
 #include <algorithm>
-#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -17,20 +16,16 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/stopwatch.h"
-#include "base/warning.h"
 #include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
 #include "io/layers/layer_stack_writer.h"
 #include "io/layers/stack_folder.h"
-#include "io/printer/printer_folder.h"
-#include "io/shards/shard_folder.h"
 #include "slicer/job/job_phases.h"
+#include "slicer/job/output_folder.h"
 #include "slicer/job/printer_page.h"
-#include "slicer/kept/report_files.h"
 #include "slicer/options/job_file.h"
 #include "slicer/tray/opened_tray.h"
 #include "slicer/tray/part_reports.h"
-#include "slicer/tray/tray_layers.h"
 #include "slicer/tray/tray_record.h"
 #include "slicer/tray/tray_report.h"
 
@@ -40,10 +35,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<std::string_view> companions_of_tray() {
-    std::vector<std::string_view> names(report_file::all.begin(), report_file::all.end());
-    names.insert(names.end(), {tray_file_name, tray_picture_name, io::shards_name});
-    return names;
+io::StackFolder take_tray_folder(const fs::path& out, Progress& progress) {
+    return take_output(out, {tray_file_name, tray_picture_name, io::shards_name}, progress);
 }
 
 /// Where the tray goes besides, numbered like its folder; empty: nowhere.
@@ -57,13 +50,11 @@ fs::path printer_target(const OpenedTray& tray, int number) {
 
 /// This very tray, with every part that can be made.
 std::optional<JobResult> done_before(const OpenedTray& tray, const io::StackFolder& folder, const Progress& progress) {
-    const SliceOptions& common = tray.plan.common;
-    if (common.overwrite || !folder.holds_stack() || !is_same_job(folder.path(), tray.job, &progress))
-        return std::nullopt;
+    if (tray.plan.common.overwrite) return std::nullopt;
+    std::optional<std::string> json = said_before(tray.job, folder, tray_file_name, progress);
     const std::optional<TrayEnding> ending = ending_in(folder.path());
-    if (!ending || !ending->failed.empty()) return std::nullopt;
-    const std::vector<std::uint8_t> json = io::read_whole_file(folder.path() / tray_file_name, std::uint64_t{1} << 30);
-    return JobResult{{json.begin(), json.end()},
+    if (!json || !ending || !ending->failed.empty()) return std::nullopt;
+    return JobResult{*std::move(json),
                      fmt::format("{}: holds this tray already, whole; nothing was done (--overwrite makes it again)\n",
                                  folder.path().string()),
                      exit_code_of(tray, {}, ending->verdicts)};
@@ -93,17 +84,8 @@ void set_aside_left_parts(const OpenedTray& tray, const PreparedTray& prepared, 
             fmt::format("{}: of an earlier tray, and set aside in {}", said, (parts / earlier_parts_name).string()));
 }
 
-/// Takes the folder of a tray; another tray's stack is replaced only where that was allowed.
-io::StackFolder take_folder(const OpenedTray& tray, int number, Progress& progress) {
-    io::StackFolder folder(folder_of_tray(tray.plan.common.out, number), companions_of_tray());
-    if (!folder.doubt().empty()) progress.warn(named_warning("lock-doubt", folder.doubt()));
-    if (!tray.plan.common.overwrite && !(folder.holds_stack() && is_same_job(folder.path(), tray.job, &progress)))
-        folder.expect_free();
-    if (const std::string note = folder.strangers_note(); !note.empty())
-        progress.warn(named_warning("strange-files", note));
-    if (const fs::path target = printer_target(tray, number); !target.empty())
-        io::expect_printer_target(folder.path(), target, tray.plan.common.overwrite);
-    return folder;
+void expect_tray_replaceable(const OpenedTray& tray, int number, const io::StackFolder& folder, Progress& progress) {
+    expect_replaceable(tray.job, folder, {tray.plan.common.overwrite, false, printer_target(tray, number)}, progress);
 }
 
 /// The page of the tray's printer folder.
@@ -132,21 +114,18 @@ public:
           out_(folder.path()),
           parts_(prepared, number, tray.plan.common.report),
           layers_(compose(prepared, number, parts_.sinks())),
-          writer_(std::move(folder), any().describe(layers_.grid(), {0, layers_.grid().size[2] - 1}), any().outputs()) {
-        if (tray.plan.common.report && !is_one_body(prepared)) watch_all(watchers_, layers_.grid(), any());
+          writer_(std::move(folder), any().describe(layers_.grid(), all()), any().outputs()) {
+        if (tray.plan.common.report && !is_one_body(prepared)) watchers_.watch(all(), layers_.grid(), any());
     }
 
     /// Its layers, and the reports of the parts that are first seen in them.
     void make(TrayReport& report, Progress& progress) {
-        const Stopwatch watch;
-        std::atomic<double> encode_s = 0;
-        const auto write = [&](int k, const io::LayerRuns& layer) {
-            const Stopwatch encode;
-            writer_.write(std::uint32_t(k), layer);
-            encode_s += encode.total();
-        };
-        make_tray_layers(layers_, {0, layers_.grid().size[2] - 1}, write, watchers_, progress);
-        parts_.write(layers_, {watch.total(), encode_s, writer_.bytes_written()}, report, progress);
+        JobMeasurements made;
+        make_layers(
+            layers_, all(), [&](int k, const io::LayerRuns& layer) { writer_.write(std::uint32_t(k), layer); },
+            watchers_, made, progress);
+        made.layer_bytes = writer_.bytes_written();
+        parts_.write(layers_, made, report, progress);
     }
 
     /// Once all parts are told of: puts the stack in its place. What there is to read of it.
@@ -169,6 +148,7 @@ public:
 
 private:
     [[nodiscard]] const OpenedJob& any() const { return prepared_.any_job(); }
+    [[nodiscard]] LayerRange all() const { return {0, layers_.grid().size[2] - 1}; }
 
     const OpenedTray& tray_;
     const PreparedTray& prepared_;
@@ -203,22 +183,25 @@ JobResult run_tray_job(const SliceOptions& asked, const TrayModels& models, Prog
     if (asked.out.empty()) throw UsageError("tray: name the folder for the print (-o OUT)");
     const bool only_loops = asked.until == name_of(Until::loop);
     // A strange folder is refused before anything is made in it; whose stack is there is known once the plan is read.
-    std::optional<io::StackFolder> first(std::in_place, asked.out, companions_of_tray());
-    if (!asked.overwrite && !first->holds_stack()) first->expect_free();
+    io::StackFolder first = take_tray_folder(asked.out, progress);
+    if (!asked.overwrite && !first.holds_stack()) first.expect_free();
     const OpenedTray tray = open_tray(with_plan(asked, models));
     for (const std::string& note : tray.plan.notes) progress.note(note);
     if (!only_loops)
-        if (auto done = done_before(tray, *first, progress)) {
+        if (auto done = done_before(tray, first, progress)) {
             for (int number = 0; is_same_job(folder_of_tray(asked.out, number), tray.job, &progress); ++number)
                 hand_over(folder_of_tray(asked.out, number), printer_target(tray, number), asked.overwrite, progress);
             return *std::move(done);
         }
-    first.reset();
+    expect_tray_replaceable(tray, 0, first, progress);
     std::vector<io::StackFolder> folders;
-    folders.push_back(take_folder(tray, 0, progress));
+    folders.push_back(std::move(first));
     const ThreadLimit threads(static_cast<std::size_t>(tray.plan.common.threads));
     PreparedTray prepared = prepare_tray(tray, progress);
-    for (int number = 1; number < prepared.trays(); ++number) folders.push_back(take_folder(tray, number, progress));
+    for (int number = 1; number < prepared.trays(); ++number) {
+        folders.push_back(take_tray_folder(folder_of_tray(tray.plan.common.out, number), progress));
+        expect_tray_replaceable(tray, number, folders.back(), progress);
+    }
 
     // From here on hours may be spent.
     rearrange_parts(tray, prepared, progress);

@@ -2,6 +2,7 @@
 #include "slicer/tray/tray_shard.h"
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -10,21 +11,17 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "base/progress_bar.h"
 #include "base/stopwatch.h"
-#include "io/disk/folder_lock.h"
 #include "io/files/json_object.h"
 #include "io/files/whole_file.h"
 #include "io/layers/stack_folder.h"
 #include "io/shards/shard_folder.h"
-#include "slicer/kept/report_files.h"
 #include "slicer/options/job_file.h"
 #include "slicer/prepare/phase.h"
+#include "slicer/shards/run_shard.h"
 #include "slicer/shards/shard_cut.h"
-#include "slicer/shards/shard_steps.h"
 #include "slicer/tray/opened_tray.h"
 #include "slicer/tray/part_reports.h"
-#include "slicer/tray/tray_layers.h"
 #include "slicer/tray/tray_record.h"
 #include "slicer/tray/tray_report.h"
 
@@ -71,29 +68,39 @@ void take_loops(PreparedTray& prepared, Progress& progress) {
         if (!part.alone.empty() && part.ready) part.ready->print->prepare(progress);
 }
 
-void make_layers_of(const PreparedTray& prepared, const ComposedLayers& layers, const LayerRange& mine,
-                    const fs::path& into, io::ShardRecord& record, Progress& progress) {
-    record.first_layer = std::uint32_t(mine.first);
-    record.layers = std::uint32_t(mine.layers());
-    if (mine.layers() == 0) return;
-    io::StackDescription part = record.stack;
-    part.first_layer = record.first_layer;
-    part.layers = record.layers;
-    io::LayerFiles files(into, part, record.resin_bitmaps, record.first_layer);
-    LayerWatchers watchers;
-    const OpenedJob& any = prepared.any_job();
-    if (any.options.report) watch_all(watchers, layers.grid(), any);
-    make_tray_layers(
-        layers, mine, [&](int k, const io::LayerRuns& layer) { files.write(std::uint32_t(k - mine.first), layer); },
-        watchers, progress);
-    record.written = files.written();
-    record.topmost_digest = files.topmost()->digest();
-    std::error_code error;
-    fs::create_directories(into / io::whole_folder_name, error);  // what is wrong says who writes in it
-    io::write_staged_file(into / io::shard_topmost_name(record.number), files.topmost()->png());
-    if (watchers.thumbnails) record.pictures = watchers.thumbnails->take();
-    if (watchers.voxels) record.viewer = watchers.voxels->take_layers();
+PreparedTray prepare_for_shards(const OpenedTray& tray, Progress& progress) {
+    PreparedTray prepared = prepare_tray(tray, progress);
+    expect_shardable(prepared.any_job());
+    if (prepared.any_job().outputs().gcvf)
+        throw UsageError(
+            fmt::format("--shard: {} of a tray is not made in shards: leave it out of --formats, or slice "
+                        "without --shard",
+                        io::gcvf_name));
+    take_loops(prepared, progress);
+    return prepared;
 }
+
+class ShardedTray final : public ShardedPrint {
+public:
+    ShardedTray(const OpenedTray& tray, Progress& progress)
+        : prepared_(prepare_for_shards(tray, progress)), layers_(compose(prepared_, 0)) {}
+
+    [[nodiscard]] const OpenedJob& job() const override { return prepared_.any_job(); }
+    [[nodiscard]] const JobIdentity& identity() const override { return prepared_.identity; }
+    [[nodiscard]] const VoxelGrid& grid() const override { return layers_.grid(); }
+    [[nodiscard]] LayerRange layers() const override { return {0, grid().size[2] - 1}; }
+    [[nodiscard]] int slab_layers() const override { return layers_.slab_layers(); }
+    [[nodiscard]] std::vector<double> work() const override { return slab_work_of(prepared_, slab_layers()); }
+    [[nodiscard]] std::vector<io::StackMember> members() const override { return members_of(prepared_, 0); }
+    void make(const LayerRange& mine, const LayerTaker& take, LayerWatchers& watchers, JobMeasurements& figures,
+              Progress& progress) override {
+        make_layers(layers_, mine, take, watchers, figures, progress);
+    }
+
+private:
+    PreparedTray prepared_;
+    ComposedLayers layers_;
+};
 
 OpenedTray open_shard_of_tray(const SliceOptions& asked) {
     if (asked.trays > 1) throw UsageError("--shard: is of one tray; leave --trays out");
@@ -130,52 +137,11 @@ bool is_told(const fs::path& out, const io::StackDescription& stack) {
 }  // namespace
 
 JobResult run_tray_shard(const SliceOptions& asked, const TrayModels& models, Progress& progress) {
-    const Stopwatch watch;
     if (asked.out.empty()) throw UsageError("tray: name the folder for the print (-o OUT)");
     if (!asked.overwrite && !models.empty()) io::expect_free_for_stack(asked.out);
-    OpenedTray tray = open_shard_of_tray(with_plan(asked, models));
-    const OpenedJob& job = tray.job;
-    const fs::path out = job.options.out;
-    const bool same_job_before = is_same_job(io::shards_folder(out), job, &progress);
-    const ShardTask task = task_of(job, same_job_before);
-    if (auto merged = merged_before(job, progress)) return *std::move(merged);
-    if (same_job_before)
-        if (const auto made = made_before(job, task.number))
-            return shard_result(*made, out, "; made already, nothing was done (--overwrite makes it again)");
-    if (!job.options.overwrite) {
-        io::expect_free_for_stack(out);
-        expect_no_other_shards(job, &progress);
-    }
-    io::ShardFolder folder(out, task.number);
-    const ThreadLimit threads(static_cast<std::size_t>(job.options.threads));
-    PreparedTray prepared = prepare_tray(tray, progress);
-    expect_shardable(prepared.any_job());
-    if (prepared.any_job().outputs().gcvf)
-        throw UsageError(
-            fmt::format("--shard: {} of a tray is not made in shards: leave it out of --formats, or slice "
-                        "without --shard",
-                        io::gcvf_name));
-    take_loops(prepared, progress);
-    const ComposedLayers layers = compose(prepared, 0);
-    const LayerRange all{0, layers.grid().size[2] - 1};
-    const LayerRange mine =
-        shard_layers(slab_work_of(prepared, layers.slab_layers()), layers.slab_layers(), all, task.number);
-    claim_folder_for_shards(job, folder, job_record(job.options.raw, prepared.identity.inputs, out), progress);
-
-    io::ShardRecord record;
-    record.number = task.number;
-    record.first_task = task.first_task;
-    record.program = shard_program();
-    record.job = prepared.identity.job;
-    record.host = io::host_name();
-    record.stack = io::as_written(prepared.any_job().describe(layers.grid(), all));
-    record.stack.members = members_of(prepared, 0);
-    record.resin_bitmaps = prepared.any_job().outputs().resin_bitmaps;
-    record.png = prepared.any_job().outputs().png;
-    make_layers_of(prepared, layers, mine, folder.staging(), record, progress);
-    record.figures = shard_figures({}, watch);
-    folder.publish(record);
-    return shard_result(record, out, fmt::format(", done in {}", duration_text(watch.total())).c_str());
+    const OpenedTray tray = open_shard_of_tray(with_plan(asked, models));
+    return run_shard(tray.job, {.prepare = [&](bool) { return std::make_unique<ShardedTray>(tray, progress); }},
+                     progress);
 }
 
 JobResult run_tray_merge(const MergeOptions& options, Progress& progress) {
@@ -197,11 +163,12 @@ JobResult run_tray_merge(const MergeOptions& options, Progress& progress) {
     const ComposedLayers layers = compose(prepared, 0, parts.sinks());
     const LayerRange all{0, layers.grid().size[2] - 1};
     if (has_page) {
-        if (!is_one_body(prepared)) watch_all(watchers, layers.grid(), prepared.any_job());
-        const Stopwatch since_layers;
-        make_tray_layers(
-            layers, all, [](int, const io::LayerRuns&) {}, watchers, progress);
-        parts.write(layers, {since_layers.total(), 0, 0}, report, progress);
+        if (!is_one_body(prepared)) watchers.watch(all, layers.grid(), prepared.any_job());
+        JobMeasurements made;
+        make_layers(
+            layers, all, [](int, const io::LayerRuns&) {}, watchers, made, progress);
+        made.encode_s = 0;  // nothing is written
+        parts.write(layers, made, report, progress);
     }
     progress.begin_stage(name_of(Phase::report), 0);
     const std::vector<Overlap> overlaps =

@@ -321,9 +321,9 @@ TEST_CASE("Broken shards and those of another job are refused, and nothing is lo
     for (int i = 1; i <= 3; ++i) REQUIRE(shard(plain_job, folder, "parts", i, 3).exit_code == 0);
     CHECK(read_file(layer) == bytes);
 
-    // Of another job: neither a shard nor a whole job takes the folder.
-    const std::string other = plain_job + " --depth 0.5mm";
-    for (const std::string& asked : {other + " --shard 1/3", other}) {
+    // Of another job: neither a shard nor a whole job takes the folder, of a body or of a tray.
+    const std::string other = plain_job + " --depth 0.5mm", tray = other + " --copies 2";
+    for (const std::string& asked : {other + " --shard 1/3", other, tray + " --shard 1/3", tray}) {
         const Outcome outcome = run_program(fmt::format("{} -o {}", asked, folder / "parts"));
         CHECK(outcome.exit_code == 3);
         CHECK_THAT(outcome.err, Contains("shards of another job"));
