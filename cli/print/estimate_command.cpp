@@ -12,7 +12,7 @@
 #include "slicer/estimate/estimate_job.h"
 #include "slicer/estimate/estimate_text.h"
 #include "slicer/plans/tray_plan.h"
-#include "slicer/tray/run_print.h"
+#include "slicer/print/run_print.h"
 
 namespace voxtone::cli {
 

@@ -5,7 +5,7 @@
 #include "cli/print/print_commands.h"
 #include "cli/program/common_options.h"
 #include "io/shards/shard_number.h"
-#include "slicer/tray/run_print.h"
+#include "slicer/print/run_print.h"
 
 namespace voxtone::cli {
 

@@ -10,7 +10,7 @@
 #include "cli/program/console.h"
 #include "cli/program/outcome.h"
 #include "slicer/options/job_file.h"
-#include "slicer/tray/run_print.h"
+#include "slicer/print/run_print.h"
 
 namespace voxtone::cli {
 

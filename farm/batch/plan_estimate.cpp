@@ -16,7 +16,7 @@
 #include "base/progress_bar.h"
 #include "io/disk/disk_space.h"
 #include "io/files/json_writer.h"
-#include "slicer/tray/run_print.h"
+#include "slicer/print/run_print.h"
 
 namespace voxtone::farm {
 

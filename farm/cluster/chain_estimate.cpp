@@ -10,7 +10,7 @@
 #include "farm/cluster/job_record.h"
 #include "io/files/file_digest.h"
 #include "io/programs/build_identity.h"
-#include "slicer/tray/run_print.h"
+#include "slicer/print/run_print.h"
 
 namespace voxtone::farm {
 

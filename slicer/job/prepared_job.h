@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A job that stands ready: whole jobs, shards and merges (slice_job.cpp, shards/) open theirs here and nowhere else.
+// A job that stands ready: bodies, whole, in shards and merged (slicer/print), and the parts of trays open theirs here
+// and nowhere else.
 #pragma once
 
 #include <filesystem>

@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "run_program.h"
-#include "slicer/job/slice_job.h"
+#include "slicer/print/slice_job.h"
 #include "tests/counted_parts.h"
 #include "tests/places.h"
 

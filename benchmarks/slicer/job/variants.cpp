@@ -12,9 +12,9 @@
 #include "base/error.h"
 #include "base/progress.h"
 #include "io/files/whole_file.h"
-#include "slicer/job/slice_job.h"
 #include "slicer/options/job_file.h"
 #include "slicer/options/option_table.h"
+#include "slicer/print/slice_job.h"
 
 namespace voxtone::loop_benchmark {
 namespace {

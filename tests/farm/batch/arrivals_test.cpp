@@ -16,7 +16,6 @@
 
 using namespace voxtone;
 using namespace voxtone::farm;
-using namespace voxtone::slicer;
 namespace fs = std::filesystem;
 
 namespace {

@@ -15,7 +15,7 @@
 #include "io/pictures/picture.h"
 #include "io/pictures/picture_writer.h"
 #include "optics/colour/colour.h"
-#include "slicer/job/slice_job.h"
+#include "slicer/print/slice_job.h"
 #include "tests/io/files/temporary_folder.h"
 #include "tests/outcomes.h"
 #include "tests/slicer/marks/read_text.h"

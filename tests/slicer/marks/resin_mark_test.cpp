@@ -10,7 +10,7 @@
 #include "io/lettering/font_file.h"
 #include "io/lettering/set_text.h"
 #include "io/pictures/picture_writer.h"
-#include "slicer/job/slice_job.h"
+#include "slicer/print/slice_job.h"
 #include "tests/io/files/temporary_folder.h"
 
 using namespace voxtone;

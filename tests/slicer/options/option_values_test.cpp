@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/options/option_values.h"
 
+#include <initializer_list>
+#include <string>
+#include <utility>
+
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "io/files/whole_file.h"
 #include "slicer/options/model_choice.h"
 #include "slicer/options/option_words.h"
+#include "tests/io/files/temporary_folder.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;
@@ -94,4 +100,26 @@ TEST_CASE("Rounds of stacks and measured materials are read, and told apart from
     CHECK(files[0].file == "a/white=1.json");
     for (const char* wrong : {"W", "=a.json", "W="}) CHECK_THROWS_AS(parse_laminate_materials({wrong}), UsageError);
     CHECK_THROWS_AS(parse_laminate_materials({"W=a.json", "W=b.json"}), UsageError);
+}
+
+TEST_CASE("What stands in a model's place is told by its name, of a text by its first line") {
+    using Kind = ModelKind;
+    const io::TemporaryFolder folder;
+    const std::string parts = folder.path() / "parts.txt", story = folder.path() / "story.txt";
+    io::write_whole_file(parts, std::string("model,copies\na.obj,2\n"));
+    io::write_whole_file(story, std::string("It was a dark and stormy night, model and all.\n"));
+    for (const auto& [model, kind] : std::initializer_list<std::pair<std::string, Kind>>{{"a.obj", Kind::mesh},
+                                                                                         {"A.GLB", Kind::mesh},
+                                                                                         {"a.zip/b.ply", Kind::mesh},
+                                                                                         {"a.png", Kind::picture},
+                                                                                         {"a", Kind::picture},
+                                                                                         {"", Kind::picture},
+                                                                                         {"tray.json", Kind::tray_plan},
+                                                                                         {"tray.CSV", Kind::tray_plan},
+                                                                                         {"tray.tsv", Kind::tray_plan},
+                                                                                         {parts, Kind::tray_plan},
+                                                                                         {story, Kind::picture}}) {
+        CAPTURE(model);
+        CHECK(model_kind(model) == kind);
+    }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "slicer/tray/tray_job.h"
+#include "slicer/print/tray_job.h"
 
 #include <algorithm>
 #include <filesystem>

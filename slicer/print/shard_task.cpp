@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "slicer/shards/shard_task.h"
+#include "slicer/print/shard_task.h"
 
 #include <charconv>
 #include <cstdlib>

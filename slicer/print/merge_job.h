@@ -9,9 +9,11 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 
 #include "base/job_result.h"
 #include "base/progress.h"
+#include "io/shards/merged_stack.h"
 
 namespace voxtone::slicer {
 
@@ -25,8 +27,17 @@ struct MergeOptions {
     int shards = 0;  ///< how many there are known to be; 0: those that lie there
 };
 
+/// What is told of a stack once it is whole: of a body here, of a tray in tray_shard.h.
+struct MergedTelling {
+    std::function<bool(const io::ShardSet& shards)> is_told;       ///< it was before
+    std::function<JobResult(const io::ShardSet& shards)> tell_of;  ///< with a report
+};
+
+/// The report of a body.
+[[nodiscard]] MergedTelling telling_of_body(const MergeOptions& options, Progress& progress);
+
 /// Where all is there already, nothing is done. Throws Error: OUT is what it was then, or holds the whole stack without
 /// its report.
-[[nodiscard]] JobResult run_merge_job(const MergeOptions& options, Progress& progress);
+[[nodiscard]] JobResult run_merge_job(const MergeOptions& options, const MergedTelling& telling, Progress& progress);
 
 }  // namespace voxtone::slicer

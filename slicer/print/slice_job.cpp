@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "slicer/job/slice_job.h"
+#include "slicer/print/slice_job.h"
 
 #include <array>
 #include <filesystem>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "slicer/tray/tray_shard.h"
+#include "slicer/print/tray_shard.h"
 
 #include <algorithm>
 #include <memory>
@@ -18,8 +18,8 @@
 #include "io/shards/shard_folder.h"
 #include "slicer/options/job_file.h"
 #include "slicer/prepare/phase.h"
-#include "slicer/shards/run_shard.h"
-#include "slicer/shards/shard_cut.h"
+#include "slicer/print/run_shard.h"
+#include "slicer/print/shard_cut.h"
 #include "slicer/tray/opened_tray.h"
 #include "slicer/tray/part_reports.h"
 #include "slicer/tray/tray_record.h"
@@ -134,24 +134,9 @@ bool is_told(const fs::path& out, const io::StackDescription& stack) {
     }
 }
 
-}  // namespace
-
-JobResult run_tray_shard(const SliceOptions& asked, const TrayModels& models, Progress& progress) {
-    if (asked.out.empty()) throw UsageError("tray: name the folder for the print (-o OUT)");
-    if (!asked.overwrite && !models.empty()) io::expect_free_for_stack(asked.out);
-    const OpenedTray tray = open_shard_of_tray(with_plan(asked, models));
-    return run_shard(tray.job, {.prepare = [&](bool) { return std::make_unique<ShardedTray>(tray, progress); }},
-                     progress);
-}
-
-JobResult run_tray_merge(const MergeOptions& options, Progress& progress) {
-    const Stopwatch watch;
-    MergeOptions plain = options;
-    plain.report = false;
-    JobResult merged = run_merge_job(plain, progress);
-    if (!options.report) return merged;
-    const io::StackDescription stack = io::read_manifest(options.out / io::manifest_name);
-    if (!options.predict && is_told(options.out, stack)) return merged;
+/// As the parts' own reports and the layers tell.
+JobResult tell_of_tray(const MergeOptions& options, const io::StackDescription& stack, const Stopwatch& watch,
+                       Progress& progress) {
     const OpenedTray tray = open_merged_tray(options, progress);
     const ThreadLimit threads(static_cast<std::size_t>(options.threads));
     PreparedTray prepared = prepare_tray(tray, progress);
@@ -182,6 +167,23 @@ JobResult run_tray_merge(const MergeOptions& options, Progress& progress) {
     progress.end_stage();
     return {std::move(json), tray_summary(prepared, 0, stack, watch.total(), options.out),
             exit_code_of(tray, {}, verdicts_of(prepared))};
+}
+
+}  // namespace
+
+JobResult run_tray_shard(const SliceOptions& asked, const TrayModels& models, Progress& progress) {
+    if (asked.out.empty()) throw UsageError("tray: name the folder for the print (-o OUT)");
+    if (!asked.overwrite && !models.empty()) io::expect_free_for_stack(asked.out);
+    const OpenedTray tray = open_shard_of_tray(with_plan(asked, models));
+    return run_shard(tray.job, {.prepare = [&](bool) { return std::make_unique<ShardedTray>(tray, progress); }},
+                     progress);
+}
+
+MergedTelling telling_of_tray(const MergeOptions& options, Progress& progress) {
+    return {[&](const io::ShardSet& shards) { return is_told(options.out, shards.stack); },
+            [&, watch = Stopwatch()](const io::ShardSet& shards) {
+                return tell_of_tray(options, shards.stack, watch, progress);
+            }};
 }
 
 }  // namespace voxtone::slicer

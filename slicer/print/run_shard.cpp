@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "slicer/shards/run_shard.h"
+#include "slicer/print/run_shard.h"
 
 #include <chrono>
 #include <filesystem>
@@ -24,8 +24,8 @@
 #include "io/shards/shard_folder.h"
 #include "slicer/job/output_folder.h"
 #include "slicer/options/job_file.h"
-#include "slicer/shards/shard_cut.h"
-#include "slicer/shards/shard_task.h"
+#include "slicer/print/shard_cut.h"
+#include "slicer/print/shard_task.h"
 
 namespace voxtone::slicer {
 

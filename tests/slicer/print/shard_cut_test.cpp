@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "slicer/shards/shard_cut.h"
+#include "slicer/print/shard_cut.h"
 
 #include <cmath>
 #include <numeric>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "slicer/shards/shard_job.h"
+#include "slicer/print/shard_job.h"
 
 #include <filesystem>
 #include <memory>
@@ -11,8 +11,8 @@
 #include "slicer/kept/prepared_body.h"
 #include "slicer/plan/phase_estimates.h"
 #include "slicer/prepare/phase.h"
-#include "slicer/shards/run_shard.h"
-#include "slicer/shards/shard_cut.h"
+#include "slicer/print/run_shard.h"
+#include "slicer/print/shard_cut.h"
 
 namespace voxtone::slicer {
 

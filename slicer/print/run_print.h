@@ -8,7 +8,7 @@
 #include "slicer/estimate/estimate_job.h"
 #include "slicer/options/slice_options.h"
 #include "slicer/plans/tray_plan.h"
-#include "slicer/shards/merge_job.h"
+#include "slicer/print/merge_job.h"
 
 namespace voxtone::slicer {
 

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "slicer/tray/run_print.h"
+#include "slicer/print/run_print.h"
 
 #include <filesystem>
 
 #include "base/error.h"
 #include "io/shards/shard_folder.h"
-#include "slicer/job/slice_job.h"
 #include "slicer/options/job_file.h"
 #include "slicer/options/option_values.h"
-#include "slicer/shards/shard_job.h"
+#include "slicer/print/shard_job.h"
+#include "slicer/print/slice_job.h"
+#include "slicer/print/tray_job.h"
+#include "slicer/print/tray_shard.h"
 #include "slicer/tray/tray_estimate.h"
-#include "slicer/tray/tray_job.h"
-#include "slicer/tray/tray_shard.h"
 
 namespace voxtone::slicer {
 
@@ -52,7 +52,9 @@ JobResult run_print(PrintRequest request, Progress& progress) {
 }
 
 JobResult run_merge(const MergeOptions& options, Progress& progress) {
-    return holds_tray(options.out) ? run_tray_merge(options, progress) : run_merge_job(options, progress);
+    const bool of_tray = holds_tray(options.out);
+    return run_merge_job(options, of_tray ? telling_of_tray(options, progress) : telling_of_body(options, progress),
+                         progress);
 }
 
 JobEstimate estimate_print(const PrintRequest& request, Progress& progress, const EstimateScope& scope) {

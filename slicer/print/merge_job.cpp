@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "slicer/shards/merge_job.h"
+#include "slicer/print/merge_job.h"
 
 #include <algorithm>
 #include <optional>
@@ -20,7 +20,6 @@
 #include "io/files/whole_file.h"
 #include "io/layers/stack_folder.h"
 #include "io/printer/printer_folder.h"
-#include "io/shards/merged_stack.h"
 #include "io/shards/shard_folder.h"
 #include "slicer/job/job_phases.h"
 #include "slicer/job/output_folder.h"
@@ -225,8 +224,14 @@ JobResult short_result(const fs::path& out, const io::ShardSet& shards, const ch
 
 }  // namespace
 
-JobResult run_merge_job(const MergeOptions& options, Progress& progress) {
-    const Stopwatch watch;
+MergedTelling telling_of_body(const MergeOptions& options, Progress& progress) {
+    return {[&](const io::ShardSet&) { return fs::exists(options.out / report_file::figures); },
+            [&, watch = Stopwatch()](const io::ShardSet& shards) {
+                return write_merged_report(options, shards, watch, progress);
+            }};
+}
+
+JobResult run_merge_job(const MergeOptions& options, const MergedTelling& telling, Progress& progress) {
     if (std::error_code none; !fs::is_directory(options.out, none))
         throw FileError(fmt::format("{}: is no folder; name the output folder of the shards", options.out.string()));
     const io::ShardSet shards = io::read_shards(options.out, {std::uint32_t(options.shards)}, &progress);
@@ -238,9 +243,9 @@ JobResult run_merge_job(const MergeOptions& options, Progress& progress) {
     if (std::error_code not_there; !options.report && !io::waits_for_page(options.out, shards))
         fs::remove(io::prepared_file(options.out, shards.job()), not_there);
     if (!options.report) return short_result(options.out, shards, was_merged ? "merged already" : "merged");
-    if (was_merged && !options.predict && fs::exists(options.out / report_file::figures))
+    if (was_merged && !options.predict && telling.is_told(shards))
         return short_result(options.out, shards, "merged already, with its report; nothing was done");
-    return write_merged_report(options, shards, watch, progress);
+    return telling.tell_of(shards);
 }
 
 }  // namespace voxtone::slicer

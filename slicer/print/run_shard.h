@@ -2,7 +2,7 @@
 //
 // One shard of a print: the layers of a part of it, to be laid together by merge_job.h. The same options as the whole
 // print's make it, on any machine that sees the output folder; what lies there (io/shards/shard_folder.h) is no stack
-// until then. A body (shard_job.h) and the parts of a tray (tray/tray_shard.h) are cut, made and published alike.
+// until then. A body (shard_job.h) and the parts of a tray (tray_shard.h) are cut, made and published alike.
 #pragma once
 
 #include <functional>
