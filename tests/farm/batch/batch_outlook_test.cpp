@@ -12,7 +12,6 @@
 #include <catch2/catch.hpp>
 
 using namespace voxtone::farm;
-using namespace voxtone::slicer;
 using Catch::Matchers::Contains;
 
 namespace {

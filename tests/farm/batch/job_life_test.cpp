@@ -8,7 +8,6 @@
 #include <catch2/catch.hpp>
 
 using namespace voxtone::farm;
-using namespace voxtone::slicer;
 using Catch::Matchers::Contains;
 using End = JobEnding::Kind;
 using Step = NextStep::Kind;
