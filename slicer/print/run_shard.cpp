@@ -127,11 +127,11 @@ io::ShardRecord record_of(const ShardedPrint& print, const ShardTask& task) {
     record.number = task.number;
     record.first_task = task.first_task;
     record.program = shard_program();
-    record.job = print.identity().job;
+    record.job = print.identity.job;
     record.host = io::host_name();
-    record.stack = io::as_written(print.job().describe(print.grid(), print.layers()));
-    record.stack.members = print.members();
-    const io::StackOutputs outputs = print.job().outputs();
+    record.stack = io::as_written(print.job.describe(print.grid, print.layers));
+    record.stack.members = print.members;
+    const io::StackOutputs outputs = print.job.outputs();
     record.resin_bitmaps = outputs.resin_bitmaps;
     record.gcvf = outputs.gcvf;
     record.png = outputs.png;
@@ -145,27 +145,27 @@ void keep_for_whole(const ShardedPrint& print, const io::TopmostLayers& topmost,
     std::error_code error;
     fs::create_directories(folder, error);  // what is wrong says who writes in it
     io::write_staged_file(into / io::shard_topmost_name(record.number), topmost.png());
-    if (!record.gcvf || !print.body()) return;
-    const io::GcvfPreview preview = io::gcvf_preview(record.stack, BodyPreview(*print.body(), true).mesh());
+    if (!record.gcvf || !print.body) return;
+    const io::GcvfPreview preview = io::gcvf_preview(record.stack, BodyPreview(*print.body, true).mesh());
     io::write_staged_file(folder / io::preview_mesh_name, preview.stl);
     io::write_staged_file(folder / io::preview_box_name, preview.box);
 }
 
 /// Makes the layers into the folder; with what they hold.
-void make_shard(ShardedPrint& print, const LayerRange& mine, const fs::path& into, io::ShardRecord& record,
-                JobMeasurements& figures, Progress& progress) {
+void make_shard(const ShardedPrint& print, const LayerRange& mine, const fs::path& into, io::ShardRecord& record,
+                JobMeasurements& figures) {
     record.first_layer = std::uint32_t(mine.first);
     record.layers = std::uint32_t(mine.layers());
     if (mine.layers() == 0) return;
     io::StackDescription part = record.stack;
     part.first_layer = record.first_layer;
     part.layers = record.layers;
-    io::LayerFiles files(into, part, record.resin_bitmaps, std::uint32_t(mine.first - print.layers().first));
+    io::LayerFiles files(into, part, record.resin_bitmaps, std::uint32_t(mine.first - print.layers.first));
     LayerWatchers watchers;
-    if (print.job().options.report) watchers.watch(print.layers(), print.grid(), print.job());
+    if (print.job.options.report) watchers.watch(print.layers, print.grid, print.job);
     print.make(
         mine, [&](int k, const io::LayerRuns& layer) { files.write(std::uint32_t(k - mine.first), layer); }, watchers,
-        figures, progress);
+        figures);
     record.written = files.written();
     record.topmost_digest = files.topmost()->digest();
     keep_for_whole(print, *files.topmost(), into, record);
@@ -201,15 +201,15 @@ JobResult run_shard(const OpenedJob& job, const ShardSteps& steps, Progress& pro
     io::ShardFolder folder(out, task.number);
 
     const ThreadLimit threads(static_cast<std::size_t>(job.options.threads));
-    const std::unique_ptr<ShardedPrint> print = steps.prepare(same_job_before);
-    const LayerRange mine = shard_layers(print->work(), print->slab_layers(), print->layers(), task.number);
-    print->expect_disk(mine, progress);
-    io::ShardRecord record = record_of(*print, task);
+    const ShardedPrint print = steps.prepare(same_job_before);
+    const LayerRange mine = shard_layers(print.work, print.slab_layers, print.layers, task.number);
+    print.expect_disk(mine);
+    io::ShardRecord record = record_of(print, task);
     if (record.gcvf) io::expect_gcvf(record.stack);
-    claim_folder(job, folder, job_record(job.options.raw, print->identity().inputs, out), progress);
-    print->keep();
+    claim_folder(job, folder, job_record(job.options.raw, print.identity.inputs, out), progress);
+    print.keep();
     JobMeasurements figures;
-    make_shard(*print, mine, folder.staging(), record, figures, progress);
+    make_shard(print, mine, folder.staging(), record, figures);
     record.figures = shard_figures(figures, watch);
     folder.publish(record);
     return shard_result(record, out, fmt::format(", done in {}", duration_text(watch.total())).c_str());

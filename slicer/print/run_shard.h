@@ -6,7 +6,6 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <vector>
 
 #include "base/job_result.h"
@@ -18,40 +17,31 @@
 
 namespace voxtone::slicer {
 
-/// A print of which any layers can be made.
-class ShardedPrint {
-public:
-    ShardedPrint() = default;
-    ShardedPrint(const ShardedPrint&) = delete;
-    ShardedPrint& operator=(const ShardedPrint&) = delete;
-    virtual ~ShardedPrint() = default;
+/// A print of which any layers can be made. What it refers to outlasts it.
+struct ShardedPrint {
+    const OpenedJob& job;  ///< for printer, resins and formats
+    const JobIdentity& identity;
+    const VoxelGrid& grid;
+    LayerRange layers;  ///< that all shards together make
+    int slab_layers = 1;
+    std::vector<double> work;  ///< of each slab (shard_cut.h)
+    std::vector<io::StackMember> members{};
+    const JobBody* body = nullptr;  ///< for a container's preview; null: it has none
 
-    /// For printer, resins and formats.
-    [[nodiscard]] virtual const OpenedJob& job() const = 0;
-    [[nodiscard]] virtual const JobIdentity& identity() const = 0;
-    [[nodiscard]] virtual const VoxelGrid& grid() const = 0;
-    /// That all shards together make.
-    [[nodiscard]] virtual LayerRange layers() const = 0;
-    [[nodiscard]] virtual int slab_layers() const = 0;
-    /// Of each slab (shard_cut.h).
-    [[nodiscard]] virtual std::vector<double> work() const = 0;
-    [[nodiscard]] virtual std::vector<io::StackMember> members() const { return {}; }
-    /// For a container's preview; null: it has none.
-    [[nodiscard]] virtual const JobBody* body() const { return nullptr; }
-
+    std::function<void(const LayerRange& mine, const LayerTaker& take, LayerWatchers& watchers,
+                       JobMeasurements& figures)>
+        make;
     /// Throws TryAgain where the disk has no room for these layers.
-    virtual void expect_disk(const LayerRange& /*mine*/, Progress& /*progress*/) const {}
+    std::function<void(const LayerRange& mine)> expect_disk = [](const LayerRange&) {};
     /// What other shards need not do again, once the folder is this job's.
-    virtual void keep() const {}
-    virtual void make(const LayerRange& mine, const LayerTaker& take, LayerWatchers& watchers, JobMeasurements& figures,
-                      Progress& progress) = 0;
+    std::function<void()> keep = [] {};
 };
 
 struct ShardSteps {
-    /// The last refusal before the print is prepared: of loops that were run elsewhere.
-    std::function<void()> expect_loops = [] {};
     /// `same_job_before`: shards of this job lie there, and what the first of them kept.
-    std::function<std::unique_ptr<ShardedPrint>(bool same_job_before)> prepare{};
+    std::function<ShardedPrint(bool same_job_before)> prepare;
+    /// The last refusal before: of loops that were run elsewhere.
+    std::function<void()> expect_loops = [] {};
 };
 
 /// Throws UsageError for outputs that are one file of the whole stack.

@@ -2,7 +2,6 @@
 #include "slicer/print/shard_job.h"
 
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <utility>
 
@@ -26,44 +25,33 @@ std::optional<JobBody> kept_body(const OpenedJob& job) {
     return kept;
 }
 
-class ShardedBody final : public ShardedPrint {
-public:
-    ShardedBody(const OpenedJob& opened, std::optional<JobBody> kept, Progress& progress)
-        : is_kept_(kept.has_value()), ready_(opened, std::move(kept), progress) {
-        check_layer_count(ready_.plan.grid.size[2], ready_.job.printer, "larger (--size), or thicker (--thickness)");
-        ready_.print->prepare(progress);
-        slab_layers_ = ready_.print->layers()->slab_layers();
-    }
-
-    [[nodiscard]] const OpenedJob& job() const override { return ready_.job; }
-    [[nodiscard]] const JobIdentity& identity() const override { return ready_.identity; }
-    [[nodiscard]] const VoxelGrid& grid() const override { return ready_.plan.grid; }
-    [[nodiscard]] LayerRange layers() const override { return ready_.plan.layers; }
-    [[nodiscard]] int slab_layers() const override { return slab_layers_; }
-    [[nodiscard]] std::vector<double> work() const override {
-        return slab_work(ready_.body, ready_.job.options.colour.depth_mm, slab_layers_);
-    }
-    [[nodiscard]] const JobBody* body() const override { return &ready_.body; }
-
-    void expect_disk(const LayerRange& mine, Progress& progress) const override {
-        expect_disk_space(ready_.job.options.out, disk_bytes(ready_.job, ready_.body, mine, {}), progress);
-    }
-    void keep() const override {
-        if (!is_kept_) keep_prepared(ready_.job.options.out, ready_.identity.job, ready_.body);
-    }
-    void make(const LayerRange& mine, const LayerTaker& take, LayerWatchers& watchers, JobMeasurements& figures,
-              Progress& progress) override {
-        std::vector<ExpectedStage> stages = expected_stages(ready_.plan.phases, {Phase::layers});
-        for (ExpectedStage& stage : stages) stage.seconds *= double(mine.layers()) / ready_.plan.layers.layers();
+ShardedPrint sharded(PreparedJob& ready, bool is_kept, Progress& progress) {
+    const std::filesystem::path& out = ready.job.options.out;
+    const int slab_layers = ready.print->layers()->slab_layers();
+    const auto make = [&](const LayerRange& mine, const LayerTaker& take, LayerWatchers& watchers,
+                          JobMeasurements& figures) {
+        std::vector<ExpectedStage> stages = expected_stages(ready.plan.phases, {Phase::layers});
+        for (ExpectedStage& stage : stages) stage.seconds *= double(mine.layers()) / ready.plan.layers.layers();
         expect_stages(progress, std::move(stages));
-        make_layers(*ready_.print, mine, take, watchers, figures, progress);
-    }
-
-private:
-    bool is_kept_;
-    PreparedJob ready_;
-    int slab_layers_ = 0;
-};
+        make_layers(*ready.print, mine, take, watchers, figures, progress);
+    };
+    return {.job = ready.job,
+            .identity = ready.identity,
+            .grid = ready.plan.grid,
+            .layers = ready.plan.layers,
+            .slab_layers = slab_layers,
+            .work = slab_work(ready.body, ready.job.options.colour.depth_mm, slab_layers),
+            .body = &ready.body,
+            .make = make,
+            .expect_disk =
+                [&](const LayerRange& mine) {
+                    expect_disk_space(out, disk_bytes(ready.job, ready.body, mine, {}), progress);
+                },
+            .keep =
+                [&, is_kept] {
+                    if (!is_kept) keep_prepared(out, ready.identity.job, ready.body);
+                }};
+}
 
 }  // namespace
 
@@ -73,11 +61,17 @@ JobResult run_shard_job(const SliceOptions& requested, Progress& progress) {
         run.why_unpredicted = "A part of the layers is not predicted.";
     });
     expect_shardable(opened);
+    std::optional<PreparedJob> ready;
     const auto prepare = [&](bool same_job_before) {
         for (const std::string& warning : opened.printer.warnings()) progress.warn(warning);
-        return std::make_unique<ShardedBody>(opened, same_job_before ? kept_body(opened) : std::nullopt, progress);
+        std::optional<JobBody> kept = same_job_before ? kept_body(opened) : std::nullopt;
+        const bool is_kept = kept.has_value();
+        ready.emplace(opened, std::move(kept), progress);
+        check_layer_count(ready->plan.grid.size[2], ready->job.printer, "larger (--size), or thicker (--thickness)");
+        ready->print->prepare(progress);
+        return sharded(*ready, is_kept, progress);
     };
-    return run_shard(opened, {[&] { expect_own_loop(opened, &progress); }, prepare}, progress);
+    return run_shard(opened, {prepare, [&] { expect_own_loop(opened, &progress); }}, progress);
 }
 
 }  // namespace voxtone::slicer

@@ -80,28 +80,6 @@ PreparedTray prepare_for_shards(const OpenedTray& tray, Progress& progress) {
     return prepared;
 }
 
-class ShardedTray final : public ShardedPrint {
-public:
-    ShardedTray(const OpenedTray& tray, Progress& progress)
-        : prepared_(prepare_for_shards(tray, progress)), layers_(compose(prepared_, 0)) {}
-
-    [[nodiscard]] const OpenedJob& job() const override { return prepared_.any_job(); }
-    [[nodiscard]] const JobIdentity& identity() const override { return prepared_.identity; }
-    [[nodiscard]] const VoxelGrid& grid() const override { return layers_.grid(); }
-    [[nodiscard]] LayerRange layers() const override { return {0, grid().size[2] - 1}; }
-    [[nodiscard]] int slab_layers() const override { return layers_.slab_layers(); }
-    [[nodiscard]] std::vector<double> work() const override { return slab_work_of(prepared_, slab_layers()); }
-    [[nodiscard]] std::vector<io::StackMember> members() const override { return members_of(prepared_, 0); }
-    void make(const LayerRange& mine, const LayerTaker& take, LayerWatchers& watchers, JobMeasurements& figures,
-              Progress& progress) override {
-        make_layers(layers_, mine, take, watchers, figures, progress);
-    }
-
-private:
-    PreparedTray prepared_;
-    ComposedLayers layers_;
-};
-
 OpenedTray open_shard_of_tray(const SliceOptions& asked) {
     if (asked.trays > 1) throw UsageError("--shard: is of one tray; leave --trays out");
     OpenedTray tray = open_tray(asked);
@@ -175,8 +153,23 @@ JobResult run_tray_shard(const SliceOptions& asked, const TrayModels& models, Pr
     if (asked.out.empty()) throw UsageError("tray: name the folder for the print (-o OUT)");
     if (!asked.overwrite && !models.empty()) io::expect_free_for_stack(asked.out);
     const OpenedTray tray = open_shard_of_tray(with_plan(asked, models));
-    return run_shard(tray.job, {.prepare = [&](bool) { return std::make_unique<ShardedTray>(tray, progress); }},
-                     progress);
+    std::optional<PreparedTray> prepared;
+    std::unique_ptr<const ComposedLayers> layers;
+    const auto make = [&](const LayerRange& mine, const LayerTaker& take, LayerWatchers& watchers,
+                          JobMeasurements& figures) { make_layers(*layers, mine, take, watchers, figures, progress); };
+    const auto prepare = [&](bool) -> ShardedPrint {
+        prepared = prepare_for_shards(tray, progress);
+        layers.reset(new ComposedLayers(compose(*prepared, 0)));
+        return {.job = prepared->any_job(),
+                .identity = prepared->identity,
+                .grid = layers->grid(),
+                .layers = {0, layers->grid().size[2] - 1},
+                .slab_layers = layers->slab_layers(),
+                .work = slab_work_of(*prepared, layers->slab_layers()),
+                .members = members_of(*prepared, 0),
+                .make = make};
+    };
+    return run_shard(tray.job, {prepare}, progress);
 }
 
 MergedTelling telling_of_tray(const MergeOptions& options, Progress& progress) {
