@@ -29,8 +29,8 @@ namespace voxtone::slicer {
 
 struct Replacing {
     bool overwrite = false;
-    bool goes_on = false;               ///< what lies there is what the job goes on from
-    std::filesystem::path for_printer;  ///< where OUT/printer goes besides; empty: nowhere
+    bool goes_on = false;                 ///< what lies there is what the job goes on from
+    std::filesystem::path for_printer{};  ///< where OUT/printer goes besides; empty: nowhere
 };
 /// Throws InputError where the folder holds what the job may not replace.
 void expect_replaceable(const OpenedJob& job, const io::StackFolder& folder, const Replacing& how, Progress& progress);
