@@ -42,6 +42,8 @@ JobResult run_print(PrintRequest request, Progress& progress) {
     const SliceOptions& options = request.options;
     const bool is_shard = !options.shard.empty();
     if (is_of_tray(request)) {
+        // Its plan is made there before it is opened.
+        if (options.out.empty()) throw UsageError("tray: name the folder for the print (-o OUT)");
         if (request.models.empty() && !is_plan_of_tray(options) && !options.model.empty())
             request.models.files = {options.model};
         return is_shard ? run_tray_shard(options, request.models, progress)

@@ -180,7 +180,6 @@ JobResult loops_kept(const OpenedTray& tray, const PreparedTray& prepared) {
 
 JobResult run_tray_job(const SliceOptions& asked, const TrayModels& models, Progress& progress) {
     const Stopwatch watch;
-    if (asked.out.empty()) throw UsageError("tray: name the folder for the print (-o OUT)");
     const bool only_loops = asked.until == name_of(Until::loop);
     // A strange folder is refused before anything is made in it; whose stack is there is known once the plan is read.
     io::StackFolder first = take_tray_folder(asked.out, progress);

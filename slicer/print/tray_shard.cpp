@@ -150,7 +150,6 @@ JobResult tell_of_tray(const MergeOptions& options, const io::StackDescription& 
 }  // namespace
 
 JobResult run_tray_shard(const SliceOptions& asked, const TrayModels& models, Progress& progress) {
-    if (asked.out.empty()) throw UsageError("tray: name the folder for the print (-o OUT)");
     if (!asked.overwrite && !models.empty()) io::expect_free_for_stack(asked.out);
     const OpenedTray tray = open_shard_of_tray(with_plan(asked, models));
     std::optional<PreparedTray> prepared;

@@ -219,6 +219,11 @@ TEST_CASE("A tray makes nothing in a strange folder") {
                                         bare + "-o " + (bench.folder / "out"));
     CHECK(several.exit_code == 3);
     CHECK(read_tree(bench.folder / "out").size() == 1);
+    for (const char* const shard : {"", "--shard 1/2 "}) {
+        const Outcome nowhere = run_program("slice " + (bench.folder / "marker.obj") + " --copies 2" + bare + shard);
+        CHECK(nowhere.exit_code == 2);
+        CHECK_THAT(nowhere.err, Contains("name the folder"));
+    }
 }
 
 TEST_CASE("What is for many parts is refused for one, and the other way round") {
