@@ -90,7 +90,8 @@ SeenPrint seen_from(const JobPrediction& p, double viewing_distance_mm, bool ada
     const halftone::EyeFilter wide(surface, halftone::wider * viewing_distance_mm, halftone::EyeSurround::none,
                                    halftone::OpponentSpace::cielab, halftone::EyeParts::narrowest);
     seen.fine = halftone::fine_contrast(near_target, near, wide);
-    seen.texture = look_at_texture(surface, in_a_room(near_target), in_a_room(near), seen.regions, viewing_distance_mm);
+    seen.texture =
+        look_at_texture(surface, in_a_room(near_target), in_a_room(near), seen.regions, wide, viewing_distance_mm);
     return seen;
 }
 

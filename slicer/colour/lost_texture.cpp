@@ -6,7 +6,6 @@
 
 #include "base/contracts.h"
 #include "base/parallel.h"
-#include "halftone/loop/eye_filter.h"
 #include "optics/colour/colour.h"
 
 namespace voxtone::slicer {
@@ -16,7 +15,7 @@ namespace {
 using CellColours = std::vector<Eigen::Vector3f>;
 
 constexpr double mean_by = 2, pool_by = 4;  // of the narrowest Gaussian
-constexpr float mostly = 0.5f;
+constexpr float flat_ground = 0.25f;
 
 halftone::EyeFilter gaussian(const optics::Surface& surface, double distance_mm) {
     return {surface, distance_mm, halftone::EyeSurround::none, halftone::OpponentSpace::cielab,
@@ -28,19 +27,20 @@ float lightness_of(const Eigen::Vector3f& rgb) {
 }
 
 /// Per cell how much of what lies around it is of flat regions.
-CellColours flat_around(const halftone::EyeFilter& pool, std::span<const halftone::ColourRegion> regions,
+CellColours flat_around(const halftone::EyeFilter& wide, std::span<const halftone::ColourRegion> regions,
                         std::size_t cells) {
     CellColours flat(cells, Eigen::Vector3f::Zero());
     for (const halftone::ColourRegion& region : regions)
         for (const std::uint32_t i : region.cells) flat[i].setOnes();
-    return pool.smoothed(flat);
+    return wide.smoothed(flat);
 }
 
 }  // namespace
 
 std::vector<TextureLook> look_at_texture(const optics::Surface& surface, std::span<const Eigen::Vector3f> near_target,
                                          std::span<const Eigen::Vector3f> near,
-                                         std::span<const halftone::ColourRegion> regions, double viewing_distance_mm) {
+                                         std::span<const halftone::ColourRegion> regions,
+                                         const halftone::EyeFilter& wide, double viewing_distance_mm) {
     VOXTONE_EXPECT(near.size() == near_target.size() && near.size() == surface.cells.size());
     const std::size_t n = near.size();
     const halftone::EyeFilter pool = gaussian(surface, pool_by * viewing_distance_mm);
@@ -53,10 +53,10 @@ std::vector<TextureLook> look_at_texture(const optics::Surface& surface, std::sp
         const float t = light[i][0] - mean[i][0], p = light[i][1] - mean[i][1];
         light[i] = {t * t, t * p, 0};
     });
-    const CellColours product = pool.smoothed(light), flat = flat_around(pool, regions, n);
+    const CellColours product = pool.smoothed(light), flat = flat_around(wide, regions, n);
     std::vector<TextureLook> looks(n);
     parallel_for(0, n, 1024, [&](std::size_t i) {
-        if (flat[i][0] <= mostly && product[i][0] > 0)
+        if (flat[i][0] <= flat_ground && product[i][0] > 0)
             looks[i] = {std::sqrt(product[i][0]), std::max(0.0f, product[i][1] / product[i][0])};
     });
     return looks;

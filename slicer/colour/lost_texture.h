@@ -10,14 +10,14 @@
 //   k      = max(0, S(t p) / S(t^2)), the part of it that the print has. Grain, which the target knows nothing of,
 //          neither adds to it nor takes away
 //
-// It is lost where k < 1/2 and c (1 - k), what is missing, is 0.0075 or more, some 0.9 of L*. Where most of what lies
-// within S is of flat regions (halftone/loop/colour_regions.h) nothing is a texture: edges between them, type and lines
-// are judged by themselves. The figures were chosen on img_kodim23 of 20 mm, open loop and loop, looked at as the eye
-// sees them: the open loop is blurred over 36 % of it, the loop's print at the parrots' faces alone, 6 %. Means within
-// a millimetre in the place of those of t and p let coarse edges, which every print has, hide that feathers are gone.
-// A smaller print of the same is blurred over more of it (open loop: img_kodim23 of 5, 8, 12, 18, 27 mm 100, 87, 60,
-// 43, 30 %, img_marble of 5 to 27 mm 29 to 2 %, a banana of 8 to 27 mm 71 to 8 %), as long as the eye sees it.
-// What it cannot see: texture of hue alone; detail that the target's own cells have already averaged.
+// It is lost where k < 1/2 and c (1 - k), what is missing, is 0.0075 or more, some 0.9 of L*. Where a quarter of what
+// lies within twice S is of flat regions (halftone/loop/colour_regions.h) nothing is a texture: edges between them,
+// type and lines are judged by themselves. The figures were chosen on img_kodim23 of 20 mm, open loop and loop, looked
+// at as the eye sees them: the open loop is blurred over 36 % of it, the loop's print at the parrots' faces alone, 6 %.
+// Means within a millimetre in the place of those of t and p let coarse edges, which every print has, hide that
+// feathers are gone. A smaller print of the same is blurred over more of it (open loop: img_kodim23 of 5, 8, 12, 18, 27
+// mm 100, 87, 60, 43, 30 %, img_marble of 5 to 27 mm 29 to 2 %, a banana of 8 to 27 mm 71 to 8 %), as long as the eye
+// sees it. What it cannot see: texture of hue alone; detail that the target's own cells have already averaged.
 #pragma once
 
 #include <cstdint>
@@ -28,6 +28,7 @@
 #include <Eigen/Core>
 
 #include "halftone/loop/colour_regions.h"
+#include "halftone/loop/eye_filter.h"
 #include "optics/scene/surface.h"
 
 namespace voxtone::slicer {
@@ -39,12 +40,13 @@ struct TextureLook {
 };
 
 /// Per cell. `near_target`, `near`: what the narrowest Gaussian leaves of target and print, linear sRGB with a room's
-/// light over them; `regions`: of the target. Time: that of two narrowest EyeFilters and three `smoothed`.
+/// light over them; `regions`: of the target; `wide`: a mean as wide as 2 S. Time: that of two narrowest EyeFilters and
+/// three `smoothed`.
 [[nodiscard]] std::vector<TextureLook> look_at_texture(const optics::Surface& surface,
                                                        std::span<const Eigen::Vector3f> near_target,
                                                        std::span<const Eigen::Vector3f> near,
                                                        std::span<const halftone::ColourRegion> regions,
-                                                       double viewing_distance_mm);
+                                                       const halftone::EyeFilter& wide, double viewing_distance_mm);
 
 struct LostTexture {
     std::vector<std::uint32_t> cells;  ///< ascending

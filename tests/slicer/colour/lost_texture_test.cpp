@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/colour/lost_texture.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -23,10 +24,11 @@ float fur(double x, double y, double waves) {
                  std::sin(2 * pi * waves * (y + 0.3 * std::sin(x))));
 }
 
-/// Of a page of 10 x 8 mm on whose left half there is fur of this light, and nothing on the right.
+/// Of a page of 10 x 8 mm that is lighter from left to right, on whose left half there is fur of this light.
 JobPrediction furred(double waves, float light = 0.4f, float contrast = 0.5f) {
     return test::page_of(10, 8, [=](double x, double y) {
-        return Eigen::Vector3f::Constant(light * (1 + (x < 5 ? contrast * fur(x, y, waves) : 0)));
+        const float shade = 1 + 0.06f * float(x - 5);
+        return Eigen::Vector3f::Constant(light * (shade + (x < 5 ? contrast * fur(x, y, waves) : 0)));
     });
 }
 
@@ -88,7 +90,8 @@ TEST_CASE("A texture that is there is not lost, nor is one that nobody sees") {
     CHECK_FALSE(is_lost(furred(1, 0.0008f), 0, 0.0008f));
     // A corner of a print is no matter of the whole.
     JobPrediction p = test::page_of(10, 8, [](double x, double y) {
-        return Eigen::Vector3f::Constant(0.4f * (1 + (x < 0.5 && y < 0.5 ? 0.5f * fur(x, y, 1) : 0)));
+        return Eigen::Vector3f::Constant(0.4f *
+                                         (1 + 0.06f * float(x - 5) + (x < 0.5 && y < 0.5 ? 0.5f * fur(x, y, 1) : 0)));
     });
     CHECK_FALSE(is_lost(std::move(p), 0, 0.4f));
 }
@@ -101,6 +104,15 @@ TEST_CASE("Flat areas, their edges and letters are no texture, however they are 
         print_with(p, 0.1f);
         CHECK_FALSE(lost_on(p));
     }
+    // As wide a way from one to the other as a picture of few pixels has.
+    JobPrediction soft = test::page_of(12, 12, [](double x, double y) {
+        const auto stripe = [](double at) {
+            return std::clamp((std::abs(std::fmod(at, 6) - 3) - 1.25) / 0.5, 0.0, 1.0);
+        };
+        return Eigen::Vector3f::Constant(float(0.2 + 0.4 * stripe(x) * stripe(y)));
+    });
+    print_with(soft, 0.1f);
+    CHECK_FALSE(lost_on(soft));
     const test::SetLine line("Serial 00417-B", 9, 1, 3);
     JobPrediction page =
         test::page_of(24, 8, [&](double x, double y) { return Eigen::Vector3f::Constant(1 - 0.99f * line.at(x, y)); });
