@@ -400,14 +400,14 @@ TEST_CASE("A draft tells of colours in reach, not of the print, and has no verdi
 namespace {
 
 /// A photograph of nothing: waves of many lengths, as light as they are long.
-std::array<int, 3> clouds(int x, int y) {
+std::array<int, 3> clouds(int x, int y, double contrast = 55) {
     double light = 0;
     for (int n = 0; n < 24; ++n) {
         const double length = 2.5 * std::pow(1.22, n), angle = 2.4 * n;
         light +=
             0.09 * std::pow(length, 0.35) * std::sin(6.283 * (x * std::cos(angle) + y * std::sin(angle)) / length + n);
     }
-    const auto code = [&](double middle) { return int(std::clamp(middle + 55 * light, 0.0, 255.0)); };
+    const auto code = [&](double middle) { return int(std::clamp(middle + contrast * light, 0.0, 255.0)); };
     return {code(150), code(130), code(110)};
 }
 
@@ -418,7 +418,8 @@ TEST_CASE("A print's verdict does not get worse printed larger, with more resins
     write_sheet(folder, "squares.png", 48, 36, [](int x, int y) {
         return (x / 6 + y / 6) % 2 ? std::array{205, 190, 120} : std::array{90, 120, 140};
     });
-    write_sheet(folder, "clouds.png", 120, 90, clouds);
+    write_sheet(folder, "clouds.png", 120, 90, [](int x, int y) { return clouds(x, y); });
+    write_sheet(folder, "mist.png", 120, 90, [](int x, int y) { return clouds(x, y, 15); });
     folder.write("ramp.obj", ramp_box_obj(6, 4, 5));
     const auto rank = [](const nlohmann::json& report) {
         const std::string level = report["verdict"]["level"];
@@ -426,12 +427,14 @@ TEST_CASE("A print's verdict does not get worse printed larger, with more resins
     };
     const std::string squares = folder / "squares.png" + " --thickness 2mm --resins vero-opaque ",
                       photograph = folder / "clouds.png" + " --thickness 2mm --iterations 0",
+                      mist = folder / "mist.png" + " --thickness 2mm --iterations 0",
                       ramp = folder / "ramp.obj" + " --iterations 0",
                       cow = source_dir() + "/examples/models/spot/spot.obj --iterations 0";
     std::set<int> seen_ranks;
     for (const auto& [command, how, steps] :
          {std::tuple{squares + "--iterations 0", "--width", std::array{"4mm", "8mm", "16mm"}},
           std::tuple{photograph, "--width", std::array{"5mm", "10mm", "20mm"}},
+          std::tuple{mist, "--width", std::array{"5mm", "12mm", "30mm"}},
           std::tuple{ramp, "--size", std::array{"4mm", "7mm", "12mm"}},
           std::tuple{cow, "--size", std::array{"6mm", "10mm", "16mm"}},
           std::tuple{ramp + " --size 6mm --resins vero-opaque", "--load", std::array{"K,W", "M,K,W", "C,M,Y,K,W"}},
@@ -480,7 +483,7 @@ TEST_CASE("A model's narrow legs are told by their colour, and not as type that 
 
 TEST_CASE("A photograph whose texture light has taken is told to be blurred, and how much of it is kept") {
     const Folder folder("clouds");
-    write_sheet(folder, "clouds.png", 120, 90, clouds);
+    write_sheet(folder, "clouds.png", 120, 90, [](int x, int y) { return clouds(x, y); });
     const std::string slice = folder / "clouds.png" + " --width 10mm --thickness 2mm --resins vero-opaque ";
     const auto texture = [&](const nlohmann::json& report) -> nlohmann::json {
         for (const auto& region : report["verdict"]["regions"])
