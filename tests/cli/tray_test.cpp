@@ -151,6 +151,24 @@ TEST_CASE("Several models are a tray, one is the print that it would be alone") 
     CHECK_FALSE(fs::exists(bench.folder / "one/parts/marker/report.html"));
 }
 
+TEST_CASE("Copies are said on the command line, and what left a tray is set aside, not lost or left among its parts") {
+    const Bench bench("copies");
+    const std::string marker = bench.folder / "marker.obj", ramp = bench.folder / "ramp.obj",
+                      out = bench.folder / "out";
+    REQUIRE(run_program("slice " + marker + " " + ramp + quick + "--copies 2 -o " + out).exit_code == 0);
+    const json two = read_json(out + "/tray.json")["parts"];
+    REQUIRE(two.size() == 2);
+    for (const json& part : two) CHECK(part["at_px"].size() == 2);
+    const std::string page = read_file(out + "/parts/ramp/report.html");
+    const Outcome again = run_program("slice " + marker + quick + "--copies 3 --overwrite -o " + out);
+    REQUIRE(again.exit_code == 0);
+    CHECK_THAT(again.err, Contains("ramp: of an earlier tray, and set aside in "));
+    CHECK_FALSE(fs::exists(out + "/parts/ramp"));
+    CHECK(read_file(out + "/parts/earlier/ramp/report.html") == page);
+    CHECK(read_json(out + "/tray.json")["parts"][0]["at_px"].size() == 3);
+    CHECK(run_program("slice " + marker + quick + "--copies 0 --overwrite -o " + out).exit_code == 2);
+}
+
 TEST_CASE("A part that fails is left out and told of, --fail-fast stops there") {
     const Bench bench("fails");
     const std::string parts = R"({"model": "marker.obj"}, {"model": "gone.obj", "name": "gone"})";
