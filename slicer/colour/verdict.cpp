@@ -275,11 +275,28 @@ double wall_thickness_mm(const optics::ResinVolume& volume, const Eigen::Vector3
     return std::min(depth, most_mm);
 }
 
+double wall_of_cell_mm(const JobPrediction& p, std::size_t i, double most_mm) {
+    constexpr double one_way = 0.3;  // of the steepest slope's staircase 0.58 is left
+    const optics::Surface& surface = p.predicted.surface;
+    const optics::SurfaceCell& cell = surface.cells[i];
+    const auto& pitch = p.volume.pitch_mm();
+    std::array<double, 3> net{}, all{};
+    for (std::uint32_t f = cell.first_face; f < cell.first_face + cell.faces; ++f) {
+        const auto facing = static_cast<std::size_t>(surface.faces[f].facing), axis = facing / 2;
+        const double area = pitch[(axis + 1) % 3] * pitch[(axis + 2) % 3];
+        net[axis] += facing % 2 ? area : -area, all[axis] += area;
+    }
+    if (std::hypot(net[0], net[1], net[2]) < one_way * (all[0] + all[1] + all[2])) {
+        const auto axis = std::size_t(std::ranges::max_element(all) - all.begin());
+        return std::min(most_mm, surface.cell_voxels[axis] * pitch[axis]);
+    }
+    const Eigen::Vector3d centre(cell.centre_mm[0], cell.centre_mm[1], cell.centre_mm[2]);
+    return wall_thickness_mm(p.volume, centre, {cell.normal[0], cell.normal[1], cell.normal[2]}, most_mm);
+}
+
 CellLoss loss_of_cell(const JobPrediction& p, const JobColour& colour, std::size_t i, double thin_mm) {
     if (colour.separation.gamut_distance(p.target[i]) >= p.seen.difference[i] / 2) return {gamut, thin_mm};
-    const optics::SurfaceCell& cell = p.predicted.surface.cells[i];
-    const Eigen::Vector3d centre(cell.centre_mm[0], cell.centre_mm[1], cell.centre_mm[2]);
-    const double wall = wall_thickness_mm(p.volume, centre, {cell.normal[0], cell.normal[1], cell.normal[2]}, thin_mm);
+    const double wall = wall_of_cell_mm(p, i, thin_mm);
     return {wall < thin_mm ? thin_wall : neighbours, wall};
 }
 

@@ -45,6 +45,10 @@ struct CellLoss {
 [[nodiscard]] CellLoss loss_of_cell(const JobPrediction& prediction, const JobColour& colour, std::size_t cell,
                                     double thin_mm);
 
+/// How thick the body is behind a cell, at most `most_mm`; where its faces look both ways, as those of a sheet of one
+/// voxel do, which has no normal, as thick as the cell.
+[[nodiscard]] double wall_of_cell_mm(const JobPrediction& prediction, std::size_t cell, double most_mm);
+
 struct VerdictSources {
     const OpenedJob& job;
     const JobBody& body;

@@ -3,6 +3,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "drawn_page.h"
+
 using namespace voxtone;
 using namespace voxtone::slicer;
 
@@ -21,4 +23,31 @@ TEST_CASE("A wall is as thick as it is, along its normal") {
     CHECK(wall_thickness_mm(plate, {0.5, 2.4, 1}, {-1, 0, 0}, 2) == 2);
     // A cell's centre may lie a little outside of the staircase.
     CHECK(wall_thickness_mm(plate, {1.5, 1.95, 1}, {0, -1, 0}, 2) == Approx(0.85).margin(0.06));
+}
+
+TEST_CASE("A sheet of one voxel is a thin wall whichever way it stands, and a block is none") {
+    for (const int axis : {0, 1, 2}) {
+        CAPTURE(axis);
+        const auto turned = [axis](double x, double y, double z) {
+            return axis == 0 ? std::array{x, y, z} : axis == 1 ? std::array{y, z, x} : std::array{z, x, y};
+        };
+        const auto is_solid = [&](double x, double y, double z) {
+            const auto at = turned(x, y, z);
+            return at[2] < 3 || std::abs(at[0] - 20.5 * test::drawn_cell_mm) < 0.1 * test::drawn_cell_mm;
+        };
+        const JobPrediction p = test::body_of({4.5, 4.5, 4.5}, is_solid,
+                                              [](double, double, double) { return Eigen::Vector3f::Constant(0.5f); });
+        int sheet = 0, block = 0;
+        for (std::size_t i = 0; i < p.target.size(); ++i) {
+            const auto& c = p.predicted.surface.cells[i].centre_mm;
+            const auto at = turned(double(c[0]), double(c[1]), double(c[2]));
+            const double wall = wall_of_cell_mm(p, i, 2);
+            const bool is_sheet = at[2] > 3.3 && at[2] < 4.2 && std::abs(at[1] - 2.2) < 1.8,
+                       is_side = at[2] < 2.5 && at[2] > 1 && std::abs(at[1] - 2) < 0.5;
+            if (is_sheet) CHECK(wall < 0.2);
+            if (is_side) CHECK(wall > 1.5);
+            sheet += is_sheet, block += is_side;
+        }
+        CHECK((sheet > 100 && block > 100));
+    }
 }
