@@ -529,6 +529,17 @@ TEST_CASE("Open sheets are advised a thickness, which does what is said") {
     CHECK_THAT(advice["text"].get<std::string>(), Contains("print open sheets 2 mm thick"));
     CHECK(double(advice["then"]) > double(report["verdict"]["seen_de2000"]["out_of_reach"]));
     CHECK(follow(folder, hill) >= 1);
+    // A flag on a block, whose thick walls tell what thick ones are like.
+    folder.write("flag.obj", finned_obj(2) +
+                                 "v 0 2 7 0.6 0.35 0.35\nv 6 2 7 0.3 0.45 0.35\nv 6 2 10 0.3 0.45 0.35\n"
+                                 "v 0 2 10 0.6 0.35 0.35\nf 17 18 19 20\n");
+    const std::string flag = folder / "flag.obj" + " --unit mm --iterations 0 ";
+    const auto thin = verdict_of(folder, flag);
+    INFO(thin["verdict"].dump(1));
+    const auto cure = advised(thin, "--sheet-thickness 2mm");
+    REQUIRE_FALSE(cure.is_null());
+    const double cured = seen(verdict_of(folder, flag + "--sheet-thickness 2mm"));
+    CHECK(cured < double(cure["then"]) + 0.5);
     // A closed plate as thin is no sheet: the option would do nothing.
     folder.write("plate.obj", ramp_box_obj(6, 0.3, 5));
     CHECK(advised(verdict_of(folder, folder / "plate.obj" + " --iterations 0"), "--sheet-thickness").is_null());
