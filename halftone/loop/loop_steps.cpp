@@ -81,11 +81,13 @@ bool stopped_gaining(const std::vector<LoopStep>& steps) {
 }
 
 bool descent_lost_its_way(const std::vector<LoopStep>& steps) {
+    constexpr double still_bad = 5;  // CIEDE2000 as seen: what a verdict calls bad, unless told otherwise
     if (steps.size() < 3 || steps_by(LoopMethod::descent, steps) != 2) return false;
-    const std::vector<LoopStep> before(steps.begin(), steps.end() - 2);
-    const double best = least_score(before);
-    return std::all_of(steps.end() - 2, steps.end(),
-                       [&](const LoopStep& step) { return worthwhile * step.score > best; });
+    const auto first = steps.end() - 2;
+    const auto best =
+        std::min_element(steps.begin(), first, [](const LoopStep& a, const LoopStep& b) { return a.score < b.score; });
+    return best->seen.mean < still_bad &&
+           std::all_of(first, steps.end(), [&](const LoopStep& step) { return worthwhile * step.score > best->score; });
 }
 
 std::size_t steps_left(const std::vector<LoopStep>& steps, std::size_t allowed) {

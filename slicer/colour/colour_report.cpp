@@ -292,9 +292,9 @@ std::string colour_summary(const io::Report& report) {
     if (report.prediction)
         text += fmt::format(
             "  cell by cell, before the eye blurs them: CIEDE2000 mean {:.2f}, median {:.2f}, 95 % {:.2f}, max {:.2f} "
-            "(cells of {:.0f} um, {:.2f} s)\n",
+            "(cells of {:.0f} um)\n",
             report.prediction->mean_de2000, report.prediction->median_de2000, report.prediction->p95_de2000,
-            report.prediction->max_de2000, report.prediction->cell_um[0], report.prediction->seconds);
+            report.prediction->max_de2000, report.prediction->cell_um[0]);
     if (report.gamut)
         text += fmt::format(
             "  out of the resins' reach, on a thick body: {:.1f} % of the surface; moved by CIEDE2000 mean {:.2f}, 95 "

@@ -209,6 +209,10 @@ double rim_limit(const VerdictLimits& limits) { return 2 * limits.bad; }
 bool is_plural(const io::ReportRegion& region) { return region.kind == "type and lines"; }
 const char* is_are(const io::ReportRegion& region) { return is_plural(region) ? "are" : "is"; }
 
+bool is_flecked(const io::ReportRegion& region) {
+    return region.unevenness > (region.kind == "paper" ? paper_flecked_above : flecked_above);
+}
+
 std::string what_is_wrong(const io::ReportRegion& region, const VerdictLimits& limits) {
     if (region.contrast_asked >= legible && region.contrast < legible)
         return fmt::format("{} hard to read: the contrast is {:.2f}, {:.2f} was asked for and {:g} is legible",
@@ -219,7 +223,7 @@ std::string what_is_wrong(const io::ReportRegion& region, const VerdictLimits& l
     if (region.rim > rim_limit(limits))
         return fmt::format("{} a rim of another colour, {:.0f} units of CIELAB in chroma",
                            is_plural(region) ? "have" : "has", *region.rim);
-    if (region.unevenness > flecked_above)
+    if (is_flecked(region))
         return fmt::format("{} not even: flecked by {:.1f} CIEDE2000", is_are(region), *region.unevenness);
     return {};
 }
@@ -463,7 +467,7 @@ JudgedRegions judge_regions(const RegionSources& s, const ThinWalls& walls) {
     std::vector<Row> rows;
     for (std::size_t r = 0; r < p.seen.regions.size(); ++r) {
         Row row = row_of(s, r, cells, is_page);
-        if (row.said.unevenness > flecked_above)
+        if (is_flecked(row.said))
             for (const std::uint32_t cell : row.cells) judged.spoilt[cell] = 1;
         rows.push_back(std::move(row));
     }

@@ -180,7 +180,7 @@ std::optional<TypeSize> unreadable_type(const JobPrediction& p, double viewing_d
 }
 
 std::optional<LostLines> lost_lines(const JobPrediction& p) {
-    constexpr double enough = 0.6, least_mm2 = 2;
+    constexpr double enough = 0.6, stands_out = 0.5, least_mm2 = 1;
     constexpr double faint = 0.03;  // lightness, Oklab: what differs by less is ground in type_rows.cpp, too
     if (p.target.empty()) return std::nullopt;
     const LocalDetail detail(p);
@@ -198,7 +198,7 @@ std::optional<LostLines> lost_lines(const JobPrediction& p) {
         const auto contrast = [&](const std::vector<Eigen::Vector3f>& rgb) {
             return contrast_of(luminance_of(p, rgb, pattern), luminance_of(p, rgb, grounds[n]));
         };
-        if (contrast(p.predicted.rgb) >= std::min(readable_contrast, readable_part * contrast(p.target))) continue;
+        if (contrast(p.predicted.rgb) >= stands_out * contrast(p.target)) continue;
         double area_mm2 = 0, asked = 0, kept = 0;
         for (const std::uint32_t cell : pattern) {
             const double area = p.predicted.surface.cells[cell].area_mm2;

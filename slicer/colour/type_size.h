@@ -47,7 +47,7 @@ struct LostLines {
     std::uint32_t worst = 0;  ///< a cell of the piece that keeps least
     double area_mm2 = 0, kept = 0;
 };
-/// Of a picture's slab; nothing where that is less than 2 mm2.
+/// Of a picture's slab; nothing where that is less than 1 mm2.
 [[nodiscard]] std::optional<LostLines> lost_lines(const JobPrediction& prediction);
 
 /// "2.1 mm (6 pt)".

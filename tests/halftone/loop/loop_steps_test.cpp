@@ -62,7 +62,12 @@ TEST_CASE("A descent that throws the print off at once is given up, one that gai
     CHECK_FALSE(lost({4}));
     CHECK_FALSE(lost({4, 3.49}));
     CHECK_FALSE(lost({3.3, 4}));
-    CHECK_FALSE(lost({4, 3.7, 3.6}));  // was let go on once
+    CHECK_FALSE(lost({4, 3.7, 3.6}));                                     // was let go on once
+    std::vector<LoopStep> bad = steps(LoopMethod::descent, {5.5, 8, 8});  // still bad before it
+    bad.front().seen.mean = 5.1;
+    CHECK_FALSE(descent_lost_its_way(bad));
+    bad.front().seen.mean = 4.9;
+    CHECK(descent_lost_its_way(bad));
     CHECK_FALSE(descent_lost_its_way(steps(LoopMethod::feedback, {3, 4, 5})));
     CHECK_FALSE(descent_lost_its_way(steps(LoopMethod::descent, {3})));
 }
