@@ -13,7 +13,7 @@ from shops import Served, bits, console_bits, write_box
 
 pytestmark = pytest.mark.skipif(bool(one_node_slurm.what_is_missing()), reason=one_node_slurm.what_is_missing())
 draft = {"quality": "draft", "size": "5mm"}
-loop = {"size": "5mm", "iterations": 8, "viewing-distance": 200, "predict": "none"}
+loop = {"size": "5mm", "iterations": 16, "viewing-distance": 200, "predict": "none"}
 
 
 @pytest.fixture
@@ -80,10 +80,9 @@ def test_jobs_are_done_while_the_service_the_node_and_the_controller_come_and_go
 def test_what_is_cancelled_or_held_leaves_slurm_and_goes_on_when_it_is_asked_to(tmp_path, slurm, shop):
     box = write_box(tmp_path / "box.glb")
     jobs = [hand_in(shop, box, options={**loop, "flip-x": flip}) for flip in (False, True)]
-    for job in jobs:
+    for job, what in zip(jobs, ("cancel", "hold")):  # each while it runs
         wait_for_loop(shop, job)
-    act(shop, "cancel", jobs[0])
-    act(shop, "hold", jobs[1])
+        act(shop, what, job)
     assert shop.wait_for(jobs[0], "cancelled", seconds=60) and shop.wait_for(jobs[1], "held", seconds=60)
     assert one_node_slurm.queue() == []
     time.sleep(12)  # one that puts itself back is there again a second after cred_expire

@@ -7,6 +7,7 @@
 
 #include <fmt/core.h>
 
+#include "base/warning.h"
 #include "io/printer/printer_folder.h"
 #include "slicer/surface/area_points.h"
 
@@ -88,8 +89,13 @@ io::PageOfStack printer_page(const OpenedJob& job, std::string title, std::vecto
                              std::vector<std::string> missing) {
     return [&job, title = std::move(title), bodies = std::move(bodies), missing = std::move(missing)](
                const io::StackDescription& stack, const io::TopmostLayers& topmost) {
-        HowToPrint what{title, job.outputs(), {}, heights_from_above(stack, topmost), {}, missing};
-        for (const PlacedBody& placed : bodies) what.parts.push_back(finish_of(placed, stack, topmost));
+        HowToPrint what{title, job.outputs(), {}, heights_from_above(stack, topmost), {}, missing, {}};
+        for (const PlacedBody& placed : bodies) {
+            what.parts.push_back(finish_of(placed, stack, topmost));
+            for (const std::string& warning : placed.body.warnings)
+                if (message_name(warning) == fragile_warning)
+                    what.fragile.push_back(fmt::format("{}: {}", placed.name, warning.substr(0, warning.rfind(" ["))));
+        }
         return how_to_print_page(stack, job.printer, what);
     };
 }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/progress.h"
@@ -24,6 +25,9 @@
 #include "slicer/surface/visible_surface.h"
 
 namespace voxtone::slicer {
+
+/// The name of the warning of walls that may break when the support is washed off.
+inline constexpr std::string_view fragile_warning = "fragile";
 
 struct JobBody {
     std::string name;                      ///< empty: as the model's file

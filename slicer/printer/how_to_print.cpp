@@ -70,6 +70,7 @@ std::string warnings(const PrinterProfile& printer, const HowToPrint& what) {
             "whether each resin is where it was meant: <code>voxtone target marker --printer {} -o "
             "marker</code></li>\n",
             html_text(printer.id));
+    for (const std::string& walls : what.fragile) items += "<li><b>Wash with care.</b> " + html_text(walls) + "</li>\n";
     for (const std::string& warning : printer.warnings()) items += "<li>" + html_text(warning) + "</li>\n";
     if (items.empty()) return {};
     return "<section class=\"warnings\">\n<h2>Before you begin</h2>\n<ul>\n" + items + "</ul>\n</section>\n";

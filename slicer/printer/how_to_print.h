@@ -52,6 +52,7 @@ struct HowToPrint {
     PictureFromAbove from_above;
     std::vector<std::string> remarks{};  ///< how it is read once it is printed
     std::vector<std::string> missing{};  ///< parts that were to be in it and failed
+    std::vector<std::string> fragile{};  ///< what may break when the support is washed off: a sentence for each body
 };
 
 /// `stack`: as its manifest describes it. `printer`: whose id it has.

@@ -232,11 +232,15 @@ io::ReportVerdict TrayReport::verdict_of(const std::vector<const Entry*>& entrie
     io::ReportVerdict verdict;
     if (!bad.empty()) {
         verdict.level = io::VerdictLevel::bad;
-        verdict.headline = fmt::format("{} of {} bodies will not look as asked", bad.size(), all);
+        verdict.headline = fmt::format("{} of {} bodies will not look as asked{}", bad.size(), all,
+                                       fair.empty() ? "" : fmt::format(", {} nearly", fair.size()));
         verdict.why = names_of(bad) + ". Each has its reason and what to try on its own page.";
     } else if (!fair.empty()) {
         verdict.level = io::VerdictLevel::fair;
-        verdict.headline = fmt::format("{} of {} bodies will look nearly as asked", fair.size(), all);
+        const std::size_t good = all - fair.size() - unknown.size();
+        verdict.headline = good == 0
+                               ? fmt::format("{} of {} bodies will look nearly as asked", fair.size(), all)
+                               : fmt::format("{} of {} bodies will look as asked, {} nearly", good, all, fair.size());
         verdict.why = names_of(fair) + ". What limits them is on their own pages.";
     } else if (unknown.size() < all) {
         verdict.level = io::VerdictLevel::good;

@@ -91,6 +91,8 @@ TEST_CASE("A thin wall gets its word, limits are the user's, and --strict makes 
     CHECK_THAT(plain.out, Contains(sentence));
     std::string page = read_file(folder.path() / "out/report.html");
     CHECK_THAT(page, Contains("thin walls"));
+    CHECK_THAT(read_file(folder.path() / "out/printer/HOW-TO-PRINT.html"),
+               Contains("<b>Wash with care.</b> plate.obj: walls under 0.6 mm"));
     // The stack is there and whole.
     CHECK(run_program(slice + "--strict").exit_code == 6);
     CHECK(run_program("verify " + folder / "out").exit_code == 0);

@@ -37,6 +37,13 @@ std::string text_of_part(const PartFinish& part) {
 
 }  // namespace
 
+TEST_CASE("Who washes a print is told of walls that may break") {
+    HowToPrint what = print_with({});
+    CHECK_THAT(page(what), !Contains("Wash with care"));
+    what.fragile = {"cow: walls under 0.6 mm may break: <ear>"};
+    CHECK_THAT(page(what), Contains("<b>Wash with care.</b> cow: walls under 0.6 mm may break: &lt;ear&gt;"));
+}
+
 TEST_CASE("A column of the model is found in bitmaps that were turned as the printer wants them") {
     // 5 x 3 columns of the model, each with a material of its own: turned by the writer's own function.
     constexpr std::uint32_t width = 5, height = 3;
