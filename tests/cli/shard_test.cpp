@@ -218,7 +218,7 @@ TEST_CASE("A shard that is made twice at once, killed, or made again does no har
     bool was_killed = false;
     for (int trial = 0; trial < 10 && !was_killed; ++trial) {
         fs::remove(first);
-        const Outcome killed = run_and_signal(fmt::format("{} -o {} --shard 1/2 --json", plain_job, folder / "parts"),
+        const Outcome killed = run_and_signal(fmt::format("{} -o {} --shard 1/2 --json", told, folder / "parts"),
                                               "\"stage\":\"layers\"", SIGKILL);
         was_killed = killed.exit_code == 128 + SIGKILL;
     }

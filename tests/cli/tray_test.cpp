@@ -126,7 +126,7 @@ TEST_CASE("Several models are a tray, one is the print that it would be alone") 
     };
     CHECK(cells_of(bench.folder / "a/parts/marker") == cells_of(bench.folder / "alone"));
     CHECK(cells_of(bench.folder / "a") > cells_of(bench.folder / "alone"));
-    for (const char* stack : {"a", "a/parts/ramp", "a/parts/ramp/"}) {
+    for (const char* stack : {"a", "a/parts/marker", "a/parts/marker/"}) {
         const Outcome proof = run_program("proof --spp 8 --size 32x24 --overwrite " + (bench.folder / stack) + " -o " +
                                           (bench.folder / "proof.png"));
         INFO(proof.err);
