@@ -150,7 +150,7 @@ TEST_CASE("a folder with other things in it is left alone", "[stack]") {
         (void)writer.finish();
     }
     CHECK(contents(out).at("holiday.png") == "precious");
-    CHECK_THROWS_AS(LayerStackWriter(out / "holiday.png", description(1)), InputError);
+    CHECK_THROWS_AS(LayerStackWriter(out / "holiday.png", description(1)), FileError);
 }
 
 TEST_CASE("an old stack stays whole until the new one is", "[stack]") {
