@@ -213,12 +213,22 @@ bool is_flecked(const io::ReportRegion& region) {
     return region.unevenness > (region.kind == "paper" ? paper_flecked_above : flecked_above);
 }
 
+/// "yellow (187, 154, 1)", without its numbers.
+std::string colour_name(const std::string& colour) { return colour.substr(0, colour.find(" (")); }
+
+/// With what was asked for by numbers, where words do not tell the two apart.
+std::string printed_text(const io::ReportRegion& region) {
+    const std::string& asked = region.asked_seen.empty() ? region.asked : region.asked_seen;
+    if (colour_name(asked) != colour_name(region.printed)) return region.printed;
+    return fmt::format("{} for {}", region.printed, asked.substr(asked.find('(')));
+}
+
 std::string what_is_wrong(const io::ReportRegion& region, const VerdictLimits& limits) {
     if (region.contrast_asked >= legible && region.contrast < legible)
         return fmt::format("{} hard to read: the contrast is {:.2f}, {:.2f} was asked for and {:g} is legible",
                            is_are(region), region.contrast, region.contrast_asked, legible);
     if (region.de2000 > limits.bad)
-        return fmt::format("{} printed as {}, {:.0f} off{}", is_are(region), region.printed, *region.de2000,
+        return fmt::format("{} printed as {}, {:.0f} off{}", is_are(region), printed_text(region), *region.de2000,
                            region.out_of_reach ? ": no mixture of the loaded resins is nearer" : "");
     if (region.rim > rim_limit(limits))
         return fmt::format("{} a rim of another colour, {:.0f} units of CIELAB in chroma",

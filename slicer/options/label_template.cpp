@@ -129,7 +129,7 @@ std::string settled_text(const std::string& text, const std::string& said) {
         throw UsageError(fmt::format(
             "{}: {}", said,
             fmt::format("{{{}}} stands for nothing: {{job}}, {{part}} and {{copy}} do, and columns of a plan "
-                        "whose header is in braces; braces themselves are doubled",
+                        "by their headers; braces themselves are doubled",
                         name->name)));
     std::string settled;
     for (std::size_t i = 0; i < text.size(); ++i) {
