@@ -3,13 +3,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <map>
+#include <optional>
 #include <utility>
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include "base/warning.h"
 #include "io/printer/printer_folder.h"
+#include "optics/colour/colour.h"
 #include "slicer/surface/area_points.h"
+#include "slicer/surface/surface_colour.h"
 
 namespace voxtone::slicer {
 
@@ -40,6 +46,59 @@ private:
     const io::StackDescription& stack_;
     std::span<const std::uint16_t> topmost_;
     std::array<int, 2> size_;
+};
+
+/// What was asked for of a print's bodies, where they are seen from above: who stands at the printer sees by it which
+/// way a print lies, and whether it came out mirrored. Lower places are a fifth darker.
+class ColourFromAbove {
+public:
+    ColourFromAbove(const std::vector<PlacedBody>& bodies, const io::StackDescription& stack) : stack_(stack) {
+        constexpr double spacing_mm = 0.2;
+        for (const PlacedBody& placed : bodies)
+            if (!placed.body.surface->triangles.empty())
+                parts_.push_back({&placed, {placed.body.model.mesh, spacing_mm}});
+    }
+
+    [[nodiscard]] io::Rgb operator()(std::uint32_t i, std::uint32_t j, std::uint16_t top) const {
+        const Eigen::Vector3d place(i + 0.5, j + 0.5, double(stack_.first_layer) + top);
+        const double light = 0.8 + 0.2 * top / stack_.layers;
+        for (const Part& part : parts_)
+            for (const std::array<int, 3>& at : part.placed->at)
+                if (const auto rgb = colour(part, place - Eigen::Vector3d(at[0], at[1], at[2]))) {
+                    io::Rgb codes{};
+                    for (Eigen::Index c = 0; c < 3; ++c)
+                        codes[std::size_t(c)] = static_cast<std::uint8_t>(
+                            std::lround(255 * light * optics::srgb_encode(std::clamp(double((*rgb)[c]), 0.0, 1.0))));
+                    return codes;
+                }
+        const auto grey = static_cast<std::uint8_t>(std::lround(200 * light));
+        return {grey, grey, grey};
+    }
+
+private:
+    struct Part {
+        const PlacedBody* placed;
+        SurfaceColour colour;
+    };
+    /// Of the surface that is within four voxels of there, in voxels from the corner of the body's grid.
+    [[nodiscard]] static std::optional<Eigen::Vector3f> colour(const Part& part, const Eigen::Vector3d& voxel) {
+        constexpr double near = 4;
+        const JobBody& body = part.placed->body;
+        for (Eigen::Index a = 0; a < 3; ++a)
+            if (voxel[a] < -near || voxel[a] > body.grid.size[std::size_t(a)] + near) return std::nullopt;
+        const Eigen::Vector3d p = body.grid.origin_mm + voxel.cwiseProduct(body.grid.pitch_mm);
+        const TriangleTree& tree = body.surface.tree();
+        const auto found = tree.nearest(p, TriangleTree::none, near * body.grid.pitch_mm.maxCoeff());
+        if (found.triangle == TriangleTree::none) return std::nullopt;
+        const auto [a, b, c] = tree.corners(found.triangle);
+        const Eigen::Vector3f weight = nearest_weights(found.point, a, b, c).cast<float>();
+        const auto& uv = body.surface->source_uv[found.triangle];
+        const Eigen::Vector2f at = weight[0] * uv[0] + weight[1] * uv[1] + weight[2] * uv[2];
+        return part.colour.at(body.surface->source_triangle[found.triangle], at.x(), at.y());
+    }
+
+    const io::StackDescription& stack_;
+    std::vector<Part> parts_;
 };
 
 /// The middle nine tenths.
@@ -89,13 +148,19 @@ io::PageOfStack printer_page(const OpenedJob& job, std::string title, std::vecto
                              std::vector<std::string> missing) {
     return [&job, title = std::move(title), bodies = std::move(bodies), missing = std::move(missing)](
                const io::StackDescription& stack, const io::TopmostLayers& topmost) {
-        HowToPrint what{title, job.outputs(), {}, heights_from_above(stack, topmost), {}, missing, {}};
+        const ColourFromAbove asked(bodies, stack);
+        PictureFromAbove from_above =
+            picture_from_above(stack, topmost, std::cref(asked), "in the colours that were asked for");
+        HowToPrint what{title, job.outputs(), {}, std::move(from_above), {}, missing, {}};
+        std::map<std::string, std::vector<std::string>> fragile;  // copies and parts alike are told together
         for (const PlacedBody& placed : bodies) {
             what.parts.push_back(finish_of(placed, stack, topmost));
             for (const std::string& warning : placed.body.warnings)
-                if (message_name(warning) == fragile_warning)
-                    what.fragile.push_back(fmt::format("{}: {}", placed.name, warning.substr(0, warning.rfind(" ["))));
+                if (message_name(warning) == fragile_warning)  // what would help stands behind the places
+                    fragile[warning.substr(0, warning.find(". "))].push_back(placed.name);
         }
+        for (const auto& [walls, names] : fragile)
+            what.fragile.push_back(fmt::format("{}: {}", fmt::join(names, ", "), walls));
         return how_to_print_page(stack, job.printer, what);
     };
 }

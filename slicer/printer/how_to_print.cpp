@@ -362,15 +362,6 @@ PictureFromAbove picture_from_above(const io::StackDescription& stack, const io:
     return result;
 }
 
-PictureFromAbove heights_from_above(const io::StackDescription& stack, const io::TopmostLayers& topmost) {
-    const auto colour = [&](std::uint32_t, std::uint32_t, std::uint16_t top) {
-        const auto grey = static_cast<std::uint8_t>(90 + 160 * std::uint32_t{top} / stack.layers);
-        return io::Rgb{grey, grey, grey};
-    };
-    return picture_from_above(stack, topmost, colour,
-                              fmt::format("the lighter, the higher ({:.2f} mm at most)", stack.size_mm[2]));
-}
-
 std::string how_to_print_page(const io::StackDescription& stack, const PrinterProfile& printer,
                               const HowToPrint& what) {
     std::vector<std::string> steps{files_step(stack, what.outputs),

@@ -39,8 +39,6 @@ using ColourOfColumn = std::function<io::Rgb(std::uint32_t i, std::uint32_t j, s
 /// written.
 [[nodiscard]] PictureFromAbove picture_from_above(const io::StackDescription& stack, const io::TopmostLayers& topmost,
                                                   const ColourOfColumn& colour, std::string caption);
-/// The same, of heights: the lighter, the higher.
-[[nodiscard]] PictureFromAbove heights_from_above(const io::StackDescription& stack, const io::TopmostLayers& topmost);
 
 /// The bitmaps' index of a voxel's column that is (i, j) in the model's frame.
 [[nodiscard]] std::size_t pixel_of_column(const io::StackDescription& stack, std::uint32_t i, std::uint32_t j);
@@ -52,7 +50,7 @@ struct HowToPrint {
     PictureFromAbove from_above;
     std::vector<std::string> remarks{};  ///< how it is read once it is printed
     std::vector<std::string> missing{};  ///< parts that were to be in it and failed
-    std::vector<std::string> fragile{};  ///< what may break when the support is washed off: a sentence for each body
+    std::vector<std::string> fragile{};  ///< what may break when the support is washed off: and whose
 };
 
 /// `stack`: as its manifest describes it. `printer`: whose id it has.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // From OUT to the printer's computer, as a user takes it there.
+#include <array>
+#include <cstdlib>
 #include <filesystem>
 #include <set>
 #include <string>
@@ -8,7 +10,9 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include "io/files/base64.h"
 #include "io/layers/manifest.h"
+#include "io/pictures/picture_writer.h"
 #include "run_program.h"
 #include "tests/places.h"
 
@@ -186,6 +190,40 @@ TEST_CASE("A shard whose part of the Zbuffer was lost or spoilt is asked for aga
     CHECK(run_program("verify " + (folder / "out/printer")).exit_code == 0);
 }
 
+TEST_CASE("The page at the printer shows a print in its colours, as it lies on the tray") {
+    const Folder folder("from-above");
+    // Red at the upper left, blue below, white at the right.
+    voxtone::io::Picture8 flag{30, 20, 3, {}};
+    for (int y = 0; y < 20; ++y)
+        for (int x = 0; x < 30; ++x)
+            for (const int code : x >= 15  ? std::array{255, 255, 255}
+                                  : y < 10 ? std::array{255, 0, 0}
+                                           : std::array{0, 0, 255})
+                flag.codes.push_back(std::uint8_t(code));
+    const auto png = voxtone::io::png_bytes(flag);
+    folder.write("flag.png", std::string(png.begin(), png.end()));
+    for (const std::string more : {"", "--flip-x"}) {
+        INFO(more);
+        REQUIRE(run_program(quick + std::string("--width 3mm --thickness 1mm --overwrite ") + more + " " +
+                            (folder / "flag.png") + " -o " + (folder / "out"))
+                    .exit_code == 0);
+        const std::string page = read_file(folder / "out/printer/HOW-TO-PRINT.html"), mark = "data:image/png;base64,";
+        const std::size_t at = page.find(mark) + mark.size();
+        const auto bytes = voxtone::io::base64_bytes(std::string_view(page).substr(at, page.find('"', at) - at));
+        folder.write("above.png", std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+        const Bitmap above = read_png(folder / "above.png");
+        const auto is = [&](double x, double y, std::array<int, 3> wanted) {  // what is lower is a little darker
+            const auto seen = above.at(int(x * above.width), int(y * above.height));
+            return std::abs(seen[0] - wanted[0]) < 9 && std::abs(seen[1] - wanted[1]) < 9 &&
+                   std::abs(seen[2] - wanted[2]) < 9;
+        };
+        const double left = more.empty() ? 0.25 : 0.75;
+        CHECK(is(left, 0.25, std::array{255, 0, 0}));
+        CHECK(is(left, 0.75, std::array{0, 0, 255}));
+        CHECK(is(1 - left, 0.25, std::array{255, 255, 255}));
+    }
+}
+
 TEST_CASE("A tray's page names its parts, and the marker is a print like any other") {
     const Folder folder("printer-tray");
     folder.write("low.obj", soft_box_obj(3, 2, 1));
@@ -213,6 +251,7 @@ TEST_CASE("A tray's page names its parts, and the marker is a print like any oth
             CHECK(high <= stack.size_mm[axis] + 1e-6);
         }
     }
+    CHECK_THAT(page, Contains("in the colours that were asked for"));
     double ml = 0;
     for (const auto& resin : stack.resins) ml += resin.ml;
     CHECK(stack.members[0].ml + stack.members[1].ml == Approx(ml).epsilon(0.01));

@@ -130,24 +130,6 @@ TEST_CASE("The print from above shows the highest of each pixel's columns, its b
     CHECK(std::count(picture.picture.codes.begin(), picture.picture.codes.end(), 100) == 2);
 }
 
-TEST_CASE("Heights from above are the lighter the higher") {
-    const io::StackDescription stack = stack_of(70, 40);
-    io::TopmostLayers topmost(70, 40);
-    for (std::uint32_t k = 0; k < 40; ++k) {
-        std::vector<io::Material> pixels(70 * 40, io::background);
-        for (std::uint32_t x = k > 0 ? k - 1 : 0; x < 70; ++x)  // two layers at the least: the lowest alone is not seen
-            for (std::uint32_t y = 0; y < 40; ++y) pixels[y * 70 + x] = 1;
-        topmost.add(k, io::layer_from_pixels(pixels, 70, 40));
-    }
-    const PictureFromAbove picture = heights_from_above(stack, topmost);
-    const std::size_t width = picture.picture.width_px;
-    const auto grey = [&](std::size_t x) { return int(picture.picture.codes[3 * (width * 5 + x)]); };
-    CHECK(grey(0) == 90 + 160 * int(topmost.indices()[0]) / 40);
-    CHECK(grey(width - 1) == 90 + 160 * int(topmost.indices()[69]) / 40);
-    for (std::size_t x = 1; x < width; ++x) CHECK(grey(x) >= grey(x - 1));
-    CHECK_THAT(picture.caption, Contains("1.08 mm at most"));  // 40 layers of 27 um
-}
-
 TEST_CASE("The page names the files that were written, and how they are loaded") {
     const std::string layers = page(print_with({}));
     CHECK_THAT(layers, Contains("<title>How to print A cow"));
