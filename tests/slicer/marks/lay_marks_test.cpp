@@ -130,6 +130,18 @@ TEST_CASE("A label takes the flattest face that is as large as it, and keeps cle
     CHECK(whole.mesh.decals.empty());
 }
 
+TEST_CASE("A label lies across no step, whichever way that runs") {
+    using Eigen::Vector3d;
+    const SolidMesh base = shapes::box({0, 0, 0}, {10, 10, 4});
+    for (const Vector3d& half : {Vector3d(5, 10, 6), Vector3d(10, 5, 6)}) {
+        INFO(half.transpose());
+        const SolidMesh stair = shapes::joined(base, shapes::box({0, 0, 3}, half));
+        Body narrow = test::body_of(stair, white), wide = test::body_of(stair, white);
+        CHECK_NOTHROW(lay(narrow, {"qr=A; size=3mm; place=top"}));
+        CHECK_THROWS_WITH(lay(wide, {"qr=A; size=5mm; place=top"}), Contains("without steps or edges"));
+    }
+}
+
 TEST_CASE("A label that is told no place lies where it is least seen") {
     const auto out_of = [](const SolidMesh& solid) {
         Body body = test::body_of(solid, white);
