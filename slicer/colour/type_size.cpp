@@ -199,11 +199,12 @@ std::optional<LostLines> lost_lines(const JobPrediction& p) {
             return contrast_of(luminance_of(p, rgb, pattern), luminance_of(p, rgb, grounds[n]));
         };
         if (contrast(p.predicted.rgb) >= stands_out * contrast(p.target)) continue;
-        double area_mm2 = 0, asked = 0, kept = 0;
+        const double area_mm2 = patterns[n].area_mm2;
+        double asked = 0, kept = 0;
         for (const std::uint32_t cell : pattern) {
             const double area = p.predicted.surface.cells[cell].area_mm2;
             const Eigen::Vector2d from = detail.at(cell);
-            area_mm2 += area, asked += area * from[0] * from[0], kept += area * from[0] * from[1];
+            asked += area * from[0] * from[0], kept += area * from[0] * from[1];
         }
         if (kept >= enough * asked || asked < faint * faint * area_mm2) continue;
         if (kept < least_kept * asked) least_kept = kept / asked, lost.worst = pattern[pattern.size() / 2];

@@ -42,7 +42,8 @@ std::vector<Eigen::Vector3d> outs_of(const MarkOptions& mark, const MarkedBody& 
     return facing_directions(*body.solid);
 }
 
-/// How uneven a bottom may be, of a label's diagonal: a belly is, a slanting face has a place of its own.
+/// How uneven a bottom may be, of a label's diagonal: a belly is, a slanting face has a place of its own. A choice: the
+/// bundled cow's belly has place then at 30 mm, and a code on a slanting box keeps straight.
 constexpr double curved_part = 0.1;
 
 /// What is least seen first: of a picture its back, then its rim, and never its face; of a model the bottom, the back,

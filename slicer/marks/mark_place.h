@@ -24,7 +24,8 @@ struct MarkedBody {
 [[nodiscard]] MarkFrame place_of_mark(const MarkOptions& mark, const MarkedBody& body, double width_mm,
                                       double height_mm, std::span<const MarkFrame> taken);
 
-/// Which share of that size has place at the bottom of a model; 0: none has.
+/// Which share of that size, turned by so many degrees as labels are, has place at the bottom of a model; 0: none above
+/// a twentieth has.
 [[nodiscard]] double share_that_fits_below(const MarkedBody& body, double width_mm, double height_mm, double turn_deg,
                                            std::span<const MarkFrame> taken);
 
