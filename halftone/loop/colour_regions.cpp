@@ -222,14 +222,13 @@ std::vector<ColourRegion> colour_regions(const optics::Surface& surface, std::sp
     const CellRows rows(surface);
     Marks mark(surface.cells.size());
     std::vector<ColourRegion> regions;
-    std::vector<Strokes> strokes, thin;
+    std::vector<Strokes> strokes, thin, papers;
     std::vector<Eigen::Vector3f> solids;
-    std::vector<std::uint32_t> paper;
     for (std::vector<std::uint32_t>& piece : connected_pieces(surface, rows, oklab)) {
         std::ranges::sort(piece);
         if (piece.size() < 4 || !stands_apart(surface, rows, oklab, piece, mark)) continue;
         if (paper_weight(target[piece.front()]) > 0.5f) {
-            paper.insert(paper.end(), piece.begin(), piece.end());
+            join(papers, oklab[piece.front()], piece);
             continue;
         }
         if (area_of(surface, piece) >= solid_mm2) {
@@ -252,8 +251,9 @@ std::vector<ColourRegion> colour_regions(const optics::Surface& surface, std::sp
     for (Strokes& s : strokes)
         if (area_of(surface, s.cells) >= least_mm2)
             regions.push_back(region_of(surface, rows, target, RegionKind::strokes, std::move(s.cells), mark));
-    if (area_of(surface, paper) >= solid_mm2)
-        regions.push_back(region_of(surface, rows, target, RegionKind::paper, std::move(paper), mark));
+    for (Strokes& paper : papers)
+        if (area_of(surface, paper.cells) >= solid_mm2)
+            regions.push_back(region_of(surface, rows, target, RegionKind::paper, std::move(paper.cells), mark));
     std::ranges::stable_sort(regions, std::greater<>(), &ColourRegion::area_mm2);
     return regions;
 }

@@ -7,9 +7,9 @@
 // it: the smooth grounds of photographs are not. Pieces from 1 mm2 on are solids, but for the long blurred edges of
 // others: nowhere wider than two cells, half of them or more a mixture of what lies on either side. Smaller ones of one
 // colour together are strokes, wherever they lie; those nowhere wider than two cells only in a colour that something
-// wider has, for they may be blurred edges. Of less than 0.2 mm2 in all nothing is made. What is white (paper.h) is one
-// region, paper, in however many pieces. The interior of a region are the cells that lie 0.6 mm from its border or
-// farther, or all where those are less than a fifth.
+// wider has, for they may be blurred edges. Of less than 0.2 mm2 in all nothing is made. What is paper (paper.h) is one
+// region of each colour, in however many pieces. The interior of a region are the cells that lie 0.6 mm from its border
+// or farther, or all where those are less than a fifth.
 //
 // A region is judged as a region, by its interior: the CIEDE2000 between the mean colours of target and print, and its
 // unevenness, the root mean square distance of the differences from their mean, in Lab. Both are of what the eye's

@@ -9,27 +9,34 @@ namespace voxtone::halftone {
 
 namespace {
 
-constexpr float no_paper = 0.83f, all_paper = 0.95f;  // linear, of the darkest channel: L* 93 and 98
+constexpr float no_paper = 0.83f, all_paper = 0.95f;  // luminance: L* 93 and 98
+constexpr float coloured = 0.6f, tinted = 0.75f;      // of the least linear channel to the greatest
 constexpr double half_trusted = 0.1;                  // of the surface: half of what its level says is believed
 constexpr double adaptation = 0.85;                   // D
 constexpr float least_level = 0.2f;
 
+float luminance(const Eigen::Vector3f& rgb) { return Eigen::Vector3f(0.2126f, 0.7152f, 0.0722f).dot(rgb); }
+
+float smooth_step(float from, float to, float at) {
+    const float x = std::clamp((at - from) / (to - from), 0.0f, 1.0f);
+    return x * x * (3 - 2 * x);
+}
+
 }  // namespace
 
 float paper_weight(const Eigen::Vector3f& target) {
-    const float x = std::clamp((target.minCoeff() - no_paper) / (all_paper - no_paper), 0.0f, 1.0f);
-    return x * x * (3 - 2 * x);
+    const float light = smooth_step(no_paper, all_paper, luminance(target));
+    return light > 0 ? light * smooth_step(coloured, tinted, target.minCoeff() / target.maxCoeff()) : 0;
 }
 
 float paper_level(const optics::Surface& surface, std::span<const Eigen::Vector3f> target,
                   std::span<const Eigen::Vector3f> print) {
     VOXTONE_EXPECT(target.size() == surface.cells.size() && print.size() == target.size());
-    const Eigen::Vector3f luminance(0.2126f, 0.7152f, 0.0722f);
     double paper = 0, light = 0, area = 0;
     for (std::size_t i = 0; i < target.size(); ++i) {
         const double a = surface.cells[i].area_mm2, w = a * static_cast<double>(paper_weight(target[i]));
         area += a, paper += w;
-        light += w * static_cast<double>(luminance.dot(print[i]));
+        if (w > 0) light += w * static_cast<double>(luminance(print[i]) / luminance(target[i]));
     }
     if (paper <= 0) return 1;
     const double share = paper / area,

@@ -9,6 +9,7 @@
 #include "flat_surface.h"
 #include "halftone/loop/loop_measure.h"
 #include "halftone/loop/paper.h"
+#include "optics/colour/colour.h"
 
 using namespace voxtone;
 using namespace voxtone::halftone;
@@ -129,7 +130,26 @@ TEST_CASE("Paper is white that there is much of, its level is what a person adap
     CHECK(level(n) == Approx(1 - 0.85 * 0.2 / 1.01).epsilon(1e-4));
     CHECK(level(n / 10) == Approx(1 - 0.85 * 0.2 / 2).epsilon(1e-3));
     CHECK(level(2) > 0.99);
-    CHECK(paper_weight(Eigen::Vector3f(1, 1, 0.8f)) == 0);
+}
+
+TEST_CASE("Cream is paper, light yellow is a colour, and a tinted page in its own colour is at its level", "[loop]") {
+    const optics::Surface surface = test::flat_surface(n, n, cell_mm);
+    const auto of = [](double r, double g, double b) {
+        const auto linear = [](double code) { return static_cast<float>(optics::srgb_decode(code / 255)); };
+        return Eigen::Vector3f(linear(r), linear(g), linear(b));
+    };
+    const Eigen::Vector3f cream = of(250, 246, 235), yellow = of(255, 255, 160);
+    CHECK(paper_weight(white) == 1);
+    CHECK(paper_weight(cream) > 0.7f);
+    CHECK(paper_weight(yellow) == 0);
+    CHECK(paper_weight(black) == 0);
+    // A square of white on it, whose letters darken it, is not the page: the cream around it is as light as asked.
+    const Colours target = painted([&](int x, int) { return x < n / 4 ? white : cream; });
+    Colours print = target;
+    CHECK(paper_level(surface, target, print) == Approx(1));
+    for (std::size_t i = 0; i < print.size(); ++i)
+        if (target[i] == white) print[i] *= 0.6f;
+    CHECK(paper_level(surface, target, print) > 0.89f);
 }
 
 TEST_CASE("The measure forgives darker paper, and no solid that is worse than without a loop", "[loop][slow]") {
