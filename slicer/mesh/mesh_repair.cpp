@@ -270,9 +270,11 @@ void settle_sheets(SolidMesh& mesh, std::vector<HoleFill>& fills, const RepairOp
     std::vector<OpenPiece> sheets;
     double sheet_mm2 = 0;
     for (OpenPiece& piece : open_pieces(mesh.positions_mm, mesh.triangles, fills)) {
-        const bool torn = piece.kind == OpenPiece::Kind::torn;
-        if (torn && options.sheet_mm <= 0 && piece.own_mm2 > all_mm2 / 2) refuse_torn(piece, open);
-        if (piece.kind == OpenPiece::Kind::body || (torn && options.sheet_mm <= 0)) continue;
+        // Torn parts of a body (a coat, a sleeve) are closed as they are without a thickness for its sheets: as sheets
+        // they would grow through it. A model that is little else is what its user says that it is.
+        const bool is_torn = piece.kind == OpenPiece::Kind::torn, is_most = piece.own_mm2 > all_mm2 / 2;
+        if (is_torn && is_most && options.sheet_mm <= 0) refuse_torn(piece, open);
+        if (piece.kind == OpenPiece::Kind::body || (is_torn && !is_most)) continue;
         sheet_mm2 += piece.own_mm2;
         sheets.push_back(std::move(piece));
     }

@@ -173,6 +173,11 @@ TEST_CASE("A body of which half is missing is refused with what to do, or said")
     const RepairedMesh beside =
         repaired(shapes::joined(shapes::moved(torn, Vector3d(0, 30, 0)), shapes::box({40, 0, 0}, {90, 50, 50})));
     CHECK(says(beside, "hole was closed"));
+    // Nor does a thickness for open sheets make one of it: a coat that is open at the waist is none.
+    const RepairedMesh with_sheets = repaired(
+        shapes::joined(shapes::moved(torn, Vector3d(0, 30, 0)), shapes::box({40, 0, 0}, {90, 50, 50})), options);
+    CHECK(with_sheets.solid->triangles.size() == beside.solid->triangles.size());
+    CHECK(shapes::volume(*with_sheets.solid) == Approx(shapes::volume(*beside.solid)));
     // A floor is closed as before, with its share.
     CHECK(says(repaired(without(box, {0, 1})), "150 mm^2 of new surface, 33 % of the model's"));
 }
