@@ -12,6 +12,7 @@
 #include "io/codecs/parse_ply.h"
 #include "io/codecs/parse_stl.h"
 #include "io/codecs/parse_vrml.h"
+#include "io/decoders/decode_codes.h"
 #include "io/decoders/decode_image.h"
 #include "io/files/file_reader.h"
 #include "io/files/read_bytes.h"
@@ -94,6 +95,13 @@ DecodedImage decode_elsewhere(std::span<const std::byte> bytes, const std::strin
     return unpack_image(ask_starter(pack(request)));
 }
 
+Packing codes_of(const ReadRequest& request) {
+    if (request.samples.size() != 3) throw InputError("a picture whose codes are to be read has no size");
+    LuminanceRaster picture{int(request.samples[0]), int(request.samples[1]), {}};
+    for (const std::byte grey : request.bytes) picture.grey.push_back(std::to_integer<std::uint8_t>(grey));
+    return packing(decode_codes(picture, int(request.samples[2])));
+}
+
 /// The answer is another start of this program, with the folder.
 void ask_for_folder() {
     ReadRequest request;
@@ -133,6 +141,8 @@ Packing answer(std::span<const std::byte> bytes) {
         case ReadKind::device_profile:
             return packing_of(pack(decode_device_profile(read_bytes(request.path, request.max_file_bytes), request.path,
                                                          request.samples)));
+        case ReadKind::codes:
+            return codes_of(request);
         default:
             break;
     }

@@ -29,6 +29,7 @@ enum class ReadKind : std::uint8_t {
     folder,          ///< asked by voxtone-read: the model names files beside it, which it was not given
     device_profile,  ///< by a packed DeviceProfile (io/profiles/device_profile.h)
     side_files,      ///< of a model: by packed ModelParts that hold these alone
+    codes,           ///< of a picture's bytes: by packed CodeInPicture (io/pictures/codes_in_picture.h)
 };
 
 struct ReadRequest {
@@ -36,8 +37,8 @@ struct ReadRequest {
     std::string path;
     std::uint64_t max_file_bytes = 0, max_pixels = 0, max_unpacked_bytes = 0;  ///< as ReadOptions has them
     std::string texture{};                                                     ///< given to a model; empty: none
-    std::vector<double> samples{};                                             ///< asked of a device profile
-    bool sees_folder = true;  ///< of a model: what lies beside it may be read
+    std::vector<double> samples{};  ///< asked of a device profile; of codes: columns, rows, most_times
+    bool sees_folder = true;        ///< of a model: what lies beside it may be read
     // of other_picture; its name for messages is `path`
     std::string format{};  ///< as OpenImageIO names it, or "svg"
     bool use_profile = true, turn_upright = false;

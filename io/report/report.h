@@ -71,8 +71,9 @@ enum class VerdictLevel {
 
 /// Pieces of one flat colour, or type and lines of it, as a person sees them.
 struct ReportRegion {
-    std::string kind;  ///< "paper", "solid", "type and lines", "small type", "fine detail", "texture", "thin walls"
-    std::string asked, printed = {};   ///< "red (255, 0, 0)", sRGB
+    /// "paper", "solid", "type and lines", "small type", "code", "fine detail", "texture", "thin walls"
+    std::string kind;
+    std::string asked, printed = {};   ///< "red (255, 0, 0)", sRGB; of a code what it is: "QR code of 9.0 x 9.0 mm"
     std::string asked_seen = {};       ///< what the eye makes of `asked` at its size; empty: about the same
     std::array<double, 3> place_mm{};  ///< of a cell in the middle of the largest, in the print
     std::array<double, 3> normal{};    ///< outward, there

@@ -15,6 +15,7 @@
 #include "base/parallel.h"
 #include "optics/colour/colour.h"
 #include "slicer/colour/evenness.h"
+#include "slicer/colour/printed_codes.h"
 #include "slicer/colour/type_size.h"
 
 namespace voxtone::slicer {
@@ -175,11 +176,18 @@ std::optional<Row> lost_lines_row(const RegionSources& s) {
     return row;
 }
 
+/// Whether more than half of the letters cannot be read, and they are what the page is there for.
+bool is_little_else(const JobPrediction& p, const TypeSize& type) {
+    constexpr double part = 0.01;  // of the page, in ink: an address on a card 0.03, a line below a photograph 0.003
+    double all = 0;
+    for (const optics::SurfaceCell& cell : p.predicted.surface.cells) all += double(cell.area_mm2);
+    return 2 * type.unread > type.letters && type.told_mm2 > part * all;
+}
+
 /// What cannot be read for its size, or is pale.
-std::optional<Row> small_type(const RegionSources& s) {
-    const JobPrediction& p = s.prediction;
-    const auto type = unreadable_type(p, s.viewing_distance_mm);
+std::optional<Row> small_type(const RegionSources& s, const std::optional<TypeSize>& type) {
     if (!type) return std::nullopt;
+    const JobPrediction& p = s.prediction;
     Row row;
     row.said.kind = "small type";
     row.said.asked = text_of(p.target[type->cell]);
@@ -201,6 +209,28 @@ std::optional<Row> small_type(const RegionSources& s) {
     }
     row.said.good = false;
     return row;
+}
+
+/// Of pictures.
+std::vector<Row> lost_codes(const RegionSources& s) {
+    std::vector<Row> rows;
+    const optics::Surface& surface = s.prediction.predicted.surface;
+    for (PrintedCode& code : printed_codes(s.prediction)) {
+        if (code.is_read) continue;
+        Row& row = rows.emplace_back();
+        row.said.kind = "code";
+        row.said.asked = fmt::format("{} of {:.1f} x {:.1f} mm", code.kind, code.width_mm, code.height_mm);
+        const std::uint32_t middle = middle_of(code.cells, surface);
+        put_at(middle, surface, row.said);
+        row.printed = s.prediction.predicted.rgb[middle].cast<double>();
+        for (const std::uint32_t i : code.cells) row.said.area_mm2 += double(surface.cells[i].area_mm2);
+        row.said.why = "cannot be read by a scanner";
+        if (code.is_read_open_loop.value_or(false))
+            row.said.why += "; printed without the loop (--iterations 0) it might, in colours that are farther off";
+        row.said.good = false;
+        row.cells = std::move(code.cells);
+    }
+    return rows;
 }
 
 double rim_limit(const VerdictLimits& limits) { return 2 * limits.bad; }
@@ -489,15 +519,26 @@ JudgedRegions judge_regions(const RegionSources& s, const ThinWalls& walls) {
         row.said.good = row.said.why.empty();
     }
     // What the size of type says the contrast of fine detail need not.
-    auto more = small_type(s);
+    const auto type = unreadable_type(p, s.viewing_distance_mm);
+    auto more = small_type(s, type);
     if (!more) more = lost_detail(p, cells);
     if (!more) more = lost_lines_row(s);
     for (auto& row : {std::move(more), blurred_texture(s, judged.spoilt), thin_walls(s, walls)})
         if (row) say_where(s, rows.emplace_back(*row));
+    if (s.is_picture) {
+        std::vector<Row> codes = lost_codes(s);
+        if (!codes.empty())
+            judged.useless = "a scanner cannot read its code";
+        else if (type && is_little_else(p, *type))
+            judged.useless = "most of its type cannot be read";
+        for (Row& row : codes) say_where(s, rows.emplace_back(std::move(row)));
+    }
     for (Row& row : rows) judged.rows.push_back(std::move(row.said));
     std::ranges::stable_sort(judged.rows, std::greater<>(), [&](const io::ReportRegion& region) {
         // Of a page first what cannot be made out: nobody minds how even a ground is below words that are lost.
-        const bool is_lost = region.type_mm || (is_page && region.kind == "fine detail");
+        const int is_lost = region.kind == "code"                                         ? 2
+                            : region.type_mm || (is_page && region.kind == "fine detail") ? 1
+                                                                                          : 0;
         return std::tuple(!region.good, is_lost, note_of(region, s.limits));
     });
     return judged;

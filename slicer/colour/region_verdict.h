@@ -9,9 +9,10 @@
 // cell is no region: where three tenths of the surface are regions, and the target has a fine contrast of 0.08 and more
 // in Oklab's lightness of which not 0.6 is left (halftone/loop/lost_contrast.h), over a quarter of a square millimetre,
 // that is said of the place where most is lost. Of textures
-// lost_texture.h speaks. A solid is not good either whose rim, the chroma of print less target
-// within 0.6 mm of its edge, is above twice "bad": CIEDE2000 divides chroma by 1 + 0.045 C, by two at C = 22. The
-// figures were chosen on the small print of public bug reports, which nobody can read, and on type of 4 to 14 points.
+// lost_texture.h speaks, of codes that a scanner cannot read printed_codes.h. A solid is not good either whose rim, the
+// chroma of print less target within 0.6 mm of its edge, is above twice "bad": CIEDE2000 divides chroma by 1 + 0.045 C,
+// by two at C = 22. The figures were chosen on the small print of public bug reports, which nobody can read, and on
+// type of 4 to 14 points.
 //
 // The worst come first: by how far they are from good, times the edge of a square as large as what can be seen of them
 // (sides_seen.h). A small thing that is wholly wrong is noted before a large one that is hardly so.
@@ -59,6 +60,7 @@ struct ThinWalls {
 struct JudgedRegions {
     std::vector<io::ReportRegion> rows;  ///< the worst first; empty where nothing is flat, as in photographs
     std::vector<char> spoilt;            ///< per cell: in a flat area that is uneven, or in a texture that is lost
+    std::string useless = {};            ///< what a picture is of no use for: a clause; empty: nothing
 };
 [[nodiscard]] JudgedRegions judge_regions(const RegionSources& sources, const ThinWalls& walls);
 

@@ -26,6 +26,7 @@ constexpr double worth_a_word = 0.9;        // of what there is now
 constexpr double left_by_loop = 0.65;       // at most, of what the resins could reach
 constexpr double left_by_thickness = 0.35;  // at most, of what is lost in walls of a few voxels
 constexpr double least_wall_mm = 0.25;      // in which they do
+constexpr double some_sheets = 0.25;        // of the thin walls, from where on a thickness for them is worth a word
 constexpr const char *seen_mean = "seen_de2000", *gamut_mean = "gamut";
 
 /// What blurring the target changes of it, on average.
@@ -163,10 +164,15 @@ double area_of_sheets_mm2(const SolidMesh& mesh) {
 
 void add_thicker(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     const double thick_mm = 2 * s.job.options.colour.depth_mm, now = s.mean.sum();
-    const bool known = s.mean.thick_walls < s.mean.thin, is_bound = !known && s.mean.wall_mm < least_wall_mm;
-    const double then = now - s.mean.thin + (is_bound ? left_by_thickness * s.mean.thin : s.mean.thick_walls);
+    const double of_sheets =
+        s.body.is_picture || !(s.mean.thin_mm2 > 0) ? 0 : area_of_sheets_mm2(*s.body.solid) / s.mean.thin_mm2;
+    // Some of the thin walls: those that stay are as they were.
+    const bool sheets = of_sheets >= some_sheets, is_part = sheets && of_sheets < 0.5;
+    const bool known = !is_part && s.mean.thick_walls < s.mean.thin,
+               is_bound = is_part || (!known && s.mean.wall_mm < least_wall_mm);
+    const double left = is_part ? 1 - of_sheets * (1 - left_by_thickness) : left_by_thickness;
+    const double then = now - s.mean.thin + (is_bound ? left * s.mean.thin : s.mean.thick_walls);
     if (then > worth_a_word * now) return;
-    const bool sheets = !s.body.is_picture && area_of_sheets_mm2(*s.body.solid) > s.mean.thin_mm2 / 2;
     const std::string options = s.body.is_picture ? fmt::format("--thickness {:g}mm", thick_mm)
                                 : sheets          ? fmt::format("--sheet-thickness {:g}mm", thick_mm)
                                                   : std::string();

@@ -20,8 +20,9 @@
 //                 below 0.25 mm at most 0.35 of it is left, said as a bound: of open sheets of one voxel that were
 //                 given 2 mm 0.29 or less was left, with the loop and without (checks; soft, light, saturated and dark
 //                 hills 0.04 to 0.25). Of pictures by --thickness; of sheets that enclose nothing, whose faces have
-//                 their own backs in the same place (mesh/open_pieces.h), by --sheet-thickness, where the thin walls
-//                 are those
+//                 their own backs in the same place (mesh/open_pieces.h), by --sheet-thickness, where half of the
+//                 thin walls are those; from a quarter on as if the others stayed as they are (a mage of 20 mm, 5.1:
+//                 "4.4 or less" was said and 1.9 came)
 //   the loop      of what reach leaves, at most `left_by_loop` is left: a bound, and said as one ("or less"). Left were
 //                 of the bundled cow of 12, 18 and 30 mm 0.61, 0.57 and 0.47, a mage of 12 mm 0.62, a fox of 12 and 18
 //                 mm 0.50 and 0.47, a box of 6 mm 0.48, kodim23 0.42, a plate of 0.5 mm 0.17, of 0.3 mm 0.13, of 0.2 mm

@@ -164,6 +164,7 @@ void add_worst(io::ReportVerdict& verdict) {
                        : is_colour   ? word_of(worst.asked)
                                      : fmt::format("{}, {}", worst.kind, word_of(worst.asked));
     if (worst.kind == "thin walls" || worst.kind == "fine detail" || worst.kind == "texture") what = worst.kind;
+    if (worst.kind == "code") what = worst.asked;
     std::vector<std::string> where;
     if (worst.pieces > 1) where.push_back(fmt::format("{} places", worst.pieces));
     where.push_back(fmt::format("{}{}", worst.pieces > 1 ? "the largest " : "", worst.place));
@@ -186,7 +187,8 @@ void judge_prediction(const VerdictSources& s, const JobPrediction& p, io::Repor
     JudgedRegions regions = judge_regions(
         {p, s.colour, sides, places, seen, limits, s.body.is_picture, verdict.viewing_distance_mm}, losses.walls);
     verdict.regions = std::move(regions.rows);
-    const WholeVerdict whole = judge_whole(p.seen.difference, seen, regions.spoilt, limits);
+    WholeVerdict whole = judge_whole(p.seen.difference, seen, regions.spoilt, limits);
+    if (!regions.useless.empty()) whole.level = io::VerdictLevel::bad, whole.useless = regions.useless;
     verdict.level = whole.level;
     verdict.seen_mean = whole.mean, verdict.wrong_share = whole.wrong_share;
     verdict.seen_p95 = weighted_percentile(p.seen.difference, seen, 0.95);

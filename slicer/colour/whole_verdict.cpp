@@ -43,6 +43,8 @@ std::string figure(double mean, double limit) {
 std::string opening_of(const WholeVerdict& whole, const VerdictLimits& limits) {
     if (whole.level == io::VerdictLevel::unknown) return "How it will look was not predicted";
     const bool is_bad = whole.level == io::VerdictLevel::bad;
+    if (!whole.useless.empty())
+        return fmt::format("On the whole bad: {}; its colours are {:.1f} off", whole.useless, whole.mean);
     const double limit = is_bad ? limits.bad : limits.good;
     std::string text = figure(whole.mean, limit);
     if (whole.level == io::VerdictLevel::good) return "On the whole good, " + text;

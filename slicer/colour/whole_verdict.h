@@ -19,8 +19,10 @@
 // forgiven because it is small: each cell counts with its share. What is worst is said in a sentence of its own, and
 // changes no level. A tenth is seen at once wherever it lies; of what is half off nobody says that it is as asked.
 // Flecks and blur alone make no print bad: its colours are those that were asked for.
-// What it cannot see: that a face is worth more than the back of a head; that letters cannot be read (that, too, has
-// its sentence: type_size.h).
+// One thing decides all the same, of pictures: what cannot be used is no print, however near its colours are. A code
+// that no scanner reads (printed_codes.h), a page whose type, most of it, cannot be read (type_size.h,
+// region_verdict.h) are bad; larger, they are read. What it cannot see: that a face is worth more than the back of a
+// head.
 #pragma once
 
 #include <span>
@@ -33,8 +35,9 @@ namespace voxtone::slicer {
 
 struct WholeVerdict {
     io::VerdictLevel level = io::VerdictLevel::good;
-    double mean = 0;         ///< m, CIEDE2000
-    double wrong_share = 0;  ///< t, in [0, 1]
+    double mean = 0;           ///< m, CIEDE2000
+    double wrong_share = 0;    ///< t, in [0, 1]
+    std::string useless = {};  ///< what makes it bad whatever its colours are: a clause; empty: nothing
 };
 
 /// One each per cell. `spoilt`: 1 where the cell lies in such an area; empty: none does. Nothing weighs anything:

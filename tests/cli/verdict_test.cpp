@@ -12,6 +12,7 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "io/lettering/make_code.h"
 #include "io/pictures/picture_writer.h"
 #include "optics/colour/colour.h"
 #include "run_program.h"
@@ -328,6 +329,40 @@ TEST_CASE("Of a page lines that are lost come before a larger patch that is off"
     CHECK(regions[0]["kind"] == "fine detail");
     CHECK(regions[1]["asked"] == "red (255, 0, 0)");
     CHECK_FALSE(regions[1]["good"].get<bool>());
+}
+
+namespace {
+
+/// A QR code of 21 x 21 modules in its quiet zone, 29 x 29.
+void write_code(const Folder& folder, const char* name) {
+    constexpr int px = 10, quiet = 4;
+    const io::CodeSymbol code = io::make_code(io::CodeKind::qr, "VOXTONE 1");
+    write_sheet(folder, name, px * (code.columns + 2 * quiet), px * (code.rows + 2 * quiet), [&](int x, int y) {
+        const int column = x / px - quiet, row = y / px - quiet;
+        const bool is_dark = column >= 0 && row >= 0 && column < code.columns && row < code.rows &&
+                             code.dark[std::size_t(row * code.columns + column)];
+        return is_dark ? std::array{0, 0, 0} : std::array{255, 255, 255};
+    });
+}
+
+}  // namespace
+
+TEST_CASE("A code that no scanner reads makes a picture bad, printed larger it is read, and not because of it") {
+    const Folder folder("code");
+    write_code(folder, "code.png");
+    const auto code_row = [](const nlohmann::json& verdict) {
+        return std::ranges::any_of(verdict["regions"], [](const auto& region) { return region["kind"] == "code"; });
+    };
+    const std::string how = folder / "code.png" + " --thickness 2mm --iterations 0 --width ";
+    const auto small = verdict_of(folder, how + "5mm")["verdict"];
+    INFO(small.dump(1));
+    CHECK(small["level"] == "bad");
+    CHECK(small["regions"][0]["kind"] == "code");
+    CHECK_THAT(small["regions"][0]["asked"].get<std::string>(), Contains("QR code of 3.6 x 3.6 mm"));
+    CHECK_THAT(small["headline"].get<std::string>(), Contains("a scanner cannot read its code"));
+    const auto large = verdict_of(folder, how + "20mm")["verdict"];
+    CHECK_FALSE(code_row(large));
+    CHECK_THAT(large["headline"].get<std::string>(), !Contains("scanner"));
 }
 
 TEST_CASE("The edges of wide stripes are no fine detail") {

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "io/decoders/decode_codes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#define ZX_USE_UTF8 1
+#include <ZXing/ReadBarcode.h>
+
+#include "base/error.h"
+
+namespace voxtone::io {
+
+namespace {
+
+using ZXing::BarcodeFormat;
+
+constexpr int most_codes = 64;
+constexpr double most_pixels = 4e6;
+
+const char* kind_of(BarcodeFormat format) {
+    switch (format) {
+        case BarcodeFormat::QRCode:
+            return "QR code";
+        case BarcodeFormat::DataMatrix:
+            return "Data Matrix";
+        case BarcodeFormat::Aztec:
+            return "Aztec code";
+        case BarcodeFormat::PDF417:
+            return "PDF417";
+        default:
+            return "bar code";
+    }
+}
+
+/// Between the middles of pixels a straight line.
+LuminanceRaster enlarged(const LuminanceRaster& from, int times) {
+    if (times == 1) return from;
+    LuminanceRaster to{times * from.columns, times * from.rows, {}};
+    to.grey.reserve(std::size_t(to.columns) * std::size_t(to.rows));
+    const auto place = [&](int at, int most) { return std::clamp((at + 0.5) / times - 0.5, 0.0, most - 1.0); };
+    const auto grey = [&](int column, int row) {
+        return double(from.grey[std::size_t(std::min(row, from.rows - 1)) * std::size_t(from.columns) +
+                                std::size_t(std::min(column, from.columns - 1))]);
+    };
+    for (int row = 0; row < to.rows; ++row)
+        for (int column = 0; column < to.columns; ++column) {
+            const double x = place(column, from.columns), y = place(row, from.rows);
+            const int left = int(x), top = int(y);
+            const double u = x - left, v = y - top;
+            to.grey.push_back(
+                std::uint8_t(std::lround((1 - v) * ((1 - u) * grey(left, top) + u * grey(left + 1, top)) +
+                                         v * ((1 - u) * grey(left, top + 1) + u * grey(left + 1, top + 1)))));
+        }
+    return to;
+}
+
+void add(std::vector<CodeInPicture>& codes, const ZXing::Result& result, int times) {
+    if (!result.isValid() || result.isMirrored() || result.bytes().empty()) return;
+    CodeInPicture code{kind_of(result.format()), {result.bytes().begin(), result.bytes().end()}, {}};
+    const auto& corners = result.position();
+    code.box = {1e9, 1e9, -1e9, -1e9};
+    for (const auto& corner : corners) {
+        const double x = double(corner.x) / times, y = double(corner.y) / times;
+        code.box = {std::min(code.box[0], x), std::min(code.box[1], y), std::max(code.box[2], x),
+                    std::max(code.box[3], y)};
+    }
+    const auto same = [&](const CodeInPicture& other) {
+        return other.kind == code.kind && other.content == code.content && other.box[0] < code.box[2] &&
+               code.box[0] < other.box[2] && other.box[1] < code.box[3] && code.box[1] < other.box[3];
+    };
+    if (std::ranges::none_of(codes, same)) codes.push_back(std::move(code));
+}
+
+}  // namespace
+
+std::vector<CodeInPicture> decode_codes(const LuminanceRaster& picture, int most_times) {
+    if (picture.columns < 1 || picture.rows < 1 || double(picture.columns) * picture.rows > 1e9 ||
+        picture.grey.size() != std::size_t(picture.columns) * std::size_t(picture.rows))
+        throw InputError("a picture whose codes are to be read is not of its size");
+    ZXing::DecodeHints hints;
+    hints.setFormats(BarcodeFormat::QRCode | BarcodeFormat::DataMatrix | BarcodeFormat::Aztec | BarcodeFormat::PDF417 |
+                     BarcodeFormat::Code128 | BarcodeFormat::EAN13 | BarcodeFormat::UPCA);
+    hints.setTryHarder(true).setMaxNumberOfSymbols(most_codes);
+    std::vector<CodeInPicture> codes;
+    for (const int times : {1, 2, 3, 4, 6}) {
+        if (times > most_times) break;
+        if (times > 1 && double(times) * times * picture.columns * picture.rows > most_pixels) break;
+        const LuminanceRaster larger = enlarged(picture, times);
+        for (const ZXing::Binarizer how : {ZXing::Binarizer::LocalAverage, ZXing::Binarizer::GlobalHistogram}) {
+            hints.setBinarizer(how);
+            for (const ZXing::Result& result :
+                 ZXing::ReadBarcodes({larger.grey.data(), larger.columns, larger.rows, ZXing::ImageFormat::Lum}, hints))
+                add(codes, result, times);
+        }
+    }
+    return codes;
+}
+
+}  // namespace voxtone::io

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/colour/printed_codes.h"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+#include "drawn_page.h"
+#include "io/lettering/make_code.h"
+
+using namespace voxtone;
+using namespace voxtone::slicer;
+
+namespace {
+
+constexpr double module_mm = 0.4;
+
+/// Its lower left corner 3 mm from the left and 2 mm above the edge.
+JobPrediction page_with(const io::CodeSymbol& code, double width_mm = 16, double height_mm = 14) {
+    return test::page_of(width_mm, height_mm, [&](double x, double y) {
+        const int column = int(std::floor((x - 3) / module_mm)),
+                  row = code.rows - 1 - int(std::floor((y - 2) / module_mm));
+        const bool is_dark = column >= 0 && row >= 0 && column < code.columns && row < code.rows &&
+                             code.dark[std::size_t(row * code.columns + column)];
+        return Eigen::Vector3f::Constant(is_dark ? 0.01f : 0.95f);
+    });
+}
+
+/// Light that spreads: what a Gaussian of this standard deviation leaves, by its own sum over cells.
+std::vector<Eigen::Vector3f> blurred(const JobPrediction& p, double sigma_mm) {
+    const auto& cells = p.predicted.surface.cells;
+    std::vector<Eigen::Vector3f> out(cells.size());
+    const int reach = int(std::ceil(3 * sigma_mm / test::drawn_cell_mm));
+    int columns = 0, rows = 0;
+    for (const auto& cell : cells)
+        columns = std::max(columns, cell.cell[0] + 1), rows = std::max(rows, cell.cell[1] + 1);
+    std::vector<std::size_t> at(std::size_t(columns * rows));
+    for (std::size_t i = 0; i < cells.size(); ++i) at[std::size_t(cells[i].cell[1] * columns + cells[i].cell[0])] = i;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+        float all = 0;
+        for (int dy = -reach; dy <= reach; ++dy)
+            for (int dx = -reach; dx <= reach; ++dx) {
+                const int x = cells[i].cell[0] + dx, y = cells[i].cell[1] + dy;
+                if (x < 0 || y < 0 || x >= columns || y >= rows) continue;
+                const double r = std::hypot(dx, dy) * test::drawn_cell_mm / sigma_mm;
+                const auto weight = float(std::exp(-r * r / 2));
+                sum += weight * p.target[at[std::size_t(y * columns + x)]], all += weight;
+            }
+        out[i] = sum / all;
+    }
+    return out;
+}
+
+}  // namespace
+
+TEST_CASE("A code that comes out as asked is read, one that runs together is not, and its place is told") {
+    const io::CodeSymbol code = io::make_code(io::CodeKind::qr, "https://example.org/anna");
+    JobPrediction page = page_with(code);
+    auto found = printed_codes(page);
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].kind == "QR code");
+    CHECK(found[0].is_read);
+    CHECK_FALSE(found[0].is_read_open_loop.has_value());
+    const double edge = code.columns * module_mm;
+    CHECK(found[0].width_mm == Approx(edge).margin(2 * module_mm));
+    CHECK(found[0].height_mm == Approx(edge).margin(2 * module_mm));
+    for (const std::uint32_t i : found[0].cells) {
+        const auto& c = page.predicted.surface.cells[i].centre_mm;
+        CHECK((c[0] > 3 - module_mm && c[0] < 3 + edge + module_mm && c[1] > 2 - module_mm &&
+               c[1] < 2 + edge + module_mm));
+    }
+    page.open_loop = page.target;
+    page.predicted.rgb = blurred(page, module_mm);
+    found = printed_codes(page);
+    REQUIRE(found.size() == 1);
+    CHECK_FALSE(found[0].is_read);
+    CHECK(found[0].is_read_open_loop == true);
+    // A little of it is no harm.
+    page.predicted.rgb = blurred(page, module_mm / 4);
+    CHECK(printed_codes(page).at(0).is_read);
+}
+
+TEST_CASE("A code that reads as another is not the one that was asked for, and what is no code is none") {
+    JobPrediction page = page_with(io::make_code(io::CodeKind::qr, "lot 1"));
+    const JobPrediction other = page_with(io::make_code(io::CodeKind::qr, "lot 2"));
+    page.predicted.rgb = other.target;
+    const auto found = printed_codes(page);
+    REQUIRE(found.size() == 1);
+    CHECK_FALSE(found[0].is_read);
+    const JobPrediction bars = test::page_of(
+        8, 6, [](double x, double) { return Eigen::Vector3f::Constant(std::fmod(x, 0.8) < 0.4 ? 0.02f : 0.9f); });
+    CHECK(printed_codes(bars).empty());
+}
+
+TEST_CASE("A Data Matrix is a code, too") {
+    const JobPrediction page = page_with(io::make_code(io::CodeKind::data_matrix, "VX-100"), 10, 8);
+    const auto found = printed_codes(page);
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].kind == "Data Matrix");
+    CHECK(found[0].is_read);
+}
