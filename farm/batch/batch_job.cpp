@@ -13,6 +13,7 @@
 
 #include "base/counted.h"
 #include "base/error.h"
+#include "base/machine_memory.h"
 #include "base/progress_bar.h"
 #include "base/stop_deadline.h"
 #include "base/warning.h"
@@ -35,7 +36,7 @@ using Stage = QueuedJob::Stage;
 
 void say_what_there_is(const BatchQueue& queue, std::size_t jobs, const BatchOptions& options, Progress& progress) {
     std::string text = fmt::format("{} on {} with {} of memory", counted(jobs, "job"),
-                                   counted(std::uint64_t(queue.cores()), "core"), io::bytes_text(queue.memory_bytes()));
+                                   counted(std::uint64_t(queue.cores()), "core"), memory_text(queue.memory_bytes()));
     if (const auto free = io::free_disk_bytes(options.out))
         text += fmt::format("; the disk of {} has {} free", options.out.string(), io::bytes_text(*free));
     progress.note(text);

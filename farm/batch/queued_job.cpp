@@ -13,7 +13,6 @@
 #include "farm/batch/job_ending.h"
 #include "farm/batch/job_log.h"
 #include "farm/batch/job_result.h"
-#include "io/disk/disk_space.h"
 #include "io/files/file_digest.h"
 #include "io/programs/build_identity.h"
 #include "slicer/kept/loop_checkpoint.h"
@@ -125,9 +124,8 @@ void QueuedJob::warn_that_it_runs_alone(std::uint64_t memory_there_is) const {
         return notify(JobEvent::Kind::warned,
                       named_warning("runs-alone", "how much memory it needs cannot be told beforehand: it runs alone"));
     notify(JobEvent::Kind::warned,
-           named_warning("runs-alone",
-                         fmt::format("may need {} of memory, more than the {} there are: it runs alone",
-                                     io::bytes_text(weight_.memory_bytes), io::bytes_text(memory_there_is))));
+           named_warning("runs-alone", fmt::format("may need {} of memory, more than the {} there are: it runs alone",
+                                                   memory_text(weight_.memory_bytes), memory_text(memory_there_is))));
 }
 
 void QueuedJob::start(int threads) {

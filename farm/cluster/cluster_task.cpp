@@ -25,7 +25,6 @@
 #include "farm/cluster/slurm_commands.h"
 #include "farm/cluster/stage_memory.h"
 #include "farm/cluster/submission.h"
-#include "io/disk/disk_space.h"
 #include "io/files/file_digest.h"
 #include "io/files/json_writer.h"
 #include "slicer/kept/loop_checkpoint.h"
@@ -255,10 +254,10 @@ private:
         const std::uint64_t bytes = resident_memory_bytes();
         constexpr std::uint64_t mib = std::uint64_t{1} << 20;
         if (allocation_.number.empty())
-            return fmt::format(", {}; hand it over again on a machine that has more", io::bytes_text(bytes));
+            return fmt::format(", {}; hand it over again on a machine that has more", memory_text(bytes));
         return fmt::format(
             ", {}; handed over again it is given twice as much, or what you say: --sbatch-option mem={}M",
-            io::bytes_text(bytes), 2 * bytes / mib);
+            memory_text(bytes), 2 * bytes / mib);
     }
 
     /// Where this task was asked to stop because its time ends.
@@ -312,7 +311,7 @@ std::string text_of_starved(const Submission& submission, TaskStage stage) {
         if (submitted.stage == stage) bytes = submitted.memory_bytes;
     return fmt::format(
         "{}: Slurm ended it for memory: it took more than {}it was given; handed over again it is given twice as much",
-        name_of(stage), bytes > 0 ? fmt::format("the {} that ", io::bytes_text(bytes)) : std::string());
+        name_of(stage), bytes > 0 ? fmt::format("the {} that ", memory_text(bytes)) : std::string());
 }
 
 /// Of a job that nobody works on any more.

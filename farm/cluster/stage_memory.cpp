@@ -9,9 +9,9 @@
 
 #include <fmt/core.h>
 
+#include "base/machine_memory.h"
 #include "farm/batch/job_log.h"
 #include "farm/cluster/slurm_commands.h"
-#include "io/disk/disk_space.h"
 
 namespace voxtone::farm {
 
@@ -78,7 +78,7 @@ std::string give_more_memory(TaskChain& chain, const Submission& before) {
             stage.memory_bytes = wanted;
             stage.is_raised = true;
             given += fmt::format("{}{} is given {}, for it was ended for memory", given.empty() ? "" : "; ",
-                                 name_of(stage.stage), io::bytes_text(wanted));
+                                 name_of(stage.stage), memory_text(wanted));
         }
     return given;
 }

@@ -23,6 +23,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/machine_memory.h"
 #include "io/files/isolate_protocol.h"
 #include "io/files/packed_values.h"
 
@@ -121,11 +122,6 @@ void silence() {
                                                        static_cast<unsigned char>(errno), 0};
     [[maybe_unused]] const ssize_t written = write(isolation::result_fd, head, sizeof head);
     _exit(127);
-}
-
-std::string human(std::uint64_t bytes) {
-    return bytes >= (1u << 30) ? fmt::format("{:.3g} GB", double(bytes) / (1 << 30))
-                               : fmt::format("{:.3g} MB", double(bytes) / (1 << 20));
 }
 
 /// `size` bytes from `at` on.
@@ -276,7 +272,7 @@ void IsolatedProgram::refuse_file_limit() const {
     throw TryAgain(fmt::format(
         "reading {} makes more than the {} that a file of this process may have (`ulimit -f`); nothing is known to be "
         "wrong with the file: try again with a higher limit",
-        what_, human(files.rlim_cur)));
+        what_, memory_text(files.rlim_cur)));
 }
 
 /// Its lines to us and the libraries that it opens.
@@ -301,7 +297,7 @@ void IsolatedProgram::tell_no_memory(bool outside) const {
     throw ResourceError(fmt::format(
         "reading {} needs more than the {} of memory that it may take; it is very large, or made to fill the memory: "
         "{}make it smaller",
-        what_, human(limits_.memory_bytes), allow_more(limits_)));
+        what_, memory_text(limits_.memory_bytes), allow_more(limits_)));
 }
 
 /// It has ended without an answer: why?

@@ -10,6 +10,7 @@
 #include <fmt/core.h>
 
 #include "base/contracts.h"
+#include "base/machine_memory.h"
 #include "base/named_values.h"
 #include "base/printable.h"
 #include "base/progress_bar.h"
@@ -129,7 +130,7 @@ void add_summary(std::string& html, const Report& report) {
     add_card(html, "Resin", volume_text(ml), grouped(report.body_voxels) + " voxels, without support");
     add_printing(html, report.printing);
     add_card(html, "Computed in", duration_text(report.total_seconds),
-             report.peak_memory_bytes ? "peak memory " + byte_text(report.peak_memory_bytes) : "");
+             report.peak_memory_bytes ? "peak memory " + memory_text(report.peak_memory_bytes) : "");
     if (report.output_bytes) add_card(html, "Written", byte_text(report.output_bytes), "");
     html += "</dl>\n";
 }

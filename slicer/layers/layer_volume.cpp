@@ -8,6 +8,7 @@
 
 #include "base/contracts.h"
 #include "base/error.h"
+#include "base/machine_memory.h"
 
 namespace voxtone::slicer {
 
@@ -19,12 +20,10 @@ constexpr int edge = optics::ResinVolume::block_edge;
 
 void expect_volume_fits(const std::array<int, 3>& size, double bytes, std::uint64_t most_bytes) {
     if (bytes <= double(most_bytes)) return;
-    const double gib = 1.0 / (1 << 30);
     throw ResourceError(fmt::format(
-        "the volume of {} x {} x {} voxels needs about {:.3g} GiB, more than the {:.3g} GiB that are allowed for it; "
-        "allow more "
+        "the volume of {} x {} x {} voxels needs about {}, more than the {} that are allowed for it; allow more "
         "(--memory), or predict a part of the print or a smaller print",
-        size[0], size[1], size[2], bytes * gib, double(most_bytes) * gib));
+        size[0], size[1], size[2], memory_text(static_cast<std::uint64_t>(bytes)), memory_text(most_bytes)));
 }
 
 LayerVolume::LayerVolume(const LayerWindow& window, const std::array<double, 3>& pitch_mm,

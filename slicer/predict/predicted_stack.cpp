@@ -10,9 +10,9 @@
 
 #include "base/error.h"
 #include "base/job_outlook.h"
+#include "base/machine_memory.h"
 #include "base/stopwatch.h"
 #include "base/warning.h"
-#include "io/disk/disk_space.h"
 #include "optics/transport/refinement.h"
 #include "slicer/look/coarse_cells.h"
 #include "slicer/look/prediction_time.h"
@@ -87,8 +87,6 @@ ModelOptions model_options(const ResolvedPrediction& job, bool quick, std::uint6
     return quality;
 }
 
-double gibibytes(double bytes) { return bytes / (1 << 30); }
-
 /// By what is held of any body of this size: the least of its volume, of its surface and of the model, which takes
 /// smaller tiles where there is little left.
 void expect_memory(const ResolvedPrediction& job, const StackHead& head) {
@@ -103,10 +101,10 @@ void expect_memory(const ResolvedPrediction& job, const StackHead& head) {
     const double needed = volume * (job.requested.absolute ? 1 : 2) + surface + double(model);
     if (needed <= double(job.memory_bytes)) return;
     throw ResourceError(fmt::format(
-        "{}: a prediction of its {} x {} x {} voxels needs at least {:.2f} GiB, more than the {:.2f} GiB allowed; "
+        "{}: a prediction of its {} x {} x {} voxels needs at least {}, more than the {} allowed; "
         "allow more (--memory), {}or predict a smaller print",
-        job.requested.stack, head.size[0], head.size[1], head.size[2], gibibytes(needed),
-        gibibytes(double(job.memory_bytes)), quick ? "" : "take larger cells (--cell 0.2mm), "));
+        job.requested.stack, head.size[0], head.size[1], head.size[2], memory_text(static_cast<std::uint64_t>(needed)),
+        memory_text(job.memory_bytes), quick ? "" : "take larger cells (--cell 0.2mm), "));
 }
 
 void expect_white(const ResolvedPrediction& job, const StackHead& head) {
@@ -233,20 +231,19 @@ void note_memory(const ResolvedPrediction& job, const optics::ResinVolume& volum
     const auto& size = volume.size();
     const std::uint64_t budget = job.memory_bytes;
     const bool fast = job.model == PredictionModel::transport;
-    progress.note(
-        fmt::format("{} x {} x {} voxels and {} surface cells of {:.1f} x {:.1f} x {:.1f} um take {}{} of the {} "
-                    "allowed (--memory)",
-                    size[0], size[1], size[2], cells, figures.cell_um[0], figures.cell_um[1], figures.cell_um[2],
-                    io::bytes_text(held),
-                    fast ? fmt::format(", their light up to {},",
-                                       io::bytes_text(static_cast<std::uint64_t>(prediction_bytes(double(cells)))))
-                         : "",
-                    io::bytes_text(budget)));
+    progress.note(fmt::format(
+        "{} x {} x {} voxels and {} surface cells of {:.1f} x {:.1f} x {:.1f} um take {}{} of the {} "
+        "allowed (--memory)",
+        size[0], size[1], size[2], cells, figures.cell_um[0], figures.cell_um[1], figures.cell_um[2], memory_text(held),
+        fast ? fmt::format(", their light up to {},",
+                           memory_text(static_cast<std::uint64_t>(prediction_bytes(double(cells)))))
+             : "",
+        memory_text(budget)));
     if (held <= budget) return;
     throw ResourceError(
-        fmt::format("the volume and its surface need {:.2f} GiB, more than the {:.2f} GiB allowed; allow more "
+        fmt::format("the volume and its surface need {}, more than the {} allowed; allow more "
                     "(--memory), choose larger cells (--cell) or a smaller print",
-                    gibibytes(double(held)), gibibytes(double(budget))));
+                    memory_text(held), memory_text(budget)));
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include <fmt/ranges.h>
 
 #include "base/error.h"
+#include "base/machine_memory.h"
 #include "base/process_usage.h"
 #include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
@@ -168,8 +169,8 @@ PredictResult describe(const ResolvedPrediction& job, const PredictedStack& pred
     if (errors)
         text +=
             fmt::format("  standard error of a value: mean {:.4f}, largest {:.4f}\n", f.mean_error, f.largest_error);
-    text += fmt::format("  {} in {:.2f} s ({:.2f} s of them in the model), peak memory {:.0f} MB\n", name_of(job.model),
-                        seconds, f.predict_s, double(peak_memory_bytes()) * 1e-6);
+    text += fmt::format("  {} in {:.2f} s ({:.2f} s of them in the model), peak memory {}\n", name_of(job.model),
+                        seconds, f.predict_s, memory_text(peak_memory_bytes()));
     return {json.text(), text};
 }
 

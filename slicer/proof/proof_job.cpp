@@ -12,6 +12,7 @@
 #include <fmt/ranges.h>
 
 #include "base/error.h"
+#include "base/machine_memory.h"
 #include "base/parallel.h"
 #include "base/process_usage.h"
 #include "base/stopwatch.h"
@@ -162,10 +163,10 @@ void expect_picture_fits(const ResolvedProof& job, std::size_t channels) {
     const std::uint64_t needed = job.lamps.size() * std::uint64_t(job.width_px) * std::uint64_t(job.height_px) *
                                  (of_three + of_each_more * (std::max<std::size_t>(channels, 3) - 3));
     if (needed <= job.memory_bytes / 4) return;
-    throw ResourceError(fmt::format(
-        "--size {}: a picture of so many pixels takes {:.2f} GiB while it is drawn, more than a quarter of the {:.2f} "
-        "GiB allowed; ask for fewer pixels, or allow more (--memory)",
-        job.requested.size, double(needed) / (1 << 30), double(job.memory_bytes) / (1 << 30)));
+    throw ResourceError(
+        fmt::format("--size {}: a picture of so many pixels takes {} while it is drawn, more than a quarter of the {} "
+                    "allowed; ask for fewer pixels, or allow more (--memory)",
+                    job.requested.size, memory_text(needed), memory_text(job.memory_bytes)));
 }
 
 void add_fall(io::JsonWriter& json, const std::string& name, const std::optional<FallDistance>& fall) {
@@ -242,9 +243,9 @@ JobResult describe(const CameraPicture& picture, const std::vector<Shot>& shots,
     std::string text = fmt::format(
         "{}: {} x {} pixels, {} to {} samples each\n"
         "  standard error of luminance where a body is seen: {:.4f} (rms; 1 is a white diffuser)\n"
-        "  {:.1f} million paths from the camera in {:.1f} s, peak memory {:.0f} MB\n",
+        "  {:.1f} million paths from the camera in {:.1f} s, peak memory {}\n",
         fmt::join(job.requested.files, ", "), picture.width_px, picture.height_px, *least, *most, picture.rms_error,
-        double(picture.paths) * 1e-6, seconds, double(peak_memory_bytes()) * 1e-6);
+        double(picture.paths) * 1e-6, seconds, memory_text(peak_memory_bytes()));
     text += beams_text(shots, scene, job);
     if (job.requested.with_target) text += "  the target, on the right, has the print's finish\n";
     if (picture.rms_error > seen_noise)

@@ -85,7 +85,7 @@ TEST_CASE("A job that Slurm ended for memory says so, and is handed over again w
     CHECK(state.phase == JobPhase::failed);
     CHECK(state.exit_code == 5);
     CHECK_THAT(state.message,
-               Contains("layers: Slurm ended it for memory") && Contains("210 MB") && Contains("twice as much"));
+               Contains("layers: Slurm ended it for memory") && Contains("200 MiB") && Contains("twice as much"));
     const Submission noted = *job.files.read("a");
     CHECK_FALSE(noted.stages[0].is_starved);
     CHECK(noted.stages[1].is_starved);
@@ -100,7 +100,7 @@ TEST_CASE("A job that Slurm ended for memory says so, and is handed over again w
         return chain;
     };
     TaskChain again = chain_of();
-    CHECK_THAT(give_more_memory(again, noted), Contains("layers is given 419 MB"));
+    CHECK_THAT(give_more_memory(again, noted), Contains("layers is given 400 MiB"));
     CHECK(again.stages[0].memory_bytes == 150 * mib);
     CHECK(again.stages[1].memory_bytes == 400 * mib);
     CHECK(again.stages[1].is_raised);
@@ -130,7 +130,7 @@ TEST_CASE("A job that Slurm ended for memory says so, and is handed over again w
 TEST_CASE("The state OUT_OF_MEMORY says the same where the output is silent") {
     HandedOver job;
     job.slurm.program("scontrol", "case \"$4\" in 17) echo 'JobId=17 JobState=OUT_OF_MEMORY';; *) exit 1;; esac");
-    CHECK_THAT(job.closed().message, Contains("prepare: Slurm ended it for memory") && Contains("105 MB"));
+    CHECK_THAT(job.closed().message, Contains("prepare: Slurm ended it for memory") && Contains("100 MiB"));
     CHECK(job.files.read("a")->stages[0].is_starved);
 }
 

@@ -136,7 +136,7 @@ TEST_CASE("work in another program", "[slow]") {
         if (!built_with_address_sanitizer()) {
             CHECK_THROWS_WITH(ask("abort"), Contains("signal 6"));
             const IsolationLimits small{.memory_bytes = std::uint64_t{64} << 20, .more = "--read-memory"};
-            CHECK_THROWS_WITH(ask("hoard", small), Contains("64 MB") && Contains("--read-memory"));
+            CHECK_THROWS_WITH(ask("hoard", small), Contains("64 MiB") && Contains("--read-memory"));
             CHECK_THROWS_AS(ask("hoard", small), ResourceError);
             CHECK_THROWS_AS(ask("make 100000000", small), ResourceError);
         }

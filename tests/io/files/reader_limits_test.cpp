@@ -90,7 +90,7 @@ TEST_CASE("lack of memory is no fault of the file, and no loss of its colours", 
         options.memory_bytes = 48 * mib;
         options.more = "--read-memory";
         CHECK_THROWS_AS(read_model(model, options), ResourceError);
-        CHECK_THROWS_WITH(read_model(model, options), Contains("48 MB") && Contains("--read-memory"));
+        CHECK_THROWS_WITH(read_model(model, options), Contains("48 MiB") && Contains("--read-memory"));
     }
     SECTION("a limit of the machine, of which the reader has enough to start or not even that") {
         for (const std::uint64_t space : {60 * mib, 100 * mib}) {

@@ -76,7 +76,7 @@ TEST_CASE("The page tells the figures with their units") {
                Contains("60.03 × 32.85 × 105.84 mm") && Contains("1418 × 388 px") && Contains("42.33 × 84.67 µm"));
     CHECK_THAT(html, Contains("3\u202f920") && Contains("of 27 µm") && Contains("1\u202f234\u202f567 voxels") &&
                          Contains("3.52 ml") && Contains("3.40 ml") && Contains("0.116 ml"));
-    CHECK_THAT(html, Contains("51 s") && Contains("412 MB") && Contains("12.5 %") && Contains("9.87"));
+    CHECK_THAT(html, Contains("51 s") && Contains("peak memory 393 MiB") && Contains("12.5 %") && Contains("9.87"));
     CHECK_THAT(html, Contains("0, 150, 200") && Contains("layer 1960, 52.934 mm"));
     // 40 px at 2 px/mm are 20 mm: a bar of 5 mm is a quarter of that.
     CHECK_THAT(html, Contains("width:25.000%") && Contains(">5 mm<"));
