@@ -83,6 +83,9 @@ TEST_CASE("a proof shows the print upright on its ground, the same for any numbe
     const Bitmap picture = read_png(folder / "a.png");
     REQUIRE(picture.width == 96);
     REQUIRE(picture.height == 64);
+    // Eight samples leave flecks that no print has.
+    CHECK_THAT(run_program(proof + " -o " + (folder / "c.png")).out,
+               Contains("noise of the picture, not of the print"));
     // White resin on a grey ground; the marker's tower stands on the left, over a base twice as wide.
     const double ground = mean_green(picture, 2, 40, 8, 60);
     CHECK(mean_green(picture, 30, 14, 40, 30) > ground + 10);

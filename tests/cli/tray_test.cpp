@@ -151,6 +151,19 @@ TEST_CASE("Several models are a tray, one is the print that it would be alone") 
     CHECK_FALSE(fs::exists(bench.folder / "one/parts/marker/report.html"));
 }
 
+TEST_CASE("A tray keeps the resins of its plan, and what is made of it later takes them") {
+    const Folder folder("tray-resins");
+    folder.write("a.obj", voxel_box_obj({0, 0, 0}, {60, 30, 40}, 1));
+    const std::string out = folder / "out";
+    REQUIRE(run_program("tray " + (folder / "a.obj") + " --copies 2 --resins vero-opaque-clear" + bare + "-o " + out)
+                .exit_code == 0);
+    CHECK(read_json(out + "/job.json")["resins"] == "vero-opaque-clear");
+    // Its proof knows the clear resin, which the printer's own set does not have.
+    const Outcome proof = run_program("proof " + out + " --size 32x24 --spp 2 --json -o " + (folder / "p.png"));
+    INFO(proof.err);
+    CHECK(proof.exit_code == 0);
+}
+
 TEST_CASE("Copies are said on the command line, and what left a tray is set aside, not lost or left among its parts") {
     const Bench bench("copies");
     const std::string marker = bench.folder / "marker.obj", ramp = bench.folder / "ramp.obj",

@@ -365,6 +365,21 @@ TEST_CASE("A code that no scanner reads makes a picture bad, printed larger it i
     CHECK_THAT(large["headline"].get<std::string>(), !Contains("scanner"));
 }
 
+TEST_CASE("Six letters of one colour are one row, and a seventh of another is its own") {
+    const Folder folder("word");
+    write_sheet(folder, "word.png", 160, 40, [](int x, int y) {
+        if (y < 10 || y >= 30 || x % 22 < 6 || x >= 154) return std::array{255, 255, 255};
+        return x < 132 ? std::array{180, 30, 40} : std::array{20, 60, 150};
+    });
+    const auto regions =
+        verdict_of(folder, folder / "word.png" + " --width 16mm --thickness 2mm --iterations 0")["verdict"]["regions"];
+    INFO(regions.dump(1));
+    std::multiset<int> pieces;
+    for (const auto& region : regions)
+        if (region["kind"] == "solid") pieces.insert(region.value("pieces", 1));
+    CHECK(pieces == std::multiset<int>{1, 6});
+}
+
 TEST_CASE("The edges of wide stripes are no fine detail") {
     const Folder folder("flag");
     write_sheet(folder, "flag.png", 90, 54, [](int, int y) {

@@ -115,6 +115,30 @@ TEST_CASE("A body that is turned is too high for a printer before it is too wide
     CHECK(fitting < 12);
 }
 
+TEST_CASE("Each way to turn a body has its picture from the front, as wide and as high as it stands there") {
+    const OpenedJob job = SampleJob().opened();
+    const Vector3d size(12, 8, 5);
+    for (const Orientation& orientation :
+         orientations(job, body_of(shapes::box(Vector3d::Zero(), size), Vector3d::Constant(1)), Progress())) {
+        CAPTURE(orientation.rotate);
+        REQUIRE_FALSE(orientation.front.empty());
+        // A letter of the picture is a column of two halves, as wide as each is high.
+        std::size_t columns = 0, halves = 0, filled = 0;
+        for (const std::string& line : orientation.front) {
+            std::size_t in_line = 0;
+            for (std::size_t at = 0; at < line.size(); ++in_line)
+                if (const std::string letter = line.substr(at, line[at] == ' ' ? 1 : 3); letter == " ")
+                    ++at;
+                else
+                    filled += letter == "\u2588" ? 2 : 1, at += 3;
+            columns = std::max(columns, in_line), halves += 2;
+        }
+        const double aspect = orientation.size_mm[0] / orientation.size_mm[2];
+        CHECK(double(columns) / double(halves) == Approx(aspect).epsilon(0.35));
+        CHECK(double(filled) > 0.7 * double(columns * (halves - 1)));
+    }
+}
+
 TEST_CASE("A body that is as wide as deep has no quarter turns about the upright, and a cube six ways in all") {
     const OpenedJob job = SampleJob().opened();
     const auto of = [&](const Vector3d& size) {
