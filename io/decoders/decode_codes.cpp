@@ -26,8 +26,6 @@ const char* kind_of(BarcodeFormat format) {
             return "QR code";
         case BarcodeFormat::DataMatrix:
             return "Data Matrix";
-        case BarcodeFormat::Aztec:
-            return "Aztec code";
         case BarcodeFormat::PDF417:
             return "PDF417";
         default:
@@ -57,13 +55,13 @@ LuminanceRaster enlarged(const LuminanceRaster& from, int times) {
     return to;
 }
 
-void add(std::vector<CodeInPicture>& codes, const ZXing::Result& result, int times) {
+void add(std::vector<CodeInPicture>& codes, const ZXing::Result& result, int times, int first_row = 0) {
     if (!result.isValid() || result.isMirrored() || result.bytes().empty()) return;
     CodeInPicture code{kind_of(result.format()), {result.bytes().begin(), result.bytes().end()}, {}};
     const auto& corners = result.position();
     code.box = {1e9, 1e9, -1e9, -1e9};
     for (const auto& corner : corners) {
-        const double x = double(corner.x) / times, y = double(corner.y) / times;
+        const double x = double(corner.x) / times, y = first_row + double(corner.y) / times;
         code.box = {std::min(code.box[0], x), std::min(code.box[1], y), std::max(code.box[2], x),
                     std::max(code.box[3], y)};
     }
@@ -74,6 +72,23 @@ void add(std::vector<CodeInPicture>& codes, const ZXing::Result& result, int tim
     if (std::ranges::none_of(codes, same)) codes.push_back(std::move(code));
 }
 
+/// ZXing 1.4.0 finds a Data Matrix half way up a picture alone
+/// (findings/zxing-data-matrix-place.sh): it is shown strips of the picture, one below the other.
+void add_from_strips(std::vector<CodeInPicture>& codes, const LuminanceRaster& picture) {
+    constexpr int least_rows = 24, in_a_strip = 4;
+    ZXing::DecodeHints hints;
+    hints.setFormats(BarcodeFormat::DataMatrix).setTryHarder(true).setMaxNumberOfSymbols(most_codes);
+    for (int part = 1; part <= 8 && picture.rows / part >= least_rows; part *= 2) {
+        const int rows = picture.rows / part, step = std::max(1, rows / in_a_strip);
+        for (int first = 0; first + rows <= picture.rows; first += step)
+            for (const ZXing::Result& result :
+                 ZXing::ReadBarcodes({picture.grey.data() + std::size_t(first) * std::size_t(picture.columns),
+                                      picture.columns, rows, ZXing::ImageFormat::Lum},
+                                     hints))
+                add(codes, result, 1, first);
+    }
+}
+
 }  // namespace
 
 std::vector<CodeInPicture> decode_codes(const LuminanceRaster& picture, int most_times) {
@@ -81,7 +96,7 @@ std::vector<CodeInPicture> decode_codes(const LuminanceRaster& picture, int most
         picture.grey.size() != std::size_t(picture.columns) * std::size_t(picture.rows))
         throw InputError("a picture whose codes are to be read is not of its size");
     ZXing::DecodeHints hints;
-    hints.setFormats(BarcodeFormat::QRCode | BarcodeFormat::DataMatrix | BarcodeFormat::Aztec | BarcodeFormat::PDF417 |
+    hints.setFormats(BarcodeFormat::QRCode | BarcodeFormat::DataMatrix | BarcodeFormat::PDF417 |
                      BarcodeFormat::Code128 | BarcodeFormat::EAN13 | BarcodeFormat::UPCA);
     hints.setTryHarder(true).setMaxNumberOfSymbols(most_codes);
     std::vector<CodeInPicture> codes;
@@ -96,6 +111,7 @@ std::vector<CodeInPicture> decode_codes(const LuminanceRaster& picture, int most
                 add(codes, result, times);
         }
     }
+    add_from_strips(codes, picture);
     return codes;
 }
 
