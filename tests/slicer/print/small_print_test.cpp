@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A whole job: what it leaves and says, when it does nothing, and in how many parts it may be made.
+#include "small_print.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "slicer/estimate/estimate_job.h"
+#include "slicer/predict/stack_volume.h"
+#include "tests/io/files/schema.h"
+
+using namespace voxtone;
+using namespace voxtone::slicer;
+using namespace voxtone::test;
+using Catch::Matchers::Contains;
+using nlohmann::json;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::map<std::string, std::uint64_t> voxels_of(const json& resins) {
+    std::map<std::string, std::uint64_t> voxels;
+    for (const json& resin : resins) voxels[resin.at("role")] = resin.at("voxels");
+    return voxels;
+}
+
+const json* section_of(const json& report, const std::string& title) {
+    for (const json& section : report.at("sections"))
+        if (section.at("title") == title) return &section;
+    return nullptr;
+}
+
+ExitCode refused(PrintDesk& desk, const SliceOptions& options, const std::string& words) {
+    try {
+        (void)desk.print(options);
+    } catch (const Error& error) {
+        CHECK_THAT(error.what(), Contains(words));
+        return error.exit_code();
+    }
+    FAIL("not refused: " + words);
+    return ExitCode::done;
+}
+
+MergeOptions merging(const fs::path& out, bool report = true) {
+    MergeOptions options;
+    options.out = out;
+    options.report = report;
+    return options;
+}
+
+/// Asks the work to stop after so many predictions of the loop.
+class StopsAfter final : public Progress {
+public:
+    explicit StopsAfter(std::uint64_t predictions) : predictions_(predictions) {}
+
+private:
+    void on_stage(std::string_view name, std::uint64_t, std::string_view) override {
+        in_loop_ = name == "appearance loop";
+    }
+    void on_advance(std::uint64_t done) override {
+        if (in_loop_ && done == predictions_) cancel();
+    }
+    std::uint64_t predictions_;
+    bool in_loop_ = false;
+};
+
+}  // namespace
+
+TEST_CASE("The report of a print says what its layers hold, and the estimate said so before") {
+    PrintDesk desk;
+    const SliceOptions options = desk.options("out");
+    const JobEstimate estimate = estimate_print({options}, desk.said);
+    const JobResult result = desk.print(options);
+    CHECK(result.exit_code == ExitCode::done);
+    CHECK(io::schema_faults("report", result.json) == std::vector<std::string>{});
+    const json report = json::parse(result.json);
+    CHECK(report == desk.json("out/report.json"));
+    CHECK(report.at("title") == "box.obj");
+
+    const StackVolume stack = read_stack_volume({.stack = desk.path("out").string()}, desk.said);
+    const auto [nx, ny, nz] = stack.volume.size();
+    std::map<std::string, std::uint64_t> counted;
+    for (const optics::Resin& resin : stack.resins.resins) counted[resin.role] = 0;
+    std::uint64_t all = 0;
+    for (int z = 0; z < nz; ++z)
+        for (int y = 0; y < ny; ++y)
+            for (int x = 0; x < nx; ++x)
+                if (const auto material = stack.volume.at(x, y, z); material != 0)
+                    ++counted[stack.resins.resins[std::size_t(material) - 1].role], ++all;
+    CHECK(voxels_of(report.at("resins")) == counted);
+    CHECK(report.at("size_px") == json({nx, ny}));
+    CHECK(report.at("layers") == nz);
+    const auto pitch = stack.volume.pitch_mm();
+    const double voxel_ml = pitch[0] * pitch[1] * pitch[2] / 1000;
+    CHECK(report.at("resin_ml").get<double>() == Approx(double(all) * voxel_ml));
+    // The box, within half a voxel on each side.
+    CHECK(report.at("resin_ml").get<double>() == Approx(0.009).epsilon(0.02));
+    CHECK(report.at("printing").at("passes").get<int>() == nz * report["printing"]["passes_per_layer"].get<int>());
+
+    CHECK(estimate.size_px == std::array<std::uint32_t, 3>{std::uint32_t(nx), std::uint32_t(ny), std::uint32_t(nz)});
+    CHECK(estimate.layers == std::uint32_t(nz));
+    CHECK(estimate.body_ml == Approx(report["resin_ml"].get<double>()).epsilon(0.02));
+    CHECK(estimate.printing.passes == report["printing"]["passes"].get<std::uint64_t>());
+    CHECK(estimate.surface_mm2 == Approx(2 * (2 * 3 + 2 * 1.5 + 3 * 1.5)));
+    CHECK_FALSE(estimate.loop);
+    CHECK_FALSE(estimate.prediction);
+    double estimated_ml = 0;
+    for (const ResinEstimate& resin : estimate.resins) estimated_ml += resin.ml;
+    CHECK(estimated_ml == Approx(estimate.body_ml));
+    for (const char* name : {"report.html", "for-customer.html", "job.json", "manifest.json", "target.glb",
+                             "predicted.glb", "preview.webp", "preview-target.webp", "printer"})
+        CHECK(fs::exists(desk.path(std::string("out/") + name)));
+    CHECK_THAT(result.text, Contains(desk.path("out").string()));
+
+    SliceOptions bare = desk.options("bare");
+    bare.report = false;
+    (void)desk.print(bare);
+    CHECK(desk.content("bare") == desk.content("out"));
+    CHECK(fs::exists(desk.path("bare/report.json")));
+    CHECK_FALSE(fs::exists(desk.path("bare/report.html")));
+}
+
+TEST_CASE("The same job again does nothing, another asks before it takes the folder") {
+    PrintDesk desk;
+    SliceOptions options = desk.options("out");
+    const JobResult first = desk.print(options);
+    const auto written = fs::last_write_time(desk.path("out/manifest.json"));
+    const std::string content = desk.content("out");
+    const JobResult again = desk.print(options);
+    CHECK_THAT(again.text, Contains("nothing was done"));
+    CHECK(json::parse(again.json) == json::parse(first.json));
+    CHECK(fs::last_write_time(desk.path("out/manifest.json")) == written);
+    options.for_printer = desk.path("for-printer").string();
+    CHECK_THAT(desk.print(options).text, Contains("nothing was done"));
+    CHECK(fs::exists(desk.path("for-printer")));
+    options.for_printer.clear();
+
+    options.overwrite = true;
+    CHECK_THAT(desk.print(options).text, !Contains("nothing was done"));
+    CHECK(desk.content("out") == content);
+    options.overwrite = false;
+    options.depth_mm = 0.5;
+    CHECK(refused(desk, options, "--overwrite") == ExitCode::invalid_input);
+    CHECK(desk.content("out") == content);
+    options.overwrite = true;
+    (void)desk.print(options);
+    CHECK(desk.content("out") != content);
+}
+
+TEST_CASE("A print that is judged bad fails where it is asked to, also when it was done before") {
+    PrintDesk desk;
+    SliceOptions options = desk.options("out");
+    options.predict = "transport";
+    options.verdict_good = 0.01, options.verdict_bad = 0.02;
+    const JobResult lenient = desk.print(options);
+    CHECK(lenient.exit_code == ExitCode::done);
+    CHECK(json::parse(lenient.json).at("verdict").at("level") == "bad");
+    CHECK(desk.print(options).exit_code == ExitCode::done);
+    options.strict = true;
+    CHECK(desk.print(options).exit_code == ExitCode::check_failed);
+    CHECK_THAT(desk.print(options).text, Contains("nothing was done"));
+    options.overwrite = true;
+    CHECK(desk.print(options).exit_code == ExitCode::check_failed);
+    options.verdict_good = 50, options.verdict_bad = 60;
+    const JobResult good = desk.print(options);
+    CHECK(good.exit_code == ExitCode::done);
+    CHECK(json::parse(good.json).at("verdict").at("level") == "good");
+}
+
+TEST_CASE("In shards and merged a print is what it is whole, and says where it was made") {
+    PrintDesk desk;
+    const JobResult whole = desk.print(desk.options("whole"));
+    for (const int n : {1, 3}) {
+        CAPTURE(n);
+        const std::string out = fmt::format("in{}", n);
+        int layers = 0;
+        for (int i = n; i >= 1; --i) {
+            SliceOptions options = desk.options(out);
+            options.shard = fmt::format("{}/{}", i, n);
+            const JobResult made = desk.print(options);
+            const json record = desk.json(fmt::format("{}/shards/{:04}-of-{:04}.json", out, i, n));
+            CHECK(io::schema_faults("shard", record.dump()) == std::vector<std::string>{});
+            layers += record.at("layers").get<int>();
+            CHECK_THAT(desk.print(options).text, Contains("made already"));
+        }
+        const json before = json::parse(whole.json);
+        CHECK(layers == before.at("layers"));
+        const MergeOptions options = merging(desk.path(out));
+        const json merged = json::parse(run_merge(options, desk.said).json);
+        CHECK(desk.content(out) == desk.content("whole"));
+        CHECK(io::schema_faults("report", merged.dump()) == std::vector<std::string>{});
+        for (const char* key : {"title", "pitch_um", "size_px", "layers", "voxels", "resins", "printing", "gamut"})
+            CHECK(merged.at(key) == before.at(key));
+        CHECK(section_of(before, "Shards") == nullptr);
+        REQUIRE(section_of(merged, "Shards"));
+        const json rows = section_of(merged, "Shards")->at("tables")[0].at("rows");
+        REQUIRE(rows.size() == std::size_t(n));
+        CHECK(rows[0][1].get<std::string>().starts_with("0 to "));
+        CHECK(rows[std::size_t(n) - 1][1].get<std::string>().ends_with(fmt::format(" to {}", layers - 1)));
+        CHECK_THAT(run_merge(options, desk.said).text, Contains("merged already, with its report"));
+        CHECK_THAT(run_merge(merging(desk.path(out), false), desk.said).text,
+                   Contains("merged already") && !Contains("report"));
+    }
+    CHECK_THROWS_AS(run_merge(merging(desk.path("nowhere")), desk.said), FileError);
+}
+
+TEST_CASE("A loop that was stopped goes on by itself and ends where it would have") {
+    PrintDesk desk;
+    SliceOptions options = desk.options("whole");
+    options.report = false;
+    options.iterations.assign(1, '2');
+    const json whole = json::parse(desk.print(options).json);
+    REQUIRE(whole.at("loop").at("iterations").size() == 3);
+    options.out = desk.path("stopped").string();
+    StopsAfter stop(2);
+    CHECK_THROWS_AS(run_print({options}, stop), Error);
+    CHECK(fs::exists(desk.path("stopped/loop.checkpoint")));
+    CHECK_FALSE(fs::exists(desk.path("stopped/manifest.json")));
+    SliceOptions other = options;
+    other.depth_mm = 0.5;
+    (void)refused(desk, other, "--overwrite");
+    const json went_on = json::parse(desk.print(options).json);
+    CHECK_THAT(desk.said.notes(), Contains("it goes on"));
+    CHECK(desk.content("stopped") == desk.content("whole"));
+    CHECK_FALSE(fs::exists(desk.path("stopped/loop.checkpoint")));
+    for (std::size_t k = 0; k < 3; ++k)
+        CHECK(went_on["loop"]["iterations"][k]["seen_de2000"] == whole["loop"]["iterations"][k]["seen_de2000"]);
+    CHECK(went_on["loop"]["best"] == whole["loop"]["best"]);
+}
+
+TEST_CASE("What a loop came to is kept for another job, and is the same print") {
+    PrintDesk desk;
+    SliceOptions options = desk.options("whole");
+    options.report = false;
+    options.iterations.assign(1, '1');
+    options.keep_loop = true;
+    (void)desk.print(options);
+    REQUIRE(fs::exists(desk.path("whole/skin.mixtures")));
+    options.keep_loop = false;
+    SliceOptions alone = options;
+    alone.out = desk.path("alone").string();
+    alone.until = "loop";
+    (void)desk.print(alone);
+    CHECK(fs::exists(desk.path("alone/skin.mixtures")));
+    CHECK_FALSE(fs::exists(desk.path("alone/manifest.json")));
+    SliceOptions later = options;
+    later.out = desk.path("later").string();
+    later.mixtures = desk.path("alone/skin.mixtures").string();
+    (void)desk.print(later);
+    CHECK(desk.content("later") == desk.content("whole"));
+    CHECK_FALSE(fs::exists(desk.path("later/skin.mixtures")));
+}
