@@ -7,15 +7,11 @@
 #include <map>
 #include <set>
 
-#include <OpenEXR/ImfChannelList.h>
-#include <OpenEXR/ImfFrameBuffer.h>
-#include <OpenEXR/ImfInputFile.h>
-#include <OpenEXR/ImfStandardAttributes.h>
-#include <png.h>
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
 #include "slicer/proof/proof_job.h"
+#include "tests/slicer/print/small_pictures.h"
 #include "tests/slicer/print/small_print.h"
 
 using namespace voxtone;
@@ -37,38 +33,6 @@ PrintDesk& desk() {
     }();
     static_cast<void>(made);
     return one;
-}
-
-struct Numbers {
-    int width = 0, height = 0;
-    std::map<std::string, std::vector<float>> of;  ///< rows from the top, by channel
-    std::string comment;
-};
-
-Numbers read_numbers(const std::string& file) {
-    Imf::InputFile in(file.c_str(), 1);
-    const auto box = in.header().dataWindow();
-    Numbers numbers{box.max.x + 1, box.max.y + 1, {}, Imf::hasComments(in.header()) ? Imf::comments(in.header()) : ""};
-    Imf::FrameBuffer frame;
-    const std::size_t row = sizeof(float) * std::size_t(numbers.width);
-    for (auto c = in.header().channels().begin(); c != in.header().channels().end(); ++c) {
-        auto& values = numbers.of[c.name()];
-        values.resize(std::size_t(numbers.width) * std::size_t(numbers.height));
-        frame.insert(c.name(), Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(values.data()), sizeof(float), row));
-    }
-    in.setFrameBuffer(frame);
-    in.readPixels(0, numbers.height - 1);
-    return numbers;
-}
-
-std::vector<std::uint8_t> read_codes(const std::string& file) {
-    png_image image{};
-    image.version = PNG_IMAGE_VERSION;
-    REQUIRE(png_image_begin_read_from_file(&image, file.c_str()));
-    image.format = PNG_FORMAT_RGB;
-    std::vector<std::uint8_t> codes(PNG_IMAGE_SIZE(image));
-    REQUIRE(png_image_finish_read(&image, nullptr, codes.data(), 0, nullptr));
-    return codes;
 }
 
 ProofOptions small_proof(const std::vector<std::string>& names) {
@@ -147,10 +111,7 @@ TEST_CASE("A proof's numbers are what its picture shows, and its figures are the
         CHECK(n.of.at("samples")[p] == 8);
         std::size_t channel = 0;
         for (const char* name : {"R", "G", "B"}) {
-            // IEC 61966-2-1, half as bright.
-            const double light = std::clamp(0.5 * double(n.of.at(name)[p]), 0.0, 1.0),
-                         code = light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055;
-            CHECK(std::abs(255 * code - codes[3 * p + channel++]) < 0.51);
+            CHECK(std::abs(code_of(0.5 * double(n.of.at(name)[p])) - codes[3 * p + channel++]) < 0.51);
         }
     }
     // The box of 2 x 1.5 mm stands in the middle on its ground, and looks at us with its front.
