@@ -111,7 +111,7 @@ TEST_CASE("Colours of corners, one piece alone, and a picture that is not there"
     CHECK_THAT(contents_json(std::array{bare}), Contains("\"found\": false"));
 }
 
-TEST_CASE("A picture has its size where it says so, or where it is asked for; else it is looked at 100 mm wide") {
+TEST_CASE("A picture has its size where it says so, or where it is asked for, else it is looked at 100 mm wide") {
     const Shelf shelf;
     shelf.picture("plain.png", 20, 10, 0);
     shelf.picture("sized.png", 20, 10, 2);

@@ -100,7 +100,7 @@ TEST_CASE("Of a resin that would help it is said which, how much, and whether it
     CHECK_FALSE(most_helpful_resin(roomy.sample.opened(), roomy.body));
 }
 
-TEST_CASE("A dark core costs light colours, which is said; a white one costs nothing") {
+TEST_CASE("A dark core costs light colours, which is said, and a white one costs nothing") {
     Choosing light({white, yellow}, "stratasys-j750-hm");
     light.sample.options.depth_mm = 0.2;
     CHECK_FALSE(loss_with_white_core(light.sample.opened(), light.body));

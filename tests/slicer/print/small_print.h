@@ -42,6 +42,11 @@ public:
         return options;
     }
     JobResult print(const slicer::SliceOptions& options) { return slicer::run_print({options}, said); }
+    /// Of some models, and copies of each.
+    JobResult tray(const slicer::SliceOptions& options, std::vector<std::string> models, int copies = 1) {
+        for (std::string& model : models) model = path(model).string();
+        return slicer::run_print({options, {std::move(models), copies}, true}, said);
+    }
     [[nodiscard]] nlohmann::json json(const std::string& name) const {
         std::ifstream in(path(name));
         return nlohmann::json::parse(in);
