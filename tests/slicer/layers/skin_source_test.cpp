@@ -171,3 +171,21 @@ TEST_CASE("Clear resin lies over and under the colours as deep as it is asked fo
         CHECK(wrong == 0);
     }
 }
+
+TEST_CASE("A place on a triangle is found by its coordinates in the model, wherever these lie") {
+    VisibleSurface surface;
+    surface.positions_mm = {{1, 2, 3}, {4, 2, 3.5}, {1.5, 6, 2}};
+    surface.triangles = {{0, 1, 2}, {0, 1, 2}};
+    surface.source_triangle = {0, 1};
+    // A piece of a larger triangle, and a patch that has all its colour from one place.
+    surface.source_uv = {{Eigen::Vector2f(0.2f, 0.3f), Eigen::Vector2f(0.7f, 0.25f), Eigen::Vector2f(0.3f, 0.6f)},
+                         {Eigen::Vector2f(0.5f, 0.5f), Eigen::Vector2f(0.5f, 0.5f), Eigen::Vector2f(0.5f, 0.5f)}};
+    const Vector3d corner(0.5, 0.25, 1);
+    const SurfacePlaces places(surface, corner);
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Eigen::Vector2f uv = surface.source_uv[0][k];
+        CHECK((places.at(0, uv.x(), uv.y()).cast<double>() - (surface.positions_mm[k] - corner)).norm() < 1e-5);
+    }
+    const Vector3d middle = (surface.positions_mm[0] + surface.positions_mm[1] + surface.positions_mm[2]) / 3 - corner;
+    CHECK((places.at(1, 0.5f, 0.5f).cast<double>() - middle).norm() < 1e-5);
+}

@@ -202,6 +202,28 @@ TEST_CASE("Holes are filled on the vertices that are there, and fills have no so
     CHECK(volume(filled) == Approx(4 * 0.5 * n * std::sin(2 * std::numbers::pi / n)).epsilon(1e-9));
 }
 
+TEST_CASE("What an inverted part lies beside is no body around it") {
+    // An L of two boxes of one shell: the small one stands in its notch, within its box and outside of it.
+    SolidMesh l;
+    for (const double z : {0.0, 2.0})
+        for (const auto& [x, y] : {std::pair{0.0, 0.0}, {6.0, 0.0}, {6.0, 2.0}, {2.0, 2.0}, {2.0, 6.0}, {0.0, 6.0}})
+            l.positions_mm.emplace_back(x, y, z);
+    for (const auto& [a, b, c] : {Triangle{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}}) {
+        l.triangles.push_back({a, c, b});
+        l.triangles.push_back({a + 6, b + 6, c + 6});
+    }
+    for (std::uint32_t a = 0; a < 6; ++a) {
+        const std::uint32_t b = (a + 1) % 6;
+        l.triangles.push_back({a, b, b + 6});
+        l.triangles.push_back({a, b + 6, a + 6});
+    }
+    REQUIRE(shapes::volume(l) == Approx(40));
+    const RepairedMesh r = repair(textured(shapes::joined(l, shapes::flipped(shapes::box({4, 4, 0.5}, {5, 5, 1.5})))));
+    CHECK(r.report.turned_shells == 1);
+    CHECK(r.report.cavities == 0);
+    CHECK(volume(r) == Approx(41));
+}
+
 TEST_CASE("Cracks between faces are welded") {
     const SolidMesh sphere = shapes::sphere(10, 12);
     const RepairedMesh r = repair(soup(sphere, 1e-4));

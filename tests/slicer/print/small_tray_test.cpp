@@ -98,6 +98,16 @@ TEST_CASE("Each part of a tray is printed as it would be alone, where the tray s
     CHECK(json::parse(again.json) == says);
 }
 
+TEST_CASE("A tray of one part has the layers of the part, each once") {
+    TraysDesk desk;
+    SliceOptions alone = desk.options("alone"), one = desk.of_tray("one");
+    alone.report = one.report = false;
+    (void)desk.print(alone);
+    const json says = json::parse(desk.tray(one, {"box.obj"}).json);
+    CHECK(says.at("layers") == 56);
+    CHECK(desk.content("one") == desk.content("alone"));
+}
+
 TEST_CASE("Parts that a tray has no more are set aside, and another tray asks before it takes the folder") {
     TraysDesk desk;
     SliceOptions options = desk.of_tray("out");

@@ -83,6 +83,21 @@ TEST_CASE("Copies of one part are told apart on the plan") {
     const std::string html = page(what, stack);
     CHECK_THAT(html, Contains(">1.1 cow</text>") && Contains(">1.2 cow</text>") && Contains(">2 tag</text>"));
     CHECK_THAT(html, Contains("2 (1.1 to 1.2)"));
+    // The plan says where its sides are.
+    CHECK_THAT(html, Contains(">front</text>") && Contains(">back, ") && Contains(" mm</text>"));
+    // A number stays in its part's box, also where that is wide and low or high and narrow.
+    for (const auto& [wide, deep] : {std::pair{2.4, 0.1}, {0.1, 1.2}}) {
+        stack.members = {{"bar", {{0, 0, 0, wide, deep, 1}}, 0.1, "", ""}};
+        const std::string plan = page(what, stack);
+        const auto at = plan.find("<text x=");
+        REQUIRE(at != std::string::npos);
+        double x = 0, y = 0, size = 0;
+        REQUIRE(std::sscanf(plan.c_str() + at, "<text x=\"%lf\" y=\"%lf\" font-size=\"%lf\"", &x, &y, &size) == 3);
+        CAPTURE(wide, deep, size);
+        CHECK(size <= deep);
+        CHECK(0.5 * size <= wide);
+        CHECK(size >= 0.5 * std::min(wide, deep));
+    }
 }
 
 TEST_CASE("A tray that is narrower than its caption has room for it beside") {

@@ -161,8 +161,37 @@ TEST_CASE("A drawing's own size stands, where --dpi has had its say already") {
         return box.sizes().x();
     };
     CHECK(width_mm() == Approx(600 / 72.0 * 25.4));
+    options.dpi = 1;
+    CHECK(width_mm() == Approx(600 * 25.4));
+    options.dpi = 72;
     drawing.is_drawing = true;
     CHECK(width_mm() == Approx(25.4));
     options.width_mm = 7;
     CHECK(width_mm() == Approx(7));
+}
+
+TEST_CASE("The face of a picture's slab shows it, each place its own, and all else is sides") {
+    const io::Picture picture = io::finish_picture(image_of(30, 20, [](int, int) { return 255; }), "a.png");
+    PictureOptions options;
+    options.width_mm = 6;
+    options.thickness_mm = 1;
+    const io::TexturedMesh mesh = make_picture_slab(picture, options).model.mesh;
+    double top_mm = 0, left_mm = 1e9, front_mm = 1e9, face_mm2 = 0;
+    for (const Eigen::Vector3d& p : mesh.positions)
+        top_mm = std::max(top_mm, p.z()), left_mm = std::min(left_mm, p.x()), front_mm = std::min(front_mm, p.y());
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const auto& [a, b, c] = mesh.triangles[t];
+        const Eigen::Vector3d area =
+            0.5 * (mesh.positions[b] - mesh.positions[a]).cross(mesh.positions[c] - mesh.positions[a]);
+        const bool is_face = area.normalized().z() > 0.9 && mesh.positions[a].z() == top_mm;
+        CHECK((mesh.material_of_triangle[t] == PictureSlab::face_material) == is_face);
+        if (!is_face) continue;
+        face_mm2 += area.norm();
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Eigen::Vector3d& p = mesh.positions[mesh.triangles[t][k]];
+            CHECK(mesh.corner_uv[t][k].x() == Approx((p.x() - left_mm) / 6));
+            CHECK(mesh.corner_uv[t][k].y() == Approx((p.y() - front_mm) / 4));
+        }
+    }
+    CHECK(face_mm2 == Approx(24));
 }

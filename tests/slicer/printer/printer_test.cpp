@@ -94,6 +94,13 @@ TEST_CASE("A profile of one's own is read from its path") {
     CHECK(printer.material_names.at("W") == "White 1");
     CHECK(std::isinf(printer.tray_mm.x()));
     CHECK(printer.formats == std::vector{io::LayerFormat::png});
+    CHECK(printer.min_layers == 1);
+    CHECK(printer.min_wall_mm == 0);
+    const PrinterProfile careful =
+        parse(profile_with(R"("min_wall_mm": 0.7, "min_wall_source": "its maker", "min_layers": 12)"));
+    CHECK(careful.min_wall_mm == 0.7);
+    CHECK(careful.min_wall_source == "its maker");
+    CHECK(careful.min_layers == 12);
     CHECK_THROWS_AS(find_printer(path), FileError);
 }
 

@@ -113,6 +113,12 @@ TEST_CASE("Voids come by their size, small ones are pockets", "[cavities]") {
     EnclosureOptions finer;
     finer.smallest_mm3 = 0.01;
     CHECK(EnclosedSpace(mesh, finer).voids().size() == 3);
+    // By its volume, however small the cells are.
+    finer.cell_mm = 0.15;
+    finer.smallest_mm3 = 3;
+    CHECK(EnclosedSpace(mesh, finer).voids().size() == 2);
+    finer.smallest_mm3 = 9;
+    CHECK(EnclosedSpace(mesh, finer).voids().size() == 1);
 }
 
 TEST_CASE("What is narrower than a cell is no way in, what is wider than three is", "[cavities]") {

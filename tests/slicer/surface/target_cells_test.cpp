@@ -97,3 +97,48 @@ TEST_CASE("The map of differences runs from white over yellow and red to black")
     CHECK(colour_differences({Eigen::Vector3f(0.2f, 0.3f, 0.4f)}, {Eigen::Vector3f(0.2f, 0.3f, 0.4f)})[0] == 0);
     CHECK(colour_differences({Eigen::Vector3f(1, 1, 1)}, {Eigen::Vector3f(0, 0, 0)})[0] == Approx(100).margin(1e-3));
 }
+
+TEST_CASE("Along a ramp of colours each cell has that of its own place") {
+    const std::array<int, 3> size{24, 18, 30};
+    const Eigen::Vector3d corner(1, 2, 3), extent(size[0] * j750[0], size[1] * j750[1], size[2] * j750[2]);
+    const SolidMesh box = shapes::box(corner, corner + extent);
+    const auto ramp = [&](const Eigen::Vector3d& p) -> Eigen::Vector3f {
+        return (p - corner).cwiseQuotient(extent).cast<float>();
+    };
+    io::TexturedMesh mesh;
+    mesh.positions = box.positions_mm;
+    mesh.triangles = box.triangles;
+    mesh.materials.resize(1);
+    mesh.material_of_triangle.assign(12, 0);
+    VisibleSurface surface;
+    surface.positions_mm = mesh.positions;
+    surface.triangles = mesh.triangles;
+    for (std::uint32_t t = 0; t < 12; ++t) {
+        const auto& [a, b, c] = mesh.triangles[t];
+        mesh.corner_rgb.push_back({ramp(mesh.positions[a]), ramp(mesh.positions[b]), ramp(mesh.positions[c])});
+        surface.source_triangle.push_back(t);
+        surface.source_uv.push_back({Eigen::Vector2f(0, 0), Eigen::Vector2f(1, 0), Eigen::Vector2f(0, 1)});
+    }
+    const optics::ResinVolume volume = optics::make_resin_volume(size, j750, [](int, int, int) { return 1; });
+    const optics::Surface cells = optics::find_surface({&volume, nullptr}, {2, 1, 3}, optics::SurfacePart::all);
+    const auto target = target_of_cells(cells, j750, corner, SurfaceIndex(surface), mesh, nullptr);
+    std::size_t flat = 0;
+    double most = 0;
+    for (std::size_t c = 0; c < cells.cells.size(); ++c) {
+        const auto first = cells.faces.begin() + cells.cells[c].first_face, last = first + cells.cells[c].faces;
+        if (!std::all_of(first, last, [&](const optics::SurfaceFace& f) { return f.facing == first->facing; }))
+            continue;
+        Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+        for (auto face = first; face != last; ++face) {
+            Eigen::Vector3d p(face->voxel[0] + 0.5, face->voxel[1] + 0.5, face->voxel[2] + 0.5);
+            const int facing = static_cast<int>(face->facing);
+            p[facing / 2] += facing % 2 == 1 ? 0.5 : -0.5;
+            middle += p / double(cells.cells[c].faces);
+        }
+        const Eigen::Vector3d place = corner + middle.cwiseProduct(Eigen::Vector3d(j750[0], j750[1], j750[2]));
+        most = std::max(most, double((target[c] - ramp(place)).cwiseAbs().maxCoeff()));
+        ++flat;
+    }
+    CHECK(flat > 200);
+    CHECK(most < 0.5 / 18);  // half a voxel where voxels are largest
+}

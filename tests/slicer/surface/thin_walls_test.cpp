@@ -82,6 +82,11 @@ TEST_CASE("Edges and corners of thick bodies, tips of cones and shells within ea
     // One box in another: the line goes on through the inner one's skin.
     CHECK(walls_of(shapes::joined(shapes::box(Vector3d::Zero(), {10, 10, 10}), shapes::box({0.3, 0.3, 0.3}, {9, 9, 9})))
               .empty());
+    // A plate hidden in the body, just below its face: the line leaves the plate, and not the body.
+    Progress progress;
+    const SolidMesh outer = shapes::box(Vector3d::Zero(), {10, 10, 10});
+    const SolidIndex with_plate(shapes::joined(outer, shapes::box({1, 1, 9.7}, {9, 9, 9.9})));
+    CHECK(find_thin_walls(surface_of(outer), with_plate, 0.6, progress).empty());
     // A pyramid whose upper half a millimetre is thinner than the limit.
     SolidMesh pyramid;
     pyramid.positions_mm = {{0, 0, 0}, {6, 0, 0}, {6, 6, 0}, {0, 6, 0}, {3, 3, 6}};

@@ -111,6 +111,10 @@ TEST_CASE("What lies inside the body is hidden, a cavity is not") {
     CHECK(sorted(nested.surface.triangles) == sorted(cube.triangles));
     CHECK(nested.report.hidden == 12);
     CHECK(nested.report.cut == 0);
+    // Whichever the file has first.
+    const Seen inner_first(shapes::joined(shapes::box({0.5, 0.5, 0.5}, {1, 1, 1}), cube));
+    CHECK(inner_first.area() == Approx(24));
+    CHECK(inner_first.report.hidden == 12);
     CHECK(Seen(shapes::joined(cube, shapes::flipped(shapes::box({0.5, 0.5, 0.5}, {1, 1, 1})))).area() ==
           Approx(24 + 1.5));
     CHECK(Seen(shapes::joined(cube, shapes::moved(cube, Vector3d(5, 0, 0)))).area() == Approx(48));
