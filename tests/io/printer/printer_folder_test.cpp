@@ -237,3 +237,78 @@ TEST_CASE("A new stack takes the place of the old printer's folder, and what is 
     fs::create_directory_symlink(folder.path(), out / "printer");
     CHECK_THROWS_AS(StackFolder(out), FileError);
 }
+
+TEST_CASE("The container alone is handed over under a name of its own, once", "[printer-folder]") {
+    TemporaryFolder folder;
+    const fs::path out = folder.path() / "out", usb = folder.path() / "usb", to = usb / "job.gcvf";
+    (void)write_print(out);
+    CHECK_THROWS_WITH(hand_to_printer(out, to, false, nullptr), Contains("has no GCVF file"));
+    CHECK(listing(usb).empty());
+    (void)write_print(out, {.gcvf = true});
+    CHECK(hand_to_printer(out, to, false, nullptr));
+    CHECK(listing(usb) == std::set<std::string>{"job.gcvf"});
+    CHECK(text_of(to) == text_of(out / "printer/stack.gcvf"));
+    CHECK(verify_stack(to).passed());
+    CHECK_FALSE(hand_to_printer(out, to, false, nullptr));
+    // A copy is as good as a second name; one byte less or another is not.
+    std::string bytes = text_of(to);
+    fs::remove(to);
+    write_whole_file(to, bytes);
+    CHECK_FALSE(hand_to_printer(out, to, false, nullptr));
+    for (const bool shorter : {true, false}) {
+        std::string other = bytes;
+        if (shorter)
+            other.pop_back();
+        else
+            other[other.size() / 2] = char(other[other.size() / 2] ^ 1);
+        fs::remove(to);
+        write_whole_file(to, other);
+        CHECK_THROWS_AS(hand_to_printer(out, to, false, nullptr), InputError);
+        CHECK(text_of(to) == other);
+    }
+    fs::remove(to);
+    CHECK(hand_to_printer(out, to, false, nullptr));
+    (void)write_print(out, {.gcvf = true}, 1);
+    CHECK_THROWS_WITH(hand_to_printer(out, to, false, nullptr), Contains("holds another print"));
+    CHECK(hand_to_printer(out, to, true, nullptr));
+    CHECK(text_of(to) == text_of(out / "printer/stack.gcvf"));
+    CHECK(listing(usb) == std::set<std::string>{"job.gcvf"});
+    // What only has the name is nobody's to replace.
+    (void)hand_to_printer(out, usb / "job.zip", false, nullptr);
+    fs::rename(usb / "job.zip", usb / "zip.gcvf");
+    append(usb / "text.gcvf", "x");
+    fs::create_directory(usb / "folder.gcvf");
+    append(usb / "folder.gcvf/a", "x");
+    for (const char* name : {"zip.gcvf", "text.gcvf", "folder.gcvf"})
+        CHECK_THROWS_WITH(expect_printer_target(out, usb / name, true), Contains("name another place"));
+}
+
+TEST_CASE("Handing over that is stopped leaves what was there, and nothing half-made", "[printer-folder]") {
+    TemporaryFolder folder;
+    const fs::path out = folder.path() / "out", usb = folder.path() / "usb";
+    (void)write_print(out);
+    for (const char* name : {"job", "job.zip"}) (void)hand_to_printer(out, usb / name, false, nullptr);
+    const std::set<std::string> before = listing(usb);
+    const std::string page = text_of(usb / "job/HOW-TO-PRINT.html"), zip = text_of(usb / "job.zip");
+    (void)write_print(out, {}, 1);
+    Progress stopped;
+    stopped.cancel();
+    for (const char* name : {"job", "job.zip", "new", "new.zip"})
+        CHECK_THROWS_AS(hand_to_printer(out, usb / name, true, &stopped), Error);
+    CHECK(listing(usb) == before);
+    CHECK(text_of(usb / "job/HOW-TO-PRINT.html") == page);
+    CHECK(text_of(usb / "job.zip") == zip);
+}
+
+TEST_CASE("A page gives back the manifest that it was made with, and a torn one gives none", "[printer-folder]") {
+    StackDescription stack = sample_description(3);
+    stack.size_mm = stack_size_mm(stack);
+    stack.content_sha256 = std::string(64, 'a');
+    const std::string page = "<p>" + manifest_for_page(manifest_text(stack));
+    REQUIRE(manifest_in_page(page));
+    CHECK(parse_manifest(*manifest_in_page(page), "page") == stack);
+    // The last one is the page's own: a title may spell another.
+    CHECK(manifest_in_page(manifest_for_page("{}") + page) == manifest_in_page(page));
+    CHECK_FALSE(manifest_in_page("<p>nothing"));
+    CHECK_FALSE(manifest_in_page(page.substr(0, page.rfind("</script>"))));
+}
