@@ -494,7 +494,7 @@ std::string colour_word(const Eigen::Vector3f& rgb) {
     if (hue < 108) return lab[0] < 45 ? "olive" : "yellow";
     if (hue < 175) return "green";
     if (hue < 245) return "cyan";
-    if (hue < 305) return "blue";
+    if (hue < 310) return "blue";  // sRGB's own lies at 306
     return "purple";
 }
 

@@ -263,6 +263,27 @@ TEST_CASE("A tint is told from white and grey") {
     CHECK(word(135, 112, 88) == "brown");
     CHECK(word(232, 215, 190) == "beige");
     CHECK(word(250, 160, 60) == "orange");
+    // By names that CSS Color 4 gives them, where that is one of the words.
+    CHECK(word(0, 0, 0) == "black");
+    CHECK(word(255, 0, 0) == "red");
+    CHECK(word(0, 0, 255) == "blue");
+    CHECK(word(255, 255, 0) == "yellow");
+    CHECK(word(128, 128, 0) == "yellow");  // as light as L* 52
+    CHECK(word(85, 85, 0) == "olive");
+    CHECK(word(85, 107, 47) == "green");  // "dark olive green"
+    CHECK(word(0, 128, 0) == "green");
+    CHECK(word(0, 255, 255) == "cyan");
+    CHECK(word(139, 69, 19) == "brown");
+    CHECK(word(165, 42, 42) == "red");
+    CHECK(word(255, 140, 0) == "orange");
+    CHECK(word(245, 245, 220) != "white");
+    CHECK(word(222, 184, 135) == "beige");  // "burlywood"
+    CHECK(word(255, 192, 203) == "pink");
+    CHECK(word(199, 21, 133) == "magenta");
+    CHECK(word(128, 0, 128) == "purple");
+    CHECK(word(75, 0, 130) == "purple");  // "indigo"
+    CHECK(word(190, 190, 190) == "light grey");
+    CHECK(word(70, 70, 70) == "dark grey");
 }
 
 TEST_CASE("A patch that hardly differs from its paper in lightness is no fine detail that is lost") {

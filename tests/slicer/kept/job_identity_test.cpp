@@ -50,6 +50,24 @@ struct Desk {
 
 }  // namespace
 
+TEST_CASE("What a texture, a backing and a decal hold makes another job, as the model does") {
+    const Desk desk;
+    const auto another_by = [&](const char* file, const auto& name) {
+        SliceOptions options = desk.options();
+        name(options, desk / file);
+        desk.write(file, "one");
+        const std::string before = desk.identity(options).job;
+        CHECK(desk.identity(options).job == before);
+        CHECK(before != desk.identity(desk.options()).job);
+        desk.write(file, "two");
+        return desk.identity(options).job != before;
+    };
+    CHECK(another_by("bark.png", [](SliceOptions& o, const std::string& file) { o.texture = file; }));
+    CHECK(another_by("model.obj", [](SliceOptions& o, const std::string& file) { o.model = file, o.depth_mm = 0.9; }));
+    CHECK(another_by("logo.png",
+                     [](SliceOptions& o, const std::string& file) { o.decals = {file + "; place=top; size=5mm"}; }));
+}
+
 TEST_CASE("A job is its options and what its inputs hold, not where they lie") {
     const Desk desk;
     const SliceOptions options = desk.options();

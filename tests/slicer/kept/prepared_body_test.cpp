@@ -78,6 +78,54 @@ TEST_CASE("A prepared body comes back as it was, for its own job", "[shards]") {
     CHECK_FALSE(read_prepared(folder.path(), std::string(64, 'b')));
 }
 
+TEST_CASE("All that is told of a prepared body is told of it again", "[shards]") {
+    const io::TemporaryFolder folder;
+    fs::create_directories(io::shards_folder(folder.path()));
+    JobBody body = body_with_texture();
+    std::uint64_t n = 10;
+    const auto fill = [&](MeshDiagnosis& d) {
+        const auto count = [&](auto&... of) { ((of = std::remove_reference_t<decltype(of)>(n++)), ...); };
+        count(d.triangles, d.boundary_edges, d.nonmanifold_edges, d.inconsistent_edges, d.open_edges,
+              d.degenerate_faces, d.duplicate_faces, d.shells, d.crossing_pairs);
+        d.area_mm2 = double(n++), d.volume_mm3 = double(n++);
+    };
+    fill(body.repair.before), fill(body.repair.after);
+    body.warnings = {"one", "two"}, body.notes = {"a note"};
+    body.model.format = "OBJ", body.model.mm_per_file_unit = 25.4;
+    body.placement.mm_per_file_unit = 0.1, body.placement.unit_assumed = true, body.placement.summary = "so large";
+    body.placement.extent_mm = {1, 2, 3}, body.placement.corner_mm = {4, 5, 6};
+    body.grid.origin_mm = {7, 8, 9}, body.grid.pitch_mm = {0.1, 0.2, 0.3}, body.grid.size = {11, 12, 13};
+    keep_prepared(folder.path(), this_job, body);
+    const auto back = read_prepared(folder.path(), this_job);
+    REQUIRE(back);
+    for (const auto& [was, is] :
+         {std::pair{&body.repair.before, &back->repair.before}, {&body.repair.after, &back->repair.after}}) {
+        CHECK(is->triangles == was->triangles);
+        CHECK(is->boundary_edges == was->boundary_edges);
+        CHECK(is->nonmanifold_edges == was->nonmanifold_edges);
+        CHECK(is->inconsistent_edges == was->inconsistent_edges);
+        CHECK(is->open_edges == was->open_edges);
+        CHECK(is->degenerate_faces == was->degenerate_faces);
+        CHECK(is->duplicate_faces == was->duplicate_faces);
+        CHECK(is->shells == was->shells);
+        CHECK(is->crossing_pairs == was->crossing_pairs);
+        CHECK(is->area_mm2 == was->area_mm2);
+        CHECK(is->volume_mm3 == was->volume_mm3);
+    }
+    CHECK(back->warnings == body.warnings);
+    CHECK(back->notes == body.notes);
+    CHECK(back->model.format == "OBJ");
+    CHECK(back->model.mm_per_file_unit == 25.4);
+    CHECK(back->placement.mm_per_file_unit == 0.1);
+    CHECK(back->placement.unit_assumed);
+    CHECK(back->placement.summary == "so large");
+    CHECK(back->placement.extent_mm == body.placement.extent_mm);
+    CHECK(back->placement.corner_mm == body.placement.corner_mm);
+    CHECK(back->grid.origin_mm == body.grid.origin_mm);
+    CHECK(back->grid.pitch_mm == body.grid.pitch_mm);
+    CHECK(back->grid.size == body.grid.size);
+}
+
 TEST_CASE("A prepared body whose parts do not fit together is made anew, though its sum is right", "[shards]") {
     const io::TemporaryFolder folder;
     fs::create_directories(io::shards_folder(folder.path()));
