@@ -140,7 +140,8 @@ void ColourPrint::prepare(Progress& progress) {
 }
 
 std::optional<ColourRecipes> ColourPrint::made_with() const {
-    return ColourRecipes{colour_->separation, prepared_ ? prepared_->problem->recipes.get() : nullptr};
+    return ColourRecipes{colour_->appearance, colour_->separation,
+                         prepared_ ? prepared_->problem->recipes.get() : nullptr};
 }
 
 void ColourPrint::rearrange(Progress& progress) {

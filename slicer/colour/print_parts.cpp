@@ -23,13 +23,6 @@ std::vector<int> resins_of_decals(const JobBody& body, const LoadedResins& resin
     return any ? indices : std::vector<int>{};
 }
 
-/// To the middle of the body where alpha says what lies there: no voxel is further from the surface.
-double reach_mm(const ResolvedJob& job, const JobBody& body) {
-    if (!has_alpha(body.model.mesh)) return looked_through_mm(job);
-    const double thin_mm = body.placement.extent_mm.minCoeff();
-    return std::max(looked_through_mm(job), (body.is_picture ? body.placement.extent_mm.z() : thin_mm / 2) + 1);
-}
-
 }  // namespace
 
 PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, double shell_mm)
@@ -46,7 +39,7 @@ PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const Loaded
 
 PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const LoadedResins& resins, const JobColour& colour,
                        const Progress& progress)
-    : PrintParts(job, body, resins, reach_mm(job, body)) {
+    : PrintParts(job, body, resins, looked_through_mm(job, body)) {
     colour_ = &colour;
     if (surface_colour_.has_alpha()) translucency_.emplace(colour.appearance, colour.separation, resins.set.find("T"));
     zones_ = zones_of(colour.appearance.geometry());

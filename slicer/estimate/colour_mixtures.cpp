@@ -3,8 +3,10 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
+#include "halftone/separation/translucency.h"
 #include "slicer/layers/depth_zones.h"
 
 namespace voxtone::slicer {
@@ -38,6 +40,22 @@ MixtureBelow rearranged(const SurfaceColour& target, const halftone::MinimalDept
     };
 }
 
+/// The same where alpha asks for clear resin: so much less of all others, so much deeper, core below the shell.
+MixtureBelow thinned(const SurfaceColour& target, const halftone::Translucency& translucency, double shell_mm,
+                     std::size_t core, MixtureBelow coloured) {
+    return [&target, &translucency, shell_mm, core, coloured = std::move(coloured)](
+               std::uint32_t triangle, const Eigen::Vector2f& uv, double depth_mm, double weight,
+               std::span<double> sum) {
+        const double kept =
+            double(translucency.kept(target.at(triangle, uv.x(), uv.y()), target.alpha_at(triangle, uv.x(), uv.y())));
+        sum[std::size_t(translucency.clear())] += weight * (1 - kept);
+        if (depth_mm * kept > shell_mm)
+            sum[core] += weight * kept;
+        else
+            coloured(triangle, uv, depth_mm * kept, weight * kept, sum);
+    };
+}
+
 }  // namespace
 
 ResinVolumes colour_volumes(const OpenedJob& job, const JobBody& body, const LayerRange& range,
@@ -49,11 +67,17 @@ ResinVolumes colour_volumes(const OpenedJob& job, const JobBody& body, const Lay
     VolumeQuery query;
     query.layers = range;
     query.keep_thin = job.options.keep_thin;
-    query.shell_mm = looked_through_mm(job.options);
+    query.shell_mm = looked_through_mm(job.options, body);
     query.resins = job.resins.set.resins.size();
     query.core = static_cast<std::size_t>(job.resins.core);
     query.mixture = made_with.recipes ? rearranged(target, *made_with.recipes, query.core)
                                       : separated(target, made_with.separation);
+    std::optional<halftone::Translucency> translucency;
+    if (target.has_alpha()) {
+        translucency.emplace(made_with.appearance, made_with.separation, job.resins.set.find("T"));
+        query.mixture = thinned(target, *translucency, made_with.appearance.geometry().shell_mm, query.core,
+                                std::move(query.mixture));
+    }
     const DepthZones zones =
         zones_of(shell_geometry(job.options.colour, job.resins, pitch_mm, slab_under_colour(job.options, body)));
     if (zones.any())

@@ -147,7 +147,7 @@ JobEstimate estimate_body(const OpenedJob& opened, const JobBody& body, const Ph
     std::optional<MadeColours> made;
     if (!job.other && scope.resins) made = make_colours(planned, progress);
     std::optional<ColourRecipes> made_with;
-    if (made) made_with.emplace(ColourRecipes{made->colour->separation, made->recipes.get()});
+    if (made) made_with.emplace(ColourRecipes{made->colour->appearance, made->colour->separation, made->recipes.get()});
     JobEstimate estimate = estimate_print(planned, read, made_with ? &*made_with : nullptr, progress);
     if (plan.all_layers) estimate.support_ml = look_under(*body.solid).ml;
     if (scope.orientations) {

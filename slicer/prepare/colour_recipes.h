@@ -10,6 +10,7 @@ namespace voxtone::slicer {
 
 /// `recipes`: of the loop, null where there is none.
 struct ColourRecipes {
+    const optics::ShellAppearance& appearance;
     const halftone::Separation& separation;
     const halftone::MinimalDepthSeparation* recipes = nullptr;
 };

@@ -11,6 +11,7 @@
 #include "io/profiles/resin_file.h"
 #include "slicer/prepare/backing_sheet.h"
 #include "slicer/prepare/phase.h"
+#include "slicer/surface/surface_colour.h"
 
 namespace voxtone::slicer {
 
@@ -60,6 +61,26 @@ void check_clear(const ResolvedJob& job, const PrinterProfile& printer, const op
     if (static_cast<int>(roles.size()) >= most_resins(printer)) std::erase(roles, std::string("K"));
     throw InputError(fmt::format("{} takes clear resin (role T), and none is loaded; give {}--load {},T", said, remedy,
                                  fmt::join(roles, ",")));
+}
+
+/// Throws InputError where nothing that the picture may hold lets light through.
+void check_lets_light_through(const ColourOptions& options, const optics::ShellAppearance& appearance) {
+    const optics::ShellGeometry& geometry = appearance.geometry();
+    if (!geometry.from_behind) return;
+    // A hundredth of a lamp behind the print is as dark as what its black leaves (docs/backlit.md).
+    constexpr double least = 0.01;
+    double most = 0;
+    std::vector<double> one(appearance.resins(), 0.0);
+    for (double& share : one) {
+        share = 1;
+        for (const double through : appearance.appearance(one)) most = std::max(most, through);
+        share = 0;
+    }
+    if (most >= least) return;
+    throw InputError(fmt::format(
+        "--view through: {:.3g} mm of {} below the colours let {:.2g} % of the light through at the most, so that the "
+        "picture would be black; give --core T, or a smaller --thickness",
+        geometry.core_mm, options.core, 100 * most));
 }
 
 }  // namespace
@@ -123,6 +144,12 @@ double looked_through_mm(const ResolvedJob& job) {
     return colour.depth_mm + colour.clear_over_mm();
 }
 
+double looked_through_mm(const ResolvedJob& job, const JobBody& body) {
+    if (!has_alpha(body.model.mesh)) return looked_through_mm(job);
+    const Eigen::Vector3d& mm = body.placement.extent_mm;
+    return std::max(looked_through_mm(job), (body.is_picture ? mm.z() : mm.minCoeff() / 2) + 1);
+}
+
 optics::ShellGeometry shell_geometry(const ColourOptions& options, const LoadedResins& resins,
                                      const Eigen::Vector3d& pitch_mm, const std::optional<SlabUnderColour>& slab) {
     optics::ShellGeometry geometry;
@@ -154,6 +181,7 @@ std::unique_ptr<const JobColour> prepare_colour(const ColourOptions& options, co
     progress.begin_stage(name_of(Phase::separate), 0);
     const optics::ShellGeometry geometry = shell_geometry(options, resins, pitch_mm, slab);
     auto colour = std::make_unique<const JobColour>(resins.set, geometry);
+    check_lets_light_through(options, colour->appearance);
     progress.end_stage();
     return colour;
 }

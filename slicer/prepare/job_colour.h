@@ -80,8 +80,10 @@ struct SlabUnderColour {
 /// Nothing for a body.
 [[nodiscard]] std::optional<SlabUnderColour> slab_under_colour(const ResolvedJob& job, const JobBody& body);
 
-/// How far below the surface what a voxel is made of is a matter of its depth, mm.
+/// How far below the surface what a voxel is made of is a matter of its depth, mm; where alpha thins the body, which
+/// it does to its middle, all of it: no voxel is further from the surface.
 [[nodiscard]] double looked_through_mm(const ResolvedJob& job);
+[[nodiscard]] double looked_through_mm(const ResolvedJob& job, const JobBody& body);
 
 /// The shell that colours are separated for.
 [[nodiscard]] optics::ShellGeometry shell_geometry(const ColourOptions& options, const LoadedResins& resins,

@@ -84,6 +84,50 @@ TEST_CASE("A coat and what encloses a picture are layers of clear resin, over an
     }
 }
 
+TEST_CASE("What clear resin cannot do is refused in a sentence: a dark lithophane, a sheet of another shape") {
+    const Folder folder("refused-clear");
+    const auto refused = [&](const std::string& words, int code, const std::string& said) {
+        const Outcome outcome =
+            run_program(fmt::format("slice {} --width 3mm {} --quiet -o {}", picture, words, folder / "out"));
+        CAPTURE(words, outcome.err);
+        CHECK(outcome.exit_code == code);
+        CHECK_THAT(outcome.err, Catch::Matchers::Contains(said));
+    };
+    refused("--view through --core W --thickness 10mm", 3, "9 mm of W below the colours let 0.55 % of the light");
+    voxtone::io::Picture8 wide{4, 2, 3, std::vector<std::uint8_t>(24, 90)};
+    const auto bytes = voxtone::io::png_bytes(wide);
+    folder.write("wide.png", std::string(bytes.begin(), bytes.end()));
+    refused("--backing " + folder / "wide.png", 3, "4 x 2 px are 2.000 times as wide as high");
+    refused("--coat 11mm", 2, "must be 0 to 10 mm");
+}
+
+TEST_CASE("An estimate counts the clear resin that alpha asks for") {
+    const Folder folder("estimated-alpha");
+    voxtone::io::Picture8 codes{60, 20, 4, {}};
+    for (int i = 0; i < 60 * 20; ++i)
+        for (const int code : {200, 60, 40, i % 60 < 20 ? 255 : i % 60 < 40 ? 90 : 0})
+            codes.codes.push_back(std::uint8_t(code));
+    const auto bytes = voxtone::io::png_bytes(codes);
+    folder.write("ramp.png", std::string(bytes.begin(), bytes.end()));
+    const std::string words =
+        fmt::format("{} --width 6mm --thickness 3mm --alpha translucency --quality draft", folder / "ramp.png");
+    const Outcome estimate = run_program("estimate --json --quiet " + words);
+    REQUIRE(estimate.exit_code == 0);
+    REQUIRE(run_program(fmt::format("slice {} --quiet -o {}", words, folder / "out")).exit_code == 0);
+    const nlohmann::json report = json_of(folder / "out/report.json");
+    const nlohmann::json estimated = nlohmann::json::parse(estimate.out).at("result");
+    double clear = 0;
+    for (const auto& resin : estimated.at("resins")) {
+        double printed = 0;
+        for (const auto& other : report.at("resins"))
+            if (other.at("role") == resin.at("role")) printed = other.at("ml");
+        CAPTURE(resin.at("role"), resin.at("ml"), printed);
+        CHECK(resin.at("ml").get<double>() == Approx(printed).margin(0.0005));
+        if (resin.at("role") == "T") clear = printed;
+    }
+    CHECK(clear > 0.012);  // a third, and some of the next
+}
+
 TEST_CASE("A coat lies within a model's surface, and colour below it") {
     const Folder folder("coated-body");
     folder.write("box.obj", soft_box_obj(4, 3, 2.7));
