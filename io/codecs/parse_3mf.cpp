@@ -25,6 +25,7 @@
 #include "io/models/slicer_roles.h"
 #include "io/models/threemf_namespace.h"
 #include "io/models/threemf_package.h"
+#include "optics/layered/translucency_alpha.h"
 
 namespace voxtone::io {
 
@@ -226,11 +227,11 @@ private:
 
     /// What an object is of besides its triangles.
     void note_other_shapes(const ThreemfPart& part, const ThreemfObject& object) {
-        if (part.is_translucent)
+        if (part.is_translucent && !context_.options().keep_alpha)
             lose_colour(
                 fmt::format("{} has materials that light goes through (translucentdisplayproperties); a print of "
                             "colours is opaque: that one sees through them is LOST. Give them the colour that they are "
-                            "to have",
+                            "to have, or --alpha translucency",
                             context_.name()));
         if (!object.volume.empty() && !part.plain_volumes.contains(object.volume)) {
             parts_.has_colour = true;
@@ -572,6 +573,7 @@ private:
             case Kind::colours:
                 check(group.rgba.size());
                 corner.rgba = to_linear(group.rgba[p]);
+                if (context_.options().keep_alpha) corner.rgba.w() *= alpha_of_display(part, group, p);
                 break;
             case Kind::texture:
                 check(group.uv.size());
@@ -592,6 +594,20 @@ private:
                 break;
         }
         return corner;
+    }
+
+    /// Translucency alpha of a material that light goes through, 1 of others. The file says what is lost of a beam,
+    /// absorbed or scattered: what all colours lose alike is taken for scattered, the rest for absorbed.
+    static float alpha_of_display(const ThreemfPart& part, const ThreemfGroup& group, std::uint32_t p) {
+        const auto display = part.groups.find(group.display);
+        if (display == part.groups.end() || p >= display->second.attenuation.size()) return 1;
+        const std::vector<double>& per_m = display->second.attenuation[p];
+        if (per_m.size() != 3 || !std::ranges::all_of(per_m, [](double a) { return a >= 0 && std::isfinite(a); }))
+            return 1;
+        constexpr double cm_per_m = 100;
+        const double mean = (per_m[0] + per_m[1] + per_m[2]) / 3, alike = std::ranges::min(per_m);
+        return static_cast<float>(
+            optics::translucency_alpha(optics::translucency_eta((mean - alike) / cm_per_m, alike / cm_per_m)));
     }
 
     /// The display colours of a composite, mixed by their shares in linear light.

@@ -26,6 +26,7 @@
 #include "io/models/colour_range.h"
 #include "io/models/model_text.h"
 #include "io/models/weld.h"
+#include "optics/layered/translucency_alpha.h"
 
 namespace voxtone::io {
 
@@ -116,6 +117,10 @@ struct UvTransform {
 struct MaterialUv {
     std::int64_t set = 0;
     UvTransform transform;
+    bool operator==(const MaterialUv& other) const {
+        const UvTransform &a = transform, &b = other.transform;
+        return set == other.set && a.offset == b.offset && a.scale == b.scale && a.rotation == b.rotation;
+    }
 };
 
 class GltfParser {
@@ -402,6 +407,7 @@ private:
         material.glass = is_glass(object(json, "extensions"));
         const Json& clear = object(object(json, "extensions"), "KHR_materials_transmission");
         material.through = static_cast<float>(std::clamp(real(clear, "transmissionFactor", 0), 0.0, 1.0));
+        if (material.through > 0) take_volume(object(object(json, "extensions"), "KHR_materials_volume"), material);
         const Json& old_workflow = object(object(json, "extensions"), "KHR_materials_pbrSpecularGlossiness");
         // Where the other says nothing, or less than what must be understood, the older one is the material.
         const bool old = !old_workflow.empty() && !object(json, "pbrMetallicRoughness").contains("baseColorTexture") &&
@@ -420,9 +426,48 @@ private:
             read_texture(info, material, uv);
         }
         take_emission(json, material, uv);
+        if (material.through > 0 && context_.options().keep_alpha) {
+            parts_.has_colour = true;
+            read_transmission(object(clear, "transmissionTexture"), material, uv);
+        }
         const bool masked = text(json, "alphaMode", "OPAQUE") == "MASK";
         cutoff_.push_back(masked ? static_cast<float>(real(json, "alphaCutoff", 0.5)) : -1);
         if (masked) cut(material, cutoff_.back());
+    }
+
+    /// Light takes on `attenuationColor` on a way of `attenuationDistance`, which nothing scatters.
+    static void take_volume(const Json& volume, PartMaterial& material) {
+        const double distance_m = real(volume, "attenuationDistance", 0);
+        Eigen::Vector3f colour = Eigen::Vector3f::Ones();
+        numbers(volume, "attenuationColor", colour);
+        if (!(distance_m > 0) || !colour.allFinite()) return;
+        constexpr float least = 1e-4f;  // black: no way is too short
+        material.tint = colour.cwiseMax(0).cwiseMin(1);
+        const Eigen::Vector3f depth = -material.tint.cwiseMax(least).array().log();
+        const double absorbed_per_cm = double(depth.mean()) / (100 * distance_m);
+        material.within = static_cast<float>(optics::translucency_alpha(optics::translucency_eta(absorbed_per_cm, 0)));
+    }
+
+    /// What of the surface lets light through, by place: one set of coordinates serves both pictures.
+    void read_transmission(const Json& info, PartMaterial& material, MaterialUv& uv) {
+        if (info.empty()) return;
+        PartMaterial picture;
+        MaterialUv lay;
+        picture.name = material.name;
+        read_texture(info, picture, lay);
+        if (picture.image < 0) return;
+        if (material.image < 0) {
+            uv = lay;
+            material.wrap_u = picture.wrap_u, material.wrap_v = picture.wrap_v, material.nearest = picture.nearest;
+        } else if (!(uv == lay) || material.wrap_u != picture.wrap_u || material.wrap_v != picture.wrap_v) {
+            parts_.lose_texture(
+                fmt::format("The material '{}' lays its transmission otherwise than its colours, which cannot be read: "
+                            "where light is to go through is LOST. Give both pictures the same coordinates.",
+                            printable(material.name)));
+            material.through = 0;
+            return;
+        }
+        material.through_image = picture.image;
     }
 
     /// Glow is the colour of a material that has no other: unlit exporters put it there. Beside a base that is white by
@@ -812,7 +857,7 @@ private:
         std::uint32_t material = material_index == -1 ? default_material_ : static_cast<std::uint32_t>(material_index);
         if (material_index == -1) lose_variants(primitive, what);
         std::vector<float> uv;
-        if (parts_.materials[material].image >= 0) {
+        if (parts_.materials[material].image >= 0 || parts_.materials[material].through_image >= 0) {
             const std::int64_t set = material_uv_[material].set,
                                accessor = integer(attributes, fmt::format("TEXCOORD_{}", set).c_str(), -1);
             if (accessor != -1)

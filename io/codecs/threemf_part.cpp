@@ -225,7 +225,8 @@ private:
                 add_resource(part_.textures) = {std::string(xml_.attribute("path")), tile_style("tilestyleu"),
                                                 tile_style("tilestylev"), xml_.attribute("filter") == "nearest"};
             } else if (name == "basematerials") {
-                start_group(Kind::base_materials);
+                start_group(Kind::base_materials).display =
+                    index_of(xml_.attribute("displaypropertiesid")).value_or(no_property);
             } else if (name == "colorgroup") {
                 start_group(Kind::colours);
             } else if (name == "texture2dgroup") {
@@ -254,10 +255,12 @@ private:
             group_->uv.push_back(Eigen::Vector2d(required_number("u"), required_number("v")).cast<float>());
         if (name == "composite" && group_->kind == Kind::composites) add_values("values");
         if (name == "multi" && group_->kind == Kind::multi) add_values("pindices");
+        if (name == "translucent" && group_->kind == Kind::unknown) add_values("attenuation", group_->attenuation);
     }
 
-    void add_values(std::string_view key) {
-        std::vector<double>& values = group_->values.emplace_back();
+    void add_values(std::string_view key) { add_values(key, group_->values); }
+    void add_values(std::string_view key, std::vector<std::vector<double>>& to) {
+        std::vector<double>& values = to.emplace_back();
         for (const auto word : words(xml_.attribute(key))) values.push_back(number(word, key));
     }
 

@@ -46,7 +46,9 @@ struct ThreemfGroup {
     std::vector<Eigen::Vector2f> uv;          ///< texture
     std::vector<std::uint32_t> members;       ///< composites: indices into the base materials; multi: ids of groups
     std::vector<std::vector<double>> values;  ///< composites: shares; multi: indices into each member
-    std::vector<bool> multiply;               ///< multi: how member i + 1 is laid over those before
+    std::vector<std::vector<double>> attenuation;  ///< translucentdisplayproperties: 1/m, of R, G, B
+    std::uint32_t display = no_property;           ///< base_materials: its display properties
+    std::vector<bool> multiply;                    ///< multi: how member i + 1 is laid over those before
 };
 
 struct ThreemfTriangle {

@@ -78,7 +78,11 @@ struct Variant {
     bool transparent;
     std::array<float, 4> tint;  // baked in where the picture is transparent: the product is composed as a whole
     std::array<float, 3> under;
+    std::int32_t through_image = -1;  // where alpha is kept, and light goes through by a picture; and how
+    float through = 0, within = 0;
+    std::array<float, 3> glass{1, 1, 1};
     auto operator<=>(const Variant&) const = default;
+    [[nodiscard]] bool has_picture() const { return image >= 0 || through_image >= 0; }
 };
 
 class Finisher {
@@ -122,6 +126,8 @@ private:
         for (std::size_t m = 0; m < parts_.materials.size(); ++m) {
             PartMaterial& material = parts_.materials[m];
             if (material.image >= static_cast<std::int32_t>(parts_.images.size())) material.image = -1;
+            if (material.through_image >= static_cast<std::int32_t>(parts_.images.size()) || parts_.corner_uv.empty())
+                material.through_image = -1;
             if (material.image < 0 || !parts_.corner_uv.empty()) continue;
             if (used[m])
                 parts_.lose_colour(fmt::format(
@@ -238,9 +244,13 @@ private:
                 {m.image, transparent,
                  transparent ? std::array{m.rgb.x(), m.rgb.y(), m.rgb.z(), m.alpha} : std::array{1.f, 1.f, 1.f, 1.f},
                  transparent ? std::array{m.under.x(), m.under.y(), m.under.z()} : std::array{1.f, 1.f, 1.f}});
+            if (Variant& v = variants.back(); keeps_alpha(v) && m.through_image >= 0) {
+                v.through_image = m.through_image, v.through = m.through, v.within = m.within;
+                v.glass = {m.tint.x(), m.tint.y(), m.tint.z()};
+            }
         }
         for (std::size_t i = 0; i < variants.size(); ++i)
-            if (variants[i].image >= 0 && used_material_[i]) wanted_.insert(variants[i]);
+            if (variants[i].has_picture() && used_material_[i]) wanted_.insert(variants[i]);
         for (std::size_t i = 0; i < variants.size(); ++i) {
             const PartMaterial& part = parts_.materials[i];
             const Variant& variant = variants[i];
@@ -248,7 +258,10 @@ private:
             material.name = part.name, material.rgb = part.rgb;
             if (keeps_alpha(variant)) {
                 if (!part.opaque) material.alpha = std::clamp(part.alpha, 0.0f, 1.0f);
-                material.alpha *= 1 - part.through;
+                if (part.through > 0 && part.through_image < 0) {
+                    material.alpha *= 1 - part.through * (1 - part.within);
+                    material.rgb.array() *= 1 - part.through * (1 - part.tint.array());
+                }
             } else if (variant.transparent) {
                 material.rgb.setOnes();
                 transparent_materials_ +=
@@ -257,7 +270,7 @@ private:
                 material.rgb = part.rgb * part.alpha + Eigen::Vector3f::Constant(1 - part.alpha);
                 transparent_materials_ += used_material_[i];
             }
-            if (part.image >= 0 && used_material_[i]) {
+            if (variant.has_picture() && used_material_[i]) {
                 auto& pyramid = pyramids[variant];
                 if (!pyramid) pyramid = prepare(variant);
                 const bool nearest = options_.filter == TextureFilter::as_file
@@ -277,11 +290,43 @@ private:
         return options_.keep_alpha && variant.under == std::array{1.f, 1.f, 1.f};
     }
 
+    /// Of a picture that lets light through: as many texels as the larger of both has, each with its colour and alpha.
+    TexelImage with_transmission(const TexelImage& colours, const Variant& variant) const {
+        const TexelImage& through = parts_.images[static_cast<std::size_t>(variant.through_image)].texels;
+        TexelImage out{
+            std::max(colours.width_px, through.width_px), std::max(colours.height_px, through.height_px), {}, {}};
+        out.linear16.resize(4 * out.pixels());
+        const auto at = [&](const TexelImage& image, std::size_t x, std::size_t y) {
+            return y * image.height_px / out.height_px * image.width_px + x * image.width_px / out.width_px;
+        };
+        const Eigen::Array3f glass(variant.glass[0], variant.glass[1], variant.glass[2]);
+        for (std::size_t y = 0, i = 0; y < out.height_px; ++y)
+            for (std::size_t x = 0; x < out.width_px; ++x, ++i) {
+                const std::size_t of_colours = at(colours, x, y), of_through = at(through, x, y);
+                // Not a colour: its numbers as they are in the file.
+                const float red = float(linear_to_srgb8(through.rgb(of_through).x())) / 255.0f;
+                const float share = variant.through * red;
+                out.set(i, (colours.rgb(of_colours).array() * (1 - share * (1 - glass))).matrix());
+                const float alpha =
+                    (variant.transparent ? colours.alpha(of_colours) : 1) * (1 - share * (1 - variant.within));
+                out.linear16[4 * i + 3] = static_cast<std::uint16_t>(alpha * 65535.0f + 0.5f);
+            }
+        return out;
+    }
+
     /// The last of an image's variants takes its texels, which may be most of the memory there is.
     std::shared_ptr<const MipPyramid> prepare(const Variant& variant) {
-        const auto index = static_cast<std::size_t>(variant.image);
         wanted_.erase(variant);
-        const bool last = std::ranges::none_of(wanted_, [&](const Variant& v) { return v.image == variant.image; });
+        if (variant.image < 0) {
+            TexelImage texels = with_transmission(TexelImage{1, 1, {255, 255, 255, 255}, {}}, variant);
+            alpha_pyramids_[variant] = std::make_shared<const MipPyramid>(take_alpha(texels));
+            return std::make_shared<const MipPyramid>(std::move(texels));
+        }
+        const auto index = static_cast<std::size_t>(variant.image);
+        const bool last =
+            variant.through_image != variant.image && std::ranges::none_of(wanted_, [&](const Variant& v) {
+                return v.image == variant.image || v.through_image == variant.image;
+            });
         TexelImage& image = parts_.images[index].texels;
         TexelImage texels = last ? std::move(image) : image;
         if (options_.fill_gutters) fill_gutters(texels, coverage_[index]);
@@ -289,10 +334,12 @@ private:
         if (variant.transparent && keeps_alpha(variant)) {
             if (looks_premultiplied(texels))
                 parts_.warnings.push_back(premultiplied_warning(parts_.image_names[index]));
-            alpha_pyramids_[variant] = std::make_shared<const MipPyramid>(take_alpha(texels));
         } else if (variant.transparent)
             compose_over(texels, {variant.under[0], variant.under[1], variant.under[2]},
                          {variant.tint[0], variant.tint[1], variant.tint[2]}, variant.tint[3]);
+        if (variant.through_image >= 0) texels = with_transmission(texels, variant);
+        if (keeps_alpha(variant) && (variant.transparent || variant.through_image >= 0))
+            alpha_pyramids_[variant] = std::make_shared<const MipPyramid>(take_alpha(texels));
         return std::make_shared<const MipPyramid>(std::move(texels));
     }
 

@@ -34,6 +34,9 @@ struct PartMaterial {
     bool nearest = false;
     bool glass = false;  ///< the format says that light goes through the body, which a print of it does not let
     float through = 0;   ///< what share of it, unscattered, where the format says so; in [0, 1]
+    std::int32_t through_image = -1;  ///< times its red, at the coordinates of `image`; read where alpha is kept
+    float within = 0;                 ///< translucency alpha of what that light goes through
+    Eigen::Vector3f tint = Eigen::Vector3f::Ones();  ///< that it takes on there, linear
 };
 
 struct ModelParts {

@@ -35,6 +35,10 @@ double value_at(const std::vector<double>& values, double place) {
 
 }  // namespace
 
+double translucency_eta(double absorption_per_cm, double scattering_per_cm) {
+    return absorption_weight * absorption_per_cm + scattering_per_cm;
+}
+
 double translucency_alpha(double eta_per_cm) {
     VOXTONE_EXPECT(eta_per_cm >= 0);
     return std::pow(-std::expm1(-rate_cm * eta_per_cm), power);

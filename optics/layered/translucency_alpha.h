@@ -20,6 +20,8 @@ namespace voxtone::optics {
 
 inline constexpr double translucency_slab_mm = 4;
 
+/// eta of a grey that absorbs and scatters so, 1/cm.
+[[nodiscard]] double translucency_eta(double absorption_per_cm, double scattering_per_cm);
 /// `eta_per_cm`: as above, >= 0. And back; alpha in [0, 1), of 1 infinity.
 [[nodiscard]] double translucency_alpha(double eta_per_cm);
 [[nodiscard]] double translucency_eta_per_cm(double alpha);

@@ -2,15 +2,21 @@
 #include <catch2/catch.hpp>
 
 #include <array>
+#include <cmath>
 #include <string>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "io/models/finish_model.h"
 #include "io/pictures/picture.h"
 #include "io/pictures/texture.h"
+#include "tests/io/models/compressed_samples.h"
+#include "tests/io/models/model_checks.h"
 
 using namespace voxtone;
 using namespace voxtone::io;
+using namespace voxtone::test;
 using Eigen::Vector2f;
 using Eigen::Vector4f;
 
@@ -51,6 +57,12 @@ std::string said(const std::vector<std::string>& warnings) {
     return all;
 }
 
+ReadOptions keeping(bool alpha) {
+    ReadOptions options;
+    options.keep_alpha = alpha;
+    return options;
+}
+
 using Catch::Matchers::Contains;
 
 }  // namespace
@@ -85,4 +97,90 @@ TEST_CASE("Colours that look multiplied by alpha are told of") {
     CHECK(picture.warnings.empty());
     CHECK(picture.alpha_texture);
     CHECK_FALSE(finish_picture(ramp(false), "a.png").alpha_texture);
+}
+
+TEST_CASE("glTF's transmission counts by its picture, and a volume by what it absorbs and its colour") {
+    GltfBuilder b;
+    const int p = b.data(raw(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0}), 5126, 3, "VEC3"),
+              uv = b.data(raw(std::vector<float>{0.25f, 0.25f, 0.75f, 0.25f, 0.25f, 0.75f}), 5126, 3, "VEC2");
+    const auto model = [&](const std::string& base, const std::string& transmission, const std::string& volume) {
+        return b.file(fmt::format(
+            R"("nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":{},"TEXCOORD_0":{}}},)"
+            R"("material":0}}]}}],"materials":[{{"pbrMetallicRoughness":{{{}}},"extensions":{{)"
+            R"("KHR_materials_transmission":{{{}}}{}}}}}],"textures":[{{"source":0}},{{"source":1}}],)"
+            R"("images":[{{"uri":"colours.png"}},{{"uri":"through.png"}}])",
+            p, uv, base, transmission, volume));
+    };
+    // Red of 102 is 0.4, a number and no colour; the other channels say nothing.
+    const test::Files pictures{{"colours.png", four_colours()},
+                               {"through.png", png(1, 2, {102, 255, 0, 255, 0, 255, 255, 255})}};
+    const auto read = [&](const std::string& gltf, bool keep) {
+        return read_alone({{"a.glb", gltf}}, pictures, keeping(keep));
+    };
+    const std::string textured = R"("baseColorTexture":{"index":0})",
+                      through = R"("transmissionFactor":0.5,"transmissionTexture":{"index":1})",
+                      volume =
+                          R"(,"KHR_materials_volume":{"attenuationDistance":0.01,"attenuationColor":[0.5,1,0.25]})";
+    const auto alpha_at = [](const ModelFile& file, std::size_t corner) {
+        const SurfaceMaterial& m = file.mesh.materials.at(file.mesh.material_of_triangle[0]);
+        const Vector2f at = file.mesh.corner_uv.at(0)[corner];
+        return double(m.alpha) * double(m.alpha_texture ? m.alpha_texture->sample(at.x(), at.y()).x() : 1);
+    };
+    // Absorption of ln 2, 0 and ln 4 over a centimetre; nothing scatters.
+    const double within = std::pow(1 - std::exp(-0.0153 * 0.4 * std::log(8) / 3), 0.6);
+    for (const std::string& base : {textured, std::string()}) {
+        CAPTURE(base);
+        const ModelFile plain = read(model(base, through, ""), true), tinted = read(model(base, through, volume), true);
+        CHECK(alpha_at(plain, 0) == Approx(1 - 0.5 * 0.4).margin(1e-3));
+        CHECK(alpha_at(plain, 2) == Approx(1).margin(1e-4));  // black: none
+        CHECK(alpha_at(tinted, 0) == Approx(1 - 0.2 * (1 - within)).margin(1e-3));
+        const Eigen::Vector3f bare = base.empty() ? Eigen::Vector3f(1, 1, 1) : Eigen::Vector3f(1, 0, 0);
+        CHECK(near(test::corner_colour(plain.mesh, 0, 0), bare));
+        CHECK(near(test::corner_colour(tinted.mesh, 0, 0),
+                   bare.cwiseProduct(Eigen::Vector3f(1 - 0.2f * 0.5f, 1, 1 - 0.2f * 0.75f))));
+        CHECK(plain.lost_colour.empty());
+    }
+    const ModelFile even = read(model("", R"("transmissionFactor":1)", volume), true);
+    CHECK(even.has_colour);
+    CHECK(even.mesh.materials.at(0).alpha == Approx(within).epsilon(1e-4));
+    CHECK(near(test::corner_colour(even.mesh, 0, 0), {0.5f, 1, 0.25f}));
+    // Without the option nothing is looked at, and glass is lost as ever.
+    const ModelFile white = read(model("", through, volume), false);
+    CHECK(near(test::corner_colour(white.mesh, 0, 0), {1, 1, 1}));
+    CHECK_FALSE(white.mesh.materials.at(0).alpha_texture);
+    CHECK_THAT(white.lost_colour, Contains("LOST") && Contains("--alpha translucency"));
+    // One set of coordinates serves both pictures.
+    const std::string moved = R"("transmissionFactor":0.5,"transmissionTexture":{"index":1,"extensions":)"
+                              R"({"KHR_texture_transform":{"offset":[0.5,0]}}})";
+    CHECK_THAT(read(model(textured, moved, ""), true).lost_colour, Contains("lays its transmission otherwise"));
+    CHECK(alpha_at(read(model("", moved, ""), true), 0) == Approx(0.8).margin(1e-3));
+}
+
+TEST_CASE("3MF's translucent materials have the alpha of what a beam loses in them") {
+    const auto model = [](const std::string& attenuation) {
+        return threemf(
+            fmt::format(R"(<q:translucentdisplayproperties id="5"><q:translucent name="a" attenuation="{}"/>)"
+                        R"(<q:translucent name="b" attenuation="2500 2500 2500"/>)"
+                        R"(</q:translucentdisplayproperties>)"
+                        R"(<basematerials id="2" displaypropertiesid="5"><base name="a" )"
+                        R"(displaycolor="#ff0000"/><base name="b" displaycolor="#00ff00"/></basematerials>)"
+                        R"(<object id="1" pid="2" pindex="0">{}</object>)",
+                        attenuation, threemf_tetrahedron(1, {"", R"(pid="2" p1="1")", "", ""})),
+            R"(<item objectid="1"/>)");
+    };
+    const auto read = [&](const std::string& attenuation, bool keep) {
+        return read_alone({{"a.3mf", model(attenuation)}}, {}, keeping(keep));
+    };
+    const auto alpha = [](double eta) { return std::pow(1 - std::exp(-0.0153 * eta), 0.6); };
+    const ModelFile milk = read("2500 2500 2500", true), wine = read("100 700 1000", true);
+    REQUIRE(milk.mesh.corner_alpha.size() == 4);
+    CHECK(milk.mesh.corner_alpha[0][0] == Approx(alpha(25)));  // 0.50, as the standard's table has it
+    CHECK(wine.mesh.corner_alpha[0][0] == Approx(alpha(1 + 0.4 * 5)));
+    CHECK(wine.mesh.corner_alpha[1][2] == Approx(alpha(25)));
+    CHECK(near(test::corner_colour(wine.mesh, 0, 0), {1, 0, 0}));
+    CHECK(wine.lost_colour.empty());
+    CHECK(read("-1 2 3", true).mesh.corner_alpha[0][0] == 1);
+    const ModelFile opaque = read("100 700 1000", false);
+    CHECK(opaque.mesh.corner_alpha.empty());
+    CHECK_THAT(opaque.lost_colour, Contains("LOST") && Contains("--alpha translucency"));
 }
