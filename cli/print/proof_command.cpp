@@ -48,10 +48,11 @@ void add_scene_options(Verb& command, slicer::ProofOptions& o) {
     command.group("Light and scene");
     command.add("--light", o.lights,
                 "studio: two soft boxes and white walls; overcast: the CIE's overcast sky; even: the same "
-                "from everywhere; or a lat-long picture of a place (.exr); edge, slit, spot: a beam on a part of what "
+                "from everywhere; behind: a source as wide as the sky behind the print; or a lat-long picture of a "
+                "place (.exr); edge, slit, spot: a beam on a part of what "
                 "is seen, which shows translucency. Said again: one picture below the other",
                 {.unit = "LIGHT",
-                 .choices = {"studio", "overcast", "even", "edge", "slit", "spot", "FILE"},
+                 .choices = {"studio", "overcast", "even", "behind", "edge", "slit", "spot", "FILE"},
                  .verb_checks = true,
                  .usual = "studio",
                  .one_each = true});
@@ -65,6 +66,9 @@ void add_scene_options(Verb& command, slicer::ProofOptions& o) {
                 "slabs is lit above, one on a body upright and lit on the left",
                 {.unit = "DEG"});
     command.add("--ground", o.ground, "reflectance of the plane that the print lies on, or none", {.unit = "R|none"});
+    command.add("--backing", o.backing,
+                std::string("what lies under the first layer, as large as the print's box: ") + slicer::backing_words,
+                {.unit = "SHEET"});
     command.add("--finish", o.finish, "glossy: as jetted, and matt where support lay; matt: support lay everywhere",
                 {.choices = {"glossy", "matt"}});
     command.add("--roughness", o.roughness,

@@ -532,9 +532,10 @@ private:
             if (ask[k] == 0) continue;
             const std::size_t lane = row + k;
             double distance = 0;
-            if (!scene_.boundary->leaves(place_mm(lane), direction(lane), static_cast<double>(ways[k]), distance,
-                                         normals_[lane]))
-                continue;
+            // A face of the body on a side of the box lies as far off as that, but for rounding: a path that passed it
+            // would be in air, and lost.
+            const double reach = static_cast<double>(ways[k]) + 0.5 * inside_boundary_mm;
+            if (!scene_.boundary->leaves(place_mm(lane), direction(lane), reach, distance, normals_[lane])) continue;
             ways[k] = static_cast<float>(distance);
             met[k] = 1;
         }

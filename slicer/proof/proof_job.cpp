@@ -231,6 +231,7 @@ JobResult describe(const CameraPicture& picture, const std::vector<Shot>& shots,
     json.add("files", job.requested.files).add("size_px", std::array{picture.width_px, picture.height_px});
     json.add("camera_mm", view.position).add("look_at_mm", view.target).add("focal_mm", view.focal_mm);
     json.add("light", light_key(job)).add("finish", name_of(job.finish)).add("surface", surfaces);
+    if (job.backing.kind != optics::Backing::none) json.add("backing", job.backing.words);
     json.add("samples", std::array{*least, *most}).add("paths", picture.paths);
     json.add("standard_error", picture.rms_error).add("complete", picture.complete).add("seconds", seconds);
     if (std::any_of(job.lamps.begin(), job.lamps.end(), [](const ProofLamp& lamp) { return lamp.is_beam(); })) {
@@ -263,6 +264,14 @@ std::vector<optics::Beam> beams_of(const ProofScene& scene, const ResolvedProof&
     return beams;
 }
 
+/// The sky's upper half is what the camera looks towards; nothing lies before it but the print.
+void put_light_behind(optics::CameraScene& camera) {
+    const Eigen::Vector3d ahead = (vector_of(camera.view.target) - vector_of(camera.view.position)).normalized(),
+                          right = ahead.cross(vector_of(camera.view.up)).normalized();
+    camera.sky_axes = {point_of(right), point_of(ahead.cross(right)), point_of(ahead)};
+    camera.ground.reset();
+}
+
 /// By lamp; what a request to stop cut off is left out.
 std::vector<Shot> take_shots(const ProofScene& scene, const ResolvedProof& job, Progress& progress) {
     const ProofOptions& o = job.requested;
@@ -277,6 +286,7 @@ std::vector<Shot> take_shots(const ProofScene& scene, const ResolvedProof& job, 
         camera.sky = &scene.skies[k];
         if (job.lamps[k].is_beam()) shot.beam = beams[next++];
         camera.beam = shot.beam ? &*shot.beam : nullptr;
+        if (job.lamps[k].is_behind()) put_light_behind(camera);
         shot.picture = take_picture(camera,
                                     {.samples = o.samples,
                                      .error = o.error,

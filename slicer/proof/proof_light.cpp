@@ -53,6 +53,8 @@ optics::Sky preset(ProofLight light) {
             return optics::studio_sky();
         case ProofLight::overcast:
             return optics::overcast_sky();
+        case ProofLight::behind:  // turned to the camera where it is taken
+            return optics::Sky(1, 2, {optics::Light{1, 1, 1}, optics::Light{0, 0, 0}});
         case ProofLight::even:
         case ProofLight::edge:
         case ProofLight::slit:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/proof/proof_options.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <string_view>
 
@@ -112,6 +113,13 @@ ResolvedProof resolve(const ProofOptions& o) {
         job.ground = parse_number<double>("ground", o.ground);
         need(*job.ground >= 0 && *job.ground <= 1, "ground", o.ground, "must be a reflectance from 0 to 1, or none");
     }
+    job.backing = parse_backing("backing", o.backing);
+    const bool behind =
+        std::any_of(job.lamps.begin(), job.lamps.end(), [](const auto& lamp) { return lamp.is_behind(); });
+    need(!behind || job.backing == optics::Backing::none, "backing", o.backing,
+         "would lie between the print and --light behind: leave one of the two out");
+    need(!behind || !o.with_target, "light", "behind",
+         "shows nothing of a target that is opaque: leave --with-target out");
     if (!o.pitch.empty()) job.pitch_mm = parse_pitch_mm(o.pitch);
     for (const std::string& text : o.assign) job.assign.push_back(parse_assignment(text));
     job.memory_bytes = memory_budget(o.memory_gib);

@@ -11,6 +11,7 @@
 
 #include "base/named_values.h"
 #include "optics/scene/boundary.h"
+#include "slicer/options/option_values.h"
 #include "slicer/predict/stack_volume.h"
 
 namespace voxtone::slicer {
@@ -22,11 +23,13 @@ enum class ProofView { three_quarter, front, right, back, left, top, bottom };
 enum class ProofUp { z, minus_z, y, minus_y, x, minus_x };
 
 /// Lights that come with the program: skies, and beams that light a part of what is seen.
-enum class ProofLight { studio, overcast, even, edge, slit, spot };
+/// `behind`: a source as wide as the sky, which the camera sees the print before.
+enum class ProofLight { studio, overcast, even, behind, edge, slit, spot };
 
 struct ProofLamp {
     std::string words;
     std::optional<ProofLight> kind;  ///< nothing: a file
+    [[nodiscard]] bool is_behind() const { return kind == ProofLight::behind; }
     [[nodiscard]] bool is_beam() const {
         return kind == ProofLight::edge || kind == ProofLight::slit || kind == ProofLight::spot;
     }
@@ -60,6 +63,7 @@ struct ProofOptions {
     std::string finish = "glossy";
     std::array<double, 2> roughness{0, 0.3};  ///< alpha of GGX: of glossy and of matt faces; in [0, 0.9]
     std::string ground = "0.5";               ///< its reflectance, or none
+    std::string backing = "none";             ///< a sheet behind each print
     bool with_target = false;                 ///< the model beside the print: a diffuser of the same finish
     std::string resins, printer, pitch;       ///< as PredictOptions
     std::vector<std::string> assign;
@@ -79,6 +83,7 @@ struct ResolvedProof {
     std::optional<optics::Point> light_at;
     ProofFinish finish = ProofFinish::glossy;
     std::optional<double> ground;  ///< reflectance
+    BackingChoice backing = optics::Backing::none;
     std::optional<std::array<double, 3>> pitch_mm;
     std::vector<ColourAssignment> assign;
     std::uint64_t memory_bytes = 0;
@@ -112,6 +117,7 @@ struct voxtone::NamesOf<voxtone::slicer::ProofLight> {
     static constexpr auto table = std::to_array<Named<E>>({{E::studio, "studio"},
                                                            {E::overcast, "overcast"},
                                                            {E::even, "even"},
+                                                           {E::behind, "behind"},
                                                            {E::edge, "edge"},
                                                            {E::slit, "slit"},
                                                            {E::spot, "spot"}});

@@ -75,6 +75,11 @@ std::unique_ptr<const ProofScene> make_proof_scene(const ResolvedProof& job, Pro
     for (const auto& print : s.prints)
         s.camera.prints.push_back({&print->scene, &*print->boundary, print->finish.get(),
                                    point_of(vector_of(print->stack.corner_mm) + print->moved_mm)});
+    if (job.backing.kind != optics::Backing::none)
+        for (const auto& print : s.prints)
+            s.sheets.push_back(std::make_unique<const SheetBehind>(
+                job.backing, Box{print->box.low + print->moved_mm, print->box.high + print->moved_mm}));
+    for (const auto& sheet : s.sheets) s.camera.diffusers.push_back(sheet.get());
     for (const auto& body : s.target) s.camera.diffusers.push_back(body.get());
     // What lies on the ground touches it here and there only.
     constexpr double gap_mm = 0.01;

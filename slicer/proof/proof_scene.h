@@ -10,6 +10,7 @@
 #include "optics/camera/camera_scene.h"
 #include "slicer/proof/proof_options.h"
 #include "slicer/proof/proof_print.h"
+#include "slicer/proof/sheet_behind.h"
 
 namespace voxtone::slicer {
 
@@ -17,8 +18,9 @@ namespace voxtone::slicer {
 struct ProofScene {
     std::vector<std::unique_ptr<const ProofPrint>> prints;
     std::vector<std::unique_ptr<const DiffuseMesh>> target;
-    std::vector<optics::Sky> skies;  ///< by lamp
-    optics::CameraScene camera;      ///< under the first
+    std::vector<std::unique_ptr<const SheetBehind>> sheets;  ///< by print, where something lies behind it
+    std::vector<optics::Sky> skies;                          ///< by lamp
+    optics::CameraScene camera;                              ///< under the first
 
     [[nodiscard]] const optics::Channels& channels() const { return prints.front()->stack.resins.channels; }
 };

@@ -9,6 +9,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "exr_numbers.h"
+#include "io/pictures/picture_writer.h"
 #include "io/profiles/resin_file.h"
 #include "optics/media/resins.h"
 #include "run_program.h"
@@ -145,7 +147,7 @@ TEST_CASE("a proof's files, lights and views are checked before it works") {
     refused("out -o " + (folder / "there.png"), 3, "there.png");
     refused("out --size 800" + out, 2, "WIDTHxHEIGHT");
     refused("out --size 16000x16000 --memory 1" + out, 5, "ask for fewer pixels");
-    refused("out --light moon" + out, 2, "none of studio, overcast, even, edge, slit, spot");
+    refused("out --light moon" + out, 2, "none of studio, overcast, even, behind, edge, slit, spot");
     refused("out --light-at 1,2,3" + out, 2, "only a beam lights one place");
     refused("out --light spot --light-at 1,2" + out, 2, "X,Y,Z");
     refused("out --light edge --light-at here" + out, 2, "middle, or three lengths");
@@ -237,6 +239,50 @@ TEST_CASE("a beam falls on bodies where it is told to, and tells why it has no f
     // Of the base's front, 6 x 2 mm in the lower half of the picture, the left is lit and the right is not.
     const Bitmap picture = read_png(folder / "p.png");
     CHECK(mean_green(picture, 16, 30, 28, 40) > mean_green(picture, 40, 30, 52, 40) + 30);
+}
+
+TEST_CASE("light from behind comes through a clear slab, and what lies behind it is seen through it") {
+    const Folder folder("proof-behind");
+    const auto clear = voxtone::io::png_bytes({2, 2, 4, std::vector<std::uint8_t>(16, 0)});
+    folder.write("clear.png", std::string(clear.begin(), clear.end()));
+    REQUIRE(run_program("slice --quiet --no-report --iterations 0 --alpha translucency --width 8mm --thickness 1mm " +
+                        (folder / "clear.png") + " -o " + (folder / "out"))
+                .exit_code == 0);
+    const auto shot = [&](const std::string& words) {
+        const std::string file = folder / "shot.exr";
+        const Outcome outcome =
+            run_program("proof --quiet --overwrite " + (folder / "out") +
+                        " --size 48x48 --spp 64 --ground none --roughness 0,0 " + words + " -o " + file);
+        CAPTURE(outcome.err);
+        REQUIRE(outcome.exit_code == 0);
+        return read_exr(file);
+    };
+    const auto mean = [](const ExrNumbers& picture, int left, int top, int edge) {
+        double sum = 0;
+        for (int y = top; y < top + edge; ++y)
+            for (int x = left; x < left + edge; ++x) sum += picture.at(x, y)[1];
+        return sum / (edge * edge);
+    };
+    // Upright through two faces, to and fro between them: (1 - R) / (1 + R), and 2 R / (1 + R) is mirrored.
+    const double eta = 1.5, R = std::pow((eta - 1) / (eta + 1), 2);
+    const ExrNumbers behind = shot("--light behind");
+    CHECK(mean(behind, 20, 20, 8) == Approx((1 - R) / (1 + R)).margin(0.01));
+    CHECK(mean(behind, 0, 0, 2) == Approx(1).margin(1e-6));  // the source itself
+    CHECK(mean(shot("--light even --backing black"), 20, 20, 8) == Approx(2 * R / (1 + R)).margin(0.01));
+    CHECK(mean(shot("--light even --backing white"), 20, 20, 8) == Approx(1).margin(0.03));
+    // Squares of 4 mm from the corner at the lower left on.
+    const ExrNumbers checker = shot("--light even --backing checker:4mm");
+    CHECK(mean(checker, 12, 28, 6) < 0.15);
+    CHECK(mean(checker, 30, 28, 6) > 0.6);
+    CHECK(mean(checker, 12, 12, 6) > 0.6);
+    CHECK(mean(checker, 30, 12, 6) < 0.15);
+    const auto refused = [&](const std::string& words, const std::string& said) {
+        const Outcome outcome = run_program("proof " + (folder / "out") + " -o " + (folder / "no.png") + " " + words);
+        CHECK(outcome.exit_code == 2);
+        CHECK_THAT(outcome.err, Contains(said));
+    };
+    refused("--light behind --backing white", "between the print and --light behind");
+    refused("--light behind --with-target", "leave --with-target out");
 }
 
 TEST_CASE("a proof that is stopped leaves what it has, and says so in the file") {

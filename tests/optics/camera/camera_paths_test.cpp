@@ -269,7 +269,7 @@ TEST_CASE("a flat slab seen from all sides is as bright as what leaves it") {
     const Sky sky = even_sky();
 
     const Surface surface = find_surface(scene, {4, 4, 30}, SurfacePart::top);
-    const Appearance seen = MonteCarlo({.paths = 100000, .seed = 3}).predict(scene, part_of(surface, std::array{112u}));
+    const Appearance seen = MonteCarlo({.paths = 160000, .seed = 3}).predict(scene, part_of(surface, std::array{112u}));
     REQUIRE(surface.cells.size() == 225);
 
     // Flux = integral of L over d(mu^2); the mirrored part is known.
@@ -285,7 +285,7 @@ TEST_CASE("a flat slab seen from all sides is as bright as what leaves it") {
         before.view.width_px = before.view.height_px = 1;
         before.sky = &sky;
         before.prints.push_back({&scene, &box, nullptr, {0, 0, 0}});
-        const CameraPicture picture = take(before, 25000, k + 1);
+        const CameraPicture picture = take(before, 40000, k + 1);
         const double mirrored = fresnel_reflectance(mu, resins.eta);
         entered += rule.w[k] * (1 - mirrored);
         for (std::size_t c = 0; c < 3; ++c) {
