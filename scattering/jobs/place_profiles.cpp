@@ -112,6 +112,8 @@ double value_at(const optics::RadialSamples& samples, double r_mm) {
     return std::max(0.0, samples.light[i] * (1 - share) + samples.light[i + 1] * share);
 }
 
+}  // namespace
+
 std::vector<double> knots_of(const optics::RadialSamples& samples, std::uint32_t radius, double pitch_mm) {
     std::vector<double> P{0};
     for (std::uint32_t k = 1; k <= radius; ++k) P.push_back(value_at(samples, k * pitch_mm));
@@ -121,14 +123,15 @@ std::vector<double> knots_of(const optics::RadialSamples& samples, std::uint32_t
     return P;
 }
 
-}  // namespace
+std::uint32_t radius_of_map(const io::ProfileMap& map) {
+    const optics::RadialSamples& first = map.target.at(0).at(0);
+    const double extent_mm = first.spacing_mm * static_cast<double>(first.light.size() - 1);
+    return static_cast<std::uint32_t>(
+        std::clamp(std::floor(extent_mm / (map.width_mm / map.width_px) + 1e-6), 1.0, 64.0));
+}
 
 LocalProfiles profiles_of_map(const io::ProfileMap& map) {
-    const optics::RadialSamples& first = map.target.at(0).at(0);
-    LocalProfiles profiles{{map.width_px, map.height_px}, 0, map.width_mm / map.width_px, {}};
-    const double extent_mm = first.spacing_mm * static_cast<double>(first.light.size() - 1);
-    profiles.radius =
-        static_cast<std::uint32_t>(std::clamp(std::floor(extent_mm / profiles.pitch_mm + 1e-6), 1.0, 64.0));
+    LocalProfiles profiles{{map.width_px, map.height_px}, radius_of_map(map), map.width_mm / map.width_px, {}};
     const std::size_t points = profiles.grid.points();
     for (std::size_t c = 0; c < map.channels.size(); ++c) {
         ProfileImages& images = profiles.channels.emplace_back(profiles.knots() * points);

@@ -42,8 +42,14 @@ struct PlaceProfile {
 /// Points of each cluster that are `margin` or more points away from the borders.
 [[nodiscard]] std::vector<std::vector<std::size_t>> points_of_clusters(const io::ProfileMap& map, std::uint32_t margin);
 
-/// The map's profiles by point, as factors again: knots as many points apart as the map's pixels, up to where its
-/// profiles end. Contract: pixels are squares. The inverse of radial_samples where these are as far apart as pixels.
+/// One channel's wanted profile by knots as many points apart as the map's pixels, up to where its profiles end: the
+/// inverse of radial_samples where its samples are as far apart as pixels.
+[[nodiscard]] std::vector<double> knots_of(const optics::RadialSamples& samples, std::uint32_t radius, double pitch_mm);
+
+/// How many such knots there are behind the first.
+[[nodiscard]] std::uint32_t radius_of_map(const io::ProfileMap& map);
+
+/// The map's profiles by point, as factors again. Contract: pixels are squares.
 [[nodiscard]] LocalProfiles profiles_of_map(const io::ProfileMap& map);
 
 }  // namespace voxtone::scattering

@@ -199,13 +199,21 @@ SpreadImages spread_of(const optics::SampledBssrdf& responses, std::size_t chann
     return spread_from(moments, responses.cell_mm2(), responses.pitch_mm);
 }
 
+std::vector<double> light_by_ring(std::span<const double> P, std::span<const ProfileRing> rings, double pitch_mm) {
+    std::vector<double> light;
+    for (const ProfileRing& ring : rings)
+        light.push_back(static_cast<double>(ring.offsets.size()) * pitch_mm * pitch_mm *
+                        between(P[ring.knot], P[ring.knot + 1], ring.low_share));
+    return light;
+}
+
 std::vector<double> light_by_knot(std::span<const double> P, std::span<const ProfileRing> rings, double pitch_mm) {
     std::vector<double> light(P.size());
-    for (const ProfileRing& ring : rings) {
-        const double of_ring = static_cast<double>(ring.offsets.size()) * pitch_mm * pitch_mm *
-                               between(P[ring.knot], P[ring.knot + 1], ring.low_share);
-        light[ring.knot] += ring.low_share * of_ring;
-        light[ring.knot + 1] += (1 - ring.low_share) * of_ring;
+    const std::vector<double> of_ring = light_by_ring(P, rings, pitch_mm);
+    for (std::size_t i = 0; i < rings.size(); ++i) {
+        const ProfileRing& ring = rings[i];
+        light[ring.knot] += ring.low_share * of_ring[i];
+        light[ring.knot + 1] += (1 - ring.low_share) * of_ring[i];
     }
     return light;
 }

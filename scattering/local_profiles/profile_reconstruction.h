@@ -44,8 +44,10 @@ struct SpreadImages {
 [[nodiscard]] SpreadImages spread_of(const LocalProfiles& profiles, std::size_t channel);
 [[nodiscard]] SpreadImages spread_of(const optics::SampledBssrdf& responses, std::size_t channel);
 
-/// The light of an endless surface of one profile within the window, of one unit that entered, by knot: each ring's is
-/// shared between its two knots. P: by knot.
+/// The light of an endless surface of one profile within the window, of one unit that entered, by ring. P: by knot.
+[[nodiscard]] std::vector<double> light_by_ring(std::span<const double> P, std::span<const ProfileRing> rings,
+                                                double pitch_mm);
+/// The same by knot: each ring's is shared between its two knots.
 [[nodiscard]] std::vector<double> light_by_knot(std::span<const double> P, std::span<const ProfileRing> rings,
                                                 double pitch_mm);
 

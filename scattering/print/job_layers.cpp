@@ -19,7 +19,9 @@
 #include "scattering/design/laminate_materials.h"
 #include "scattering/design/shortened_laminate.h"
 #include "scattering/jobs/laminate_setting.h"
+#include "scattering/jobs/place_profiles.h"
 #include "scattering/local_profiles/luminance_channel.h"
+#include "scattering/print/cell_waves.h"
 #include "scattering/print/layers_check.h"
 #include "slicer/prepare/phase.h"
 
@@ -124,14 +126,16 @@ LaminateSearchOptions search_options(const slicer::LayeredOptions& options, cons
 std::vector<ClusterLaminate> wanted_clusters(const std::string& file, const io::ProfileMap& map,
                                              const optics::HankelGrid& grid) {
     std::vector<ClusterLaminate> clusters(map.target.size());
-    std::vector<double> left;
-    if (is_of_cells(map))
-        for (const double k : grid.k()) left.push_back(left_by_cells(k, map.width_mm / map.width_px));
+    const bool of_cells = is_of_cells(map);
     for (std::size_t k = 0; k < clusters.size(); ++k)
         for (std::size_t c = 0; c < map.target[k].size(); ++c) try {
+                const optics::RadialSamples& samples = map.target[k][c];
                 optics::MeasuredSummary summary;
-                clusters[k].target.push_back(optics::measured_reflection(map.target[k][c], grid, summary));
-                for (std::size_t i = 0; i < left.size(); ++i) clusters[k].target.back()[i] /= left[i];
+                std::vector<double> wanted = optics::measured_reflection(samples, grid, summary);
+                const double pixel_mm = map.width_mm / map.width_px;
+                clusters[k].target.push_back(
+                    of_cells ? waves_behind_cells(knots_of(samples, radius_of_map(map), pixel_mm), pixel_mm, grid)
+                             : std::move(wanted));
             } catch (const InputError& error) {
                 throw InputError(fmt::format("{}, cluster {}, channel {}: {}", file, k, c, error.what()));
             }
@@ -365,20 +369,6 @@ std::vector<std::string> warnings_of(const PlacedMap& placed, const LaminateFit&
 }
 
 }  // namespace
-
-double left_by_cells(double k, double pixel_mm) {
-    constexpr int directions = 32;
-    const auto square = [&](double along) {
-        const double x = std::numbers::pi * k * pixel_mm * along;
-        return std::abs(x) < 1e-9 ? 1.0 : std::sin(x) / x * (std::sin(x) / x);
-    };
-    double sum = 0;
-    for (int d = 0; d < directions; ++d) {
-        const double angle = std::numbers::pi / 2 * (d + 0.5) / directions;
-        sum += square(std::cos(angle)) * square(std::sin(angle));
-    }
-    return sum / directions;
-}
 
 // Of data sets: in the voxels of a slab of marble of 16 or 100 clusters the corrected laminates are farther from the
 // map, of chess hardly nearer; totals are nearer, widths farther (benchmarks/results/layered.json).

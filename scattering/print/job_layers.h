@@ -50,11 +50,6 @@ struct ClusterLaminate {
     }
 };
 
-/// What is left of a wave of k per mm where light enters all over a square pixel and is gathered all over another: the
-/// product of both transforms, mean over the directions. Maps whose samples are as far apart as their pixels are means
-/// of that kind (`laminate factor`); what is wanted of a point is their coefficient over it.
-[[nodiscard]] double left_by_cells(double k, double pixel_mm);
-
 /// In how many laminates are traced and corrected: as asked for, else as is told above; measured materials never.
 [[nodiscard]] int traced_rounds(const slicer::LayeredOptions& options, const io::ProfileMap& map);
 
