@@ -55,7 +55,7 @@ Verb laminate_search_verb() {
                             "folder for NAME.laminate.json and NAME.svg of each target");
     add_material_options(command, job.setting);
     add_laminate_options(command, job);
-    command.add("--rounds", job.rounds, "searches, each corrected by Monte Carlo; 0: layer profiles alone");
+    command.add("--rounds", job.rounds, "searches, each corrected in all directions; 0: layer profiles alone");
     add_detail_options(command, job.setting.reach_mm, job.setting.coefficients);
     add_tracing_options(command, job.paths, job.seed);
     add_run_options(command, arguments->run);

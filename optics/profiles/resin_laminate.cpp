@@ -4,8 +4,7 @@
 #include <cmath>
 
 #include "base/contracts.h"
-#include "optics/profiles/resin_profile.h"
-#include "optics/profiles/saunderson.h"
+#include "optics/profiles/wave_laminates.h"
 
 namespace voxtone::optics {
 namespace {
@@ -15,55 +14,18 @@ void check(const ResinSet& set, std::span<const ResinLayer> layers, const Lamina
     for (const ResinLayer& layer : layers) VOXTONE_EXPECT(layer.resin < set.resins.size() && layer.thickness_mm > 0);
 }
 
-// Every layer has random numbers of its own, and so has every channel.
-LayerPathOptions seeded(LayerPathOptions options, std::size_t channel, std::size_t layer) {
-    options.seed += 1000 * channel + 2 * layer;
+// Every channel has random numbers of its own.
+LayerPathOptions seeded(LayerPathOptions options, std::size_t channel) {
+    options.seed += 1000 * channel;
     return options;
-}
-
-LayerProfile between_ends(const ResinSet& set, std::span<const ResinLayer> layers, std::size_t channel,
-                          const LaminateEnds& ends, const HankelGrid& grid, const LayerPathOptions& options,
-                          const Progress* progress) {
-    LayerProfile all = no_layer(grid.size());
-    for (std::size_t i = 0; i < layers.size(); ++i) {
-        const Medium medium = set.resins[layers[i].resin].medium(channel);
-        const double mm = layers[i].thickness_mm;
-        const LayerPathOptions own = seeded(options, channel, i);
-        const bool first = i == 0, last = i + 1 == layers.size();
-        if (first && ends.eta_top > 1)
-            all = bounded_layer(medium, set.g, ends.eta_top, mm, grid, own, progress);
-        else if (last && ends.eta_bottom > 1)
-            all = laminate(all, turned_over(bounded_layer(medium, set.g, ends.eta_bottom, mm, grid, own, progress)));
-        else
-            all = laminate(all, resin_profile(medium, set.g, mm, grid, own, progress).layer().of_thickness(mm));
-    }
-    // A single layer cannot be made together with both of its surfaces.
-    if (layers.size() == 1 && ends.eta_top > 1 && ends.eta_bottom > 1)
-        all = laminate(all, turned_over(smooth_surface(ends.eta_bottom, grid.size())));
-    return all;
 }
 
 }  // namespace
 
 LaminateLight layered_light(const ResinSet& set, std::span<const ResinLayer> layers, const LaminateEnds& ends,
-                            const HankelGrid& grid, const LayerPathOptions& options, const Progress* progress) {
+                            const HankelGrid& grid, const Progress* progress) {
     check(set, layers, ends);
-    // T of a bounded layer is the root of the way in times the way out; they differ by the factor 1 - s.
-    const double way_in = std::sqrt((1 - internal_diffuse_reflectance(ends.eta_bottom)) /
-                                    (1 - internal_diffuse_reflectance(ends.eta_top)));
-    LaminateLight light;
-    for (std::size_t c = 0; c < set.channels.size(); ++c) {
-        const LayerProfile all = between_ends(set, layers, c, ends, grid, options, progress);
-        std::vector<double>&R = light.R.emplace_back(all.R_top), &T = light.T.emplace_back(all.T);
-        for (std::size_t i = 0; i < grid.size(); ++i) {
-            const double down = all.T[i] / (1 - all.R_bottom[i] * ends.sheet);
-            R[i] += all.T[i] * ends.sheet * down;
-            T[i] = way_in * down * (1 - ends.sheet);
-        }
-    }
-    light.R_error.assign(light.R.size(), 0.0);
-    light.T_error = light.R_error;
-    return light;
+    return WaveLaminates(set, ends, grid, {}).light(layers, progress);
 }
 
 LaminateLight traced_light(const ResinSet& set, std::span<const ResinLayer> layers, const LaminateEnds& ends,
@@ -74,7 +36,7 @@ LaminateLight traced_light(const ResinSet& set, std::span<const ResinLayer> laye
         LayerScene scene{{}, set.g, ends.eta_top, ends.eta_bottom, ends.sheet};
         for (const ResinLayer& layer : layers)
             scene.layers.push_back({set.resins[layer.resin].medium(c), layer.thickness_mm});
-        const TracedProfile traced = trace_layers(scene, grid, seeded(options, c, 0), progress);
+        const TracedProfile traced = trace_layers(scene, grid, seeded(options, c), progress);
         RingLight T = traced.T;
         for (std::size_t i = 0; i < T.light.size(); ++i) T.light[i] += traced.T_direct.light[i];
         light.R.push_back(grid.from_rings(traced.edges_mm, traced.R.light));

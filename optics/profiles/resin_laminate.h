@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What a laminate of resin layers reflects and transmits, channel by channel, as Hankel coefficients: by layer
-// profiles, and by Monte Carlo of the whole laminate.
+// What a laminate of resin layers reflects and transmits, channel by channel, as Hankel coefficients: layer by layer in
+// all directions (wave_laminates.h), and by Monte Carlo of the whole laminate.
 //
-// Layer profiles are made for every layer at its own thickness (resin_profile.h); the first and the last one together
-// with the surface they border on. The two ways share nothing but the resins: their difference is the error of the
-// layered model.
+// The two ways share nothing but the resins: their difference is the error of both.
 //
 // One unit is the light that the top let in; T is what leaves at the bottom, or what a sheet there keeps.
 #pragma once
@@ -35,13 +33,13 @@ struct LaminateEnds {
 /// Coefficients by channel.
 struct LaminateLight {
     std::vector<std::vector<double>> R, T;
-    std::vector<double> R_error, T_error;  ///< standard errors of the first coefficients; 0 of layer profiles
+    std::vector<double> R_error, T_error;  ///< standard errors of the first coefficients; 0 where none is known
 };
 
 /// Contract: at least one layer, thicknesses > 0, resins of the set; a sheet needs eta_bottom 1.
 [[nodiscard]] LaminateLight layered_light(const ResinSet& set, std::span<const ResinLayer> layers,
                                           const LaminateEnds& ends, const HankelGrid& grid,
-                                          const LayerPathOptions& options = {}, const Progress* progress = nullptr);
+                                          const Progress* progress = nullptr);
 [[nodiscard]] LaminateLight traced_light(const ResinSet& set, std::span<const ResinLayer> layers,
                                          const LaminateEnds& ends, const HankelGrid& grid,
                                          const LayerPathOptions& options = {}, const Progress* progress = nullptr);

@@ -48,14 +48,6 @@ std::vector<double> scaled(const HankelGrid& grid, const std::vector<double>& ed
     return coefficients;
 }
 
-// Rings of two kinds of light.
-RingLight sum(const RingLight& a, const RingLight& b) {
-    RingLight both = a;
-    for (std::size_t i = 0; i < b.light.size(); ++i) both.light[i] += b.light[i];
-    both.total += b.total;
-    return both;
-}
-
 }  // namespace
 
 DiffuseTotals diffuse_totals(const LayerScene& scene) {
@@ -106,22 +98,6 @@ ResinProfile resin_profile(const Medium& medium, double g, double thickness_mm, 
     const std::vector<double> direct = grid.from_rings(
         traced.edges_mm, straight_through(medium.sigma_t() * thickness_mm, thickness_mm, traced.edges_mm));
     for (std::size_t i = 0; i < grid.size(); ++i) profile.T[i] += direct[i];
-    return profile;
-}
-
-LayerProfile bounded_layer(const Medium& medium, double g, double eta, double thickness_mm, const HankelGrid& grid,
-                           const LayerPathOptions& options, const Progress* progress) {
-    const BoundedTotals totals = bounded_totals(medium, g, eta, thickness_mm);
-    const TracedProfile above = trace_layers({{{medium, thickness_mm}}, g, eta, 1}, grid, options, progress);
-    LayerPathOptions other = options;
-    other.seed += 1;
-    const TracedProfile below = trace_layers({{{medium, thickness_mm}}, g, 1, eta}, grid, other, progress);
-    LayerProfile profile;
-    profile.R_top = scaled(grid, above.edges_mm, above.R, totals.R_top);
-    profile.R_bottom = scaled(grid, below.edges_mm, below.R, totals.R_bottom);
-    profile.T = scaled(grid, above.edges_mm, sum(above.T, above.T_direct), std::sqrt(totals.T_down * totals.T_up));
-    for (auto* coefficients : {&profile.R_top, &profile.R_bottom, &profile.T})
-        for (double& x : *coefficients) x = std::clamp(x, 0.0, 1.0);
     return profile;
 }
 

@@ -11,8 +11,8 @@
 //
 // Refractive surfaces come in two ways. `smooth_surface` is a layer of its own: diffuse light from within is turned
 // back in part (0.596 where eta is 1.5) where it meets it. That is rough, because light that a surface lets in is not
-// diffuse but runs within 42 degrees of the normal. `bounded_layer` is a resin layer together with the surface above
-// it, solved as one; only what passes below it is taken as diffuse. R of a laminate under either is what the predictors
+// diffuse but runs within 42 degrees of the normal. `bounded_totals` are a layer's together with the surface above it,
+// solved as one; only what passes below it is taken as diffuse. R of a laminate under either is what the predictors
 // of voxtone call appearance: light that leaves / light that was let in, without the mirror reflection; 1 for a body
 // that absorbs nothing.
 //
@@ -57,12 +57,6 @@ struct ResinProfile {
 /// Of a homogeneous layer.
 [[nodiscard]] ResinProfile resin_profile(const Medium& medium, double g, double thickness_mm, const HankelGrid& grid,
                                          const LayerPathOptions& options = {}, const Progress* progress = nullptr);
-
-/// A homogeneous layer with a smooth surface to air above it, index-matched below. Totals are exact, spread is traced.
-/// T is the root of the way in times the way out: T of a laminate is right where there is a surface on both sides.
-[[nodiscard]] LayerProfile bounded_layer(const Medium& medium, double g, double eta, double thickness_mm,
-                                         const HankelGrid& grid, const LayerPathOptions& options = {},
-                                         const Progress* progress = nullptr);
 
 /// A smooth surface between air above and resin of index eta >= 1 below; turned over it is one below a laminate. With
 /// R_bottom = integral of 2 nu r(nu) dnu, T^2 = 1 - R_bottom; R_top = 0, what is mirrored is not counted. Since T

@@ -22,13 +22,10 @@ ChannelProfiles sum_of(ChannelProfiles a, const ChannelProfiles& b, double sign)
     return a;
 }
 
-}  // namespace
-
+/// R_model - g(R_judged). `modelled`: within, without the surface.
 ChannelProfiles model_error(const ChannelProfiles& modelled, const ChannelProfiles& judged, double turned_back) {
     return sum_of(modelled, mapped(judged, [&](double seen) { return optics::behind_surface(seen, turned_back); }), -1);
 }
-
-namespace {
 
 class Designer {
 public:
@@ -36,7 +33,7 @@ public:
              const LaminateDesignOptions& options, const LaminateJudge& judge)
         : materials_(materials), wanted_(wanted), options_(options), judge_(judge) {
         wanted_behind_ = mapped(wanted, [&](double seen) { return optics::behind_surface(seen, options.turned_back); });
-        target_ = sum_of(wanted_behind_, options.correction, 1);
+        target_ = wanted_behind_;
     }
 
     [[nodiscard]] const ChannelProfiles& target() const { return target_; }
@@ -57,8 +54,7 @@ public:
             next.judged = judge_(next.layers);
             next.judged_distance = profile_distance(next.judged, wanted_, options_.search.dc_weight);
             distances_.push_back(next.judged_distance);
-            next.correction = model_error(within, next.judged, options_.turned_back);
-            target_ = sum_of(wanted_behind_, next.correction, 1);
+            target_ = sum_of(wanted_behind_, model_error(within, next.judged, options_.turned_back), 1);
         }
         if (!any_ || next.judged_distance < best_.judged_distance) best_ = std::move(next);
         any_ = true;

@@ -12,9 +12,8 @@
 // for every coefficient: what the model must say of a laminate for the judge to see what is wanted, as far as their
 // difference stays the same from one laminate to the next. It does where laminates are alike; so in each round one
 // laminate is searched and its thicknesses are then refined several times, each time with the difference at the
-// laminate itself. The judge is whatever knows more (Monte Carlo of the laminate: optics/profiles/resin_laminate.h).
-// The laminate that the judge finds nearest is kept, so rounds never make it worse. Where the difference of a laminate
-// that is alike is known already it is where the first search begins, with a judge or without.
+// laminate itself. The judge is whatever knows more (all directions: optics/profiles/wave_laminates.h). The laminate that
+// the judge finds nearest is kept, so rounds never make it worse.
 //
 // What it cannot see: laminates whose error differs a lot from that of the ones that were judged.
 #pragma once
@@ -35,7 +34,6 @@ struct LaminateDesignOptions {
     double layer_mm = 0;           ///< of the printer: whole_layers.h; 0: any thickness
     int rounds = 2;                ///< searches, >= 1; without a judge there is one
     int corrections = 3;  ///< of the thicknesses in each round, >= 0; none without a judge or without refinement
-    ChannelProfiles correction{};  ///< to begin with: R_model - g(R_judged) of a laminate that is alike; empty: 0
 };
 
 struct LaminateDesign {
@@ -44,15 +42,10 @@ struct LaminateDesign {
     double modelled_distance = 0;       ///< from what is wanted (laminate_search.h); through the surface too
     ChannelProfiles judged;             ///< empty without a judge
     double judged_distance = 0;
-    ChannelProfiles correction;  ///< R_model - g(R_judged) of these layers; empty without a judge
     FoundLaminate found;         ///< the search that it came from
     double outside = 0;          ///< of the first search: how far its target lies outside of the gamut, at least
     std::vector<double> judged_distances;  ///< of all that were judged, in order
 };
-
-/// R_model - g(R_judged). `modelled`: within, without the surface.
-[[nodiscard]] ChannelProfiles model_error(const ChannelProfiles& modelled, const ChannelProfiles& judged,
-                                          double turned_back);
 
 /// Throws as LaminateSearch::find and refine_laminate.
 [[nodiscard]] LaminateDesign design_laminate(const LaminateSearch& search, std::span<const LaminateMaterial> materials,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <set>
 
 #include <fmt/format.h>
@@ -15,6 +16,7 @@
 #include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
 #include "io/profiles/layer_sequence_file.h"
+#include "optics/profiles/wave_laminates.h"
 #include "scattering/design/laminate_design.h"
 #include "scattering/jobs/profile_plots.h"
 
@@ -23,9 +25,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of one target: searching and refining, all rounds; tracing.
+/// Of one target: searching and refining, all rounds; correcting.
 struct Times {
-    double search_ms = 0, monte_carlo_ms = 0;
+    double search_ms = 0, judge_ms = 0;
 };
 
 struct Target {
@@ -98,7 +100,7 @@ io::LayerSequence sequence_of(const LaminateSearchJob& job, const LaminateSettin
 std::string drawing(const LaminateSetting& setting, const Target& target, const LaminateDesign& design) {
     std::vector<ProfileCurve> curves{{"wanted", "black", target.wanted, false},
                                      {"layers", "#2266dd", design.modelled, true}};
-    if (!design.judged.empty()) curves.push_back({"Monte Carlo", "#cc2222", design.judged, true});
+    if (!design.judged.empty()) curves.push_back({"all directions", "#cc2222", design.judged, true});
     return profile_plots(setting.grid(), setting.channel_names(), {{target.name, std::move(curves)}}, 6);
 }
 
@@ -118,7 +120,7 @@ void add_channel(io::JsonWriter& json, const LaminateSetting& setting, const Tar
     json.begin_object().add("channel", setting.channel_name(c));
     add_figures("target", target.wanted[c]);
     add_figures("layers", design.modelled[c]);
-    if (!design.judged.empty()) add_figures("monte_carlo", design.judged[c]);
+    if (!design.judged.empty()) add_figures("all_directions", design.judged[c]);
     json.add("reachable_totals_within", std::array{match.least_total, match.most_total}).end_object();
 }
 
@@ -133,8 +135,8 @@ void add_result(io::JsonWriter& json, const LaminateSetting& setting, const Targ
     json.end_list().add("visited", design.found.count.visited).add("pruned", design.found.count.pruned);
     json.add("ms", times.search_ms);
     if (!design.judged.empty()) {
-        json.add("monte_carlo_distance", design.judged_distance);
-        json.add("monte_carlo_distances", design.judged_distances).add("monte_carlo_ms", times.monte_carlo_ms);
+        json.add("all_directions_distance", design.judged_distance);
+        json.add("all_directions_distances", design.judged_distances).add("all_directions_ms", times.judge_ms);
     }
     json.end_object();
 }
@@ -149,7 +151,7 @@ std::string result_text(const LaminateSetting& setting, const Target& target, co
                         ? std::string("no layer at all: the backing alone is nearest")
                         : fmt::format("{} mm, top first ({:.4g} mm in all)", io::layers_text(sequence.layers), mm));
     const std::string judged =
-        design.judged.empty() ? std::string() : fmt::format(", by Monte Carlo {:.4f}", design.judged_distance);
+        design.judged.empty() ? std::string() : fmt::format(", in all directions {:.4f}", design.judged_distance);
     const std::string gamut = design.outside > 0
                                   ? fmt::format("outside of the gamut by at least {:.4f}{}", design.outside,
                                                 setting.turned_back() > 0 ? " behind the surface" : "")
@@ -160,13 +162,13 @@ std::string result_text(const LaminateSetting& setting, const Target& target, co
                             target.wanted[c][0], spread(target.wanted[c]), design.modelled[c][0],
                             spread(design.modelled[c]));
         if (!design.judged.empty())
-            text += fmt::format("; Monte Carlo {:.4f}, {:.4f}", design.judged[c][0], spread(design.judged[c]));
+            text += fmt::format("; all directions {:.4f}, {:.4f}", design.judged[c][0], spread(design.judged[c]));
         text += '\n';
     }
     text += fmt::format("  {} nodes visited, {} pruned, {} laminates compared; {:.0f} ms", design.found.count.visited,
                         design.found.count.pruned, design.found.count.judged, times.search_ms);
     if (!design.judged.empty())
-        text += fmt::format(", and {:.1f} s of Monte Carlo for {} laminates", times.monte_carlo_ms / 1000,
+        text += fmt::format(", and {:.1f} s of all directions for {} laminates", times.judge_ms / 1000,
                             design.judged_distances.size());
     return text + '\n';
 }
@@ -181,14 +183,13 @@ ChannelProfiles bare_backing(const LaminateSetting& setting) {
     return R;
 }
 
-LaminateJudge monte_carlo(const LaminateSearchJob& job, const LaminateSetting& setting, const Progress& progress) {
+LaminateJudge judge_of(const LaminateSearchJob& job, const LaminateSetting& setting) {
     if (!setting.traceable() || job.rounds == 0) return {};
-    return [&job, &setting, &progress](std::span<const LaminateLayer> layers) -> ChannelProfiles {
-        if (layers.empty()) return bare_backing(setting);
-        optics::LayerPathOptions tracing{job.paths, job.seed + 10000000};
-        return optics::traced_light(*setting.resins(), setting.resin_layers(layers), setting.ends(), setting.grid(),
-                                    tracing, &progress)
-            .R;
+    constexpr double unit_mm = 0.001;
+    const auto waves = std::make_shared<const optics::WaveLaminates>(*setting.resins(), setting.ends(), setting.grid(),
+                                                                     optics::WaveOptions{4, 4, 4, unit_mm});
+    return [&setting, waves](std::span<const LaminateLayer> layers) -> ChannelProfiles {
+        return layers.empty() ? bare_backing(setting) : waves->light(setting.resin_layers(layers)).R;
     };
 }
 
@@ -229,7 +230,7 @@ JobResult run_laminate_search(const LaminateSearchJob& job, Progress& progress) 
     const std::vector<LaminateMaterial> materials =
         setting.materials(job.known_mm, job.thickness_mm, {job.paths, job.seed}, progress);
     const LaminateSearch search(materials, options.search);
-    const LaminateJudge judge = monte_carlo(job, setting, progress);
+    const LaminateJudge judge = judge_of(job, setting);
 
     io::JsonWriter json;
     json.begin_object().add("format", "voxtone-laminate-search").add("version", 1).add("folder", job.out);
@@ -242,8 +243,8 @@ JobResult run_laminate_search(const LaminateSearchJob& job, Progress& progress) 
         const Stopwatch watch;
         Times times;
         const LaminateDesign design =
-            design_laminate(search, materials, target.wanted, options, timed(judge, times.monte_carlo_ms));
-        times.search_ms = 1000 * watch.total() - times.monte_carlo_ms;
+            design_laminate(search, materials, target.wanted, options, timed(judge, times.judge_ms));
+        times.search_ms = 1000 * watch.total() - times.judge_ms;
         const io::LayerSequence sequence = sequence_of(job, setting, target, design);
         io::write_whole_file(out / (target.name + ".laminate.json"), io::layer_sequence_text(sequence));
         io::write_whole_file(out / (target.name + ".svg"), drawing(setting, target, design));

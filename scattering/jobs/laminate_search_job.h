@@ -29,7 +29,7 @@ struct LaminateSearchJob {
     bool refine = true;
     double layer_mm = 0;             ///< of the printer; 0: any thickness
     double known_mm = 0;             ///< thickness at which resins are known; 0: what fits (laminate_materials.h)
-    int rounds = 2;                  ///< searches, each corrected by Monte Carlo, [0, 20]; 0: never asked
+    int rounds = 2;                  ///< searches, each corrected in all directions, [0, 20]; 0: never
     std::uint32_t paths = 1u << 17;  ///< per layer and channel, and per laminate and channel, >= 2
     std::uint64_t seed = 1;
 };

@@ -27,9 +27,7 @@ void check(const LaminateTargetsJob& job) {
 
 ChannelProfiles reflection(const NamedLaminate& laminate, const LaminateTargetsJob& job, Progress& progress) {
     const optics::LayerPathOptions tracing{job.paths, job.seed};
-    ChannelProfiles R = (laminate.setting.traceable() ? traced_light(laminate, tracing, progress)
-                                                      : layered_light(laminate, tracing, progress))
-                            .R;
+    ChannelProfiles R = layered_light(laminate, tracing, progress).R;
     for (std::size_t c = 0; c < R.size(); ++c)
         if (!(R[c][0] > 0))
             throw InputError(

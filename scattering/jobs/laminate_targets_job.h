@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // `voxtone laminate targets`: wanted profiles of one albedo and rising width between two laminates
-// (scattering/design/widening_targets.h), as files that `laminate search` takes. Laminates of resins are traced by
-// Monte Carlo, others by layer profiles.
+// (scattering/design/widening_targets.h), as files that `laminate search` takes. Laminates of resins are computed in
+// all directions, others by layer profiles.
 #pragma once
 
 #include <cstdint>

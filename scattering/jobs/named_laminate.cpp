@@ -95,7 +95,7 @@ LaminateLight layered_light(const NamedLaminate& laminate, const optics::LayerPa
     const LaminateSetting& setting = laminate.setting;
     if (setting.traceable())
         return optics::layered_light(*setting.resins(), setting.resin_layers(laminate.layers), setting.ends(),
-                                     setting.grid(), tracing, &progress);
+                                     setting.grid(), &progress);
     double mm = 0;
     for (const LaminateLayer& layer : laminate.layers) mm += layer.thickness_mm;
     return profiles_of(setting, laminate.layers, setting.materials(0, mm, tracing, progress));

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
-#include <numeric>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -14,7 +14,7 @@
 #include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "base/warning.h"
-#include "optics/profiles/resin_laminate.h"
+#include "optics/profiles/wave_laminates.h"
 #include "optics/profiles/saunderson.h"
 #include "scattering/design/laminate_materials.h"
 #include "scattering/design/shortened_laminate.h"
@@ -143,36 +143,29 @@ std::vector<ClusterLaminate> wanted_clusters(const std::string& file, const io::
     return clusters;
 }
 
-/// Of a laminate while its thicknesses are sought, and when it is done: coefficients are known to 0.007 and 0.003 then.
-constexpr std::uint32_t seeking_paths = 1 << 14, last_paths = 1 << 16;
-
-/// What a laminate on the base shows, traced under a surface to air.
-LaminateJudge tracing_judge(const slicer::LoadedResins& resins, const optics::HankelGrid& grid, std::uint32_t paths,
-                            const Progress& progress) {
-    return [&resins, &grid, paths, &progress](std::span<const LaminateLayer> layers) {
-        constexpr double base_mm = 10;
-        std::vector<optics::ResinLayer> traced;
-        for (const LaminateLayer& layer : layers) traced.push_back({layer.material, layer.thickness_mm});
-        traced.push_back({static_cast<std::size_t>(resins.core), base_mm});
-        return optics::traced_light(resins.set, traced, {.eta_top = resins.set.eta}, grid, {.paths = paths}, &progress)
-            .R;
+/// What a laminate on the base shows under a surface to air, in all directions.
+LaminateJudge judge_of(const slicer::LoadedResins& resins, const optics::HankelGrid& grid) {
+    constexpr double base_mm = 10, unit_mm = 0.001;
+    const auto waves = std::make_shared<const optics::WaveLaminates>(
+        resins.set, optics::LaminateEnds{.eta_top = resins.set.eta}, grid, optics::WaveOptions{4, 4, 4, unit_mm});
+    return [&resins, waves](std::span<const LaminateLayer> layers) {
+        std::vector<optics::ResinLayer> all;
+        for (const LaminateLayer& layer : layers) all.push_back({layer.material, layer.thickness_mm});
+        all.push_back({static_cast<std::size_t>(resins.core), base_mm});
+        return waves->light(all).R;
     };
 }
 
 /// Designs a cluster's laminate, then leaves out what cannot be printed, and the depth that changes what is seen by
 /// little. By the triangle inequality the distance grows by no more than that, also where the layered model is wrong by
-/// the same before and after. `last`: judges what is left; none: by the model with the correction that it began with.
+/// the same before and after.
 void design_cluster(ClusterLaminate& cluster, const LaminateSearch& search, std::span<const LaminateMaterial> materials,
-                    const LaminateDesignOptions& options, const LaminateJudge& judge, const LaminateJudge& last) {
+                    const LaminateDesignOptions& options, const LaminateJudge& judge) {
     constexpr double unseen = 0.02;  // of the distance
-    const auto within = [&](std::span<const LaminateLayer> layers) {
-        return laminate_reflection(materials, layers, options.search.backing);
-    };
-    const auto seen = [&](ChannelProfiles R, const ChannelProfiles& correction) {
-        for (std::size_t c = 0; c < R.size(); ++c)
-            for (std::size_t i = 0; i < R[c].size(); ++i)
-                R[c][i] = optics::seen_through_surface(R[c][i] - (correction.empty() ? 0 : correction[c][i]),
-                                                       options.turned_back);
+    const auto seen = [&](std::span<const LaminateLayer> layers) {
+        ChannelProfiles R = laminate_reflection(materials, layers, options.search.backing);
+        for (auto& channel : R)
+            for (double& value : channel) value = optics::seen_through_surface(value, options.turned_back);
         return R;
     };
     const auto distance = [&](const ChannelProfiles& a, const ChannelProfiles& b) {
@@ -180,143 +173,36 @@ void design_cluster(ClusterLaminate& cluster, const LaminateSearch& search, std:
     };
     LaminateDesign& design = cluster.design = design_laminate(search, materials, cluster.target, options, judge);
     design.layers = printable(design.layers);
-    const ChannelProfiles whole = seen(within(design.layers), {});
+    const ChannelProfiles whole = seen(design.layers);
     design.layers = shortened_laminate(
         design.layers, unseen * cluster.distance(),
-        [&](std::span<const LaminateLayer> layers) { return distance(seen(within(layers), {}), whole); });
-    const ChannelProfiles left = within(design.layers);
-    design.modelled = seen(left, last ? ChannelProfiles() : options.correction);
+        [&](std::span<const LaminateLayer> layers) { return distance(seen(layers), whole); });
+    design.modelled = seen(design.layers);
     design.modelled_distance = distance(design.modelled, cluster.target);
-    if (!last) return;
-    design.judged = last(design.layers);
+    if (!judge) return;
+    design.judged = judge(design.layers);
     design.judged_distance = distance(design.judged, cluster.target);
-    design.correction = model_error(left, design.judged, options.turned_back);
 }
 
-/// Which clusters are traced, the largest first.
-///
-/// The model's error is alike for laminates that are wanted alike, so from the second lot on each cluster begins with
-/// the correction of the traced one that is wanted most alike: few steps remain. What a lot gained over that tells what
-/// the rest would gain; where that is below what is left out at the bottom of laminates (2 % of the distance), by area,
-/// the rest keeps its neighbours' corrections.
-class TracedSearch {
-public:
-    TracedSearch(std::vector<ClusterLaminate>& clusters, const LaminateSearch& search,
-                 std::span<const LaminateMaterial> materials, const LaminateDesignOptions& options,
-                 const LaminateJudge& judge, const LaminateJudge& last, Progress& progress)
-        : clusters_(clusters),
-          search_(search),
-          materials_(materials),
-          options_(options),
-          judge_(judge),
-          last_(last),
-          progress_(progress),
-          order_(clusters.size()) {
-        std::iota(order_.begin(), order_.end(), std::size_t{0});
-        std::stable_sort(order_.begin(), order_.end(),
-                         [&](std::size_t a, std::size_t b) { return clusters[a].share > clusters[b].share; });
-    }
-
-    void run() {
-        std::size_t first = 0;
-        while (first < order_.size() && (first <= lot || !is_unseen(first))) {
-            const std::size_t end = std::min(order_.size(), first + lot);
-            each(first, end, [&](ClusterLaminate& cluster) {
-                LaminateDesignOptions own = options_;
-                if (first > 0) {
-                    own.correction = correction_for(cluster, first);
-                    own.corrections = 1;
-                }
-                design_cluster(cluster, search_, materials_, own, judge_, last_);
-            });
-            first = end;
-        }
-        each(first, order_.size(), [&](ClusterLaminate& cluster) {
-            LaminateDesignOptions own = options_;
-            own.correction = correction_for(cluster, first);
-            design_cluster(cluster, search_, materials_, own, {}, {});
-            cluster.borrowed = true;
-        });
-    }
-
-private:
-    static constexpr std::size_t lot = 16;
-
-    template <class Body>
-    void each(std::size_t first, std::size_t end, Body&& body) {
-        parallel_for(
-            first, end, 1,
-            [&](std::size_t i) {
-                body(clusters_[order_[i]]);
-                progress_.advance();
-            },
-            &progress_);
-    }
-    /// Of the traced cluster, of the first so many, that is wanted most alike.
-    [[nodiscard]] const ChannelProfiles& correction_for(const ClusterLaminate& cluster, std::size_t traced) const {
-        const auto nearest =
-            std::min_element(order_.begin(), order_.begin() + static_cast<std::ptrdiff_t>(traced),
-                             [&](std::size_t a, std::size_t b) { return apart(a, cluster) < apart(b, cluster); });
-        return clusters_[*nearest].design.correction;
-    }
-    [[nodiscard]] double apart(std::size_t k, const ClusterLaminate& cluster) const {
-        return profile_distance(clusters_[k].target, cluster.target, options_.search.dc_weight);
-    }
-    /// Whether what the clusters from here on would gain by being traced, if they gained what the last lot did, is
-    /// little beside the distance of those that were.
-    [[nodiscard]] bool is_unseen(std::size_t traced) const {
-        constexpr double unseen = 0.02;
-        double rest = 0, share = 0, distance = 0, lot_share = 0, gain = 0;
-        for (std::size_t i = 0; i < order_.size(); ++i) {
-            const ClusterLaminate& cluster = clusters_[order_[i]];
-            if (i >= traced) {
-                rest += cluster.share;
-                continue;
-            }
-            share += cluster.share, distance += cluster.share * cluster.distance();
-            if (i + lot < traced) continue;
-            const auto& judged = cluster.design.judged_distances;
-            lot_share += cluster.share;
-            gain += cluster.share * (judged.front() - *std::min_element(judged.begin(), judged.end()));
-        }
-        return !(lot_share > 0) || rest * gain / lot_share <= unseen * distance / share;
-    }
-
-    std::vector<ClusterLaminate>& clusters_;
-    const LaminateSearch& search_;
-    std::span<const LaminateMaterial> materials_;
-    const LaminateDesignOptions& options_;
-    const LaminateJudge &judge_, &last_;
-    Progress& progress_;
-    std::vector<std::size_t> order_;
-};
-
 void search_laminates(const slicer::LayeredOptions& options, const slicer::LoadedResins& resins,
-                      const optics::HankelGrid& grid, const io::ProfileMap& map, std::vector<ClusterLaminate>& clusters,
+                      const optics::HankelGrid& grid, std::vector<ClusterLaminate>& clusters,
                       const Materials& made, Progress& progress) {
     const std::span<const LaminateMaterial> materials = made.materials;
     LaminateDesignOptions design;
     design.search = search_options(options, resins, materials);
     design.turned_back = made.turned_back;
-    const int rounds = traced_rounds(options, map);
+    const int rounds = correcting_rounds(options);
     design.rounds = std::max(1, rounds);
-    LaminateJudge judge, last;
-    if (rounds > 0) {
-        judge = tracing_judge(resins, grid, seeking_paths, progress);
-        last = tracing_judge(resins, grid, last_paths, progress);
-    }
+    const LaminateJudge judge = rounds > 0 ? judge_of(resins, grid) : LaminateJudge();
     progress.begin_stage(name_of(slicer::Phase::search), clusters.size(), "clusters");
     const LaminateSearch search(materials, design.search);
-    if (last)
-        TracedSearch(clusters, search, materials, design, judge, last, progress).run();
-    else
-        parallel_for(
-            0, clusters.size(), 1,
-            [&](std::size_t k) {
-                design_cluster(clusters[k], search, materials, design, judge, last);
-                progress.advance();
-            },
-            &progress);
+    parallel_for(
+        0, clusters.size(), 1,
+        [&](std::size_t k) {
+            design_cluster(clusters[k], search, materials, design, judge);
+            progress.advance();
+        },
+        &progress);
     progress.end_stage();
 }
 
@@ -370,12 +256,8 @@ std::vector<std::string> warnings_of(const PlacedMap& placed, const LaminateFit&
 
 }  // namespace
 
-// Of data sets: in the voxels of a slab of marble of 16 or 100 clusters the corrected laminates are farther from the
-// map, of chess hardly nearer; totals are nearer, widths farther (benchmarks/results/layered.json).
-int traced_rounds(const slicer::LayeredOptions& options, const io::ProfileMap& map) {
-    constexpr std::size_t most_clusters = 16;
-    if (!options.materials.empty()) return 0;
-    return options.rounds.value_or(map.target.size() <= most_clusters && !is_of_cells(map) ? 1 : 0);
+int correcting_rounds(const slicer::LayeredOptions& options) {
+    return options.materials.empty() ? options.rounds.value_or(1) : 0;
 }
 
 double profile_extent_mm(const io::ProfileMap& map) {
@@ -421,7 +303,7 @@ std::unique_ptr<const JobLayers> arrange_layers(const slicer::LayeredOptions& op
                                     ? computed_materials(resins.set, options.thickness_mm, grid, progress)
                                     : measured_materials(options, map, resins, grid, progress);
     const double materials_s = watch.lap();
-    search_laminates(options, resins, grid, map, clusters, materials, progress);
+    search_laminates(options, resins, grid, clusters, materials, progress);
     return std::make_unique<const JobLayers>(
         DesignedLaminates{std::move(map), grid, std::move(clusters), std::move(placed), !options.materials.empty(),
                           materials_s, watch.lap()},

@@ -5,13 +5,12 @@
 //
 // Materials are the loaded resins, known by their profiles. For each cluster of the map the best laminate of blocks is
 // searched (scattering/design/laminate_search.h) and its thicknesses refined (laminate_refinement.h), under a smooth
-// surface to air and over the base resin taken to be deep; what the layered model gets wrong is corrected by tracing
-// the laminates (laminate_design.h): by default in one round, where there are 16 clusters at most and their profiles
-// are no means over pixels, as those of data sets are; of more, if asked for, the largest, until the rest would gain
-// little over the corrections of those that are wanted alike. Or materials are measured profiles (laminate_setting.h),
-// with the surface that they had, and nothing is traced. What lies so deep that it changes what is seen by less than 2
-// % of the distance is left out (shortened_laminate.h). The laminates are aligned, interpolated to height fields over
-// the map, and wrapped.
+// surface to air and over the base resin taken to be deep; what the layered model gets wrong, which takes light between
+// layers as diffuse, is corrected by the same laminates in all directions (laminate_design.h,
+// optics/profiles/wave_laminates.h). Or materials are measured profiles (laminate_setting.h), with the surface that
+// they had, and nothing is corrected. What lies so deep that it changes what is seen by less than 2 % of the distance
+// is left out (shortened_laminate.h). The laminates are aligned, interpolated to height fields over the map, and
+// wrapped.
 #pragma once
 
 #include <memory>
@@ -39,9 +38,8 @@ struct ClusterLaminate {
     double share = 0;        ///< of the map's pixels
     ChannelProfiles target;  ///< Hankel coefficients, wanted
     LaminateDesign design;
-    bool borrowed = false;  ///< not traced: corrected as the traced one that is wanted most alike
 
-    /// What is expected of the laminate, and how far that is from the target: as traced, or by the layered model.
+    /// What is expected of the laminate, and how far that is from the target: as corrected, or by the layered model.
     [[nodiscard]] const ChannelProfiles& expected() const {
         return design.judged.empty() ? design.modelled : design.judged;
     }
@@ -50,8 +48,8 @@ struct ClusterLaminate {
     }
 };
 
-/// In how many laminates are traced and corrected: as asked for, else as is told above; measured materials never.
-[[nodiscard]] int traced_rounds(const slicer::LayeredOptions& options, const io::ProfileMap& map);
+/// In how many rounds laminates are corrected: as asked for, else in one; of measured materials none.
+[[nodiscard]] int correcting_rounds(const slicer::LayeredOptions& options);
 
 /// The farthest sample of any wanted profile.
 [[nodiscard]] double profile_extent_mm(const io::ProfileMap& map);
@@ -99,7 +97,7 @@ private:
     WrappedLayers wrapped_;
 };
 
-/// Searches the laminates of a map that `check_layers` let pass, for minutes if they are traced, and wraps them. Throws
+/// Searches the laminates of a map that `check_layers` let pass, a second of one core each, and wraps them. Throws
 /// InputError: profiles that send back more light than they got, a mesh without texture coordinates where they are
 /// needed, a body thinner than two voxels.
 [[nodiscard]] std::unique_ptr<const JobLayers> arrange_layers(const slicer::LayeredOptions& options, io::ProfileMap map,

@@ -42,11 +42,11 @@ public:
     }
     /// As docs/estimate.md measured it.
     std::vector<Work> work(const slicer::LoadedResins& resins) const override {
-        constexpr double profiles_s_per_resin = 2, search_s_per_cluster = 2, traced_search_s_per_cluster = 10;
-        const bool traced = traced_rounds(options_, map_) > 0;
+        constexpr double profiles_s_per_resin = 2, search_s_per_cluster = 0.05, corrected_search_s_per_cluster = 1;
+        const bool corrected = correcting_rounds(options_) > 0;
         return {{slicer::Phase::profiles, profiles_s_per_resin * double(resins.set.resins.size())},
                 {slicer::Phase::search,
-                 (traced ? traced_search_s_per_cluster : search_s_per_cluster) * double(map_.target.size())}};
+                 (corrected ? corrected_search_s_per_cluster : search_s_per_cluster) * double(map_.target.size())}};
     }
     std::string what() const override { return "how light spreads"; }
     std::string why_no_resins() const override {

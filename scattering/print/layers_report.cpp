@@ -131,9 +131,7 @@ std::string surface_name(const io::StackResin& resin) {
 
 struct Totals {
     double distance = 0, worst = 0, modelled = 0, uncorrected = 0, outside = 0;
-    double borrowed = 0, traced_share = 0;  ///< of the map
-    std::size_t borrowers = 0;
-    bool traced = false;
+    bool corrected = false;
     SearchCount count;
 };
 Totals totals_of(const JobLayers& layers) {
@@ -141,31 +139,26 @@ Totals totals_of(const JobLayers& layers) {
     for (const ClusterLaminate& cluster : layers.clusters) {
         totals.distance += cluster.share * cluster.distance();
         totals.modelled += cluster.share * cluster.design.modelled_distance;
-        if (!cluster.design.judged_distances.empty()) {
+        if (!cluster.design.judged_distances.empty())
             totals.uncorrected += cluster.share * cluster.design.judged_distances.front();
-            totals.traced_share += cluster.share;
-        }
         totals.outside += cluster.share * cluster.design.outside;
-        totals.traced = totals.traced || !cluster.design.judged.empty();
-        totals.borrowers += cluster.borrowed;
-        if (cluster.borrowed) totals.borrowed += cluster.share;
+        totals.corrected = totals.corrected || !cluster.design.judged.empty();
         if (cluster.share > 0) totals.worst = std::max(totals.worst, cluster.distance());
         totals.count.visited += cluster.design.found.count.visited;
         totals.count.pruned += cluster.design.found.count.pruned;
         totals.count.judged += cluster.design.found.count.judged;
     }
-    if (totals.traced_share > 0) totals.uncorrected /= totals.traced_share;
     return totals;
 }
 
 /// By what light the figures were found.
 const char* light_sentence(const JobLayers& layers, const Totals& totals) {
-    if (totals.traced)
-        return "What they show was traced by Monte Carlo and what the layered model gets wrong corrected; figures are "
-               "those of the traced light.";
+    if (totals.corrected)
+        return "What they show was computed in all directions and what the layered model gets wrong corrected; figures "
+               "are those of that light.";
     if (layers.measured) return "What they show is by the layered model: of measured materials nothing else is known.";
-    return "What they show is by the layered model, which is rough for thin layers (--laminate-rounds 1 traces the "
-           "laminates).";
+    return "What they show is by the layered model, which is rough for thin layers (--laminate-rounds 1 corrects "
+           "it).";
 }
 
 const char* surface_words(const JobLayers& layers) {
@@ -183,19 +176,11 @@ std::string search_paragraph(const JobLayers& layers, const slicer::LoadedResins
         light_sentence(layers, totals), totals.distance, totals.worst);
 }
 
-/// Empty where all were traced.
-std::string borrowed_words(const Totals& totals) {
-    if (totals.borrowers == 0) return {};
-    return fmt::format("{} clusters, {:.1f} % of the map, corrected as the nearest that was traced", totals.borrowers,
-                       100 * totals.borrowed);
-}
-
 std::string correction_paragraph(const Totals& totals) {
     return fmt::format(
-        "Where they were traced the distance was {:.4f} at first. The layered model by itself says {:.4f} of the "
-        "laminates that are printed.{}",
-        totals.uncorrected, totals.modelled,
-        totals.borrowers > 0 ? fmt::format(" Not traced: {}.", borrowed_words(totals)) : "");
+        "Before correction the distance was {:.4f}. The layered model by itself says {:.4f} of the laminates that are "
+        "printed.",
+        totals.uncorrected, totals.modelled);
 }
 
 std::string gamut_paragraph(const Totals& totals) {
@@ -259,7 +244,7 @@ io::ReportSection profiles_section(const JobLayers& layers, const slicer::Loaded
     io::ReportSection section;
     section.title = "Scattering profiles";
     section.paragraphs.push_back(search_paragraph(layers, resins, order.size(), totals));
-    if (totals.traced) section.paragraphs.push_back(correction_paragraph(totals));
+    if (totals.corrected) section.paragraphs.push_back(correction_paragraph(totals));
     if (totals.outside > 0) section.paragraphs.push_back(gamut_paragraph(totals));
     section.paragraphs.push_back(drawings_paragraph(layers, drawn));
     for (std::size_t i = 0; i < drawn; ++i) section.drawings.push_back(profile_drawing(layers, order[i], resins));
@@ -381,9 +366,9 @@ std::string layers_summary(const JobLayers& layers) {
     const Totals totals = totals_of(layers);
     return fmt::format(
         "  {} profiles by {} layers: distance {:.4f} on average, {:.4f} at most; outside of the gamut by at least "
-        "{:.4f}; {:.1f} % of the surface too thin for its laminate{}{}\n",
+        "{:.4f}; {:.1f} % of the surface too thin for its laminate\n",
         by_share(layers).size(), layers.aligned.layers(), totals.distance, totals.worst, totals.outside,
-        100 * layers.fit.thin_share, totals.borrowers > 0 ? "; " : "", borrowed_words(totals));
+        100 * layers.fit.thin_share);
 }
 
 }  // namespace voxtone::scattering

@@ -117,17 +117,16 @@ std::vector<OptionSpec> search_entries() {
          .metavar = "N",
          .group = heading,
          .help =
-             "rounds in which a laminate is searched, traced by Monte Carlo and corrected for what the layered model "
-             "got wrong; the best is kept; 0: by the model alone; a round takes some five seconds of one core for "
-             "each cluster, and of many only the largest, until the rest would gain little; auto: 1 for up to 16 "
-             "clusters of resins that `laminate factor` did not make, else 0",
+             "rounds in which a laminate is searched, computed in all directions and corrected for what the layered "
+             "model got wrong; the best is kept; 0: by the model alone; a round takes about a second of one core for "
+             "each cluster; auto: 1 for resins, 0 for measured materials",
          .member = &O::laminate_rounds,
          .only_for = Show::layered_profile,
          .rule =
              [](const O& o) {
                  return unless(
                      parse_laminate_rounds(o.laminate_rounds).value_or(0) == 0 || o.laminate_materials.empty(),
-                     "measured materials have no medium that light could be traced through: 0 or auto");
+                     "measured materials have no medium that light could be computed in: 0 or auto");
              },
          .resolve = in_layers(
              [](const O& o, LayeredOptions& layered) { layered.rounds = parse_laminate_rounds(o.laminate_rounds); })},

@@ -34,7 +34,7 @@ TEST_CASE("laminate predict and laminate search hand profiles and laminates to e
     REQUIRE(found.exit_code == 0);
     const auto result = result_of(found.out)["results"][0];
     CHECK(result["channels"][1]["target"]["total"].get<double>() == Approx(wanted).margin(1e-6));
-    CHECK(result["monte_carlo_distance"].get<double>() < 0.03);
+    CHECK(result["all_directions_distance"].get<double>() < 0.03);
     CHECK(result["visited"].get<int>() > 0);
     const Outcome again = run_program(
         fmt::format("laminate predict {} --paths 4096 --coefficients 16 --check", folder / "out/jade.laminate.json"));

@@ -4,8 +4,8 @@
 //
 //   profile_laminates [paths, default 1048576] [picture.svg]
 //
-// Prints tables as Markdown: laminates of index-matched layers; the same between smooth surfaces to air, predicted in
-// two ways; forward scattering at one reduced scattering; layers of another thickness than the known one. % are of the
+// Prints tables as Markdown: laminates of index-matched layers; the same between smooth surfaces to air; both in all
+// directions, wave by wave (optics/profiles/wave_laminates.h); forward scattering at one reduced scattering; layers of another thickness than the known one. % are of the
 // value itself.
 #include <cmath>
 #include <cstdio>
@@ -17,6 +17,7 @@
 
 #include "drawing.h"
 #include "laminates.h"
+#include "optics/profiles/wave_laminates.h"
 
 using namespace voxtone::optics;
 using namespace voxtone::optics::profile_laminates;
@@ -46,21 +47,26 @@ struct Bench {
         return laminate(all, turned_over(smooth_surface(scene.eta_bottom, grid().size())));
     }
 
-    /// The first and the last layer together with their surfaces.
-    LayerProfile with_bounded_layers(const LayerScene& scene) const {
-        const auto bounded = [&](const PlainLayer& of) {
-            return bounded_layer(of.medium, scene.g, scene.eta_top, of.thickness_mm, grid(), options);
-        };
-        LayerProfile all = bounded(scene.layers.front());
-        for (std::size_t i = 1; i + 1 < scene.layers.size(); ++i)
-            all = laminate(all, known.at(key(scene.layers[i], scene.g)));
-        return laminate(all, turned_over(bounded(scene.layers.back())));
-    }
-
     static std::array<double, 4> key(const PlainLayer& of, double g) {
         return {of.medium.sigma_a, of.medium.sigma_s, g, of.thickness_mm};
     }
 };
+
+/// All of it in all directions, wave by wave.
+LayerProfile by_waves(const Laminate& laminate, double g, double eta) {
+    ResinSet set = vero_opaque();
+    set.g = g;
+    set.channels.wavelengths_nm = {540};
+    for (Resin& resin : set.resins) {
+        resin.sigma_t_per_mm = {resin.sigma_t_per_mm[laminate.channel]};
+        resin.albedo = {resin.albedo[laminate.channel]};
+    }
+    std::vector<ResinLayer> layers;
+    for (const LaminateLayer& of : laminate.layers)
+        layers.push_back({static_cast<std::size_t>(set.find(of.role)), of.thickness_mm});
+    const LaminateLight light = WaveLaminates(set, {eta, eta, 0}, grid(), {}).light(layers);
+    return {light.T[0], light.R[0], light.R[0]};
+}
 
 struct Truth {
     std::vector<double> R, T;
@@ -139,24 +145,27 @@ int main(int argc, char** argv) {
     std::vector<Laminate> laminates = thick_laminates();
     for (const Laminate& films : film_laminates()) laminates.push_back(films);
     header("Index-matched layers");
+    std::vector<Truth> matched;
     for (const Laminate& laminate : laminates) {
         const LayerScene scene = scene_of(laminate);
-        const Truth truth = traced(scene, bench.options);
+        const Truth& truth = matched.emplace_back(traced(scene, bench.options));
         const LayerProfile model = bench.predicted(scene);
         row(name_of(laminate), truth, model);
         panels.push_back({"R: " + name_of(laminate), curve_of(truth.R), curve_of(model.R_top)});
         panels.push_back({"T: " + name_of(laminate), curve_of(truth.T), curve_of(model.T)});
     }
+    header("Index-matched layers, in all directions, wave by wave");
+    for (std::size_t i = 0; i < laminates.size(); ++i) row(name_of(laminates[i]), matched[i], by_waves(laminates[i], 0.4, 1));
     if (argc > 2) std::ofstream(argv[2]) << draw_panels(panels, 4, 6);
 
     std::vector<Truth> in_air;
     for (const Laminate& laminate : laminates) in_air.push_back(traced(scene_of(laminate, 0.4, 1.5), bench.options));
-    header("Between smooth surfaces to air, index 1.5: the first and the last layer made together with their surfaces");
-    for (std::size_t i = 0; i < laminates.size(); ++i)
-        row(name_of(laminates[i]), in_air[i], bench.with_bounded_layers(scene_of(laminates[i], 0.4, 1.5)));
     header("Between smooth surfaces to air, index 1.5: the surfaces as layers of their own");
     for (std::size_t i = 0; i < laminates.size(); ++i)
         row(name_of(laminates[i]), in_air[i], bench.predicted(scene_of(laminates[i], 0.4, 1.5)));
+
+    header("Between smooth surfaces to air, index 1.5, in all directions, wave by wave");
+    for (std::size_t i = 0; i < laminates.size(); ++i) row(name_of(laminates[i]), in_air[i], by_waves(laminates[i], 0.4, 1.5));
 
     header("Forward scattering: W 0.5 / K 0.2 with the same reduced scattering at every g");
     for (const double g : {-0.3, 0.0, 0.4, 0.8, 0.95}) {

@@ -31,6 +31,7 @@
 #include "optics/media/resin_volume.h"
 #include "optics/profiles/resin_laminate.h"
 #include "optics/profiles/saunderson.h"
+#include "optics/profiles/wave_laminates.h"
 #include "scattering/design/laminate_design.h"
 #include "scattering/design/laminate_materials.h"
 #include "scattering/design/widening_targets.h"
@@ -232,8 +233,11 @@ int main(int argc, char** argv) {
     options.rounds = 3;
     options.search.dc_weight = dc_weight;
     const scattering::LaminateSearch search(materials, options.search);
+    const optics::WaveLaminates waves(set, ends, grid, {4, 4, 4, 0.001});
     const scattering::LaminateJudge judge = [&](std::span<const scattering::LaminateLayer> layers) {
-        return traced(layers, tracing).R;
+        std::vector<optics::ResinLayer> of_resin;
+        for (const auto& [material, mm] : layers) of_resin.push_back({material, mm});
+        return waves.light(of_resin).R;
     };
 
     const std::vector<ChannelProfiles> wanted = scattering::widening_targets({narrow}, {wide}, targets);

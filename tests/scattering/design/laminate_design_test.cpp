@@ -145,37 +145,6 @@ TEST_CASE("A judge corrects what the model does not know, and never makes the la
     CHECK(after < 0.3 * before);
 }
 
-TEST_CASE("The correction of a laminate that is alike takes most of the model's error away without a judge") {
-    double plain = 0, borrowed = 0;
-    for (std::uint64_t trial = 0; trial < 8; ++trial) {
-        RandomStream random(80, trial);
-        const std::vector<LaminateMaterial> materials = random_materials(random, 3, 2, coefficients);
-        const double s = optics::internal_diffuse_reflectance(1.5);
-        const LaminateJudge judge = [&](std::span<const LaminateLayer> layers) {
-            return other_world(materials, layers, s);
-        };
-        const auto wanted = [&](double more) {
-            return judge(std::vector<LaminateLayer>{
-                {trial % 3, 0.2 + more}, {(trial + 1) % 3, 0.4}, {(trial + 2) % 3, 0.5 - more}});
-        };
-        LaminateDesignOptions options;
-        options.search = small_search();
-        options.turned_back = s;
-        const LaminateSearch search(materials, options.search);
-        const LaminateDesign neighbour = design_laminate(search, materials, wanted(0), options, judge);
-        const ChannelProfiles within = laminate_reflection(materials, neighbour.layers, {});
-        CHECK(neighbour.correction == model_error(within, neighbour.judged, s));
-        const ChannelProfiles target = wanted(0.02);
-        const auto distance = [&] {
-            return profile_distance(judge(design_laminate(search, materials, target, options).layers), target, 1);
-        };
-        plain += distance();
-        options.correction = neighbour.correction;
-        borrowed += distance();
-    }
-    CHECK(borrowed < 0.6 * plain);
-}
-
 TEST_CASE("A target brighter than any laminate is answered with the nearest, and its distance to the gamut") {
     RandomStream random(81, 0);
     const std::vector<LaminateMaterial> materials = random_materials(random, 1, 1, coefficients);  // one material only
