@@ -11,7 +11,7 @@ resins="--resins vero-opaque-clear"
 "$voxtone" laminate targets "W 4" "W 0.2, T 0.8, W 3" $resins --count 5 --reach 15mm --paths 32768 --overwrite -o "$out/targets"
 
 # 2. For each the layers that show it. More --paths and --rounds are better and slower.
-"$voxtone" laminate search "$out"/targets/target-?.json --materials W,K,T $resins --thickness 4mm --dc-weight 10 --clear-top T=0.1mm --layer 27um \
+"$voxtone" laminate search "$out"/targets/target-?.json --materials W,K,T $resins --thickness 4mm --edge-weights --clear-top T=0.1mm --layer 27um \
     --reach 15mm --rounds 1 --paths 8192 --overwrite -o "$out/found"
 
 # 3. All five side by side, on 1 mm of black, ready to print; and what light does in one of them.

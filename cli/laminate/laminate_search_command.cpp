@@ -30,6 +30,8 @@ void add_laminate_options(Verb& command, scattering::LaminateSearchJob& job) {
     command.add("--steps", job.steps, "of thickness: blocks are 1, 2, 4, ... steps thick");
     command.add("--max-blocks", job.max_blocks, "most blocks of a laminate");
     command.add("--dc-weight", job.dc_weight, "weight of the total, the other coefficients have 1", {.unit = "W"});
+    command.add("--edge-weights", job.edge,
+                "others have what they do beyond the edge of a shadow, 1 / k^2: widths are nearer, middles farther");
     command.add("--clear-top", job.clear_top, "a material stays that far from the top: T=0.2mm",
                 {.unit = "MATERIAL=LENGTH", .one_each = true, .separator = ','});
     command.add("--backing", job.setting.backing,

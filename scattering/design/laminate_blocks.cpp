@@ -86,8 +86,8 @@ LaminateBlocks::LaminateBlocks(std::span<const LaminateMaterial> materials, cons
                 most[at] = std::max(most[at], layer.R_top[i]);
             }
         }
-    std::vector<double> weight(n, 1.0), spread(n);
-    for (std::size_t c = 0; c < channels_; ++c) weight[c * length_] = options.dc_weight;
+    std::vector<double> weight(n), spread(n);
+    for (std::size_t at = 0; at < n; ++at) weight[at] = options.weights().of(at % length_);
     for (std::size_t at = 0; at < n; ++at) spread[at] = weight[at] * (most[at] - least[at]) * (most[at] - least[at]);
     order_.resize(n);
     std::iota(order_.begin(), order_.end(), std::size_t{0});

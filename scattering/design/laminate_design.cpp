@@ -49,10 +49,10 @@ public:
                           : layers;
         const ChannelProfiles within = laminate_reflection(materials_, next.layers, options_.search.backing);
         next.modelled = mapped(within, [&](double R) { return optics::seen_through_surface(R, options_.turned_back); });
-        next.modelled_distance = profile_distance(next.modelled, wanted_, options_.search.dc_weight);
+        next.modelled_distance = profile_distance(next.modelled, wanted_, options_.search.weights());
         if (judge_) {
             next.judged = judge_(next.layers);
-            next.judged_distance = profile_distance(next.judged, wanted_, options_.search.dc_weight);
+            next.judged_distance = profile_distance(next.judged, wanted_, options_.search.weights());
             distances_.push_back(next.judged_distance);
             target_ = sum_of(wanted_behind_, model_error(within, next.judged, options_.turned_back), 1);
         }

@@ -62,7 +62,8 @@ public:
     /// The root of the weight, over the root of their sum, times the residuals; and their derivatives by thickness.
     void linearise(const Eigen::VectorXd& h, Eigen::VectorXd& residual, Eigen::MatrixXd& slope) const {
         const std::size_t layers = layers_.size(), channels = target_.size(), length = target_[0].size();
-        const double weights = static_cast<double>(channels) * (options_.dc_weight + static_cast<double>(length) - 1);
+        const ProfileWeights weights = options_.weights();
+        const double all = static_cast<double>(channels) * weights.sum(length);
         residual.resize(static_cast<Eigen::Index>(channels * length));
         slope.resize(residual.size(), h.size());
         for (std::size_t c = 0; c < channels; ++c) {
@@ -82,7 +83,7 @@ public:
             }
             for (std::size_t i = 0; i < length; ++i) {
                 const auto at = static_cast<Eigen::Index>(c * length + i);
-                const double root_weight = std::sqrt((i == 0 ? options_.dc_weight : 1.0) / weights);
+                const double root_weight = std::sqrt(weights.of(i) / all);
                 residual[at] = root_weight * (below[0][i] - target_[c][i]);
                 for (std::size_t j = 0; j < layers; ++j) {
                     const optics::HomogeneousLayer& material = materials_[layers_[j].material][c];
@@ -97,7 +98,7 @@ public:
 
     double distance(const Eigen::VectorXd& h) const {
         return profile_distance(laminate_reflection(materials_, stacked(h), options_.backing), target_,
-                                options_.dc_weight);
+                                options_.weights());
     }
 
     std::vector<LaminateLayer> stacked(const Eigen::VectorXd& h) const {

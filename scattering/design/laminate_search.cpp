@@ -134,18 +134,18 @@ ChannelProfiles laminate_reflection(std::span<const LaminateMaterial> materials,
     return R;
 }
 
-double profile_distance(const ChannelProfiles& reflection, const ChannelProfiles& target, double dc_weight) {
+double profile_distance(const ChannelProfiles& reflection, const ChannelProfiles& target, const ProfileWeights& weights) {
     VOXTONE_EXPECT(reflection.size() == target.size());
-    double sum = 0, weights = 0;
+    double sum = 0, all = 0;
     for (std::size_t c = 0; c < target.size(); ++c) {
         VOXTONE_EXPECT(reflection[c].size() == target[c].size());
         for (std::size_t i = 0; i < target[c].size(); ++i) {
-            const double w = i == 0 ? dc_weight : 1.0, e = reflection[c][i] - target[c][i];
+            const double w = weights.of(i), e = reflection[c][i] - target[c][i];
             sum += w * e * e;
-            weights += w;
+            all += w;
         }
     }
-    return std::sqrt(sum / weights);
+    return std::sqrt(sum / all);
 }
 
 }  // namespace voxtone::scattering

@@ -94,6 +94,6 @@ private:
                                                   std::span<const LaminateLayer> layers,
                                                   const ChannelProfiles& backing);
 [[nodiscard]] double profile_distance(const ChannelProfiles& reflection, const ChannelProfiles& target,
-                                      double dc_weight);
+                                      const ProfileWeights& weights);
 
 }  // namespace voxtone::scattering

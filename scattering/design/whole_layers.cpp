@@ -46,7 +46,7 @@ std::vector<LaminateLayer> settled_layers(std::span<const LaminateMaterial> mate
         return mm <= options.thickness_mm + rounding;
     };
     const auto distance = [&](const std::vector<LaminateLayer>& tried) {
-        return profile_distance(laminate_reflection(materials, tried, options.backing), target, options.dc_weight);
+        return profile_distance(laminate_reflection(materials, tried, options.backing), target, options.weights());
     };
     double least = distance(best);
     for (bool nearer = true; nearer;) {

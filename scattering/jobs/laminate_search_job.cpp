@@ -199,6 +199,7 @@ LaminateDesignOptions design_options(const LaminateSearchJob& job, const Laminat
     options.search.steps = job.steps;
     options.search.max_blocks = job.max_blocks;
     options.search.dc_weight = job.dc_weight;
+    options.search.edge_weights = job.edge;
     options.search.clear_top_mm = clear_top(job, setting.names());
     options.search.backing = setting.backing_reflection();
     options.refine = job.refine;

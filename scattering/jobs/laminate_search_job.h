@@ -25,6 +25,7 @@ struct LaminateSearchJob {
     double thickness_mm = 5;
     std::uint32_t steps = 64, max_blocks = 6;
     double dc_weight = 1;
+    bool edge = false;  ///< coefficients weigh what they do beyond the edge of a shadow (ProfileWeights)
     std::vector<std::string> clear_top;  ///< "T=0.2mm": the material T stays that far from the top
     bool refine = true;
     double layer_mm = 0;             ///< of the printer; 0: any thickness

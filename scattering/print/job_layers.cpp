@@ -169,7 +169,7 @@ void design_cluster(ClusterLaminate& cluster, const LaminateSearch& search, std:
         return R;
     };
     const auto distance = [&](const ChannelProfiles& a, const ChannelProfiles& b) {
-        return profile_distance(a, b, options.search.dc_weight);
+        return profile_distance(a, b, options.search.weights());
     };
     LaminateDesign& design = cluster.design = design_laminate(search, materials, cluster.target, options, judge);
     design.layers = printable(design.layers);

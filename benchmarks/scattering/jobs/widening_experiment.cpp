@@ -8,8 +8,7 @@
 // Materials: VeroWhite and VeroBlack (data/resins/vero-opaque.json, green), and a support as the paper's printer has
 // it, clear with white in it: 5 % VeroWhite in a clear resin that does nothing, an ideal mixture. 5 mm at most on
 // black, 64 steps, 6 blocks, support at least 0.2 mm below the surface, smooth surface to air, printed layers of 14 um
-// (data/printers/stratasys-j750-hq.json). The weight of the total is 10, as in the paper's Sec. 8.3: the slabs are to
-// look alike.
+// (data/printers/stratasys-j750-hq.json). Coefficients weigh what they do beyond the edge of a shadow.
 //
 // Targets: the widest is what Monte Carlo sees of 0.2 mm of white upon 4.8 mm of support; the narrowest is 5 mm of
 // white, scaled to the same total; three lie between in even shares. Every laminate found is traced anew with other
@@ -44,7 +43,7 @@ using scattering::ChannelProfiles;
 
 namespace {
 
-constexpr double dc_weight = 10, white_in_support = 0.05, layer_mm = 0.014;
+constexpr double dc_weight = 1, white_in_support = 0.05, layer_mm = 0.014;
 constexpr std::size_t W = 0, K = 1, support = 2, targets = 5;
 constexpr const char* names[3] = {"W", "K", "S"};
 
@@ -232,6 +231,7 @@ int main(int argc, char** argv) {
     options.layer_mm = layer_mm;
     options.rounds = 3;
     options.search.dc_weight = dc_weight;
+    options.search.edge_weights = true;
     const scattering::LaminateSearch search(materials, options.search);
     const optics::WaveLaminates waves(set, ends, grid, {4, 4, 4, 0.001});
     const scattering::LaminateJudge judge = [&](std::span<const scattering::LaminateLayer> layers) {
@@ -273,7 +273,7 @@ int main(int argc, char** argv) {
         std::printf("| %zu | %s | %.4f | %.4f ± %.4f | %.2f | %.2f | %.2f | %.2f | %.4f | %.4f | %.2f |\n", t + 1,
                     layers_text(slab.design.layers).c_str(), slab.wanted[0][0], slab.seen[0], slab.seen_error,
                     radius(slab.wanted[0], 0.5), radius(slab.seen, 0.5), radius(slab.wanted[0], 0.8),
-                    radius(slab.seen, 0.8), scattering::profile_distance(seen, slab.wanted, dc_weight),
+                    radius(slab.seen, 0.8), scattering::profile_distance(seen, slab.wanted, {dc_weight, true}),
                     slab.plain_seen[0], radius(slab.plain_seen, 0.8));
     }
     std::printf(
