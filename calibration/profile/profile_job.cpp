@@ -17,8 +17,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void check_side(const ProfileSide& side, const char* total) {
-    if (!side.total) throw UsageError(fmt::format("{} is missing: the measured albedo of red, green and blue", total));
+void check_side(const ProfileSide& side, bool photographed, const char* total, const char* photograph) {
+    if (side.total && photographed)
+        throw UsageError(fmt::format("{} and {} both say how much light it is; give one", total, photograph));
+    if (!side.total && !photographed)
+        throw UsageError(fmt::format("{} is missing: the measured albedo of red, green and blue; or {}, a photograph "
+                                     "that it is read from",
+                                     total, photograph));
     if (side.mm_per_px == 0) throw UsageError("--mm-per-px is missing");
 }
 
@@ -34,7 +39,7 @@ MeasuredSide measured(const ProfileJob& job, const ProfileSide& side, const std:
 
 void add_side(io::JsonWriter& json, const char* key, const MeasuredSide& side) {
     json.key(key).begin_object().add("centre_px", side.centre.px).add("centre_error_px", side.centre.error_px);
-    json.add("samples", side.profile[0].light.size()).add("seconds", side.seconds).add("step", side.step);
+    json.add("samples", side.profile[0].light.size()).add("seconds", side.seconds).add("step", side.step).add("total", side.total);
     json.add("pixels_by_longest_exposure", side.pixels).add("tail", side.tail).key("channels").begin_list();
     for (const RadialProfile& p : side.profile) {
         json.begin_object().add("noise", p.noise).add("asymmetry", p.asymmetry).add("scale_error", p.scale_error);
@@ -60,6 +65,12 @@ std::string side_text(const MeasuredSide& side, const char* name) {
     return text;
 }
 
+std::string total_text(bool photographed, const Eigen::Vector3d& total, const char* by) {
+    return photographed ? fmt::format("  by the {}: {:.4f}, {:.4f}, {:.4f} of the light\n", by, total[0], total[1],
+                                      total[2])
+                        : std::string();
+}
+
 io::ProfileFile file_of(const ProfileJob& job, const MeasuredSide& R, const std::optional<MeasuredSide>& T) {
     io::ProfileFile file;
     file.name = job.name.empty() ? fs::path(job.out).stem().string() : job.name;
@@ -82,26 +93,33 @@ void ProfileJob::validate() const {
             "given");
     if (thickness_mm && !(*thickness_mm > 0))
         throw UsageError(fmt::format("--thickness is {} mm; it must be above 0", *thickness_mm));
-    check_side(reflection, "--reflectance");
-    if (!transmission.given()) return;
-    check_side(transmission, "--transmittance");
-    expect_no_light_made(*reflection.total, *transmission.total);
+    check_side(reflection, card.has_value(), "--reflectance", "--card");
+    if (!transmission.given()) {
+        if (lcd) throw UsageError("--lcd: a target has no transmission; leave it out or give --transmission, too");
+        return;
+    }
+    check_side(transmission, lcd.has_value(), "--transmittance", "--lcd");
+    if (reflection.total && transmission.total) expect_no_light_made(*reflection.total, *transmission.total);
 }
 
-JobResult run_profile_job(const ProfileJob& job, Progress& progress) {
-    job.validate();
+JobResult run_profile_job(const ProfileJob& given, Progress& progress) {
+    given.validate();
+    ProfileJob job = given;
+    if (job.card) job.reflection.total = reflectance_by_card(*job.card, job.measure.noise, &progress);
+    if (job.lcd) job.transmission.total = transmittance_by_screen(*job.lcd, job.measure.noise, &progress);
+    if (job.transmission.given()) expect_no_light_made(*job.reflection.total, *job.transmission.total);
     const std::string plot = job.plot.empty() ? fs::path(job.out).replace_extension(".svg").string() : job.plot;
     io::expect_outputs({job.out, plot}, job.overwrite);
     io::JsonWriter json;
     json.begin_object().add("format", "voxtone-calibrate-profile").add("version", 1).add("profile", job.out);
     const MeasuredSide R = measured(job, job.reflection, "reflection", progress);
     add_side(json, "R", R);
-    std::string text = side_text(R, "reflection");
+    std::string text = side_text(R, "reflection") + total_text(job.card.has_value(), *job.reflection.total, "card");
     std::optional<MeasuredSide> T;
     if (job.transmission.given()) {
         T = measured(job, job.transmission, "transmission", progress);
         add_side(json, "T", *T);
-        text += side_text(*T, "transmission");
+        text += side_text(*T, "transmission") + total_text(job.lcd.has_value(), *job.transmission.total, "screen");
     }
     if (job.spot_mm) {
         const double k = blurred_from(*job.spot_mm, 0.1);

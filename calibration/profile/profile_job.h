@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/job_result.h"
+#include "calibration/profile/albedo_photographs.h"
 #include "calibration/profile/exposure_series.h"
 #include "calibration/profile/profile_measurement.h"
 
@@ -25,6 +26,8 @@ struct ProfileSide {
 
 struct ProfileJob {
     ProfileSide reflection, transmission;  ///< transmission: none for a target
+    std::optional<CardPhotograph> card;    ///< for the reflection's total
+    std::optional<ScreenPhotographs> lcd;  ///< for the transmission's
     std::optional<double> thickness_mm;    ///< of the slab; none for a target
     ProfileMeasureOptions measure;         ///< its mm_per_px does not count: the sides have their own
     std::optional<double> spot_mm;         ///< radius of what was lit: says which waves it blurs

@@ -131,10 +131,51 @@ Eigen::Vector2d SpotScene::centre_px() const {
     return Eigen::Vector2d::Constant(camera_.size_px / 2.0) + camera_.offset_px;
 }
 
+namespace {
+
+/// Full scale in, a sample out: noise, black level, quantisation.
+float recorded(const SpotCamera& camera, double value, RandomStream& random) {
+    const double steps = (1 << camera.bits) - 1;
+    if (camera.full_well > 0)
+        value += std::sqrt(value / camera.full_well + camera.read_noise * camera.read_noise) * normal(random);
+    value = std::clamp(camera.black + value, 0.0, 1.0);
+    return static_cast<float>(std::round(value * steps) / steps);
+}
+
+/// `light` by channel and side of the picture.
+Exposure even_photograph(const SpotCamera& camera, std::uint32_t number, const std::string& name,
+                         const std::array<Eigen::Vector3d, 2>& light) {
+    constexpr double seconds = 1, brighter_left = 0.02;
+    io::Photograph photo{name, camera.size_px, camera.size_px, io::SampleCoding::linear, 16, {}, seconds};
+    photo.pixels.resize(std::size_t{camera.size_px} * camera.size_px);
+    for (std::uint32_t y = 0; y < camera.size_px; ++y)
+        for (std::uint32_t x = 0; x < camera.size_px; ++x) {
+            const std::size_t i = photo.index(x, y);
+            RandomStream random(camera.seed + 1, i, number);
+            const double fall = 1 + brighter_left * (0.5 - (x + 0.5) / camera.size_px);
+            for (Eigen::Index c = 0; c < 3; ++c)
+                photo.pixels[i][c] = recorded(camera, fall * light[x < camera.size_px / 2 ? 0 : 1][c], random);
+        }
+    return {std::move(photo), seconds};
+}
+
+}  // namespace
+
+EvenPhotographs even_photographs(const SlabProfiles& slab, double card_albedo, const SpotCamera& camera) {
+    constexpr double white = 0.8;  // where a perfect diffuser would be, and the screen; part of full scale
+    const Eigen::Vector3d R(slab.R[0][0], slab.R[1][0], slab.R[2][0]), T(slab.T[0][0], slab.T[1][0], slab.T[2][0]),
+        one = Eigen::Vector3d::Ones(), none = Eigen::Vector3d::Zero();
+    return {even_photograph(camera, 0, "card", {white * R, white * card_albedo * one}),
+            even_photograph(camera, 1, "card, dark", {none, none}),
+            even_photograph(camera, 2, "slab on the screen", {white * T, white * T}),
+            even_photograph(camera, 3, "screen", {white * one, white * one}),
+            even_photograph(camera, 4, "screen, dark", {none, none})};
+}
+
 Exposure SpotScene::photograph(std::size_t exposure, bool lit) const {
     VOXTONE_EXPECT(exposure < camera_.seconds.size());
     const SpotCamera& o = camera_;
-    const double t = o.seconds[exposure], steps = (1 << o.bits) - 1;
+    const double t = o.seconds[exposure];
     const double gauss = 0.5 / std::sqrt(3.0);  // two points on each axis of a pixel
     const Eigen::Vector2d centre = centre_px();
     io::Photograph photo{fmt::format("{} exposure {}", lit ? "lit" : "dark", exposure + 1),
@@ -160,11 +201,7 @@ Exposure SpotScene::photograph(std::size_t exposure, bool lit) const {
                             light +=
                                 between(sharp_[c], std::hypot(at.x() / o.stretch, at.y() * o.stretch) / step_mm_) / 4;
                         }
-                double value = std::max(0.0, light) * gain_ * t;
-                if (o.full_well > 0)
-                    value += std::sqrt(value / o.full_well + o.read_noise * o.read_noise) * normal(random);
-                value = std::clamp(o.black + value, 0.0, 1.0);
-                photo.pixels[i][static_cast<Eigen::Index>(c)] = static_cast<float>(std::round(value * steps) / steps);
+                photo.pixels[i][static_cast<Eigen::Index>(c)] = recorded(o, std::max(0.0, light) * gain_ * t, random);
             }
         }
     });

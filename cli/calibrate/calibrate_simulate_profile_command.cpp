@@ -53,7 +53,7 @@ Verb calibrate_simulate_profile_verb(const CalibrateJobs& jobs) {
     command.add("role", a.job.role, "resin of the slab: W, K, ...", {.unit = "ROLE", .required = true});
     command.add("--thickness", length(a.job.thickness_mm), "of the slab: 3mm", {.required = true});
     add_out_option(command, a.job.out, "FOLDER",
-                   "folder for reflection-NN.exr, transmission-NN.exr, their -dark-NN.exr, truth.json");
+                   "folder for reflection-NN.exr, transmission-NN.exr, their -dark-NN.exr, card and lcd, truth.json");
     add_overwrite_option(command, a.job.overwrite);
     add_camera_options(command, a);
     command.add("--paths", a.job.paths, "traced per channel");
