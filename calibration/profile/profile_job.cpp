@@ -21,9 +21,10 @@ void check_side(const ProfileSide& side, bool photographed, const char* total, c
     if (side.total && photographed)
         throw UsageError(fmt::format("{} and {} both say how much light it is; give one", total, photograph));
     if (!side.total && !photographed)
-        throw UsageError(fmt::format("{} is missing: the measured albedo of red, green and blue; or {}, a photograph "
-                                     "that it is read from",
-                                     total, photograph));
+        throw UsageError(
+            fmt::format("{} is missing: the measured albedo of red, green and blue; or {}, a photograph "
+                        "that it is read from",
+                        total, photograph));
     if (side.mm_per_px == 0) throw UsageError("--mm-per-px is missing");
 }
 
@@ -39,7 +40,10 @@ MeasuredSide measured(const ProfileJob& job, const ProfileSide& side, const std:
 
 void add_side(io::JsonWriter& json, const char* key, const MeasuredSide& side) {
     json.key(key).begin_object().add("centre_px", side.centre.px).add("centre_error_px", side.centre.error_px);
-    json.add("samples", side.profile[0].light.size()).add("seconds", side.seconds).add("step", side.step).add("total", side.total);
+    json.add("samples", side.profile[0].light.size())
+        .add("seconds", side.seconds)
+        .add("step", side.step)
+        .add("total", side.total);
     json.add("pixels_by_longest_exposure", side.pixels).add("tail", side.tail).key("channels").begin_list();
     for (const RadialProfile& p : side.profile) {
         json.begin_object().add("noise", p.noise).add("asymmetry", p.asymmetry).add("scale_error", p.scale_error);
@@ -66,9 +70,9 @@ std::string side_text(const MeasuredSide& side, const char* name) {
 }
 
 std::string total_text(bool photographed, const Eigen::Vector3d& total, const char* by) {
-    return photographed ? fmt::format("  by the {}: {:.4f}, {:.4f}, {:.4f} of the light\n", by, total[0], total[1],
-                                      total[2])
-                        : std::string();
+    return photographed
+               ? fmt::format("  by the {}: {:.4f}, {:.4f}, {:.4f} of the light\n", by, total[0], total[1], total[2])
+               : std::string();
 }
 
 io::ProfileFile file_of(const ProfileJob& job, const MeasuredSide& R, const std::optional<MeasuredSide>& T) {

@@ -58,7 +58,8 @@ struct SlabProfiles {
                                          const optics::HankelGrid& grid, std::uint32_t paths, std::uint64_t seed,
                                          const Progress* progress = nullptr);
 
-/// Photographs in even light, 2 % brighter at the left border than at the right (calibration/profile/albedo_photographs.h).
+/// Photographs in even light, 2 % brighter at the left border than at the right
+/// (calibration/profile/albedo_photographs.h).
 struct EvenPhotographs {
     Exposure card, card_dark;  ///< slab in the left half, card in the right one
     Exposure slab, screen, lcd_dark;

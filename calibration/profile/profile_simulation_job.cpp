@@ -98,7 +98,8 @@ JobResult result_of(const ProfileSimulationJob& job, const SlabProfiles& slab, c
     json.add("reflectance", std::array{slab.R[0][0], slab.R[1][0], slab.R[2][0]});
     json.add("transmittance", std::array{slab.T[0][0], slab.T[1][0], slab.T[2][0]}).add("next", next).end_object();
     return {json.text(),
-            fmt::format("{}: {} exposures of {} x {} pixels and as many dark frames of each side, five in even light; the truth is in "
+            fmt::format("{}: {} exposures of {} x {} pixels and as many dark frames of each side, five in even light; "
+                        "the truth is in "
                         "{}\nMeasure them: {}\n",
                         job.out, job.camera.seconds.size(), job.camera.size_px, job.camera.size_px, truth_file, next)};
 }

@@ -41,7 +41,8 @@ calibration::ProfileSide side_of(const SideArguments& side, double mm_per_px, co
 
 calibration::PixelBox box_of(const std::vector<std::uint32_t>& at, const char* option) {
     if (at.size() != 4)
-        throw UsageError(std::string(option) + " is missing: X,Y,WIDTH,HEIGHT, the pixels to average, from the upper left corner");
+        throw UsageError(std::string(option) +
+                         " is missing: X,Y,WIDTH,HEIGHT, the pixels to average, from the upper left corner");
     return {at[0], at[1], at[2], at[3]};
 }
 
@@ -50,8 +51,11 @@ void take_albedos(CalibrateProfileArguments& a, const CalibrateJobs& jobs) {
     if (!a.card.empty()) {
         const std::vector<double>& albedo = a.card_albedo;
         if (albedo.size() == 2) throw UsageError("--card-albedo: one number, or three for red, green and blue");
-        a.job.card = {jobs.exposure(a.card[0]), jobs.exposure(a.card_dark[0]), box_of(a.slab_at, "--slab-at"),
-                      box_of(a.card_at, "--card-at"), {albedo[0], albedo[albedo.size() / 2], albedo.back()}};
+        a.job.card = {jobs.exposure(a.card[0]),
+                      jobs.exposure(a.card_dark[0]),
+                      box_of(a.slab_at, "--slab-at"),
+                      box_of(a.card_at, "--card-at"),
+                      {albedo[0], albedo[albedo.size() / 2], albedo.back()}};
     }
     if (!a.lcd.empty()) {
         a.job.lcd = {jobs.exposure(a.lcd[0]), jobs.exposure(a.lcd[1]), jobs.exposure(a.lcd_dark.front()),
@@ -89,22 +93,25 @@ void add_side_options(Verb& command, CalibrateProfileArguments& a) {
 }
 
 void add_albedo_options(Verb& command, CalibrateProfileArguments& a) {
-    const auto photographs = [&](const char* name, std::vector<std::string>& files, const char* help,
-                                 int least, int most, const char* needs) {
+    const auto photographs = [&](const char* name, std::vector<std::string>& files, const char* help, int least,
+                                 int most, const char* needs) {
         command.add(name, files, help,
                     {.unit = "FILE[@SECONDS]", .count = {least, most}, .needs = needs, .group = "Even light"});
     };
     const auto box = [&](const char* name, std::vector<std::uint32_t>& at, const char* help) {
         command.add(name, at, help, {.unit = "X,Y,W,H", .separator = ',', .count = {4, 4}, .group = "Even light"});
     };
-    photographs("--card", a.card, "instead of --reflectance: the slab on black cloth beside a grey card", 1, 1, "--card-dark");
+    photographs("--card", a.card, "instead of --reflectance: the slab on black cloth beside a grey card", 1, 1,
+                "--card-dark");
     photographs("--card-dark", a.card_dark, "its dark frame", 1, 1, "--card");
     box("--slab-at", a.slab_at, "pixels of the slab in it, from the upper left corner");
     box("--card-at", a.card_at, "pixels of the card");
     command.add("--card-albedo", a.card_albedo, "of the card, one number or R,G,B",
                 {.separator = ',', .count = {1, 3}, .group = "Even light"});
-    photographs("--lcd", a.lcd, "instead of --transmittance: the slab upon a white screen under a diffuser, and the "
-                "screen under the diffuser alone", 2, 2, "--lcd-dark");
+    photographs("--lcd", a.lcd,
+                "instead of --transmittance: the slab upon a white screen under a diffuser, and the "
+                "screen under the diffuser alone",
+                2, 2, "--lcd-dark");
     photographs("--lcd-dark", a.lcd_dark, "their dark frames; one, where both were exposed alike", 1, 2, "--lcd");
     box("--lcd-at", a.lcd_at, "pixels of the slab, and of the screen where it lay");
 }

@@ -108,8 +108,8 @@ LayerWaves WaveOrdinates::doubled(const LayerWaves& half) {
     return {half.R + half.T * (half.R * down), half.T * down};
 }
 
-// Between orders m and m', N N' / 2 ((-1)^m' J_{m + m'}(x) +- J_{|m - m'|}(x)), x = 2 pi k t tan(theta), N^2 = 2 but for
-// order 0; minus where m' - m is odd and above 0.
+// Between orders m and m', N N' / 2 ((-1)^m' J_{m + m'}(x) +- J_{|m - m'|}(x)), x = 2 pi k t tan(theta), N^2 = 2 but
+// for order 0; minus where m' - m is odd and above 0.
 LayerWaves WaveOrdinates::unscattered(const Medium& medium, double thickness_mm, double k_per_mm) const {
     constexpr int within_band = 24;
     const int n = grid_.size();

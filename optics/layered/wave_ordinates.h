@@ -16,7 +16,8 @@
 // hardly scatter are made so, means over the band of each direction, since few directions alone would never wash out.
 //
 // Range: as adding_doubling.h; k >= 0. Error with 4 + 4 directions and 6 orders: totals 1e-4; coefficients of 0.3 mm of
-// white up to 1 per mm 2e-4, up to 6 per mm 0.003 of R and 0.005 of T (wave_ordinates_test.cpp). Time: (directions x orders)^3, some 25 times a layer.
+// white up to 1 per mm 2e-4, up to 6 per mm 0.003 of R and 0.005 of T (wave_ordinates_test.cpp). Time: (directions x
+// orders)^3, some 25 times a layer.
 #pragma once
 
 #include <Eigen/Core>
@@ -56,10 +57,10 @@ private:
 
     AngularGrid grid_;
     int orders_;
-    double truncated_;                      ///< share of scattering that counts as none (phase.h)
-    Eigen::MatrixXd same_, opposite_;       ///< scattering, times the weights of directions
-    Eigen::MatrixXd sideways_;              ///< sin(theta) cos(phi)
-    Eigen::VectorXd inverse_nu_;            ///< by direction and order
+    double truncated_;                 ///< share of scattering that counts as none (phase.h)
+    Eigen::MatrixXd same_, opposite_;  ///< scattering, times the weights of directions
+    Eigen::MatrixXd sideways_;         ///< sin(theta) cos(phi)
+    Eigen::VectorXd inverse_nu_;       ///< by direction and order
 };
 
 /// What lies below a level: what it sends up of what comes down, and what leaves below it for good.

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "base/contracts.h"
-#include "optics/profiles/wave_laminates.h"
 
 namespace voxtone::optics {
 namespace {
@@ -21,12 +20,6 @@ LayerPathOptions seeded(LayerPathOptions options, std::size_t channel) {
 }
 
 }  // namespace
-
-LaminateLight layered_light(const ResinSet& set, std::span<const ResinLayer> layers, const LaminateEnds& ends,
-                            const HankelGrid& grid, const Progress* progress) {
-    check(set, layers, ends);
-    return WaveLaminates(set, ends, grid, {}).light(layers, progress);
-}
 
 LaminateLight traced_light(const ResinSet& set, std::span<const ResinLayer> layers, const LaminateEnds& ends,
                            const HankelGrid& grid, const LayerPathOptions& options, const Progress* progress) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What a laminate of resin layers reflects and transmits, channel by channel, as Hankel coefficients: layer by layer in
-// all directions (wave_laminates.h), and by Monte Carlo of the whole laminate.
+// What a laminate of resin layers reflects and transmits, channel by channel, as Hankel coefficients, by Monte Carlo of
+// the whole laminate; layer by layer in all directions: wave_laminates.h.
 //
 // The two ways share nothing but the resins: their difference is the error of both.
 //
@@ -37,9 +37,6 @@ struct LaminateLight {
 };
 
 /// Contract: at least one layer, thicknesses > 0, resins of the set; a sheet needs eta_bottom 1.
-[[nodiscard]] LaminateLight layered_light(const ResinSet& set, std::span<const ResinLayer> layers,
-                                          const LaminateEnds& ends, const HankelGrid& grid,
-                                          const Progress* progress = nullptr);
 [[nodiscard]] LaminateLight traced_light(const ResinSet& set, std::span<const ResinLayer> layers,
                                          const LaminateEnds& ends, const HankelGrid& grid,
                                          const LayerPathOptions& options = {}, const Progress* progress = nullptr);

@@ -64,8 +64,7 @@ WavesBelow WaveLaminates::through(const ResinLayer& layer, std::size_t channel, 
             return below;
         }
     }
-    return below.under(
-        ordinates_.layer(set_.resins[layer.resin].medium(channel), layer.thickness_mm, k_[wave]));
+    return below.under(ordinates_.layer(set_.resins[layer.resin].medium(channel), layer.thickness_mm, k_[wave]));
 }
 
 WaveLaminates::Light WaveLaminates::light_of(std::span<const ResinLayer> layers, std::size_t channel,
@@ -83,8 +82,9 @@ WaveLaminates::Light WaveLaminates::light_of(std::span<const ResinLayer> layers,
     // Down below the surface: what comes in, and what the surface sends back of what comes up.
     const Eigen::VectorXd comes_in = ordinates_.all_around((1 - top) / (at.c * (1 - top)).sum());
     const Eigen::Index n = comes_in.size();
-    const Eigen::VectorXd down =
-        (Eigen::MatrixXd::Identity(n, n) - ordinates_.mirrored(top).asDiagonal() * below.R).partialPivLu().solve(comes_in);
+    const Eigen::VectorXd down = (Eigen::MatrixXd::Identity(n, n) - ordinates_.mirrored(top).asDiagonal() * below.R)
+                                     .partialPivLu()
+                                     .solve(comes_in);
     return {leaving.dot(below.R * down), below.leaving * down};
 }
 
@@ -92,8 +92,9 @@ LaminateLight WaveLaminates::light(std::span<const ResinLayer> layers, const Pro
     VOXTONE_EXPECT(!layers.empty());
     for (const ResinLayer& layer : layers) VOXTONE_EXPECT(layer.resin < set_.resins.size() && layer.thickness_mm > 0);
     const std::size_t channels = set_.channels.size(), waves = k_.size();
-    LaminateLight light{std::vector(channels, std::vector<double>(waves)), std::vector(channels, std::vector<double>(waves)),
-                        std::vector<double>(channels), std::vector<double>(channels)};
+    LaminateLight light{std::vector(channels, std::vector<double>(waves)),
+                        std::vector(channels, std::vector<double>(waves)), std::vector<double>(channels),
+                        std::vector<double>(channels)};
     parallel_for(
         0, channels * waves, 1,
         [&](std::size_t i) {
@@ -103,6 +104,11 @@ LaminateLight WaveLaminates::light(std::span<const ResinLayer> layers, const Pro
         },
         progress);
     return light;
+}
+
+LaminateLight layered_light(const ResinSet& set, std::span<const ResinLayer> layers, const LaminateEnds& ends,
+                            const HankelGrid& grid, const Progress* progress) {
+    return WaveLaminates(set, ends, grid, {}).light(layers, progress);
 }
 
 }  // namespace voxtone::optics

@@ -52,4 +52,9 @@ private:
     std::vector<std::vector<LayerWaves>> kept_;  ///< of unit_mm, 2, 4, ...
 };
 
+/// Of one laminate, at its own thicknesses.
+[[nodiscard]] LaminateLight layered_light(const ResinSet& set, std::span<const ResinLayer> layers,
+                                          const LaminateEnds& ends, const HankelGrid& grid,
+                                          const Progress* progress = nullptr);
+
 }  // namespace voxtone::optics

@@ -12,8 +12,8 @@
 // for every coefficient: what the model must say of a laminate for the judge to see what is wanted, as far as their
 // difference stays the same from one laminate to the next. It does where laminates are alike; so in each round one
 // laminate is searched and its thicknesses are then refined several times, each time with the difference at the
-// laminate itself. The judge is whatever knows more (all directions: optics/profiles/wave_laminates.h). The laminate that
-// the judge finds nearest is kept, so rounds never make it worse.
+// laminate itself. The judge is whatever knows more (all directions: optics/profiles/wave_laminates.h). The laminate
+// that the judge finds nearest is kept, so rounds never make it worse.
 //
 // What it cannot see: laminates whose error differs a lot from that of the ones that were judged.
 #pragma once
@@ -42,8 +42,8 @@ struct LaminateDesign {
     double modelled_distance = 0;       ///< from what is wanted (laminate_search.h); through the surface too
     ChannelProfiles judged;             ///< empty without a judge
     double judged_distance = 0;
-    FoundLaminate found;         ///< the search that it came from
-    double outside = 0;          ///< of the first search: how far its target lies outside of the gamut, at least
+    FoundLaminate found;  ///< the search that it came from
+    double outside = 0;   ///< of the first search: how far its target lies outside of the gamut, at least
     std::vector<double> judged_distances;  ///< of all that were judged, in order
 };
 

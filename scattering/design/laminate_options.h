@@ -25,7 +25,8 @@ struct ProfileWeights {
     /// shadow, where a wave of k in the profile is one of k over k (a border is lit by all distances); else all are 1.
     bool edge = false;
 
-    ProfileWeights(double of_total = 1, bool of_edge = false) : first(of_total), edge(of_edge) {}  // NOLINT: a number is one
+    ProfileWeights(double of_total = 1, bool of_edge = false)
+        : first(of_total), edge(of_edge) {}  // NOLINT: a number is one
     [[nodiscard]] double of(std::size_t coefficient) const {
         if (coefficient == 0) return first;
         if (!edge) return 1;

@@ -134,7 +134,8 @@ ChannelProfiles laminate_reflection(std::span<const LaminateMaterial> materials,
     return R;
 }
 
-double profile_distance(const ChannelProfiles& reflection, const ChannelProfiles& target, const ProfileWeights& weights) {
+double profile_distance(const ChannelProfiles& reflection, const ChannelProfiles& target,
+                        const ProfileWeights& weights) {
     VOXTONE_EXPECT(reflection.size() == target.size());
     double sum = 0, all = 0;
     for (std::size_t c = 0; c < target.size(); ++c) {

@@ -32,8 +32,8 @@ struct NamedLaminate {
 };
 [[nodiscard]] NamedLaminate read_named_laminate(const std::string& laminate, const NamedLaminateOptions& options);
 
-/// Layer by layer: of resins in all directions (optics/profiles/wave_laminates.h); of measured profiles, known by diffuse
-/// light, by Kubelka and Munk's law with a surface as a layer of its own.
+/// Layer by layer: of resins in all directions (optics/profiles/wave_laminates.h); of measured profiles, known by
+/// diffuse light, by Kubelka and Munk's law with a surface as a layer of its own.
 [[nodiscard]] optics::LaminateLight layered_light(const NamedLaminate& laminate,
                                                   const optics::LayerPathOptions& tracing, Progress& progress);
 /// By Monte Carlo of the whole. Contract: setting.traceable().

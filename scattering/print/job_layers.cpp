@@ -14,8 +14,8 @@
 #include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "base/warning.h"
-#include "optics/profiles/wave_laminates.h"
 #include "optics/profiles/saunderson.h"
+#include "optics/profiles/wave_laminates.h"
 #include "scattering/design/laminate_materials.h"
 #include "scattering/design/shortened_laminate.h"
 #include "scattering/jobs/laminate_setting.h"
@@ -174,9 +174,9 @@ void design_cluster(ClusterLaminate& cluster, const LaminateSearch& search, std:
     LaminateDesign& design = cluster.design = design_laminate(search, materials, cluster.target, options, judge);
     design.layers = printable(design.layers);
     const ChannelProfiles whole = seen(design.layers);
-    design.layers = shortened_laminate(
-        design.layers, unseen * cluster.distance(),
-        [&](std::span<const LaminateLayer> layers) { return distance(seen(layers), whole); });
+    design.layers =
+        shortened_laminate(design.layers, unseen * cluster.distance(),
+                           [&](std::span<const LaminateLayer> layers) { return distance(seen(layers), whole); });
     design.modelled = seen(design.layers);
     design.modelled_distance = distance(design.modelled, cluster.target);
     if (!judge) return;
@@ -185,8 +185,8 @@ void design_cluster(ClusterLaminate& cluster, const LaminateSearch& search, std:
 }
 
 void search_laminates(const slicer::LayeredOptions& options, const slicer::LoadedResins& resins,
-                      const optics::HankelGrid& grid, std::vector<ClusterLaminate>& clusters,
-                      const Materials& made, Progress& progress) {
+                      const optics::HankelGrid& grid, std::vector<ClusterLaminate>& clusters, const Materials& made,
+                      Progress& progress) {
     const std::span<const LaminateMaterial> materials = made.materials;
     LaminateDesignOptions design;
     design.search = search_options(options, resins, materials);

@@ -5,8 +5,8 @@
 //   profile_laminates [paths, default 1048576] [picture.svg]
 //
 // Prints tables as Markdown: laminates of index-matched layers; the same between smooth surfaces to air; both in all
-// directions, wave by wave (optics/profiles/wave_laminates.h); forward scattering at one reduced scattering; layers of another thickness than the known one. % are of the
-// value itself.
+// directions, wave by wave (optics/profiles/wave_laminates.h); forward scattering at one reduced scattering; layers of
+// another thickness than the known one. % are of the value itself.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -155,7 +155,8 @@ int main(int argc, char** argv) {
         panels.push_back({"T: " + name_of(laminate), curve_of(truth.T), curve_of(model.T)});
     }
     header("Index-matched layers, in all directions, wave by wave");
-    for (std::size_t i = 0; i < laminates.size(); ++i) row(name_of(laminates[i]), matched[i], by_waves(laminates[i], 0.4, 1));
+    for (std::size_t i = 0; i < laminates.size(); ++i)
+        row(name_of(laminates[i]), matched[i], by_waves(laminates[i], 0.4, 1));
     if (argc > 2) std::ofstream(argv[2]) << draw_panels(panels, 4, 6);
 
     std::vector<Truth> in_air;
@@ -165,7 +166,8 @@ int main(int argc, char** argv) {
         row(name_of(laminates[i]), in_air[i], bench.predicted(scene_of(laminates[i], 0.4, 1.5)));
 
     header("Between smooth surfaces to air, index 1.5, in all directions, wave by wave");
-    for (std::size_t i = 0; i < laminates.size(); ++i) row(name_of(laminates[i]), in_air[i], by_waves(laminates[i], 0.4, 1.5));
+    for (std::size_t i = 0; i < laminates.size(); ++i)
+        row(name_of(laminates[i]), in_air[i], by_waves(laminates[i], 0.4, 1.5));
 
     header("Forward scattering: W 0.5 / K 0.2 with the same reduced scattering at every g");
     for (const double g : {-0.3, 0.0, 0.4, 0.8, 0.95}) {

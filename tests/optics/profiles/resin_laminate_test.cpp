@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "optics/profiles/resin_laminate.h"
+#include "optics/profiles/wave_laminates.h"
 
 #include <catch2/catch.hpp>
 

@@ -25,7 +25,6 @@ TEST_CASE("Of a wave so much is left by pixels as two places within a pixel each
     CHECK(left_by_cells(1, 0.5) < 0.5);
 }
 
-
 namespace {
 
 // Mean over both cells of exp(-r / fall) / (2 pi fall^2), cells (x, y) apart: each coordinate's distance has the

@@ -6,7 +6,8 @@
 using namespace voxtone;
 using namespace voxtone::scattering;
 
-TEST_CASE("Laminates of resins are corrected in a round unless others are asked for, those of measured profiles never") {
+TEST_CASE(
+    "Laminates of resins are corrected in a round unless others are asked for, those of measured profiles never") {
     slicer::LayeredOptions options;
     CHECK(correcting_rounds(options) == 1);
     options.rounds = 0;
