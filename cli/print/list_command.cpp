@@ -35,6 +35,15 @@ std::vector<std::string> printers_that_take(const std::string& family) {
     return ids;
 }
 
+/// What printers' software calls it, as it stands on the cartridge; empty where no printer says.
+std::string cartridge_of(const std::string& family, const std::string& role) {
+    for (const slicer::PrinterProfile& printer : slicer::list_printers())
+        for (const slicer::Cartridges& taken : printer.cartridges)
+            if (const auto name = taken.names.find(role); taken.family == family && name != taken.names.end())
+                return name->second;
+    return {};
+}
+
 void add_printer(io::JsonWriter& json, const slicer::PrinterProfile& p) {
     json.begin_object().add("id", p.id).add("name", p.name).add("pitch_um", p.pitch_um);
     json.add("max_resins", p.max_resins).add("min_layers", p.min_layers).add("default_roles", p.default_roles);
@@ -76,7 +85,11 @@ void add_resin_set(io::JsonWriter& json, const optics::ResinSet& set) {
     const std::string family = io::resin_family(set.name);
     json.add("family", family).add("printers", printers_that_take(family)).key("resins").begin_list();
     for (const optics::Resin& resin : set.resins)
-        json.begin_object().add("name", resin.name).add("role", resin.role).end_object();
+        json.begin_object()
+            .add("name", resin.name)
+            .add("role", resin.role)
+            .add("cartridge", cartridge_of(family, resin.role))
+            .end_object();
     json.end_list().end_object();
 }
 
@@ -85,7 +98,11 @@ std::string resin_set_text(const optics::ResinSet& set) {
     text += detail("channels: " + optics::channels_text(set.channels));
     const std::string family = io::resin_family(set.name);
     text += detail(fmt::format("{} cartridges, which {} take", family, fmt::join(printers_that_take(family), ", ")));
-    for (const optics::Resin& resin : set.resins) text += detail(fmt::format("{:<3} {}", resin.role, resin.name));
+    for (const optics::Resin& resin : set.resins) {
+        const std::string cartridge = cartridge_of(family, resin.role);
+        text += detail(fmt::format("{:<3} {}{}", resin.role, resin.name,
+                                   cartridge.empty() || cartridge == resin.name ? "" : ", cartridge " + cartridge));
+    }
     return text;
 }
 

@@ -98,7 +98,12 @@ std::string customer_html(const Report& report, const std::string& customer) {
                         report.size_mm[0], report.size_mm[1], report.size_mm[2]);
     add_customer_verdict(html, report);
     add_customer_warnings(html, report);
-    html += "<footer>Colours on a screen are seen by its own light; a print is seen by that of its room.</footer>\n";
+    // A prediction of a body keeps the steps of its cells (docs/predict.md).
+    const bool is_body = is_judged(report) && !report.verdict->sides.empty();
+    html += fmt::format(
+        "<footer>Colours on a screen are seen by its own light; a print is seen by that of its room.{}"
+        "</footer>\n",
+        is_body ? " Fine stripes along curved faces come from how the picture was computed." : "");
     return html + "</main>\n</body>\n</html>\n";
 }
 

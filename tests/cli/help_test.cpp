@@ -184,7 +184,8 @@ TEST_CASE("list shows which sets are of the cartridges that a printer takes") {
                Contains("takes Vero Vivid cartridges: resin sets j750-vivid, j750-vivid-clear\n") &&
                    Contains("takes Vero opaque cartridges: resin sets j750-opaque, vero-opaque, vero-opaque-clear\n"));
     CHECK_THAT(run_program("list resins").out,
-               Contains("Vero Vivid cartridges, which stratasys-j55, stratasys-j750-hm"));
+               Contains("Vero Vivid cartridges, which stratasys-j55, stratasys-j750-hm") &&
+                   Contains("C   VeroCyanV, cartridge VeroCY-V\n") && Contains("K   VeroBlack\n"));
     CHECK_THAT(run_program("list resins --json").out,
                Contains("\"family\":\"Vero Vivid\"") || Contains("\"family\": \"Vero Vivid\""));
 }

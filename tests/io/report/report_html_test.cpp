@@ -177,6 +177,13 @@ TEST_CASE("The customer's page says something of the looks, whatever is known of
     CHECK(said() == report.verdict->sentence);
     report.verdict->headline = "On the whole good, 1.2";
     CHECK(said() == report.verdict->headline);
+    // Of a body only, and only where its picture was predicted.
+    report.verdict->sides.clear();
+    CHECK_THAT(customer_html(report, ""), !Contains("Fine stripes"));
+    report.verdict->sides.push_back({"front", 1.2, 0.5});
+    CHECK_THAT(customer_html(report, ""), Contains("Fine stripes along curved faces"));
+    report.verdict.reset();
+    CHECK_THAT(customer_html(report, ""), !Contains("Fine stripes"));
 }
 
 TEST_CASE("Drawings are in the page as they are, their captions as text") {
