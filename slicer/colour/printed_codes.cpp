@@ -79,7 +79,7 @@ std::vector<PrintedCode> printed_codes(const JobPrediction& p) {
     constexpr int sharp = 3;  // what was asked for needs no more patience, and most pages hold no code
     try {
         for (const io::CodeInPicture& asked : io::codes_in_picture(slab.raster(p.target, slab.all()), sharp)) {
-            PrintedCode& code = codes.emplace_back(PrintedCode{asked.kind, {}, 0, 0, false, {}});
+            PrintedCode& code = codes.emplace_back(PrintedCode{asked.kind, {}, 0, 0, false});
             code.width_mm = (asked.box[2] - asked.box[0]) * p.cell_um[0] / 1000;
             code.height_mm = (asked.box[3] - asked.box[1]) * p.cell_um[1] / 1000;
             const Frame frame = slab.around(asked.box);
@@ -88,7 +88,6 @@ std::vector<PrintedCode> printed_codes(const JobPrediction& p) {
                     if (row >= 0 && column >= 0 && slab.at(column, row) >= 0)
                         code.cells.push_back(std::uint32_t(slab.at(column, row)));
             code.is_read = is_in(slab.raster(p.predicted.rgb, frame), asked);
-            if (!p.open_loop.empty()) code.is_read_open_loop = is_in(slab.raster(p.open_loop, frame), asked);
         }
     } catch (const Cancelled&) {
         throw;

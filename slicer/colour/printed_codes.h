@@ -5,12 +5,11 @@
 // Target and print are read as they lie, cell by cell and enlarged (io/pictures/codes_in_picture.h), each code of the
 // print within its own frame and a sixth of its size around it. It is what a patient reader makes of even light and no
 // blur of its own: a code that cannot be read so is read by no scanner, one that can may still take a steady hand. A
-// business card's QR code of 9 mm, modules of 0.31 mm, is read in the open loop's print, and was in none of the loop's
-// (default set). Codes of a body's texture and those laid on it (slicer/marks) are not looked for.
+// business card's QR code of 9 mm, modules of 0.31 mm, is read in one print and not in the next (default set). Codes of
+// a body's texture and those laid on it (slicer/marks) are not looked for.
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,8 +21,7 @@ struct PrintedCode {
     std::string kind;  ///< "QR code"
     std::vector<std::uint32_t> cells;
     double width_mm = 0, height_mm = 0;
-    bool is_read = false;                   ///< in the print
-    std::optional<bool> is_read_open_loop;  ///< in the open loop's; nothing without a loop
+    bool is_read = false;  ///< in the print
 };
 
 /// Of a picture's slab. Empty where nothing reads codes (voxtone-read is missing or ended).

@@ -212,11 +212,10 @@ std::optional<Row> small_type(const RegionSources& s, const std::optional<TypeSi
 }
 
 /// Of pictures.
-std::vector<Row> lost_codes(const RegionSources& s) {
+std::vector<Row> codes_of(const RegionSources& s) {
     std::vector<Row> rows;
     const optics::Surface& surface = s.prediction.predicted.surface;
     for (PrintedCode& code : printed_codes(s.prediction)) {
-        if (code.is_read) continue;
         Row& row = rows.emplace_back();
         row.said.kind = "code";
         row.said.asked = fmt::format("{} of {:.1f} x {:.1f} mm", code.kind, code.width_mm, code.height_mm);
@@ -224,10 +223,8 @@ std::vector<Row> lost_codes(const RegionSources& s) {
         put_at(middle, surface, row.said);
         row.printed = s.prediction.predicted.rgb[middle].cast<double>();
         for (const std::uint32_t i : code.cells) row.said.area_mm2 += double(surface.cells[i].area_mm2);
-        row.said.why = "cannot be read by a scanner";
-        if (code.is_read_open_loop.value_or(false))
-            row.said.why += "; printed without the loop (--iterations 0) it might, in colours that are farther off";
-        row.said.good = false;
+        row.said.good = code.is_read;
+        if (!code.is_read) row.said.why = "cannot be read by a scanner";
         row.cells = std::move(code.cells);
     }
     return rows;
@@ -526,12 +523,16 @@ JudgedRegions judge_regions(const RegionSources& s, const ThinWalls& walls) {
     for (auto& row : {std::move(more), blurred_texture(s, judged.spoilt), thin_walls(s, walls)})
         if (row) say_where(s, rows.emplace_back(*row));
     if (s.is_picture) {
-        std::vector<Row> codes = lost_codes(s);
-        if (!codes.empty())
+        std::vector<Row> codes = codes_of(s);
+        if (!std::ranges::all_of(codes, [](const Row& code) { return code.said.good; }))
             judged.useless = "a scanner cannot read its code";
         else if (type && is_little_else(p, *type))
             judged.useless = "most of its type cannot be read";
-        for (Row& row : codes) say_where(s, rows.emplace_back(std::move(row)));
+        for (Row& code : codes) {
+            Row& row = rows.emplace_back(std::move(code));
+            say_where(s, row);
+            row.said.printed = row.said.good ? "read" : "not read";
+        }
     }
     for (Row& row : rows) judged.rows.push_back(std::move(row.said));
     std::ranges::stable_sort(judged.rows, std::greater<>(), [&](const io::ReportRegion& region) {

@@ -111,7 +111,7 @@ void add_larger(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     const std::string least = fmt::format("{:.1f}", mean), at_most = fmt::format("{:.1f}", most_mean);
     advice.push_back({fmt::format("print it larger ({}): then {}{}", options,
                                   least == at_most ? least + " at best" : least + " to " + at_most,
-                                  type_k > 1 && to_mm >= type_k * edge_mm ? ", and all type can be read" : ""),
+                                  type_k > 1 && to_mm >= type_k * edge_mm ? ", and more of its type can be read" : ""),
                       options, seen_mean, now, mean});
 }
 

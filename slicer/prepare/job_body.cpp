@@ -111,10 +111,20 @@ std::string wall_text(const ThinWall& wall, const JobBody& body, const Eigen::Al
         !body.is_picture && mesh.materials.size() > 1 && !name.empty() ? ", material " + printable(name) : "");
 }
 
+/// Throws InputError for sheets that would be thicker than the model is large: they would be all of it.
+void check_sheets(const ResolvedJob& job, const Placement& placement) {
+    const double largest_mm = placement.extent_mm.maxCoeff();
+    if (job.is_picture() || job.sheet_mm <= largest_mm) return;
+    throw InputError(
+        fmt::format("--sheet-thickness {:g}mm: the model is {:.3g} mm large, so that its sheets would be "
+                    "thicker than they are wide; give less, or a larger --size",
+                    job.sheet_mm, largest_mm));
+}
+
 /// Throws InputError for a coat from either side that leaves no room for colour.
 void check_coat(const ResolvedJob& job, const Placement& placement) {
     const double thin_mm = placement.extent_mm.minCoeff();
-    if (job.is_picture() || !job.shows_colours() || job.colour.coat_mm < thin_mm / 2) return;
+    if (job.is_picture() || !job.shows_colours() || job.colour.coat_mm <= 0 || job.colour.coat_mm < thin_mm / 2) return;
     throw InputError(fmt::format(
         "--coat {:g}mm: the model is {:.3g} mm thick at the most along one axis, so that coats from either side leave "
         "nothing for colour; give less than {:.3g} mm, or a larger --size",
@@ -239,7 +249,7 @@ JobBody read_body(const ResolvedJob& job, Progress& progress) {
 JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Progress& progress) {
     JobBody body = read_body(job, progress);
     check_extent(body.placement, printer.sliced_pitch_mm(), printer.sliced_tray_mm());
-    check_coat(job, body.placement);
+    check_sheets(job, body.placement);
 
     progress.begin_stage("repair mesh", repair_steps(body.model.mesh));
     RepairOptions repairing;
@@ -248,10 +258,16 @@ JobBody prepare_body(const ResolvedJob& job, const PrinterProfile& printer, Prog
     repairing.pitch_mm = printer.sliced_pitch_mm().minCoeff();
     RepairedMesh repaired = repair_mesh(body.model.mesh, repairing, &progress);
     for (const std::string& done : repaired.report.messages) body.warnings.push_back(named_warning("repaired", done));
+    if (repaired.solid->triangles.empty())
+        throw InputError(
+            "the model is a line or a point at this size: no face is left where corners nearer than a tenth of a voxel "
+            "are one; a corner far from all others may be a fault of its file, else give a larger --size");
     if (!body.is_picture) look_for_cavities(job, printer, repaired, body, progress);
     progress.end_stage();
 
     const Eigen::AlignedBox3d box = bounding_box(repaired.solid->positions_mm, repaired.solid->triangles);
+    if (job.sheet_mm > 0) body.placement.extent_mm = box.sizes();  // with the thickness that its sheets were given
+    check_coat(job, body.placement);
     body.grid = grid_around(box.min(), box.max(), printer.sliced_pitch_mm());
     check_tray(body.grid, printer.sliced_tray_mm(), body.placement);
 

@@ -98,6 +98,24 @@ TEST_CASE("Models that are tiny, without colour or coated through are told or re
     CHECK_THROWS_AS(desk.body(), InputError);  // no tray is as long
 }
 
+TEST_CASE("A sheet is as thick as it was asked to be, and what has no face at its size is refused") {
+    BodyDesk desk;
+    const auto write = [&](const std::string& text) { std::ofstream(desk.options.model) << text; };
+    write("v 0 0 0 1 0 0\nv 10 0 0 1 0 0\nv 10 6 0 0 1 0\nv 0 6 0 0 1 0\nf 1 2 3 4\n");
+    desk.options.sheet_thickness_mm = 2;
+    const JobBody sheet = desk.body();
+    CHECK(sheet.placement.extent_mm.z() == Approx(2));
+    CHECK(sheet.grid.size[2] == 74);
+    desk.options.sheet_thickness_mm = 11;
+    CHECK_THROWS_WITH(desk.body(), Contains("--sheet-thickness 11mm") && Contains("10 mm large"));
+    desk.options.sheet_thickness_mm = 0;
+    // Scaled to 8 mm its other corners are one.
+    write("v 1e8 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n");
+    desk.options.size_mm = 8;
+    CHECK_THROWS_AS(desk.body(), InputError);
+    CHECK_THROWS_WITH(desk.body(), Contains("a line or a point at this size"));
+}
+
 TEST_CASE("Of a model that lies on its back it is said how it stands up, unless it was turned") {
     BodyDesk desk;
     // A tower along y with a broad foot.
