@@ -2,7 +2,9 @@
 #include "slicer/plan/job_plan.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
+#include <memory>
 #include <set>
 #include <string>
 
@@ -185,6 +187,33 @@ TEST_CASE("A plan says which phases a job goes through") {
 
     options.layers = "5000-6000";
     CHECK_THROWS_AS(Planned(options), InputError);
+}
+
+TEST_CASE("What another print has to do is a phase of its plan") {
+    class Carved final : public OtherPrint {
+        std::string usual_resins(const PrinterProfile&) const override { return "vero-opaque"; }
+        void check(const LoadedResins&) const override {}
+        std::vector<JobInput> inputs() const override { return {}; }
+        std::vector<Work> work(const LoadedResins&) const override { return {{Phase::search, 30}}; }
+        std::string what() const override { return "a carving"; }
+        std::string why_no_resins() const override { return "Nobody knows."; }
+        std::string why_whole() const override { return "it is one"; }
+        std::unique_ptr<Print> make(const OpenedJob&, const JobBody&, Progress&) const override { return nullptr; }
+    };
+    const Cube cube("1 0 0");
+    SliceOptions options = cube.options();
+    options.show = "layered-profile";
+    options.profiles = (std::filesystem::path(options.model).parent_path() / "carving.json").string();
+    std::ofstream(options.profiles) << "x";
+    register_other_print([](ResolvedJob&) -> std::unique_ptr<const OtherPrint> { return std::make_unique<Carved>(); });
+    const OpenedJob job = open_job(options);
+    register_other_print(nullptr);
+    Progress progress;
+    const JobBody body = prepare_body(job.options, job.printer, progress);
+    const JobPlan plan = plan_job(job, body);
+    CHECK(phases_of(plan) == std::set<Phase>{Phase::search, Phase::layers, Phase::report});
+    for (const PhaseEstimate& phase : plan.phases)
+        if (phase.phase == Phase::search) CHECK(phase.cpu_s == Approx(30));
 }
 
 TEST_CASE("What a plan says of time and memory grows with the work") {

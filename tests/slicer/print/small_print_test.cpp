@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "slicer/estimate/estimate_job.h"
 #include "slicer/predict/stack_volume.h"
+#include "slicer/print/shard_task.h"
 #include "tests/io/files/schema.h"
 
 using namespace voxtone;
@@ -82,6 +83,9 @@ TEST_CASE("The report of a print says what its layers hold, and the estimate sai
     const json report = json::parse(result.json);
     CHECK(report == desk.json("out/report.json"));
     CHECK(report.at("title") == "box.obj");
+    CHECK(report.at("printer").at("id") == "stratasys-j750-hm");
+    CHECK(report.at("pitch_um")[2] == 27);
+    CHECK(report.at("sections").dump().find("thin") == std::string::npos);  // nothing of it is
 
     const StackVolume stack = read_stack_volume({.stack = desk.path("out").string()}, desk.said);
     const auto [nx, ny, nz] = stack.volume.size();
@@ -189,6 +193,12 @@ TEST_CASE("In shards and merged a print is what it is whole, and says where it w
             layers += record.at("layers").get<int>();
             CHECK_THAT(desk.print(options).text, Contains("made already"));
         }
+        // Of another job is neither a shard nor a whole print.
+        SliceOptions other = desk.options(out);
+        other.depth_mm = 0.5;
+        CHECK(refused(desk, other, "shards of another job") == ExitCode::invalid_input);
+        other.shard = fmt::format("1/{}", n);
+        CHECK(refused(desk, other, "shards of another job") == ExitCode::invalid_input);
         const json before = json::parse(whole.json);
         CHECK(layers == before.at("layers"));
         const MergeOptions options = merging(desk.path(out));
@@ -208,6 +218,63 @@ TEST_CASE("In shards and merged a print is what it is whole, and says where it w
                    Contains("merged already") && !Contains("report"));
     }
     CHECK_THROWS_AS(run_merge(merging(desk.path("nowhere")), desk.said), FileError);
+}
+
+TEST_CASE("A task of a scheduler's array is the shard of its place") {
+    const PrintDesk desk;
+    const auto task = [&](int id, int first, int last, int count) {
+        setenv("SLURM_ARRAY_TASK_ID", std::to_string(id).c_str(), 1);
+        setenv("SLURM_ARRAY_TASK_MIN", std::to_string(first).c_str(), 1);
+        setenv("SLURM_ARRAY_TASK_MAX", std::to_string(last).c_str(), 1);
+        setenv("SLURM_ARRAY_TASK_COUNT", std::to_string(count).c_str(), 1);
+        const auto clear = [] {
+            for (const char* name : {"ID", "MIN", "MAX", "COUNT"})
+                unsetenv(fmt::format("SLURM_ARRAY_TASK_{}", name).c_str());
+        };
+        try {
+            const ShardTask made = task_of_scheduler(desk.path("shards"));
+            clear();
+            return made;
+        } catch (...) {
+            clear();
+            throw;
+        }
+    };
+    for (const int first : {0, 1, 7})
+        for (int n = 0; n < 4; ++n) {
+            const ShardTask made = task(first + n, first, first + 3, 4);
+            CHECK(made.number.shard == std::uint32_t(n + 1));
+            CHECK(made.number.of == 4);
+            CHECK(made.first_task == std::uint32_t(first));
+        }
+    CHECK_THROWS_AS(task(9, 3, 9, 4), UsageError);  // tasks 3 and 7 to 9, of nothing that is there
+    CHECK_THROWS_AS(task(2, 3, 6, 4), UsageError);  // outside of its array
+    CHECK_THROWS_AS(task(7, 3, 6, 4), UsageError);
+    CHECK_THROWS_WITH(task_of_scheduler(desk.path("shards")), Contains("SLURM_ARRAY_TASK_ID"));
+}
+
+TEST_CASE("The report tells the mesh as it was read and as it is printed") {
+    PrintDesk desk;
+    {
+        // A face is missing, and one is there twice.
+        std::ofstream out(desk.path("box.obj"));
+        for (int c = 0; c < 8; ++c)
+            out << fmt::format("v {} {} {} 0.5 0.4 0.4\n", c & 1 ? 2 : 0, c & 2 ? 2 : 0, c & 4 ? 1 : 0);
+        out << "f 1 3 4\nf 1 4 2\nf 5 6 8\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\nf 1 5 7\nf 1 7 3\nf 2 4 8\nf 2 8 6\n"
+               "f 2 8 6\n";
+    }
+    const json report = json::parse(desk.print(desk.options("out")).json);
+    REQUIRE(section_of(report, "The mesh"));
+    std::map<std::string, std::pair<std::string, std::string>> rows;
+    for (const json& row : section_of(report, "The mesh")->at("tables")[0].at("rows"))
+        rows[row[0]] = {row[1].get<std::string>(), row[2].get<std::string>()};
+    CHECK(rows.at("triangles") == std::pair<std::string, std::string>{"12", "12"});
+    CHECK(rows.at("doubled faces") == std::pair<std::string, std::string>{"1", "0"});
+    CHECK(rows.at("boundary edges").first == "3");
+    CHECK(rows.at("boundary edges").second == "0");
+    CHECK(rows.at("edges that do not close").second == "0");
+    CHECK(rows.at("edges that do not close").first != "0");
+    CHECK(rows.at("shells").second == "1");
 }
 
 TEST_CASE("A loop that was stopped goes on by itself and ends where it would have") {

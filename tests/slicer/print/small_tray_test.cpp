@@ -182,5 +182,16 @@ TEST_CASE("A tray's estimate is what its stack comes to") {
     double sum = 0;
     for (const ResinEstimate& resin : estimate.resins) sum += resin.ml;
     CHECK(sum == Approx(estimate.body_ml).epsilon(1e-6));
+    CHECK(estimate.layer_um == Approx(27));
+    // What its parts take is added up, phase by phase.
+    const JobEstimate box = estimate_print({desk.options("one")}, desk.said);
+    const auto cpu_of = [](const JobEstimate& of, Phase phase) {
+        double cpu_s = 0;
+        for (const PhaseEstimate& one : of.phases)
+            if (one.phase == phase) cpu_s += one.cpu_s;
+        return cpu_s;
+    };
+    CHECK(cpu_of(estimate, Phase::separate) == Approx(2 * cpu_of(box, Phase::separate)));
+    CHECK(cpu_of(estimate, Phase::layers) > cpu_of(box, Phase::layers));
     CHECK_FALSE(fs::exists(desk.path("out/parts/none")));
 }
