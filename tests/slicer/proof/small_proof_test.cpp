@@ -185,9 +185,47 @@ TEST_CASE("Under several lights a proof is one picture below the other, each as 
     CHECK(all.says["beams"][0]["width_mm"] == 2);
     CHECK(all.says["beams"][0]["responses"].empty());
     CHECK_THAT(all.result.text, Contains("a spot of light, 2 mm wide") && Contains("told of flat slabs alone"));
+    CHECK_THAT(all.result.text, !Contains("other places"));
     CHECK_THAT(alone[0].result.text, !Contains("told of flat slabs"));
     CHECK_THAT(all.numbers.comment, Contains("light overcast; below even; below a spot of light, 2 mm wide, at ("));
     CHECK_THAT(all.numbers.comment, !Contains("missing"));
+}
+
+TEST_CASE("Of a box that has lost its model it is told how far light goes on beside a beam") {
+    PrintDesk lost;
+    SliceOptions sliced = lost.options("out");
+    sliced.report = false;
+    (void)lost.print(sliced);
+    std::filesystem::remove(lost.path("box.obj"));
+    ProofOptions options = small_proof({"p.exr"});
+    options.stacks = {sliced.out};
+    options.view.assign("top");
+    options.size.assign("40x40");
+    options.samples = 24;
+    options.lights = {"edge"};
+    const Proofed made = proofed(options);
+    CHECK(made.says.at("surface") == json({"box"}));
+    REQUIRE(made.says.at("beams").at(0).at("responses").size() == 1);
+    const json& response = made.says["beams"][0]["responses"][0];
+    CHECK(response.at("slab") == 0);
+    CHECK(response.at("stack") == sliced.out);
+    const std::vector<double> at = response.at("distance_mm"), light = response.at("luminance"),
+                              error = response.at("standard_error");
+    REQUIRE((at.size() > 10 && light.size() == at.size() && error.size() == at.size()));
+    CHECK(std::is_sorted(at.begin(), at.end()));
+    CHECK(at.front() < -0.5);
+    CHECK(at.back() > 0.5);
+    CHECK(light.front() > 5 * light.back());
+    for (const double e : error) CHECK(e >= 0);
+    // The half comes before the tenth, and both are told in words too.
+    CHECK(response.at("half_mm").get<double>() > 0);
+    CHECK(response.at("half_mm").get<double>() < response.at("tenth_mm").get<double>());
+    CHECK(response.at("tenth_error_mm").get<double>() > 0);
+    CHECK_THAT(made.result.text,
+               Contains(fmt::format("to a half within {:.3f} +- {:.3f} mm", response["half_mm"].get<double>(),
+                                    response["half_error_mm"].get<double>())) &&
+                   Contains(fmt::format("to a tenth within {:.3f}", response["tenth_mm"].get<double>())) &&
+                   !Contains(", slab "));
 }
 
 TEST_CASE("Faces are as rough as the printer leaves them, and without a ground there is none") {
