@@ -135,6 +135,7 @@ TEST_CASE("The report of a print says what its layers hold, and the estimate sai
 TEST_CASE("The same job again does nothing, another asks before it takes the folder") {
     PrintDesk desk;
     SliceOptions options = desk.options("out");
+    options.report = false;
     const JobResult first = desk.print(options);
     const auto written = fs::last_write_time(desk.path("out/manifest.json"));
     const std::string content = desk.content("out");
