@@ -121,6 +121,12 @@ TEST_CASE("A thin page over black is told to be thin, and that a thicker one wou
             told = true;
             CHECK_THAT(region.at("why").get<std::string>(), Contains("let light pass") || Contains("0.8 mm"));
             CHECK(region.at("area_mm2").get<double>() > 9);
+            CHECK(region.at("area_mm2").get<double>() <= 27.1);  // all of the page
+            CHECK(region.at("pieces") == 1);
+            // Of its own size, not of its area's: between what is good and what is black for white.
+            CHECK(region.at("de2000").get<double>() > 2);
+            CHECK(region.at("de2000").get<double>() < 25);
+            CHECK(region.at("printed").get<std::string>().find("(255, 255, 255)") == std::string::npos);
         }
     for (const json& advice : verdict.at("advice"))
         advised = advised || advice.at("options").get<std::string>().starts_with("--thickness ");
