@@ -85,6 +85,10 @@ Verb predict_verb() {
                 "monte-carlo follows paths and needs the mesh, other models gather it cell by cell, too "
                 "dark inside thin translucent walls",
                 {.choices = {"lost", "followed"}});
+    command.add(
+        "--light", o.light,
+        "front: by light that falls on it; behind: by that of a wide source behind a slab; auto: as the job said",
+        {.choices = {"auto", "front", "behind"}});
     command.add("--backing", o.backing,
                 std::string("what lies under the print: ") + slicer::backing_words +
                     "; auto: what the job said, else black under a slab, none under a body");

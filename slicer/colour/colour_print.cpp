@@ -205,6 +205,9 @@ void ColourPrint::evaluate(const io::StackDescription&, Progress& progress) {
         prediction_->seen = seen_from(*prediction_, job_.options.loop.viewing_distance_mm,
                                       job_.options.loop.intent != halftone::Intent::absolute,
                                       known ? std::exchange(loop_->result.seen_target, nullptr) : nullptr);
+        if (parts_.night())
+            night_ = predict_night(job_.options, prediction_plan_.model, body_, job_.resins, *parts_.night(),
+                                   *prediction_, progress);
         prediction_->sides = SidesSeen(body_, prediction_->predicted.surface, progress);
         return;
     }
@@ -242,6 +245,7 @@ ColourReport ColourPrint::drawn() const {
 void ColourPrint::draw(io::Report& report, Progress& progress) const {
     const ColourReport sources = drawn();
     draw_colour_report(sources, report, job_.options.out, progress);
+    if (night_) report.sections.push_back(draw_night(*night_, *prediction_, job_.options.out));
     add_viewer(sources, report, progress);
 }
 
@@ -249,6 +253,8 @@ std::optional<io::ViewerSurface> ColourPrint::viewer_surface(std::size_t bytes, 
     return slicer::viewer_surface(drawn(), bytes, progress);
 }
 
-std::string ColourPrint::summary(const io::Report& report) const { return colour_summary(report); }
+std::string ColourPrint::summary(const io::Report& report) const {
+    return colour_summary(report) + (night_ ? fmt::format("  {}\n", night_->words()) : "");
+}
 
 }  // namespace voxtone::slicer

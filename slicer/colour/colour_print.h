@@ -9,6 +9,7 @@
 #include "slicer/colour/colour_report.h"
 #include "slicer/colour/job_loop.h"
 #include "slicer/colour/job_prediction.h"
+#include "slicer/colour/night_prediction.h"
 #include "slicer/colour/print_parts.h"
 #include "slicer/kept/job_identity.h"
 #include "slicer/layers/skin_source.h"
@@ -69,6 +70,7 @@ private:
     std::unique_ptr<const JobColour> colour_;
     PrintParts parts_;
     const JobPlan& plan_;
+    std::optional<NightPrediction> night_;  ///< where the slab has one, and is predicted
     std::string alpha_warning_;             ///< empty: there is none
     std::string why_no_loop_;               ///< a sentence, or empty where none is due
     std::optional<PreparedLoop> prepared_;  ///< until it has run

@@ -115,16 +115,6 @@ std::vector<Eigen::Vector3f> difference_colours(const std::vector<double>& diffe
     return colours;
 }
 
-/// The same cells with other colours; numbers are the colours.
-SurfacePrediction cells_in_colours(const SurfacePrediction& cells, const std::vector<Eigen::Vector3f>& rgb) {
-    SurfacePrediction out;
-    out.surface.cell_voxels = cells.surface.cell_voxels;
-    out.surface.cells = cells.surface.cells;
-    out.channels = 3;
-    out.rgb = rgb;
-    return out;
-}
-
 /// By how much a picture is made smaller for the page, which has room for some hundred px; the files beside it have
 /// every cell.
 std::uint32_t page_step(const io::LinearPicture& picture) {
@@ -244,6 +234,15 @@ constexpr const char* separation_note =
     "neighbouring colours, at edges and in thin parts.";
 
 }  // namespace
+
+SurfacePrediction cells_in_colours(const SurfacePrediction& cells, const std::vector<Eigen::Vector3f>& rgb) {
+    SurfacePrediction out;
+    out.surface.cell_voxels = cells.surface.cell_voxels;
+    out.surface.cells = cells.surface.cells;
+    out.channels = 3;
+    out.rgb = rgb;
+    return out;
+}
 
 ColouredSurface target_surface(const ColourReport& s) {
     return coloured(s, [](const Eigen::Vector3f& rgb) { return rgb; });

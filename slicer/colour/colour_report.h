@@ -51,6 +51,10 @@ void add_remarks(const std::optional<JobLoop>& loop, const std::optional<JobPred
 void draw_colour_report(const ColourReport& sources, io::Report& report, const std::filesystem::path& folder,
                         Progress& progress);
 
+/// The same cells in these colours, for pictures of them.
+[[nodiscard]] SurfacePrediction cells_in_colours(const SurfacePrediction& cells,
+                                                 const std::vector<Eigen::Vector3f>& rgb);
+
 /// Lines of the job's summary.
 [[nodiscard]] std::string colour_summary(const io::Report& report);
 

@@ -42,6 +42,12 @@ PrintParts::PrintParts(const ResolvedJob& job, const JobBody& body, const Loaded
     : PrintParts(job, body, resins, looked_through_mm(job, body)) {
     colour_ = &colour;
     if (surface_colour_.has_alpha()) translucency_.emplace(colour.appearance, colour.separation, resins.set.find("T"));
+    if (job.picture.has_night()) {
+        const Eigen::Vector3d& pitch_mm = body.grid.pitch_mm;
+        night_.emplace(colour.appearance, colour.separation, surface_colour_, *body.surface, body.model.mesh,
+                       read_night_picture(job, progress), body.placement.extent_mm.z(),
+                       std::sqrt(pitch_mm.x() * pitch_mm.y()), resins.set.find("T"));
+    }
     zones_ = zones_of(colour.appearance.geometry());
     if (job.colour.screen == ScreenKind::blue_noise)
         screen_.emplace(std::array{body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()}, &progress);
@@ -66,7 +72,7 @@ LayerSources PrintParts::sources(const SkinSource* skin) const {
                          .resins = fill_};
     if (colour_)
         sources.resins.emplace<MixtureSources>(surface_colour_, colour_->separation, screen_ ? &*screen_ : nullptr,
-                                               seed_, skin, translucent_body());
+                                               seed_, skin, translucent_body(), night());
     sources.zones = zones_;
     return sources;
 }
@@ -129,7 +135,7 @@ optics::ResinVolume PrintParts::volume_of(const LayerSources& sources, std::uint
 
 std::optional<SkinVoxels> PrintParts::skin_voxels(const SkinMap& map, std::uint64_t memory_bytes,
                                                   const Progress& progress) const {
-    if (!screen_ || surface_colour_.sets_resins() || translucency_) return std::nullopt;
+    if (!screen_ || surface_colour_.sets_resins() || translucency_ || night_) return std::nullopt;
     const int depth = shell_.block_size()[2];
     const auto& size = body_.grid.size;
     const auto visit_slab = [&](int slab, const auto& visit) {

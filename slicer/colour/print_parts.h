@@ -53,6 +53,8 @@ public:
     [[nodiscard]] const halftone::Translucency* translucency() const {
         return translucency_ ? &*translucency_ : nullptr;
     }
+    /// Colours on the lower face; null: none.
+    [[nodiscard]] const NightSide* night() const { return night_ ? &*night_ : nullptr; }
     /// What `volume` looks up again for every print by a skin, kept: nothing where it takes more than `memory_bytes`,
     /// or where not every voxel is screened by itself from the loop's mixtures.
     [[nodiscard]] std::optional<SkinVoxels> skin_voxels(const SkinMap& map, std::uint64_t memory_bytes,
@@ -83,6 +85,7 @@ private:
     DepthZones zones_;
     std::optional<halftone::BlueNoiseScreen> screen_;
     std::optional<halftone::Translucency> translucency_;  ///< where alpha asks for it
+    std::optional<NightSide> night_;
 };
 
 }  // namespace voxtone::slicer

@@ -56,6 +56,7 @@ std::vector<JobInput> named_inputs(const OpenedJob& job, const Progress* progres
             inputs.push_back(file_input(fmt::format("font:{}", m + 1), io::find_font(mark.font).string(), progress));
     }
     // A word or a file: what it is counts, whichever it is.
+    if (options.picture.has_night()) inputs.push_back(file_input("night", options.picture.night, progress));
     if (const BackingChoice& backing = options.picture.backing; !backing.picture.empty())
         inputs.push_back(file_input("backing", backing.picture, progress));
     else if (backing != optics::Backing::black)

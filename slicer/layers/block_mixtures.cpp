@@ -12,8 +12,9 @@ BlockMixtures::BlockMixtures(const LayerSources& sources)
       skin_(std::get<MixtureSources>(sources.resins).skin),
       zones_(sources.zones),
       translucent_(std::get<MixtureSources>(sources.resins).translucent),
+      night_(std::get<MixtureSources>(sources.resins).night),
       core_(sources.core - 1) {
-    if (!colour_.sets_resins() && !zones_.any() && !translucent_.kept) return;
+    if (!colour_.sets_resins() && !zones_.any() && !translucent_.kept && !night_) return;
     const auto resins = static_cast<std::size_t>(separation_.resins());
     halftone::SkinMixtures each(resins, 1, resins);
     for (std::size_t r = 0; r < resins; ++r) each.cell(r)[r] = 1;
@@ -24,6 +25,7 @@ std::size_t BlockMixtures::gather(const ShellBlock& block) {
     count_ = 0;
     marked_.clear();
     thinned_.clear();
+    dark_.clear();
     for_each_shell_voxel(block, [&](int row, int lane) {
         const int at = row * ShellBlock::width + lane;
         const std::uint32_t source = surface_.source_triangle[block.triangle[at]];
@@ -37,6 +39,11 @@ std::size_t BlockMixtures::gather(const ShellBlock& block) {
             }
             if (depth_mm > translucent_.shell_mm) resin = core_;
         }
+        if (night_ && depth_mm > night_->from_mm())
+            dark_.emplace_back(count_, night_->wanted(night_->asked(source, block.u[at], block.v[at]),
+                                                      colour_.at(source, block.u[at], block.v[at])));
+        else if (night_ && depth_mm > night_->day_mm())
+            resin = core_;
         if (resin < 0 && colour_.sets_resins()) resin = colour_.resin_at(source, block.u[at], block.v[at]);
         if (resin >= 0) marked_.emplace_back(count_, resin);
         if (skin_) {
@@ -55,6 +62,8 @@ std::size_t BlockMixtures::gather(const ShellBlock& block) {
 const halftone::CumulativeMixture* BlockMixtures::separate() {
     if (!skin_) separation_.mixtures(red_.data(), green_.data(), blue_.data(), count_, mixture_.data());
     for (const auto& [voxel, resin] : marked_) mixture_[voxel] = pure_[static_cast<std::size_t>(resin)];
+    for (const auto& [voxel, rgb] : dark_)
+        night_->separation().mixtures(&rgb.x(), &rgb.y(), &rgb.z(), 1, &mixture_[voxel]);
     for (const auto& [voxel, kept] : thinned_) mixture_[voxel] = translucent_.kept->diluted(mixture_[voxel], kept);
     return mixture_.data();
 }

@@ -12,6 +12,7 @@
 #include "slicer/layers/block_fill.h"
 #include "slicer/layers/depth_zones.h"
 #include "slicer/layers/layer_source.h"
+#include "slicer/layers/night_side.h"
 #include "slicer/layers/skin_source.h"
 #include "slicer/solid/solid.h"
 #include "slicer/solid/span_slab.h"
@@ -37,6 +38,7 @@ struct MixtureSources {
     std::uint64_t seed;                       ///< of error diffusion
     const SkinSource* skin = nullptr;         ///< the appearance loop's mixtures instead of the separation's
     TranslucentBody translucent = {};
+    const NightSide* night = nullptr;  ///< of a slab that has one
 };
 
 /// Everything must outlive the maker of layers.

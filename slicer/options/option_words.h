@@ -36,6 +36,7 @@ enum class AlphaMeaning {
 enum class PictureView {
     front,    ///< by light that falls on it
     through,  ///< by light from behind
+    both,     ///< by either, two pictures
 };
 
 enum class ScreenKind {
@@ -169,7 +170,8 @@ struct NamesOf<slicer::PredictedView> {
 template <>
 struct NamesOf<slicer::PictureView> {
     using E = slicer::PictureView;
-    static constexpr auto table = std::to_array<Named<E>>({{E::front, "front"}, {E::through, "through"}});
+    static constexpr auto table =
+        std::to_array<Named<E>>({{E::front, "front"}, {E::through, "through"}, {E::both, "both"}});
 };
 template <>
 struct NamesOf<slicer::RepairMode> {

@@ -29,6 +29,8 @@ struct PictureOptions {
     bool cut_out = false;                   ///< transparent pixels are no print
     BackingChoice backing;                  ///< what lies under it
     PictureView view = PictureView::front;  ///< through: by a source behind it, and nothing lies under it
+    std::string night;                      ///< both: file of the picture that light from behind shows
+    [[nodiscard]] bool has_night() const { return view == PictureView::both; }
     [[nodiscard]] bool is_lit_from_behind() const { return view == PictureView::through; }
 };
 

@@ -32,6 +32,7 @@ struct SliceOptions {
     std::string texture_filter = "file";  ///< as the file says, nearest, linear
     std::string backing = "black";
     std::string view = "front";               ///< of pictures: by light from the front, or by light that comes through
+    std::string night;                        ///< file, with view both
     std::vector<std::string> labels, decals;  ///< each as it is spelled (mark_words.h)
 
     std::string show = "colour";  ///< colour, or how light spreads: layers of the map's profiles (see job_layers.h)

@@ -155,11 +155,30 @@ std::vector<OptionSpec> resins_entries() {
              .metavar = "FROM",
              .group = group,
              .help = "pictures: seen by light that falls on them (front), or by that of a wide diffuse source behind "
-                     "them (through: a lithophane), where white is what clear resin lets through; wants clear resin",
+                     "them (through: a lithophane), where white is what clear resin lets through; both: by day this "
+                     "picture, "
+                     "by light from behind that of --night. The last two want clear resin",
              .only_for = Show::colour,
              .idle = {[](const O&, bool is_picture) {
                  return unless(is_picture, "light goes through the slabs of pictures; a mesh is seen from all sides");
-             }}}),
+             }},
+             .rule =
+                 [](const O& o) {
+                     if (o.view != name_of(PictureView::both)) return std::string_view();
+                     if (o.night.empty()) return std::string_view("wants a second picture: --night FILE");
+                     return unless(o.coat_mm == 0 && o.enclose_mm == 0 && o.core == "W",
+                                   "goes with no --coat, --enclose or --core: white lies between day and night");
+                 }}),
+        plain(&O::night, at(&Job::picture, &PictureOptions::night),
+              {.key = "night",
+               .metavar = "FILE",
+               .group = group,
+               .help = "with --view both: the picture that light from behind shows, of the same shape",
+               .names = Names::input,
+               .only_for = Show::colour,
+               .idle = {[](const O& o, bool) {
+                   return unless(o.view == name_of(PictureView::both), "only --view both shows a second picture");
+               }}}),
         {.key = "backing",
          .metavar = "SHEET",
          .group = group,
@@ -170,7 +189,7 @@ std::vector<OptionSpec> resins_entries() {
                       return unless(is_picture, "a sheet lies under pictures only; a mesh floats in light");
                   },
                   [](const O& o, bool) {
-                      return unless(o.view == name_of(PictureView::front),
+                      return unless(o.view != name_of(PictureView::through),
                                     "with --view through a source lies behind the picture, and no sheet");
                   }},
          .resolve = [](const O& o, Job& job) { job.picture.backing = parse_backing("backing", o.backing); }},

@@ -159,7 +159,8 @@ void look_from(const ResolvedPrediction& job, const ReadStack& stack, PredictFig
     figures.from_above = seen_from_above(job, stack.head);
     const BackingChoice usual = figures.from_above ? optics::Backing::black : optics::Backing::none;
     figures.backing = job.backing.value_or(stack.volume.backing.value_or(usual));
-    figures.from_behind = stack.volume.from_behind && figures.from_above && !job.backing;
+    const bool by_job = stack.volume.from_behind && !job.backing;
+    figures.from_behind = figures.from_above && job.from_behind.value_or(by_job);
     if (figures.from_behind) figures.backing = optics::Backing::none;
 }
 

@@ -78,6 +78,11 @@ ResolvedPrediction resolve_without_files(const PredictOptions& o) {
     }
     job.view = parse_choice<PredictedView>("view", o.view);
     job.backing = backing_or_auto(o.backing);
+    if (o.light != "auto" && o.light != "front" && o.light != "behind")
+        refuse_choice("light", o.light, {"auto", "front", "behind"});
+    if (o.light != "auto") job.from_behind = o.light == "behind";
+    need(o.light != "behind" || !job.backing, "backing", o.backing,
+         "would lie between the print and --light behind: leave one of the two out");
     if (!o.pitch.empty()) job.pitch_mm = parse_pitch_mm(o.pitch);
     for (const std::string& text : o.assign) job.assign.push_back(parse_assignment(text));
     job.memory_bytes = memory_budget(o.memory_gib);

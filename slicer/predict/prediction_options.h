@@ -23,6 +23,7 @@ struct PredictOptions {
     std::string model{name_of(PredictionModel::transport)};
     double cell_mm = 0.085;  ///< of the viewing grid; in [0.01, 5]
     ModelOptions quality;
+    std::string light = "auto";  ///< front, behind; auto: as the job said
     std::string backing =
         "auto";  ///< black, white, none; auto: what the job said; else black under slabs, none under bodies
     std::string boundary = "auto";    ///< of light paths: mesh, voxels; auto: the mesh where the stack knows its model
@@ -55,6 +56,7 @@ struct ResolvedPrediction {
     std::optional<std::array<double, 3>> pitch_mm;  ///< of foreign stacks
     std::vector<ColourAssignment> assign;           ///< of foreign stacks
     PredictionModel model = PredictionModel::transport;
+    std::optional<bool> from_behind;       ///< what is seen by light from there; nothing: as the job said
     std::optional<BackingChoice> backing;  ///< nothing: what the job said; else black under slabs, none under bodies
     BodyEnd boundary = BodyEnd::automatic;
     LightOutside outside = LightOutside::lost;

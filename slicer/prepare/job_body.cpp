@@ -221,6 +221,23 @@ io::Picture read_input_picture(const ResolvedJob& job, const Progress& progress)
     }
 }
 
+std::shared_ptr<const io::Texture> read_night_picture(const ResolvedJob& job, const Progress& progress) {
+    constexpr double most_off = 0.02;
+    const auto shape = [](const io::Picture& picture) {
+        return picture.width_px / (picture.height_px * picture.pixel_aspect);
+    };
+    io::ReadOptions reading = job.reading;
+    reading.progress = &progress;
+    const io::Picture night = io::read_picture(job.picture.night, reading);
+    const double day = shape(read_input_picture(job, progress));
+    if (std::abs(shape(night) / day - 1) > most_off)
+        throw InputError(
+            fmt::format("--night {}: is {:.3f} times as wide as high, but the picture for the day is "
+                        "{:.3f} times: cut one to the shape of the other",
+                        job.picture.night, shape(night), day));
+    return night.texture;
+}
+
 JobBody read_body(const ResolvedJob& job, Progress& progress) {
     JobBody body;
     const Stopwatch watch;

@@ -54,6 +54,9 @@ void check_model(const ResolvedJob& job);
 /// Throws FileError, InputError.
 [[nodiscard]] io::Picture read_input_picture(const ResolvedJob& job, const Progress& progress);
 
+/// The second picture of --view both. Throws FileError, InputError for another shape than the first.
+[[nodiscard]] std::shared_ptr<const io::Texture> read_night_picture(const ResolvedJob& job, const Progress& progress);
+
 /// The model as its file has it, placed, with what there is to say of it: the first steps of `prepare_body`. Throws
 /// FileError, InputError.
 [[nodiscard]] JobBody read_body(const ResolvedJob& job, Progress& progress);

@@ -47,7 +47,8 @@ void check_clear(const ResolvedJob& job, const PrinterProfile& printer, const op
                  std::vector<std::string> roles) {
     if (!wants_clear(job) || std::ranges::find(roles, "T") != roles.end()) return;
     const ColourOptions& colour = job.colour;
-    const std::string said = job.picture.is_lit_from_behind()             ? "--view through"
+    const std::string said = job.picture.view != PictureView::front
+                                 ? fmt::format("--view {}", name_of(job.picture.view))
                              : colour.coat_mm > 0                         ? fmt::format("--coat {:g}mm", colour.coat_mm)
                              : colour.alpha == AlphaMeaning::translucency ? std::string("--alpha translucency")
                              : colour.enclose_mm > 0 ? fmt::format("--enclose {:g}mm", colour.enclose_mm)
@@ -88,7 +89,7 @@ void check_lets_light_through(const ColourOptions& options, const optics::ShellA
 bool wants_clear(const ResolvedJob& job) {
     const ColourOptions& colour = job.colour;
     return job.shows_colours() && (colour.core == "T" || colour.alpha == AlphaMeaning::translucency ||
-                                   colour.clear_over_mm() > 0 || job.picture.is_lit_from_behind());
+                                   colour.clear_over_mm() > 0 || job.picture.view != PictureView::front);
 }
 
 std::string usual_resins(const ResolvedJob& job, const PrinterProfile& printer) {
@@ -139,8 +140,10 @@ std::optional<SlabUnderColour> slab_under_colour(const ResolvedJob& job, const J
 
 double looked_through_mm(const ResolvedJob& job) {
     const ColourOptions& colour = job.colour;
-    // Clear resin lies all below an enclosed picture: to its lower face, and what rounding of voxels adds to that.
-    if (job.is_picture() && colour.enclose_mm > 0) return printed_mm(job.picture, colour) + 1;
+    // Clear resin lies all below an enclosed picture, and a night's colours on the lower face: to its lower face, and
+    // what rounding of voxels adds to that.
+    if (job.is_picture() && (colour.enclose_mm > 0 || job.picture.has_night()))
+        return printed_mm(job.picture, colour) + 1;
     return colour.depth_mm + colour.clear_over_mm();
 }
 

@@ -101,6 +101,60 @@ TEST_CASE("What clear resin cannot do is refused in a sentence: a dark lithophan
     refused("--coat 11mm", 2, "must be 0 to 10 mm");
 }
 
+TEST_CASE("One picture is seen by day and another by light from behind, and what the night gave up is told") {
+    const Folder folder("day-and-night");
+    /// Halves of two greys: left and right, or upper and lower.
+    const auto halves = [&](const std::string& name, int first, int second, bool upright, int width = 40) {
+        voxtone::io::Picture8 codes{std::uint32_t(width), 40, 3, {}};
+        for (int y = 0; y < 40; ++y)
+            for (int x = 0; x < width; ++x)
+                codes.codes.insert(codes.codes.end(), 3, std::uint8_t((upright ? x : y) < 20 ? first : second));
+        const auto bytes = voxtone::io::png_bytes(codes);
+        folder.write(name, std::string(bytes.begin(), bytes.end()));
+        return folder / name;
+    };
+    const std::string day = halves("day.png", 240, 205, true), night = halves("night.png", 240, 90, false);
+    const std::string slice = fmt::format("slice {} --view both --width 6mm -o {} --overwrite ", day, folder / "out");
+    const Outcome made = run_program(slice + "--night " + night + " --depth 0.4mm --thickness 1.6mm --iterations 0");
+    INFO(made.err << made.out);
+    REQUIRE(made.exit_code == 0);
+    CHECK_THAT(made.out, Catch::Matchers::Contains("By light from behind"));
+    /// Code of green in the middle of a quarter.
+    const auto seen = [&](const std::string& file, bool right, bool lower) {
+        const Bitmap picture = read_png(folder / file);
+        double sum = 0;
+        for (int dy = -4; dy <= 4; ++dy)
+            for (int dx = -4; dx <= 4; ++dx)
+                sum +=
+                    picture.at((right ? 3 : 1) * picture.width / 4 + dx, (lower ? 3 : 1) * picture.height / 4 + dy)[1];
+        return sum / 81;
+    };
+    for (const bool lower : {false, true}) {
+        CHECK(seen("out/predicted.png", false, lower) - seen("out/predicted.png", true, lower) > 20);
+        // The day's colours are made up for: what is left of them by night is less than they show by day.
+        CHECK(std::abs(seen("out/night.png", false, lower) - seen("out/night.png", true, lower)) < 20);
+    }
+    for (const bool right : {false, true}) {
+        CHECK(std::abs(seen("out/predicted.png", right, false) - seen("out/predicted.png", right, true)) < 12);
+        CHECK(seen("out/night.png", right, false) - seen("out/night.png", right, true) > 100);
+    }
+    REQUIRE(run_program(fmt::format("predict {} --light behind --quiet -o {}", folder / "out", folder / "b.png"))
+                .exit_code == 0);
+    CHECK(seen("b.png", false, false) > 1.5 * seen("b.png", false, true));
+    const auto refused = [&](const std::string& words, int code, const std::string& said) {
+        const Outcome outcome = run_program(words);
+        CAPTURE(words, outcome.err);
+        CHECK(outcome.exit_code == code);
+        CHECK_THAT(outcome.err, Catch::Matchers::Contains(said));
+    };
+    refused(slice, 2, "wants a second picture: --night FILE");
+    refused(slice + "--night " + halves("wide.png", 0, 255, true, 60), 3, "1.500 times as wide as high");
+    refused(slice + "--thickness 2mm --night " + night, 3, "nothing is left between them");
+    refused(fmt::format("slice {} --night {} --width 6mm -o {}", day, night, folder / "no"), 2, "only --view both");
+    refused(fmt::format("predict {} --light behind --backing white -o {}", folder / "out", folder / "c.png"), 2,
+            "between the print and --light behind");
+}
+
 TEST_CASE("An estimate counts the clear resin that alpha asks for") {
     const Folder folder("estimated-alpha");
     voxtone::io::Picture8 codes{60, 20, 4, {}};
