@@ -20,6 +20,7 @@ namespace voxtone::cli {
 [[nodiscard]] Verb calibrate_fit_verb(const CalibrateJobs& jobs);
 [[nodiscard]] Verb calibrate_check_verb(const CalibrateJobs& jobs);
 [[nodiscard]] Verb calibrate_icc_verb(const CalibrateJobs& jobs);
+[[nodiscard]] Verb calibrate_responses_verb(const CalibrateJobs& jobs);
 [[nodiscard]] Verb calibrate_profile_verb(const CalibrateJobs& jobs);
 [[nodiscard]] Verb calibrate_simulate_profile_verb(const CalibrateJobs& jobs);
 

@@ -18,6 +18,7 @@
 #include "calibration/photo/photo_simulation_job.h"
 #include "calibration/profile/profile_job.h"
 #include "calibration/profile/profile_simulation_job.h"
+#include "calibration/sweep/response_sweep_job.h"
 #include "calibration/target/target_job.h"
 
 namespace voxtone::cli {
@@ -38,6 +39,7 @@ struct CalibrateJobs {
     JobResult (*photo)(const calibration::PhotoJob& job, Progress& progress) = nullptr;
     JobResult (*profile)(const calibration::ProfileJob& job, Progress& progress) = nullptr;
     calibration::ExposureFile (*exposure)(const std::string& text) = nullptr;  ///< of a word, for `profile`
+    JobResult (*responses)(const calibration::ResponseSweepJob& job, Progress& progress) = nullptr;
     JobResult (*simulate)(const calibration::PhotoSimulationJob& job, Progress& progress) = nullptr;
     JobResult (*simulate_profile)(const calibration::ProfileSimulationJob& job, Progress& progress) = nullptr;
     JobResult (*target)(const calibration::TargetJob& job, const calibration::PrintBoxes& print,

@@ -21,6 +21,7 @@ constexpr voxtone::cli::CalibrateJobs jobs{.check = voxtone::calibration::run_ch
                                            .photo = voxtone::calibration::run_photo_job,
                                            .profile = voxtone::calibration::run_profile_job,
                                            .exposure = voxtone::calibration::parse_exposure,
+                                           .responses = voxtone::calibration::run_response_sweep,
                                            .simulate = voxtone::calibration::run_photo_simulation,
                                            .simulate_profile = voxtone::calibration::run_profile_simulation,
                                            .target = voxtone::calibration::run_target_job};
