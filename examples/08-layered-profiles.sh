@@ -24,7 +24,7 @@ resins="--resins vero-opaque-clear"
 "$voxtone" laminate factor "$out/marble.bssrdf" --clusters 4 --overwrite -o "$out/marble.json"
 
 # 5. The marble wrapped around a mesh, as layers under each point of its surface. The laminates are by the layered model alone
-# (--laminate-rounds 0): leave that out to have them corrected by Monte Carlo, in some ten seconds for each cluster.
+# (--laminate-rounds 0): leave that out to have them corrected, in a second for each cluster.
 "$voxtone" slice "$here/models/spot/spot.obj" --size 30mm --rotate x90,z180 --show layered-profile --profiles "$out/marble.json" \
     --profile-placement box $resins --load W,K,T --dc-weight 10 --laminate-thickness 2mm --laminate-rounds 0 --overwrite -o "$out/marble"
 "$voxtone" verify "$out/marble"

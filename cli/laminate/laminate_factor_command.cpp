@@ -51,6 +51,9 @@ Verb laminate_factor_verb() {
     command.add("--luminance", a.job.luminance,
                 "of the data alone, as in the paper: a map of one channel, which asks the same of each channel of the "
                 "resins");
+    command.add("--tint", a.job.tint,
+                "of the data as seen through a skin of a picture's colours: colour and spreading at once",
+                {.unit = "PICTURE", .not_with = "--luminance"});
     add_map_options(command, a);
     command.add("--check", a.job.check,
                 "other data of the same surface: says how far profiles are wrong, without the noise", {.unit = "FILE"});

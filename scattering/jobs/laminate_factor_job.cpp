@@ -10,8 +10,10 @@
 #include "io/disk/output_files.h"
 #include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
+#include "io/pictures/picture.h"
 #include "scattering/jobs/profile_map_picture.h"
 #include "scattering/local_profiles/luminance_channel.h"
+#include "scattering/local_profiles/tinted_responses.h"
 
 namespace voxtone::scattering {
 namespace {
@@ -140,6 +142,7 @@ std::string draw(const LaminateFactorJob& job, const io::BssrdfFile& data, const
 
 io::BssrdfFile data_of(const LaminateFactorJob& job, const std::string& file) {
     io::BssrdfFile data = io::read_bssrdf(file);
+    if (!job.tint.empty()) return tinted(std::move(data), *io::read_picture(job.tint).texture);
     if (!job.luminance) return data;
     if (data.channels.size() == 1)
         throw InputError(fmt::format(

@@ -20,6 +20,7 @@ struct LaminateFactorJob {
     std::string dataset;     ///< file (io/profiles/bssrdf_file.h)
     std::string out;         ///< NAME.json (io/profiles/profile_map.h)
     bool luminance = false;  ///< of the data, and of those to check with: one channel (luminance_channel.h)
+    std::string tint;        ///< picture of a coloured skin over the data (tinted_responses.h); empty: none
     std::string check;       ///< other data of the same surface to compare with; empty: none
     std::string picture;     ///< PNG of data, factored and clustered side by side; empty: none
     bool overwrite = false;  ///< files that are there are replaced

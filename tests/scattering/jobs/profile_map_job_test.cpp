@@ -6,11 +6,15 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "io/files/whole_file.h"
+#include "io/pictures/picture.h"
+#include "io/pictures/picture_writer.h"
 #include "optics/colour/channels.h"
 #include "optics/numerics/hankel.h"
 #include "scattering/jobs/laminate_factor_job.h"
 #include "scattering/jobs/profile_map_picture.h"
 #include "scattering/local_profiles/luminance_channel.h"
+#include "scattering/local_profiles/tinted_responses.h"
 #include "tests/io/files/temporary_folder.h"
 #include "tests/scattering/local_profiles/response_samples.h"
 
@@ -153,4 +157,32 @@ TEST_CASE("Profile maps that cannot be made are refused with the reason") {
     io::BssrdfFile other = data;
     other.responses.pitch_mm = 0.4;
     CHECK_THROWS_WITH((void)make_profile_map(data, options, quiet, &other), Contains("one surface"));
+}
+
+TEST_CASE("Under a coloured skin local profiles are those of the data times its colour, and spread as far") {
+    // Two colours, the upper half of the picture and the lower one; data of one channel.
+    io::BssrdfFile data = sample(200, 1);
+    data.channels = luminance_channel();
+    data.responses.channels.resize(1);
+    const std::uint32_t width = data.responses.width, height = data.responses.height;
+    io::LinearPicture halves{2, 2, {{1, 1, 0, 1}, {1, 1, 0, 1}, {0.5F, 0.5F, 0.5F, 1}, {0.5F, 0.5F, 0.5F, 1}}};
+    const io::TemporaryFolder folder;
+    const auto file = folder.path() / "two.png";
+    io::write_whole_file(file, io::png_bytes(io::encode_over(halves, Eigen::Vector3f::Zero())));
+    const auto texture = io::read_picture(file).texture;
+    const io::BssrdfFile dyed = tinted(data, *texture);
+    REQUIRE(dyed.channels.is_rgb());
+    REQUIRE(dyed.responses.channels.size() == 3);
+    const std::size_t top = 0, bottom = std::size_t{height - 1} * width;
+    const auto total = [](const io::BssrdfFile& of, std::size_t c, std::size_t point) {
+        return static_cast<double>(of.responses.channels[c].pairs[point]);  // of a point with itself
+    };
+    for (std::size_t c = 0; c < 3; ++c) {
+        CHECK(total(dyed, c, top) == Approx((c < 2 ? 1 : 0) * total(data, 0, top)).margin(1e-6));
+        CHECK(total(dyed, c, bottom) == Approx(0.503 * total(data, 0, bottom)).epsilon(0.005));
+    }
+    io::BssrdfFile other = data;
+    other.channels = {};
+    other.channels.wavelengths_nm = {500};
+    CHECK_THROWS_WITH(tinted(other, *texture), Catch::Matchers::Contains("--tint"));
 }
