@@ -31,8 +31,8 @@ Verb laminate_trace_verb() {
     command.add("stack", job.stack, "folder that `slice --show layered-profile` made of a map's picture",
                 {.unit = "OUT", .required = true});
     command.add("-o,--out", job.files,
-                "file to write, several by repeating: .png (albedo, distance and a response, column by column) or .svg "
-                "(R(r) of the largest clusters)",
+                "file to write, several by repeating: .png (albedo, distance and a response, column by column), .svg "
+                "(R(r) of the largest clusters) or .bssrdf (R of the printed voxels)",
                 {.unit = "FILE", .one_each = true});
     add_overwrite_option(command, job.overwrite);
     command.add("--dataset", job.dataset,

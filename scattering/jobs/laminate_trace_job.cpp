@@ -41,8 +41,8 @@ void check(const LaminateTraceJob& job) {
         throw UsageError(fmt::format("--paths: {}; it lies between 1 and {}", job.paths, 1u << 24));
     for (const std::string& file : job.files) {
         const std::string ending = fs::path(file).extension().string();
-        if (ending != ".png" && ending != ".svg")
-            throw UsageError(fmt::format("{}: what was traced is written as .png or .svg", file));
+        if (ending != ".png" && ending != ".svg" && ending != ".bssrdf")
+            throw UsageError(fmt::format("{}: what was traced is written as .png, .svg or .bssrdf", file));
     }
 }
 
@@ -358,6 +358,13 @@ JobResult run_laminate_trace(const LaminateTraceJob& job, Progress& progress) {
     for (const std::string& file : job.files) {
         if (fs::path(file).extension() == ".svg") {
             io::write_whole_file(file, drawing(traced));
+            continue;
+        }
+        if (fs::path(file).extension() == ".bssrdf") {
+            io::write_bssrdf({fmt::format("voxtone laminate trace {}: {} paths a place", job.stack, job.paths),
+                              map.channels, printed},
+                             file);
+            text += fmt::format("  {}: R of the printed voxels\n", file);
             continue;
         }
         std::vector<PictureColumn> columns;

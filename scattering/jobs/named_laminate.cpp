@@ -9,6 +9,7 @@
 #include "base/contracts.h"
 #include "base/error.h"
 #include "optics/profiles/resin_profile.h"
+#include "optics/profiles/wave_laminates.h"
 #include "scattering/design/laminate_materials.h"
 
 namespace voxtone::scattering {
