@@ -69,10 +69,11 @@ std::vector<Written> write_all(const std::vector<LaminateMaterial>& materials, s
     return all;
 }
 
-double nearest(const std::vector<Written>& all, const ChannelProfiles& target, double dc_weight, auto&& allowed) {
+double nearest(const std::vector<Written>& all, const ChannelProfiles& target, const ProfileWeights& weights,
+               auto&& allowed) {
     double best = std::numeric_limits<double>::infinity();
     for (const Written& w : all)
-        if (allowed(w)) best = std::min(best, profile_distance(w.R, target, dc_weight));
+        if (allowed(w)) best = std::min(best, profile_distance(w.R, target, weights));
     return best;
 }
 
@@ -106,6 +107,7 @@ TEST_CASE("the laminate found is the best there is: three materials, 200 targets
             options.max_blocks = n;
             options.tolerance = 0;
             options.dc_weight = set % 3 == 0 ? 10 : 1;
+            options.edge_weights = set % 4 == 1;
             options.table_laminates = set % 2 == 0 ? 1 : 200;  // most of it from above, or half by tables
             const LaminateSearch search(materials, options);
             double count = 0;
@@ -116,10 +118,10 @@ TEST_CASE("the laminate found is the best there is: three materials, 200 targets
             const LaminateSearch shallow(materials, options);
             for (std::size_t i = 0; i < targets.size(); ++i) {
                 const double best =
-                    nearest(all, targets[i], options.dc_weight, [&](const Written& w) { return w.steps.size() <= n; });
+                    nearest(all, targets[i], options.weights(), [&](const Written& w) { return w.steps.size() <= n; });
                 worst = std::max(worst, std::abs(found[i].distance - best));
                 const ChannelProfiles R = laminate_reflection(materials, found[i].layers, {});
-                worst = std::max(worst, std::abs(profile_distance(R, targets[i], options.dc_weight) - best));
+                worst = std::max(worst, std::abs(profile_distance(R, targets[i], options.weights()) - best));
                 CHECK(found[i].outside <= best + 1e-12);
                 in_gamut += found[i].outside == 0;
                 if (n == 8) shallow_worse += shallow.find(targets[i]).distance > best + 1e-9;
