@@ -19,6 +19,7 @@ namespace {
 
 constexpr const char* page_file = "compare.html";
 constexpr const char* json_file = "compare.json";
+constexpr const char* regions_file = "regions.json";
 
 void add_summary(io::JsonWriter& json, const optics::DifferenceSummary& s) {
     json.key("ciede2000").begin_object().add("mean", s.mean).add("median", s.median);
@@ -52,7 +53,7 @@ void add_resins(io::JsonWriter& json, const PredictedPrint& print, const PrintDi
     json.key("resins").begin_list();
     for (std::size_t r = 0; r < d.hints.resins.size(); ++r) {
         const ResinHint& hint = d.hints.resins[r];
-        json.begin_object().add("resin", print.resins[r]).add("extinction_change", hint.change);
+        json.begin_object().add("resin", print.resin(r)).add("extinction_change", hint.change);
         json.add("error", hint.error).add("explained", hint.explained);
         json.add("named", d.hints.named == r).end_object();
     }
@@ -97,7 +98,11 @@ std::string comparison_text(const CompareJob& job, const PredictedPrint& print,
     for (std::size_t i = 0; i < std::min<std::size_t>(3, d.tiles.size()); ++i)
         text += fmt::format("  {:.1f} mm right, {:.1f} mm down of the upper left corner: {}\n",
                             d.tiles[i].corner_mm.x(), d.tiles[i].corner_mm.y(), tile_words(d.tiles[i]));
-    return text + fmt::format("page: {}\n", (std::filesystem::path(job.out) / page_file).string());
+    const std::filesystem::path folder = job.out;
+    if (job.refit)
+        text += fmt::format("better resins: voxtone calibrate fit {} --prior {} -o better.json\n",
+                            (folder / regions_file).string(), print.set.name);
+    return text + fmt::format("page: {}\n", (folder / page_file).string());
 }
 
 std::vector<io::Photograph> read_all(const CompareJob& job, Progress& progress) {
@@ -126,7 +131,8 @@ JobResult run_compare_job(const CompareJob& job, const PredictPrint& predict, Pr
     job.validate();
     ReadPrintOptions options = job.read;
     if (job.checker != "none") options.checker = find_checker(job.checker);
-    const std::filesystem::path folder = io::make_folder_for(job.out, {page_file, json_file}, job.overwrite);
+    const std::filesystem::path folder =
+        io::make_folder_for(job.out, {page_file, json_file, regions_file}, job.overwrite);
     std::vector<io::Photograph> photos = read_all(job, progress);
     const PredictedPrint print = predict(progress);
     std::vector<PrintReading> readings;
@@ -142,6 +148,13 @@ JobResult run_compare_job(const CompareJob& job, const PredictPrint& predict, Pr
     const std::string json = comparison_json(job, print, readings, difference);
     io::write_whole_file(folder / json_file, json + "\n");
     io::write_whole_file(folder / page_file, compare_page(print, readings, difference, job.viewing_distance_mm));
+    if (job.refit)
+        io::write_whole_file(
+            folder / regions_file,
+            region_sheet_text({.stack = job.stack,
+                               .has_checker = std::ranges::all_of(readings, &PrintReading::has_checker),
+                               .set = print.set,
+                               .regions = difference.regions}));
     return {json, comparison_text(job, print, readings, difference)};
 }
 

@@ -23,6 +23,7 @@ struct CompareJob {
     double viewing_distance_mm = 300;
     std::string out;  ///< folder
     bool overwrite = false;
+    bool refit = false;  ///< regions.json is left there too, for `calibrate fit` (print_regions.h)
 
     /// Throws UsageError that names the option and the rule it breaks.
     void validate() const;

@@ -93,7 +93,7 @@ void add_causes(std::string& html, const PredictedPrint& print, const PrintDiffe
     for (std::size_t r = 0; r < d.hints.resins.size(); ++r) {
         const ResinHint& hint = d.hints.resins[r];
         html += fmt::format("<tr><td>{}</td><td>{:+.0f} &plusmn; {:.0f} %</td><td>{:.0f} %</td></tr>\n",
-                            io::html_text(print.resins[r]), 100 * hint.change, 100 * hint.error, 100 * hint.explained);
+                            io::html_text(print.resin(r)), 100 * hint.change, 100 * hint.error, 100 * hint.explained);
     }
     html += "</table></section>\n";
 }

@@ -13,20 +13,36 @@
 
 #include <Eigen/Core>
 
+#include "optics/media/resins.h"
+
 namespace voxtone::calibration {
+
+/// How what it sends back moves with its resins, means over blocks of cells (slicer/predict/resin_response.h).
+struct ResinResponse {
+    static constexpr int block = 4;  ///< cells along each side
+    int columns = 0, rows = 0;       ///< of blocks
+    std::size_t channels = 0, resins = 0;
+    std::vector<float> value;          ///< [block * channels + channel]
+    std::vector<float> by_extinction;  ///< [(block * resins + resin) * channels + channel]
+    std::vector<float> by_absorption;  ///< the same; empty where it was not asked for
+};
 
 struct PredictedPrint {
     std::string name;   ///< of the stack, for messages
     std::string model;  ///< that predicted
     int columns = 0, rows = 0;
     Eigen::Vector2d cell_mm = Eigen::Vector2d::Zero();
-    std::vector<Eigen::Vector3f> rgb;  ///< linear sRGB, relative to the white resin
-    std::vector<std::string> resins;   ///< "VeroCyan (C)"
-    /// d ln rgb / d ln extinction of a resin: [cell * resins + resin].
-    std::vector<Eigen::Vector3f> by_extinction;
+    std::vector<Eigen::Vector3f> rgb;       ///< linear sRGB, 1 is thick white resin in even light
+    std::vector<Eigen::Vector3f> by_paths;  ///< the same by light paths, up to a gain for each of red, green, blue
+    optics::ResinSet set;                   ///< by which it was predicted
+    ResinResponse response;
     /// What an eye makes of a picture of this print.
     std::function<std::vector<Eigen::Vector3f>(std::span<const Eigen::Vector3f>)> seen;
 
+    /// "VeroCyan (C)"
+    [[nodiscard]] std::string resin(std::size_t r) const {
+        return set.resins[r].name + " (" + set.resins[r].role + ")";
+    }
     [[nodiscard]] std::size_t cells() const { return rgb.size(); }
     [[nodiscard]] std::size_t index(int column, int row) const {
         return std::size_t(row) * std::size_t(columns) + std::size_t(column);

@@ -17,7 +17,6 @@ constexpr double border_mm = 0.3;    // beside the edge: its rounding, the groun
 constexpr double least_named = 0.3;  // CIEDE2000 in the mean, that a cause must account for
 constexpr double least_spread_mm = 0.03;
 constexpr double dark_cell = 0.01;  // of white: ratios of darker cells are noise
-constexpr std::size_t most_tiles = 200;
 
 using Picture = std::vector<Eigen::Vector3f>;
 
@@ -113,52 +112,44 @@ Gains gains_of(const PredictedPrint& print, const Picture& seen, const std::vect
 }
 
 struct TileSums {
+    TileCells at;
     Eigen::Vector3d predicted = Eigen::Vector3d::Zero(), printed = Eigen::Vector3d::Zero();
-    std::vector<Eigen::Vector3d> by_extinction;
     double cells = 0;
-    int column = 0, row = 0, columns = 0, rows = 0;
 };
 
-/// Squares of at least 0.7 mm, some two hundred of them at most.
-std::vector<TileSums> tiles_of(const PredictedPrint& print, const Picture& printed, const Picture& predicted,
-                               const std::vector<std::uint8_t>& counts) {
-    const Eigen::Vector2d size_mm = print.size().cwiseProduct(print.cell_mm);
-    const double edge_mm = std::max(0.7, std::sqrt(size_mm.prod() / double(most_tiles)));
-    const int nx = std::max(1, int(size_mm.x() / edge_mm)), ny = std::max(1, int(size_mm.y() / edge_mm));
-    const std::size_t resins = print.resins.size();
-    std::vector<TileSums> tiles(std::size_t(nx) * std::size_t(ny));
-    for (int j = 0; j < ny; ++j)
-        for (int i = 0; i < nx; ++i) {
-            TileSums& tile = tiles[std::size_t(j * nx + i)];
-            tile.by_extinction.assign(resins, Eigen::Vector3d::Zero());
-            tile.column = i * print.columns / nx, tile.row = j * print.rows / ny;
-            tile.columns = (i + 1) * print.columns / nx - tile.column, tile.rows = (j + 1) * print.rows / ny - tile.row;
-            for (int row = tile.row; row < tile.row + tile.rows; ++row)
-                for (int column = tile.column; column < tile.column + tile.columns; ++column) {
-                    const std::size_t cell = print.index(column, row);
-                    if (!counts[cell]) continue;
-                    tile.predicted += predicted[cell].cast<double>();
-                    tile.printed += printed[cell].cast<double>();
-                    for (std::size_t r = 0; r < resins; ++r)
-                        tile.by_extinction[r] +=
-                            print.by_extinction[cell * resins + r].cwiseProduct(predicted[cell]).cast<double>();
-                    tile.cells += 1;
-                }
-        }
-    std::erase_if(tiles, [](const TileSums& t) { return t.cells < 0.3 * t.columns * t.rows; });
+std::vector<TileSums> sums_of(const PredictedPrint& print, const Picture& printed, const Picture& predicted,
+                              const std::vector<std::uint8_t>& counts) {
+    std::vector<TileSums> tiles;
+    for (const TileCells& at : tiles_over(print)) {
+        TileSums tile{.at = at};
+        for (int row = at.row; row < at.row + at.rows; ++row)
+            for (int column = at.column; column < at.column + at.columns; ++column) {
+                const std::size_t cell = print.index(column, row);
+                if (!counts[cell]) continue;
+                tile.predicted += predicted[cell].cast<double>();
+                tile.printed += printed[cell].cast<double>();
+                tile.cells += 1;
+            }
+        tiles.push_back(tile);
+    }
+    std::erase_if(tiles, [](const TileSums& t) { return t.cells < 0.3 * t.at.columns * t.at.rows; });
     return tiles;
 }
 
-std::vector<ResinSample> resin_samples(const std::vector<TileSums>& tiles) {
+std::vector<ResinSample> resin_samples(const PredictedPrint& print, const std::vector<PrintRegion>& regions) {
     std::vector<ResinSample> samples;
-    for (const TileSums& tile : tiles) {
-        const Eigen::Vector3d p = tile.predicted / tile.cells, s = tile.printed / tile.cells;
-        if (p.minCoeff() < dark_cell || s.minCoeff() < dark_cell) continue;
+    const std::size_t channels = print.response.channels;
+    for (const PrintRegion& region : regions) {
+        if (region.predicted.minCoeff() < dark_cell || region.printed.minCoeff() < dark_cell) continue;
         ResinSample sample;
-        sample.log_ratio = (s.array() / p.array()).log();
-        for (const Eigen::Vector3d& of_resin : tile.by_extinction)
-            sample.by_extinction.emplace_back(of_resin.cwiseQuotient(tile.predicted));
-        sample.weight = std::cbrt(p.mean());
+        sample.place = region.place;
+        sample.log_ratio = (region.printed.array() / region.predicted.array()).log();
+        for (std::size_t r = 0; r < print.response.resins; ++r) {
+            Eigen::Vector3d by = Eigen::Vector3d::Zero();
+            for (std::size_t c = 0; c < channels; ++c) by += region.by_value.col(Eigen::Index(2 * (r * channels + c)));
+            sample.by_extinction.emplace_back(by.cwiseQuotient(region.predicted));
+        }
+        sample.weight = std::cbrt(region.predicted.mean());
         samples.push_back(std::move(sample));
     }
     return samples;
@@ -168,8 +159,8 @@ std::vector<PrintTile> told(const PredictedPrint& print, const std::vector<TileS
     std::vector<PrintTile> tiles;
     for (const TileSums& sum : sums) {
         PrintTile tile;
-        tile.corner_mm = {sum.column * print.cell_mm.x(), sum.row * print.cell_mm.y()};
-        tile.size_mm = {sum.columns * print.cell_mm.x(), sum.rows * print.cell_mm.y()};
+        tile.corner_mm = {sum.at.column * print.cell_mm.x(), sum.at.row * print.cell_mm.y()};
+        tile.size_mm = {sum.at.columns * print.cell_mm.x(), sum.at.rows * print.cell_mm.y()};
         tile.predicted = sum.predicted / sum.cells;
         tile.printed = sum.printed / sum.cells;
         const Eigen::Vector3d a = lab_of(tile.predicted.cast<float>()), b = lab_of(tile.printed.cast<float>());
@@ -215,7 +206,7 @@ std::string resin_words(const PredictedPrint& print, const ResinHints& hints) {
     return fmt::format(
         "resin: {} errs as if its extinction were {:.0f} +- {:.0f} % {} than the set has ({:.0f} % of "
         "what is left)",
-        print.resins[*hints.named], 100 * std::abs(hint.change), 100 * hint.error,
+        print.resin(*hints.named), 100 * std::abs(hint.change), 100 * hint.error,
         hint.change > 0 ? "larger" : "smaller", 100 * hint.explained);
 }
 
@@ -290,11 +281,10 @@ PrintDifference difference_of(const PredictedPrint& print, const std::vector<Pri
     d.print_spread_mm = std::sqrt(std::max(d.spread_mm * d.spread_mm - camera2, 0.0));
     const Picture spread = spread_cells(print.rgb, print.columns, d.spread_mm * print.cell_mm.cwiseInverse());
     d.after_spread = mean_seen(print, spread, d.printed, counts);
-    const std::vector<TileSums> sums = tiles_of(print, d.printed, spread, counts);
-    d.hints = hint_at_resins(resin_samples(sums), print.resins.size());
-    // Its own errors look like a resin's: of prints by light paths that are as the set says it would name one.
-    if (print.model == "transport") d.hints.named.reset();
-    d.tiles = told(print, tiles_of(print, d.printed, print.rgb, counts));
+    const Picture by_paths = spread_cells(print.by_paths, print.columns, d.spread_mm * print.cell_mm.cwiseInverse());
+    d.regions = regions_of(print, d.printed, by_paths, counts);
+    d.hints = hint_at_resins(resin_samples(print, d.regions), print.response.resins);
+    d.tiles = told(print, sums_of(print, d.printed, print.rgb, counts));
     name_causes(print, has_checker, camera_known, d);
     return d;
 }

@@ -17,6 +17,7 @@
 
 #include "calibration/compare/predicted_print.h"
 #include "calibration/compare/print_reading.h"
+#include "calibration/compare/print_regions.h"
 #include "calibration/compare/resin_hint.h"
 #include "optics/colour/colour.h"
 
@@ -40,6 +41,7 @@ struct PrintDifference {
     Eigen::Vector3d cast = Eigen::Vector3d::Ones();  ///< of red, green, blue after that
     double spread_mm = 0;                            ///< fitted, camera and all
     double print_spread_mm = 0;                      ///< less the camera's, where that is known
+    std::vector<PrintRegion> regions;                ///< what they say of the resins
     ResinHints hints;
     std::vector<PrintTile> tiles;                                        ///< the worst first
     std::vector<Eigen::Vector3f> printed, predicted_seen, printed_seen;  ///< of all cells, after what is taken out

@@ -21,6 +21,7 @@ constexpr double least_correlation = 0.5;  // below it is another print
 constexpr double least_pattern = 0.03;     // standard deviation of the prediction's logarithms: less shows no place
 constexpr double most_aspect_off = 0.2;    // relative: a tilt of 30 degrees shortens a side by 13 %
 constexpr double dark = 0.03;              // of white: added before logarithms, so that noise in blacks does not count
+constexpr double most_lost = 0.05;         // of correlation, on the way to a better one
 constexpr int border_cells = 3;            // beside the print's edge: the ground is seen there
 
 /// The corners of a print of this size, clockwise with y down.
@@ -266,11 +267,17 @@ FoundPrint place_print(const io::Photograph& photo, const std::vector<PrintCorne
     for (const Level level : {Level{6, 3}, Level{3, 6}, Level{1.5, 10}, Level{0.8, 10}}) {
         const cv::Mat expected = features(predicted.clone(), level.sigma);
         constexpr int most_steps = 8;
-        for (int step = 0; step < most_steps; ++step) {
-            const CellSamples seen = sample_cells(photo, found.place, print.columns, print.rows, no_clip);
+        // Of all steps what correlates best is kept: little contrast, or much noise, can lead them astray.
+        PrintPlace place = found.place;
+        found.correlation = -1;
+        bool ended = false;
+        for (int step = 0; step <= most_steps && !ended; ++step) {
+            const CellSamples seen = sample_cells(photo, place, print.columns, print.rows, no_clip);
             const cv::Mat shown = features(picture_of(seen.value, print.columns, print.rows), level.sigma);
-            found.correlation = correlation_of(shown, expected);
-            if (move(found.place, shown, expected, level.terms) < 0.01 * level.sigma) break;
+            const double correlation = correlation_of(shown, expected);
+            if (correlation > found.correlation) found.correlation = correlation, found.place = place;
+            if (correlation < found.correlation - most_lost) break;
+            ended = move(place, shown, expected, level.terms) < 0.01 * level.sigma;
         }
     }
     const Eigen::Vector2d middle = print.size() / 2, right(print.size().x(), middle.y());

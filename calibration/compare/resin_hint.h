@@ -2,16 +2,15 @@
 //
 // Which one resin's extinction, were it another, would explain what is left between a print and its prediction.
 //
-// Tiles of the print are the samples: y = mean over a tile of ln(seen / predicted), by channel of linear sRGB. For each
-// resin by itself
+// Regions of the print are the samples: y = mean over a region of ln(seen / by light paths), by channel of linear sRGB.
+// For each resin by itself
 //
-//   y_tc = k_c + delta s_tc + error,    s = d ln rgb / d ln extinction (predicted_print.h)
+//   y_tc = k_c + light(place) + delta s_tc + error,    s = d ln rgb / d ln extinction (print_regions.h)
 //
-// least squares, k_c what exposure and white balance leave. A resin is named where it explains half of what k leaves,
-// surely, and more than any other does. One at a time, since together they cannot be told apart: all extinctions larger
-// by as much look the same on a thick body. Cannot see: the predictor's own errors, of which it makes extinctions too
-// (of the fast one yellow 28 %, tests/cli/compare_test.cpp); wrong albedos, other than as a wrong extinction; two
-// resins that are off.
+// least squares; k_c is what exposure and white balance leave, light what the field of light does. A resin is named
+// where it explains a good part of what they leave, surely, and twice what any other does. One at a time, since
+// together they cannot be told apart: all extinctions larger by as much look the same on a thick body. Cannot see:
+// wrong albedos, other than as a wrong extinction; two resins that are off (refit.h).
 #pragma once
 
 #include <optional>
@@ -21,10 +20,13 @@
 
 #include <Eigen/Core>
 
+#include "calibration/compare/print_regions.h"
+
 namespace voxtone::calibration {
 
 /// Of a tile; one entry of `by_extinction` for each resin.
 struct ResinSample {
+    Eigen::Vector2d place = Eigen::Vector2d::Zero();  ///< in [-1, 1] over the print
     Eigen::Vector3d log_ratio = Eigen::Vector3d::Zero();
     std::vector<Eigen::Vector3d> by_extinction;
     double weight = 1;

@@ -103,17 +103,42 @@ void PhotoSimulationJob::validate() const {
         throw InputError(fmt::format("--lab-noise is {}; it must lie between 0 and 10", lab_noise));
 }
 
+namespace {
+
+JobResult written(const PhotoSimulationJob& job, SimulatedPhoto photo, const std::string& resins) {
+    if (job.eight_bits) photo.photograph.bits = 8;
+    io::write_whole_file(job.out, io::photograph_bytes(photo.photograph, job.out));
+    io::JsonWriter json;
+    json.begin_object().add("format", "voxtone-calibrate-simulate").add("version", 1);
+    json.add("photograph", job.out).add("target_corners_px", photo.target_corners_px);
+    json.add("checker_corners_px", photo.checker_corners_px).end_object();
+    return {json.text(), fmt::format("{}: {} x {} pixels, {} of {}\n", job.out, photo.photograph.width_px,
+                                     photo.photograph.height_px, job.target, resins)};
+}
+
+JobResult simulate_print(const PhotoSimulationJob& job, Progress& progress) {
+    if (is_table(job) || !job.truth.empty())
+        throw UsageError(fmt::format("{}: is a print, of which a photograph is drawn (.png, .tif or .exr) and no table",
+                                     job.target));
+    const FlatThing thing = job.print(progress);
+    progress.begin_stage("photograph", 0);
+    SimulatedPhoto photo = simulate_photo(thing, find_checker(job.checker), job.photo);
+    progress.end_stage();
+    return written(job, std::move(photo), job.resins);
+}
+
+}  // namespace
+
 JobResult run_photo_simulation(const PhotoSimulationJob& job, Progress& progress) {
     job.validate();
     io::expect_outputs(outputs(job), job.overwrite);
+    if (job.print) return simulate_print(job, progress);
     const Target target = read_target(job.target);
     if (is_table(job)) return simulate_table(job, target);
     const optics::ResinSet set = io::find_resin_set(job.resins);
     progress.begin_stage("photograph", 0);
     const TargetColours colours = reflected_colours(target, set, job.mixtures);
     SimulatedPhoto photo = simulate_photo(target, colours, find_checker(job.checker), job.photo);
-    if (job.eight_bits) photo.photograph.bits = 8;
-    io::write_whole_file(job.out, io::photograph_bytes(photo.photograph, job.out));
     if (!job.truth.empty())
         io::write_whole_file(job.truth,
                              patch_table_text(true_table(target, colours),
@@ -121,12 +146,7 @@ JobResult run_photo_simulation(const PhotoSimulationJob& job, Progress& progress
                                                           "behind {}",
                                                           job.target, set.name, job.out)));
     progress.end_stage();
-    io::JsonWriter json;
-    json.begin_object().add("format", "voxtone-calibrate-simulate").add("version", 1);
-    json.add("photograph", job.out).add("target_corners_px", photo.target_corners_px);
-    json.add("checker_corners_px", photo.checker_corners_px).end_object();
-    return {json.text(), fmt::format("{}: {} x {} pixels, {} of {}\n", job.out, photo.photograph.width_px,
-                                     photo.photograph.height_px, job.target, set.name)};
+    return written(job, std::move(photo), set.name);
 }
 
 }  // namespace voxtone::calibration

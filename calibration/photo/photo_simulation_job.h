@@ -5,6 +5,7 @@
 // patches as the set is measured (optics/layered/flat_colour.h), with noise of its own in each.
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "base/job_result.h"
@@ -15,9 +16,10 @@ namespace voxtone::calibration {
 
 struct PhotoSimulationJob {
     PhotoOptions photo;
-    std::string target;                      ///< its description (calibration/target/target_file.h)
-    std::string resins = "vero-opaque";      ///< set or file
-    std::string checker = "colorchecker24";  ///< chart, or its file
+    std::string target;                              ///< its description (calibration/target/target_file.h), or a print
+    std::function<FlatThing(Progress&)> print = {};  ///< what `target` looks like where it is a print
+    std::string resins = "vero-opaque";              ///< set or file
+    std::string checker = "colorchecker24";          ///< chart, or its file
     MixtureKind mixtures = MixtureKind::dithered;
     bool eight_bits = false;  ///< of sRGB codes instead of 16 linear ones
     std::string out;          ///< .png, .tif or .exr; .csv: the table of a chart

@@ -2,6 +2,9 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
+
+#include <fmt/format.h>
 
 #include "base/error.h"
 #include "cli/calibrate/calibrate_commands.h"
@@ -14,14 +17,28 @@ namespace {
 
 struct CalibrateFitArguments {
     calibration::FitJob job;
+    std::vector<std::string> files;
     PatchOptions patches;
     ChartOptions chart;
     std::optional<double> dot_spread;
     RunOptions run;
 };
 
+JobResult refit(const CalibrateFitArguments& a, const CalibrateJobs& jobs, Progress& progress) {
+    return jobs.refit(
+        {.sheets = a.files, .prior = a.job.prior, .name = a.job.name, .out = a.job.out, .overwrite = a.job.overwrite},
+        progress);
+}
+
 int run(CalibrateFitArguments& a, const CalibrateJobs& jobs) {
     return run_on_console(a.run, [&](Progress& progress) {
+        if (jobs.is_regions(a.files.front())) return refit(a, jobs, progress);
+        if (a.files.size() > 1)
+            throw UsageError(
+                fmt::format("{}: patches are fitted one file at a time; several files are those of "
+                            "photographed prints (regions.json of `compare --refit`)",
+                            a.files[1]));
+        a.job.patches = a.files.front();
         set_patch_model(a.patches, a.job.fit.model, a.job.measured);
         set_chart_fit(a.chart, a.job.chart);
         calibration::FitOptions& fit = a.job.fit;
@@ -58,12 +75,12 @@ Verb calibrate_fit_verb(const CalibrateJobs& jobs) {
     Verb command("fit", "Albedo and extinction of every resin, with their errors, from measured patches",
                  "patches.csv --resins C,M,Y,K,W -o my-resins.json --report my-resins.html");
     command.add(
-        "patches", a.job.patches,
+        "patches", a.files,
         "a target, CSV: top,backing,thickness_mm,R,G,B or wavelengths in nm, 45/0 reflectance of a perfect "
         "diffuser "
         "is 1; or a chart of mixtures, CSV with a column of shares for each resin and L,a,b, X,Y,Z or wavelengths, "
-        "CGATS text or CxF3",
-        {.unit = "FILE", .required = true});
+        "CGATS text or CxF3; or regions.json of photographed prints (`compare --refit`), several of them",
+        {.unit = "FILE...", .required = true, .count = {1, 1000}});
     add_out_option(command, a.job.out, "FILE", "resin set to write; errors and doubts go beside it, as NAME.fit.json");
     add_overwrite_option(command, a.job.overwrite);
     command.add("--report", a.job.report, "page to look at: patches measured and predicted, curves, errors",
@@ -74,8 +91,9 @@ Verb calibrate_fit_verb(const CalibrateJobs& jobs) {
     add_patch_options(command, a.patches, a.job.measured);
     command.add("--prior", a.job.prior,
                 "what edge profiles say of the same resins: the NAME.edge.json of `calibrate edge fit`, whose g and "
-                "eta hold; values and their errors count beside the patches",
-                {.unit = "FILE"});
+                "eta hold; values and their errors count beside the patches. Of photographed prints: the set that they "
+                "make better; empty: by which they were predicted",
+                {.unit = "FILE|SET"});
     command.add("--check", a.job.check, "other patches to predict with the result", {.unit = "FILE"});
     command.add("--g-sweep", a.job.g_sweep,
                 "also fit for g from -0.9 to 0.9 and print how well each explains the patches (of --check, if given)");

@@ -8,6 +8,8 @@
 #include "calibration/bench/bench_photo_job.h"
 #include "calibration/bench/bench_simulation_job.h"
 #include "calibration/compare/compare_job.h"
+#include "calibration/compare/print_regions.h"
+#include "calibration/compare/refit_job.h"
 #include "calibration/edge/dictionary_job.h"
 #include "calibration/edge/edge_fit_job.h"
 #include "calibration/edge/edge_samples_job.h"
@@ -40,6 +42,8 @@ struct CalibrateJobs {
     JobResult (*profile)(const calibration::ProfileJob& job, Progress& progress) = nullptr;
     calibration::ExposureFile (*exposure)(const std::string& text) = nullptr;  ///< of a word, for `profile`
     JobResult (*responses)(const calibration::ResponseSweepJob& job, Progress& progress) = nullptr;
+    JobResult (*refit)(const calibration::RefitJob& job, Progress& progress) = nullptr;
+    bool (*is_regions)(const std::filesystem::path& file) = nullptr;  ///< of a photographed print
     JobResult (*simulate)(const calibration::PhotoSimulationJob& job, Progress& progress) = nullptr;
     JobResult (*simulate_profile)(const calibration::ProfileSimulationJob& job, Progress& progress) = nullptr;
     JobResult (*target)(const calibration::TargetJob& job, const calibration::PrintBoxes& print,

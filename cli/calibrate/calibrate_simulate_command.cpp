@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <vector>
 
 #include "cli/calibrate/calibrate_commands.h"
 #include "cli/program/common_options.h"
+#include "slicer/predict/top_print.h"
 
 namespace voxtone::cli {
 
@@ -16,7 +19,28 @@ struct CalibrateSimulateArguments {
     RunOptions run;
 };
 
+/// A print by light paths, cell by cell of what an eye resolves.
+calibration::FlatThing print_of(const CalibrateSimulateArguments& a, Progress& progress) {
+    slicer::PredictOptions predict;
+    predict.stack = a.job.target;
+    predict.resins = a.job.resins;
+    predict.model = "monte-carlo";
+    predict.quality.paths = 256;  // less noise than a camera's
+    predict.quality.seed = a.job.photo.seed;
+    predict.threads = a.run.threads;
+    const auto top = std::make_shared<const slicer::TopPrint>(slicer::predict_top_picture(predict, progress));
+    const Eigen::Vector2d cell_mm(top->cell_mm[0], top->cell_mm[1]);
+    const Eigen::Vector2d size_mm = Eigen::Vector2d(top->columns, top->rows).cwiseProduct(cell_mm);
+    return {size_mm, [top, cell_mm, size_mm](const Eigen::Vector2d& p) -> Eigen::Vector3d {
+                const int column = std::clamp(int(p.x() / cell_mm.x()), 0, top->columns - 1);
+                const int row = std::clamp(int((size_mm.y() - p.y()) / cell_mm.y()), 0, top->rows - 1);
+                return top->rgb[std::size_t(row) * std::size_t(top->columns) + std::size_t(column)].cast<double>();
+            }};
+}
+
 int run(CalibrateSimulateArguments& a, const CalibrateJobs& jobs) {
+    if (std::filesystem::is_directory(a.job.target))
+        a.job.print = [&a](Progress& progress) { return print_of(a, progress); };
     a.job.mixtures = a.ideal ? calibration::MixtureKind::ideal : calibration::MixtureKind::dithered;
     a.job.photo.checker = !a.no_checker;
     a.job.photo.white_balance = {a.white_balance[0], a.white_balance[1], a.white_balance[2]};
@@ -37,6 +61,8 @@ void add_geometry_options(Verb& command, calibration::PhotoOptions& photo) {
 void add_camera_options(Verb& command, calibration::PhotoOptions& photo, std::vector<double>& white_balance) {
     command.add("--blur", photo.blur_px, "standard deviation of the blur in pixels");
     command.add("--vignetting", photo.vignetting, "light lost in the corners");
+    command.add("--margin", photo.margin, "of the picture, free on each side");
+    command.add("--sheet", photo.sheet, "reflectance of what all lies on");
     command.add("--exposure", photo.exposure, "1: a perfect white is at 80 % of full scale");
     white_balance.assign(photo.white_balance.begin(), photo.white_balance.end());
     command.add("--white-balance", white_balance, "gains of red, green, blue", {.separator = ',', .count = {3, 3}});
@@ -60,11 +86,13 @@ void add_dirt_options(Verb& command, calibration::PhotoOptions& photo) {
 Verb calibrate_simulate_verb(const CalibrateJobs& jobs) {
     auto arguments = std::make_shared<CalibrateSimulateArguments>();
     CalibrateSimulateArguments& a = *arguments;
-    Verb command(
-        "simulate",
-        "Draw the photograph that a target would give if printed with known resins: a rehearsal without a printer",
-        "target/target.json -o rehearsal.tif");
-    command.add("target", a.job.target, "description of the target (target.json)", {.unit = "FILE", .required = true});
+    Verb command("simulate",
+                 "Draw the photograph that a target or a print would give if printed with known resins: a rehearsal "
+                 "without a printer",
+                 "target/target.json -o rehearsal.tif");
+    command.add("target", a.job.target,
+                "description of the target (target.json), or of a flat print the output folder of `slice`",
+                {.unit = "FILE|OUT", .required = true});
     add_resins_option(command, a.job.resins);
     add_out_option(
         command, a.job.out, "FILE",

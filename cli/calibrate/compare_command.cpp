@@ -28,15 +28,24 @@ struct CompareArguments {
 };
 
 calibration::PredictedPrint predicted_print(const CompareArguments& a, Progress& progress) {
-    slicer::TopPrint top = slicer::predict_top_print(a.predict, progress);
+    slicer::TopPrint top = slicer::predict_top_print(
+        a.predict, a.job.refit ? slicer::ResinParts::extinction_and_absorption : slicer::ResinParts::extinction,
+        progress);
     calibration::PredictedPrint print;
     print.name = a.job.stack;
     print.model = a.predict.model;
     print.columns = top.columns, print.rows = top.rows;
     print.cell_mm = {top.cell_mm[0], top.cell_mm[1]};
     print.rgb = std::move(top.rgb);
-    print.resins = std::move(top.resins);
-    print.by_extinction = std::move(top.by_extinction);
+    print.by_paths = std::move(top.by_paths);
+    print.set = top.set;
+    print.response = {.columns = top.response.columns,
+                      .rows = top.response.rows,
+                      .channels = top.response.channels,
+                      .resins = top.response.resins,
+                      .value = std::move(top.response.value),
+                      .by_extinction = std::move(top.response.by_extinction),
+                      .by_absorption = std::move(top.response.by_absorption)};
     print.seen = slicer::eye_over(top, a.job.viewing_distance_mm);
     return print;
 }
@@ -89,6 +98,8 @@ Verb compare_verb(const CalibrateJobs& jobs) {
                 {.unit = "PHOTO... OUT", .required = true, .count = {2, 1000}});
     add_out_option(command, a.job.out, "FOLDER", "folder for compare.html and compare.json");
     add_overwrite_option(command, a.job.overwrite);
+    command.add("--refit", a.job.refit,
+                "leave regions.json there too, by which `calibrate fit` makes the resins' set better");
     add_photo_options(command, a);
     add_prediction_options(command, a);
     add_run_options(command, a.run);

@@ -11,11 +11,10 @@
 
 namespace voxtone::slicer {
 
-PredictedStack predict_from_above(const PredictOptions& options, Progress& progress) {
+PredictedStack predict_from_above(const PredictOptions& options, PredictFigures& figures, Progress& progress) {
     ResolvedPrediction job = resolve_without_files(options);
     job.only_from_above = true;
     const ThreadLimit threads(static_cast<std::size_t>(options.threads));
-    PredictFigures figures;
     return predict_stack(job, figures, progress);
 }
 

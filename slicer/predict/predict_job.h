@@ -11,7 +11,8 @@
 namespace voxtone::slicer {
 
 /// A slab's, for those who go on with it: writes nothing, and asks for no files. Throws Error (with its exit code).
-[[nodiscard]] PredictedStack predict_from_above(const PredictOptions& options, Progress& progress);
+[[nodiscard]] PredictedStack predict_from_above(const PredictOptions& options, PredictFigures& figures,
+                                                Progress& progress);
 
 /// Throws Error (with its exit code); then none of the files was written, or those that were are whole.
 PredictResult run_predict_job(const PredictOptions& options, Progress& progress);

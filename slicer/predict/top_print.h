@@ -1,15 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A slab as it is predicted from above, cell by cell, for photographs to be compared with; and how its colours would
-// move were a resin's extinction another.
-//
-// The latter is a first-order guess by place, no second prediction: the mixture M around a cell (voxels by exp(-depth /
-// 0.2 mm)) counts as endless,
-//
-//   rho = (1 - r) A / (1 - r A),    A = (1 - s)(1 - 0.139 s) / (1 + 1.17 s),    s = sqrt((1 - albedo) / (1 - g albedo))
-//
-// (H. C. van de Hulst, "Multiple Light Scattering", 1980, of the plane albedo; r as in optics/profiles/saunderson.h),
-// albedo that of M by Eq. 7 of Iser, Rittig, Wilkie 2025. What it cannot see: what lies deeper, and beside the cell.
+// A slab as it is predicted from above, cell by cell, for photographs to be compared with; the same by light paths; and
+// how its colours move with its resins.
 #pragma once
 
 #include <array>
@@ -23,6 +15,7 @@
 
 #include "base/progress.h"
 #include "slicer/predict/predict_job.h"
+#include "slicer/predict/resin_response.h"
 
 namespace voxtone::slicer {
 
@@ -30,15 +23,18 @@ namespace voxtone::slicer {
 struct TopPrint {
     int columns = 0, rows = 0;
     std::array<double, 2> cell_mm{};
-    std::vector<Eigen::Vector3f> rgb;            ///< linear sRGB
-    std::vector<std::string> resins;             ///< "VeroCyan (C)"
-    std::vector<Eigen::Vector3f> by_extinction;  ///< d ln rgb / d ln extinction: [cell * resins + resin]
+    std::vector<Eigen::Vector3f> rgb;       ///< linear sRGB, 1 is thick white resin in even light
+    std::vector<Eigen::Vector3f> by_paths;  ///< by light paths, of a perfect diffuser's (resin_response.h)
+    ResinResponse response;
+    optics::ResinSet set;  ///< by which it was predicted
     optics::Surface surface;
     std::vector<std::size_t> cell_of;  ///< of the surface, which is this one
 };
 
-/// Throws what a prediction throws, and InputError for bodies and for slabs with holes.
-[[nodiscard]] TopPrint predict_top_print(const PredictOptions& options, Progress& progress);
+/// Without light paths and response. Throws what a prediction throws, and InputError for bodies and slabs with holes.
+[[nodiscard]] TopPrint predict_top_picture(const PredictOptions& options, Progress& progress);
+/// The whole of it.
+[[nodiscard]] TopPrint predict_top_print(const PredictOptions& options, ResinParts parts, Progress& progress);
 
 /// What an eye makes of a picture of these cells, from a distance in mm (halftone/loop/eye_filter.h).
 using SeenPicture = std::function<std::vector<Eigen::Vector3f>(std::span<const Eigen::Vector3f>)>;

@@ -16,7 +16,7 @@ namespace voxtone::calibration::testing {
 inline PredictedPrint discs(std::uint64_t seed = 1) {
     PredictedPrint print;
     print.name = "out/discs";
-    print.model = "monte-carlo";  // that names resins, too
+    print.model = "transport";
     print.columns = 142, print.rows = 95;
     print.cell_mm = {0.0847, 0.0847};
     print.rgb.assign(std::size_t(142 * 95), Eigen::Vector3f(0.75f, 0.76f, 0.72f));
@@ -29,6 +29,7 @@ inline PredictedPrint discs(std::uint64_t seed = 1) {
             for (int column = 0; column < 142; ++column)
                 if (std::hypot(column + 0.5 - x, row + 0.5 - y) < r) print.rgb[print.index(column, row)] = rgb;
     }
+    print.by_paths = print.rgb;
     print.seen = [](std::span<const Eigen::Vector3f> rgb) {
         return std::vector<Eigen::Vector3f>(rgb.begin(), rgb.end());
     };
