@@ -64,6 +64,24 @@ TEST_CASE("a print is found to a quarter of a cell: tilted by 20 degrees, behind
     }
 }
 
+TEST_CASE("a finger's shadow on one corner hardly moves a place, and counts where it lies") {
+    const PredictedPrint print = discs();
+    const FlatThing lit = thing_of(print);
+    // Half the light at the lower left corner, all of it 4 mm away.
+    const FlatThing shaded{lit.size_mm, [&](const Eigen::Vector2d& p) -> Eigen::Vector3d {
+                               return lit.at(p) * (0.5 + 0.5 * std::min(p.norm() / 4, 1.0));
+                           }};
+    const SimulatedPhoto photo = simulate_photo(shaded, no_chart(), hand_camera());
+    const PrintReading reading = read_print(photo.photograph, print, {});
+    WANTED(worst_place(reading.found, photo, print) < 0.25);  // 0.26, in the shade
+    CHECK(worst_place(reading.found, photo, print) < 0.3);
+    const PrintDifference d = difference_of(print, {reading});
+    CHECK(d.ciede2000.median < 1);
+    CHECK(d.tiles.front().corner_mm.x() < 2);
+    CHECK(d.tiles.front().corner_mm.y() > 6);
+    CHECK_THAT(tile_words(d.tiles.front()), Contains("darker"));
+}
+
 TEST_CASE("a print that is as predicted differs by little, whatever the camera") {
     const PredictedPrint print = discs();
     const PrintReading reading = read_print(photo_of(print, hand_camera()).photograph, print, {});
