@@ -2,17 +2,20 @@
 //
 // Codes of a printed picture that a scanner reads: in what was asked for, and whether in the print, too.
 //
-// Target and print are read as they lie, cell by cell and enlarged (io/pictures/codes_in_picture.h), each code of the
-// print within its own frame and a sixth of its size around it. It is what a patient reader makes of even light and no
-// blur of its own: a code that cannot be read so is read by no scanner, one that can may still take a steady hand. A
-// business card's QR code of 9 mm, modules of 0.31 mm, is read in one print and not in the next (default set). Codes of
-// a body's texture and those laid on it (slicer/marks) are not looked for.
+// The picture is read as it was given, as far as it has more pixels than the slab has cells: in a print that is so
+// small that a code is a smear, the target is one, too. Target and print are read as they lie, cell by cell and
+// enlarged (io/pictures/codes_in_picture.h), each code of the print within its own frame and a sixth of its size around
+// it. It is what a patient reader makes of even light and no blur of its own: a code that cannot be read so is read by
+// no scanner, one that can may still take a steady hand. A business card's QR code of 9 mm, modules of 0.31 mm, is read
+// in one print and not in the next (default set). Codes of a body's texture and those laid on it (slicer/marks) are not
+// looked for.
 #pragma once
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "io/models/mesh.h"
 #include "slicer/colour/job_prediction.h"
 
 namespace voxtone::slicer {
@@ -25,6 +28,8 @@ struct PrintedCode {
 };
 
 /// Of a picture's slab. Empty where nothing reads codes (voxtone-read is missing or ended).
-[[nodiscard]] std::vector<PrintedCode> printed_codes(const JobPrediction& prediction);
+/// `picture`: the slab's mesh with its picture, upright on it or it is left aside; nullptr: the target alone.
+[[nodiscard]] std::vector<PrintedCode> printed_codes(const JobPrediction& prediction,
+                                                     const io::TexturedMesh* picture = nullptr);
 
 }  // namespace voxtone::slicer

@@ -215,7 +215,7 @@ std::optional<Row> small_type(const RegionSources& s, const std::optional<TypeSi
 std::vector<Row> codes_of(const RegionSources& s) {
     std::vector<Row> rows;
     const optics::Surface& surface = s.prediction.predicted.surface;
-    for (PrintedCode& code : printed_codes(s.prediction)) {
+    for (PrintedCode& code : printed_codes(s.prediction, s.picture)) {
         Row& row = rows.emplace_back();
         row.said.kind = "code";
         row.said.asked = fmt::format("{} of {:.1f} x {:.1f} mm", code.kind, code.width_mm, code.height_mm);

@@ -49,6 +49,7 @@ struct RegionSources {
     const VerdictLimits& limits;
     bool is_picture = false;
     double viewing_distance_mm = 0;
+    const io::TexturedMesh* picture = nullptr;  ///< of a picture's slab, with its picture
 };
 
 /// Cells that are off because the body ends behind them.

@@ -185,7 +185,8 @@ void judge_prediction(const VerdictSources& s, const JobPrediction& p, io::Repor
     const std::vector<double> seen = seen_areas(surface, sides);
     const Losses losses = losses_of(s, p, seen);
     JudgedRegions regions = judge_regions(
-        {p, s.colour, sides, places, seen, limits, s.body.is_picture, verdict.viewing_distance_mm}, losses.walls);
+        {p, s.colour, sides, places, seen, limits, s.body.is_picture, verdict.viewing_distance_mm, &s.body.model.mesh},
+        losses.walls);
     verdict.regions = std::move(regions.rows);
     WholeVerdict whole = judge_whole(p.seen.difference, seen, regions.spoilt, limits);
     if (!regions.useless.empty()) whole.level = io::VerdictLevel::bad, whole.useless = regions.useless;

@@ -360,6 +360,10 @@ TEST_CASE("A code that no scanner reads makes a picture bad, printed larger it i
     CHECK(small["regions"][0]["kind"] == "code");
     CHECK_THAT(small["regions"][0]["asked"].get<std::string>(), Contains("QR code of 3.6 x 3.6 mm"));
     CHECK_THAT(small["headline"].get<std::string>(), Contains("a scanner cannot read its code"));
+    // Too small to be a code even in the target's cells.
+    const auto smear = verdict_of(folder, how + "3mm")["verdict"];
+    CHECK(smear["level"] == "bad");
+    CHECK(code_row(smear));
     const auto large = verdict_of(folder, how + "20mm")["verdict"];
     REQUIRE(code_row(large));
     for (const auto& region : large["regions"])
