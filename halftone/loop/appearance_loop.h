@@ -63,7 +63,7 @@ enum class Intent {
     contrast,  ///< as relative, but where a limit is met the neighbourhood gives way more, and local contrast is kept
 };
 
-inline constexpr int most_iterations = 10;     ///< of a loop that has no limit
+inline constexpr int most_iterations = 8;      ///< of a loop that has no limit
 inline constexpr int patient_iterations = 30;  ///< of one that may take its time
 
 struct LoopOptions {

@@ -43,8 +43,8 @@ namespace voxtone::halftone {
 /// Of the first step, far from the target; exponents per unit of d. What else the descent is made of stands with its
 /// origin in the source.
 struct DescentRates {
-    float own = 0.36f;    ///< rate_o
-    float shared = 0.1f;  ///< rate_s
+    float own = 0.072f;    ///< rate_o
+    float shared = 0.02f;  ///< rate_s
 };
 
 /// What a descent carries from step to step.
