@@ -55,14 +55,16 @@ void go_on_with_own_loop(const OpenedJob& job, JobRun& run, Progress& progress) 
                     options.out.string()));
 }
 
-/// As the report's figures say; one that cannot be read says nothing.
-bool is_judged_bad(const std::string& json, const fs::path& figures) {
+/// The verdict's sentence where the report's figures say that it is bad; one that cannot be read says nothing.
+std::string bad_verdict(const std::string& json, const fs::path& figures) {
     try {
         const io::JsonObject report = io::JsonObject::parse(json, figures.string());
-        return report.is_object("verdict") && report.object("verdict").has("level") &&
-               report.object("verdict").text("level") == name_of(io::VerdictLevel::bad);
+        if (!report.is_object("verdict")) return {};
+        const io::JsonObject verdict = report.object("verdict");
+        const bool is_bad = verdict.has("level") && verdict.text("level") == name_of(io::VerdictLevel::bad);
+        return is_bad && verdict.has("sentence") ? verdict.text("sentence") : std::string();
     } catch (const InputError&) {
-        return false;
+        return {};
     }
 }
 
@@ -71,12 +73,12 @@ std::optional<JobResult> done_before(const OpenedJob& job, const io::StackFolder
     if (job.options.overwrite || job.options.until != Until::end || has_checkpoint(folder)) return std::nullopt;
     std::optional<std::string> json = said_before(job, folder, report_file::figures, progress);
     if (!json) return std::nullopt;
-    const bool bad = is_judged_bad(*json, folder.path() / report_file::figures);
+    const std::string bad = bad_verdict(*json, folder.path() / report_file::figures);
     return JobResult{*std::move(json),
                      fmt::format("{}: holds this job's stack already, whole; nothing was done (--overwrite makes it "
-                                 "again)\n",
-                                 folder.path().string()),
-                     bad && job.options.strict ? ExitCode::check_failed : ExitCode::done};
+                                 "again)\n{}",
+                                 folder.path().string(), bad.empty() ? "" : "  " + bad + "\n"),
+                     !bad.empty() && job.options.strict ? ExitCode::check_failed : ExitCode::done};
 }
 
 /// A saved loop of another job is refused before the model is read.

@@ -97,6 +97,11 @@ TEST_CASE("A thin wall gets its word, limits are the user's, and --strict makes 
     // The stack is there and whole.
     CHECK(run_program(slice + "--strict").exit_code == 6);
     CHECK(run_program("verify " + folder / "out").exit_code == 0);
+    // Nor does who asks again have to guess why.
+    const Outcome again =
+        run_program("slice --iterations 0 --strict " + folder / "plate.obj" + " -o " + folder / "out");
+    CHECK(again.exit_code == 6);
+    CHECK_THAT(again.out, Contains("nothing was done") && Contains(sentence));
     CHECK(run_program(slice + "--strict --verdict-bad 90").exit_code == 0);
     CHECK(report_in(folder)["verdict"]["level"] == "fair");
     CHECK(run_program(slice + "--strict --verdict-good 80 --verdict-bad 90").exit_code == 0);
