@@ -143,7 +143,7 @@ TEST_CASE("laminate trace sees in a print's voxels what its laminates were trace
         CHECK(failed.exit_code == exit_code);
         CHECK_THAT(failed.err, Contains(words));
     };
-    fails((folder / "out") + " -o x.jpg", 2, "as .png or .svg");
+    fails((folder / "out") + " -o x.jpg", 2, "as .png, .svg or .bssrdf");
     fails(folder / "none", 3, "--show layered-profile");
     fails((folder / "out") + " --profiles " + write_map(folder, two_halves(), "small.json"), 3, "map's own size");
     fails((folder / "out") + " --dataset " + file, 3, "no data set");
