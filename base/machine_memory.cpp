@@ -34,6 +34,7 @@ std::uint64_t machine_memory_bytes() {
 std::string memory_text(std::uint64_t bytes) {
     constexpr double mib = 1 << 20, mib_per_gib = 1024;
     const double amount = static_cast<double>(bytes) / mib;
+    if (bytes < (std::uint64_t{1} << 20)) return fmt::format("{} KiB", (bytes + 1023) / 1024);
     return amount < mib_per_gib ? fmt::format("{:.0f} MiB", amount) : fmt::format("{:.2f} GiB", amount / mib_per_gib);
 }
 

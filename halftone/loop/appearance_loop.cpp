@@ -47,12 +47,16 @@ constexpr double just_noticeable = 0.8;
 /// to 0.9, thin type kept 0.48 for 0.58 (docs/decisions/004).
 constexpr float most_contrast_part = 0.6f, part_for_contrast = 0.7f;
 
-/// Steps of the descent are as long near the target as far from it (d is scaled) until their rates have adapted: a
-/// print that feedback has brought near would be thrown off. So the first ones go by the mean error as seen of what it
-/// starts from.
-DescentRates first_rates(double mean) {
+/// Steps of the descent are as long near the target as far from it (d is scaled): a print that feedback has brought
+/// near is thrown off by the first ones, and swings when rates have grown. So both go by the mean error as seen of what
+/// it starts from: the part of them that is taken.
+float part_of_rates(double mean) {
     constexpr double far = 5;  // CIEDE2000 as seen
     const auto part = static_cast<float>(std::min(1.0, mean / far));
+    return part * part;
+}
+
+DescentRates first_rates(float part) {
     const DescentRates whole;
     return {part * whole.own, part * whole.shared};
 }
@@ -344,7 +348,7 @@ void LoopRun::feedback_step() {
 /// The gradient is at hand if the last print was the one to start from.
 void LoopRun::begin_descent_from_best_control(bool last_was_best) {
     state_.descent = begin_descent(mixtures_of(recipes_, state_.start_control),
-                                   first_rates(least_score(state_.steps, LoopMethod::feedback)));
+                                   first_rates(part_of_rates(least_score(state_.steps, LoopMethod::feedback))));
     if (last_was_best) state_.has_gradient = move_downhill();
     if (!state_.has_gradient) state_.descent = {};
 }
@@ -438,7 +442,8 @@ bool LoopRun::move_downhill() {
         [&](const LoopTask::GradientVisitor& visit) { return sequence_->gradient(seed, visit, &progress_); });
     if (mixture_gradient.empty()) return false;
     descend(
-        std::move(mixture_gradient), [this](Colours& values) { around_.smooth(values); }, state_.descent);
+        std::move(mixture_gradient), [this](Colours& values) { around_.smooth(values); }, state_.descent,
+        part_of_rates(least_score(state_.steps, LoopMethod::feedback)));
     return true;
 }
 

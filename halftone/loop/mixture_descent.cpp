@@ -17,7 +17,7 @@ constexpr std::size_t grain = 512;  // cells
 // Chosen on the fitting set (benchmarks/sets.json, without the colour checker and the gratings):
 // `appearance_loop_benchmark slabs --crop 10x10 --set iterations=12` (docs/decisions/003); first rates and the most
 // that they may become anew, on its four photographs, by Monte Carlo ("Steps that swing less").
-constexpr float most_own_rate = 0.0875f, most_shared_rate = 0.125f, least_rate = 0.01f;
+constexpr float most_own_rate = 0.35f, most_shared_rate = 0.5f, least_rate = 0.01f;
 constexpr float slower = 0.4f, own_faster = 2, shared_faster = 3;  // factors of a rate from step to step
 // A step / the secant's: own ones go farther, for cells hinder each other less than they did along it.
 constexpr float own_beyond = 1.3f, shared_beyond = 0.5f;
@@ -114,13 +114,14 @@ float secant_factor(float p0, float p1, float beyond, float faster) {
     return std::clamp(beyond * p0 / (p0 - p1), slower, faster);
 }
 
-void update_rates(const Table& table, std::span<const float> now, DescentState& state) {
+void update_rates(const Table& table, std::span<const float> now, float near, DescentState& state) {
     const std::size_t parts = table.resins + 1;
     parallel_for(0, now.size(), grain, [&](std::size_t i) {
         const bool own = i % parts == table.resins;
         const float factor = secant_factor(state.decrease[i], now[i], own ? own_beyond : shared_beyond,
                                            own ? own_faster : shared_faster);
-        state.rate[i] = std::clamp(state.rate[i] * factor, least_rate, own ? most_own_rate : most_shared_rate);
+        state.rate[i] = std::clamp(state.rate[i] * factor, least_rate,
+                                   std::max(least_rate, near * (own ? most_own_rate : most_shared_rate)));
     });
 }
 
@@ -212,12 +213,12 @@ DescentState begin_descent(SkinMixtures mixtures, const DescentRates& rates) {
     return state;
 }
 
-void descend(std::vector<float> gradient, const CellSmoothing& smooth, DescentState& state) {
+void descend(std::vector<float> gradient, const CellSmoothing& smooth, DescentState& state, float near) {
     const Table table(state.mixtures);
     VOXTONE_EXPECT(gradient.size() == table.cells * table.length);
     parallel_for(0, table.cells, grain,
                  [&](std::size_t c) { table.take_means(state.mixtures.cell(c), table.cell(gradient, c)); });
-    if (!state.shared.empty()) update_rates(table, directional_decreases(table, gradient, smooth, state), state);
+    if (!state.shared.empty()) update_rates(table, directional_decreases(table, gradient, smooth, state), near, state);
     state.shared.resize(gradient.size());
     state.divisor.resize(table.cells);
     update_momentum(table, gradient, state);

@@ -43,8 +43,8 @@ namespace voxtone::halftone {
 /// Of the first step, far from the target; exponents per unit of d. What else the descent is made of stands with its
 /// origin in the source.
 struct DescentRates {
-    float own = 0.072f;    ///< rate_o
-    float shared = 0.02f;  ///< rate_s
+    float own = 0.18f;     ///< rate_o
+    float shared = 0.05f;  ///< rate_s
 };
 
 /// What a descent carries from step to step.
@@ -66,8 +66,9 @@ using CellSmoothing = std::function<void(std::vector<Eigen::Vector3f>&)>;
 /// From what is to be printed first, some resin in every layer; no momentum.
 [[nodiscard]] DescentState begin_descent(SkinMixtures mixtures, const DescentRates& rates = {});
 
-/// `gradient`: d F / d fraction of every cell, layer and resin; its contents are used up.
-void descend(std::vector<float> gradient, const CellSmoothing& smooth, DescentState& state);
+/// `gradient`: d F / d fraction of every cell, layer and resin; its contents are used up. `near`: of the most that
+/// rates may become, in (0, 1]; less than all near the target, where steps swing.
+void descend(std::vector<float> gradient, const CellSmoothing& smooth, DescentState& state, float near = 1);
 
 /// As they are printed: (f - h) / (1 - R h).
 [[nodiscard]] SkinMixtures printed(const SkinMixtures& mixtures);

@@ -344,7 +344,7 @@ TEST_CASE("What a stack lacks is said with what to do") {
         message({.stack = layers, .printer = "stratasys-j750-hm", .assign = assigned(some)}, ExitCode::invalid_input),
         Contains("'X'") && Contains("--resins"));
     CHECK_THAT(message({.stack = own, .memory_bytes = 1000}, ExitCode::unfinished),
-               Contains("GiB") && Contains("--memory"));
+               Contains("more than the 1 KiB") && Contains("--memory"));
     std::filesystem::remove(layers + "/slice_00007.png");
     CHECK_THAT(message({.stack = own}, ExitCode::invalid_input), Contains("missing") && Contains("slice_00007"));
 }
