@@ -49,7 +49,7 @@ constexpr float most_contrast_part = 0.6f, part_for_contrast = 0.7f;
 
 /// Steps of the descent are as long near the target as far from it (d is scaled): a print that feedback has brought
 /// near is thrown off by the first ones, and swings when rates have grown. So both go by the mean error as seen of what
-/// it starts from: the part of them that is taken.
+/// it starts from: the part of them that is taken. Chosen on four photographs by Monte Carlo (docs/decisions/003).
 float part_of_rates(double mean) {
     constexpr double far = 5;  // CIEDE2000 as seen
     const auto part = static_cast<float>(std::min(1.0, mean / far));

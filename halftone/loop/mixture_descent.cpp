@@ -15,8 +15,8 @@ namespace {
 constexpr std::size_t grain = 512;  // cells
 
 // Chosen on the fitting set (benchmarks/sets.json, without the colour checker and the gratings):
-// `appearance_loop_benchmark slabs --crop 10x10 --set iterations=12` (docs/decisions/003); first rates and the most
-// that they may become anew, on its four photographs, by Monte Carlo ("Steps that swing less").
+// `appearance_loop_benchmark slabs --crop 10x10 --set iterations=12` (docs/decisions/003); the
+// most that rates may become, far from the target, on pieces of 8 x 6 mm by Monte Carlo, ten iterations.
 constexpr float most_own_rate = 0.35f, most_shared_rate = 0.5f, least_rate = 0.01f;
 constexpr float slower = 0.4f, own_faster = 2, shared_faster = 3;  // factors of a rate from step to step
 // A step / the secant's: own ones go farther, for cells hinder each other less than they did along it.

@@ -20,18 +20,7 @@ using nlohmann::json;
 
 namespace {
 
-/// The stack that all tests here look at: a flat box.
-PrintDesk& desk() {
-    static PrintDesk one;
-    static const bool made = [] {
-        SliceOptions options = one.options("out");
-        options.report = false;
-        (void)one.print(options);
-        return true;
-    }();
-    static_cast<void>(made);
-    return one;
-}
+PrintDesk& desk() { return printed_desk(); }
 
 PredictOptions small_prediction(const std::vector<std::string>& names) {
     PredictOptions options;

@@ -62,4 +62,17 @@ private:
     io::TemporaryFolder folder_;
 };
 
+/// The box, printed as "out" once for all that look at a stack.
+inline PrintDesk& printed_desk() {
+    static PrintDesk one;
+    static const bool made = [] {
+        slicer::SliceOptions options = one.options("out");
+        options.report = false;
+        (void)one.print(options);
+        return true;
+    }();
+    static_cast<void>(made);
+    return one;
+}
+
 }  // namespace voxtone::test

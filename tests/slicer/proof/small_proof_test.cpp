@@ -22,18 +22,7 @@ using nlohmann::json;
 
 namespace {
 
-/// The stack that all tests here look at.
-PrintDesk& desk() {
-    static PrintDesk one;
-    static const bool made = [] {
-        SliceOptions options = one.options("out");
-        options.report = false;
-        (void)one.print(options);
-        return true;
-    }();
-    static_cast<void>(made);
-    return one;
-}
+PrintDesk& desk() { return printed_desk(); }
 
 ProofOptions small_proof(const std::vector<std::string>& names) {
     ProofOptions options;
