@@ -48,12 +48,13 @@ inline constexpr double worthwhile = 0.97;
 [[nodiscard]] bool stopped_gaining(const std::vector<LoopStep>& steps);
 
 /// True where the first two steps of a descent, and no more have been made, are worse by more than 3 % than what they
-/// began from: it threw the print off, and hardly comes back. With `j750-vivid`, 20 mm (`slice FILE --width 20mm`),
-/// that is so of text, fine_print, gratings and img_astronaut and of a sign, a flag and a card, of which one came to
-/// more after five further steps (gratings: 3.44, then 4.03, 3.71, ... 3.27, 3.10), which take half of a loop's time;
-/// colour_checker, img_kodim23 and img_hubble gain from the first step on. A print that is still bad, above 5 as seen,
-/// is given its time: of a page of codes, at 5.3, it brings the blacks from 4.5 to 3.5 (`appearance_loop_benchmark
-/// graphics --paths 48`, mean of solids).
+/// began from: it threw the print off, and hardly comes back. With rates that were as long near the target as far from
+/// it (docs/decisions/003), `j750-vivid`, 20 mm (`slice FILE --width 20mm`), that was so of text, fine_print, gratings
+/// and img_astronaut and of a sign, a flag and a card, of which one came to more after five further steps
+/// (gratings: 3.44, then 4.03, 3.71, ... 3.27, 3.10), which take half of a loop's time; colour_checker, img_kodim23 and
+/// img_hubble gained from the first step on. A print that is still bad, above 5 as seen, is given its time: of a page
+/// of codes, at 5.3, it brought the blacks from 4.5 to 3.5 (`appearance_loop_benchmark graphics --paths 48`, mean of
+/// solids).
 [[nodiscard]] bool descent_lost_its_way(const std::vector<LoopStep>& steps);
 
 /// About, of `allowed` steps: all while they gain, the fewer the longer they have not.
