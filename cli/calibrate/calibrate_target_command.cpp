@@ -8,7 +8,7 @@
 #include "cli/calibrate/calibrate_commands.h"
 #include "cli/program/common_options.h"
 #include "io/profiles/resin_file.h"
-#include "slicer/targets/print_boxes.h"
+#include "slicer/print/print_boxes.h"
 
 namespace voxtone::cli {
 

@@ -9,9 +9,9 @@
 #include "cli/print/print_commands.h"
 #include "cli/program/console.h"
 #include "farm/batch/plan_estimate.h"
-#include "slicer/estimate/estimate_job.h"
-#include "slicer/estimate/estimate_text.h"
 #include "slicer/plans/tray_plan.h"
+#include "slicer/print/estimate_job.h"
+#include "slicer/print/estimate_text.h"
 #include "slicer/print/run_print.h"
 
 namespace voxtone::cli {

@@ -16,8 +16,8 @@
 #include "io/models/model_reader.h"
 #include "io/pictures/picture_writer.h"
 #include "slicer/look/model_views.h"
-#include "slicer/prepare/contents_text.h"
-#include "slicer/prepare/model_contents.h"
+#include "slicer/part/contents_text.h"
+#include "slicer/part/model_contents.h"
 
 namespace voxtone::cli {
 

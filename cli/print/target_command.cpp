@@ -4,7 +4,7 @@
 
 #include "cli/print/print_commands.h"
 #include "cli/program/common_options.h"
-#include "slicer/targets/marker_print.h"
+#include "slicer/print/marker_print.h"
 
 namespace voxtone::cli {
 

@@ -13,7 +13,7 @@ namespace voxtone::cli {
 
 namespace {
 
-/// What another value leaves of a finished job (slicer/kept), the more the greater.
+/// What another value leaves of a finished job (slicer/part), the more the greater.
 enum class Leaves { nothing, settled_loop, loop, stack };
 constexpr std::array leaves_words{"nothing", "settled-loop", "loop", "stack"};
 

@@ -19,7 +19,7 @@
 #include "io/files/markup.h"
 #include "io/files/whole_file.h"
 #include "io/programs/build_identity.h"
-#include "slicer/kept/report_files.h"
+#include "slicer/part/report_files.h"
 
 namespace voxtone::embedded {
 std::span<const EmbeddedFile> batch_assets();

@@ -12,10 +12,10 @@
 #include "io/files/whole_file.h"
 #include "io/layers/stack_folder.h"
 #include "io/report/report_picture.h"
-#include "slicer/kept/job_identity.h"
-#include "slicer/kept/loop_checkpoint.h"
-#include "slicer/kept/report_files.h"
 #include "slicer/options/job_file.h"
+#include "slicer/part/job_identity.h"
+#include "slicer/part/loop_checkpoint.h"
+#include "slicer/part/report_files.h"
 
 namespace voxtone::farm {
 

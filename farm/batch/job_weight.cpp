@@ -10,7 +10,7 @@
 #include "io/files/json_object.h"
 #include "io/files/zip_reader.h"
 #include "slicer/options/option_values.h"
-#include "slicer/plan/phase_estimates.h"
+#include "slicer/part/phase_estimates.h"
 
 namespace voxtone::farm {
 

@@ -22,9 +22,9 @@
 #include "slicer/options/label_template.h"
 #include "slicer/options/option_table.h"
 #include "slicer/options/option_values.h"
+#include "slicer/part/opened_job.h"
 #include "slicer/plans/job_names.h"
 #include "slicer/plans/tray_plan.h"
-#include "slicer/prepare/opened_job.h"
 
 namespace voxtone::farm {
 

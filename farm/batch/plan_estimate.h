@@ -9,7 +9,7 @@
 #include "base/job_result.h"
 #include "base/progress.h"
 #include "farm/batch/plan.h"
-#include "slicer/estimate/estimate_job.h"
+#include "slicer/print/estimate_job.h"
 
 namespace voxtone::farm {
 

@@ -15,8 +15,8 @@
 #include "farm/batch/job_result.h"
 #include "io/files/file_digest.h"
 #include "io/programs/build_identity.h"
-#include "slicer/kept/loop_checkpoint.h"
 #include "slicer/options/command_words.h"
+#include "slicer/part/loop_checkpoint.h"
 
 namespace voxtone::farm {
 

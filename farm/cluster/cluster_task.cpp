@@ -27,8 +27,8 @@
 #include "farm/cluster/submission.h"
 #include "io/files/file_digest.h"
 #include "io/files/json_writer.h"
-#include "slicer/kept/loop_checkpoint.h"
 #include "slicer/options/command_words.h"
+#include "slicer/part/loop_checkpoint.h"
 
 namespace voxtone::farm {
 

@@ -8,8 +8,8 @@
 #include "farm/batch/job_result.h"
 #include "io/layers/stack_folder.h"
 #include "io/shards/shard_folder.h"
-#include "slicer/kept/job_identity.h"
-#include "slicer/kept/skin_file.h"
+#include "slicer/part/job_identity.h"
+#include "slicer/part/skin_file.h"
 
 namespace voxtone::farm {
 

@@ -13,8 +13,8 @@
 #include "slicer/options/command_words.h"
 #include "slicer/options/model_choice.h"
 #include "slicer/options/resolve_job.h"
-#include "slicer/plan/phase_estimates.h"
-#include "slicer/prepare/opened_job.h"
+#include "slicer/part/opened_job.h"
+#include "slicer/part/phase_estimates.h"
 
 namespace voxtone::farm {
 

@@ -9,7 +9,7 @@
 //   merge              one stack of them, and its report
 //
 // All tasks of a stage need all of the stage before it. Every task may be run again, and twice at once (docs/batch.md,
-// "Shards and merge"). What they are given comes from the estimate's phases (estimate/job_estimate.h):
+// "Shards and merge"). What they are given comes from the estimate's phases (print/job_estimate.h):
 //   memory   the most of the stage's phases, an eighth more, and 64 MB for what starts it
 //   time     three times the sum of its phases on its cores, and ten minutes more
 //   cores    so many that each has a minute's work: 1, 2, 4, 8, ... up to what is allowed
@@ -22,7 +22,7 @@
 
 #include "base/named_values.h"
 #include "farm/batch/plan.h"
-#include "slicer/estimate/job_estimate.h"
+#include "slicer/print/job_estimate.h"
 
 namespace voxtone::farm {
 

@@ -59,7 +59,7 @@ namespace voxtone::halftone {
 
 /// What the widest Gaussian of luminance, which is negative, does.
 enum class EyeSurround {
-    published,  ///< as the authors have it, for scores in S-CIELAB (benchmarks/slicer/job/scores.h)
+    published,  ///< as the authors have it, for scores in S-CIELAB (benchmarks/slicer/print/scores.h)
     none,       ///< left out, the other two scaled to the sum 1: a low-pass
 };
 

@@ -12,7 +12,7 @@
 #include "io/profiles/resin_file.h"
 #include "scattering/design/whole_layers.h"
 #include "scattering/jobs/named_laminate.h"
-#include "slicer/targets/print_boxes.h"
+#include "slicer/print/print_boxes.h"
 
 namespace voxtone::scattering {
 namespace {

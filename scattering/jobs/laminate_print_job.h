@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // `voxtone laminate print`: slabs of layers of resin as a printable laminate, side by side along x, each as thick as
-// its layers; what `laminate search` found, without a model (slicer/targets/print_boxes.h).
+// its layers; what `laminate search` found, without a model (slicer/print/print_boxes.h).
 //
 // Borders between layers are rounded to whole printed layers (scattering/design/whole_layers.h), from the top.
 #pragma once

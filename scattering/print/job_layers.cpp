@@ -23,7 +23,7 @@
 #include "scattering/local_profiles/luminance_channel.h"
 #include "scattering/print/cell_waves.h"
 #include "scattering/print/layers_check.h"
-#include "slicer/prepare/phase.h"
+#include "slicer/part/phase.h"
 
 namespace voxtone::scattering {
 

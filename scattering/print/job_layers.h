@@ -28,8 +28,8 @@
 #include "scattering/print/map_placement.h"
 #include "scattering/print/wrapped_layers.h"
 #include "slicer/options/resolved_job.h"
-#include "slicer/prepare/job_body.h"
-#include "slicer/prepare/job_colour.h"
+#include "slicer/part/job_body.h"
+#include "slicer/part/job_colour.h"
 
 namespace voxtone::scattering {
 

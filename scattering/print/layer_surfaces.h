@@ -25,7 +25,7 @@
 #include "base/progress.h"
 #include "io/layers/layer_runs.h"
 #include "scattering/print/wrapped_layers.h"
-#include "slicer/prepare/job_body.h"
+#include "slicer/part/job_body.h"
 
 namespace voxtone::scattering {
 

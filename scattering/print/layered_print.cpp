@@ -5,7 +5,7 @@
 
 #include "base/stopwatch.h"
 #include "scattering/print/layer_surfaces.h"
-#include "slicer/prepare/phase.h"
+#include "slicer/part/phase.h"
 
 namespace voxtone::scattering {
 

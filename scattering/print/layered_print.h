@@ -12,8 +12,8 @@
 #include "scattering/print/layers_report.h"
 #include "slicer/colour/print_parts.h"
 #include "slicer/look/upright_cut.h"
-#include "slicer/prepare/opened_job.h"
-#include "slicer/prepare/print.h"
+#include "slicer/part/opened_job.h"
+#include "slicer/part/print.h"
 
 namespace voxtone::scattering {
 

@@ -11,7 +11,7 @@
 #include "scattering/print/job_layers.h"
 #include "scattering/print/layered_print.h"
 #include "scattering/print/layers_check.h"
-#include "slicer/prepare/other_print.h"
+#include "slicer/part/other_print.h"
 #include "slicer/printer/picture_slab.h"
 
 namespace voxtone::scattering {

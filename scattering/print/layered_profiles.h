@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Prints of layers that show how light spreads (`--show layered-profile`), as jobs know them (prepare/other_print.h).
+// Prints of layers that show how light spreads (`--show layered-profile`), as jobs know them (part/other_print.h).
 #pragma once
 
 namespace voxtone::scattering {

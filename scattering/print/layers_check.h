@@ -8,7 +8,7 @@
 
 #include "io/profiles/profile_map.h"
 #include "slicer/options/resolved_job.h"
-#include "slicer/prepare/job_colour.h"
+#include "slicer/part/job_colour.h"
 
 namespace voxtone::scattering {
 

@@ -17,10 +17,10 @@
 #include "io/pictures/srgb_code.h"
 #include "io/report/plot_svg.h"
 #include "optics/colour/channels.h"
-#include "slicer/kept/report_files.h"
 #include "slicer/look/preview.h"
 #include "slicer/look/report_views.h"
 #include "slicer/look/viewer_surface.h"
+#include "slicer/part/report_files.h"
 #include "slicer/surface/target_cells.h"
 
 namespace voxtone::scattering {

@@ -14,8 +14,8 @@
 #include "io/report/report.h"
 #include "scattering/print/job_layers.h"
 #include "scattering/print/layer_surfaces.h"
-#include "slicer/prepare/job_body.h"
-#include "slicer/prepare/job_colour.h"
+#include "slicer/part/job_body.h"
+#include "slicer/part/job_colour.h"
 
 namespace voxtone::scattering {
 

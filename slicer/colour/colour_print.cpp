@@ -19,7 +19,7 @@
 #include "slicer/colour/verdict.h"
 #include "slicer/colour/viewer_report.h"
 #include "slicer/look/cell_mesh.h"
-#include "slicer/prepare/phase.h"
+#include "slicer/part/phase.h"
 
 namespace voxtone::slicer {
 

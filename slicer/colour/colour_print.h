@@ -11,11 +11,11 @@
 #include "slicer/colour/job_prediction.h"
 #include "slicer/colour/night_prediction.h"
 #include "slicer/colour/print_parts.h"
-#include "slicer/kept/job_identity.h"
 #include "slicer/layers/skin_source.h"
-#include "slicer/plan/job_plan.h"
-#include "slicer/prepare/opened_job.h"
-#include "slicer/prepare/print.h"
+#include "slicer/part/job_identity.h"
+#include "slicer/part/job_plan.h"
+#include "slicer/part/opened_job.h"
+#include "slicer/part/print.h"
 
 namespace voxtone::slicer {
 

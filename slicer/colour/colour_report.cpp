@@ -15,11 +15,11 @@
 #include "io/pictures/picture_writer.h"
 #include "io/report/report_picture.h"
 #include "optics/colour/colour.h"
-#include "slicer/kept/report_files.h"
 #include "slicer/look/prediction_files.h"
 #include "slicer/look/preview.h"
 #include "slicer/look/report_views.h"
 #include "slicer/look/vertex_colours.h"
+#include "slicer/part/report_files.h"
 #include "slicer/surface/area_samples.h"
 #include "slicer/surface/target_cells.h"
 

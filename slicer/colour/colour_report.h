@@ -17,9 +17,9 @@
 #include "base/progress.h"
 #include "io/report/report.h"
 #include "slicer/colour/job_prediction.h"
-#include "slicer/prepare/job_body.h"
-#include "slicer/prepare/job_colour.h"
-#include "slicer/prepare/opened_job.h"
+#include "slicer/part/job_body.h"
+#include "slicer/part/job_colour.h"
+#include "slicer/part/opened_job.h"
 #include "slicer/surface/coloured_surface.h"
 #include "slicer/surface/surface_colour.h"
 

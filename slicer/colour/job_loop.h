@@ -3,7 +3,7 @@
 // The appearance loop of a job: from the open-loop print to the mixtures of its surface cells that look most like the
 // target.
 //
-// Whether there is one says plan/loop_plan.h.
+// Whether there is one says part/loop_plan.h.
 //
 // First everything is prepared that may refuse the job (LoopCells, LoopProblem, the checkpoint of an interrupted job);
 // then the loop runs, for hours if need be.
@@ -20,14 +20,14 @@
 #include "halftone/loop/minimal_depth_separation.h"
 #include "slicer/colour/print_parts.h"
 #include "slicer/colour/viewed_cells.h"
-#include "slicer/kept/loop_checkpoint.h"
-#include "slicer/kept/skin_file.h"
 #include "slicer/layers/cell_index.h"
 #include "slicer/layers/skin_source.h"
 #include "slicer/options/resolved_job.h"
-#include "slicer/plan/loop_plan.h"
-#include "slicer/prepare/job_body.h"
-#include "slicer/prepare/job_colour.h"
+#include "slicer/part/job_body.h"
+#include "slicer/part/job_colour.h"
+#include "slicer/part/loop_checkpoint.h"
+#include "slicer/part/loop_plan.h"
+#include "slicer/part/skin_file.h"
 
 namespace voxtone::slicer {
 

@@ -14,7 +14,7 @@
 #include "optics/colour/colour.h"
 #include "slicer/look/coarse_cells.h"
 #include "slicer/options/model_choice.h"
-#include "slicer/prepare/phase.h"
+#include "slicer/part/phase.h"
 #include "slicer/surface/target_cells.h"
 
 namespace voxtone::slicer {

@@ -25,8 +25,8 @@
 #include "slicer/layers/layer_volume.h"
 #include "slicer/look/surface_prediction.h"
 #include "slicer/options/resolved_job.h"
-#include "slicer/prepare/job_body.h"
-#include "slicer/prepare/job_colour.h"
+#include "slicer/part/job_body.h"
+#include "slicer/part/job_colour.h"
 
 namespace voxtone::slicer {
 

@@ -13,7 +13,7 @@
 #include "io/layers/manifest.h"
 #include "io/report/report.h"
 #include "slicer/colour/job_loop.h"
-#include "slicer/prepare/job_body.h"
+#include "slicer/part/job_body.h"
 
 namespace voxtone::slicer {
 

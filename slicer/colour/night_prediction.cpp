@@ -9,8 +9,8 @@
 #include "io/pictures/picture_writer.h"
 #include "io/report/report_picture.h"
 #include "slicer/colour/colour_report.h"
-#include "slicer/kept/report_files.h"
 #include "slicer/look/prediction_files.h"
+#include "slicer/part/report_files.h"
 #include "slicer/surface/target_cells.h"
 
 namespace voxtone::slicer {

@@ -8,7 +8,7 @@
 #include <set>
 #include <string>
 
-#include "slicer/prepare/job_body.h"
+#include "slicer/part/job_body.h"
 
 namespace voxtone::slicer {
 

@@ -7,8 +7,8 @@
 // enlarged (io/pictures/codes_in_picture.h), each code of the print within its own frame and a sixth of its size around
 // it. It is what a patient reader makes of even light and no blur of its own: a code that cannot be read so is read by
 // no scanner, one that can may still take a steady hand. A business card's QR code of 9 mm, modules of 0.31 mm, is read
-// in one print and not in the next (default set). Codes of a body's texture and those laid on it (slicer/marks) are not
-// looked for.
+// in one print and not in the next (default set). Codes of a body's texture and those laid on it (slicer/surface) are
+// not looked for.
 #pragma once
 
 #include <cstdint>

@@ -31,7 +31,7 @@
 #include "slicer/colour/place_words.h"
 #include "slicer/colour/sides_seen.h"
 #include "slicer/options/resolved_job.h"
-#include "slicer/prepare/job_colour.h"
+#include "slicer/part/job_colour.h"
 
 namespace voxtone::slicer {
 

@@ -26,7 +26,7 @@
 #include "base/named_values.h"
 #include "base/progress.h"
 #include "optics/scene/surface.h"
-#include "slicer/prepare/job_body.h"
+#include "slicer/part/job_body.h"
 
 namespace voxtone::slicer {
 

@@ -14,7 +14,7 @@
 #include "slicer/colour/type_size.h"
 #include "slicer/mesh/solid_mesh.h"
 #include "slicer/options/auto_limits.h"
-#include "slicer/prepare/resin_choice.h"
+#include "slicer/part/resin_choice.h"
 #include "slicer/surface/target_cells.h"
 #include "slicer/surface/visible_surface.h"
 

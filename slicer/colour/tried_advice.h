@@ -41,7 +41,7 @@
 #include "io/report/report.h"
 #include "slicer/colour/job_loop.h"
 #include "slicer/colour/job_prediction.h"
-#include "slicer/prepare/opened_job.h"
+#include "slicer/part/opened_job.h"
 
 namespace voxtone::slicer {
 

@@ -2,7 +2,7 @@
 #include "slicer/colour/viewed_cells.h"
 
 #include "slicer/look/coarse_cells.h"
-#include "slicer/prepare/backing_sheet.h"
+#include "slicer/part/backing_sheet.h"
 #include "slicer/surface/target_cells.h"
 
 namespace voxtone::slicer {

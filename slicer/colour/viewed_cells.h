@@ -12,8 +12,8 @@
 #include "base/progress.h"
 #include "optics/media/resin_volume.h"
 #include "optics/scene/appearance_model.h"
-#include "slicer/prepare/job_body.h"
-#include "slicer/prepare/job_colour.h"
+#include "slicer/part/job_body.h"
+#include "slicer/part/job_colour.h"
 
 namespace voxtone::slicer {
 

@@ -13,7 +13,7 @@
 #include "slicer/colour/verdict.h"
 #include "slicer/look/prediction_files.h"
 #include "slicer/look/support_contact.h"
-#include "slicer/plan/loop_plan.h"
+#include "slicer/part/loop_plan.h"
 #include "slicer/surface/target_cells.h"
 
 namespace voxtone::slicer {

@@ -45,7 +45,7 @@ halftone::SeparationOptions night_options(const optics::ShellAppearance& appeara
     return options;
 }
 
-double luminance_of(const Eigen::Vector3f& rgb) {
+double lamp_luminance(const Eigen::Vector3f& rgb) {
     return 0.2126 * double(rgb.x()) + 0.7152 * double(rgb.y()) + 0.0722 * double(rgb.z());  // IEC 61966-2-1
 }
 
@@ -107,11 +107,11 @@ NightSide::NightSide(const optics::ShellAppearance& day, const halftone::Separat
         const Eigen::Vector2f uv = float(1 - u - v) * surface.source_uv[t][0] + float(u) * surface.source_uv[t][1] +
                                    float(v) * surface.source_uv[t][2];
         const std::uint32_t source = surface.source_triangle[t];
-        places.push_back({luminance_of(asked(source, uv.x(), uv.y())),
-                          luminance_of(let_through(day_colour.at(source, uv.x(), uv.y())))});
+        places.push_back({lamp_luminance(asked(source, uv.x(), uv.y())),
+                          lamp_luminance(let_through(day_colour.at(source, uv.x(), uv.y())))});
     }
     const Eigen::Vector3f darkest = separation_.predicted(Eigen::Vector3f::Zero()).cast<float>();
-    const double floor = std::max(luminance_of(darkest), 0.0) / luminance_of(brightest_);
+    const double floor = std::max(lamp_luminance(darkest), 0.0) / lamp_luminance(brightest_);
     gain_ = static_cast<float>(best_gain(places, floor));
     for (const Place& place : places) beyond_ += double(gain_) * place.asked > place.through;
     beyond_ /= double(places.size());

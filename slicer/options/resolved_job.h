@@ -87,9 +87,9 @@ struct JobPredictionOptions {
     std::uint64_t memory_bytes = 0;        ///< most to use, also by the loop
 };
 
-/// What only a tray of many parts has (slicer/tray).
+/// What only a tray of many parts has (slicer/plate).
 struct TrayOptions {
-    double gap_mm = 2;  ///< between parts whose places are not given; less joins them (slicer/tray/joined_parts.h)
+    double gap_mm = 2;  ///< between parts whose places are not given; less joins them (slicer/plate/joined_parts.h)
     Arrange arrange = Arrange::plate;
     bool turn = false;       ///< by right angles about the vertical, where parts come to lie closer so
     int trays = 1;           ///< at most
@@ -136,7 +136,7 @@ struct ResolvedJob {
     CavityMode cavities = CavityMode::automatic;
     bool keep_thin = true;
 
-    std::optional<LayeredOptions> layered;  ///< nothing: the surface shows colours. Else see prepare/other_print.h
+    std::optional<LayeredOptions> layered;  ///< nothing: the surface shows colours. Else see part/other_print.h
     ColourOptions colour;
     JobLoopOptions loop;
     JobPredictionOptions prediction;

@@ -16,9 +16,9 @@
 #include "optics/transport/refinement.h"
 #include "slicer/look/coarse_cells.h"
 #include "slicer/look/prediction_time.h"
+#include "slicer/part/backing_sheet.h"
 #include "slicer/predict/parts_in_sight.h"
 #include "slicer/predict/stack_boundary.h"
-#include "slicer/prepare/backing_sheet.h"
 
 namespace voxtone::slicer {
 

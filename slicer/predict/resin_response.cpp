@@ -7,7 +7,7 @@
 #include "slicer/look/prediction_files.h"
 #include "slicer/look/surface_prediction.h"
 #include "slicer/options/model_choice.h"
-#include "slicer/prepare/backing_sheet.h"
+#include "slicer/part/backing_sheet.h"
 
 namespace voxtone::slicer {
 

@@ -12,8 +12,8 @@
 #include "slicer/options/job_file.h"
 #include "slicer/options/option_values.h"
 #include "slicer/options/resolve_job.h"
+#include "slicer/part/job_body.h"
 #include "slicer/predict/part_in_tray.h"
-#include "slicer/prepare/job_body.h"
 #include "slicer/printer/printer.h"
 
 namespace voxtone::slicer {

@@ -10,8 +10,8 @@
 
 #include "base/progress.h"
 #include "slicer/mesh/mesh_boundary.h"
+#include "slicer/part/job_body.h"
 #include "slicer/predict/stack_volume.h"
-#include "slicer/prepare/job_body.h"
 
 namespace voxtone::slicer {
 

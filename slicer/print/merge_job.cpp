@@ -21,15 +21,15 @@
 #include "io/layers/stack_folder.h"
 #include "io/printer/printer_folder.h"
 #include "io/shards/shard_folder.h"
-#include "slicer/job/job_phases.h"
-#include "slicer/job/output_folder.h"
-#include "slicer/job/prepared_job.h"
-#include "slicer/job/printer_page.h"
-#include "slicer/kept/prepared_body.h"
-#include "slicer/kept/report_files.h"
 #include "slicer/options/job_file.h"
-#include "slicer/plan/phase_estimates.h"
-#include "slicer/prepare/phase.h"
+#include "slicer/part/phase.h"
+#include "slicer/part/phase_estimates.h"
+#include "slicer/part/prepared_body.h"
+#include "slicer/part/report_files.h"
+#include "slicer/plate/job_phases.h"
+#include "slicer/plate/output_folder.h"
+#include "slicer/plate/prepared_job.h"
+#include "slicer/plate/printer_page.h"
 
 namespace voxtone::slicer {
 

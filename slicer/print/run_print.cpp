@@ -9,9 +9,9 @@
 #include "slicer/options/option_values.h"
 #include "slicer/print/shard_job.h"
 #include "slicer/print/slice_job.h"
+#include "slicer/print/tray_estimate.h"
 #include "slicer/print/tray_job.h"
 #include "slicer/print/tray_shard.h"
-#include "slicer/tray/tray_estimate.h"
 
 namespace voxtone::slicer {
 

@@ -5,9 +5,9 @@
 
 #include "base/job_result.h"
 #include "base/progress.h"
-#include "slicer/estimate/estimate_job.h"
 #include "slicer/options/slice_options.h"
 #include "slicer/plans/tray_plan.h"
+#include "slicer/print/estimate_job.h"
 #include "slicer/print/merge_job.h"
 
 namespace voxtone::slicer {

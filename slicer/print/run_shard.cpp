@@ -22,8 +22,8 @@
 #include "io/layers/stack_folder.h"
 #include "io/programs/build_identity.h"
 #include "io/shards/shard_folder.h"
-#include "slicer/job/output_folder.h"
 #include "slicer/options/job_file.h"
+#include "slicer/plate/output_folder.h"
 #include "slicer/print/shard_cut.h"
 #include "slicer/print/shard_task.h"
 

@@ -11,9 +11,9 @@
 #include "base/job_result.h"
 #include "base/progress.h"
 #include "io/layers/manifest.h"
-#include "slicer/job/job_phases.h"
-#include "slicer/kept/job_identity.h"
-#include "slicer/prepare/opened_job.h"
+#include "slicer/part/job_identity.h"
+#include "slicer/part/opened_job.h"
+#include "slicer/plate/job_phases.h"
 
 namespace voxtone::slicer {
 

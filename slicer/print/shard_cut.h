@@ -13,7 +13,7 @@
 
 #include "io/shards/shard_number.h"
 #include "slicer/options/option_values.h"
-#include "slicer/prepare/job_body.h"
+#include "slicer/part/job_body.h"
 
 namespace voxtone::slicer {
 

@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "io/shards/shard_folder.h"
-#include "slicer/job/prepared_job.h"
-#include "slicer/kept/prepared_body.h"
-#include "slicer/plan/phase_estimates.h"
-#include "slicer/prepare/phase.h"
+#include "slicer/part/phase.h"
+#include "slicer/part/phase_estimates.h"
+#include "slicer/part/prepared_body.h"
+#include "slicer/plate/prepared_job.h"
 #include "slicer/print/run_shard.h"
 #include "slicer/print/shard_cut.h"
 

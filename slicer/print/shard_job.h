@@ -2,7 +2,7 @@
 //
 // One body in shards (run_shard.h). Of the work before the layers, reading, repairing and separating are done by the
 // first shard and kept for the others (prepared_body.h); shards that begin before it has done so do it too. The
-// appearance loop is never repeated (kept/skin_file.h).
+// appearance loop is never repeated (part/skin_file.h).
 #pragma once
 
 #include "base/job_result.h"

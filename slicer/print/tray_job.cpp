@@ -20,14 +20,14 @@
 #include "io/files/whole_file.h"
 #include "io/layers/layer_stack_writer.h"
 #include "io/layers/stack_folder.h"
-#include "slicer/job/job_phases.h"
-#include "slicer/job/output_folder.h"
-#include "slicer/job/printer_page.h"
 #include "slicer/options/job_file.h"
-#include "slicer/tray/opened_tray.h"
-#include "slicer/tray/part_reports.h"
-#include "slicer/tray/tray_record.h"
-#include "slicer/tray/tray_report.h"
+#include "slicer/plate/job_phases.h"
+#include "slicer/plate/opened_tray.h"
+#include "slicer/plate/output_folder.h"
+#include "slicer/plate/part_reports.h"
+#include "slicer/plate/printer_page.h"
+#include "slicer/plate/tray_record.h"
+#include "slicer/plate/tray_report.h"
 
 namespace voxtone::slicer {
 

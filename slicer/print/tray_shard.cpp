@@ -17,13 +17,13 @@
 #include "io/layers/stack_folder.h"
 #include "io/shards/shard_folder.h"
 #include "slicer/options/job_file.h"
-#include "slicer/prepare/phase.h"
+#include "slicer/part/phase.h"
+#include "slicer/plate/opened_tray.h"
+#include "slicer/plate/part_reports.h"
+#include "slicer/plate/tray_record.h"
+#include "slicer/plate/tray_report.h"
 #include "slicer/print/run_shard.h"
 #include "slicer/print/shard_cut.h"
-#include "slicer/tray/opened_tray.h"
-#include "slicer/tray/part_reports.h"
-#include "slicer/tray/tray_record.h"
-#include "slicer/tray/tray_report.h"
 
 namespace voxtone::slicer {
 

@@ -2,7 +2,7 @@
 #include "slicer/proof/sheet_behind.h"
 
 #include "optics/colour/channels.h"
-#include "slicer/prepare/backing_sheet.h"
+#include "slicer/part/backing_sheet.h"
 
 namespace voxtone::slicer {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What lies behind a print, as the camera sees it: a sheet as large as the print's box, below its first layer with air
-// between (slicer/prepare/backing_sheet.h).
+// between (slicer/part/backing_sheet.h).
 #pragma once
 
 #include <memory>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Parts of a tray that are no models, as a user meets them. What their voxels are, and what is refused of them, is
-// tested without the program (tests/slicer/tray).
+// tested without the program (tests/slicer/plate).
 #include <cmath>
 #include <filesystem>
 #include <fstream>

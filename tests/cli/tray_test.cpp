@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Many parts in one print, as a user meets them. Where parts come to stand, and which voxels they have there, is
-// tested without the program (tests/slicer/tray).
+// tested without the program (tests/slicer/plate).
 #include <algorithm>
 #include <chrono>
 #include <filesystem>

@@ -25,8 +25,8 @@
 #include "io/profiles/layer_sequence_file.h"
 #include "io/profiles/profile_file.h"
 #include "io/profiles/resin_file.h"
-#include "slicer/kept/loop_checkpoint.h"
 #include "slicer/options/job_file.h"
+#include "slicer/part/loop_checkpoint.h"
 
 namespace voxtone::test {
 

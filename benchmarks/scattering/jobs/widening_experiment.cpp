@@ -35,7 +35,7 @@
 #include "scattering/design/laminate_materials.h"
 #include "scattering/design/widening_targets.h"
 #include "scattering/jobs/profile_plots.h"
-#include "slicer/targets/print_boxes.h"
+#include "slicer/print/print_boxes.h"
 #include "tests/optics/monte_carlo/point_spread.h"
 
 using namespace voxtone;
@@ -93,7 +93,7 @@ double beside_edge(const optics::TracedProfile& profile, double x) {
     return light;
 }
 
-// The slab as it is printed, voxel by voxel (slicer/targets/print_boxes.h): 24 x 24 mm with mirrors at its sides,
+// The slab as it is printed, voxel by voxel (slicer/print/print_boxes.h): 24 x 24 mm with mirrors at its sides,
 // light enters evenly over the 4 x 4 mm in the middle, 10 mm from the sides. In contact with black (an ideal ink of
 // 0.056 mm below) or laid on black paper, with a film of air between.
 struct InVoxels {

@@ -14,7 +14,7 @@
 #include "optics/colour/colour.h"
 #include "slicer/look/vertex_colours.h"
 #include "slicer/options/option_table.h"
-#include "slicer/prepare/opened_job.h"
+#include "slicer/part/opened_job.h"
 #include "slicer/solid/solid.h"
 #include "slicer/solid/thin_features.h"
 #include "slicer/surface/surface_colour.h"

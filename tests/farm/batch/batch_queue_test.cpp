@@ -13,9 +13,9 @@
 #include "farm/batch/batch_summary.h"
 #include "farm/batch/job_result.h"
 #include "io/programs/build_identity.h"
-#include "slicer/kept/job_identity.h"
-#include "slicer/kept/loop_checkpoint.h"
 #include "slicer/options/job_file.h"
+#include "slicer/part/job_identity.h"
+#include "slicer/part/loop_checkpoint.h"
 #include "tests/io/files/temporary_folder.h"
 
 using namespace voxtone;

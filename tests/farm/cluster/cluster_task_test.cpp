@@ -12,7 +12,7 @@
 #include "farm/batch/batch_folder.h"
 #include "farm/cluster/job_record.h"
 #include "farm/cluster/submission.h"
-#include "slicer/kept/loop_checkpoint.h"
+#include "slicer/part/loop_checkpoint.h"
 #include "stand_ins.h"
 
 using namespace voxtone;

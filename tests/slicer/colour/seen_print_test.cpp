@@ -15,7 +15,7 @@
 #include "slicer/colour/sides_seen.h"
 #include "slicer/colour/tried_advice.h"
 #include "slicer/colour/type_size.h"
-#include "slicer/targets/dot_letters.h"
+#include "slicer/print/dot_letters.h"
 #include "tests/slicer/colour/drawn_page.h"
 
 using namespace voxtone;

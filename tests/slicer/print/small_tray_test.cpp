@@ -6,8 +6,8 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "slicer/estimate/estimate_job.h"
 #include "slicer/predict/stack_volume.h"
+#include "slicer/print/estimate_job.h"
 #include "small_print.h"
 #include "tests/io/files/schema.h"
 

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "slicer/plate/tray_parts.h"
+
+#include <algorithm>
+#include <functional>
+#include <optional>
+#include <utility>
+#include <variant>
+
+#include <fmt/core.h>
+
+#include "base/error.h"
+#include "base/warning.h"
+#include "io/layers/stack_folder.h"
+#include "slicer/options/mark_options.h"
+#include "slicer/part/loop_checkpoint.h"
+#include "slicer/plate/arrangement.h"
+#include "slicer/plate/component.h"
+#include "slicer/plate/kept_loop.h"
+
+namespace voxtone::slicer {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The part as a job of its own, whose folder is below the tray's. What lies there is the tray's: it is taken where it
+/// is this job's, and replaced otherwise.
+SliceOptions job_options(const TrayPart& part, const fs::path& out, const std::vector<std::string>& roles) {
+    SliceOptions options = part.options;
+    options.out = (out / io::parts_name / part.name).string();
+    options.overwrite = true;
+    if (options.load.empty()) options.load = roles;
+    return options;
+}
+
+/// Goes on with a loop that was interrupted, if it is this job's.
+void look_for_checkpoint(const OpenedJob& job, JobRun& run, const Progress& progress) {
+    if (!fs::exists(job.options.out / io::checkpoint_name)) return;
+    try {
+        LoopCheckpoint::expect_same_job(job.options.out, opened_loop_identity(job, &progress));
+        run.goes_on = true;
+    } catch (const InputError&) {
+        LoopCheckpoint::remove_from(job.options.out);  // of what the part was before
+    }
+}
+
+std::vector<std::string> roles_of(const OpenedJob& job) {
+    std::vector<std::string> roles;
+    for (const io::StackResin& resin : job.resins.entries) roles.push_back(resin.role);
+    return roles;
+}
+
+/// A part on its way.
+struct WaitingPart {
+    TrayPart part;
+    SliceOptions options;    ///< as a job
+    SliceOptions as_said{};  ///< the same, which may leave the choice of resins to the printer, ...
+    std::optional<OpenedJob> opened = std::nullopt;  ///< ... opened; nothing: a component
+    std::optional<JobBody> body = std::nullopt;
+    std::optional<ReadyComponent> component = std::nullopt;
+};
+
+/// A job of another printer or of other resins is another print.
+void expect_of_the_tray(const PartJob& said, const OpenedJob& opened) {
+    const auto other = [](const std::string& a, const std::string& b) {
+        std::error_code none;
+        return !a.empty() && a != b && !(fs::exists(a, none) && fs::equivalent(a, b, none));
+    };
+    const auto refuse = [&](std::string_view what, const std::string& its, const std::string& the_trays) {
+        throw InputError(
+            fmt::format("{}: is a job for the {} {}, and this tray is for {}: say \"{}\" beside \"parts\", or slice "
+                        "it on a tray of its own",
+                        said.file, what, its, the_trays, what));
+    };
+    if (other(said.printer, opened.options.printer)) refuse("printer", said.printer, opened.options.printer);
+    if (other(said.resins, opened.options.resins)) refuse("resins", said.resins, opened.options.resins);
+}
+
+/// Of a part that was set aside when it left the tray.
+void take_back(const fs::path& folder) {
+    std::error_code none;
+    const fs::path aside = folder.parent_path() / earlier_parts_name / folder.filename();
+    if (!fs::exists(folder, none) && fs::is_directory(aside, none)) fs::rename(aside, folder, none);
+}
+
+/// All are opened before the first is worked on: what refuses one is known before time is spent.
+std::vector<WaitingPart> open_parts(const TrayPlan& plan, std::vector<FailedPart>& failed, Progress& progress) {
+    std::vector<WaitingPart> waiting;
+    std::vector<std::string> roles;
+    for (const TrayPart& part : plan.parts) {
+        if (part.component) {
+            waiting.push_back({part, {}});
+            continue;
+        }
+        const SliceOptions options = job_options(part, plan.common.out, roles);
+        take_back(options.out);
+        (void)goes_well(part, plan.common.fail_fast, failed, progress, [&] {
+            OpenedJob opened = open_job(options);
+            if (opened.other)
+                throw InputError(
+                    fmt::format("shows {}, which a tray's parts cannot yet: print it alone", opened.other->what()));
+            if (!roles.empty() && roles_of(opened) != roles)
+                throw InputError("loads other resins than the first part: say \"load\" beside \"parts\"");
+            if (part.job) expect_of_the_tray(*part.job, opened);
+            if (roles.empty()) roles = roles_of(opened);
+            waiting.push_back({part, job_options(part, plan.common.out, roles), options, std::move(opened)});
+        });
+    }
+    return waiting;
+}
+
+/// It would be replaced while it is read.
+void refuse_own_stack(const TrayComponent& component, const fs::path& out) {
+    std::error_code none;
+    if (component.path.empty() || out.empty()) return;
+    const fs::path stack = fs::weakly_canonical(component.path, none), own = fs::weakly_canonical(out, none);
+    if (stack == own || stack.parent_path() == own)
+        throw InputError(
+            fmt::format("{}: is in the folder that this tray is made in, and cannot be a part of it: name "
+                        "another folder with -o",
+                        component.path));
+}
+
+void prepare_components(const TrayPlan& plan, std::vector<WaitingPart>& waiting, TrayParts& parts, Progress& progress) {
+    const auto is_component = [](const WaitingPart& part) { return part.part.component.has_value(); };
+    if (std::ranges::none_of(waiting, is_component)) return;
+    const auto model = std::ranges::find_if_not(waiting, is_component);
+    parts.common = std::make_shared<const OpenedJob>(
+        *common_job(plan, model == waiting.end() ? std::vector<std::string>() : model->options.load));
+    std::erase_if(waiting, [&](WaitingPart& part) {
+        if (!part.part.component) return false;
+        return !goes_well(part.part, plan.common.fail_fast, parts.failed, progress, [&] {
+            refuse_own_stack(*part.part.component, plan.common.out);
+            part.component = prepare_component(part.part, *parts.common, progress);
+        });
+    });
+}
+
+StandingPart standing(const WaitingPart& part) {
+    return {&part.part, part.body ? &*part.body : nullptr, part.component ? &*part.component : nullptr};
+}
+
+/// A mark's side or point is one of the print: turned below it, another face of the body would have it.
+bool has_marked_sides(const ResolvedJob& job) {
+    return std::ranges::any_of(job.marks, [](const MarkOptions& mark) {
+        const MarkSide* side = std::get_if<MarkSide>(&mark.place);
+        return side ? *side > MarkSide::flattest : std::holds_alternative<Eigen::Vector3d>(mark.place);
+    });
+}
+
+/// Its body, turned; as it was, where it cannot be, as its labels find no place then.
+void turn_part(WaitingPart& part, int turns, Progress& progress) {
+    SliceOptions turned = part.options;
+    turned.rotate = turned_further(part.options, turns);
+    try {
+        const OpenedJob job = open_job(turned);
+        part.body.emplace(prepare_body(job.options, job.printer, progress));
+    } catch (const InputError& error) {
+        progress.note(fmt::format("{}: is not turned, for {}", part.part.name, error.what()));
+        return;
+    }
+    part.options = std::move(turned);
+    progress.note(fmt::format("{}: is turned by {} degrees", part.part.name, 90 * turns));
+}
+
+/// Turns parts that may be; their bodies are kept, so that none is read twice but those that are turned.
+void turn_parts(const TrayPlan& plan, std::vector<WaitingPart>& waiting, std::vector<FailedPart>& failed,
+                Progress& progress) {
+    if (std::ranges::none_of(waiting, [](const WaitingPart& part) { return part.part.turn; })) return;
+    std::erase_if(waiting, [&](WaitingPart& part) {
+        if (part.component) return false;
+        return !goes_well(part.part, plan.common.fail_fast, failed, progress, [&] {
+            part.body.emplace(prepare_body(part.opened->options, part.opened->printer, progress));
+            if (!part.part.turn || !has_marked_sides(part.opened->options)) return;
+            part.part.turn = false;
+            progress.note(part.part.name + ": is not turned, for its labels or decals have places on the print");
+        });
+    });
+    const auto model = std::ranges::find_if(waiting, [](const WaitingPart& part) { return part.body.has_value(); });
+    if (model == waiting.end()) return;
+    std::vector<StandingPart> all;
+    for (const WaitingPart& part : waiting) all.push_back(standing(part));
+    const PrinterProfile& printer = model->opened->printer;
+    const std::vector<int> turns =
+        turns_on_plate(all, printer.sliced_tray_mm(), plan.common.gap_mm, printer.sliced_passes());
+    for (std::size_t p = 0; p < waiting.size(); ++p)
+        if (turns[p] != 0) turn_part(waiting[p], turns[p], progress);
+}
+
+/// With the loop of the job that it was alone; null where that is not to be had. The job says its resins as it did
+/// then; where it chooses others for its colours than this tray loads, it is another job.
+std::unique_ptr<PreparedJob> open_with_kept_loop(WaitingPart& part, bool loops_elsewhere, Progress& progress) {
+    if (!take_kept_loop(part.part.name, part.part.job->folder, *part.opened, progress)) return nullptr;
+    SliceOptions options = part.as_said;
+    options.until = SliceOptions{}.until;  // that it is run, is done
+    std::unique_ptr<PreparedJob> ready = open_ready(options, std::move(part.body), progress, loops_elsewhere);
+    if (roles_of(ready->job) == part.options.load && is_loop_of(part.part.name, *ready, progress)) return ready;
+    std::error_code none;
+    fs::remove(ready->job.options.loop.mixtures, none);
+    part.body.reset();  // is read anew
+    return nullptr;
+}
+
+ReadyPart prepare_part(WaitingPart& part, bool loops_elsewhere, Progress& progress) {
+    if (part.body)
+        for (const std::string& warning : part.body->warnings) progress.warn(warning);
+    ReadyPart made;
+    made.part = part.part;
+    made.component = std::move(part.component);
+    if (made.component) return made;
+    if (part.part.job && !part.part.job->folder.empty() && part.options.rotate == part.as_said.rotate)
+        made.ready = open_with_kept_loop(part, loops_elsewhere, progress);
+    if (!made.ready) made.ready = open_ready(part.options, std::move(part.body), progress, loops_elsewhere);
+    return made;
+}
+
+}  // namespace
+
+bool goes_well(const TrayPart& part, bool fail_fast, std::vector<FailedPart>& failed, Progress& progress,
+               const std::function<void()>& work) {
+    const auto placed = [&](const Error& error) {
+        const std::string what = error.what();
+        return what.starts_with(part.place) ? what : part.place + ": " + what;
+    };
+    try {
+        work();
+        return true;
+    } catch (const TryAgain&) {
+        throw;
+    } catch (const Cancelled&) {
+        throw;
+    } catch (const Error& error) {
+        if (fail_fast) throw Error(error.exit_code(), placed(error));
+        failed.push_back({part.name, placed(error), error.exit_code()});
+    }
+    progress.warn(named_warning("part-failed",
+                                fmt::format("{}: fails, and the tray is made without it (--fail-fast stops there): {}",
+                                            part.name, failed.back().message)));
+    return false;
+}
+
+std::unique_ptr<PreparedJob> open_ready(const SliceOptions& options, std::optional<JobBody> kept, Progress& progress,
+                                        bool loop_elsewhere) {
+    const OpenedJob opened = open_job(options, [&](const OpenedJob& job, JobRun& run) {
+        fs::create_directories(job.options.out);
+        look_for_checkpoint(job, run, progress);
+        run.loop_elsewhere = run.loop_elsewhere || loop_elsewhere;
+    });
+    auto ready = std::make_unique<PreparedJob>(opened, std::move(kept), progress);
+    if (!ready->plan.loop.does_not_fit.empty()) throw ResourceError(ready->plan.loop.does_not_fit);
+    return ready;
+}
+
+std::optional<OpenedJob> common_job(const TrayPlan& plan, const std::vector<std::string>& roles) {
+    if (std::ranges::none_of(plan.parts, [](const TrayPart& part) { return part.component.has_value(); }))
+        return std::nullopt;
+    SliceOptions options = plan.common;
+    for (const auto& [mirrors, name] : {std::pair{options.flip_x, "flip-x"}, std::pair{options.flip_y, "flip-y"},
+                                        std::pair{options.swap_xy, "swap-xy"}})
+        if (mirrors)
+            throw UsageError(
+                fmt::format("--{}: would mirror the tray's models, each for itself, and none of its boxes, cuts and "
+                            "finished prints; mirror in the printer's profile, or in the files of the models",
+                            name));
+    options.model = plan.file;
+    if (options.load.empty()) options.load = roles;
+    return open_job(options);
+}
+
+const OpenedJob& TrayParts::any_job() const {
+    const auto model = std::ranges::find_if(ready, [](const ReadyPart& part) { return part.ready != nullptr; });
+    return model != ready.end() ? model->ready->job : *common;
+}
+
+TrayParts prepare_parts(const TrayPlan& plan, Progress& progress) {
+    TrayParts parts;
+    std::vector<WaitingPart> waiting = open_parts(plan, parts.failed, progress);
+    prepare_components(plan, waiting, parts, progress);
+    turn_parts(plan, waiting, parts.failed, progress);
+    std::size_t number = 0;
+    for (WaitingPart& part : waiting) {
+        progress.note(fmt::format("part {} ({} of {})", part.part.name, ++number, waiting.size()));
+        (void)goes_well(part.part, plan.common.fail_fast, parts.failed, progress,
+                        [&] { parts.ready.push_back(prepare_part(part, plan.loops_elsewhere, progress)); });
+    }
+    if (parts.ready.empty())
+        throw Error(parts.failed.front().exit_code,
+                    fmt::format("none of the tray's parts can be printed; {}", parts.failed.front().message));
+    return parts;
+}
+
+}  // namespace voxtone::slicer
