@@ -43,7 +43,7 @@ TEST_CASE("Every model of the corpus gives a stack or a clear error") {
         const bool picture = entry.path().parent_path().filename().string().rfind("img_", 0) == 0;
         const Outcome outcome =
             run_program(fmt::format("slice --quiet --no-report --iterations 0 '{}' {} -o {}", entry.path().string(),
-                                    picture ? "--width 10mm --thickness 1.5mm" : "--size 12mm", folder / "out"));
+                                    picture ? "--width 7mm --thickness 1.5mm" : "--size 9mm", folder / "out"));
         INFO(entry.path().string() << ": " << outcome.err);
         ++inputs;
         CHECK((outcome.exit_code == 0 || outcome.exit_code == 3));

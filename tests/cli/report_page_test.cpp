@@ -186,7 +186,7 @@ TEST_CASE("The page of a calibration shows target and photograph, and the probe 
     const double mm_x = described["size_mm"][0], mm_y = described["size_mm"][1];
     const double px_per_mm = height / (2 * 0.53 * std::max(mm_y, mm_x * height / width));
     REQUIRE(described["squares"].size() == patches.size());
-    for (std::size_t s = 0; s < patches.size(); ++s) {
+    for (std::size_t s = 0; s < patches.size(); s += 3) {  // a third of the squares, over the whole target
         const std::vector<double> area = described["squares"][s]["area_mm"];
         const double x = left + width / 2 + ((area[0] + area[2]) / 2 - mm_x / 2) * px_per_mm + 4;
         const double y = top + height / 2 - ((area[1] + area[3]) / 2 - mm_y / 2) * px_per_mm + 4;

@@ -414,7 +414,7 @@ TEST_CASE("Whoever follows an advice comes to what it says") {
         return (x / 6 + y / 6) % 2 ? std::array{205, 190, 120} : std::array{90, 120, 140};
     });
     folder.write("plate.obj", ramp_box_obj(6, 0.5, 5));
-    folder.write("ramp.obj", ramp_box_obj(6, 5, 4));   // red to green
+    folder.write("ramp.obj", ramp_box_obj(6, 5, 4));      // red to green
     folder.write("small.obj", ramp_box_obj(3, 3, 2.25));  // the size advised is one that is predicted unasked
     const std::string squares = folder / "squares.png" + " --thickness 2mm --resins vero-opaque --width 4.8mm ";
     CHECK(follow(folder, squares + "--iterations 0") >= 2);
@@ -495,8 +495,7 @@ TEST_CASE("A print's verdict does not get worse printed larger, with more resins
     };
     const std::string squares = folder / "squares.png" + " --thickness 2mm --resins vero-opaque ",
                       photograph = folder / "clouds.png" + " --thickness 2mm --iterations 0",
-                      ramp = folder / "ramp.obj" + " --iterations 0",
-                      pale = folder / "pale.obj" + " --iterations 0",
+                      ramp = folder / "ramp.obj" + " --iterations 0", pale = folder / "pale.obj" + " --iterations 0",
                       cow = source_dir() + "/examples/models/spot/spot.obj --iterations 0";
     std::set<int> seen_ranks;
     for (const auto& [command, how, steps] :

@@ -105,7 +105,7 @@ TEST_CASE("a chart completes dark channels within 15 %, and leaves what edges te
     int within_one = 0, within_two = 0, values = 0;
     // A photograph of the chart has errors of 0.001 (docs/calibrate.md); with 0.005 extinctions are off by 10 %.
     constexpr double noise = 0.002;
-    for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
         EdgeFit fit = told_by_edges(seed);
         const EdgeFit before = fit;
         complete_by_chart(fit, chart(seed, noise), halftone());
@@ -130,13 +130,13 @@ TEST_CASE("a chart completes dark channels within 15 %, and leaves what edges te
         CHECK_THAT(edge_fit_json(fit, {}), Contains("\"edges and chart\""));
     }
     INFO(within_one << ", " << within_two << " of " << values << " extinctions within one and two errors");
-    CHECK(within_two >= values - 5);  // 24 values, of which 1.1 lie outside: four standard deviations
-    CHECK(within_one <= values - 1);  // errors that are not too large: all 24 within one would be chance of 1e-4
+    CHECK(within_two >= values - 4);  // 15 values, of which 0.7 lie outside: four standard deviations
+    CHECK(within_one <= values - 1);  // errors that are not too large: all 15 within one would be chance of 3e-3
 }
 
 TEST_CASE("a chart completes dark channels of other resins, two of one resin among them", "[edge]") {
     const optics::ResinSet truth = other_resins();
-    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    for (std::uint64_t seed = 1; seed <= 2; ++seed) {
         EdgeFit fit = told_by_edges(seed, truth, other_dark);
         complete_by_chart(fit, chart(seed, 0.002, truth), halftone());
         INFO("seed " << seed);

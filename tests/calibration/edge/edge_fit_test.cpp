@@ -215,15 +215,19 @@ TEST_CASE("a fit refuses what it cannot use", "[edge]") {
 }
 
 TEST_CASE("a dictionary goes on where it was stopped, and shards make the same file", "[edge]") {
-    const io::TemporaryFolder folder;
-    DictionaryJob job;
-    job.grid.sigma_t = {2, 4, 8};
-    job.grid.thickness_mm = {0.5};
-    job.grid.g = {0.2, 0.4};
-    job.grid.paths = 2048;
-    job.out = folder.path() / "whole.dict";
     Progress progress;
-    static_cast<void>(run_dictionary_job(job, progress));
+    // Traced once for all sections.
+    static const io::TemporaryFolder folder;
+    static const DictionaryJob job = [&] {
+        DictionaryJob traced;
+        traced.grid.sigma_t = {2, 4, 8};
+        traced.grid.thickness_mm = {0.5};
+        traced.grid.g = {0.2, 0.4};
+        traced.grid.paths = 2048;
+        traced.out = folder.path() / "whole.dict";
+        static_cast<void>(run_dictionary_job(traced, progress));
+        return traced;
+    }();
     const auto whole = bytes_of(job.out);
     CHECK(missing_runs(read_dictionary(job.out)).empty());
     CHECK_FALSE(fs::exists(job.out + ".partial"));

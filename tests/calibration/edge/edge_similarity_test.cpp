@@ -23,7 +23,7 @@ EdgeProfileTable small_table(const std::vector<double>& g) {
     EdgeDictionary dictionary;
     dictionary.grid.g = g;
     for (double s = 2; s < 16; s *= 1.3) dictionary.grid.sigma_t.push_back(s);
-    dictionary.grid.paths = 1u << 14;
+    dictionary.grid.paths = 1u << 13;
     for (std::size_t run = 0; run < dictionary.grid.runs(); ++run)
         dictionary.records.push_back(edge_record(dictionary.setup, dictionary.grid, run));
     return {std::make_shared<const EdgeDictionary>(dictionary), dictionary.setup};

@@ -223,10 +223,10 @@ TEST_CASE("across a beam's border a slab looks as a tracer path by path has it")
         scene.view = across_place();
         scene.beam = &beam;
         scene.prints.push_back({&slab.scene, &slab.sides, nullptr, {0, 0, 0}});
-        const CameraPicture picture = take(scene, 6000);
+        const CameraPicture picture = take(scene, 4000);
         double in_the_dark = 0;
         for (int x = 0; x < 24; ++x) {
-            constexpr int paths = 20'000;
+            constexpr int paths = 12'000;
             double sum[3] = {}, squares[3] = {};  // as it is, of another albedo, of a beam elsewhere
             for (int i = 0; i < paths; ++i) {
                 const double at = 3 + 0.1 * (x - 12 + u(engine)), aside = 3 + 0.1 * (u(engine) - 0.5);

@@ -164,6 +164,7 @@ TEST_CASE("A print that is judged bad fails where it is asked to, also when it w
     PrintDesk desk;
     SliceOptions options = desk.options("out");
     options.predict = "transport";
+    options.predict_cell_mm = 0.4;
     options.verdict_good = 0.01, options.verdict_bad = 0.02;
     const JobResult lenient = desk.print(options);
     CHECK(lenient.exit_code == ExitCode::done);
