@@ -6,32 +6,20 @@
 
 namespace voxtone::calibration {
 
-namespace {
-
-constexpr double spread_step = 1e-4;
-
-}  // namespace
-
 SquareColours::SquareColours(const ThinSquares& squares, std::vector<std::string> roles, const ObserverModel& model)
     : squares_(squares), roles_(std::move(roles)), model_(model) {
     options_.g = model.options().g, options_.eta = model.options().eta, options_.pitch_mm = model.options().pitch_mm;
     if (!squares_.patches.empty()) plan_ = patch_plan(options_);
 }
 
-PatchModel SquareColours::model_of(double dot_spread) const {
-    PatchModelOptions options = options_;
-    options.dot_spread = dot_spread;
-    return {squares_.patches, roles_, options, plan_};
-}
-
 void SquareColours::prepare(const ObserverParts& parts, bool with_derivatives) {
     parts_ = parts;
     const Eigen::Index squares = this->squares(), channels = model_.channels(), resins = model_.resins();
-    rho_.resize(squares, channels), by_spread_.setZero(squares, channels);
+    rho_.resize(squares, channels);
     by_.assign(with_derivatives ? static_cast<std::size_t>(channels) : 0, {});
     if (squares == 0) return;
-    const PatchModel model = model_of(parts.dot_spread);
-    const double moved = parts.dot_spread > 0.5 ? -spread_step : spread_step;
+    options_.dot_spread = parts.dot_spread;
+    const PatchModel model(squares_.patches, roles_, options_, plan_);
     parallel_for(0, static_cast<std::size_t>(channels), 1, [&](std::size_t channel) {
         const auto c = static_cast<Eigen::Index>(channel);
         std::vector<optics::Medium> media;
@@ -49,9 +37,6 @@ void SquareColours::prepare(const ObserverParts& parts, bool with_derivatives) {
             model.evaluate(media, bases, rho);
         }
         rho_.col(c) = Eigen::Map<const Eigen::VectorXd>(rho.data(), squares);
-        if (!with_derivatives || !model_.fits_spread()) return;
-        model_of(parts.dot_spread + moved).evaluate(media, bases, rho);
-        by_spread_.col(c) = (Eigen::Map<const Eigen::VectorXd>(rho.data(), squares) - rho_.col(c)) / moved;
     });
 }
 
@@ -70,10 +55,10 @@ Eigen::Vector3d SquareColours::colour(Eigen::Index square, Eigen::Ref<Eigen::Mat
             by_unknown.col(model_.absorption_at(r, c)) = by[2 * r] * weight;
             if (!model_.is_white(r)) by_unknown.col(model_.scattering_at(r, c)) = by[2 * r + 1] * weight;
         }
-        if (model_.options().lengths) by_unknown.col(model_.length_at(c)) = by.sum() * weight;
+        if (model_.options().lengths) by_unknown.col(model_.length_at(c)) = by.head(2 * model_.resins()).sum() * weight;
         if (model_.fits_spread())
-            by_unknown.col(model_.spread_at()) +=
-                ObserverModel::spread_by_unknown(parts_) * by_spread_(square, c) * weight;
+            by_unknown.col(model_.spread_at()) -=
+                ObserverModel::spread_by_unknown(parts_) / (1 - parts_.dot_spread) * by[2 * model_.resins()] * weight;
     }
     add_observer_derivatives(read, seen, by_unknown.rightCols(by_unknown.cols() - model_.observer_at()));
     if (own) by_unknown.rightCols<2>().setZero();

@@ -33,16 +33,14 @@ public:
     [[nodiscard]] Eigen::MatrixX3d roots(const ObserverParts& parts);
 
 private:
-    [[nodiscard]] PatchModel model_of(double dot_spread) const;
-
     const ThinSquares& squares_;
     std::vector<std::string> roles_;
     const ObserverModel& model_;
     PatchModelOptions options_;
     std::shared_ptr<const optics::OrdinatePlan> plan_;
     ObserverParts parts_;
-    Eigen::MatrixXd rho_, by_spread_;  ///< squares x channels
-    std::vector<Eigen::MatrixXd> by_;  ///< of each channel, squares x 2 resins: by ln sigma_a, ln sigma_s
+    Eigen::MatrixXd rho_;              ///< squares x channels
+    std::vector<Eigen::MatrixXd> by_;  ///< of each channel, squares x (2 resins + 1): by ln sigma_a, ln sigma_s, chord
 };
 
 }  // namespace voxtone::calibration

@@ -25,10 +25,13 @@ std::size_t index_of(std::vector<T>& list, const T& value) {
 optics::ResinSet one_channel(std::span<const Medium> resins, const PatchModelOptions& options) {
     optics::ResinSet set;
     set.channels.wavelengths_nm = {500};
-    set.g = options.g, set.eta = options.eta, set.dot_spread = options.dot_spread;
+    set.g = options.g, set.dot_spread = options.dot_spread;
     for (const Medium& medium : resins) set.resins.push_back({"", "", {medium.sigma_t()}, {medium.albedo()}});
     return set;
 }
+
+// Of what is clear too there are slopes.
+constexpr double least_per_mm = 1e-12;
 
 }  // namespace
 
@@ -72,39 +75,15 @@ PatchModel::Bases PatchModel::bases(std::span<const Medium> resins, bool with_de
 
 PatchModel::Mixed PatchModel::mix(const Layer& layer, std::span<const Medium> resins, bool with_derivatives) const {
     Mixed mixed;
-    const bool ideal = options_.ideal_mixtures() || layer.resins.size() == 1;
-    if (ideal) {
-        for (std::size_t k = 0; k < layer.resins.size(); ++k) {
-            const double f = layer.fractions[k];
-            mixed.medium.sigma_a += f * resins[layer.resins[k]].sigma_a;
-            mixed.medium.sigma_s += f * resins[layer.resins[k]].sigma_s;
-            if (with_derivatives) mixed.by_resin.push_back({Medium{f, 0}, Medium{0, f}});
-        }
-        return mixed;
-    }
-    std::vector<Medium> parts;
-    for (const std::size_t r : layer.resins) parts.push_back(resins[r]);
-    const auto effective = [&] {
-        return optics::EffectiveMedium(one_channel(parts, options_), options_.pitch_mm, optics::SeenFrom::above,
-                                       options_.dither)(layer.fractions, 0);
-    };
-    mixed.medium = effective();
-    if (!with_derivatives) return mixed;
-    // The effective medium is smooth and costs nothing: central differences.
-    for (Medium& part : parts) {
-        auto& by = mixed.by_resin.emplace_back();
-        for (int s = 0; s < 2; ++s) {
-            double& value = s == 0 ? part.sigma_a : part.sigma_s;
-            const double kept = value, step = 1e-4 * std::max(part.sigma_t(), 1e-3), low = std::min(step, kept);
-            value = kept + step;
-            const Medium above = effective();
-            value = kept - low;
-            const Medium below = effective();
-            value = kept;
-            by[static_cast<std::size_t>(s)] = {(above.sigma_a - below.sigma_a) / (step + low),
-                                               (above.sigma_s - below.sigma_s) / (step + low)};
-        }
-    }
+    for (const std::size_t r : layer.resins)
+        mixed.parts.push_back({std::max(resins[r].sigma_a, least_per_mm), std::max(resins[r].sigma_s, least_per_mm)});
+    const bool pure = mixed.parts.size() == 1;
+    const optics::EffectiveMedium law(one_channel(mixed.parts, options_),
+                                      pure ? std::array<double, 3>{} : options_.pitch_mm, optics::SeenFrom::above,
+                                      options_.dither);
+    const optics::EffectiveMedium::Point point = law.at(layer.fractions, 0);
+    mixed.medium = point.medium;
+    if (with_derivatives) law.by_resins(point, layer.fractions, 0, mixed.by);
     return mixed;
 }
 
@@ -112,7 +91,7 @@ void PatchModel::run(std::span<const Medium> resins, const Bases& laws, std::spa
                      Eigen::MatrixXd* by_resin) const {
     VOXTONE_EXPECT(resins.size() == roles_.size() && rho.size() == patches_.size() && laws.size() == bases_.size());
     if (by_resin)
-        by_resin->setZero(static_cast<Eigen::Index>(patches_.size()), static_cast<Eigen::Index>(2 * resins.size()));
+        by_resin->setZero(static_cast<Eigen::Index>(patches_.size()), static_cast<Eigen::Index>(2 * resins.size() + 1));
     for (std::size_t l = 0; l < layers_.size(); ++l) {
         const Mixed mixed = mix(layers_[l], resins, by_resin != nullptr);
         const optics::OrdinateLayer layer(*plan_, mixed.medium, layers_[l].thickness_mm, by_resin != nullptr);
@@ -121,12 +100,15 @@ void PatchModel::run(std::span<const Medium> resins, const Bases& laws, std::spa
             rho[p] = result.rho;
             if (!by_resin) continue;
             auto row = by_resin->row(static_cast<Eigen::Index>(p));
-            for (std::size_t k = 0; k < layers_[l].resins.size(); ++k)
-                for (std::size_t s = 0; s < 2; ++s) {
-                    const Medium& by = mixed.by_resin[k][s];
-                    row[static_cast<Eigen::Index>(2 * layers_[l].resins[k] + s)] +=
-                        result.by_layer.sigma_a * by.sigma_a + result.by_layer.sigma_s * by.sigma_s;
-                }
+            const auto slope = [&](const Medium& by) {
+                return result.by_layer.sigma_a * by.sigma_a + result.by_layer.sigma_s * by.sigma_s;
+            };
+            for (std::size_t k = 0; k < mixed.parts.size(); ++k) {
+                const auto at = static_cast<Eigen::Index>(2 * layers_[l].resins[k]);
+                row[at] += slope(mixed.by.by_absorption[k]) / mixed.parts[k].sigma_a;
+                row[at + 1] += slope(mixed.by.by_scattering[k]) / mixed.parts[k].sigma_s;
+            }
+            row[row.size() - 1] += slope(mixed.by.by_chord);
             const auto base = static_cast<Eigen::Index>(2 * bases_[patches_[p].base].resin);
             row[base] += result.by_base.sigma_a;
             row[base + 1] += result.by_base.sigma_s;

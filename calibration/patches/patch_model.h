@@ -67,7 +67,8 @@ public:
 
     /// rho of every patch.
     void evaluate(std::span<const optics::Medium> resins, const Bases& bases, std::span<double> rho) const;
-    /// And its derivatives, mm: column 2 r by sigma_a of resin r, column 2 r + 1 by its sigma_s.
+    /// And its derivatives, mm: column 2 r by sigma_a of resin r, column 2 r + 1 by its sigma_s; the last by the
+    /// logarithm of the voxels' chord.
     void evaluate(std::span<const optics::Medium> resins, const Bases& bases, std::span<double> rho,
                   Eigen::MatrixXd& by_resin) const;
 
@@ -88,10 +89,11 @@ private:
     struct Place {
         std::size_t layer, base;
     };
-    /// A mixture and its derivatives by the absorption and the scattering of each of its resins.
+    /// A mixture and its derivatives by the logarithms of what its resins are.
     struct Mixed {
+        std::vector<optics::Medium> parts;
         optics::Medium medium;
-        std::vector<std::array<optics::Medium, 2>> by_resin;
+        optics::EffectiveMedium::ByResins by;
     };
     [[nodiscard]] Mixed mix(const Layer& layer, std::span<const optics::Medium> resins, bool with_derivatives) const;
     void run(std::span<const optics::Medium> resins, const Bases& bases, std::span<double> rho,

@@ -101,6 +101,31 @@ TEST_CASE("The derivatives of all patches by all resins are those of their refle
         }
 }
 
+TEST_CASE("The derivative of patches by the voxels' chord is that of their reflectance by the dot spread") {
+    PatchModelOptions options;
+    options.pitch_mm = {0.0423, 0.0847, 0.027}, options.dot_spread = 0.3;
+    const PatchTable table = target('B', {"C", "M", "Y"});
+    const std::vector<Medium> resins = media(optics::vero_opaque(), 0);
+    const PatchModel model(table.patches, roles, options);
+    std::vector<double> rho(table.patches.size());
+    Eigen::MatrixXd by;
+    model.evaluate(resins, model.bases(resins, true), rho, by);
+    const double h = 1e-3;
+    const auto moved = [&](double step) {
+        PatchModelOptions other = options;
+        other.dot_spread += step;
+        return PatchModel(table.patches, roles, other).rho(resins);
+    };
+    const std::vector<double> above = moved(h), below = moved(-h);
+    double largest = 0;
+    for (std::size_t p = 0; p < rho.size(); ++p) {
+        const double slope = -by(static_cast<Eigen::Index>(p), by.cols() - 1) / (1 - options.dot_spread);
+        CHECK(slope == Approx((above[p] - below[p]) / (2 * h)).margin(1e-6));
+        largest = std::max(largest, std::abs(slope));
+    }
+    CHECK(largest > 0.01);
+}
+
 TEST_CASE("Where the pitch is known a mixture is the halftone's medium, a pure resin itself") {
     const optics::ResinSet set = optics::vero_opaque();
     PatchModelOptions options;
