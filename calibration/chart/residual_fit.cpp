@@ -31,15 +31,28 @@ Eigen::MatrixXd kernel_matrix(const ChartData& data, const ResidualShape& shape)
     return kernel;
 }
 
+// (L L^T)^-1_ii is the squared length of column i of L^-1, which is 0 above its diagonal: columns by blocks, of each
+// the rows from there on.
+Eigen::VectorXd inverse_diagonal(const Eigen::LLT<Eigen::MatrixXd>& factor) {
+    constexpr Eigen::Index wide = 96;
+    const Eigen::MatrixXd& L = factor.matrixLLT();
+    const Eigen::Index n = L.rows();
+    Eigen::VectorXd diagonal(n);
+    for (Eigen::Index at = 0; at < n; at += wide) {
+        const Eigen::Index rows = n - at, columns = std::min(wide, rows);
+        Eigen::MatrixXd block = Eigen::MatrixXd::Identity(rows, columns);
+        L.bottomRightCorner(rows, rows).triangularView<Eigen::Lower>().solveInPlace(block);
+        diagonal.segment(at, columns) = block.colwise().squaredNorm().transpose();
+    }
+    return diagonal;
+}
+
 // Mean CIEDE2000, by the metric, of what each mixture would be off if it were left out.
 double left_out_error(const ChartData& data, const Eigen::MatrixX3d& left, const ResidualShape& shape) {
     const Eigen::LLT<Eigen::MatrixXd> factor(kernel_matrix(data, shape));
     const Eigen::MatrixX3d weights = factor.solve(left);
     const Eigen::Index n = data.mixtures();
-    // (L L^T)^-1_ii is the squared length of column i of L^-1.
-    Eigen::MatrixXd inverse = Eigen::MatrixXd::Identity(n, n);
-    factor.matrixL().solveInPlace(inverse);
-    const Eigen::VectorXd diagonal = inverse.colwise().squaredNorm().transpose();
+    const Eigen::VectorXd diagonal = inverse_diagonal(factor);
     double sum = 0;
     for (Eigen::Index i = 0; i < n; ++i)
         sum += (data.metric[static_cast<std::size_t>(i)] * weights.row(i).transpose() / diagonal[i]).norm();
