@@ -16,6 +16,7 @@
 #include "calibration/chart/colour_fit.h"
 #include "calibration/chart/observer_fit.h"
 #include "calibration/chart/residual_fit.h"
+#include "calibration/patches/patch_check.h"
 
 namespace voxtone::calibration {
 
@@ -58,22 +59,10 @@ std::string lengths_of(const ChartData& data, const ChartFitOptions& options) {
 
 optics::ResinSet set_of(const ChartData& data, const ObserverParts& parts, const PatchTable& table,
                         const ChartFitOptions& options) {
-    optics::ResinSet set;
+    optics::ResinSet set = set_of_parts(data.roles, parts, data.illuminant);
     set.name = options.name;
     set.g = options.g, set.eta = options.eta;
-    set.dot_spread = parts.dot_spread;
-    set.channels = chart_channels(data, parts);
-    for (Eigen::Index r = 0; r < data.resins(); ++r) {
-        const std::string& role = data.roles[static_cast<std::size_t>(r)];
-        optics::Resin resin{role, role, {}, {}};
-        for (Eigen::Index c = 0; c < parts.weights.rows(); ++c) {
-            const double sum = parts.a(r, c) + parts.s(r, c);
-            resin.sigma_t_per_mm.push_back(parts.scattering[c] * sum);
-            resin.albedo.push_back(parts.s(r, c) / sum);
-        }
-        set.resins.push_back(std::move(resin));
-    }
-    set.measured = {options.geometry, parts.surface, parts.gain};
+    set.measured.geometry = options.geometry;
     set.source = fmt::format("voxtone calibrate fit, {} mixtures of {}; lengths from {}", data.mixtures(), table.source,
                              lengths_of(data, options));
     return set;
@@ -151,18 +140,22 @@ void add_held_out(const ChartData& data, const LeftOut& left, ChartFit& fit) {
     const std::vector<double> differences = root_differences(left.corrected, data.roots);
     fit.held_out = optics::summarize(differences);
     fit.held_out_physics = optics::summarize(root_differences(left.physics, data.roots));
-    std::vector<std::size_t> order(differences.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return differences[a] > differences[b]; });
-    constexpr std::size_t told = 8;
-    for (std::size_t k = 0; k < std::min(told, order.size()); ++k)
-        fit.worst.push_back({data.names[order[k]], differences[order[k]]});
+    fit.worst = largest_differences(differences, [&](std::size_t k) { return data.names[k]; });
     for (std::size_t i = 0; i < differences.size(); ++i)
         if (data.shares.row(static_cast<Eigen::Index>(i)).maxCoeff() > 0.999)
             fit.solids.push_back({data.names[i], differences[i]});
 }
 
 }  // namespace
+
+std::vector<HeldOutPatch> largest_differences(const std::vector<double>& differences,
+                                              const std::function<std::string(std::size_t)>& name) {
+    constexpr std::size_t told = 8;
+    std::vector<HeldOutPatch> worst;
+    for (const std::size_t k : largest_first(differences))
+        if (worst.size() < told) worst.push_back({name(k), differences[k]});
+    return worst;
+}
 
 ChartFit fit_chart(const PatchTable& table, const ChartFitOptions& target, const Progress* progress) {
     VOXTONE_EXPECT(target.folds >= 2);

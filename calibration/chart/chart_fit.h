@@ -10,6 +10,7 @@
 // flatters: `chosen_anew` says by how much. Thin squares, where there are some, are cut into the same folds.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,10 @@ struct HeldOutPatch {
     std::string mixture;
     double difference = 0;  ///< CIEDE2000
 };
+
+/// The largest of differences, first.
+[[nodiscard]] std::vector<HeldOutPatch> largest_differences(const std::vector<double>& differences,
+                                                            const std::function<std::string(std::size_t)>& name);
 
 struct ChartFit {
     optics::ResinSet set;

@@ -120,17 +120,9 @@ ObserverModel chart_model(const ChartData& data, const ObserverChoice& choice, c
              .known_observer = choice.of_spectra}};
 }
 
-optics::Channels chart_channels(const ChartData& data, const ObserverParts& parts) {
-    optics::Channels channels;
-    channels.illuminant = data.illuminant;
-    for (Eigen::Index c = 0; c < parts.weights.rows(); ++c)
-        channels.xyz.push_back({parts.weights(c, 0) * data.white[0], parts.weights(c, 1) * data.white[1],
-                                parts.weights(c, 2) * data.white[2]});
-    return channels;
-}
-
 Eigen::VectorXd chart_scattering(const ChartData& data, const ObserverParts& parts, const ChartFitOptions& options) {
-    const std::vector<double> of = white_scattering(chart_channels(data, parts), options.g, options.lengths_from);
+    const std::vector<double> of =
+        white_scattering(set_of_parts({}, parts, data.illuminant).channels, options.g, options.lengths_from);
     return Eigen::Map<const Eigen::VectorXd>(of.data(), static_cast<Eigen::Index>(of.size()));
 }
 

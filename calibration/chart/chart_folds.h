@@ -26,8 +26,7 @@ inline constexpr int least_channels = 3, most_channels = 12;
 [[nodiscard]] ObserverParts chart_start(const ChartData& data, const ObserverChoice& choice,
                                         const ChartFitOptions& options);
 
-/// The channels that parts stand for; sigma_s of white in them, mm^-1, by the set that gives lengths.
-[[nodiscard]] optics::Channels chart_channels(const ChartData& data, const ObserverParts& parts);
+/// sigma_s of white in the channels of parts, mm^-1, by the set that gives lengths.
 [[nodiscard]] Eigen::VectorXd chart_scattering(const ChartData& data, const ObserverParts& parts,
                                                const ChartFitOptions& options);
 

@@ -60,6 +60,29 @@ void add_observer_derivatives(const ObserverParts& parts, const Eigen::VectorXd&
     by_unknown.col(at) = gain_range * (1 - towards_end * towards_end) / parts.gain * colour;
 }
 
+optics::ResinSet set_of_parts(const std::vector<std::string>& roles, const ObserverParts& parts,
+                              optics::Illuminant illuminant) {
+    optics::ResinSet set;
+    set.dot_spread = parts.dot_spread;
+    set.channels.illuminant = illuminant;
+    const Eigen::Vector3d white = optics::colorimetric_white(illuminant);
+    for (Eigen::Index c = 0; c < parts.weights.rows(); ++c) {
+        const Eigen::Vector3d xyz = parts.weights.row(c).transpose().cwiseProduct(white);
+        set.channels.xyz.push_back({xyz[0], xyz[1], xyz[2]});
+    }
+    for (std::size_t r = 0; r < roles.size(); ++r) {
+        optics::Resin& resin = set.resins.emplace_back(optics::Resin{roles[r], roles[r], {}, {}});
+        for (Eigen::Index c = 0; c < parts.weights.rows(); ++c) {
+            const double s = parts.s(static_cast<Eigen::Index>(r), c),
+                         sum = parts.a(static_cast<Eigen::Index>(r), c) + s;
+            resin.sigma_t_per_mm.push_back(parts.scattering.size() > 0 ? parts.scattering[c] * sum : sum);
+            resin.albedo.push_back(s / sum);
+        }
+    }
+    set.measured.surface = parts.surface, set.measured.gain = parts.gain;
+    return set;
+}
+
 ObserverModel::ObserverModel(Eigen::Index resins, Eigen::Index white, Eigen::Index channels,
                              const ObserverModelOptions& options)
     : resins_(resins),
@@ -67,7 +90,7 @@ ObserverModel::ObserverModel(Eigen::Index resins, Eigen::Index white, Eigen::Ind
       channels_(channels),
       options_(options),
       reflectance_(options.g, options.eta, options.geometry) {
-    VOXTONE_EXPECT(resins > 0 && white >= 0 && white < resins && channels >= 3);
+    VOXTONE_EXPECT(resins > 0 && white >= 0 && white <= resins && channels >= 3);
 }
 
 Eigen::Index ObserverModel::scattering_at(Eigen::Index resin, Eigen::Index channel) const {
@@ -114,18 +137,8 @@ Eigen::VectorXd ObserverModel::unknowns_of(const ObserverParts& parts) const {
 
 optics::EffectiveMedium ObserverModel::law(const ObserverParts& parts) const {
     VOXTONE_EXPECT(!fits_spread() || parts.scattering.size() == channels_);
-    optics::ResinSet set;
+    optics::ResinSet set = set_of_parts(std::vector<std::string>(static_cast<std::size_t>(resins_)), parts, {});
     set.g = options_.g;
-    set.dot_spread = parts.dot_spread;
-    set.channels.wavelengths_nm.assign(static_cast<std::size_t>(channels_), 550);
-    set.resins.resize(static_cast<std::size_t>(resins_));
-    for (Eigen::Index r = 0; r < resins_; ++r)
-        for (Eigen::Index c = 0; c < channels_; ++c) {
-            optics::Resin& resin = set.resins[static_cast<std::size_t>(r)];
-            const double sum = parts.a(r, c) + parts.s(r, c);
-            resin.sigma_t_per_mm.push_back(sum * (parts.scattering.size() > 0 ? parts.scattering[c] : 1));
-            resin.albedo.push_back(parts.s(r, c) / sum);
-        }
     return {set, options_.pitch_mm};
 }
 

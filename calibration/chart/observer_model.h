@@ -35,6 +35,10 @@ struct ObserverParts {
     double dot_spread = 1;       ///< effective_medium.h
 };
 
+/// A set of these resins and channels, without a name. Without known scattering `a` and `s` are per mm.
+[[nodiscard]] optics::ResinSet set_of_parts(const std::vector<std::string>& roles, const ObserverParts& parts,
+                                            optics::Illuminant illuminant);
+
 struct ObserverModelOptions {
     double g = 0.4, eta = 1.5;
     optics::MeasuringGeometry geometry = optics::MeasuringGeometry::directional_45_0;
@@ -52,6 +56,7 @@ void add_observer_derivatives(const ObserverParts& parts, const Eigen::VectorXd&
 
 class ObserverModel {
 public:
+    /// `white`: whose s is 1; `resins`: no one's.
     ObserverModel(Eigen::Index resins, Eigen::Index white, Eigen::Index channels, const ObserverModelOptions& options);
 
     [[nodiscard]] Eigen::Index unknowns() const {
@@ -80,7 +85,9 @@ public:
         return resin * channels_ + channel;
     }
     [[nodiscard]] Eigen::Index scattering_at(Eigen::Index resin, Eigen::Index channel) const;
-    [[nodiscard]] Eigen::Index length_at(Eigen::Index channel) const { return (2 * resins_ - 1) * channels_ + channel; }
+    [[nodiscard]] Eigen::Index length_at(Eigen::Index channel) const {
+        return (2 * resins_ - (white_ < resins_ ? 1 : 0)) * channels_ + channel;
+    }
     [[nodiscard]] Eigen::Index spread_at() const { return length_at(options_.lengths ? channels_ : 0); }
     [[nodiscard]] Eigen::Index observer_at() const { return spread_at() + (fits_spread() ? 1 : 0); }
     [[nodiscard]] const optics::HalfSpaceReflectance& reflectance() const { return reflectance_; }

@@ -6,17 +6,11 @@
 
 #include <fmt/format.h>
 
+#include "calibration/fit/fit_text.h"
 #include "io/files/json_writer.h"
 
 namespace voxtone::calibration {
 namespace {
-
-void write_value(io::JsonWriter& json, const char* name, const FittedValue& value) {
-    json.key(name).begin_object().add("value", value.value).add("standard_error", value.standard_error);
-    json.add("low", value.low).add("high", value.high).key("doubts").begin_list();
-    for (const Doubt doubt : value.doubts) json.value(doubt_name(doubt));
-    json.end_list().end_object();
-}
 
 void write_curve(io::JsonWriter& json, const char* name, const std::vector<std::pair<double, double>>& curve) {
     json.key(name).begin_list();
@@ -93,12 +87,12 @@ std::string edge_fit_json(const EdgeFit& fit, const EdgeFitOptions& options) {
             json.begin_object()
                 .add("channel", std::string(1, "RGB"[c]))
                 .add("from", v.edges ? "edges and chart" : "edges");
-            write_value(json, "sigma_t_per_mm", v.sigma_t);
-            write_value(json, "albedo", v.albedo);
+            add_value(json, "sigma_t_per_mm", v.sigma_t);
+            add_value(json, "albedo", v.albedo);
             if (v.edges) {
                 json.key("edges").begin_object();
-                write_value(json, "sigma_t_per_mm", v.edges->sigma_t);
-                write_value(json, "albedo", v.edges->albedo);
+                add_value(json, "sigma_t_per_mm", v.edges->sigma_t);
+                add_value(json, "albedo", v.edges->albedo);
                 json.end_object();
             }
             json.key("covariance_v_ln_sigma_t").begin_list();

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -45,10 +44,7 @@ std::string differences_text(const optics::DifferenceSummary& d) {
 }
 
 std::string worst_patches(const PatchCheck& check, const PatchTable& table) {
-    std::vector<std::size_t> order(check.patches.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::stable_sort(
-        order, [&](std::size_t a, std::size_t b) { return check.patches[a].difference > check.patches[b].difference; });
+    const std::vector<std::size_t> order = largest_first(check);
     std::string text;
     for (std::size_t k = 0; k < order.size() && k < 5; ++k) {
         const CheckedPatch& patch = check.patches[order[k]];
@@ -56,13 +52,6 @@ std::string worst_patches(const PatchCheck& check, const PatchTable& table) {
                             patch_name(table.patches[order[k]]), patch.difference, patch.worst);
     }
     return text;
-}
-
-void add_value(io::JsonWriter& json, const char* key, const FittedValue& value) {
-    json.key(key).begin_object().add("value", value.value).add("standard_error", value.standard_error);
-    json.add("low", value.low).add("high", value.high).key("doubts").begin_list();
-    for (const Doubt d : value.doubts) json.value(doubt_name(d));
-    json.end_list().end_object();
 }
 
 void add_differences_in(io::JsonWriter& json, const optics::DifferenceSummary& d) {
@@ -115,6 +104,13 @@ void add_resin(io::JsonWriter& json, const FittedResin& resin, const optics::Cha
 }
 
 }  // namespace
+
+void add_value(io::JsonWriter& json, const char* key, const FittedValue& value) {
+    json.key(key).begin_object().add("value", value.value).add("standard_error", value.standard_error);
+    json.add("low", value.low).add("high", value.high).key("doubts").begin_list();
+    for (const Doubt d : value.doubts) json.value(doubt_name(d));
+    json.end_list().end_object();
+}
 
 std::string dot_spread_sentence(const ResinFit& fit) {
     if (fit.dot_spread_error == 0) return {};

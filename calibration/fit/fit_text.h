@@ -19,6 +19,7 @@
 
 #include "calibration/fit/g_sweep.h"
 #include "calibration/fit/resin_fit.h"
+#include "io/files/json_writer.h"
 
 namespace voxtone::calibration {
 
@@ -29,6 +30,8 @@ struct FitExtras {
     std::vector<SweepLine> sweep;
 };
 
+/// VALUE of above.
+void add_value(io::JsonWriter& json, const char* key, const FittedValue& value);
 /// What the fit found of the dot spread; empty where it was not fitted.
 [[nodiscard]] std::string dot_spread_sentence(const ResinFit& fit);
 [[nodiscard]] std::string fit_text(const ResinFit& fit, const PatchTable& table);

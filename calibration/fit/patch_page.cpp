@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <fmt/format.h>
 
@@ -144,19 +143,10 @@ private:
         return part;
     }
 
-    std::vector<std::size_t> worst_first() const {
-        std::vector<std::size_t> order(table_.patches.size());
-        std::iota(order.begin(), order.end(), std::size_t{0});
-        std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
-            return check_.patches[a].difference > check_.patches[b].difference;
-        });
-        return order;
-    }
-
     std::vector<io::ViewerPlace> worst() const {
         constexpr std::size_t most = 10;
         std::vector<io::ViewerPlace> places;
-        for (const std::size_t p : worst_first()) {
+        for (const std::size_t p : largest_first(check_)) {
             if (places.size() == most) break;
             const CheckedPatch& patch = check_.patches[p];
             io::ViewerPlace place;
@@ -194,7 +184,7 @@ private:
         io::ReportTable table{"", {"Patch", "CIEDE2000", "Farthest off", ""}, {}};
         const bool rgb = check_.compared_in.is_rgb();
         if (rgb) table.header.insert(table.header.end(), {"Measured R, G, B", "Predicted"});
-        for (const std::size_t p : worst_first()) {
+        for (const std::size_t p : largest_first(check_)) {
             table.rows.push_back({patch_name(table_.patches[p]), fmt::format("{:.2f}", check_.patches[p].difference),
                                   worst_error(p), in_noise(p)});
             if (!rgb) continue;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,10 +10,9 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "base/random.h"
 #include "base/stopwatch.h"
 #include "base/warning.h"
-#include "calibration/chart/chart_data.h"
+#include "calibration/chart/chart_folds.h"
 #include "calibration/chart/colour_fit.h"
 #include "calibration/chart/observer_start.h"
 #include "calibration/layers/layer_model.h"
@@ -23,9 +21,6 @@
 namespace voxtone::calibration {
 
 namespace {
-
-constexpr int least_channels = 3, most_channels = 12;
-constexpr std::size_t told = 8;
 
 ColourTargets targets_of(const LayerChart& chart) {
     ColourTargets targets;
@@ -62,27 +57,16 @@ std::vector<double> differences_of(const LayerChart& chart, const ObserverParts&
 }
 
 std::vector<HeldOutPatch> worst_of(const LayerChart& chart, const std::vector<double>& differences) {
-    std::vector<std::size_t> order(differences.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return differences[a] > differences[b]; });
-    std::vector<HeldOutPatch> worst;
-    for (std::size_t k = 0; k < std::min(told, order.size()); ++k)
-        worst.push_back({laminate_text(chart, order[k]), differences[order[k]]});
-    return worst;
+    return largest_differences(differences, [&](std::size_t k) { return laminate_text(chart, k); });
 }
 
 std::vector<double> left_out(const LayerChart& chart, int channels, const LayerFitOptions& options,
                              const Progress* progress) {
-    const std::size_t n = chart.laminates.size(), folds = std::min(static_cast<std::size_t>(options.folds), n);
-    std::vector<std::size_t> order(n);
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    RandomStream random(20261125, 0);
-    for (std::size_t k = n; k > 1; --k)
-        std::swap(order[k - 1], order[static_cast<std::size_t>(random.uniform() * static_cast<double>(k))]);
-    std::vector<double> differences(n);
-    for (std::size_t fold = 0; fold < folds; ++fold) {
+    const std::vector<int> fold = folds_of(chart.lab.rows(), options.folds);
+    std::vector<double> differences(fold.size());
+    for (int cut = 0; cut < options.folds; ++cut) {
         std::vector<std::size_t> kept, left;
-        for (std::size_t k = 0; k < n; ++k) (k % folds == fold ? left : kept).push_back(order[k]);
+        for (std::size_t k = 0; k < fold.size(); ++k) (fold[k] == cut ? left : kept).push_back(k);
         const Fitted fitted = fit_parts(chart_laminates(chart, kept), channels, options, progress);
         const std::vector<double> judged = differences_of(chart_laminates(chart, left), fitted.parts, options);
         for (std::size_t k = 0; k < left.size(); ++k) differences[left[k]] = judged[k];
@@ -91,24 +75,9 @@ std::vector<double> left_out(const LayerChart& chart, int channels, const LayerF
 }
 
 optics::ResinSet set_of(const LayerChart& chart, const ObserverParts& parts, const LayerFitOptions& options) {
-    optics::ResinSet set;
+    optics::ResinSet set = set_of_parts(chart.roles, parts, chart.illuminant);
     set.name = options.name;
-    set.g = options.g, set.eta = options.eta;
-    set.channels.illuminant = chart.illuminant;
-    const Eigen::Vector3d white = optics::colorimetric_white(chart.illuminant);
-    for (Eigen::Index c = 0; c < parts.weights.rows(); ++c)
-        set.channels.xyz.push_back(
-            {parts.weights(c, 0) * white[0], parts.weights(c, 1) * white[1], parts.weights(c, 2) * white[2]});
-    for (std::size_t r = 0; r < chart.roles.size(); ++r) {
-        optics::Resin resin{chart.roles[r], chart.roles[r], {}, {}};
-        for (Eigen::Index c = 0; c < parts.weights.rows(); ++c) {
-            const auto row = static_cast<Eigen::Index>(r);
-            resin.sigma_t_per_mm.push_back(parts.a(row, c) + parts.s(row, c));
-            resin.albedo.push_back(parts.s(row, c) / (parts.a(row, c) + parts.s(row, c)));
-        }
-        set.resins.push_back(std::move(resin));
-    }
-    set.measured = {optics::MeasuringGeometry::directional_45_0, parts.surface, parts.gain};
+    set.g = options.g, set.eta = options.eta, set.dot_spread = 0;
     set.source = fmt::format("voxtone calibrate fit, {} laminates of {}", chart.laminates.size(), chart.source);
     return set;
 }

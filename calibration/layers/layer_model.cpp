@@ -51,30 +51,8 @@ ObserverParts layer_start(const LayerChart& chart, Eigen::Index channels) {
 LayerModel::LayerModel(const LayerChart& chart, Eigen::Index channels, double g, double eta)
     : resins_(static_cast<Eigen::Index>(chart.roles.size())),
       channels_(channels),
+      observer_(resins_, resins_, channels, {.g = g, .eta = eta}),
       laminates_(chart.laminates, g, eta) {}
-
-ObserverParts LayerModel::parts(const Eigen::VectorXd& unknowns) const {
-    ObserverParts parts;
-    parts.a.resize(resins_, channels_), parts.s.resize(resins_, channels_), parts.weights.resize(channels_, 3);
-    Eigen::Index at = 0;
-    for (Eigen::Index r = 0; r < resins_; ++r)
-        for (Eigen::Index c = 0; c < channels_; ++c) parts.a(r, c) = std::exp(unknowns[at++]);
-    for (Eigen::Index r = 0; r < resins_; ++r)
-        for (Eigen::Index c = 0; c < channels_; ++c) parts.s(r, c) = std::exp(unknowns[at++]);
-    read_observer(unknowns.tail(unknowns.size() - at), parts);
-    return parts;
-}
-
-Eigen::VectorXd LayerModel::unknowns_of(const ObserverParts& parts) const {
-    Eigen::VectorXd unknowns(this->unknowns());
-    Eigen::Index at = 0;
-    for (Eigen::Index r = 0; r < resins_; ++r)
-        for (Eigen::Index c = 0; c < channels_; ++c) unknowns[at++] = std::log(parts.a(r, c));
-    for (Eigen::Index r = 0; r < resins_; ++r)
-        for (Eigen::Index c = 0; c < channels_; ++c) unknowns[at++] = std::log(parts.s(r, c));
-    unknowns.tail(unknowns.size() - at) = observer_unknowns(parts, true);
-    return unknowns;
-}
 
 void LayerModel::prepare(const Eigen::VectorXd& unknowns, bool with_derivatives) {
     parts_ = parts(unknowns);

@@ -24,17 +24,18 @@ class LayerModel : public ColourModel {
 public:
     LayerModel(const LayerChart& chart, Eigen::Index channels, double g, double eta);
 
-    [[nodiscard]] Eigen::Index unknowns() const override { return channels_ * (2 * resins_ + 3) + 2; }
+    [[nodiscard]] Eigen::Index unknowns() const override { return observer_.unknowns(); }
     void prepare(const Eigen::VectorXd& unknowns, bool with_derivatives) override;
     [[nodiscard]] Eigen::Vector3d colour(Eigen::Index row, Eigen::Ref<Eigen::Matrix3Xd> by_unknown) const override;
 
-    [[nodiscard]] ObserverParts parts(const Eigen::VectorXd& unknowns) const;
-    [[nodiscard]] Eigen::VectorXd unknowns_of(const ObserverParts& parts) const;
+    [[nodiscard]] ObserverParts parts(const Eigen::VectorXd& unknowns) const { return observer_.parts(unknowns, {}); }
+    [[nodiscard]] Eigen::VectorXd unknowns_of(const ObserverParts& parts) const { return observer_.unknowns_of(parts); }
     /// CIELAB's roots of all laminates.
     [[nodiscard]] Eigen::MatrixX3d roots(const ObserverParts& parts);
 
 private:
     Eigen::Index resins_, channels_;
+    ObserverModel observer_;
     LaminateReflectance laminates_;
     ObserverParts parts_;
     Eigen::MatrixXd rho_;                       ///< laminates x channels

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -135,6 +137,19 @@ PatchCheck check_resins(const optics::ResinSet& set, const PatchTable& table, Pa
     expect_resins(set, table);
     if (std::ranges::any_of(table.patches, is_thick)) return check_mixtures(set, table, options);
     return compare_patches(table, predict_squares(set, table, options), set.channels);
+}
+
+std::vector<std::size_t> largest_first(const std::vector<double>& values) {
+    std::vector<std::size_t> order(values.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, std::greater{}, [&](std::size_t k) { return values[k]; });
+    return order;
+}
+
+std::vector<std::size_t> largest_first(const PatchCheck& check) {
+    std::vector<double> values;
+    for (const CheckedPatch& patch : check.patches) values.push_back(patch.difference);
+    return largest_first(values);
 }
 
 }  // namespace voxtone::calibration

@@ -42,4 +42,9 @@ struct PatchCheck {
 /// and dot spread are the set's. Throws InputError where a resin is not in the set.
 [[nodiscard]] PatchCheck check_resins(const optics::ResinSet& set, const PatchTable& table, PatchModelOptions options);
 
+/// Places of a list, those of its largest values first; of equal ones in their order.
+[[nodiscard]] std::vector<std::size_t> largest_first(const std::vector<double>& values);
+/// The same of the differences of a check.
+[[nodiscard]] std::vector<std::size_t> largest_first(const PatchCheck& check);
+
 }  // namespace voxtone::calibration
