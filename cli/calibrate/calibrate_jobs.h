@@ -6,7 +6,6 @@
 #pragma once
 
 #include "calibration/bench/bench_photo_job.h"
-#include "calibration/bench/bench_simulation_job.h"
 #include "calibration/compare/compare_job.h"
 #include "calibration/compare/print_regions.h"
 #include "calibration/compare/refit_job.h"
@@ -17,9 +16,10 @@
 #include "calibration/fit/fit_job.h"
 #include "calibration/fit/icc_job.h"
 #include "calibration/photo/photo_job.h"
-#include "calibration/photo/photo_simulation_job.h"
 #include "calibration/profile/profile_job.h"
-#include "calibration/profile/profile_simulation_job.h"
+#include "calibration/rehearsal/bench_simulation_job.h"
+#include "calibration/rehearsal/photo_simulation_job.h"
+#include "calibration/rehearsal/profile_simulation_job.h"
 #include "calibration/sweep/response_sweep_job.h"
 #include "calibration/target/target_job.h"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "calibration/edge/edge_fit.h"
-#include "calibration/edge/edge_simulation_job.h"
+#include "calibration/rehearsal/edge_simulation_job.h"
 
 namespace voxtone::calibration::rehearsal {
 

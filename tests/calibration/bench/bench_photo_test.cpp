@@ -12,8 +12,8 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "calibration/bench/bench_camera.h"
 #include "calibration/bench/slab_reading.h"
+#include "calibration/rehearsal/bench_camera.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

@@ -8,7 +8,7 @@
 
 #include "base/random.h"
 #include "calibration/compare/predicted_print.h"
-#include "calibration/photo/photo_simulation.h"
+#include "calibration/rehearsal/photo_simulation.h"
 
 namespace voxtone::calibration::testing {
 

@@ -14,7 +14,7 @@
 #include "base/error.h"
 #include "calibration/edge/dictionary_file.h"
 #include "calibration/edge/dictionary_job.h"
-#include "calibration/edge/edge_simulation_job.h"
+#include "calibration/rehearsal/edge_simulation_job.h"
 #include "calibration/resins/resin_coordinates.h"
 #include "io/files/whole_file.h"
 #include "optics/edge/edge_scene_paths.h"

@@ -13,7 +13,7 @@
 
 #include "base/parallel.h"
 #include "calibration/edge/edge_fit.h"
-#include "calibration/edge/edge_simulation_job.h"
+#include "calibration/rehearsal/edge_simulation_job.h"
 #include "calibration/resins/resin_coordinates.h"
 
 using namespace voxtone;

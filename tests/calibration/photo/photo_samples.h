@@ -4,7 +4,7 @@
 #pragma once
 
 #include "calibration/photo/photo_measurement.h"
-#include "calibration/photo/photo_simulation.h"
+#include "calibration/rehearsal/photo_simulation.h"
 #include "calibration/target/target_layout.h"
 
 namespace voxtone::calibration::testing {

@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "calibration/profile/profile_simulation_job.h"
+#include "calibration/rehearsal/profile_simulation_job.h"
 
 using namespace voxtone;
 using namespace voxtone::calibration;

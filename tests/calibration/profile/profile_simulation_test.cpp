@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "calibration/profile/profile_simulation.h"
+#include "calibration/rehearsal/profile_simulation.h"
 
 #include <cmath>
 #include <numbers>

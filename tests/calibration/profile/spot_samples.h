@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "calibration/profile/profile_measurement.h"
-#include "calibration/profile/profile_simulation.h"
+#include "calibration/rehearsal/profile_simulation.h"
 
 namespace voxtone::calibration {
 

@@ -4,9 +4,8 @@
 // against a truth that is known.
 //
 // The target lies on a dark sheet beside a colour chart. Light: one lamp at 45 degrees, at a finite distance or far
-// away. Camera: a pinhole that may be tilted, a Gaussian blur, cos^4-like vignetting, a linear colour matrix with white
-// balance, shot and read noise, clipping at 1. Dirt: dust (dark and light specks) and scratches (light lines) on the
-// target.
+// away. Camera: a pinhole that may be tilted, and sensor.h. Dirt: dust (dark and light specks) and scratches (light
+// lines) on the target.
 //
 // Simpler than the world: squares have the reflectance of patches without end (no light crosses an edge), mixtures are
 // smooth, the lens distorts by its cubic term alone and does not flare, and camera and chart see colours that a matrix
@@ -19,13 +18,13 @@
 
 #include <Eigen/Core>
 
-#include "calibration/photo/checker_chart.h"
+#include "calibration/rehearsal/sensor.h"
 #include "calibration/target/target_scene.h"
 #include "io/pictures/photograph.h"
 
 namespace voxtone::calibration {
 
-struct PhotoOptions {
+struct PhotoOptions : Sensor {
     std::uint32_t width_px = 2400, height_px = 1600;  ///< 64 to 20000 each
     int rays = 3;                                     ///< along each side of a pixel, 1 to 16
     double tilt_x_deg = 0, tilt_y_deg = 0;            ///< of the camera about the picture's axes, +-50
@@ -37,19 +36,12 @@ struct PhotoOptions {
     double blur_px = 0.8;  ///< standard deviation
     double lens = 0;       ///< barrel distortion: so much nearer lie the picture's corners to its middle, [-0.2, 0.2]
     double sheet = 0.03;   ///< reflectance of what all lies on, [0, 1]
-    double vignetting = 0.1;                         ///< light lost in the corners of the picture, [0, 0.9]
-    double exposure = 1;                             ///< 1: a perfect white is at 0.8 in the brightest channel
-    Eigen::Vector3d white_balance{0.62, 1.0, 0.75};  ///< of the camera's channels
-    double matrix = 1;             ///< how much the camera mixes colours: 0 not at all, 1 as cameras do
-    double electrons = 20000;      ///< counted at 1: shot noise; 0: no noise
-    double read_noise = 2e-4;      ///< standard deviation at 0
     int dust = 60, scratches = 6;  ///< how many
     bool mirrored = false;         ///< as a print is on a printer that mirrors
     bool checker = true;           ///< the chart lies beside the target
     int checker_turns = 1;         ///< quarter turns of the chart
     double checker_cell_mm = 12;   ///< edge of a cell
     double checker_error = 0;      ///< relative standard deviation of its patches from what is known of them
-    std::uint64_t seed = 1;
 
     /// Throws InputError that names the option and the rule it breaks.
     void validate() const;

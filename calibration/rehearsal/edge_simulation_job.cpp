@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "calibration/edge/edge_simulation_job.h"
+#include "calibration/rehearsal/edge_simulation_job.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/random.h"
+#include "calibration/rehearsal/sensor.h"
 #include "io/disk/output_files.h"
 #include "io/files/whole_file.h"
 #include "io/profiles/resin_file.h"
@@ -17,12 +17,6 @@ namespace voxtone::calibration {
 namespace {
 
 constexpr double clear_sigma_t = 1e-4, beyond_mm = 1;
-
-// Normally distributed, by Box and Muller.
-double normal(RandomStream& random) {
-    const double r = std::sqrt(-2 * std::log(1 - random.uniform()));
-    return r * std::cos(2 * 3.14159265358979323846 * random.uniform());
-}
 
 }  // namespace
 
@@ -54,15 +48,14 @@ std::vector<double> seen_by_camera(const RenderedSlab& slab, std::size_t channel
 }
 
 void EdgeBench::validate() const {
-    if (!(bias > 0.1 && bias < 10)) throw InputError(fmt::format("--bias: {}; expected 0.1 to 10", bias));
-    if (!(noise > 0 && noise < 0.5)) throw InputError(fmt::format("--noise: {}; expected above 0, below 0.5", noise));
-    if (!(std::abs(thickness_off) <= 0.5))
-        throw InputError(fmt::format("--thickness-off: {}; expected a part from -0.5 to 0.5", thickness_off));
+    expect_within("--bias", bias, 0.1, 10);
+    expect_within("--noise", noise, 1e-9, 0.5);
+    expect_within("--thickness-off", thickness_off, -0.5, 0.5);
     if (gel_from_mm != 0 || gel_to_mm != 0)
         if (!(gel_from_mm > 0 && gel_to_mm >= gel_from_mm && gel_to_mm <= 1))
             throw InputError(fmt::format("--gel: {},{}; expected a range of thicknesses in mm that rises, up to 1",
                                          gel_from_mm, gel_to_mm));
-    if (paths < 1024) throw InputError(fmt::format("--paths: {}; expected at least 1024", paths));
+    expect_within("--paths", paths, 1024, 4294967295.0);
 }
 
 std::vector<RenderedSlab> render_slabs(const optics::ResinSet& set, const EdgeSetup& setup,
@@ -113,7 +106,7 @@ std::vector<EdgeProfile> noisy_profiles(const std::vector<RenderedSlab>& slabs, 
             RandomStream random(bench.seed, ++address, 5);
             for (const double v : seen_by_camera(slab, c, profile.x_mm, setup)) {
                 const double error = bench.noise * std::sqrt(std::max(v, 0.01));
-                profile.value[c].push_back((v + error * normal(random)) / bench.bias);
+                profile.value[c].push_back((v + error * normal_number(random)) / bench.bias);
                 profile.error[c].push_back(error / bench.bias);
             }
         }
@@ -130,8 +123,7 @@ std::vector<EdgeProfile> simulate_edge_profiles(const optics::ResinSet& set, con
 
 void EdgeSimulationJob::validate() const {
     if (out.empty()) throw UsageError("--out is missing: the profiles to write");
-    for (const double t : thickness_mm)
-        if (!(t >= 0.05 && t <= 10)) throw InputError(fmt::format("--thickness: {} mm; expected 0.05 to 10", t));
+    for (const double t : thickness_mm) expect_within("--thickness", t, 0.05, 10);
     bench.validate();
 }
 

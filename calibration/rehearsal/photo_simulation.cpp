@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "calibration/photo/photo_simulation.h"
+#include "calibration/rehearsal/photo_simulation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,29 +19,14 @@ namespace {
 
 using std::numbers::pi;
 constexpr double gap_mm = 8, chart_rim_mm = 4;
-constexpr double chart_black = 0.04, patch_share = 0.84;
-constexpr double white_level = 0.8;
-enum Stream : std::uint32_t { dust_stream = 1, scratch_stream = 2, noise_stream = 3, chart_stream = 4 };
-
-double normal(RandomStream& random) {
-    const double u = 1 - random.uniform(), v = random.uniform();
-    return std::sqrt(-2 * std::log(u)) * std::cos(2 * pi * v);
-}
+enum Stream : std::uint32_t { dust_stream = 1, scratch_stream = 2, chart_stream = 4 };
 
 double radians(double degrees) { return degrees * pi / 180; }
 
-/// A speck or a line on the target that covers what is under it.
-struct Dirt {
-    Eigen::Vector2d from, to;  ///< the same for a speck
-    double radius_mm;
-    double cover;  ///< share of what is seen there
+/// What covers so much of the target under it.
+struct Dirt : Stroke {
+    double cover;
     Eigen::Vector3d colour;
-    [[nodiscard]] bool hits(const Eigen::Vector2d& p) const {
-        const Eigen::Vector2d along = to - from;
-        const double length2 = along.squaredNorm();
-        const double t = length2 > 0 ? std::clamp((p - from).dot(along) / length2, 0.0, 1.0) : 0.0;
-        return (p - from - t * along).squaredNorm() < radius_mm * radius_mm;
-    }
 };
 
 /// Everything that lies on the table, in the target's coordinates.
@@ -60,7 +45,7 @@ public:
         for (std::size_t p = 0; p < chart.linear_srgb.size(); ++p) {
             RandomStream random(o.seed, p, chart_stream);
             chart_colours_.push_back(chart.linear_srgb[p]);
-            for (double& value : chart_colours_.back()) value *= 1 + o.checker_error * normal(random);
+            for (double& value : chart_colours_.back()) value *= 1 + o.checker_error * normal_number(random);
         }
         all_.max_mm = thing.size_mm;
         if (o.checker) {
@@ -82,23 +67,15 @@ public:
     [[nodiscard]] Eigen::Vector3d at(const Eigen::Vector2d& p) const {
         if (p.x() >= 0 && p.y() >= 0 && p.x() <= thing_.size_mm.x() && p.y() <= thing_.size_mm.y())
             return dirty(p, thing_.at(p));
-        if (options_.checker && chart_area_.shrunk(-chart_rim_mm).contains(p)) return chart_colour(p);
+        if (options_.checker && chart_area_.shrunk(-chart_rim_mm).contains(p)) {
+            const Eigen::Vector2d own = to_chart_ * ((p - chart_middle_) / options_.checker_cell_mm);
+            return chart_colour(chart_, chart_colours_, {own.x() + chart_.columns / 2.0, chart_.rows / 2.0 - own.y()});
+        }
         return Eigen::Vector3d::Constant(options_.sheet);
     }
 
 private:
     static constexpr double bucket_mm = 2;
-
-    [[nodiscard]] Eigen::Vector3d chart_colour(const Eigen::Vector2d& p) const {
-        const Eigen::Vector2d own = to_chart_ * ((p - chart_middle_) / options_.checker_cell_mm);
-        const double column = own.x() + chart_.columns / 2.0, row = chart_.rows / 2.0 - own.y();
-        if (column < 0 || row < 0 || column >= chart_.columns || row >= chart_.rows)
-            return Eigen::Vector3d::Constant(chart_black);
-        const double edge =
-            std::max(std::abs(column - std::floor(column) - 0.5), std::abs(row - std::floor(row) - 0.5));
-        if (edge > patch_share / 2) return Eigen::Vector3d::Constant(chart_black);
-        return chart_colours_[std::size_t(int(row) * chart_.columns + int(column))];
-    }
 
     /// Of a point on the target, or the nearest on it.
     [[nodiscard]] Eigen::Vector2i bucket(const Eigen::Vector2d& p) const {
@@ -127,14 +104,15 @@ private:
             const Eigen::Vector2d p = somewhere(random);
             const double radius = 0.05 + 0.35 * random.uniform() * random.uniform(),
                          grey = random.uniform() < 0.7 ? 0.05 + 0.1 * random.uniform() : 0.8;
-            add({p, p, radius, 0.9, Eigen::Vector3d::Constant(grey)});
+            add({{p, p, radius}, 0.9, Eigen::Vector3d::Constant(grey)});
         }
         for (int i = 0; i < options_.scratches; ++i) {
             RandomStream random(options_.seed, std::uint64_t(i), scratch_stream);
             const Eigen::Vector2d p = somewhere(random);
             const double length = 5 + 35 * random.uniform(), angle = pi * random.uniform(),
                          radius = 0.03 + 0.05 * random.uniform();
-            add({p, p + length * Eigen::Vector2d(std::cos(angle), std::sin(angle)), radius, 0.4,
+            add({{p, p + length * Eigen::Vector2d(std::cos(angle), std::sin(angle)), radius},
+                 0.4,
                  Eigen::Vector3d::Constant(0.9)});
         }
     }
@@ -232,85 +210,28 @@ private:
     double bend_;
 };
 
-void blur(std::vector<Eigen::Vector3f>& pixels, std::uint32_t width, std::uint32_t height, double sigma) {
-    if (sigma <= 0) return;
-    const int reach = int(std::ceil(4 * sigma));
-    std::vector<float> kernel;
-    float sum = 0;
-    for (int i = -reach; i <= reach; ++i) {
-        kernel.push_back(float(std::exp(-0.5 * i * i / (sigma * sigma))));
-        sum += kernel.back();
-    }
-    // Whole rows of samples at a time, for vectors; of each sample in the kernel's order.
-    const std::size_t row = 3 * std::size_t{width};
-    const auto samples = [&](std::size_t y) { return pixels[y * width].data(); };
-    std::vector<float> along(row * height);
-    parallel_for(0, height, 8, [&](std::size_t y) {
-        std::vector<Eigen::Vector3f> wide(width + 2 * std::size_t(reach));
-        for (std::size_t x = 0; x < wide.size(); ++x)
-            wide[x] = pixels[y * width + std::size_t(std::clamp(int(x) - reach, 0, int(width) - 1))];
-        float* const out = along.data() + y * row;
-        std::fill_n(out, row, 0.0f);
-        for (std::size_t i = 0; i < kernel.size(); ++i) {
-            const float* const in = wide[i].data();
-            const float share = kernel[i];
-            for (std::size_t k = 0; k < row; ++k) out[k] += share * in[k];
-        }
-        for (std::size_t k = 0; k < row; ++k) out[k] /= sum;
-    });
-    parallel_for(0, height, 8, [&](std::size_t y) {
-        float* const out = samples(y);
-        std::fill_n(out, row, 0.0f);
-        for (std::size_t i = 0; i < kernel.size(); ++i) {
-            const float* const in =
-                along.data() + std::size_t(std::clamp(int(y) + int(i) - reach, 0, int(height) - 1)) * row;
-            const float share = kernel[i];
-            for (std::size_t k = 0; k < row; ++k) out[k] += share * in[k];
-        }
-        for (std::size_t k = 0; k < row; ++k) out[k] /= sum;
-    });
-}
-
-Eigen::Matrix3d camera_colours(const PhotoOptions& o) {
-    Eigen::Matrix3d mixing;
-    mixing << 0.71, 0.25, 0.04, 0.16, 0.74, 0.10, 0.03, 0.21, 0.76;  // rows sum to 1; of the size of a camera's
-    const Eigen::Matrix3d balanced = o.white_balance.asDiagonal() *
-                                     (Eigen::Matrix3d::Identity() + o.matrix * (mixing - Eigen::Matrix3d::Identity()));
-    return balanced * (o.exposure * white_level / o.white_balance.maxCoeff());
-}
-
 }  // namespace
 
 void PhotoOptions::validate() const {
-    const auto range = [](const char* name, double value, double least, double most) {
-        if (!(value >= least && value <= most))
-            throw InputError(
-                fmt::format("simulated photograph: {} is {}; it must be from {} to {}", name, value, least, most));
-    };
-    range("width", width_px, 64, 20000);
-    range("height", height_px, 64, 20000);
-    range("rays", rays, 1, 16);
-    range("tilt x", tilt_x_deg, -50, 50);
-    range("tilt y", tilt_y_deg, -50, 50);
-    range("turn", turn_deg, -360, 360);
-    range("distance", distance, 1, 1e6);
-    if (lamp_mm != 0) range("lamp distance", lamp_mm, 300, 1e9);
-    range("lamp azimuth", lamp_azimuth_deg, -360, 360);
-    range("blur", blur_px, 0, 100);
-    range("margin", margin, 0, 0.4);
-    range("lens", lens, -0.2, 0.2);
-    range("sheet", sheet, 0, 1);
-    range("vignetting", vignetting, 0, 0.9);
-    range("exposure", exposure, 1e-3, 100);
-    for (const double gain : white_balance) range("white balance", gain, 0.05, 20);
-    range("matrix", matrix, 0, 1.2);
-    range("electrons", electrons, 0, 1e9);
-    range("read noise", read_noise, 0, 1);
-    range("dust", dust, 0, 10000);
-    range("scratches", scratches, 0, 1000);
-    range("checker turns", checker_turns, 0, 3);
-    range("checker error", checker_error, 0, 0.5);
-    range("checker cell", checker_cell_mm, 1, 100);
+    Sensor::validate();
+    expect_within("--width", width_px, 64, 20000);
+    expect_within("--height", height_px, 64, 20000);
+    expect_within("rays", rays, 1, 16);
+    expect_within("--tilt-x", tilt_x_deg, -50, 50);
+    expect_within("--tilt-y", tilt_y_deg, -50, 50);
+    expect_within("--turn", turn_deg, -360, 360);
+    expect_within("--distance", distance, 1, 1e6);
+    if (lamp_mm != 0) expect_within("--lamp", lamp_mm, 300, 1e9);
+    expect_within("--lamp-azimuth", lamp_azimuth_deg, -360, 360);
+    expect_within("--blur", blur_px, 0, 100);
+    expect_within("--margin", margin, 0, 0.4);
+    expect_within("the lens", lens, -0.2, 0.2);
+    expect_within("--sheet", sheet, 0, 1);
+    expect_within("--dust", dust, 0, 10000);
+    expect_within("--scratches", scratches, 0, 1000);
+    expect_within("--checker-turns", checker_turns, 0, 3);
+    expect_within("--checker-error", checker_error, 0, 0.5);
+    expect_within("the size of the chart's cells", checker_cell_mm, 1, 100);
 }
 
 SimulatedPhoto simulate_photo(const Target& target, const TargetColours& colours, const CheckerChart& chart,
@@ -325,14 +246,9 @@ SimulatedPhoto simulate_photo(const FlatThing& thing, const CheckerChart& chart,
     const Eigen::Matrix3d H = camera(table.all(), o), back = H.inverse();
     const Lens lens(o);
     const Lamp lamp(table.all(), o);
-    const Eigen::Matrix3d seen = camera_colours(o);
 
-    SimulatedPhoto result;
+    SimulatedPhoto result{black_photograph(o.width_px, o.height_px), {}, {}, {}};
     io::Photograph& photo = result.photograph;
-    photo.name = "simulated";
-    photo.width_px = o.width_px;
-    photo.height_px = o.height_px;
-    photo.pixels.resize(std::size_t{o.width_px} * o.height_px);
     // Rays of a row side by side, for vectors; of each pixel in their order.
     const std::size_t rays = std::size_t(o.rays), in_row = o.width_px * rays;
     std::vector<double> across(in_row);
@@ -359,23 +275,7 @@ SimulatedPhoto simulate_photo(const FlatThing& thing, const CheckerChart& chart,
         for (std::uint32_t x = 0; x < o.width_px; ++x)
             photo.pixels[photo.index(x, std::uint32_t(y))] = (sums[x] / (o.rays * o.rays)).cast<float>();
     });
-    blur(photo.pixels, o.width_px, o.height_px, o.blur_px);
-
-    const Eigen::Vector2d middle = Eigen::Vector2d(o.width_px, o.height_px) / 2;
-    const double fall = 1 / std::sqrt(1 - o.vignetting) - 1;  // 1 / (1 + fall r^2)^2: cos^4 of the angle to the axis
-    parallel_for(0, o.height_px, 16, [&](std::size_t y) {
-        for (std::uint32_t x = 0; x < o.width_px; ++x) {
-            const std::size_t i = photo.index(x, std::uint32_t(y));
-            const double r2 = (Eigen::Vector2d(x + 0.5, double(y) + 0.5) - middle).squaredNorm() / middle.squaredNorm();
-            Eigen::Vector3d signal = seen * photo.pixels[i].cast<double>() / std::pow(1 + fall * r2, 2);
-            RandomStream random(o.seed, i, noise_stream);
-            if (o.electrons > 0)
-                for (double& value : signal)
-                    value +=
-                        normal(random) * std::sqrt(std::max(value, 0.0) / o.electrons + o.read_noise * o.read_noise);
-            photo.pixels[i] = signal.cwiseMax(0).cwiseMin(1).cast<float>();
-        }
-    });
+    expose(photo, o, o.blur_px, o.seed);
     const auto pixel = [H, lens](const Eigen::Vector2d& p) { return lens.bent((H * p.homogeneous()).hnormalized()); };
     result.to_px = pixel;
     const Eigen::Vector2d& size = thing.size_mm;

@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "calibration/bench/bench_camera.h"
+#include "calibration/rehearsal/bench_camera.h"
 
 namespace voxtone::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "calibration/bench/bench_simulation_job.h"
+#include "calibration/rehearsal/bench_simulation_job.h"
 
 #include <filesystem>
 
@@ -70,7 +70,7 @@ void BenchSimulationJob::validate() const {
     named.validate();
     if (photos.empty()) return;
     camera.validate();
-    if (shots < 1 || shots > 20) throw InputError(fmt::format("--shots: {}; expected 1 to 20", shots));
+    expect_within("--shots", shots, 1, 20);
 }
 
 JobResult run_bench_simulation(const BenchSimulationJob& job, Progress& progress) {

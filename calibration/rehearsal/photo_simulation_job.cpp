@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "calibration/photo/photo_simulation_job.h"
+#include "calibration/rehearsal/photo_simulation_job.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <vector>
 
 #include <fmt/format.h>
@@ -11,7 +9,6 @@
 #include <Eigen/LU>
 
 #include "base/error.h"
-#include "base/random.h"
 #include "calibration/patches/patch_file.h"
 #include "calibration/target/target_file.h"
 #include "io/disk/output_files.h"
@@ -50,11 +47,6 @@ PatchTable true_table(const Target& target, const TargetColours& colours) {
 
 bool is_table(const PhotoSimulationJob& job) { return std::filesystem::path(job.out).extension() == ".csv"; }
 
-/// Normal, by Box and Muller.
-double deviate(RandomStream& random) {
-    return std::sqrt(-2 * std::log(1 - random.uniform())) * std::cos(2 * std::numbers::pi * random.uniform());
-}
-
 /// The form of the chart, filled in.
 std::string measured_form(const PhotoSimulationJob& job, const Target& target, const optics::ResinSet& set) {
     const optics::FlatColour flat(set);
@@ -75,7 +67,8 @@ std::string measured_form(const PhotoSimulationJob& job, const Target& target, c
         }
         RandomStream random(job.photo.seed, s);
         const Eigen::Vector3d lab = flat.lab(shares);
-        for (Eigen::Index k = 0; k < 3; ++k) text += fmt::format(",{:.2f}", lab[k] + job.lab_noise * deviate(random));
+        for (Eigen::Index k = 0; k < 3; ++k)
+            text += fmt::format(",{:.2f}", lab[k] + job.lab_noise * normal_number(random));
         text += "\n";
     }
     return text;
@@ -99,8 +92,7 @@ JobResult simulate_table(const PhotoSimulationJob& job, const Target& target) {
 
 void PhotoSimulationJob::validate() const {
     photo.validate();
-    if (!(lab_noise >= 0 && lab_noise <= 10))
-        throw InputError(fmt::format("--lab-noise is {}; it must lie between 0 and 10", lab_noise));
+    expect_within("--lab-noise", lab_noise, 0, 10);
 }
 
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "calibration/profile/profile_simulation.h"
+#include "calibration/rehearsal/profile_simulation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include "base/contracts.h"
 #include "base/error.h"
 #include "base/parallel.h"
-#include "base/random.h"
+#include "calibration/rehearsal/sensor.h"
 #include "optics/profiles/resin_profile.h"
 
 namespace voxtone::calibration {
@@ -18,15 +18,6 @@ namespace {
 
 using std::numbers::pi;
 constexpr double reach_beyond_corner = 1.3, coefficients_per_blur = 2, table_per_blur = 8;
-
-double normal(RandomStream& random) {
-    const double u = 1 - random.uniform(), v = random.uniform();
-    return std::sqrt(-2 * std::log(u)) * std::cos(2 * pi * v);
-}
-
-void require_that(bool holds, const char* option, double value, const char* rule) {
-    if (!holds) throw InputError(fmt::format("{} is {}; it must be {}", option, value, rule));
-}
 
 // Seen through an even disc.
 std::vector<double> through_disc(std::vector<double> coefficients, const optics::HankelGrid& grid, double radius_mm) {
@@ -52,22 +43,21 @@ double between(const std::vector<double>& table, double at) {
 void SpotCamera::validate() const {
     if (seconds.empty()) throw InputError("there are no exposure times");
     for (std::size_t k = 0; k < seconds.size(); ++k)
-        require_that(seconds[k] > (k > 0 ? seconds[k - 1] : 0.0) && std::isfinite(seconds[k]), "an exposure time",
-                     seconds[k], "above the one before it");
-    require_that(size_px >= 64 && size_px <= 4000, "the size of the picture", size_px, "64 to 4000 pixels");
-    require_that(mm_per_px > 0 && std::isfinite(mm_per_px), "mm per pixel", mm_per_px, "above 0");
-    require_that(offset_px.allFinite() && offset_px.cwiseAbs().maxCoeff() < size_px / 2.0, "the offset of the spot",
-                 offset_px.cwiseAbs().maxCoeff(), "less than half of the picture");
-    require_that(spot_mm >= 0 && std::isfinite(spot_mm), "the radius of the spot", spot_mm, "0 or above");
-    require_that(stretch >= 0.5 && stretch <= 2, "the stretch", stretch, "0.5 to 2");
-    require_that(blur_mm >= mm_per_px / 10 && std::isfinite(blur_mm), "the blur", blur_mm,
-                 "at least a tenth of a pixel");
-    require_that(stray >= 0 && stray <= 1, "stray light", stray, "0 to 1");
-    require_that(peak > 0 && std::isfinite(peak), "the peak", peak, "above 0");
-    require_that(full_well >= 0 && std::isfinite(full_well), "the full well", full_well, "0 or above");
-    require_that(read_noise >= 0 && read_noise < 1, "the read noise", read_noise, "0 to 1");
-    require_that(black >= 0 && black < 1, "the black level", black, "0 to 1");
-    require_that(bits >= 8 && bits <= 16, "the bits of a sample", bits, "8 to 16");
+        if (!(seconds[k] > (k > 0 ? seconds[k - 1] : 0.0) && std::isfinite(seconds[k])))
+            throw InputError(fmt::format("an exposure time is {}; it must be above the one before it", seconds[k]));
+    expect_within("the size of the picture", size_px, 64, 4000);
+    expect_within("mm per pixel", mm_per_px, 1e-4, 10);
+    for (const double offset : offset_px)
+        expect_within("the offset of the spot", offset, 1 - size_px / 2.0, size_px / 2.0 - 1);
+    expect_within("the radius of the spot", spot_mm, 0, 100);
+    expect_within("the stretch", stretch, 0.5, 2);
+    expect_within("the blur", blur_mm, mm_per_px / 10, 100);
+    expect_within("stray light", stray, 0, 1);
+    expect_within("the peak", peak, 1e-6, 1e6);
+    expect_within("the full well", full_well, 0, 1e9);
+    expect_within("the read noise", read_noise, 0, 0.99);
+    expect_within("the black level", black, 0, 0.99);
+    expect_within("the bits of a sample", bits, 8, 16);
 }
 
 optics::HankelGrid SpotCamera::grid() const {
@@ -136,8 +126,7 @@ namespace {
 /// Full scale in, a sample out: noise, black level, quantisation.
 float recorded(const SpotCamera& camera, double value, RandomStream& random) {
     const double steps = (1 << camera.bits) - 1;
-    if (camera.full_well > 0)
-        value += std::sqrt(value / camera.full_well + camera.read_noise * camera.read_noise) * normal(random);
+    value = with_noise(value, camera.full_well, camera.read_noise, random);
     value = std::clamp(camera.black + value, 0.0, 1.0);
     return static_cast<float>(std::round(value * steps) / steps);
 }

@@ -5,10 +5,9 @@
 // against a truth that is known.
 //
 // Across the edge a slab looks as the renderer says (edge_simulation_job.h). Simpler than the world: over crossings of
-// squares the two edges count as a product, the slab's rim and the glass are drawn, not rendered, and the camera sees
-// colours that a matrix can relate to linear sRGB. Noise: electrons (shot) and the read-out, of the kind of a camera
-// with an APS-C sensor such as the paper's (Canon EOS 700D at ISO 100: about 25,000 electrons at full scale, 14 of read
-// noise).
+// squares the two edges count as a product, the slab's rim and the glass are drawn, not rendered. Camera: sensor.h, its
+// noise of the kind of a camera with an APS-C sensor such as the paper's (Canon EOS 700D at ISO 100: about 25,000
+// electrons at full scale, 14 of read noise).
 #pragma once
 
 #include <cstdint>
@@ -17,24 +16,18 @@
 #include <Eigen/Core>
 
 #include "base/progress.h"
-#include "calibration/edge/edge_simulation_job.h"
-#include "calibration/photo/checker_chart.h"
+#include "calibration/rehearsal/edge_simulation_job.h"
+#include "calibration/rehearsal/sensor.h"
 #include "io/pictures/photograph.h"
 
 namespace voxtone::calibration {
 
-struct BenchCameraOptions {
+struct BenchCameraOptions : Sensor {
+    BenchCameraOptions() { electrons = 25000, read_noise = 5.6e-4; }
     double width_mm = 104, height_mm = 78;  ///< of what is seen
     double turn_deg = 2;                    ///< of the sheet
     double uneven = 0.01;                   ///< light lost across the 10 mm about the edge
-    double vignetting = 0.1;                ///< light lost in the corners
-    double electrons = 25000;               ///< counted at full scale: shot noise; 0: no noise
-    double read_noise = 5.6e-4;             ///< standard deviation, of full scale
-    double exposure = 1;                    ///< 1: a perfect white is at 0.8 in the brightest channel
-    double matrix = 1;                      ///< how much the camera mixes colours: 0 not at all, 1 as cameras do
-    Eigen::Vector3d white_balance{0.62, 1.0, 0.75};
-    int scratches = 0;  ///< light lines on the slab, about the edge
-    std::uint64_t seed = 1;
+    int scratches = 0;                      ///< light lines on the slab, about the edge
 
     /// Throws InputError that names the option and the rule it breaks.
     void validate() const;

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "base/job_result.h"
-#include "calibration/profile/profile_simulation.h"
+#include "calibration/rehearsal/profile_simulation.h"
 
 namespace voxtone::calibration {
 

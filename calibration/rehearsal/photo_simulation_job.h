@@ -10,7 +10,7 @@
 
 #include "base/job_result.h"
 #include "base/progress.h"
-#include "calibration/photo/photo_simulation.h"
+#include "calibration/rehearsal/photo_simulation.h"
 
 namespace voxtone::calibration {
 

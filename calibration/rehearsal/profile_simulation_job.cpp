@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "calibration/profile/profile_simulation_job.h"
+#include "calibration/rehearsal/profile_simulation_job.h"
 
 #include <array>
 #include <filesystem>
