@@ -16,7 +16,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double clipped_samples = 0.005, dirty_samples = 0.33, dark_patch = 0.1;
 constexpr double chart_off = 0.03, chart_refused = 0.05;     // residual of the checker in linear sRGB
 constexpr double uneven_said = 0.01, uneven_refused = 0.05;  // of the light over the region
 constexpr double rough_paper = 0.01;                         // residual of the smooth light: more means shadows, dirt
@@ -28,12 +27,12 @@ std::vector<LitSample> lit_samples(const io::Photograph& photo, const Rectificat
     std::vector<LitSample> lit;
     for (const Area& area : areas) {
         const AreaSample sample = sample_area(photo, place, area, clip);
-        if (sample.complete && sample.clipped.maxCoeff() > clipped_samples)
+        if (sample.complete && sample.clipped.maxCoeff() > clipped_share)
             throw InputError(
                 fmt::format("{}: white is overexposed: a channel is clipped there; take all photographs "
                             "again with a shorter exposure",
                             photo.name));
-        if (sample.complete && sample.rejected <= dirty_samples)
+        if (sample.complete && sample.rejected <= dirty_share)
             lit.push_back({sample.middle_px, sample.mean, Vector3d::Zero()});
     }
     return lit;
@@ -71,17 +70,6 @@ std::vector<LitSample> sheet_samples(const io::Photograph& sheet, const BoardVie
     return lit_samples(sheet, board.place, areas, clip);
 }
 
-std::vector<LitSample> chart_samples(const CheckerView& view, const CheckerChart& chart) {
-    std::vector<LitSample> lit;
-    for (std::size_t p = 0; p < view.patches.size(); ++p) {
-        const AreaSample& sample = view.patches[p];
-        if (sample.complete && sample.clipped.maxCoeff() <= clipped_samples &&
-            sample.at_zero.maxCoeff() <= dark_patch && sample.rejected <= dirty_samples)
-            lit.push_back({sample.middle_px, sample.mean, chart.linear_srgb[p]});
-    }
-    return lit;
-}
-
 void check_sizes(const BenchLightPhotos& photos) {
     const auto check = [&](const io::Photograph& other) {
         if (other.width_px != photos.sheet.width_px || other.height_px != photos.sheet.height_px)
@@ -105,7 +93,7 @@ BenchLight measure_linear_light(const BenchLightPhotos& photos, const CheckerCha
     const std::vector<LitSample> white =
         photos.paper ? paper_samples(*photos.paper, clipping_level(*photos.paper))
                      : sheet_samples(photos.sheet, board, square_mm, clipping_level(photos.sheet));
-    light.model = PhotoModel::fit(chart_samples(light.checker, chart), white, photos.sheet.width_px,
+    light.model = PhotoModel::fit(usable_patches(light.checker, chart), white, photos.sheet.width_px,
                                   photos.sheet.height_px, photos.checker.name);
     const Vector2d middle = board.place.to_px(Vector2d::Zero());
     double brightest = 0;

@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "calibration/photo/finder_picture.h"
+#include "optics/numerics/median.h"
 
 namespace voxtone::calibration {
 namespace {
@@ -196,11 +197,8 @@ double parity_contrast(const cv::Mat& grey, const Rectification& place) {
             const auto level = square_level(grey, place, corner);
             if (level) levels[std::size_t(std::lround(corner.sum()) & 1)].push_back(*level);
         }
-    for (auto& list : levels) {
-        if (list.empty()) return 0;
-        std::nth_element(list.begin(), list.begin() + std::ptrdiff_t(list.size() / 2), list.end());
-    }
-    const double even = levels[0][levels[0].size() / 2], odd = levels[1][levels[1].size() / 2];
+    if (levels[0].empty() || levels[1].empty()) return 0;
+    const double even = optics::median(levels[0]), odd = optics::median(levels[1]);
     return (even - odd) / std::max(even + odd, 1e-12);
 }
 

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "optics/numerics/median.h"
 
 namespace voxtone::calibration {
 namespace {
@@ -47,12 +48,6 @@ std::vector<double> middles(double length, double pitch) {
     std::vector<double> x;
     for (int k = -half; k < half; ++k) x.push_back((k + 0.5) * pitch);
     return x;
-}
-
-double median(std::vector<double> values) {
-    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
 }
 
 // Index of the block that a row or column lies in.
@@ -109,7 +104,7 @@ private:
                 steps.push_back(
                     std::abs(strip_.rho[at(row, column)][channel] - strip_.rho[at(row - 2, column)][channel]));
         const double in_block = std::pow(block_mm / (strip_.x_mm[1] - strip_.x_mm[0]), 2);
-        return 1.4826 * median(std::move(steps)) / std::sqrt(2 * std::max(in_block, 1.0));
+        return 1.4826 * optics::median(std::move(steps)) / std::sqrt(2 * std::max(in_block, 1.0));
     }
 
     void leave_out(int channel, double brightest) {
@@ -130,14 +125,14 @@ private:
                 std::vector<double> near;
                 for (int k = -trend_blocks; k <= trend_blocks; ++k)
                     near.push_back(off[std::size_t(std::clamp(int(row) + k, 0, int(high) - 1)) * wide + column]);
-                rest[row] = off[row * wide + column] - median(near);
+                rest[row] = off[row * wide + column] - optics::median(near);
                 sizes[row] = std::abs(rest[row]);
             }
-            deviations.push_back(1.4826 * median(sizes));
+            deviations.push_back(1.4826 * optics::median(sizes));
             const double most = std::max(off_by * deviations.back(), std::max(least_off * brightest, least_absolute));
             for (std::size_t row = 0; row < high; ++row) bad[row * wide + column] = std::abs(rest[row]) > most;
         }
-        const double rough = median(deviations), noise = likely_alike * noise_of_block(channel);
+        const double rough = optics::median(deviations), noise = likely_alike * noise_of_block(channel);
         if (rough > noise) strip_.roughness = std::max(strip_.roughness, std::sqrt(rough * rough - noise * noise));
         for (std::size_t row = 0; row < rows_; ++row)
             for (std::size_t column = 0; column < columns_; ++column)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "calibration/compare/edge_blur.h"
+#include "optics/numerics/median.h"
 
 #include <algorithm>
 #include <array>
@@ -30,12 +31,6 @@ std::optional<double> crossing(const std::vector<double>& profile, double share)
     return std::nullopt;
 }
 
-double median_of(std::vector<double> values) {
-    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
 }  // namespace
 
 std::optional<double> edge_blur_px(const io::Photograph& photo, const PrintPlace& place) {
@@ -61,7 +56,7 @@ std::optional<double> edge_blur_px(const io::Photograph& photo, const PrintPlace
     }
     constexpr std::size_t least_lines = 100;  // of 480
     if (each.size() < least_lines) return std::nullopt;
-    return median_of(std::move(each));
+    return optics::median(std::move(each));
 }
 
 }  // namespace voxtone::calibration

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "calibration/compare/ground_light.h"
+#include "optics/numerics/median.h"
 
 #include <algorithm>
 #include <cmath>
@@ -83,10 +84,7 @@ std::optional<GroundLight> GroundLight::fit(const std::vector<LitSample>& ground
         light.of_log_ = normal.ldlt().solve(right);
         for (std::size_t i = 0; i < used.size(); ++i)
             off[i] = std::abs(std::log(brightness(used[i])) - light.of_log_.dot(light.basis(used[i].px)));
-        std::vector<double> sorted = off;
-        const auto middle = sorted.begin() + std::ptrdiff_t(sorted.size() / 2);
-        std::nth_element(sorted.begin(), middle, sorted.end());
-        light.residual_ = std::max(to_deviation * *middle, 1e-6);
+        light.residual_ = std::max(to_deviation * optics::median(off), 1e-6);
         for (std::size_t i = 0; i < used.size(); ++i) {
             const double x = off[i] / (tukey * light.residual_);
             weight[i] = x < 1 ? std::pow(1 - x * x, 2) : 0;

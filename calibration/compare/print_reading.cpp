@@ -41,18 +41,6 @@ PrintCorners chart_corners(const CheckerView& view, const CheckerChart& chart) {
     return {view.place.to_px({0, 0}), view.place.to_px({w, 0}), view.place.to_px({w, h}), view.place.to_px({0, h})};
 }
 
-std::vector<LitSample> chart_samples(const CheckerView& view, const CheckerChart& chart) {
-    constexpr double clipped_share = 0.005, dark_share = 0.1, dirty_share = 0.33;
-    std::vector<LitSample> lit;
-    for (std::size_t p = 0; p < view.patches.size(); ++p) {
-        const AreaSample& sample = view.patches[p];
-        if (sample.complete && sample.clipped.maxCoeff() <= clipped_share && sample.at_zero.maxCoeff() <= dark_share &&
-            sample.rejected <= dirty_share)
-            lit.push_back({sample.middle_px, sample.mean, chart.linear_srgb[p]});
-    }
-    return lit;
-}
-
 /// What each cell is divided by, and into what colours it goes.
 template <class Light, class Colour>
 void correct(PrintReading& reading, int columns, const Light& light, const Colour& colour) {
@@ -76,7 +64,7 @@ void correct_by_chart(PrintReading& reading, const io::Photograph& photo, const 
         find_checker_in(photo, chart, clip, place_of(reading.found.place), options.checker_corners);
     const std::vector<LitSample> ground = ground_samples(photo, reading.found.place, chart_corners(view, chart));
     const PhotoModel model =
-        PhotoModel::fit(chart_samples(view, chart), ground, photo.width_px, photo.height_px, photo.name);
+        PhotoModel::fit(usable_patches(view, chart), ground, photo.width_px, photo.height_px, photo.name);
     correct(
         reading, print.columns, [&](const Eigen::Vector2d& px) { return model.light(px); },
         [&](const Eigen::Vector2d& px, const Eigen::Vector3d& v) { return model.reflectance(px, v); });

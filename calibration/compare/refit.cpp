@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "optics/colour/colour.h"
+#include "optics/numerics/median.h"
 
 namespace voxtone::calibration {
 
@@ -68,13 +69,6 @@ Eigen::MatrixXd precision_of(const optics::ResinSet& set) {
     return all;
 }
 
-double middle_value(std::vector<double> values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
 /// By which a print is brighter than predicted, so that both have one level.
 Eigen::Vector3d level_of(const RegionSheet& sheet, const Eigen::VectorXd& shift) {
     Eigen::Vector3d gain = Eigen::Vector3d::Ones();
@@ -85,7 +79,7 @@ Eigen::Vector3d level_of(const RegionSheet& sheet, const Eigen::VectorXd& shift)
             if (predicted > dark_offset && region.printed[k] > 0)
                 ratios.push_back(std::log(region.printed[k] / predicted));
         }
-        gain[k] = std::exp(middle_value(std::move(ratios)));
+        gain[k] = std::exp(optics::median(std::move(ratios)));
     }
     return gain;
 }
@@ -157,7 +151,7 @@ Solved solve(std::span<const RegionSheet> sheets, const optics::ResinSet& known,
         };
         for (std::size_t s = 0; s < used.size(); ++s)
             for (const Equation& e : equations[s]) sizes.push_back(std::abs(left(e, s)));
-        const double scale = std::max(1.4826 * middle_value(std::move(sizes)), least_scale);
+        const double scale = std::max(1.4826 * optics::median(std::move(sizes)), least_scale);
         normal = Eigen::MatrixXd::Zero(all, all);
         normal.topLeftCorner(values, values) = prior;
         Eigen::VectorXd right = Eigen::VectorXd::Zero(all);

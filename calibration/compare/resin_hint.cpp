@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "calibration/compare/resin_hint.h"
+#include "optics/numerics/median.h"
 
 #include <algorithm>
 #include <cmath>
@@ -79,10 +80,7 @@ std::vector<ResinSample> without_outliers(std::span<const ResinSample> all, std:
             for (Eigen::Index k = 0; k < 3; ++k)
                 off[i] = std::max(
                     off[i], std::sqrt(all[i].weight) * std::abs(all[i].log_ratio[k] - row_of(all[i], k).dot(found)));
-        std::vector<double> sorted = off;
-        const auto middle = sorted.begin() + std::ptrdiff_t(sorted.size() / 2);
-        std::nth_element(sorted.begin(), middle, sorted.end());
-        const double least = 1e-6, scale = std::max(to_deviation * *middle, least);
+        const double least = 1e-6, scale = std::max(to_deviation * optics::median(off), least);
         for (std::size_t i = 0; i < all.size(); ++i) {
             const double u = off[i] / (tukey * scale);
             trust[i] = u < 1 ? std::pow(1 - u * u, 2) : 0;

@@ -16,6 +16,7 @@
 #include "io/disk/output_files.h"
 #include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
+#include "optics/numerics/median.h"
 
 namespace voxtone::calibration {
 namespace {
@@ -79,9 +80,7 @@ double largest_noise(const EdgeDictionary& dictionary) {
 double median_noise(const EdgeDictionary& dictionary) {
     std::vector<double> all;
     for (const EdgeRecord& record : dictionary.records) all.insert(all.end(), record.noise.begin(), record.noise.end());
-    if (all.empty()) return 0;
-    std::ranges::nth_element(all, all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2));
-    return all[all.size() / 2];
+    return optics::median(std::move(all));
 }
 
 JobResult result_of(const DictionaryJob& job, const EdgeDictionary& dictionary, std::size_t traced,

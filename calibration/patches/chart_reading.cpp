@@ -14,6 +14,7 @@
 #include "calibration/tables/table_cells.h"
 #include "optics/colour/channels.h"
 #include "optics/colour/colour.h"
+#include "optics/numerics/median.h"
 
 namespace voxtone::calibration {
 
@@ -44,9 +45,7 @@ double whole_of(const ChartReading& reading) {
     }
     // Inks of a device are percent, unless no value of all is above 1: no chart has inks of 1 % at most.
     if (reading.rest_is_white) return largest > 1 ? 100 : 1;
-    const auto middle = sums.begin() + static_cast<std::ptrdiff_t>(sums.size() / 2);
-    std::nth_element(sums.begin(), middle, sums.end());
-    return *middle > 10 ? 100 : 1;
+    return optics::median(std::move(sums)) > 10 ? 100 : 1;
 }
 
 bool fills_volume(const ChartReading& reading, const Patch& patch, double whole) {

@@ -116,4 +116,15 @@ CheckerView find_checker_in(const io::Photograph& photo, const CheckerChart& cha
     return best;
 }
 
+std::vector<LitSample> usable_patches(const CheckerView& view, const CheckerChart& chart) {
+    std::vector<LitSample> lit;
+    for (std::size_t p = 0; p < view.patches.size(); ++p) {
+        const AreaSample& sample = view.patches[p];
+        if (sample.complete && sample.clipped.maxCoeff() <= clipped_share &&
+            sample.at_zero.maxCoeff() <= patch_dark_share && sample.rejected <= dirty_share)
+            lit.push_back({sample.middle_px, sample.mean, chart.linear_srgb[p]});
+    }
+    return lit;
+}
+
 }  // namespace voxtone::calibration

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "calibration/photo/checker_chart.h"
+#include "calibration/photo/light_field.h"
 #include "calibration/photo/patch_sampling.h"
 #include "calibration/photo/rectify.h"
 
@@ -26,6 +27,9 @@ struct CheckerView {
 [[nodiscard]] CheckerView find_checker_in(const io::Photograph& photograph, const CheckerChart& chart,
                                           const Eigen::Vector3d& clip, const std::array<Eigen::Vector2d, 4>& hidden,
                                           const std::optional<std::array<Eigen::Vector2d, 4>>& corners = std::nullopt);
+
+/// Its patches that are neither clipped, nor dark, nor dirty, with the chart's colours.
+[[nodiscard]] std::vector<LitSample> usable_patches(const CheckerView& view, const CheckerChart& chart);
 
 /// The part of cell (column, row) that is sampled, in the chart's coordinates.
 [[nodiscard]] Area checker_area(int column, int row);

@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "calibration/photo/finder_picture.h"
 #include "calibration/target/marker_pattern.h"
+#include "optics/numerics/median.h"
 
 namespace voxtone::calibration {
 
@@ -278,9 +279,7 @@ double measure_blur(const io::Photograph& photo, const Target& target, const Rec
             if (first && last) each.push_back((*last - *first) * reach / 2.563);
         }
     }
-    if (each.empty()) return 0;
-    std::nth_element(each.begin(), each.begin() + std::ptrdiff_t(each.size() / 2), each.end());
-    return each[each.size() / 2];
+    return optics::median(std::move(each));
 }
 
 }  // namespace

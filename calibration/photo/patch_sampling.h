@@ -41,4 +41,8 @@ struct AreaSample {
 /// infinity.
 [[nodiscard]] Eigen::Vector3d clipping_level(const io::Photograph& photograph);
 
+/// Of an area's pixels that are clipped, and of its blocks that are not like the others: with more it counts for
+/// nothing.
+inline constexpr double clipped_share = 0.005, dirty_share = 0.33;
+
 }  // namespace voxtone::calibration

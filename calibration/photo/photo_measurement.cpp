@@ -19,9 +19,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double clipped_share = 0.005;  // of an area's pixels: more is refused
-constexpr double dirty_share = 0.33;     // of an area's blocks: more is refused
-constexpr double dark_share = 0.1;       // of a chart's patch at 0: more, and it is left out
 constexpr double most_spread = 0.025;    // of reflectance, between blocks of a square: more is refused
 constexpr double most_excess = 0.003;    // of reflectance, from noise cut off at 0: more is refused
 constexpr double least_light = 0.04;     // of full scale, in the brightest channel of the frame
@@ -90,17 +87,6 @@ std::vector<LitSample> usable_frame(const PhotoMeasurement& m) {
     if (clipped > clipped_share)
         refuse(m.photograph.name,
                "the light frame of the target is overexposed: a channel is clipped there. Expose less");
-    return lit;
-}
-
-std::vector<LitSample> usable_chart(const PhotoMeasurement& m, const CheckerChart& chart) {
-    std::vector<LitSample> lit;
-    for (std::size_t p = 0; p < m.checker.patches.size(); ++p) {
-        const AreaSample& sample = m.checker.patches[p];
-        if (sample.complete && sample.clipped.maxCoeff() <= clipped_share && sample.at_zero.maxCoeff() <= dark_share &&
-            sample.rejected <= dirty_share)
-            lit.push_back({sample.middle_px, sample.mean, chart.linear_srgb[p]});
-    }
     return lit;
 }
 
@@ -187,7 +173,7 @@ PhotoMeasurement measure_linear(io::Photograph photograph, const Target& target,
     const std::array<Vector2d, 4> hidden{m.view.place.to_px({0, slab.max_mm.y()}), m.view.place.to_px(slab.max_mm),
                                          m.view.place.to_px({slab.max_mm.x(), 0}), m.view.place.to_px({0, 0})};
     m.checker = find_checker_in(photo, chart, clip, hidden, options.checker_corners);
-    m.model = PhotoModel::fit(usable_chart(m, chart), frame, photo.width_px, photo.height_px, photo.name);
+    m.model = PhotoModel::fit(usable_patches(m.checker, chart), frame, photo.width_px, photo.height_px, photo.name);
     check_light(m, frame);
     for (std::size_t q = 0; q < m.squares.size(); ++q) {
         const AreaSample& sample = m.squares[q];

@@ -10,7 +10,7 @@
 namespace voxtone::calibration {
 namespace {
 
-constexpr double same_time_share = 0.01, most_uneven = 0.1, most_saturated = 0.01;
+constexpr double most_uneven = 0.1, most_saturated = 0.01;
 constexpr std::uint64_t least_pixels = 100;
 
 struct LightAndDark {
@@ -19,13 +19,7 @@ struct LightAndDark {
 
 LightAndDark read_pair(const ExposureFile& lit, const ExposureFile& dark, const Progress* progress) {
     LightAndDark pair{read_exposure(lit, progress), read_exposure(dark, progress)};
-    const io::Photograph &a = pair.lit.photograph, &b = pair.dark.photograph;
-    if (a.width_px != b.width_px || a.height_px != b.height_px)
-        throw InputError(fmt::format("{} is {} x {} pixels and its dark frame {} is {} x {}; both must be cut alike",
-                                     a.name, a.width_px, a.height_px, b.name, b.width_px, b.height_px));
-    if (std::abs(pair.dark.seconds - pair.lit.seconds) > same_time_share * pair.lit.seconds)
-        throw InputError(fmt::format("{} was exposed for {} and its dark frame {} for {}; take one of the same time",
-                                     a.name, seconds_text(pair.lit.seconds), b.name, seconds_text(pair.dark.seconds)));
+    expect_dark_frame(pair.lit, pair.dark);
     return pair;
 }
 

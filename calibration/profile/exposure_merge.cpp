@@ -9,24 +9,21 @@
 
 #include "base/contracts.h"
 #include "base/error.h"
+#include "optics/numerics/median.h"
 
 namespace voxtone::calibration {
 namespace {
 
 constexpr double merge_blur_px = 3;
-constexpr double same_time = 0.01;
 constexpr double well_exposed = 0.02, well_above_noise = 100;  // parts of full scale, of the read noise
 constexpr double far_from_saturation = 0.8;                    // so that noise saturates no sample that is compared
 
 Eigen::Vector3d median(const io::Photograph& photograph) {
     Eigen::Vector3d result;
-    std::vector<float> values(photograph.pixels.size());
     for (int c = 0; c < 3; ++c) {
-        std::transform(photograph.pixels.begin(), photograph.pixels.end(), values.begin(),
-                       [&](const Eigen::Vector3f& pixel) { return pixel[c]; });
-        const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-        std::nth_element(values.begin(), middle, values.end());
-        result[c] = *middle;
+        std::vector<double> values;
+        for (const Eigen::Vector3f& pixel : photograph.pixels) values.push_back(pixel[c]);
+        result[c] = optics::median(std::move(values));
     }
     return result;
 }
@@ -38,22 +35,10 @@ double share_of_zeros(const io::Photograph& photograph) {
     return static_cast<double>(zeros) / (3 * static_cast<double>(photograph.pixels.size()));
 }
 
-void check(const Exposure& lit, const Exposure& dark) {
-    const io::Photograph &a = lit.photograph, &b = dark.photograph;
-    if (a.width_px != b.width_px || a.height_px != b.height_px)
-        throw InputError(fmt::format("{} is {} x {} pixels and its dark frame {} is {} x {}; both must be cut alike",
-                                     a.name, a.width_px, a.height_px, b.name, b.width_px, b.height_px));
-    if (std::abs(dark.seconds - lit.seconds) > same_time * lit.seconds)
-        throw InputError(
-            fmt::format("{} was exposed for {} and its dark frame {} for {}; every exposure needs a dark frame of "
-                        "the same time",
-                        a.name, seconds_text(lit.seconds), b.name, seconds_text(dark.seconds)));
-}
-
 }  // namespace
 
 void ExposureMerge::add(const Exposure& lit, const Exposure& dark) {
-    check(lit, dark);
+    expect_dark_frame(lit, dark);
     const io::Photograph& photograph = lit.photograph;
     const std::size_t pixels = photograph.pixels.size();
     const bool first = seconds_.empty();

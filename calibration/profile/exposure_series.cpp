@@ -62,4 +62,17 @@ Exposure read_exposure(const ExposureFile& file, const Progress* progress) {
     return exposure;
 }
 
+void expect_dark_frame(const Exposure& lit, const Exposure& dark) {
+    constexpr double same_time = 0.01;
+    const io::Photograph &a = lit.photograph, &b = dark.photograph;
+    if (a.width_px != b.width_px || a.height_px != b.height_px)
+        throw InputError(fmt::format("{} is {} x {} pixels and its dark frame {} is {} x {}; both must be cut alike",
+                                     a.name, a.width_px, a.height_px, b.name, b.width_px, b.height_px));
+    if (std::abs(dark.seconds - lit.seconds) > same_time * lit.seconds)
+        throw InputError(
+            fmt::format("{} was exposed for {} and its dark frame {} for {}; every exposure needs a dark frame of "
+                        "the same time",
+                        a.name, seconds_text(lit.seconds), b.name, seconds_text(dark.seconds)));
+}
+
 }  // namespace voxtone::calibration

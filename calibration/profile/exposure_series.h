@@ -32,4 +32,7 @@ struct Exposure {
 /// Reads one, linear. Throws InputError for sRGB codes and where neither user nor file says how long it was; FileError.
 [[nodiscard]] Exposure read_exposure(const ExposureFile& file, const Progress* progress = nullptr);
 
+/// Throws InputError unless both have one size and, within 1 %, one time.
+void expect_dark_frame(const Exposure& lit, const Exposure& dark);
+
 }  // namespace voxtone::calibration
