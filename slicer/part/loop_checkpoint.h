@@ -6,16 +6,12 @@
 // 216 MB for a body of 30 mm. It is written while the next print is made, without a copy; a state that takes more than
 // a second is written less often (CheckpointKeeper in job_loop.cpp).
 //
-// A state belongs to one job, and another job's is refused. Two digests in the file say whose it is: one of what a job
-// is known by before its model is read, so that a wrong state is refused before time is spent; and one of the job's
-// identity as far as it matters to the loop (job_identity.h: what the inputs hold, not their names; not --iterations)
-// with the target of every cell. Digests are XXH64: nobody gains by a forged state, and it must cost nothing beside
-// the iteration.
+// A state belongs to one job, and another job's is refused. Its key (artefact.h): what a job is known by before its
+// model is read; and the job's identity as far as it matters to the loop (job_identity.h: what the inputs hold, not
+// their names; not --iterations) with the target of every cell.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -26,6 +22,7 @@
 
 #include "base/progress.h"
 #include "halftone/loop/appearance_loop.h"
+#include "slicer/part/artefact.h"
 
 namespace voxtone::slicer {
 
@@ -40,8 +37,8 @@ public:
     void write(const halftone::LoopState& state, const optics::AppearanceSequence& sequence) const;
     /// Nothing, with a note, where there is none. Throws InputError for one of another job, FileError for a broken one.
     [[nodiscard]] std::optional<halftone::ResumedLoop> read(Progress& progress) const;
-    [[nodiscard]] bool exists() const;
-    [[nodiscard]] const std::filesystem::path& file() const { return file_; }
+    [[nodiscard]] bool exists() const { return file_.exists(); }
+    [[nodiscard]] const std::filesystem::path& file() const { return file_.path(); }
 
     /// Throws InputError where `folder` holds the state of an interrupted loop that this job would throw away.
     static void refuse_loss(const std::filesystem::path& folder, bool resume, bool overwrite);
@@ -56,12 +53,8 @@ public:
     static void remove_from(const std::filesystem::path& folder);
 
 private:
-    using Piece = std::function<void(const void*, std::size_t)>;
-    void hand_over(const Piece& take, const halftone::LoopState& state,
-                   const optics::AppearanceSequence& sequence) const;
-
-    std::filesystem::path file_;
-    std::uint64_t opened_digest_, digest_;
+    Artefact file_;
+    ArtefactKey key_;
     std::size_t cells_;
 };
 

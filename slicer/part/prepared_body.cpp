@@ -2,22 +2,19 @@
 #include "slicer/part/prepared_body.h"
 
 #include <algorithm>
-#include <cstring>
+#include <array>
 #include <map>
 #include <memory>
-#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "base/error.h"
-#include "io/files/packed_values.h"
-#include "io/files/whole_file.h"
-#include "io/files/xxh64.h"
 #include "io/pictures/texture.h"
 #include "io/programs/build_identity.h"
 #include "io/shards/shard_folder.h"
+#include "slicer/part/artefact.h"
 
 namespace voxtone::slicer {
 
@@ -30,7 +27,14 @@ namespace {
 using io::PackedReader;
 using io::PackedWriter;
 
-const std::string prepared_magic = "voxtone-prepared 1, voxtone " + io::build_identity() + "\n";
+constexpr ArtefactKind prepared_kind{"voxtone-prepared", 2, "is not whole", "is of another job",
+                                     "is of another version"};
+
+Artefact prepared_of(const std::filesystem::path& out, std::string_view job) {
+    return {io::prepared_file(out, job), prepared_kind};
+}
+
+ArtefactKey key_of(std::string_view job) { return {digest_of_text(io::build_identity()), digest_of_text(job)}; }
 
 template <class Stream, class Vector>
 void vector_in(Stream& stream, Vector& v) {
@@ -218,36 +222,18 @@ JobBody body_from(PackedReader& from) {
 }  // namespace
 
 void keep_prepared(const std::filesystem::path& out, std::string_view job, const JobBody& body) {
-    PackedWriter values;
-    values(prepared_magic, std::string(job));
-    put_body(values, body);
-    const std::span<const std::uint8_t> bytes(reinterpret_cast<const std::uint8_t*>(values.bytes.data()),
-                                              values.bytes.size());
-    values(io::xxh64(bytes));
     try {
-        io::write_whole_file(
-            io::prepared_file(out, job),
-            std::span(reinterpret_cast<const std::uint8_t*>(values.bytes.data()), values.bytes.size()));
+        prepared_of(out, job).write(key_of(job), [&](PackedWriter& to) { put_body(to, body); });
     } catch (const Error&) {
         // A full disk will be told of by the layers.
     }
 }
 
 std::optional<JobBody> read_prepared(const std::filesystem::path& out, std::string_view job) {
-    constexpr std::uint64_t most = std::uint64_t{1} << 36;
     try {
-        const std::vector<std::uint8_t> bytes = io::read_whole_file(io::prepared_file(out, job), most);
-        std::uint64_t sum = 0;
-        if (bytes.size() < sizeof sum) return std::nullopt;
-        const auto values = std::span(bytes).first(bytes.size() - sizeof sum);
-        std::memcpy(&sum, values.data() + values.size(), sizeof sum);
-        if (io::xxh64(values) != sum) return std::nullopt;
-        PackedReader reader(std::as_bytes(values));
-        std::string version, of_job;
-        reader(version, of_job);
-        if (version != prepared_magic || of_job != job) return std::nullopt;
-        JobBody body = body_from(reader);
-        return body;
+        const Artefact::Content content = prepared_of(out, job).read(std::array{key_of(job)});
+        PackedReader reader(content.values);
+        return body_from(reader);
     } catch (const Error&) {
         return std::nullopt;
     }

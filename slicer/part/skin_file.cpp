@@ -2,28 +2,28 @@
 #include "slicer/part/skin_file.h"
 
 #include <algorithm>
-#include <cstring>
-#include <fstream>
+#include <array>
 #include <span>
-#include <system_error>
 #include <type_traits>
+#include <utility>
 
 #include <fmt/core.h>
 
 #include "base/error.h"
 #include "io/files/deflate.h"
-#include "io/files/packed_values.h"
-#include "io/files/whole_file.h"
-#include "io/files/xxh64.h"
 #include "io/programs/build_identity.h"
 
 namespace voxtone::slicer {
 
 namespace {
 
-constexpr std::string_view skin_magic = "voxtone-skin 1\n", any_skin_magic = "voxtone-skin ";  // of any version
-/// Two digests of the job and the size of what was deflated come after the magic.
-constexpr std::size_t number_size = sizeof(std::uint64_t), skin_head_size = skin_magic.size() + 3 * number_size;
+constexpr std::string_view of_another_job =
+    "is what the appearance loop of another job came to (another model, other options that decide its colours, or "
+    "another version of this program); take another folder, or make it anew: slice --until loop --overwrite";
+constexpr ArtefactKind skin_kind{
+    "voxtone-skin", 1,
+    "is broken and holds no result of an appearance loop; make it again: slice --until loop --overwrite",
+    of_another_job, of_another_job};
 
 /// All parts, for writing and reading alike.
 template <class Stream, class Skin>
@@ -56,45 +56,7 @@ bool has_settled(const SavedSkin& skin) {
 }
 
 std::uint64_t digest_of_job(std::string_view identity, std::string_view length) {
-    const std::string text = fmt::format("{}\niterations={}\nvoxtone {}\n", identity, length, io::build_identity());
-    return io::xxh64({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-}
-
-std::uint64_t number_in(std::span<const std::uint8_t> bytes, std::size_t index) {
-    std::uint64_t number = 0;
-    std::memcpy(&number, bytes.data() + skin_magic.size() + index * number_size, number_size);
-    return number;
-}
-
-[[noreturn]] void fail_broken(const std::filesystem::path& file) {
-    throw FileError(fmt::format(
-        "{}: is broken and holds no result of an appearance loop; make it again: slice --until loop --overwrite",
-        file.string()));
-}
-
-[[noreturn]] void fail_foreign(const std::filesystem::path& file) {
-    throw InputError(fmt::format(
-        "{}: is what the appearance loop of another job came to (another model, other options that decide its colours, "
-        "or another version of this program); take another folder, or make it anew: slice --until loop --overwrite",
-        file.string()));
-}
-
-bool starts(std::span<const std::uint8_t> bytes, std::string_view text) {
-    return bytes.size() >= text.size() && std::memcmp(bytes.data(), text.data(), text.size()) == 0;
-}
-
-void check_skin_head(const std::filesystem::path& file, std::span<const std::uint8_t> begin) {
-    if (starts(begin, any_skin_magic) && !starts(begin, skin_magic)) fail_foreign(file);
-    if (!starts(begin, skin_magic) || begin.size() < skin_head_size) fail_broken(file);
-}
-
-std::vector<std::uint8_t> head_of(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    std::vector<std::uint8_t> head(skin_head_size);
-    in.read(reinterpret_cast<char*>(head.data()), std::streamsize(head.size()));
-    head.resize(std::size_t(in.gcount()));
-    check_skin_head(file, head);
-    return head;
+    return digest_of_text(fmt::format("{}\niterations={}\nvoxtone {}\n", identity, length, io::build_identity()));
 }
 
 /// What is read goes into lists that are looked up without asking.
@@ -118,20 +80,15 @@ bool fits_together(const SavedSkin& skin, std::size_t layers) {
 
 SkinFile::SkinFile(std::filesystem::path file, std::string_view opened_identity, std::string_view loop_identity,
                    const JobLoopOptions& loop)
-    : file_(std::move(file)),
+    : file_(std::move(file), skin_kind),
       asked_{digest_of_job(opened_identity, length_of(loop)), digest_of_job(loop_identity, length_of(loop))},
       settled_{digest_of_job(opened_identity, settled_length_of(loop)),
                digest_of_job(loop_identity, settled_length_of(loop))} {}
 
-bool SkinFile::exists() const {
-    std::error_code none;
-    return std::filesystem::exists(file_, none);
-}
-
 bool SkinFile::is_of_this_job() const {
     try {
-        const std::vector<std::uint8_t> head = head_of(file_);
-        return is_ours({number_in(head, 0), number_in(head, 1)});
+        const std::optional<ArtefactKey> key = file_.key();
+        return key == asked_ || key == settled_;
     } catch (const InputError&) {
         return false;
     }
@@ -141,51 +98,34 @@ void SkinFile::write(const SavedSkin& skin) const {
     constexpr int quick_and_small = 3;
     io::PackedWriter values;
     skin_in(values, skin);
-    std::vector<std::uint8_t> file(skin_magic.begin(), skin_magic.end());
-    const auto put = [&](const void* data, std::size_t size) {
-        const auto* const bytes = static_cast<const std::uint8_t*>(data);
-        file.insert(file.end(), bytes, bytes + size);
-    };
-    const Owner& owner = has_settled(skin) ? settled_ : asked_;
-    for (const std::uint64_t number : {owner.opened, owner.job, std::uint64_t{values.bytes.size()}})
-        put(&number, number_size);
-    const std::vector<std::byte> small = io::deflated(values.bytes, quick_and_small);
-    put(small.data(), small.size());
-    const std::uint64_t sum = io::xxh64(file);
-    put(&sum, number_size);
-    io::write_whole_file(file_, file);
+    file_.write(has_settled(skin) ? settled_ : asked_, [&](io::PackedWriter& to) {
+        to(std::uint64_t{values.bytes.size()});
+        to.add(io::deflated(values.bytes, quick_and_small));
+    });
 }
 
 SavedSkin SkinFile::read(std::size_t layers) const {
-    constexpr std::uint64_t most = std::uint64_t{1} << 34;
-    const std::vector<std::uint8_t> bytes = io::read_whole_file(file_, most);
-    check_skin_head(file_, bytes);
-    if (bytes.size() < skin_head_size + number_size) fail_broken(file_);
-    const auto body = std::span(bytes).first(bytes.size() - number_size);
-    std::uint64_t sum = 0;
-    std::memcpy(&sum, bytes.data() + body.size(), number_size);
-    if (io::xxh64(body) != sum) fail_broken(file_);
-    if (!is_ours({number_in(bytes, 0), number_in(bytes, 1)})) fail_foreign(file_);
+    const Artefact::Content content = file_.read(std::array{asked_, settled_});
     SavedSkin skin;
     try {
-        const std::vector<std::byte> values =
-            io::inflated(std::as_bytes(body.subspan(skin_head_size)), number_in(bytes, 2));
+        std::uint64_t size = 0;
+        io::PackedReader(content.values)(size);
+        const std::vector<std::byte> values = io::inflated(content.values.subspan(sizeof size), size);
         io::PackedReader reader(values);
         skin_in(reader, skin);
         reader.expect_end();
     } catch (const InputError&) {
-        fail_broken(file_);
+        file_.fail_broken();
     }
-    if (!fits_together(skin, layers)) fail_broken(file_);
+    if (!fits_together(skin, layers)) file_.fail_broken();
     return skin;
 }
 
 void SkinFile::expect_same_job(const std::filesystem::path& file, std::string_view opened_identity,
                                const JobLoopOptions& loop) {
-    if (std::error_code none; !std::filesystem::exists(file, none)) return;
     const SkinFile own(file, opened_identity, {}, loop);
-    const std::uint64_t owner = number_in(head_of(file), 0);
-    if (owner != own.asked_.opened && owner != own.settled_.opened) fail_foreign(file);
+    const std::optional<ArtefactKey> key = own.file_.key();
+    if (key && key->opened != own.asked_.opened && key->opened != own.settled_.opened) own.file_.fail_foreign();
 }
 
 }  // namespace voxtone::slicer

@@ -7,12 +7,11 @@
 //
 // It belongs to one job, as a checkpoint does (loop_checkpoint.h): to what the inputs hold, all options that decide the
 // loop, --iterations among them, and the version of the program; another job's is refused. A loop that settled before
-// --iterations auto would have ended it is that of `long`, too. The file: magic, digest of what is known of the job
-// before its model is read, digest of the job, size of what follows before it was deflated, that, XXH64 of all before.
+// --iterations auto would have ended it is that of `long`, too. The values: size of what follows before it was
+// deflated, that.
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -24,6 +23,7 @@
 #include "halftone/separation/mixture.h"
 #include "optics/scene/surface.h"
 #include "slicer/options/resolved_job.h"
+#include "slicer/part/artefact.h"
 
 namespace voxtone::slicer {
 
@@ -45,8 +45,8 @@ public:
     SkinFile(std::filesystem::path file, std::string_view opened_identity, std::string_view loop_identity,
              const JobLoopOptions& loop);
 
-    [[nodiscard]] const std::filesystem::path& path() const { return file_; }
-    [[nodiscard]] bool exists() const;
+    [[nodiscard]] const std::filesystem::path& path() const { return file_.path(); }
+    [[nodiscard]] bool exists() const { return file_.exists(); }
     /// Whether what is there is of this job. Throws FileError for a broken one.
     [[nodiscard]] bool is_of_this_job() const;
     /// Throws FileError, TryAgain.
@@ -60,15 +60,8 @@ public:
                                 const JobLoopOptions& loop);
 
 private:
-    /// Of a job, before its model is read and after.
-    struct Owner {
-        std::uint64_t opened = 0, job = 0;
-        bool operator==(const Owner&) const = default;
-    };
-    [[nodiscard]] bool is_ours(const Owner& owner) const { return owner == asked_ || owner == settled_; }
-
-    std::filesystem::path file_;
-    Owner asked_, settled_;  ///< one where there is a limit
+    Artefact file_;
+    ArtefactKey asked_, settled_;  ///< one where there is a limit
 };
 
 }  // namespace voxtone::slicer
