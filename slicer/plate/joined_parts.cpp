@@ -178,8 +178,8 @@ ReadyPart join(const std::vector<ReadyPart>& parts, const std::vector<Copy>& kin
     body.name = names_of(parts, kind);
     body.side_files.push_back({"parts", identity});
     joined.shared_mm3 = shared_mm3(parts, kind, body, progress);
-    joined.ready =
-        open_ready(options_of(parts[kind[0].part], out / io::parts_name / joined.part.name), std::move(body), progress);
+    joined.ready = make_ready(open_job(options_of(parts[kind[0].part], out / io::parts_name / joined.part.name)),
+                              std::move(body), progress);
     joined.is_joined = true;
     return joined;
 }

@@ -34,14 +34,15 @@ SliceOptions job_options(const TrayPart& part, const fs::path& out, const std::v
     return options;
 }
 
-/// Goes on with a loop that was interrupted, if it is this job's.
-void look_for_checkpoint(const OpenedJob& job, JobRun& run, const Progress& progress) {
-    if (!fs::exists(job.options.out / io::checkpoint_name)) return;
+/// Whether a loop was interrupted that is this job's.
+bool has_own_checkpoint(const OpenedJob& job, const Progress& progress) {
+    if (!fs::exists(job.options.out / io::checkpoint_name)) return false;
     try {
         LoopCheckpoint::expect_same_job(job.options.out, opened_loop_identity(job, &progress));
-        run.goes_on = true;
+        return true;
     } catch (const InputError&) {
         LoopCheckpoint::remove_from(job.options.out);  // of what the part was before
+        return false;
     }
 }
 
@@ -54,9 +55,8 @@ std::vector<std::string> roles_of(const OpenedJob& job) {
 /// A part on its way.
 struct WaitingPart {
     TrayPart part;
-    SliceOptions options;    ///< as a job
-    SliceOptions as_said{};  ///< the same, which may leave the choice of resins to the printer, ...
-    std::optional<OpenedJob> opened = std::nullopt;  ///< ... opened; nothing: a component
+    SliceOptions as_said{};                          ///< as a job, which may leave its resins to the printer, ...
+    std::optional<OpenedJob> opened = std::nullopt;  ///< ... and with those of the tray; nothing: a component
     std::optional<JobBody> body = std::nullopt;
     std::optional<ReadyComponent> component = std::nullopt;
 };
@@ -90,7 +90,7 @@ std::vector<WaitingPart> open_parts(const TrayPlan& plan, std::vector<FailedPart
     std::vector<std::string> roles;
     for (const TrayPart& part : plan.parts) {
         if (part.component) {
-            waiting.push_back({part, {}});
+            waiting.push_back({part});
             continue;
         }
         const SliceOptions options = job_options(part, plan.common.out, roles);
@@ -103,8 +103,11 @@ std::vector<WaitingPart> open_parts(const TrayPlan& plan, std::vector<FailedPart
             if (!roles.empty() && roles_of(opened) != roles)
                 throw InputError("loads other resins than the first part: say \"load\" beside \"parts\"");
             if (part.job) expect_of_the_tray(*part.job, opened);
-            if (roles.empty()) roles = roles_of(opened);
-            waiting.push_back({part, job_options(part, plan.common.out, roles), options, std::move(opened)});
+            if (roles.empty()) {
+                roles = roles_of(opened);
+                opened = open_job(job_options(part, plan.common.out, roles));
+            }
+            waiting.push_back({part, job_options(part, plan.common.out, {}), std::move(opened)});
         });
     }
     return waiting;
@@ -127,7 +130,7 @@ void prepare_components(const TrayPlan& plan, std::vector<WaitingPart>& waiting,
     if (std::ranges::none_of(waiting, is_component)) return;
     const auto model = std::ranges::find_if_not(waiting, is_component);
     parts.common = std::make_shared<const OpenedJob>(
-        *common_job(plan, model == waiting.end() ? std::vector<std::string>() : model->options.load));
+        *common_job(plan, model == waiting.end() ? std::vector<std::string>() : model->opened->options.load));
     std::erase_if(waiting, [&](WaitingPart& part) {
         if (!part.part.component) return false;
         return !goes_well(part.part, plan.common.fail_fast, parts.failed, progress, [&] {
@@ -151,16 +154,16 @@ bool has_marked_sides(const ResolvedJob& job) {
 
 /// Its body, turned; as it was, where it cannot be, as its labels find no place then.
 void turn_part(WaitingPart& part, int turns, Progress& progress) {
-    SliceOptions turned = part.options;
-    turned.rotate = turned_further(part.options, turns);
+    SliceOptions turned = part.opened->options.raw;
+    turned.rotate = turned_further(turned, turns);
     try {
-        const OpenedJob job = open_job(turned);
+        OpenedJob job = open_job(turned);
         part.body.emplace(prepare_body(job.options, job.printer, progress));
+        part.opened.emplace(std::move(job));
     } catch (const InputError& error) {
         progress.note(fmt::format("{}: is not turned, for {}", part.part.name, error.what()));
         return;
     }
-    part.options = std::move(turned);
     progress.note(fmt::format("{}: is turned by {} degrees", part.part.name, 90 * turns));
 }
 
@@ -191,11 +194,12 @@ void turn_parts(const TrayPlan& plan, std::vector<WaitingPart>& waiting, std::ve
 /// With the loop of the job that it was alone; null where that is not to be had. The job says its resins as it did
 /// then; where it chooses others for its colours than this tray loads, it is another job.
 std::unique_ptr<PreparedJob> open_with_kept_loop(WaitingPart& part, bool loops_elsewhere, Progress& progress) {
-    if (!take_kept_loop(part.part.name, part.part.job->folder, *part.opened, progress)) return nullptr;
     SliceOptions options = part.as_said;
     options.until = SliceOptions{}.until;  // that it is run, is done
-    std::unique_ptr<PreparedJob> ready = open_ready(options, std::move(part.body), progress, loops_elsewhere);
-    if (roles_of(ready->job) == part.options.load && is_loop_of(part.part.name, *ready, progress)) return ready;
+    OpenedJob opened = open_job(options);
+    if (!take_kept_loop(part.part.name, part.part.job->folder, opened, progress)) return nullptr;
+    auto ready = make_ready(std::move(opened), std::move(part.body), progress, loops_elsewhere);
+    if (roles_of(ready->job) == part.opened->options.load && is_loop_of(part.part.name, *ready, progress)) return ready;
     std::error_code none;
     fs::remove(ready->job.options.loop.mixtures, none);
     part.body.reset();  // is read anew
@@ -209,9 +213,10 @@ ReadyPart prepare_part(WaitingPart& part, bool loops_elsewhere, Progress& progre
     made.part = part.part;
     made.component = std::move(part.component);
     if (made.component) return made;
-    if (part.part.job && !part.part.job->folder.empty() && part.options.rotate == part.as_said.rotate)
+    const bool is_turned = part.opened->options.raw.rotate != part.as_said.rotate;
+    if (part.part.job && !part.part.job->folder.empty() && !is_turned)
         made.ready = open_with_kept_loop(part, loops_elsewhere, progress);
-    if (!made.ready) made.ready = open_ready(part.options, std::move(part.body), progress, loops_elsewhere);
+    if (!made.ready) made.ready = make_ready(*std::move(part.opened), std::move(part.body), progress, loops_elsewhere);
     return made;
 }
 
@@ -240,14 +245,12 @@ bool goes_well(const TrayPart& part, bool fail_fast, std::vector<FailedPart>& fa
     return false;
 }
 
-std::unique_ptr<PreparedJob> open_ready(const SliceOptions& options, std::optional<JobBody> kept, Progress& progress,
+std::unique_ptr<PreparedJob> make_ready(OpenedJob opened, std::optional<JobBody> kept, Progress& progress,
                                         bool loop_elsewhere) {
-    const OpenedJob opened = open_job(options, [&](const OpenedJob& job, JobRun& run) {
-        fs::create_directories(job.options.out);
-        look_for_checkpoint(job, run, progress);
-        run.loop_elsewhere = run.loop_elsewhere || loop_elsewhere;
-    });
-    auto ready = std::make_unique<PreparedJob>(opened, std::move(kept), progress);
+    fs::create_directories(opened.options.out);
+    opened.run.goes_on = opened.run.goes_on || has_own_checkpoint(opened, progress);
+    opened.run.loop_elsewhere = opened.run.loop_elsewhere || loop_elsewhere;
+    auto ready = std::make_unique<PreparedJob>(std::move(opened), std::move(kept), progress);
     if (!ready->plan.loop.does_not_fit.empty()) throw ResourceError(ready->plan.loop.does_not_fit);
     return ready;
 }

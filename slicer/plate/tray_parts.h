@@ -63,11 +63,11 @@ struct TrayParts {
 /// resins that the parts load which are models; empty: the printer's.
 [[nodiscard]] std::optional<OpenedJob> common_job(const TrayPlan& plan, const std::vector<std::string>& roles = {});
 
-/// Opens a part's job, whose options say where it keeps what it comes to. `kept`: its body, where that is known. It
-/// goes on from where an interrupted loop of the same job was. Throws what the job throws, ResourceError where its loop
-/// takes more memory than is allowed.
-[[nodiscard]] std::unique_ptr<PreparedJob> open_ready(const SliceOptions& options, std::optional<JobBody> kept,
-                                                      Progress& progress, bool loop_elsewhere = false);
+/// A part's job, whose options say where it keeps what it comes to. `kept`: its body, where that is known. It goes on
+/// from where an interrupted loop of the same job was. Throws what the job throws, ResourceError where its loop takes
+/// more memory than is allowed.
+[[nodiscard]] std::unique_ptr<PreparedJob> make_ready(OpenedJob opened, std::optional<JobBody> kept, Progress& progress,
+                                                      bool loop_elsewhere = false);
 
 /// Reads and prepares each part; all get the resins that the first one loads. Those that may be are turned where they
 /// come to lie closer so, before they are voxelised. Parts keep what they come to in OUT/parts/NAME. Throws what the

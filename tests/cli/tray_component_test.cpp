@@ -327,6 +327,13 @@ TEST_CASE("A job that was done is a part with the loop that it kept") {
         return run_program("estimate --quick " + (shelf.folder / "tray.json") + " --predict none").out;
     };
     CHECK_THAT(estimate(), !Contains("loop"));
+    // And each of several, though the tray says which resins it loads and the job did not.
+    shelf.folder.write("two.json",
+                       R"({"format": "voxtone-tray", "version": 1, "parts": [{"job": "done"}, {"job": "done"}]})");
+    const Outcome two = run_program("slice " + (shelf.folder / "two.json") +
+                                    " --predict none --no-report --until loop -o " + (shelf.folder / "two"));
+    CHECK_THAT(two.err, Contains("two/parts/ramp-1/skin.mixtures") && Contains("two/parts/ramp-2/skin.mixtures"));
+    CHECK(is_taken(two.err));
     // Also where loops are a task of their own.
     CHECK(is_taken(tray("--until loop", "cut")));
     for (const char* shard : {"--shard 1/2", "--shard 2/2"}) CHECK(is_taken(tray(shard, "cut")));

@@ -88,7 +88,7 @@ struct TrayDesk {
     /// The voxels of a print of one body.
     [[nodiscard]] static SourceVoxels print_of(const slicer::SliceOptions& options) {
         Progress progress;
-        const auto ready = slicer::open_ready(options, std::nullopt, progress);
+        const auto ready = slicer::make_ready(slicer::open_job(options), std::nullopt, progress);
         ready->print->prepare(progress);
         ready->print->rearrange(progress);
         return source_voxels(*ready->print->layers());
