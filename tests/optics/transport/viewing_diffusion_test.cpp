@@ -8,11 +8,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
+#include <string>
 #include <vector>
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "optics/transport/sweep_scratch.h"
+#include "optics/transport/viewing_field.h"
 #include "optics/transport/viewing_grid_builder.h"
+#include "tests/places.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;
@@ -101,6 +107,15 @@ Solved solve(Problem& problem, double tolerance, std::size_t threads = 0) {
     return solved;
 }
 
+/// The number that stands before these words in the comments of a header.
+int told(const std::string& header, const std::string& words) {
+    std::ifstream file(test::source_dir() + "/optics/transport/" + header);
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    const std::size_t at = text.find(words);
+    REQUIRE((at != std::string::npos && at > 0));
+    return std::stoi(text.substr(text.find_last_not_of("0123456789", at - 1) + 1));
+}
+
 }  // namespace
 
 TEST_CASE("The equations of diffusion are symmetric and lose what is lost") {
@@ -150,4 +165,15 @@ TEST_CASE("The solution of diffusion is the same bits for any number of threads"
     const Solved one = solve(problem, 1e-4, 1), four = solve(problem, 1e-4, 4);
     CHECK(one.steps == four.steps);
     CHECK((one.x.cells == four.x.cells && one.x.core == four.x.core));
+}
+
+TEST_CASE("Headers tell the memory of a viewing cell as it is") {
+    constexpr std::size_t vectors = 4;  // x, residual, p, z
+    CHECK(told("viewing_diffusion.h", " bytes a cell, lent") ==
+          int(sizeof(BlockStencil<4>) / 64 + vectors * sizeof(float)));
+    SweepScratch scratch;
+    scratch.resize(64);
+    CHECK(told("sweep_scratch.h", " bytes a cell") == int(scratch.memory_bytes() / 64));
+    CHECK(told("viewing_sequence.h", " bytes a viewing cell") == int(sizeof(ViewingField::BlockCode) / 64));
+    CHECK(told("viewing_sequence.h", " an open") == int(sizeof(ViewingField::FaceCode)));
 }
