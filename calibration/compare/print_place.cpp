@@ -18,6 +18,7 @@ namespace voxtone::calibration {
 namespace {
 
 constexpr double least_correlation = 0.5;  // below it is another print
+constexpr double least_found = 0.7;        // in its place; right prints have 0.8 to 0.99
 constexpr double least_pattern = 0.03;     // standard deviation of the prediction's logarithms: less shows no place
 constexpr double most_aspect_off = 0.2;    // relative: a tilt of 30 degrees shortens a side by 13 %
 constexpr double dark = 0.03;              // of white: added before logarithms, so that noise in blacks does not count
@@ -280,6 +281,12 @@ FoundPrint place_print(const io::Photograph& photo, const std::vector<PrintCorne
             ended = move(place, shown, expected, level.terms) < 0.01 * level.sigma;
         }
     }
+    if (found.correlation < least_found)
+        throw InputError(fmt::format(
+            "{}: what lies there is like {} in parts only: it correlates by {:.2f}, and {:.1f} is the least at which "
+            "differences tell of the print and not of another one or of a wrong place; give the photograph of this "
+            "print, whole and sharp, or its corners by hand with --corners",
+            photo.name, print.name, found.correlation, least_found));
     const Eigen::Vector2d middle = print.size() / 2, right(print.size().x(), middle.y());
     const Eigen::Vector2d way = found.place.to_px(right) - found.place.to_px(middle);
     const double quarters = std::atan2(way.y(), way.x()) / (std::numbers::pi / 2);

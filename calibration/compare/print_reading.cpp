@@ -2,8 +2,11 @@
 #include "calibration/compare/print_reading.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -125,6 +128,55 @@ void check_exposure(PrintReading& reading, const io::Photograph& photo) {
                         photo.name, 100 * double(*tenth)));
 }
 
+/// ln (seen / predicted) of an oblong of cells by channel, medians; nothing where too few count.
+std::optional<Eigen::Vector3d> median_ratio(const PrintReading& reading, const PredictedPrint& print, int column,
+                                            int row, int columns, int rows) {
+    constexpr float darkest = 0.02f;  // of white: noise
+    constexpr std::size_t least = 20;
+    std::array<std::vector<double>, 3> ratios;
+    for (int y = row; y < row + rows; ++y)
+        for (int x = column; x < column + columns; ++x) {
+            const std::size_t cell = print.index(x, y);
+            const Eigen::Vector3f &seen = reading.cells.value[cell], &as = print.rgb[cell];
+            if (!reading.cells.good[cell] || as.minCoeff() < darkest || !(seen.minCoeff() > 0)) continue;
+            for (int c = 0; c < 3; ++c) ratios[std::size_t(c)].push_back(std::log(double(seen[c] / as[c])));
+        }
+    if (ratios[0].size() < least) return std::nullopt;
+    Eigen::Vector3d medians;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const auto middle = ratios[c].begin() + std::ptrdiff_t(ratios[c].size() / 2);
+        std::nth_element(ratios[c].begin(), middle, ratios[c].end());
+        medians[Eigen::Index(c)] = *middle;
+    }
+    return medians;
+}
+
+/// One corner darker than the rest in all colours alike is a shadow on it, whatever the resins.
+void tell_shaded_corner(PrintReading& reading, const PredictedPrint& print) {
+    constexpr double part = 0.15, shaded = -0.15, lit = -0.08, alike = 0.08;
+    const auto all = median_ratio(reading, print, 0, 0, print.columns, print.rows);
+    const int columns = int(part * print.columns), rows = int(part * print.rows);
+    if (!all || columns < 1 || rows < 1) return;
+    constexpr std::array<const char*, 4> names{"upper left", "upper right", "lower left", "lower right"};
+    std::optional<std::size_t> shadowed;
+    double darker = 0;
+    for (std::size_t corner = 0; corner < 4; ++corner) {
+        const auto of = median_ratio(reading, print, corner % 2 == 0 ? 0 : print.columns - columns,
+                                     corner < 2 ? 0 : print.rows - rows, columns, rows);
+        if (!of) continue;
+        const Eigen::Vector3d off = *of - *all;
+        if (off.mean() > lit) continue;
+        if (shadowed || off.mean() > shaded || off.maxCoeff() - off.minCoeff() > alike) return;
+        shadowed = corner, darker = off.mean();
+    }
+    if (!shadowed) return;
+    reading.warnings.push_back(named_warning(
+        "shaded-corner",
+        fmt::format("{}: the print's {} corner is {:.0f} % darker than the rest in all colours alike, as in the shadow "
+                    "of a finger or of the camera; it counts as a difference of the print. Photograph it again.",
+                    reading.photograph, names[*shadowed], 100 * (1 - std::exp(darker)))));
+}
+
 }  // namespace
 
 PrintReading read_print(io::Photograph photo, const PredictedPrint& print, const ReadPrintOptions& options) {
@@ -145,6 +197,7 @@ PrintReading read_print(io::Photograph photo, const PredictedPrint& print, const
         correct_by_chart(reading, photo, print, options, clip);
     else
         correct_by_ground(reading, photo, print);
+    tell_shaded_corner(reading, print);
     return reading;
 }
 

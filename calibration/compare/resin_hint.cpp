@@ -11,9 +11,11 @@ namespace voxtone::calibration {
 
 namespace {
 
-// Chosen on prints by light paths (tests/cli/compare_test.cpp, examples/18-compare.sh), of which none was off, or one.
-constexpr double least_explained = 0.15, least_change = 0.04, least_errors = 5, least_lead = 2;
 constexpr std::size_t least_samples = 12;
+constexpr double usual_change = 0.025;  // by which an extinction is off without being to blame, relative
+constexpr double blamed_change = 0.12;  // by which one is that is: what refit.h knows of a resin
+constexpr double least_change = 0.04;
+const double least_lead = std::log(10.0);  // strong evidence (Jeffreys 1961)
 
 constexpr Eigen::Index unknowns = 3 + light_terms;
 using Terms = Eigen::Matrix<double, unknowns, 1>;
@@ -92,6 +94,27 @@ std::vector<ResinSample> without_outliers(std::span<const ResinSample> all, std:
     return trusted;
 }
 
+struct Evidence {
+    double log_likelihood = 0;  ///< but for what is the same for all deviations
+    Eigen::VectorXd change;
+    Eigen::MatrixXd covariance;
+};
+
+/// Of changes whose deviations are these, all together: `gram` and `right` of the normal equations, over the noise.
+Evidence evidence_of(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right, const Eigen::VectorXd& deviation) {
+    const Eigen::MatrixXd scaled = deviation.asDiagonal() * gram * deviation.asDiagonal();
+    const Eigen::MatrixXd sum = scaled + Eigen::MatrixXd::Identity(gram.rows(), gram.rows());
+    const Eigen::LLT<Eigen::MatrixXd> factor(sum);
+    const Eigen::VectorXd scaled_right = deviation.cwiseProduct(right), change = factor.solve(scaled_right);
+    Evidence evidence;
+    evidence.log_likelihood = 0.5 * scaled_right.dot(change);
+    for (Eigen::Index k = 0; k < sum.rows(); ++k) evidence.log_likelihood -= std::log(factor.matrixL()(k, k));
+    evidence.change = deviation.cwiseProduct(change);
+    evidence.covariance = deviation.asDiagonal() * factor.solve(Eigen::MatrixXd::Identity(sum.rows(), sum.rows())) *
+                          deviation.asDiagonal();
+    return evidence;
+}
+
 }  // namespace
 
 ResinHints hint_at_resins(std::span<const ResinSample> all_samples, std::size_t resins) {
@@ -99,40 +122,57 @@ ResinHints hint_at_resins(std::span<const ResinSample> all_samples, std::size_t 
     hints.resins.resize(resins);
     if (all_samples.size() < least_samples || resins == 0) return hints;
     const std::vector<ResinSample> samples = without_outliers(all_samples, resins);
-    std::vector<Eigen::Vector3d> y;
-    for (const ResinSample& sample : samples) y.push_back(sample.log_ratio);
     const Levelled levelled(samples);
-    y = levelled(std::move(y));
-    double all = 0;
-    for (std::size_t i = 0; i < y.size(); ++i) all += samples[i].weight * y[i].squaredNorm();
-    for (std::size_t r = 0; r < resins; ++r) {
-        std::vector<Eigen::Vector3d> s;
-        for (const ResinSample& sample : samples) s.push_back(sample.by_extinction[r]);
-        s = levelled(std::move(s));
-        double sy = 0, ss = 0;
-        for (std::size_t i = 0; i < y.size(); ++i) {
-            sy += samples[i].weight * s[i].dot(y[i]);
-            ss += samples[i].weight * s[i].squaredNorm();
-        }
-        if (!(ss > 1e-9) || !(all > 0)) continue;
-        ResinHint& hint = hints.resins[r];
-        hint.change = sy / ss;
-        hint.explained = sy * sy / (ss * all);
-        hint.error =
-            std::sqrt(std::max(all - sy * sy / ss, 0.0) / (3.0 * double(y.size()) - double(unknowns) - 1) / ss);
-    }
-    std::size_t best = 0;
-    double second = 0;
-    for (std::size_t r = 1; r < resins; ++r)
-        if (hints.resins[r].explained > hints.resins[best].explained) best = r;
+    const auto levelled_of = [&](const auto& of) {
+        std::vector<Eigen::Vector3d> values;
+        for (const ResinSample& sample : samples) values.push_back(of(sample));
+        return levelled(std::move(values));
+    };
+    const std::vector<Eigen::Vector3d> y = levelled_of([](const ResinSample& sample) { return sample.log_ratio; });
+    std::vector<std::vector<Eigen::Vector3d>> by;
     for (std::size_t r = 0; r < resins; ++r)
-        if (r != best) second = std::max(second, hints.resins[r].explained);
-    const ResinHint& hint = hints.resins[best];
-    // Twice what another does, or half of what another leaves.
-    const bool leads = hint.explained >= least_lead * second || 1 - second >= least_lead * (1 - hint.explained);
-    if (hint.explained >= least_explained && leads && std::abs(hint.change) >= least_change &&
-        std::abs(hint.change) >= least_errors * hint.error)
-        hints.named = best;
+        by.push_back(levelled_of([r](const ResinSample& sample) { return sample.by_extinction[r]; }));
+    const auto dot = [&](const std::vector<Eigen::Vector3d>& a, const std::vector<Eigen::Vector3d>& b) {
+        double sum = 0;
+        for (std::size_t i = 0; i < a.size(); ++i) sum += samples[i].weight * a[i].dot(b[i]);
+        return sum;
+    };
+    const auto n = Eigen::Index(resins);
+    Eigen::MatrixXd gram(n, n);
+    Eigen::VectorXd right(n);
+    for (Eigen::Index r = 0; r < n; ++r) {
+        right[r] = dot(by[std::size_t(r)], y);
+        for (Eigen::Index q = 0; q < n; ++q) gram(r, q) = dot(by[std::size_t(r)], by[std::size_t(q)]);
+    }
+    const double all = dot(y, y);
+    if (!(all > 0)) return hints;
+    // Noise: what all resins together leave.
+    constexpr double ridge = 1e-9;
+    const Eigen::VectorXd together = (gram + ridge * Eigen::MatrixXd::Identity(n, n)).ldlt().solve(right);
+    const double freedom = 3.0 * double(y.size()) - double(unknowns) - double(resins);
+    const double noise2 = std::max(all - together.dot(right), 1e-12 * all) / std::max(freedom, 1.0);
+
+    const auto usually = [&](std::size_t to_blame) {
+        Eigen::VectorXd deviation = Eigen::VectorXd::Constant(n, usual_change);
+        if (to_blame < resins) deviation[Eigen::Index(to_blame)] = blamed_change;
+        return deviation;
+    };
+    const Evidence none = evidence_of(gram / noise2, right / noise2, usually(resins));
+    std::vector<double> lead(resins, 0.0);
+    for (std::size_t r = 0; r < resins; ++r) {
+        const auto k = Eigen::Index(r);
+        if (!(gram(k, k) > 1e-9)) continue;
+        const Evidence evidence = evidence_of(gram / noise2, right / noise2, usually(r));
+        hints.resins[r] = {.change = evidence.change[k],
+                           .error = std::sqrt(evidence.covariance(k, k)),
+                           .explained = right[k] * right[k] / (gram(k, k) * all)};
+        lead[r] = evidence.log_likelihood - none.log_likelihood;
+    }
+    const auto best = std::size_t(std::ranges::max_element(lead) - lead.begin());
+    double second = 0;
+    for (std::size_t r = 0; r < resins; ++r)
+        if (r != best) second = std::max(second, lead[r]);
+    if (lead[best] - second >= least_lead && std::abs(hints.resins[best].change) >= least_change) hints.named = best;
     return hints;
 }
 

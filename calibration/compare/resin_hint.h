@@ -3,14 +3,12 @@
 // Which one resin's extinction, were it another, would explain what is left between a print and its prediction.
 //
 // Regions of the print are the samples: y = mean over a region of ln(seen / by light paths), by channel of linear sRGB.
-// For each resin by itself
+//   y_tc = k_c + light(place) + sum_r delta_r s_rtc + error,    s = d ln rgb / d ln extinction (print_regions.h)
 //
-//   y_tc = k_c + light(place) + delta s_tc + error,    s = d ln rgb / d ln extinction (print_regions.h)
-//
-// least squares; k_c is what exposure and white balance leave, light what the field of light does. A resin is named
-// where it explains a good part of what they leave, surely, and twice what any other does. One at a time, since
-// together they cannot be told apart: all extinctions larger by as much look the same on a thick body. Cannot see:
-// wrong albedos, other than as a wrong extinction; two resins that are off (refit.h).
+// k_c is what exposure and white balance leave, light what the field of light does. All resins at once, each as far off
+// as resins usually are; one of them may be far off. How much more likely the regions are then, the changes and the
+// noise integrated out, is the evidence against that one: it is named where the evidence is ten times that of any other
+// and of none. Cannot see: wrong albedos, other than as a wrong extinction; two resins that are off (refit.h).
 #pragma once
 
 #include <optional>

@@ -5,10 +5,12 @@
 
 #include "base/error.h"
 #include "base/warning.h"
+#include "calibration/fit/ended_fit.h"
 #include "calibration/fit/fit_text.h"
 #include "calibration/fit/patch_page.h"
 #include "calibration/layers/layer_text.h"
 #include "calibration/patches/patch_check.h"
+#include "calibration/target/target_file.h"
 #include "io/disk/output_files.h"
 #include "io/files/whole_file.h"
 #include "io/profiles/resin_file.h"
@@ -16,7 +18,7 @@
 namespace voxtone::calibration {
 
 JobResult run_check_job(const CheckJob& job, Progress& progress) {
-    job.map.validate(job.page);
+    job.map.validate_of_squares(job.page);
     if (!job.page.empty()) io::expect_outputs({job.page}, job.overwrite);
     if (const auto layers = read_layer_chart(job.patches, job.measured.reading.illuminant)) {
         if (!job.page.empty())
@@ -29,7 +31,11 @@ JobResult run_check_job(const CheckJob& job, Progress& progress) {
     const optics::ResinSet set = io::find_resin_set(job.resins);
     MeasuredPatchOptions measured = job.measured;
     for (const optics::Resin& resin : set.resins) measured.reading.known.push_back(resin.role);
-    const PatchTable table = read_measured_patches(job.patches, measured, job.model, progress);
+    PatchTable table = read_measured_patches(job.patches, measured, job.model, progress);
+    if (table.is_chart)
+        job.map.validate(job.page);
+    else if (!job.map.target.empty())
+        take_ends_off(table, square_ends(table, read_target(job.map.target), set, job.model.under));
     const PatchCheck check = check_resins(set, table, job.model);
     if (!job.page.empty())
         io::write_whole_file(job.page, check_report_html(table, check, set, read_patch_map(table, job.map, progress)));

@@ -11,9 +11,11 @@
 #include "calibration/chart/chart_order.h"
 #include "calibration/chart/chart_text.h"
 #include "calibration/fit/chart_page.h"
+#include "calibration/fit/ended_fit.h"
 #include "calibration/fit/fit_report.h"
 #include "calibration/fit/fit_text.h"
 #include "calibration/layers/layer_text.h"
+#include "calibration/target/target_file.h"
 #include "io/disk/output_files.h"
 #include "io/files/whole_file.h"
 #include "io/profiles/resin_file.h"
@@ -57,6 +59,15 @@ void write_fit(const FitJob& job, const optics::ResinSet& set, const std::string
     io::write_whole_file(job.out, io::resin_set_text(set));
 }
 
+/// Where the target is known its squares have ends.
+EndedFit fit_squares(const FitJob& job, const PatchTable& table, const FitOptions& options, Progress& progress) {
+    if (!job.map.target.empty()) return fit_ended_squares(table, read_target(job.map.target), options, &progress);
+    EndedFit endless;
+    endless.fit = fit_resins(table, options, &progress);
+    endless.table = table;
+    return endless;
+}
+
 /// Layers in the place of patches.
 JobResult run_layer_fit(const FitJob& job, const LayerChart& chart, Progress& progress) {
     const FitOptions fit = options_of(job);
@@ -90,7 +101,7 @@ void FitJob::validate() const {
     if (!prior.empty() && g_sweep)
         throw UsageError(
             "--g-sweep with --prior: what the edges say holds at their own g alone. Leave one of them out.");
-    map.validate(report);
+    map.validate_of_squares(report);
     calibration::validate(options_of(*this));
 }
 
@@ -142,20 +153,26 @@ JobResult run_fit_job(const FitJob& job, Progress& progress) {
         return run_layer_fit(job, *layers, progress);
     const FitOptions options = fit_options(job);
     const MeasuredPatchOptions measured = measured_options(job, options);
-    const PatchTable table = read_measured_patches(job.patches, measured, options.model, progress);
-    if (table.is_chart) return run_chart_fit(job, options, table, progress);
+    const PatchTable read = read_measured_patches(job.patches, measured, options.model, progress);
+    if (read.is_chart) {
+        job.map.validate(job.report);
+        return run_chart_fit(job, options, read, progress);
+    }
     if (!job.squares.empty())
         throw UsageError(
             fmt::format("--squares with {}, which is a target of squares itself. Leave it out.", job.patches));
-    const PatchMap map = job.report.empty() ? PatchMap{} : read_patch_map(table, job.map, progress);
+    const PatchMap map = job.report.empty() ? PatchMap{} : read_patch_map(read, job.map, progress);
     const bool checked = !job.check.empty();
     const PatchTable others =
         checked ? read_measured_patches(job.check, measured, options.model, progress) : PatchTable{};
-    ResinFit fit = fit_resins(table, options, &progress);
+    EndedFit ended = fit_squares(job, read, options, progress);
+    const PatchTable& table = ended.table;
+    ResinFit& fit = ended.fit;
     fit.set = io::rounded_set(std::move(fit.set));
     for (const std::string& warning : fit.warnings) progress.warn(warning);
     FitExtras extras;
-    std::string text = fit_text(fit, table);
+    extras.ends = ended.most;
+    std::string text = fit_text(fit, table) + ends_sentence(ended);
     if (checked) {
         extras.check = check_resins(fit.set, others, options.model);
         extras.checked = &others;

@@ -169,6 +169,7 @@ std::string fit_json(const ResinFit& fit, const PatchTable& table, const FitExtr
     json.add("warnings", fit.warnings).key("resins").begin_list();
     for (const FittedResin& resin : fit.resins) add_resin(json, resin, table.channels);
     json.end_list();
+    if (extras.ends) json.add("square_ends", *extras.ends);
     add_patches_of(json, fit.patches, table);
     if (extras.check) {
         json.key("check");

@@ -4,6 +4,7 @@
 //
 //   {"format": "voxtone-fit", "version": 1, "g", "eta", "seconds", "freedom", "channels": [...], "chi2": [...],
 //    "misfit": [...], "dot_spread": {"value", "error" or 0 where it was not fitted}, "warnings": [...],
+//    "square_ends": the largest that was taken from a value, where the target is known,
 //    "resins": [{"role", "channels": [{"channel", "albedo": VALUE, "sigma_t_per_mm": VALUE, "reduced_per_mm":
 //    VALUE}]}], "patches": PATCHES}, and where asked for "check": a voxtone-check, "g_sweep": [{"g",
 //    "chi2_per_freedom", "mean_de2000", ...}]
@@ -28,6 +29,7 @@ struct FitExtras {
     std::optional<PatchCheck> check;
     const PatchTable* checked = nullptr;  ///< what was checked; nullptr: nothing
     std::vector<SweepLine> sweep;
+    std::optional<double> ends;  ///< the largest that was taken from a value (ended_fit.h)
 };
 
 /// VALUE of above.

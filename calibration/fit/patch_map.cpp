@@ -90,15 +90,10 @@ void mark_patches(PatchMap& map, const PatchTable& table, const Target& target) 
 }
 
 void mark_middles(PatchMap& map, const PatchTable& table, const Target& target) {
-    std::size_t found = 0;
-    for (const TargetSquare& square : target.squares) {
-        const std::uint16_t patch =
-            patch_with(table, target, fractions_of(target, square.top), fractions_of(target, {{square.backing, 1.0}}));
-        if (patch == 0) continue;
-        map.middles_mm[patch - 1u] = square.area.center();
-        ++found;
-    }
-    if (found == 0)
+    const std::vector<std::size_t> patches = patches_of_squares(table, target);
+    for (std::size_t s = 0; s < patches.size(); ++s)
+        if (patches[s] > 0) map.middles_mm[patches[s] - 1] = target.squares[s].area.center();
+    if (std::ranges::all_of(patches, [](std::size_t patch) { return patch == 0; }))
         throw InputError(
             fmt::format("{}: none of its patches is a square of the target, whose resins are {}; is --target that of "
                         "another print?",
@@ -158,6 +153,14 @@ PatchMap chart_of_patches(const PatchTable& table) {
     return map;
 }
 
+std::vector<std::size_t> patches_of_squares(const PatchTable& table, const Target& target) {
+    std::vector<std::size_t> patches;
+    for (const TargetSquare& square : target.squares)
+        patches.push_back(
+            patch_with(table, target, fractions_of(target, square.top), fractions_of(target, {{square.backing, 1.0}})));
+    return patches;
+}
+
 PatchMap patches_on_target(const PatchTable& table, const Target& target, const io::Photograph* photograph) {
     constexpr double own_px_per_mm = 4;
     PatchMap map = empty_map(target.size_mm, photograph ? photograph->width_px / target.size_mm.x() : own_px_per_mm,
@@ -180,6 +183,11 @@ void PatchMapFiles::validate(const std::string& page) const {
         throw UsageError(
             "--target says where squares lie on a page, and no page is asked for: add the page, or leave "
             "--target out");
+}
+
+void PatchMapFiles::validate_of_squares(const std::string& page) const {
+    if (picture.empty()) return;
+    validate(page);
 }
 
 PatchMap read_patch_map(const PatchTable& table, const PatchMapFiles& files, const Progress& progress) {

@@ -31,6 +31,9 @@ struct PatchMap {
 /// A row of patches for every resin that lies under some.
 [[nodiscard]] PatchMap chart_of_patches(const PatchTable& table);
 
+/// Of each of the target's squares its patch in the table, from 1; 0: it has none.
+[[nodiscard]] std::vector<std::size_t> patches_of_squares(const PatchTable& table, const Target& target);
+
 /// Between the squares, and in markers and frame, lie the patches of the same resins. `photograph`: of the whole
 /// target, straightened (photo/target_picture.h); nullptr: none. Throws InputError where the table has no patch of the
 /// target, a square without one excepted, or the photograph has other proportions.
@@ -44,6 +47,8 @@ struct PatchMapFiles {
 
     /// `page`: of the patches; empty: none is asked for. Throws UsageError.
     void validate(const std::string& page) const;
+    /// The same where the target alone is of use without a page: for the ends of its squares (ended_fit.h).
+    void validate_of_squares(const std::string& page) const;
 };
 
 /// Throws FileError, InputError, Cancelled.

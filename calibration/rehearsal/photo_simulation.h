@@ -7,7 +7,7 @@
 // away. Camera: a pinhole that may be tilted, and sensor.h. Dirt: dust (dark and light specks) and scratches (light
 // lines) on the target.
 //
-// Simpler than the world: squares have the reflectance of patches without end (no light crosses an edge), mixtures are
+// Simpler than the world: squares are even (light between them moves their level alone, square_ends.h), mixtures are
 // smooth, the lens distorts by its cubic term alone and does not flare, and camera and chart see colours that a matrix
 // can relate exactly.
 #pragma once

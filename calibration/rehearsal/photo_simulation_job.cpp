@@ -130,7 +130,9 @@ JobResult run_photo_simulation(const PhotoSimulationJob& job, Progress& progress
     const optics::ResinSet set = io::find_resin_set(job.resins);
     progress.begin_stage("photograph", 0);
     const TargetColours colours = reflected_colours(target, set, job.mixtures);
-    SimulatedPhoto photo = simulate_photo(target, colours, find_checker(job.checker), job.photo);
+    const TargetColours seen =
+        target.is_chart() ? colours : reflected_colours(target, set, job.mixtures, SquareKind::ended);
+    SimulatedPhoto photo = simulate_photo(target, seen, find_checker(job.checker), job.photo);
     if (!job.truth.empty())
         io::write_whole_file(job.truth,
                              patch_table_text(true_table(target, colours),

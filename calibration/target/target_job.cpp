@@ -57,6 +57,12 @@ optics::ResinSet expected_resins(const TargetJob& job) {
     return known ? usual.subset(roles) : grey_resins(roles);
 }
 
+void shuffle(std::vector<PatchMixture>& chart) {
+    RandomStream random(20261125, chart.size());
+    for (std::size_t k = chart.size(); k > 1; --k)
+        std::swap(chart[k - 1], chart[static_cast<std::size_t>(random.uniform() * static_cast<double>(k))]);
+}
+
 std::vector<PatchMixture> shuffled_chart(const TargetJob& job) {
     const std::vector<std::string>& roles = job.layout.roles;
     const std::size_t least = least_chart_patches(roles.size());
@@ -70,10 +76,41 @@ std::vector<PatchMixture> shuffled_chart(const TargetJob& job) {
             if (percents[r] > 0) mixture.push_back({roles[r], percents[r] / 100.0});
         std::ranges::sort(mixture, {}, &ResinShare::role);
     }
-    RandomStream random(20261125, job.patches);
-    for (std::size_t k = chart.size(); k > 1; --k)
-        std::swap(chart[k - 1], chart[static_cast<std::size_t>(random.uniform() * static_cast<double>(k))]);
+    shuffle(chart);
     return chart;
+}
+
+/// Mixtures of two resins and more in the coarsest equal steps of which there are enough, taken evenly.
+std::vector<PatchMixture> thin_mixtures(std::vector<std::string> roles, std::size_t wanted) {
+    constexpr std::size_t most_thin = 500;
+    constexpr int finest = 50;
+    if (wanted < 2 || wanted > most_thin)
+        throw UsageError(fmt::format("--patches {}: a target holds 2 to {} mixtures on each half", wanted, most_thin));
+    std::ranges::sort(roles);  // as patch tables order them
+    std::vector<PatchMixture> all;
+    for (int steps = 2; all.size() < wanted && steps <= finest; ++steps) {
+        all.clear();
+        std::vector<int> parts(roles.size(), 0);
+        const auto fill = [&](auto&& self, std::size_t r, int left) -> void {
+            if (r + 1 < roles.size()) {
+                for (parts[r] = 0; parts[r] <= left; ++parts[r]) self(self, r + 1, left - parts[r]);
+                return;
+            }
+            parts[r] = left;
+            PatchMixture mixture;
+            for (std::size_t k = 0; k < roles.size(); ++k)
+                if (parts[k] > 0) mixture.push_back({roles[k], double(parts[k]) / steps});
+            if (mixture.size() > 1) all.push_back(std::move(mixture));
+        };
+        fill(fill, 0, steps);
+    }
+    if (all.size() < wanted)
+        throw UsageError(fmt::format("--patches {}: {} resins have {} mixtures in steps of 2 %; ask for fewer", wanted,
+                                     roles.size(), all.size()));
+    std::vector<PatchMixture> taken;
+    for (std::size_t k = 0; k < wanted; ++k) taken.push_back(all[k * all.size() / wanted]);
+    shuffle(taken);
+    return taken;
 }
 
 std::string chart_form(const Target& target) {
@@ -146,7 +183,10 @@ JobResult result_of(const TargetJob& job, const Target& target, const Eigen::Vec
     json.add("content_sha256", stack.content_sha256).end_object();
     return {json.text(), fmt::format("{}: {}, {} squares, {:.1f} x {:.1f} x {:.2f} mm, {} layers, {:.1f} ml; "
                                      "described by target.json, drawn in target.png{}\n",
-                                     job.out, target.is_chart() ? "chart" : "layout " + target.layout,
+                                     job.out,
+                                     target.is_chart()             ? "chart"
+                                     : target.layout == "mixtures" ? "thin mixtures"
+                                                                   : "layout " + target.layout,
                                      target.squares.size(), size_mm.x(), size_mm.y(), size_mm.z(), stack.layers, ml,
                                      target.is_chart() ? "; measurements go into chart.csv" : "")};
 }
@@ -163,6 +203,9 @@ JobResult run_target_job(const TargetJob& job, const PrintBoxes& print, Progress
     if (job.patches > 0) {
         layout.layout = TargetLayout::chart;
         layout.chart = shuffled_chart(job);
+    } else if (job.thin > 0) {
+        layout.layout = TargetLayout::mixtures;
+        layout.chart = thin_mixtures(layout.roles, job.thin);
     }
     const Target target = lay_out_target(layout);
     const std::optional<optics::ResinSet> set = known_resins(job, target);

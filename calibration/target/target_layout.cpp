@@ -78,7 +78,7 @@ std::vector<PatchMixture> equal_mixtures(std::vector<std::string> roles) {
 }
 
 std::vector<PatchMixture> mixtures(const TargetOptions& o) {
-    if (o.layout == TargetLayout::chart) return o.chart;
+    if (o.layout == TargetLayout::chart || o.layout == TargetLayout::mixtures) return o.chart;
     if (o.layout == TargetLayout::e) return equal_mixtures(o.roles);
     std::vector<PatchMixture> all;
     for (const std::string& role : o.roles) all.push_back({{role, 1.0}});
@@ -148,7 +148,9 @@ Target lay_out_target(const TargetOptions& o) {
     target.printer = o.printer;
     target.pitch_um = o.pitch_um;
     const bool chart = o.layout == TargetLayout::chart;
-    target.layout = chart ? "chart" : std::string(1, static_cast<char>('A' + static_cast<int>(o.layout)));
+    target.layout = chart                                ? "chart"
+                    : o.layout == TargetLayout::mixtures ? "mixtures"
+                                                         : std::string(1, char('A' + static_cast<int>(o.layout)));
     target.roles = o.roles;
     target.light = o.light;
     target.dark = o.dark;
@@ -194,8 +196,8 @@ void Target::validate(const std::string& where) const {
          "\"roles\" must be two or more different ones");
     rule(known(light) && known(dark) && light != dark,
          "\"light\" and \"dark\" must be two different ones of \"roles\"");
-    rule(layout == "A" || layout == "B" || layout == "C" || layout == "E" || is_chart(),
-         "\"layout\" must be A, B, C, E or chart");
+    rule(layout == "A" || layout == "B" || layout == "C" || layout == "E" || layout == "mixtures" || is_chart(),
+         "\"layout\" must be A, B, C, E, chart or mixtures");
     rule(top_mm > 0 && base_mm > 0, "\"top_mm\" and \"base_mm\" must be positive");
     const Area slab{Eigen::Vector2d::Zero(), size_mm};
     rule((size_mm.array() > 0).all() && size_mm.allFinite(), "\"size_mm\" must be positive");

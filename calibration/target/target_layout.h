@@ -8,6 +8,7 @@
 //   layout B  A, the dark and the light resin 10:90 and 90:10, every other resin with the light one 10:90
 //   layout C  B, and the shares 5, 25 and 50 % as well
 //   layout E  all equal mixtures of one, two, three ... resins: the chart of Elek et al. 2017, supplement, Sec. 6
+//   mixtures  any, each upon both halves: the chart of 121 in steps of a fifth that validates a fit (Sec. 6.1)
 //   chart     any mixtures, each once, row by row from the upper left, thick and upon the light resin alone: for a
 //             spectrophotometer (calibrate chart)
 //
@@ -31,11 +32,11 @@
 
 namespace voxtone::calibration {
 
-enum class TargetLayout { a, b, c, e = 4, chart };  ///< letters from A
+enum class TargetLayout { a, b, c, e = 4, chart, mixtures };  ///< letters from A
 
 struct TargetOptions {
     TargetLayout layout = TargetLayout::b;
-    std::vector<PatchMixture> chart;  ///< of the layout of that name, in the order in which they lie
+    std::vector<PatchMixture> chart;  ///< of the layouts chart and mixtures, in the order in which they lie
     std::vector<std::string> roles;   ///< of the resins, two or more, all different
     std::string light = "W";          ///< role of the light half and of the frame; one of `roles`
     std::string dark = "K";           ///< role of the dark half and of the markers; one of `roles`, not the light one
@@ -80,7 +81,7 @@ struct TargetMarker {
 struct Target {
     std::string printer;
     std::array<double, 3> pitch_um{};
-    std::string layout;  ///< "A", "B", "C", "E", "chart"
+    std::string layout;  ///< "A", "B", "C", "E", "chart", "mixtures"
     std::vector<std::string> roles;
     std::string light, dark;
     double top_mm = 0, base_mm = 0;

@@ -11,6 +11,7 @@
 #include "calibration/patches/patch_model.h"
 #include "calibration/target/ideal_patch.h"
 #include "calibration/target/marker_pattern.h"
+#include "calibration/target/square_ends.h"
 #include "optics/colour/observed_colour.h"
 
 namespace voxtone::calibration {
@@ -42,7 +43,8 @@ std::vector<std::vector<double>> dithered_squares(const Target& target, const op
 
 }  // namespace
 
-TargetColours reflected_colours(const Target& target, const optics::ResinSet& all, MixtureKind mixtures) {
+TargetColours reflected_colours(const Target& target, const optics::ResinSet& all, MixtureKind mixtures,
+                                SquareKind squares) {
     const optics::ResinSet set = all.subset(target.roles);
     const IdealPatches patches(set);
     const optics::ObservedColour<double> observed(set.channels);
@@ -51,8 +53,13 @@ TargetColours reflected_colours(const Target& target, const optics::ResinSet& al
     colours.light = colour(patches.reflectance({{target.light, 1.0}}, target.top_mm, target.light, target.base_mm));
     colours.dark = colour(patches.reflectance({{target.dark, 1.0}}, target.top_mm, target.dark, target.base_mm));
     const bool ideal = mixtures == MixtureKind::ideal;
-    for (const std::vector<double>& rho : ideal ? patches.squares(target) : dithered_squares(target, set))
-        colours.squares.push_back(colour(rho));
+    std::vector<std::vector<double>> all_rho = ideal ? patches.squares(target) : dithered_squares(target, set);
+    if (squares == SquareKind::ended) {
+        const auto light = light_of_squares(target, set, false);
+        for (std::size_t s = 0; s < all_rho.size(); ++s)
+            for (std::size_t c = 0; c < all_rho[s].size(); ++c) all_rho[s][c] += light[s][c].more(all_rho[s][c]);
+    }
+    for (const std::vector<double>& rho : all_rho) colours.squares.push_back(colour(rho));
     return colours;
 }
 

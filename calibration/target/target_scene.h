@@ -22,10 +22,14 @@ struct TargetColours {
 /// has them (patch_model.h).
 enum class MixtureKind { ideal, dithered };
 
+/// Squares as if they had no end, or as light goes between them (square_ends.h).
+enum class SquareKind { endless, ended };
+
 /// rho(45 -> 0) of an RGB resin set as colours. Throws InputError where the set is not RGB or lacks a
 /// resin.
 [[nodiscard]] TargetColours reflected_colours(const Target& target, const optics::ResinSet& set,
-                                              MixtureKind mixtures = MixtureKind::ideal);
+                                              MixtureKind mixtures = MixtureKind::ideal,
+                                              SquareKind squares = SquareKind::endless);
 /// The resins' colours averaged by their shares: a drawing, no prediction. One colour for each of the target's roles.
 [[nodiscard]] TargetColours drawn_colours(const Target& target, const std::vector<Eigen::Vector3d>& of_roles);
 

@@ -8,6 +8,7 @@
 #include "calibration/bench/bench_photo_job.h"
 #include "calibration/compare/compare_job.h"
 #include "calibration/compare/print_regions.h"
+#include "calibration/compare/print_spread.h"
 #include "calibration/compare/refit_job.h"
 #include "calibration/edge/dictionary_job.h"
 #include "calibration/edge/edge_fit_job.h"
@@ -46,6 +47,8 @@ struct CalibrateJobs {
     bool (*is_regions)(const std::filesystem::path& file) = nullptr;  ///< of a photographed print
     JobResult (*simulate)(const calibration::PhotoSimulationJob& job, Progress& progress) = nullptr;
     JobResult (*simulate_profile)(const calibration::ProfileSimulationJob& job, Progress& progress) = nullptr;
+    std::vector<Eigen::Vector3f> (*spread)(std::span<const Eigen::Vector3f> cells, int columns,
+                                           const Eigen::Vector2d& sigma_cells) = nullptr;  ///< of droplets
     JobResult (*target)(const calibration::TargetJob& job, const calibration::PrintBoxes& print,
                         Progress& progress) = nullptr;
 };

@@ -26,6 +26,7 @@ constexpr voxtone::cli::CalibrateJobs jobs{.check = voxtone::calibration::run_ch
                                            .is_regions = voxtone::calibration::is_region_sheet,
                                            .simulate = voxtone::calibration::run_photo_simulation,
                                            .simulate_profile = voxtone::calibration::run_profile_simulation,
+                                           .spread = voxtone::calibration::spread_cells,
                                            .target = voxtone::calibration::run_target_job};
 
 }  // namespace

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include <fmt/format.h>
+
+#include "base/error.h"
 #include "cli/calibrate/calibrate_commands.h"
 #include "cli/program/common_options.h"
 #include "slicer/predict/top_print.h"
@@ -16,20 +21,23 @@ struct CalibrateSimulateArguments {
     calibration::PhotoSimulationJob job;
     std::vector<double> white_balance;
     bool no_checker = false, ideal = false;
+    double spread_mm = 0;
+    std::optional<std::size_t> paths;
     RunOptions run;
 };
 
 /// A print by light paths, cell by cell of what an eye resolves.
-calibration::FlatThing print_of(const CalibrateSimulateArguments& a, Progress& progress) {
+calibration::FlatThing print_of(const CalibrateSimulateArguments& a, const CalibrateJobs& jobs, Progress& progress) {
     slicer::PredictOptions predict;
     predict.stack = a.job.target;
     predict.resins = a.job.resins;
     predict.model = "monte-carlo";
-    predict.quality.paths = 256;  // less noise than a camera's
+    predict.quality.paths = std::uint32_t(a.paths.value_or(256));  // less noise than a camera's, cell by cell
     predict.quality.seed = a.job.photo.seed;
     predict.threads = a.run.threads;
-    const auto top = std::make_shared<const slicer::TopPrint>(slicer::predict_top_picture(predict, progress));
+    const auto top = std::make_shared<slicer::TopPrint>(slicer::predict_top_picture(predict, progress));
     const Eigen::Vector2d cell_mm(top->cell_mm[0], top->cell_mm[1]);
+    if (a.spread_mm > 0) top->rgb = jobs.spread(top->rgb, top->columns, a.spread_mm * cell_mm.cwiseInverse());
     const Eigen::Vector2d size_mm = Eigen::Vector2d(top->columns, top->rows).cwiseProduct(cell_mm);
     return {size_mm, [top, cell_mm, size_mm](const Eigen::Vector2d& p) -> Eigen::Vector3d {
                 const int column = std::clamp(int(p.x() / cell_mm.x()), 0, top->columns - 1);
@@ -40,7 +48,12 @@ calibration::FlatThing print_of(const CalibrateSimulateArguments& a, Progress& p
 
 int run(CalibrateSimulateArguments& a, const CalibrateJobs& jobs) {
     if (std::filesystem::is_directory(a.job.target))
-        a.job.print = [&a](Progress& progress) { return print_of(a, progress); };
+        a.job.print = [&](Progress& progress) { return print_of(a, jobs, progress); };
+    else if (a.spread_mm > 0 || a.paths)
+        throw UsageError(
+            fmt::format("{} is of a print; {} is no output folder of `slice`, and squares are read in their middle. "
+                        "Leave it out.",
+                        a.paths ? "--paths" : "--spread", a.job.target));
     a.job.mixtures = a.ideal ? calibration::MixtureKind::ideal : calibration::MixtureKind::dithered;
     a.job.photo.checker = !a.no_checker;
     a.job.photo.white_balance = {a.white_balance[0], a.white_balance[1], a.white_balance[2]};
@@ -104,6 +117,10 @@ Verb calibrate_simulate_verb(const CalibrateJobs& jobs) {
         "--ideal", a.ideal,
         "mixtures are ideal (fit them without --printer); else they are dithers of the printer's voxels, as they "
         "are printed");
+    command.add("--spread", length(a.spread_mm), "of a print: droplets run wider by this standard deviation",
+                {.range = {0.0, 1.0}});
+    command.add("--paths", a.paths, "of a print: light paths a cell; empty: 256, whose noise is as 1 % of a region",
+                {.range = {1.0, 1e6}});
     command.add("--no-checker", a.no_checker, "no chart in the picture");
     command.add("--8-bits", a.job.eight_bits, "a PNG of 8-bit sRGB codes");
     add_geometry_options(command, a.job.photo);

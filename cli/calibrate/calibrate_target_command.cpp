@@ -2,9 +2,13 @@
 //
 // The only place that knows both how a target is laid out (calibration) and how a printer makes it (slicer).
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
+#include "base/error.h"
 #include "cli/calibrate/calibrate_commands.h"
 #include "cli/program/common_options.h"
 #include "io/profiles/resin_file.h"
@@ -17,6 +21,7 @@ namespace {
 struct CalibrateTargetArguments {
     calibration::TargetJob job;
     std::string printer = "stratasys-j750-hm", layout = "B";
+    std::optional<std::size_t> thin;
     std::uint64_t seed = 1;
     bool overwrite = false;
     io::StackOutputs outputs;
@@ -63,7 +68,14 @@ JobResult make_target(CalibrateTargetArguments& a, const CalibrateJobs& jobs, Pr
 }
 
 int run(CalibrateTargetArguments& a, const CalibrateJobs& jobs) {
-    if (a.job.patches == 0) a.job.layout.layout = static_cast<calibration::TargetLayout>(a.layout[0] - 'A');
+    const bool thin = a.layout == "chart";
+    if (a.thin && !thin)
+        throw UsageError(fmt::format(
+            "--patches with --layout {}: would be ignored; the thin mixtures are --layout chart", a.layout));
+    if (thin)
+        a.job.thin = a.thin.value_or(121);
+    else if (a.job.patches == 0)
+        a.job.layout.layout = static_cast<calibration::TargetLayout>(a.layout[0] - 'A');
     return run_on_console(a.run, [&](Progress& progress) { return make_target(a, jobs, progress); });
 }
 
@@ -106,8 +118,10 @@ Verb calibrate_target_verb(const CalibrateJobs& jobs) {
     Verb command("target", "Make the printable target: a stack, its description (target.json) and a picture of it",
                  "--resins C,M,Y,K,W --resin-set vero-opaque -o target");
     command.add("--layout", arguments->layout,
-                "A: pure resins; B: and 10:90 mixtures; C: and 5, 25, 50 %; E: all equal mixtures",
-                {.choices = {"A", "B", "C", "E"}});
+                "A: pure resins; B: and 10:90 mixtures; C: and 5, 25, 50 %; E: all equal mixtures; chart: thin "
+                "mixtures for `calibrate check`, which take no part in a fit",
+                {.choices = {"A", "B", "C", "E", "chart"}});
+    command.add("--patches", arguments->thin, "mixtures of --layout chart, each on light and on dark; empty: 121");
     add_target_options(command, *arguments);
     command.run = [arguments, &jobs] { return run(*arguments, jobs); };
     return command;

@@ -14,8 +14,8 @@ namespace voxtone::slicer {
 namespace {
 
 constexpr double step = 0.1;
-constexpr double paths_of_all = 4e6;  // a channel: 0.7 % of a region, of two hundred
-constexpr double least_paths = 4, most_paths = 512;
+constexpr double paths_of_all = 8e6;  // a channel: 0.5 % of a region, of two hundred
+constexpr double least_paths = 4, most_paths = 1024;
 constexpr std::uint64_t seed_of_reference = 0x6a09e667f3bcc909;  // sqrt(2) - 1: nobody's choice
 
 enum class Part { extinction, absorption };

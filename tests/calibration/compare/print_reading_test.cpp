@@ -59,6 +59,7 @@ TEST_CASE("a print is found to a quarter of a cell: tilted by 20 degrees, behind
         CHECK(worst_place(reading.found, photo, print) < 0.25);
         CHECK(reading.found.correlation > 0.9);
         CHECK(reading.light_from_ground);
+        CHECK(reading.warnings.empty());
         CHECK(reading.light_falls_to < 0.97);
         CHECK(reading.found.turned_deg % 180 == (int(turn) / 90 * 90) % 180);
     }
@@ -80,6 +81,18 @@ TEST_CASE("a finger's shadow on one corner hardly moves a place, and counts wher
     CHECK(d.tiles.front().corner_mm.x() < 2);
     CHECK(d.tiles.front().corner_mm.y() > 6);
     CHECK_THAT(tile_words(d.tiles.front()), Contains("darker"));
+    REQUIRE(reading.warnings.size() == 1);
+    CHECK_THAT(reading.warnings.front(), Contains("lower left corner") && Contains("[shaded-corner]"));
+}
+
+TEST_CASE("a print that is like its prediction in parts only is refused") {
+    const PredictedPrint print = discs();
+    PredictedPrint other = print;
+    const PredictedPrint foreign = discs(2);
+    for (int row = 0; row < print.rows; ++row)
+        for (int column = print.columns * 11 / 20; column < print.columns; ++column)
+            other.rgb[print.index(column, row)] = foreign.rgb[print.index(column, row)];
+    CHECK_THROWS_WITH(read_print(photo_of(other, hand_camera()).photograph, print, {}), Contains("in parts only"));
 }
 
 TEST_CASE("a print that is as predicted differs by little, whatever the camera") {

@@ -69,3 +69,29 @@ TEST_CASE("a target is refused by the name of what is wrong, before anything is 
     job.resin_set = "vero-nothing";
     CHECK_THROWS_WITH(run_target_job(job, print, warnings), Contains("vero-nothing"));
 }
+
+TEST_CASE("a chart of thin mixtures holds those of the paper on both halves, none of them pure") {
+    const io::TemporaryFolder folder;
+    TargetJob job;
+    job.layout.roles = {"C", "M", "Y", "K", "W"};
+    job.layout.pitch_um = {42.333333, 84.666667, 27};
+    job.display_rgb.assign(5, {128, 128, 128});
+    job.out = folder.path();
+    job.thin = 121;
+    Progress quiet;
+    const PrintBoxes print = [](const auto&, const Eigen::Vector3d&, Progress&) { return io::StackDescription{}; };
+    (void)run_target_job(job, print, quiet);
+    const Target target = read_target(folder.path() / "target.json");
+    CHECK(target.layout == "mixtures");
+    REQUIRE(target.squares.size() == 242);
+    for (const TargetSquare& square : target.squares) {
+        CHECK(square.top.size() > 1);
+        for (const ResinShare& share : square.top)
+            CHECK(5 * share.fraction == Approx(std::round(5 * share.fraction)).margin(1e-6));
+    }
+    job.thin = 30;
+    (void)run_target_job(job, print, quiet);
+    CHECK(read_target(folder.path() / "target.json").squares.size() == 60);
+    job.thin = 1;
+    CHECK_THROWS_WITH(run_target_job(job, print, quiet), Contains("--patches 1"));
+}
