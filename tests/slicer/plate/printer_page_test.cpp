@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// How much of a body's surface support makes matt, of two boxes one above the other, whose faces can be counted.
+#include "slicer/plate/printer_page.h"
+
+#include <catch2/catch.hpp>
+
+#include "io/layers/topmost_layers.h"
+#include "tests/io/layers/stack_samples.h"
+#include "tests/slicer/print/sample_body.h"
+
+using namespace voxtone;
+using namespace voxtone::slicer;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+namespace {
+
+constexpr double below_mm = 4, above_mm = 2, gap_mm = 1;
+const Vector3d pitch_mm(0.05, 0.05, 0.05);
+
+/// A white plate of 4 x 4 x 1 mm, and 1 mm above its middle a red one of 2 x 2 x 1 mm.
+JobBody two_plates() {
+    const SolidMesh below = shapes::box({0, 0, 0}, {below_mm, below_mm, 1}),
+                    above = shapes::box({1, 1, 1 + gap_mm}, {1 + above_mm, 1 + above_mm, 2 + gap_mm});
+    std::vector<Vector3f> rgb(below.triangles.size(), Vector3f(1, 1, 1));
+    rgb.resize(below.triangles.size() + above.triangles.size(), Vector3f(1, 0, 0));
+    return test::body_of(shapes::joined(below, above), pitch_mm, rgb);
+}
+
+constexpr int columns = 200, rows = 90;
+
+/// The plates' highest layers, for copies whose corners lie there.
+io::TopmostLayers topmost_of(const std::vector<std::array<int, 3>>& at) {
+    io::TopmostLayers topmost(columns, rows);
+    for (const auto& [from, to, top] : {std::array{0, 80, 19}, std::array{20, 60, 59}}) {
+        std::vector<io::Material> pixels(std::size_t(columns) * rows, 0);
+        for (const std::array<int, 3>& corner : at)
+            for (int y = from; y < to; ++y)
+                for (int x = from; x < to; ++x)
+                    pixels[std::size_t(rows - 1 - y - corner[1]) * columns + std::size_t(x + corner[0])] = 1;
+        topmost.add(std::uint32_t(top), io::layer_from_pixels(pixels, columns, rows));
+    }
+    return topmost;
+}
+
+PartFinish finish(const std::vector<std::array<int, 3>>& at, std::uint32_t first_layer = 0) {
+    const JobBody body = two_plates();
+    io::StackDescription stack = io::sample_description(60, columns, rows);
+    stack.pitch_um = {50, 50, 50};
+    stack.first_layer = first_layer, stack.layers -= first_layer;
+    return finish_of({"plates", body, at}, stack, topmost_of(at));
+}
+
+}  // namespace
+
+TEST_CASE("Support makes matt what lies under something, and the tray what lies on it") {
+    const PartFinish one = finish({{0, 0, 0}});
+    CHECK((one.name == "plates" && one.copies == 1));
+    const double lower = 2 * 16 + 4 * 4, upper = 2 * 4 + 4 * 2;  // mm2
+    // Of 50,000 points; a column beside a face may be cut by a voxel.
+    CHECK(one.surface_mm2 == Approx(lower + upper).epsilon(1e-6));
+    CHECK(one.coloured_mm2 == Approx(upper).epsilon(0.03));
+    // The bottom on the tray, what lies under the upper plate, and the upper plate's bottom.
+    CHECK(one.matt_mm2 == Approx(16 + 4 + 4).epsilon(0.05));
+    CHECK(one.coloured_matt_mm2 == Approx(4).epsilon(0.05));
+    CHECK(one.coloured_down_mm2 == Approx(4).epsilon(0.05));
+    for (const double height_mm : one.coloured_matt_height_mm) CHECK(height_mm == Approx(1 + gap_mm).margin(0.05));
+}
+
+TEST_CASE("Figures of a finish are of one copy, in the mean of all") {
+    const PartFinish one = finish({{0, 0, 0}}), two = finish({{0, 0, 0}, {100, 5, 0}});
+    CHECK(two.copies == 2);
+    CHECK(two.surface_mm2 == Approx(one.surface_mm2).epsilon(1e-6));
+    CHECK(two.coloured_mm2 == Approx(one.coloured_mm2).epsilon(0.03));
+    CHECK(two.matt_mm2 == Approx(one.matt_mm2).epsilon(0.03));
+    CHECK(two.coloured_matt_mm2 == Approx(one.coloured_matt_mm2).epsilon(0.05));
+    const PartFinish none = finish({});
+    CHECK((none.copies == 0 && none.surface_mm2 == 0 && none.matt_mm2 == 0));
+}
+
+TEST_CASE("Of faces in layers that a stack does not have nothing is counted") {
+    // From the gap on: the upper plate alone.
+    const PartFinish upper = finish({{0, 0, 0}}, 30);
+    CHECK(upper.surface_mm2 == Approx(16).epsilon(0.03));
+    CHECK(upper.coloured_mm2 == Approx(16).epsilon(0.03));
+}
