@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/print/shard_cut.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -55,4 +56,32 @@ TEST_CASE("A box has its work where its surface is", "[shards]") {
     CHECK(work[19] == Approx(work[0]));
     CHECK(work[1] == Approx(work[0]));
     CHECK(work[2] == Approx(work[10]));
+}
+
+TEST_CASE("A slanting face has its work where it is wide, and one without area none", "[shards]") {
+    JobBody body;
+    body.grid.pitch_mm = {0.05, 0.05, 0.05};
+    body.grid.size = {200, 200, 200};
+    SolidMesh solid;
+    for (int corner = 0; corner < 4; ++corner)
+        solid.positions_mm.emplace_back(corner == 1 ? 10 : 0, corner == 2 ? 10 : 0, corner == 3 ? 10 : 0);
+    solid.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+    body.solid = SolidIndex(std::move(solid));
+    const auto work_with = [&](std::vector<std::array<std::uint32_t, 3>> triangles) {
+        VisibleSurface surface;
+        // Upright, so that its shell lies beside it: widest 3 mm above the tray.
+        surface.positions_mm = {{0, 5, 1}, {4, 5, 3}, {1, 5, 10}};
+        surface.triangles = std::move(triangles);
+        body.surface = SurfaceIndex(std::move(surface));
+        return slab_work(body, 1, 10);  // of 0.5 mm
+    };
+    const std::vector<double> without = work_with({}), with = work_with({{0, 1, 2}, {0, 0, 1}});
+    REQUIRE(with.size() == 20);
+    const double widest_mm = 4 - 2.0 / 9, voxels_per_mm2 = 1 / std::pow(0.05, 3);
+    for (std::size_t slab = 0; slab < 20; ++slab) {
+        CAPTURE(slab);
+        const double z_mm = 0.5 * (double(slab) + 0.5),
+                     width_mm = widest_mm * std::max(0.0, z_mm < 3 ? (z_mm - 1) / 2 : (10 - z_mm) / 7);
+        CHECK(with[slab] - without[slab] == Approx(width_mm * 0.5 * voxels_per_mm2).epsilon(0.01).margin(1e-3));
+    }
 }
