@@ -2,8 +2,7 @@
 //
 // Codes of a printed picture that a scanner reads: in what was asked for, and whether in the print, too.
 //
-// The picture is read as it was given, as far as it has more pixels than the slab has cells: in a print that is so
-// small that a code is a smear, the target is one, too. Target and print are read as they lie, cell by cell and
+// The picture is read as it was given, too (slab_picture.h). Target and print are read as they lie, cell by cell and
 // enlarged (io/pictures/codes_in_picture.h), each code of the print within its own frame and a sixth of its size around
 // it. It is what a patient reader makes of even light and no blur of its own: a code that cannot be read so is read by
 // no scanner, one that can may still take a steady hand. A business card's QR code of 9 mm, modules of 0.31 mm, is read

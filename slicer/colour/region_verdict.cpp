@@ -16,6 +16,7 @@
 #include "optics/colour/colour.h"
 #include "slicer/colour/evenness.h"
 #include "slicer/colour/printed_codes.h"
+#include "slicer/colour/slab_picture.h"
 #include "slicer/colour/type_size.h"
 
 namespace voxtone::slicer {
@@ -86,14 +87,6 @@ void put_at(std::uint32_t cell, const optics::Surface& surface, io::ReportRegion
         region.place_mm[a] = double(surface.cells[cell].centre_mm[a]);
         region.normal[a] = double(surface.cells[cell].normal[a]);
     }
-}
-
-bool is_graphics(const JobPrediction& p) {
-    constexpr double of_graphics = 0.3;
-    double flat = 0, all = 0;
-    for (const ColourRegion& of : p.seen.regions) flat += of.area_mm2;
-    for (const optics::SurfaceCell& cell : p.predicted.surface.cells) all += static_cast<double>(cell.area_mm2);
-    return flat >= of_graphics * all;
 }
 
 /// Per cell whether it is no fine detail, however much of its contrast light takes: of an area that is wide, on the
@@ -190,7 +183,7 @@ std::optional<Row> small_type(const RegionSources& s, const std::optional<TypeSi
     const JobPrediction& p = s.prediction;
     Row row;
     row.said.kind = "small type";
-    row.said.asked = text_of(p.target[type->cell]);
+    row.said.asked = text_of(type->asked);
     row.printed = p.predicted.rgb[type->cell].cast<double>();
     row.said.area_mm2 = type->told_mm2;
     row.said.contrast = type->contrast, row.said.contrast_asked = type->contrast_asked;
@@ -516,7 +509,7 @@ JudgedRegions judge_regions(const RegionSources& s, const ThinWalls& walls) {
         row.said.good = row.said.why.empty();
     }
     // What the size of type says the contrast of fine detail need not.
-    const auto type = unreadable_type(p, s.viewing_distance_mm);
+    const auto type = unreadable_type(p, s.viewing_distance_mm, s.is_picture ? s.picture : nullptr);
     auto more = small_type(s, type);
     if (!more) more = lost_detail(p, cells);
     if (!more) more = lost_lines_row(s);

@@ -447,15 +447,18 @@ public:
     }
     /// Share of what is near a piece that stands in rows; 0: it is no type.
     [[nodiscard]] double share(std::size_t i) {
-        constexpr double enough = 0.6, least_differ = 0.03, filled = 0.75, ruled = 0.19, ruled_few = 0.25;
+        constexpr double enough = 0.6, least_differ = 0.03, filled = 0.75;
+        constexpr double ruled = 0.19, ruled_few = 0.25, words_differ = 0.15, ruled_words = 0.115;
         Near& near = near_[of_near_[i]];
         if (!in_row_[i]) return 0;
         if (!near.is_type) {
-            near.is_type = double(near.in_rows) >= enough * double(near.all) &&
-                           middle_of_all(near.differ) >= least_differ && 2 * near.in_lattice < near.in_rows &&
+            const double differ = middle_of_all(near.differ), bars = differ > words_differ             ? ruled_words
+                                                                     : near.unruled.size() < least_row ? ruled_few
+                                                                                                       : ruled;
+            near.is_type = double(near.in_rows) >= enough * double(near.all) && differ >= least_differ &&
+                           2 * near.in_lattice < near.in_rows &&
                            (near.solidity.empty() || middle_of_all(near.solidity) <= filled) &&
-                           (near.unruled.empty() ||
-                            middle_of_all(near.unruled) > (near.unruled.size() < least_row ? ruled_few : ruled));
+                           (near.unruled.empty() || middle_of_all(near.unruled) > bars);
         }
         return *near.is_type ? double(near.in_rows) / double(near.all) : 0;
     }

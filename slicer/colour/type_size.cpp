@@ -8,8 +8,10 @@
 #include <utility>
 
 #include <fmt/core.h>
+#include <Eigen/Geometry>
 
 #include "optics/colour/colour.h"
+#include "slicer/colour/slab_picture.h"
 #include "slicer/colour/type_rows.h"
 
 namespace voxtone::slicer {
@@ -17,17 +19,20 @@ namespace voxtone::slicer {
 namespace {
 
 constexpr double readable_contrast = 0.5, readable_part = 0.6;
-constexpr double pale_contrast = 0.1, pale_degrees = 0.25;
+constexpr double pale_contrast = 0.1, pale_exponent = 0.455;
 constexpr double capitals = 0.72, x_height = 0.5;  // of a face
 constexpr std::size_t least_letters = 4;
 constexpr double around_mm = 0.5;
 constexpr double mm_per_pt = 25.4 / 72;
 
 struct Glyph {
-    const Letter* letter;
-    double size_mm;  // of its face
+    double size_mm = 0;  // of its face
+    double area_mm2 = 0;
     double contrast = 0, contrast_asked = 0;
     bool is_read = true, is_pale = false;
+    Eigen::AlignedBox2d box;  // of slabs, in parts of the page
+    std::uint32_t cell = 0;   // of its ink, of the print
+    Eigen::Vector3f asked = Eigen::Vector3f::Zero();
 };
 
 double luminance_of(const JobPrediction& p, const std::vector<Eigen::Vector3f>& rgb,
@@ -129,26 +134,65 @@ double dividing_size(std::span<const Glyph> by_size) {
     return (by_size[at - 1].size_mm + by_size[at].size_mm) / 2;
 }
 
-}  // namespace
-
-std::optional<TypeSize> unreadable_type(const JobPrediction& p, double viewing_distance_mm) {
+/// `times`: how much larger the page is than the print; `slab`: where letters lie on it, nullptr: nobody asks.
+std::vector<Glyph> glyphs_of(const JobPrediction& p, double viewing_distance_mm, double times, const SlabCells* slab) {
     constexpr double pi = 3.14159265358979323846, minutes = 5 * pi / 180 / 60;
     const std::vector<Letter> found = find_type(p).letters;
     const std::vector<std::vector<std::uint32_t>> grounds = grounds_of(p, found);
-    std::vector<Glyph> letters;
+    std::vector<Glyph> letters(found.size());
     for (std::size_t n = 0; n < found.size(); ++n) {
-        Glyph& letter = letters.emplace_back(Glyph{&found[n], found[n].line_mm / capitals});
+        Glyph& letter = letters[n];
+        const Letter& of = found[n];
+        letter.size_mm = of.line_mm / capitals / times, letter.area_mm2 = of.area_mm2 / (times * times);
         const auto contrast = [&](const std::vector<Eigen::Vector3f>& rgb) {
-            return contrast_of(luminance_of(p, rgb, letter.letter->cells), luminance_of(p, rgb, grounds[n]));
+            return contrast_of(luminance_of(p, rgb, of.cells), luminance_of(p, rgb, grounds[n]));
         };
         letter.contrast_asked = contrast(p.target), letter.contrast = contrast(p.predicted.rgb);
         letter.is_read = letter.contrast >= std::min(readable_contrast, readable_part * letter.contrast_asked) &&
                          (letter.contrast_asked < readable_contrast || letter.contrast >= readable_contrast) &&
                          x_height * letter.size_mm >= viewing_distance_mm * minutes;
+        const double paler = readable_contrast / std::max(letter.contrast, 1e-6);
         letter.is_pale = !letter.is_read && letter.contrast >= pale_contrast &&
-                         found[n].line_mm >= viewing_distance_mm * pale_degrees * pi / 180;
+                         x_height * letter.size_mm >= viewing_distance_mm * minutes * std::pow(paler, pale_exponent);
         letter.is_read = letter.is_read || letter.is_pale;
+        // Its rim is half its ground.
+        const double ground = luminance_of(p, p.target, grounds[n]);
+        letter.cell = *std::ranges::max_element(
+            of.cells, {}, [&](std::uint32_t cell) { return std::abs(luminance_of(p, p.target, {cell}) - ground); });
+        letter.asked = p.target[letter.cell];
+        if (slab)
+            for (const std::uint32_t cell : of.cells) letter.box.extend(slab->place(p.predicted.surface.cells[cell]));
     }
+    return letters;
+}
+
+/// Letters that touch are one in a coarser page.
+bool is_known(std::span<const Glyph> letters, const Glyph& letter) {
+    return std::ranges::any_of(letters, [&](const Glyph& other) {
+        return other.box.contains(letter.box.center()) || letter.box.contains(other.box.center());
+    });
+}
+
+}  // namespace
+
+std::optional<TypeSize> unreadable_type(const JobPrediction& p, double viewing_distance_mm,
+                                        const io::TexturedMesh* picture) {
+    std::vector<Glyph> letters;
+    const std::optional<SlabCells> print = picture ? std::optional<SlabCells>(p.predicted.surface) : std::nullopt;
+    const auto add = [&](std::vector<Glyph> found) {
+        const std::size_t before = letters.size();
+        for (Glyph& letter : found)
+            if (!is_known(std::span(letters).first(before), letter)) letters.push_back(letter);
+    };
+    for (const PicturePage& fine : picture_pages(p, picture)) {
+        const SlabCells slab(fine.page.predicted.surface);
+        std::vector<Glyph> found = glyphs_of(fine.page, viewing_distance_mm, fine.times, &slab);
+        for (Glyph& letter : found)
+            letter.cell = std::uint32_t(std::max<std::int64_t>(0, print->at(letter.box.center())));
+        add(std::move(found));
+    }
+    add(glyphs_of(p, viewing_distance_mm, 1, print ? &*print : nullptr));
+    if (letters.empty()) return std::nullopt;
     std::ranges::stable_sort(letters, {}, &Glyph::size_mm);
     TypeSize type;
     type.below_mm = dividing_size(letters);
@@ -166,16 +210,12 @@ std::optional<TypeSize> unreadable_type(const JobPrediction& p, double viewing_d
     for (const Glyph* letter : pale) type.pale_contrast += letter->contrast / double(pale.size());
     const std::vector<const Glyph*>& told = unread.empty() ? pale : unread;
     for (const Glyph* letter : told) {
-        type.told_mm2 += letter->letter->area_mm2;
+        type.told_mm2 += letter->area_mm2;
         type.contrast += letter->contrast / double(told.size());
         type.contrast_asked += letter->contrast_asked / double(told.size());
     }
-    // Its rim is half its ground.
     const Glyph& middle = *told[told.size() / 2];
-    const double ground = luminance_of(p, p.target, grounds[std::size_t(middle.letter - found.data())]);
-    type.cell = *std::ranges::max_element(middle.letter->cells, {}, [&](std::uint32_t cell) {
-        return std::abs(luminance_of(p, p.target, {cell}) - ground);
-    });
+    type.cell = middle.cell, type.asked = middle.asked;
     return type;
 }
 

@@ -9,9 +9,11 @@
 // A letter is read where the contrast (a - b) / (a + b) of luminance, of the letter against what lies within 0.5 mm of
 // it, is a half or more (ISO 9241-303 asks for as much of characters), or, where less was asked for, at least 0.6 of
 // that; and where its x-height, half of the face, is five minutes of arc from the viewing distance, which is what
-// normal sight reads (Snellen). Where contrast alone is wanting, letters as high as a quarter of a degree are still
-// read, if slower, down to a tenth (Legge, Rubin, Luebker 1987: from there to two degrees a tenth of the contrast costs
-// less than half the rate): they are pale. The size below which type cannot be read is the one that divides those that
+// normal sight reads (Snellen). Of less contrast c, down to a tenth, larger letters are still read, if slower: they are
+// pale. Size and contrast at which reading slows down are a straight line in logarithms (Fujita et al. 2020,
+// doi:10.1016/j.visres.2019.09.010); through five minutes at 0.5 and capitals of a quarter of a degree at 0.1 (Legge,
+// Rubin, Luebker 1987) it is 5' (0.5 / c)^0.455.
+// The size below which type cannot be read is the one that divides those that
 // are read from those that are not with the fewest on the wrong side. What it cannot see: faces of other proportions,
 // and what type_rows.h does not.
 #pragma once
@@ -21,6 +23,9 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
+#include "io/models/mesh.h"
 #include "slicer/colour/job_prediction.h"
 
 namespace voxtone::slicer {
@@ -33,10 +38,14 @@ struct TypeSize {
     double told_mm2 = 0;                      ///< of those that cannot be read, or where there are none are pale
     double contrast = 0, contrast_asked = 0;  ///< their means
     std::uint32_t cell = 0;                   ///< of one of them, of its ink
+    Eigen::Vector3f asked = Eigen::Vector3f::Zero();  ///< linear sRGB, there
 };
 
-/// Nothing where there is no type, or all of it is read well.
-[[nodiscard]] std::optional<TypeSize> unreadable_type(const JobPrediction& prediction, double viewing_distance_mm);
+/// Nothing where there is no type, or all of it is read well. `picture`: the slab's mesh with its picture, whose
+/// letters are found as they were given, however small they are printed (slab_picture.h); nullptr: those of the target
+/// alone.
+[[nodiscard]] std::optional<TypeSize> unreadable_type(const JobPrediction& prediction, double viewing_distance_mm,
+                                                      const io::TexturedMesh* picture = nullptr);
 
 /// Lines side by side, or other detail on a ground, that are no letters and run together. With t and q how far a cell's
 /// lightness (Oklab) is from the mean of those within half a millimetre, of target and print, a piece keeps sum t q /

@@ -164,15 +164,14 @@ TEST_CASE("Below the size where its contrast is lost type is said to be unreadab
     const auto all = unreadable_type(all_lost.p, 300);
     REQUIRE(all);
     CHECK((all->unread == all->letters && all->pale == 0));
-    // Of a contrast of a quarter capitals of 1.4 mm are read, as they are pale; from where they look smaller they are
-    // not.
+    // Of a contrast of a quarter capitals of 1.4 mm are read, as they are pale; from half a metre they are not.
     const Page grey(lines_of_type, [](int, int, bool black) { return black ? 0.6f : 1.0f; });
     const auto pale = unreadable_type(grey.p, 300);
     REQUIRE(pale);
     CHECK(pale->unread == 24);
     CHECK(pale->unread + pale->pale == pale->letters);
     CHECK(pale->pale_contrast == Approx(0.25).margin(0.02));
-    CHECK(unreadable_type(grey.p, 340)->pale == 0);
+    CHECK(unreadable_type(grey.p, 500)->pale == 0);
     const auto upper_line = [](int x, int y) { return y >= 50 && lines_of_type(x, y); };
     const auto only_pale =
         unreadable_type(Page(upper_line, [](int, int, bool black) { return black ? 0.6f : 1.0f; }).p, 300);

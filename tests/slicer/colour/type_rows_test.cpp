@@ -122,6 +122,10 @@ TEST_CASE("Signs and labels are type: small and large, in colours, reversed, alo
                                       {SetLine("colours", 5, 2, 4), Eigen::Vector3f(0.02f, 0.3f, 0.05f)}})) >= 20);
     CHECK(letters_in(lines_on(
               blue, {{SetLine("white on blue", 6, 2, 10), white}, {SetLine("and below", 4, 2, 5), white}})) >= 16);
+    // Stems side by side, as bars are.
+    const char* const bold = "/usr/share/fonts/truetype/dejavu/DejaVuSans-Bold.ttf";
+    CHECK(letters_in(lines_on(white, {{SetLine("Exit 4 mm", 6, 2, 9, 0, bold), ink},
+                                      {SetLine("Exit 3 mm", 5, 2, 5, 0, bold), ink}})) >= 14);
     CHECK(letters_in(lines_on(cream, {{SetLine("brown on cream", 5, 2, 9), brown}})) >= 10);
     for (const double degrees : {30.0, 90.0, 180.0, 250.0}) {
         CAPTURE(degrees);
