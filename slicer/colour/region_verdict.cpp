@@ -152,14 +152,14 @@ std::optional<Row> lost_detail(const JobPrediction& p, const halftone::CellNeigh
 }
 
 /// Of pictures: fine lines that run together, whether the eye would tell them apart from its distance or not.
-std::optional<Row> lost_lines_row(const RegionSources& s) {
+std::optional<Row> lost_lines_row(const RegionSources& s, std::span<const PicturePage> pages) {
     const JobPrediction& p = s.prediction;
-    const auto lost = s.is_picture && is_graphics(p) ? lost_lines(p) : std::nullopt;
+    const auto lost = s.is_picture && is_graphics(p) ? lost_lines(p, pages) : std::nullopt;
     if (!lost) return std::nullopt;
     Row row;
     row.cells = lost->cells;
     row.said.kind = "fine detail";
-    row.said.asked = text_of(p.target[lost->worst]);
+    row.said.asked = text_of(lost->asked);
     row.printed = p.predicted.rgb[lost->worst].cast<double>();
     put_at(lost->worst, p.predicted.surface, row.said);
     row.said.area_mm2 = lost->area_mm2;
@@ -229,8 +229,8 @@ double rim_limit(const VerdictLimits& limits) { return 2 * limits.bad; }
 bool is_plural(const io::ReportRegion& region) { return region.kind == "type and lines"; }
 const char* is_are(const io::ReportRegion& region) { return is_plural(region) ? "are" : "is"; }
 
-bool is_flecked(const io::ReportRegion& region) {
-    return region.unevenness > (region.kind == "paper" ? paper_flecked_above : flecked_above);
+bool is_uneven(const io::ReportRegion& region, double above) {
+    return region.unevenness > (region.kind == "paper" ? of_paper : 1) * above;
 }
 
 /// "yellow (187, 154, 1)", without its numbers.
@@ -253,7 +253,7 @@ std::string what_is_wrong(const io::ReportRegion& region, const VerdictLimits& l
     if (region.rim > rim_limit(limits))
         return fmt::format("{} a rim of another colour, {:.0f} units of CIELAB in chroma",
                            is_plural(region) ? "have" : "has", *region.rim);
-    if (is_flecked(region))
+    if (is_uneven(region, flecked_above))
         return fmt::format("{} not even: flecked by {:.1f} CIEDE2000", is_are(region), *region.unevenness);
     return {};
 }
@@ -360,7 +360,8 @@ std::optional<Row> thin_walls(const RegionSources& s, const ThinWalls& walls) {
     return row;
 }
 
-Row row_of(const RegionSources& s, std::size_t r, const halftone::CellNeighbours& cells, bool is_page) {
+Row row_of(const RegionSources& s, std::size_t r, const halftone::CellNeighbours& cells,
+           std::span<const EdgeTerms> edges, bool is_page) {
     const JobPrediction& p = s.prediction;
     const optics::Surface& surface = p.predicted.surface;
     const ColourRegion& of = p.seen.regions[r];
@@ -377,7 +378,8 @@ Row row_of(const RegionSources& s, std::size_t r, const halftone::CellNeighbours
     put_at(middle_of(of.interior, surface), surface, region);
     region.area_mm2 = of.area_mm2, region.de2000 = look.difference;
     if (of.kind == RegionKind::solid) region.rim = std::max(0.0, p.seen.rims[r]);
-    if (of.kind != RegionKind::strokes) region.unevenness = unevenness_of(of, cells, p.seen.target, p.seen.print);
+    if (of.kind != RegionKind::strokes)
+        region.unevenness = unevenness_of(of, cells, p.seen.target, p.seen.print, edges);
     region.out_of_reach = s.colour.separation.gamut_distance(of.target) >= look.difference / 2;
     if (of.kind == RegionKind::strokes && is_page) {
         const double edge = std::sqrt(of.area_mm2 / static_cast<double>(of.cells.size()));
@@ -494,10 +496,12 @@ JudgedRegions judge_regions(const RegionSources& s, const ThinWalls& walls) {
     const bool is_page = s.is_picture && is_graphics(p);
     JudgedRegions judged;
     judged.spoilt.assign(p.target.size(), 0);
+    const std::vector<EdgeTerms> edges =
+        p.seen.regions.empty() ? std::vector<EdgeTerms>() : edge_terms(p.predicted.surface, p.target, p.seen.target);
     std::vector<Row> rows;
     for (std::size_t r = 0; r < p.seen.regions.size(); ++r) {
-        Row row = row_of(s, r, cells, is_page);
-        if (is_flecked(row.said))
+        Row row = row_of(s, r, cells, edges, is_page);
+        if (is_uneven(row.said, spoilt_above))
             for (const std::uint32_t cell : row.cells) judged.spoilt[cell] = 1;
         rows.push_back(std::move(row));
     }
@@ -509,10 +513,11 @@ JudgedRegions judge_regions(const RegionSources& s, const ThinWalls& walls) {
         row.said.good = row.said.why.empty();
     }
     // What the size of type says the contrast of fine detail need not.
-    const auto type = unreadable_type(p, s.viewing_distance_mm, s.is_picture ? s.picture : nullptr);
+    const std::vector<PicturePage> pages = s.is_picture ? picture_pages(p, s.picture) : std::vector<PicturePage>();
+    const auto type = unreadable_type(p, s.viewing_distance_mm, pages);
     auto more = small_type(s, type);
     if (!more) more = lost_detail(p, cells);
-    if (!more) more = lost_lines_row(s);
+    if (!more) more = lost_lines_row(s, pages);
     for (auto& row : {std::move(more), blurred_texture(s, judged.spoilt), thin_walls(s, walls)})
         if (row) say_where(s, rows.emplace_back(*row));
     if (s.is_picture) {

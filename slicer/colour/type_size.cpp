@@ -11,7 +11,6 @@
 #include <Eigen/Geometry>
 
 #include "optics/colour/colour.h"
-#include "slicer/colour/slab_picture.h"
 #include "slicer/colour/type_rows.h"
 
 namespace voxtone::slicer {
@@ -80,13 +79,13 @@ std::vector<std::vector<std::uint32_t>> grounds_of(const JobPrediction& p, const
 /// How far cells of a picture are in lightness, of target and print, from what lies in a square around them.
 class LocalDetail {
 public:
-    explicit LocalDetail(const JobPrediction& p) : p_(p) {
+    LocalDetail(const JobPrediction& p, double times) : p_(p) {
         const auto& cells = p.predicted.surface.cells;
         for (std::size_t a = 0; a < 2; ++a) {
             const auto [low, high] =
                 std::ranges::minmax(cells, {}, [&](const optics::SurfaceCell& cell) { return cell.cell[a]; });
             low_[a] = low.cell[a], size_[a] = high.cell[a] - low.cell[a] + 1;
-            half_[a] = std::max(1, int(std::lround(around_mm * 1e3 / p.cell_um[a])));
+            half_[a] = std::max(1, int(std::lround(times * around_mm * 1e3 / p.cell_um[a])));
         }
         sums_.assign(std::size_t(size_[0] + 1) * std::size_t(size_[1] + 1), Eigen::Vector3d::Zero());
         light_.reserve(cells.size());
@@ -134,6 +133,12 @@ double dividing_size(std::span<const Glyph> by_size) {
     return (by_size[at - 1].size_mm + by_size[at].size_mm) / 2;
 }
 
+/// The cell that differs most from its ground: the rim of a letter is half its ground.
+std::uint32_t most_ink(const JobPrediction& p, const std::vector<std::uint32_t>& cells, double ground) {
+    return *std::ranges::max_element(
+        cells, {}, [&](std::uint32_t cell) { return std::abs(luminance_of(p, p.target, {cell}) - ground); });
+}
+
 /// `times`: how much larger the page is than the print; `slab`: where letters lie on it, nullptr: nobody asks.
 std::vector<Glyph> glyphs_of(const JobPrediction& p, double viewing_distance_mm, double times, const SlabCells* slab) {
     constexpr double pi = 3.14159265358979323846, minutes = 5 * pi / 180 / 60;
@@ -155,10 +160,7 @@ std::vector<Glyph> glyphs_of(const JobPrediction& p, double viewing_distance_mm,
         letter.is_pale = !letter.is_read && letter.contrast >= pale_contrast &&
                          x_height * letter.size_mm >= viewing_distance_mm * minutes * std::pow(paler, pale_exponent);
         letter.is_read = letter.is_read || letter.is_pale;
-        // Its rim is half its ground.
-        const double ground = luminance_of(p, p.target, grounds[n]);
-        letter.cell = *std::ranges::max_element(
-            of.cells, {}, [&](std::uint32_t cell) { return std::abs(luminance_of(p, p.target, {cell}) - ground); });
+        letter.cell = most_ink(p, of.cells, luminance_of(p, p.target, grounds[n]));
         letter.asked = p.target[letter.cell];
         if (slab)
             for (const std::uint32_t cell : of.cells) letter.box.extend(slab->place(p.predicted.surface.cells[cell]));
@@ -173,18 +175,56 @@ bool is_known(std::span<const Glyph> letters, const Glyph& letter) {
     });
 }
 
+std::optional<LostLines> lost_on(const JobPrediction& p, double times) {
+    constexpr double enough = 0.6, stands_out = 0.5, least_lost_mm2 = 1, gone = 0.3, least_gone_mm2 = 0.1;
+    constexpr double faint = 0.03;  // lightness, Oklab: what differs by less is ground in type_rows.cpp, too
+    const LocalDetail detail(p, times);
+    LostLines lost;
+    double asked_of_all = 0, kept_of_all = 0, least_kept = enough;
+    std::vector<Letter> patterns;
+    for (std::vector<std::uint32_t>& cells : find_type(p).others) {
+        double area_mm2 = 0;
+        for (const std::uint32_t cell : cells) area_mm2 += p.predicted.surface.cells[cell].area_mm2;
+        patterns.push_back({std::move(cells), area_mm2, 0});
+    }
+    const std::vector<std::vector<std::uint32_t>> grounds = grounds_of(p, patterns);
+    for (std::size_t n = 0; n < patterns.size(); ++n) {
+        const std::vector<std::uint32_t>& pattern = patterns[n].cells;
+        const auto contrast = [&](const std::vector<Eigen::Vector3f>& rgb) {
+            return contrast_of(luminance_of(p, rgb, pattern), luminance_of(p, rgb, grounds[n]));
+        };
+        if (contrast(p.predicted.rgb) >= stands_out * contrast(p.target)) continue;
+        const double area_mm2 = patterns[n].area_mm2 / (times * times);
+        double asked = 0, kept = 0;
+        for (const std::uint32_t cell : pattern) {
+            const double area = p.predicted.surface.cells[cell].area_mm2 / (times * times);
+            const Eigen::Vector2d from = detail.at(cell);
+            asked += area * from[0] * from[0], kept += area * from[0] * from[1];
+        }
+        if (kept >= enough * asked || asked < faint * faint * area_mm2) continue;
+        if (kept < least_kept * asked)
+            least_kept = kept / asked, lost.worst = most_ink(p, pattern, luminance_of(p, p.target, grounds[n]));
+        lost.cells.insert(lost.cells.end(), pattern.begin(), pattern.end());
+        lost.area_mm2 += area_mm2, asked_of_all += asked, kept_of_all += kept;
+    }
+    lost.kept = asked_of_all > 0 ? std::max(0.0, kept_of_all / asked_of_all) : 1;
+    if (lost.area_mm2 < (lost.kept < gone ? least_gone_mm2 : least_lost_mm2)) return std::nullopt;
+    lost.asked = p.target[lost.worst];
+    return lost;
+}
+
 }  // namespace
 
 std::optional<TypeSize> unreadable_type(const JobPrediction& p, double viewing_distance_mm,
-                                        const io::TexturedMesh* picture) {
+                                        std::span<const PicturePage> pages) {
     std::vector<Glyph> letters;
-    const std::optional<SlabCells> print = picture ? std::optional<SlabCells>(p.predicted.surface) : std::nullopt;
+    const std::optional<SlabCells> print = pages.empty() ? std::nullopt : std::optional<SlabCells>(p.predicted.surface);
     const auto add = [&](std::vector<Glyph> found) {
         const std::size_t before = letters.size();
         for (Glyph& letter : found)
             if (!is_known(std::span(letters).first(before), letter)) letters.push_back(letter);
     };
-    for (const PicturePage& fine : picture_pages(p, picture)) {
+    for (const PicturePage& fine : pages) {
         const SlabCells slab(fine.page.predicted.surface);
         std::vector<Glyph> found = glyphs_of(fine.page, viewing_distance_mm, fine.times, &slab);
         for (Glyph& letter : found)
@@ -219,41 +259,24 @@ std::optional<TypeSize> unreadable_type(const JobPrediction& p, double viewing_d
     return type;
 }
 
-std::optional<LostLines> lost_lines(const JobPrediction& p) {
-    constexpr double enough = 0.6, stands_out = 0.5, least_mm2 = 1;
-    constexpr double faint = 0.03;  // lightness, Oklab: what differs by less is ground in type_rows.cpp, too
+std::optional<LostLines> lost_lines(const JobPrediction& p, std::span<const PicturePage> pages) {
     if (p.target.empty()) return std::nullopt;
-    const LocalDetail detail(p);
-    LostLines lost;
-    double asked_of_all = 0, kept_of_all = 0, least_kept = enough;
-    std::vector<Letter> patterns;
-    for (std::vector<std::uint32_t>& cells : find_type(p).others) {
-        double area_mm2 = 0;
-        for (const std::uint32_t cell : cells) area_mm2 += p.predicted.surface.cells[cell].area_mm2;
-        patterns.push_back({std::move(cells), area_mm2, 0});
-    }
-    const std::vector<std::vector<std::uint32_t>> grounds = grounds_of(p, patterns);
-    for (std::size_t n = 0; n < patterns.size(); ++n) {
-        const std::vector<std::uint32_t>& pattern = patterns[n].cells;
-        const auto contrast = [&](const std::vector<Eigen::Vector3f>& rgb) {
-            return contrast_of(luminance_of(p, rgb, pattern), luminance_of(p, rgb, grounds[n]));
+    if (auto lost = lost_on(p, 1)) return lost;
+    for (const PicturePage& fine : pages) {
+        auto lost = lost_on(fine.page, fine.times);
+        if (!lost) continue;
+        const SlabCells slab(fine.page.predicted.surface), print(p.predicted.surface);
+        const auto of_print = [&](std::uint32_t cell) {
+            return std::uint32_t(
+                std::max<std::int64_t>(0, print.at(slab.place(fine.page.predicted.surface.cells[cell]))));
         };
-        if (contrast(p.predicted.rgb) >= stands_out * contrast(p.target)) continue;
-        const double area_mm2 = patterns[n].area_mm2;
-        double asked = 0, kept = 0;
-        for (const std::uint32_t cell : pattern) {
-            const double area = p.predicted.surface.cells[cell].area_mm2;
-            const Eigen::Vector2d from = detail.at(cell);
-            asked += area * from[0] * from[0], kept += area * from[0] * from[1];
-        }
-        if (kept >= enough * asked || asked < faint * faint * area_mm2) continue;
-        if (kept < least_kept * asked) least_kept = kept / asked, lost.worst = pattern[pattern.size() / 2];
-        lost.cells.insert(lost.cells.end(), pattern.begin(), pattern.end());
-        lost.area_mm2 += area_mm2, asked_of_all += asked, kept_of_all += kept;
+        std::ranges::transform(lost->cells, lost->cells.begin(), of_print);
+        std::ranges::sort(lost->cells);
+        lost->cells.erase(std::ranges::unique(lost->cells).begin(), lost->cells.end());
+        lost->worst = of_print(lost->worst);
+        return lost;
     }
-    if (lost.area_mm2 < least_mm2) return std::nullopt;
-    lost.kept = std::max(0.0, kept_of_all / asked_of_all);
-    return lost;
+    return std::nullopt;
 }
 
 std::string type_size_text(double mm) {

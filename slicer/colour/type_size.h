@@ -20,13 +20,14 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "io/models/mesh.h"
 #include "slicer/colour/job_prediction.h"
+#include "slicer/colour/slab_picture.h"
 
 namespace voxtone::slicer {
 
@@ -41,11 +42,10 @@ struct TypeSize {
     Eigen::Vector3f asked = Eigen::Vector3f::Zero();  ///< linear sRGB, there
 };
 
-/// Nothing where there is no type, or all of it is read well. `picture`: the slab's mesh with its picture, whose
-/// letters are found as they were given, however small they are printed (slab_picture.h); nullptr: those of the target
-/// alone.
+/// Nothing where there is no type, or all of it is read well. `pages`: of a slab, the picture as it was given
+/// (slab_picture.h), whose letters are found however small they are printed; none: those of the target alone.
 [[nodiscard]] std::optional<TypeSize> unreadable_type(const JobPrediction& prediction, double viewing_distance_mm,
-                                                      const io::TexturedMesh* picture = nullptr);
+                                                      std::span<const PicturePage> pages = {});
 
 /// Lines side by side, or other detail on a ground, that are no letters and run together. With t and q how far a cell's
 /// lightness (Oklab) is from the mean of those within half a millimetre, of target and print, a piece keeps sum t q /
@@ -55,11 +55,14 @@ struct TypeSize {
 /// It counts what the eye at its distance may not resolve, too: who sets such lines means to see them.
 struct LostLines {
     std::vector<std::uint32_t> cells;
-    std::uint32_t worst = 0;  ///< a cell of the piece that keeps least
+    std::uint32_t worst = 0;                          ///< a cell of the piece that keeps least
+    Eigen::Vector3f asked = Eigen::Vector3f::Zero();  ///< linear sRGB, there
     double area_mm2 = 0, kept = 0;
 };
-/// Of a picture's slab; nothing where that is less than 1 mm2.
-[[nodiscard]] std::optional<LostLines> lost_lines(const JobPrediction& prediction);
+/// Of a picture's slab; nothing where that is less than 1 mm2, or than 0.1 mm2 of what keeps less than 0.3: three
+/// letters of 3 points. `pages`: as above; what a coarse target does not show is lost as well.
+[[nodiscard]] std::optional<LostLines> lost_lines(const JobPrediction& prediction,
+                                                  std::span<const PicturePage> pages = {});
 
 /// "2.1 mm (6 pt)".
 [[nodiscard]] std::string type_size_text(double mm);

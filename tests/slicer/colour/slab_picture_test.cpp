@@ -66,7 +66,7 @@ TEST_CASE("However small a picture is printed, its letters are judged as it was 
     for (const double width_mm : {3.0, 6.0, 12.0, 24.0}) {
         CAPTURE(width_mm);
         const JobPrediction print = printed(mesh, width_mm);
-        const auto type = unreadable_type(print, 300, &mesh);
+        const auto type = unreadable_type(print, 300, picture_pages(print, &mesh));
         const double unread = type ? double(type->unread) / double(type->letters) : 0;
         CHECK(unread <= least_unread);
         least_unread = unread;
@@ -97,4 +97,18 @@ TEST_CASE("Nothing is looked for in a photograph, nor where the print is as fine
         CHECK(fine.page.target.size() == fine.page.predicted.rgb.size());
         CHECK(fine.page.seen.regions.size() == 2);
     }
+}
+
+TEST_CASE("Of a word of three letters that is gone it is said that it is lost") {
+    const test::SetLine word("No 7", 6, 2, 2);
+    const io::TexturedMesh mesh = slab_with(
+        [&](int x, int y) { return 1 - 0.98f * word.at(24 * (x + 0.5) / columns, 24 * (rows - y - 0.5) / columns); });
+    const JobPrediction gone = printed(mesh, 6), there = printed(mesh, 48);
+    CHECK_FALSE(unreadable_type(gone, 300, picture_pages(gone, &mesh)));
+    const auto lost = lost_lines(gone, picture_pages(gone, &mesh));
+    REQUIRE(lost);
+    CHECK(lost->kept < 0.3);
+    CHECK(lost->asked.maxCoeff() < 0.4f);
+    for (const std::uint32_t cell : lost->cells) CHECK(gone.predicted.surface.cells[cell].centre_mm[0] < 2);
+    CHECK_FALSE(lost_lines(there, picture_pages(there, &mesh)));
 }
