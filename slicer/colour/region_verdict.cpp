@@ -16,6 +16,7 @@
 #include "optics/colour/colour.h"
 #include "slicer/colour/evenness.h"
 #include "slicer/colour/printed_codes.h"
+#include "slicer/colour/printed_labels.h"
 #include "slicer/colour/slab_picture.h"
 #include "slicer/colour/type_size.h"
 
@@ -208,7 +209,7 @@ std::optional<Row> small_type(const RegionSources& s, const std::optional<TypeSi
 std::vector<Row> codes_of(const RegionSources& s) {
     std::vector<Row> rows;
     const optics::Surface& surface = s.prediction.predicted.surface;
-    for (PrintedCode& code : printed_codes(s.prediction, s.picture)) {
+    for (PrintedCode& code : printed_codes(s.prediction, s.mesh)) {
         Row& row = rows.emplace_back();
         row.said.kind = "code";
         row.said.asked = fmt::format("{} of {:.1f} x {:.1f} mm", code.kind, code.width_mm, code.height_mm);
@@ -219,6 +220,32 @@ std::vector<Row> codes_of(const RegionSources& s) {
         row.said.good = code.is_read;
         if (!code.is_read) row.said.why = "cannot be read by a scanner";
         row.cells = std::move(code.cells);
+    }
+    return rows;
+}
+
+std::vector<Row> labels_of(const RegionSources& s) {
+    std::vector<Row> rows;
+    if (!s.mesh || s.marks.empty()) return rows;
+    const JobPrediction& p = s.prediction;
+    for (PrintedLabel& label : printed_labels(p, s.marks, s.mesh->decals, s.origin_mm, s.viewing_distance_mm)) {
+        Row& row = rows.emplace_back();
+        row.said.kind = "label";
+        row.said.asked = label.mark->said;
+        const std::uint32_t middle = middle_of(label.cells, p.predicted.surface);
+        put_at(middle, p.predicted.surface, row.said);
+        row.printed = p.predicted.rgb[middle].cast<double>();
+        for (const std::uint32_t i : label.cells) row.said.area_mm2 += double(p.predicted.surface.cells[i].area_mm2);
+        row.said.good = label.is_read;
+        if (label.letters > 0) row.said.contrast = label.contrast, row.said.contrast_asked = 1;
+        if (!label.is_read)
+            row.said.why = label.letters == 0
+                               ? "cannot be read by a scanner"
+                               : fmt::format(
+                                     "cannot be read: {} of {} letters do not stand out at this size; give it "
+                                     "a ground (ground=white), more size=, or another place=",
+                                     label.unread, label.letters);
+        row.cells = std::move(label.cells);
     }
     return rows;
 }
@@ -351,7 +378,9 @@ std::optional<Row> thin_walls(const RegionSources& s, const ThinWalls& walls) {
     row.said.area_mm2 = area_mm2, row.said.de2000 = off;
     const auto pieces = pieces_of(walls.cells, p.predicted.surface, std::max(1.0, walls.wall_mm));
     row.said.pieces = int(pieces.size());
-    put_at(middle_of(pieces[0], p.predicted.surface), p.predicted.surface, row.said);
+    // Legs that hang together have their middle in the body: where it is worst.
+    put_at(*std::ranges::max_element(pieces[0], {}, [&](std::uint32_t i) { return s.seen[i] * p.seen.difference[i]; }),
+           p.predicted.surface, row.said);
     row.cells = walls.cells;
     row.said.good = off <= s.limits.bad;
     if (!row.said.good)
@@ -480,8 +509,8 @@ std::string colour_word(const Eigen::Vector3f& rgb) {
     }
     if (hue < 15 || hue >= 345) return lab[0] > 65 ? "pink" : "magenta";
     if (hue < 42) return lab[0] > 70 ? "pink" : lab[0] < 35 && chroma < 45 ? "brown" : "red";
-    if (hue < 75 && (lab[0] < 48 || (chroma < 30 && lab[0] < 65))) return "brown";
-    if (hue < 100 && chroma < 35 && lab[0] >= 65) return "beige";
+    if (hue < 75 && (lab[0] < 48 || (chroma < 45 && lab[0] < 60))) return "brown";
+    if (hue < 100 && chroma < 35) return lab[0] < 58 ? "brown" : "beige";
     if (hue < 75) return "orange";
     if (hue < 108) return lab[0] < 45 ? "olive" : "yellow";
     if (hue < 175) return "green";
@@ -513,7 +542,7 @@ JudgedRegions judge_regions(const RegionSources& s, const ThinWalls& walls) {
         row.said.good = row.said.why.empty();
     }
     // What the size of type says the contrast of fine detail need not.
-    const std::vector<PicturePage> pages = s.is_picture ? picture_pages(p, s.picture) : std::vector<PicturePage>();
+    const std::vector<PicturePage> pages = s.is_picture ? picture_pages(p, s.mesh) : std::vector<PicturePage>();
     const auto type = unreadable_type(p, s.viewing_distance_mm, pages);
     auto more = small_type(s, type);
     if (!more) more = lost_detail(p, cells);
@@ -532,10 +561,15 @@ JudgedRegions judge_regions(const RegionSources& s, const ThinWalls& walls) {
             row.said.printed = row.said.good ? "read" : "not read";
         }
     }
+    for (Row& label : labels_of(s)) {
+        Row& row = rows.emplace_back(std::move(label));
+        say_where(s, row);
+        row.said.printed = row.said.good ? "read" : "not read";
+    }
     for (Row& row : rows) judged.rows.push_back(std::move(row.said));
     std::ranges::stable_sort(judged.rows, std::greater<>(), [&](const io::ReportRegion& region) {
         // Of a page first what cannot be made out: nobody minds how even a ground is below words that are lost.
-        const int is_lost = region.kind == "code"                                         ? 2
+        const int is_lost = region.kind == "code" || region.kind == "label"               ? 2
                             : region.type_mm || (is_page && region.kind == "fine detail") ? 1
                                                                                           : 0;
         return std::tuple(!region.good, is_lost, note_of(region, s.limits));

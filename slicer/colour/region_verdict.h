@@ -9,10 +9,10 @@
 // cell is no region: where three tenths of the surface are regions, and the target has a fine contrast of 0.08 and more
 // in Oklab's lightness of which not 0.6 is left (halftone/loop/lost_contrast.h), over a quarter of a square millimetre,
 // that is said of the place where most is lost. Of textures
-// lost_texture.h speaks, of codes that a scanner cannot read printed_codes.h. A solid is not good either whose rim, the
-// chroma of print less target within 0.6 mm of its edge, is above twice "bad": CIEDE2000 divides chroma by 1 + 0.045 C,
-// by two at C = 22. The figures were chosen on the small print of public bug reports, which nobody can read, and on
-// type of 4 to 14 points.
+// lost_texture.h speaks, of codes that a scanner cannot read printed_codes.h, of labels printed_labels.h. A solid is
+// not good either whose rim, the chroma of print less target within 0.6 mm of its edge, is above twice "bad": CIEDE2000
+// divides chroma by 1 + 0.045 C, by two at C = 22. The figures were chosen on the small print of public bug reports,
+// which nobody can read, and on type of 4 to 14 points.
 //
 // The worst come first: by how far they are from good, times the edge of a square as large as what can be seen of them
 // (sides_seen.h). A small thing that is wholly wrong is noted before a large one that is hardly so.
@@ -49,7 +49,9 @@ struct RegionSources {
     const VerdictLimits& limits;
     bool is_picture = false;
     double viewing_distance_mm = 0;
-    const io::TexturedMesh* picture = nullptr;  ///< of a picture's slab, with its picture
+    const io::TexturedMesh* mesh = nullptr;  ///< with a slab's picture, and what marks became
+    std::span<const MarkOptions> marks = {};
+    Eigen::Vector3d origin_mm = Eigen::Vector3d::Zero();  ///< where the prediction's 0, 0, 0 lies in the mesh
 };
 
 /// Cells that are off because the body ends behind them.

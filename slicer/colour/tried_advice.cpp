@@ -27,6 +27,8 @@ constexpr double left_by_loop = 0.65;       // at most, of what the resins could
 constexpr double left_by_thickness = 0.35;  // at most, of what is lost in walls of a few voxels
 constexpr double least_wall_mm = 0.25;      // in which they do
 constexpr double some_sheets = 0.25;        // of the thin walls, from where on a thickness for them is worth a word
+constexpr double slow_exponent = 0.3;       // of the slowest, the header tells of which
+constexpr double readable_type_mm = 1.5;    // face: below 1.1 to 1.6 mm letters were lost on signs and cards
 constexpr const char *seen_mean = "seen_de2000", *gamut_mean = "gamut";
 
 /// What blurring the target changes of it, on average.
@@ -89,9 +91,14 @@ void add_larger(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     // At best flat areas come nearer too: light from afar is in their middles.
     MeanParts at_best = s.mean;
     at_best.neighbours += std::exchange(at_best.flat, 0);
-    const auto then = [&](double k) { return mean_when_larger(at_best, k, exponent, thick_mm); };
+    const auto at_least = [&](double k) { return mean_when_larger(at_best, k, exponent, thick_mm); };
+    const auto at_most = [&](double k) {
+        return mean_when_larger(s.mean, k, std::min(exponent, slow_exponent), thick_mm);
+    };
+    const auto then = [&](double k) { return (at_least(k) + at_most(k)) / 2; };
     // As large as makes it good; else twice as large.
-    const double type_k = s.type_mm > 0 && s.smallest_type_mm > 0 ? s.type_mm / s.smallest_type_mm : 1;
+    double type_k = 1;
+    if (s.type_mm > 0 && s.smallest_type_mm > 0) type_k = std::max(s.type_mm, readable_type_mm) / s.smallest_type_mm;
     double k = 1.25;
     while (k < most && then(k) > good) k *= 1.1;
     if (then(k) > good) k = 2;
@@ -100,17 +107,15 @@ void add_larger(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     k = std::min(k, most);
     const auto [option, edge_mm] = size_option(s);
     const double to_mm = rounded_mm(k * edge_mm);
-    const double mean = then(to_mm / edge_mm),
-                 most_mean = mean_when_larger(s.mean, to_mm / edge_mm, exponent, thick_mm);
-    if (to_mm <= edge_mm || (mean > worth_a_word * now && !(for_type && type_k > 1))) return;
+    if (to_mm <= edge_mm) return;
+    const double times = to_mm / edge_mm, mean = at_least(times);
+    if (then(times) > worth_a_word * now && !(for_type && type_k > 1)) return;
     std::string options = fmt::format("{} {:g}mm", option, to_mm);
     // Where nothing else would tell what it comes to.
     const double area_mm2 = coloured_area_mm2(*s.body.surface) * std::pow(to_mm / edge_mm, 2);
     if (!s.loop && s.job.options.prediction.automatic && area_mm2 > 100 * auto_prediction_cm2)
         options += fmt::format(" --predict {}", name_of(PredictionModel::transport));
-    const std::string least = fmt::format("{:.1f}", mean), at_most = fmt::format("{:.1f}", most_mean);
-    advice.push_back({fmt::format("print it larger ({}): then {}{}", options,
-                                  least == at_most ? least + " at best" : least + " to " + at_most,
+    advice.push_back({fmt::format("print it larger ({}): then {:.1f} to {:.1f}{}", options, mean, at_most(times),
                                   type_k > 1 && to_mm >= type_k * edge_mm ? ", and more of its type can be read" : ""),
                       options, seen_mean, now, mean});
 }

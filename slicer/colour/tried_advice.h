@@ -10,11 +10,12 @@
 //                 not known). Light spreads over a fixed length, so that what is off is a band of fixed width: e = 1
 //                 beside edges. Where details are no wider than the band, e is less: it is measured on the target
 //                 itself, blurred by 0.5 and by 0.25 mm, e = log2 of the ratio of what the two change, at most 1. What
-//                 goes farther than 0.5 mm grows no less. Middles of flat areas come nearer only where light from afar
-//                 is what they are off by: both ends are said, or, where there are none, "at best". With the loop the
-//                 bundled cow of 12 mm came to 2.7 at 27 mm for 2.4 to 4.0, of 18 mm to 2.2 at 33 mm for 2.4 to 3.4, a
-//                 flag of 15 mm with stripes to 2.85 at 23 mm for 2.4 to 2.8. Not after a loop that was cut short:
-//                 another size would be cut short elsewhere
+//                 goes farther than 0.5 mm grows no less; middles of flat areas come nearer only where light from afar
+//                 is what they are off by, and the loop leaves more of what is harder. So both ends are said: with
+//                 flat areas that come nearer, and with e = 0.3 where they do not. With the loop the bundled cow of 12
+//                 mm, 3.4, came to 2.9 at 16.5 mm, 2.7 at 20 and 2.1 at 25, a barrel of 12 mm, 2.6, to 2.3 at 15 mm. As
+//                 large is advised as makes their middle good. Not after a loop that was cut short: another size would
+//                 be cut short elsewhere
 //   thicker walls the cells of thin walls become as those are that have a core behind them. Where hardly any has one,
 //   of walls
 //                 below 0.25 mm at most 0.35 of it is left, said as a bound: of open sheets of one voxel that were

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <span>
 #include <utility>
 
@@ -21,7 +22,7 @@ constexpr double readable_contrast = 0.5, readable_part = 0.6;
 constexpr double pale_contrast = 0.1, pale_exponent = 0.455;
 constexpr double capitals = 0.72, x_height = 0.5;  // of a face
 constexpr std::size_t least_letters = 4;
-constexpr double around_mm = 0.5;
+constexpr double ground_within_mm = 0.5;
 constexpr double mm_per_pt = 25.4 / 72;
 
 struct Glyph {
@@ -63,7 +64,8 @@ std::vector<std::vector<std::uint32_t>> grounds_of(const JobPrediction& p, const
             taken[cell] = 1;
             last.emplace_back(cell, n);
         }
-    for (int step = std::max(1, int(std::lround(around_mm / edge_mm))); step > 0; --step, std::swap(last, next)) {
+    for (int step = std::max(1, int(std::lround(ground_within_mm / edge_mm))); step > 0;
+         --step, std::swap(last, next)) {
         next.clear();
         for (const auto& [cell, owner] : last)
             cells.visit_around(cell, [&, whose = owner](std::size_t other) {
@@ -85,7 +87,7 @@ public:
             const auto [low, high] =
                 std::ranges::minmax(cells, {}, [&](const optics::SurfaceCell& cell) { return cell.cell[a]; });
             low_[a] = low.cell[a], size_[a] = high.cell[a] - low.cell[a] + 1;
-            half_[a] = std::max(1, int(std::lround(times * around_mm * 1e3 / p.cell_um[a])));
+            half_[a] = std::max(1, int(std::lround(times * ground_within_mm * 1e3 / p.cell_um[a])));
         }
         sums_.assign(std::size_t(size_[0] + 1) * std::size_t(size_[1] + 1), Eigen::Vector3d::Zero());
         light_.reserve(cells.size());
@@ -141,7 +143,6 @@ std::uint32_t most_ink(const JobPrediction& p, const std::vector<std::uint32_t>&
 
 /// `times`: how much larger the page is than the print; `slab`: where letters lie on it, nullptr: nobody asks.
 std::vector<Glyph> glyphs_of(const JobPrediction& p, double viewing_distance_mm, double times, const SlabCells* slab) {
-    constexpr double pi = 3.14159265358979323846, minutes = 5 * pi / 180 / 60;
     const std::vector<Letter> found = find_type(p).letters;
     const std::vector<std::vector<std::uint32_t>> grounds = grounds_of(p, found);
     std::vector<Glyph> letters(found.size());
@@ -153,13 +154,9 @@ std::vector<Glyph> glyphs_of(const JobPrediction& p, double viewing_distance_mm,
             return contrast_of(luminance_of(p, rgb, of.cells), luminance_of(p, rgb, grounds[n]));
         };
         letter.contrast_asked = contrast(p.target), letter.contrast = contrast(p.predicted.rgb);
-        letter.is_read = letter.contrast >= std::min(readable_contrast, readable_part * letter.contrast_asked) &&
-                         (letter.contrast_asked < readable_contrast || letter.contrast >= readable_contrast) &&
-                         x_height * letter.size_mm >= viewing_distance_mm * minutes;
-        const double paler = readable_contrast / std::max(letter.contrast, 1e-6);
-        letter.is_pale = !letter.is_read && letter.contrast >= pale_contrast &&
-                         x_height * letter.size_mm >= viewing_distance_mm * minutes * std::pow(paler, pale_exponent);
-        letter.is_read = letter.is_read || letter.is_pale;
+        const Legibility legibility =
+            legibility_of(letter.contrast, letter.contrast_asked, letter.size_mm, viewing_distance_mm);
+        letter.is_read = legibility != Legibility::lost, letter.is_pale = legibility == Legibility::pale;
         letter.cell = most_ink(p, of.cells, luminance_of(p, p.target, grounds[n]));
         letter.asked = p.target[letter.cell];
         if (slab)
@@ -214,6 +211,15 @@ std::optional<LostLines> lost_on(const JobPrediction& p, double times) {
 }
 
 }  // namespace
+
+Legibility legibility_of(double contrast, double contrast_asked, double size_mm, double viewing_distance_mm) {
+    constexpr double minutes = 5 * std::numbers::pi / 180 / 60;
+    const double times = x_height * size_mm / (viewing_distance_mm * minutes);
+    const double enough = contrast_asked < readable_contrast ? readable_part * contrast_asked : readable_contrast;
+    if (contrast >= enough && times >= 1) return Legibility::well;
+    const bool is_pale = contrast >= pale_contrast && times >= std::pow(readable_contrast / contrast, pale_exponent);
+    return is_pale ? Legibility::pale : Legibility::lost;
+}
 
 std::optional<TypeSize> unreadable_type(const JobPrediction& p, double viewing_distance_mm,
                                         std::span<const PicturePage> pages) {

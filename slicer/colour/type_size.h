@@ -42,6 +42,11 @@ struct TypeSize {
     Eigen::Vector3f asked = Eigen::Vector3f::Zero();  ///< linear sRGB, there
 };
 
+/// Letters of this contrast and face, from this distance, as above.
+enum class Legibility : std::uint8_t { lost, pale, well };
+[[nodiscard]] Legibility legibility_of(double contrast, double contrast_asked, double size_mm,
+                                       double viewing_distance_mm);
+
 /// Nothing where there is no type, or all of it is read well. `pages`: of a slab, the picture as it was given
 /// (slab_picture.h), whose letters are found however small they are printed; none: those of the target alone.
 [[nodiscard]] std::optional<TypeSize> unreadable_type(const JobPrediction& prediction, double viewing_distance_mm,

@@ -164,7 +164,7 @@ void add_worst(io::ReportVerdict& verdict) {
                        : is_colour   ? word_of(worst.asked)
                                      : fmt::format("{}, {}", worst.kind, word_of(worst.asked));
     if (worst.kind == "thin walls" || worst.kind == "fine detail" || worst.kind == "texture") what = worst.kind;
-    if (worst.kind == "code") what = worst.asked;
+    if (worst.kind == "code" || worst.kind == "label") what = worst.asked;
     std::vector<std::string> where;
     if (worst.pieces > 1) where.push_back(fmt::format("{} places", worst.pieces));
     where.push_back(fmt::format("{}{}", worst.pieces > 1 ? "the largest " : "", worst.place));
@@ -184,9 +184,10 @@ void judge_prediction(const VerdictSources& s, const JobPrediction& p, io::Repor
     const PlaceWords places(s.body);
     const std::vector<double> seen = seen_areas(surface, sides);
     const Losses losses = losses_of(s, p, seen);
-    JudgedRegions regions = judge_regions(
-        {p, s.colour, sides, places, seen, limits, s.body.is_picture, verdict.viewing_distance_mm, &s.body.model.mesh},
-        losses.walls);
+    JudgedRegions regions =
+        judge_regions({p, s.colour, sides, places, seen, limits, s.body.is_picture, verdict.viewing_distance_mm,
+                       &s.body.model.mesh, s.job.options.marks, s.body.grid.origin_mm},
+                      losses.walls);
     verdict.regions = std::move(regions.rows);
     WholeVerdict whole = judge_whole(p.seen.difference, seen, regions.spoilt, limits);
     if (!regions.useless.empty()) whole.level = io::VerdictLevel::bad, whole.useless = regions.useless;
@@ -245,10 +246,12 @@ void judge_gamut(const VerdictSources& s, io::ReportVerdict& verdict) {
 }
 
 /// What the file's colours were is not known here, so that the judgement is of those that are left.
-void judge_lost_colour(const std::string& lost, io::ReportVerdict& verdict) {
+void judge_lost_colour(const std::string& lost, bool all_white, io::ReportVerdict& verdict) {
     verdict.level = io::VerdictLevel::bad;
     verdict.headline = "It will not look as asked";
-    verdict.why = "Measured against the colours that are left: " + verdict.sentence;
+    std::string rest = verdict.sentence;
+    rest.front() = char(std::tolower(static_cast<unsigned char>(rest.front())));
+    verdict.why = all_white ? "What is left is white everywhere." : "By the colours that are left " + rest;
     verdict.sentence = fmt::format("{}. {} {}", verdict.headline, lost, verdict.why);
     verdict.but = lost;
     verdict.but_normal = {};
@@ -318,7 +321,7 @@ io::ReportVerdict judge(const VerdictSources& s) {
     } else {
         judge_gamut(s, verdict);
     }
-    if (!s.body.model.lost_colour.empty()) judge_lost_colour(s.body.model.lost_colour, verdict);
+    if (!s.body.model.lost_colour.empty()) judge_lost_colour(s.body.model.lost_colour, s.all_white, verdict);
     return verdict;
 }
 

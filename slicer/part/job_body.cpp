@@ -139,21 +139,30 @@ void look_for_thin_walls(const PrinterProfile& printer, const SolidIndex& solid,
     const VisibleSurface sides = body.is_picture ? picture_surface(body.model.mesh, true) : VisibleSurface();
     const VisibleSurface& surface = body.is_picture ? sides : *body.surface;
     const std::vector<ThinWall> walls = find_thin_walls(surface, solid, limit_mm, progress);
+    const Eigen::AlignedBox3d box = bounding_box(solid->positions_mm, solid->triangles);
+    if (const auto joints = bare_joints(*solid, limit_mm); !joints.empty() && !body.is_picture)
+        body.warnings.push_back(named_warning(
+            fragile_warning,
+            fmt::format("{} meet in a point or an edge alone, {} ({:.1f}, {:.1f}, {:.1f} mm): they come apart when "
+                        "the support is washed off; let them overlap by {:g} mm in a mesh editor",
+                        joints.size() == 1 ? "two pieces" : fmt::format("{} pairs of pieces", joints.size()),
+                        words_for_place(joints[0], box, false), joints[0].x(), joints[0].y(), joints[0].z(),
+                        limit_mm)));
     if (walls.empty()) return;
     constexpr std::size_t most_told = 4;
-    const Eigen::AlignedBox3d box = bounding_box(solid->positions_mm, solid->triangles);
     std::string told;
     for (std::size_t w = 0; w < std::min(most_told, walls.size()); ++w)
         told += (w > 0 ? "; " : "") + wall_text(walls[w], body, box);
     if (walls.size() > most_told) told += fmt::format("; and {} more", walls.size() - most_told);
     const std::optional<double> times = larger_without_thin_walls(surface, solid, limit_mm, progress);
     body.warnings.push_back(named_warning(
-        "fragile", fmt::format("walls under {:g} mm, which {} asks for at least, may break when the support is washed "
-                               "off: {}. {}{}, they would not",
-                               limit_mm, printer.name, told,
-                               times ? fmt::format("{:g} times as large, or ", *times) : "If they are ",
-                               body.is_picture ? "wider in the picture (--thickness where the slab itself is thin)"
-                                               : "thickened in a mesh editor")));
+        fragile_warning,
+        fmt::format("walls under {:g} mm, which {} asks for at least, may break when the support is washed "
+                    "off: {}. {}{}, they would not",
+                    limit_mm, printer.name, told,
+                    times ? fmt::format("{:g} times as large, or ", *times) : "If they are ",
+                    body.is_picture ? "wider in the picture (--thickness where the slab itself is thin)"
+                                    : "thickened in a mesh editor")));
 }
 
 /// Where letters are raised the body is larger than its mesh.

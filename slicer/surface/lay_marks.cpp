@@ -177,7 +177,7 @@ std::string place_text(const MarkOptions& mark, const io::Decal& decal, const La
     std::string text =
         fmt::format("{}: {:.1f} x {:.1f} mm {}", mark.said, decal.width_mm, decal.height_mm, where_text(decal, body));
     if (mark.ink == MarkInk::contrast && mark.kind != MarkKind::picture)
-        text += ink.x() > 0.5f ? ", white on what is darker" : ", black on what is lighter";
+        text += ink.x() > 0.5f ? ", in white" : ", in black";
     if (landing.covered < 0.995) text += fmt::format("; {:.0f} % of it lie on the model", 100 * landing.covered);
     return text;
 }

@@ -7,11 +7,13 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include <Eigen/Geometry>
 
 #include "base/parallel.h"
 #include "slicer/mesh/disjoint_sets.h"
+#include "slicer/mesh/mesh_chain.h"
 #include "slicer/surface/area_samples.h"
 
 namespace voxtone::slicer {
@@ -143,6 +145,38 @@ std::optional<double> larger_without_thin_walls(const VisibleSurface& surface, c
     for (const double times : {1.25, 1.5, 2.0, 3.0, 4.0})
         if (find_thin_walls(surface, solid, limit_mm / times, progress).empty()) return times;
     return std::nullopt;
+}
+
+std::vector<Eigen::Vector3d> bare_joints(const SolidMesh& solid, double limit_mm) {
+    const Shells shells = find_shells(solid.triangles);
+    std::vector<Eigen::AlignedBox3d> box(shells.count);
+    std::vector<std::vector<std::uint32_t>> at_corner(solid.positions_mm.size());
+    for (std::size_t t = 0; t < solid.triangles.size(); ++t)
+        for (const std::uint32_t corner : solid.triangles[t]) {
+            box[shells.of_triangle[t]].extend(solid.positions_mm[corner]);
+            if (std::ranges::find(at_corner[corner], shells.of_triangle[t]) == at_corner[corner].end())
+                at_corner[corner].push_back(shells.of_triangle[t]);
+        }
+    std::map<std::pair<std::uint32_t, std::uint32_t>, Eigen::AlignedBox3d> shared;
+    for (std::size_t corner = 0; corner < at_corner.size(); ++corner)
+        for (std::size_t a = 1; a < at_corner[corner].size(); ++a)
+            for (std::size_t b = 0; b < a; ++b)
+                shared[std::minmax(at_corner[corner][a], at_corner[corner][b])].extend(solid.positions_mm[corner]);
+    constexpr std::uint32_t most_shells = 2000;  // all pairs are looked at
+    if (shared.empty() || shells.count > most_shells) return {};
+    const auto wide_axes = [&](const Eigen::AlignedBox3d& of) {
+        return of.isEmpty() ? 0 : int((of.sizes().array() >= limit_mm).count());
+    };
+    DisjointSets held(shells.count);
+    for (std::uint32_t a = 1; a < shells.count; ++a)
+        for (std::uint32_t b = 0; b < a; ++b)
+            if (wide_axes(box[a].intersection(box[b])) == 3) held.unite(a, b);
+    for (const auto& [pair, where] : shared)
+        if (wide_axes(where) >= 2) held.unite(pair.first, pair.second);
+    std::vector<Eigen::Vector3d> joints;
+    for (const auto& [pair, where] : shared)
+        if (held.root(pair.first) != held.root(pair.second)) joints.push_back(where.center());
+    return joints;
 }
 
 }  // namespace voxtone::slicer

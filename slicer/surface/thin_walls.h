@@ -37,4 +37,9 @@ struct ThinWall {
 [[nodiscard]] std::optional<double> larger_without_thin_walls(const VisibleSurface& surface, const SolidIndex& solid,
                                                               double limit_mm, const Progress& progress);
 
+/// Where pieces of a body meet in a point or along an edge alone and nothing else holds them together: the middle of
+/// what they share. Two pieces are held where their boxes overlap by the limit along all axes, or where they share a
+/// face.
+[[nodiscard]] std::vector<Eigen::Vector3d> bare_joints(const SolidMesh& solid, double limit_mm);
+
 }  // namespace voxtone::slicer

@@ -236,7 +236,7 @@ TEST_CASE("A label contrasts with what lies below it, on the ground that it was 
         Body body = box({20, 20, 5}, ground);
         const std::string note = lay(body, {"HHHH; size=4mm; place=top"}).notes[0];
         const bool is_light = ground.x() > 0.5f;
-        CHECK_THAT(note, Contains(is_light ? "black on what is lighter" : "white on what is darker"));
+        CHECK_THAT(note, Contains(is_light ? ", in black" : ", in white"));
         const std::size_t dark = dark_pixels(test::seen_from(body, Eigen::Vector3d::UnitZ(), 0.1));
         const std::size_t all = 200 * 200, ink = is_light ? dark : all - dark;
         CHECK(ink > all / 100);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/surface/thin_walls.h"
 
+#include <algorithm>
+
 #include <catch2/catch.hpp>
 
 #include "slicer/mesh/mesh_repair.h"
@@ -92,4 +94,30 @@ TEST_CASE("Edges and corners of thick bodies, tips of cones and shells within ea
     pyramid.positions_mm = {{0, 0, 0}, {6, 0, 0}, {6, 6, 0}, {0, 6, 0}, {3, 3, 6}};
     pyramid.triangles = {{0, 2, 1}, {0, 3, 2}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
     CHECK(walls_of(pyramid).empty());
+}
+
+TEST_CASE("Pieces that meet in a point or an edge alone are told, and those that overlap or share a face are not") {
+    const auto box_at = [](const Vector3d& low) { return shapes::box(low, low + Vector3d(4, 4, 4)); };
+    const auto both = [&](const Vector3d& second) {
+        SolidMesh solid = box_at(Vector3d::Zero());
+        const SolidMesh more = box_at(second);
+        // Corners in one place are one.
+        for (const auto& triangle : more.triangles) {
+            auto& made = solid.triangles.emplace_back();
+            for (std::size_t c = 0; c < 3; ++c) {
+                const Vector3d& at = more.positions_mm[triangle[c]];
+                const auto same = std::ranges::find(solid.positions_mm, at);
+                made[c] = std::uint32_t(same - solid.positions_mm.begin());
+                if (same == solid.positions_mm.end()) solid.positions_mm.push_back(at);
+            }
+        }
+        return bare_joints(solid, 0.6);
+    };
+    const auto point = both({4, 4, 4});
+    REQUIRE(point.size() == 1);
+    CHECK(point[0] == Vector3d(4, 4, 4));
+    CHECK(both({4, 4, 0}).size() == 1);  // an edge
+    CHECK(both({4, 0, 0}).empty());      // a face
+    CHECK(both({3, 3, 3}).empty());      // overlap
+    CHECK(both({5, 5, 5}).empty());      // apart
 }
