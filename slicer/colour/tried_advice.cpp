@@ -181,9 +181,9 @@ void add_thicker(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) 
     const std::string options = s.body.is_picture ? fmt::format("--thickness {:g}mm", thick_mm)
                                 : sheets          ? fmt::format("--sheet-thickness {:g}mm", thick_mm)
                                                   : std::string();
-    const std::string what =
-        sheets ? fmt::format("print open sheets {:g} mm thick", thick_mm)
-               : fmt::format("make walls of {:.1f} mm at least {:g} mm thick", s.mean.wall_mm, thick_mm);
+    const std::string what = sheets ? fmt::format("print open sheets {:g} mm thick", thick_mm)
+                                    : fmt::format("make walls of {:.1f} mm at least {:g} mm thick{}", s.mean.wall_mm,
+                                                  thick_mm, s.body.is_picture ? "" : " in a mesh editor");
     advice.push_back({fmt::format("{}{}: then {}", what, options.empty() ? "" : " (" + options + ")",
                                   known ? fmt::format("about {:.1f}", then) : fmt::format("{:.1f} or less", then)),
                       options, seen_mean, now, then});

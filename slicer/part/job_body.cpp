@@ -142,7 +142,7 @@ void look_for_thin_walls(const PrinterProfile& printer, const SolidIndex& solid,
     const Eigen::AlignedBox3d box = bounding_box(solid->positions_mm, solid->triangles);
     if (const auto joints = bare_joints(*solid, limit_mm); !joints.empty() && !body.is_picture)
         body.warnings.push_back(named_warning(
-            fragile_warning,
+            "fragile",
             fmt::format("{} meet in a point or an edge alone, {} ({:.1f}, {:.1f}, {:.1f} mm): they come apart when "
                         "the support is washed off; let them overlap by {:g} mm in a mesh editor",
                         joints.size() == 1 ? "two pieces" : fmt::format("{} pairs of pieces", joints.size()),
