@@ -210,8 +210,17 @@ void StackFiles::open_for_printer() {
             fmt::format("{}: has bitmaps of single resins, which are not looked into: verify the folder "
                         "that the job made, of which this is a part",
                         root_.string()));
+    read_page(read_whole_file(root_ / how_to_print_name, most_how_to_print_bytes));
+    for (const auto& entry : fs::directory_iterator(root_))
+        if (const std::string name = entry.path().filename().string();
+            name != how_to_print_name && name != layers_name && name != gcvf_name && name != resin_folder_name)
+            listing_.strangers.push_back(name);
+    list_ours();
+}
+
+/// The page of how to print, with the manifest in it.
+void StackFiles::read_page(const std::vector<std::uint8_t>& bytes) {
     const std::string source = (root_ / how_to_print_name).string();
-    const auto bytes = read_whole_file(source, most_how_to_print_bytes);
     const auto manifest = manifest_in_page({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     if (!manifest)
         throw InputError(
@@ -221,11 +230,31 @@ void StackFiles::open_for_printer() {
     listing_.kind = StackKind::voxtone;
     listing_.description = parse_manifest(*manifest, source);
     listing_.seal = seal_of_manifest_text(*manifest, source);
-    for (const auto& entry : fs::directory_iterator(root_))
-        if (const std::string name = entry.path().filename().string();
-            name != how_to_print_name && name != layers_name && name != gcvf_name && name != resin_folder_name)
+}
+
+/// The same as `open_for_printer`, packed as ZIP. `index`: its entries.
+void StackFiles::open_packed(std::map<std::string, std::size_t> index) {
+    const auto page = index.find(std::string(how_to_print_name));
+    read_page(zip_->read(page->second, most_how_to_print_bytes));
+    index.erase(page);
+    for (std::uint32_t k = 0; k < listing_.description->layers; ++k) {
+        const std::string name = listing_.description->layer_path(k);
+        if (const auto found = index.find(name); found != index.end()) {
+            listing_.names.push_back(name);
+            entries_.push_back(found->second);
+            index.erase(found);
+        } else {
+            add_missing(name);
+        }
+    }
+    if (listing_.names.empty())
+        throw InputError(
+            fmt::format("{}: is a printer's folder packed as ZIP, without {}: unpack it, and name the "
+                        "folder",
+                        root_.string(), layers_name));
+    for (const auto& [name, i] : index)
+        if (!name.ends_with('/') && !name.starts_with(std::string(resin_folder_name) + "/") && name != gcvf_name)
             listing_.strangers.push_back(name);
-    list_ours();
 }
 
 /// The layers that the manifest announces.
@@ -265,8 +294,7 @@ void StackFiles::open_gcvf() {
     for (std::size_t i = 0; i < zip_->names().size(); ++i) index.emplace(zip_->names()[i], i);
     const auto config_entry = index.find("ConfigFile.xml");
     if (config_entry == index.end() && index.contains(std::string(how_to_print_name)))
-        throw InputError(
-            fmt::format("{}: is a printer's folder packed as ZIP: unpack it, and name the folder", root_.string()));
+        return open_packed(std::move(index));
     if (config_entry == index.end() && index.contains("config.ini"))
         throw InputError(fmt::format(
             "{}: is an archive of layers of a slicer for resin printers (SL1): unpack it, and name the folder",

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // A layer stack as it lies on the disk: a folder of ours (with manifest.json), anybody's folder of numbered PNG files
-// (io/pictures/picture_series.h), or a GCVF container. All is parsed in this process: what voxtone-read-stack does for
-// io/layers/stack_reader.h behind its walls.
+// (io/pictures/picture_series.h), a GCVF container, or the ZIP that was packed for a printer. All is parsed in this
+// process: what voxtone-read-stack does for io/layers/stack_reader.h behind its walls.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -72,6 +73,8 @@ private:
     void list_folder(const std::filesystem::path& folder);
     void open_ours();
     void open_for_printer();
+    void open_packed(std::map<std::string, std::size_t> index);
+    void read_page(const std::vector<std::uint8_t>& bytes);
     void list_ours();
     void read_beside_manifest();
     void open_gcvf();

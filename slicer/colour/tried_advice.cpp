@@ -27,7 +27,7 @@ constexpr double left_by_loop = 0.65;       // at most, of what the resins could
 constexpr double left_by_thickness = 0.35;  // at most, of what is lost in walls of a few voxels
 constexpr double least_wall_mm = 0.25;      // in which they do
 constexpr double some_sheets = 0.25;        // of the thin walls, from where on a thickness for them is worth a word
-constexpr double slow_exponent = 0.3;       // of the slowest, the header tells of which
+constexpr double slow_part = 0.25;          // of the exponent, at the least: the header tells of which
 constexpr double readable_type_mm = 1.5;    // face: below 1.1 to 1.6 mm letters were lost on signs and cards
 constexpr const char *seen_mean = "seen_de2000", *gamut_mean = "gamut";
 
@@ -92,9 +92,7 @@ void add_larger(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     MeanParts at_best = s.mean;
     at_best.neighbours += std::exchange(at_best.flat, 0);
     const auto at_least = [&](double k) { return mean_when_larger(at_best, k, exponent, thick_mm); };
-    const auto at_most = [&](double k) {
-        return mean_when_larger(s.mean, k, std::min(exponent, slow_exponent), thick_mm);
-    };
+    const auto at_most = [&](double k) { return mean_when_larger(s.mean, k, slow_part * exponent, thick_mm); };
     const auto then = [&](double k) { return (at_least(k) + at_most(k)) / 2; };
     // As large as makes it good; else twice as large.
     double type_k = 1;
@@ -115,7 +113,11 @@ void add_larger(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     const double area_mm2 = coloured_area_mm2(*s.body.surface) * std::pow(to_mm / edge_mm, 2);
     if (!s.loop && s.job.options.prediction.automatic && area_mm2 > 100 * auto_prediction_cm2)
         options += fmt::format(" --predict {}", name_of(PredictionModel::transport));
-    advice.push_back({fmt::format("print it larger ({}): then {:.1f} to {:.1f}{}", options, mean, at_most(times),
+    // Where nothing is thick nobody knows what thick walls are like.
+    const bool is_known = s.mean.thin < (1 - worth_a_word) * now || s.mean.thick_walls < s.mean.thin;
+    const std::string come_to =
+        is_known ? fmt::format("{:.1f} to {:.1f}", mean, at_most(times)) : fmt::format("{:.1f} at best", mean);
+    advice.push_back({fmt::format("print it larger ({}): then {}{}", options, come_to,
                                   type_k > 1 && to_mm >= type_k * edge_mm ? ", and more of its type can be read" : ""),
                       options, seen_mean, now, mean});
 }
