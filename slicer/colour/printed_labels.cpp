@@ -129,6 +129,7 @@ private:
 void read_letters(const JobPrediction& p, const std::vector<Seen>& seen, const MarkShape& shape,
                   double viewing_distance_mm, PrintedLabel& label) {
     constexpr double around_mm = 0.5, room = 0.01;  // a room's light over both, as in SeenPrint
+    constexpr double dash = 0.2;                    // of the em: what is no higher is a dash or a dot, and no letter
     const Letters letters(shape.ink);
     struct Light {
         double ink = 0, ground = 0, on = 0, off = 0;
@@ -153,8 +154,11 @@ void read_letters(const JobPrediction& p, const std::vector<Seen>& seen, const M
     // All have one ink: whatever most are, darker or lighter, the others are lost.
     double sum = 0;
     for (const Light& of : light) sum += of.apart();
-    label.letters = light.size(), label.contrast = 1;
-    for (const Light& of : light) {
+    label.contrast = 1;
+    for (std::size_t n = 0; n < light.size(); ++n) {
+        const Light& of = light[n];
+        if (letters.box_mm(n).sizes().y() < dash * label.mark->size_mm) continue;
+        ++label.letters;
         const double contrast = sum < 0 ? -of.apart() : of.apart();
         label.contrast = std::min(label.contrast, std::max(0.0, contrast));
         if (legibility_of(contrast, 1, label.mark->size_mm, viewing_distance_mm) == Legibility::lost) ++label.unread;

@@ -192,10 +192,8 @@ std::optional<Row> small_type(const RegionSources& s, const std::optional<TypeSi
     row.cells = {type->cell};
     if (type->unread > 0) {
         row.said.type_mm = type->below_mm, row.said.smallest_type_mm = type->smallest_mm;
-        row.said.why =
-            fmt::format("below {} is not readable at this size{}", type_size_text(type->below_mm),
-                        type->unread == type->letters ? ", and none of it is larger"
-                                                      : fmt::format(": {} of {} letters", type->unread, type->letters));
+        row.said.why = fmt::format("below {} is not readable at this size: {} of {} letters",
+                                   type_size_text(type->below_mm), type->unread, type->letters);
         if (type->pale > 0) row.said.why += fmt::format("; {} larger ones are pale", type->pale);
     } else {
         row.said.why = fmt::format("is pale: {} of {} letters have a contrast of {:.2f}, and {:g} is read with ease",
@@ -281,7 +279,7 @@ std::string what_is_wrong(const io::ReportRegion& region, const VerdictLimits& l
         return fmt::format("{} a rim of another colour, {:.0f} units of CIELAB in chroma",
                            is_plural(region) ? "have" : "has", *region.rim);
     if (is_uneven(region, flecked_above))
-        return fmt::format("{} not even: flecked by {:.1f} CIEDE2000", is_are(region), *region.unevenness);
+        return fmt::format("{} {}: flecked by {:.1f} CIEDE2000", is_are(region), not_even, *region.unevenness);
     return {};
 }
 
@@ -503,7 +501,7 @@ std::string colour_word(const Eigen::Vector3f& rgb) {
     const double chroma = lab.tail<2>().norm(), degrees = std::atan2(lab[2], lab[1]) * 180 / 3.14159265358979323846;
     const double hue = degrees < 0 ? degrees + 360 : degrees;
     if (lab[0] < 22 && chroma < 18) return "black";
-    if (chroma < 9) {
+    if (chroma < 9 || (chroma < 13 && lab[0] < 80)) {
         const char* grey = lab[0] > 90 ? "white" : lab[0] > 65 ? "light grey" : lab[0] > 40 ? "grey" : "dark grey";
         return chroma < 4 ? grey : fmt::format("{} {}", tint_word(hue), grey);
     }
@@ -512,7 +510,7 @@ std::string colour_word(const Eigen::Vector3f& rgb) {
     if (hue < 75 && (lab[0] < 48 || (chroma < 45 && lab[0] < 60))) return "brown";
     if (hue < 100 && chroma < 35) return lab[0] < 58 ? "brown" : "beige";
     if (hue < 75) return "orange";
-    if (hue < 108) return lab[0] < 45 ? "olive" : "yellow";
+    if (hue < 108) return lab[0] < 45 || (lab[0] < 60 && chroma < 45) ? "olive" : "yellow";
     if (hue < 175) return "green";
     if (hue < 245) return "cyan";
     if (hue < 310) return "blue";  // sRGB's own lies at 306

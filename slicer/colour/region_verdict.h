@@ -22,6 +22,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -35,9 +36,13 @@
 
 namespace voxtone::slicer {
 
-/// "orange", from linear sRGB. A grey of chroma 4 to 9 is told with its tint ("bluish white"). Where one word ends and
-/// the next begins is ours: the tints were chosen on a sign's paper (233, 243, 255), chroma 7; no one was asked.
+/// "orange", from linear sRGB. A grey of chroma 4 to 9 (13 below L* 80) is told with its tint ("bluish white"). Where
+/// one word ends and the next begins is ours: the tints were chosen on a sign's paper (233, 243, 255), chroma 7; no one
+/// was asked.
 [[nodiscard]] std::string colour_word(const Eigen::Vector3f& rgb);
+
+/// What is said of flecks in `why`.
+inline constexpr std::string_view not_even = "not even";
 
 /// What regions are judged by.
 struct RegionSources {

@@ -29,7 +29,8 @@ constexpr double least_wall_mm = 0.25;      // in which they do
 constexpr double some_sheets = 0.25;        // of the thin walls, from where on a thickness for them is worth a word
 constexpr double slow_part = 0.25;          // of the exponent, at the least: the header tells of which
 constexpr double readable_type_mm = 1.5;    // face: below 1.1 to 1.6 mm letters were lost on signs and cards
-constexpr const char *seen_mean = "seen_de2000", *gamut_mean = "gamut";
+constexpr double fading_mm = 0.3;           // in which light through walls falls to a third, at best
+constexpr const char *seen_mean = "seen_de2000", *gamut_mean = "gamut", *smallest_type = "type_mm";
 
 /// What blurring the target changes of it, on average.
 double changed_by_blur(const AdviceSources& s, double spread_mm) {
@@ -48,6 +49,17 @@ double exponent_of(const AdviceSources& s) {
     constexpr double spread_mm = 0.5;
     const double wide = changed_by_blur(s, spread_mm), narrow = changed_by_blur(s, spread_mm / 2);
     return narrow > 0 && wide > narrow ? std::min(1.0, std::log2(wide / narrow)) : 0;
+}
+
+/// What the mean would be of the same print so many times as large, with light that spread as many times as far: that
+/// of this one seen from as much nearer.
+double mean_from_nearer(const AdviceSources& s, double times) {
+    const SeenPrint seen = seen_from(s.prediction, s.job.options.loop.viewing_distance_mm / times,
+                                     s.job.options.loop.intent != halftone::Intent::absolute);
+    double sum = 0, all = 0;
+    for (std::size_t i = 0; i < seen.difference.size(); ++i)
+        sum += s.weight[i] * seen.difference[i], all += s.weight[i];
+    return all > 0 ? sum / all : 0;
 }
 
 /// A size as it is written and read again.
@@ -91,7 +103,7 @@ void add_larger(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     // At best flat areas come nearer too: light from afar is in their middles.
     MeanParts at_best = s.mean;
     at_best.neighbours += std::exchange(at_best.flat, 0);
-    const auto at_least = [&](double k) { return mean_when_larger(at_best, k, exponent, thick_mm); };
+    const auto at_least = [&](double k) { return mean_when_larger(at_best, k, exponent, thick_mm, fading_mm); };
     const auto at_most = [&](double k) { return mean_when_larger(s.mean, k, slow_part * exponent, thick_mm); };
     const auto then = [&](double k) { return (at_least(k) + at_most(k)) / 2; };
     // As large as makes it good; else twice as large.
@@ -106,8 +118,17 @@ void add_larger(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     const auto [option, edge_mm] = size_option(s);
     const double to_mm = rounded_mm(k * edge_mm);
     if (to_mm <= edge_mm) return;
-    const double times = to_mm / edge_mm, mean = at_least(times);
-    if (then(times) > worth_a_word * now && !(for_type && type_k > 1)) return;
+    const double times = to_mm / edge_mm, least = at_least(times);
+    if (type_k > 1 && to_mm >= type_k * edge_mm) {
+        const std::string options = fmt::format("{} {:g}mm", option, to_mm);
+        const double smallest_mm = s.smallest_type_mm * times;
+        advice.push_back({fmt::format("print it larger ({}): then its smallest type is of {}, which can be read",
+                                      options, type_size_text(smallest_mm)),
+                          options, smallest_type, s.smallest_type_mm, smallest_mm});
+        return;
+    }
+    const double highest = std::max(at_most(times), s.body.is_picture ? mean_from_nearer(s, times) : 0);
+    if ((least + highest) / 2 > worth_a_word * now) return;
     std::string options = fmt::format("{} {:g}mm", option, to_mm);
     // Where nothing else would tell what it comes to.
     const double area_mm2 = coloured_area_mm2(*s.body.surface) * std::pow(to_mm / edge_mm, 2);
@@ -115,11 +136,11 @@ void add_larger(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
         options += fmt::format(" --predict {}", name_of(PredictionModel::transport));
     // Where nothing is thick nobody knows what thick walls are like.
     const bool is_known = s.mean.thin < (1 - worth_a_word) * now || s.mean.thick_walls < s.mean.thin;
-    const std::string come_to =
-        is_known ? fmt::format("{:.1f} to {:.1f}", mean, at_most(times)) : fmt::format("{:.1f} at best", mean);
-    advice.push_back({fmt::format("print it larger ({}): then {}{}", options, come_to,
-                                  type_k > 1 && to_mm >= type_k * edge_mm ? ", and more of its type can be read" : ""),
-                      options, seen_mean, now, mean});
+    const std::string from = fmt::format("{:.1f}", least), to = fmt::format("{:.1f}", highest),
+                      come_to = !is_known    ? from + " at best"
+                                : from == to ? "about " + from
+                                             : fmt::format("{} to {}", from, to);
+    advice.push_back({fmt::format("print it larger ({}): then {}", options, come_to), options, seen_mean, now, least});
 }
 
 void add_loop(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
@@ -193,9 +214,10 @@ void add_thicker(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) 
 
 }  // namespace
 
-double mean_when_larger(const MeanParts& mean, double k, double exponent, double thick_mm) {
+double mean_when_larger(const MeanParts& mean, double k, double exponent, double thick_mm, double fading_mm) {
     const double open = thick_mm - mean.wall_mm, left = thick_mm - k * mean.wall_mm;
-    const double through = open > 0 ? std::max(0.0, left / open) : 0;
+    double through = open > 0 ? std::max(0.0, left / open) : 0;
+    if (fading_mm > 0) through = std::min(through, std::exp(-(k - 1) * mean.wall_mm / fading_mm));
     // Where nothing is thick nobody knows what thick walls are like: at best, as asked.
     const double thick = mean.thick_walls < mean.thin ? mean.thick_walls : 0;
     return mean.reach + mean.flat + (mean.thin - thick) * through + (mean.neighbours + thick) * std::pow(k, -exponent);

@@ -14,9 +14,13 @@
 //                 is what they are off by, and the loop leaves more of what is harder. So both ends are said: with
 //                 flat areas that come nearer, and by a quarter of e where they do not: squares of 0.6 mm, 8.4 without
 //                 the loop, came to 7.3 at 2.1 times their size, e = 0.18 for 0.64. With the loop the bundled cow of 12
-//                 mm, 3.4, came to 2.9 at 16.5 mm, 2.7 at 20 and 2.1 at 25, a barrel of 12 mm, 2.6, to 2.3 at 15 mm. As
-//                 large is advised as makes their middle good. Not after a loop that was cut short: another size would
-//                 be cut short elsewhere
+//                 mm, 3.4, came to 2.9 at 16.5 mm, 2.7 at 20 and 2.1 at 25, a barrel of 12 mm, 2.6, to 2.3 at 15 mm. Of
+//                 walls light falls to a third in 0.3 mm at best (a spider of 15 mm with legs of 0.3 mm, 14.0, came to
+//                 5.5 at twice that). What is too small to be seen becomes visible: a picture's print is at most what
+//                 this one would be from as much nearer, where light had spread as much farther (a menu of 8 mm on
+//                 cream, 5.5, came to 8.5 at 16 mm). As large is advised as makes their middle good; where type cannot
+//                 be read, as makes its smallest 1.5 mm, said by that. Not after a loop that was cut short: another
+//                 size would be cut short elsewhere
 //   thicker walls the cells of thin walls become as those are that have a core behind them. Where hardly any has one,
 //   of walls
 //                 below 0.25 mm at most 0.35 of it is left, said as a bound: of open sheets of one voxel that were
@@ -75,7 +79,8 @@ struct AdviceSources {
 [[nodiscard]] std::vector<io::ReportAdvice> advice_on_reach(const OpenedJob& job, const JobBody& body);
 
 /// m where the print is k times as large. `exponent`: e.
-[[nodiscard]] double mean_when_larger(const MeanParts& mean, double k, double exponent, double thick_mm);
+[[nodiscard]] double mean_when_larger(const MeanParts& mean, double k, double exponent, double thick_mm,
+                                      double fading_mm = 0);
 
 /// Of means of iterates, the last the best: about what further ones would come to; `more` at most.
 [[nodiscard]] double mean_of_longer_loop(const std::vector<double>& means, int more);

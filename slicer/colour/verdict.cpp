@@ -159,6 +159,10 @@ std::string word_of(const std::string& colour) { return colour.substr(0, colour.
 void add_worst(io::ReportVerdict& verdict) {
     if (verdict.regions.empty() || verdict.regions.front().good) return;
     const io::ReportRegion& worst = verdict.regions.front();
+    // Flecks that are hardly seen are not what makes it bad.
+    if (verdict.level != io::VerdictLevel::good && worst.why.find(not_even) != std::string::npos &&
+        worst.unevenness < spoilt_above)
+        return;
     const bool is_colour = worst.kind == "solid" || worst.kind == "paper";
     std::string what = worst.type_mm ? std::string("type")
                        : is_colour   ? word_of(worst.asked)
@@ -220,7 +224,10 @@ void judge_prediction(const VerdictSources& s, const JobPrediction& p, io::Repor
         "{} (CIEDE2000 as seen from {:g} mm: up to {:g} is good, above {:g} bad; {:.1f} of it no mixture of "
         "these resins could avoid).",
         verdict.headline, verdict.viewing_distance_mm, verdict.good_up_to, verdict.bad_above, losses.mean.reach)};
-    for (const std::string& more : {verdict.but, sides_sentence(verdict), verdict.why})
+    const auto code = std::ranges::find_if(
+        verdict.regions, [](const io::ReportRegion& region) { return region.kind == "code" && region.good; });
+    const std::string scans = code == verdict.regions.end() ? "" : fmt::format("A scanner reads its {}.", code->asked);
+    for (const std::string& more : {verdict.but, scans, sides_sentence(verdict), verdict.why})
         if (!more.empty()) sentences.push_back(more);
     if (!verdict.advice.empty()) sentences.push_back(fmt::format("Try: {}.", verdict.advice.front().text));
     verdict.sentence = fmt::format("{}", fmt::join(sentences, " "));

@@ -33,13 +33,15 @@ nlohmann::json result_of(const Outcome& outcome) {
     return nlohmann::json::parse(outcome.out.substr(last))["result"];
 }
 
-double worst_difference(const std::string& a, const std::string& b) {
+/// On a base of this resin.
+double worst_difference(const std::string& a, const std::string& b, const std::string& backing) {
     const calibration::PatchTable one = calibration::read_patches(a), other = calibration::read_patches(b);
     REQUIRE(one.patches.size() == other.patches.size());
     double worst = 0;
     for (std::size_t p = 0; p < one.patches.size(); ++p) {
         REQUIRE(one.patches[p].top == other.patches[p].top);
         REQUIRE(one.patches[p].backing == other.patches[p].backing);
+        if (one.patches[p].backing != backing) continue;
         for (std::size_t c = 0; c < 3; ++c)
             worst = std::max(worst, std::abs(one.patches[p].rho[c] - other.patches[p].rho[c]));
     }
@@ -129,11 +131,17 @@ TEST_CASE("Photographs of all kinds of files are measured") {
                                  " -o ";
     const std::string photo = "calibrate photo --target " + folder / "out/target.json" + " --json --overwrite -o " +
                               folder / "patches.csv" + " ";
+    // Truth is of squares without end; what their ends do on white is 0.0185 at the most by a tracer of its own
+    // (benchmarks/calibration/target/finite-squares), on black 0.0033.
+    const auto expect_truth = [&] {
+        CHECK(worst_difference(folder / "patches.csv", folder / "truth.csv", "K") < 0.005);
+        CHECK(worst_difference(folder / "patches.csv", folder / "truth.csv", "W") < 0.0185);
+    };
     for (const std::string name : {"photo.png", "photo.tif", "photo.exr"}) {
         require_done(run_program(simulate + folder / name));
         const nlohmann::json result = result_of(run_program(photo + folder / name));
         CHECK(result["count"] == 10);
-        CHECK(worst_difference(folder / "patches.csv", folder / "truth.csv") < 0.005);
+        expect_truth();
         if (name != "photo.png") continue;
         // Squares that were polished thinner are told as they are.
         result_of(run_program(photo + folder / name + " --top 640um"));
@@ -149,7 +157,7 @@ TEST_CASE("Photographs of all kinds of files are measured") {
     const Outcome codes = run_program(photo + folder / "codes.png");
     CHECK_THAT(codes.out, Contains("8 bits") && Contains("[coarse-samples]"));
     result_of(codes);
-    CHECK(worst_difference(folder / "patches.csv", folder / "truth.csv") < 0.005);
+    expect_truth();
     CHECK(result_of(run_program(photo + folder / "photo.png" + " " + folder / "photo.tif"))["photographs"].size() == 2);
 }
 
@@ -181,8 +189,8 @@ TEST_CASE("The road from a target to its resins recovers resins that the fit doe
                              " --quiet -o " + folder / "photo.tif"));
     require_done(run_program("calibrate photo " + folder / "photo.tif" + " --target " + folder / "out/target.json" +
                              " --quiet -o " + folder / "patches.csv"));
-    const std::string fit =
-        "calibrate fit " + folder / "patches.csv" + " --quiet --overwrite -o " + folder / "resins.json";
+    const std::string fit = "calibrate fit " + folder / "patches.csv" + " --target " + folder / "out/target.json" +
+                            " --quiet --overwrite -o " + folder / "resins.json";
     require_done(run_program(fit + " --printer stratasys-j750-hm"));
     const auto distances = [&] {  // relative, of extinction and of absorption
         const optics::ResinSet known = io::read_resin_set(truth), found = io::read_resin_set(folder / "resins.json");

@@ -240,6 +240,10 @@ TEST_CASE("What a larger print comes to never rises with its size, and never fal
     CHECK(mean_when_larger(mean, 4, 1, 2) == Approx(0.8 + 0.5 + 0.1 + 0.75));  // walls are thick then
     const MeanParts all_thin{.reach = 0.8, .thin = 2, .neighbours = 0, .wall_mm = 0.5, .thick_walls = 2};
     CHECK(mean_when_larger(all_thin, 4, 1, 2) == Approx(0.8));
+    // Light that fades in walls falls faster than their share of the depth, and no slower.
+    for (const double k : {1.2, 2.0, 6.0})
+        CHECK(mean_when_larger(mean, k, 0.7, 2, 0.3) <= mean_when_larger(mean, k, 0.7, 2));
+    CHECK(mean_when_larger(all_thin, 2, 1, 2, 0.3) == Approx(0.8 + 2 * std::exp(-0.5 / 0.3)));
 }
 
 TEST_CASE("What a longer loop comes to goes on from its last gains") {
