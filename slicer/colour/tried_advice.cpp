@@ -96,15 +96,50 @@ SizeOption size_option(const AdviceSources& s) {
                                                    : SizeOption{"--width", extent.x()};
 }
 
+/// Of faces that have their own back in the same place, both sides.
+double area_of_sheets_mm2(const SolidMesh& mesh) {
+    using Corners = std::array<std::array<double, 3>, 3>;
+    const auto corners = [&](const std::array<std::uint32_t, 3>& triangle) {
+        Corners at{};
+        for (std::size_t c = 0; c < 3; ++c) {
+            const Eigen::Vector3d& p = mesh.positions_mm[triangle[c]];
+            at[c] = {p.x(), p.y(), p.z()};
+        }
+        std::ranges::sort(at);
+        return at;
+    };
+    std::map<Corners, int> times;
+    for (const auto& triangle : mesh.triangles) ++times[corners(triangle)];
+    double area = 0;
+    for (const auto& triangle : mesh.triangles) {
+        if (times[corners(triangle)] < 2) continue;
+        const auto at = [&](std::size_t c) -> const Eigen::Vector3d& { return mesh.positions_mm[triangle[c]]; };
+        area += (at(1) - at(0)).cross(at(2) - at(0)).norm() / 2;
+    }
+    return area;
+}
+
+/// Of the thin walls.
+double share_of_sheets(const AdviceSources& s) {
+    if (s.body.is_picture || !(s.mean.thin_mm2 > 0)) return 0;
+    return area_of_sheets_mm2(*s.body.solid) / s.mean.thin_mm2;
+}
+
 void add_larger(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     constexpr double fourfold = 4;
     const double thick_mm = 2 * s.job.options.colour.depth_mm, most = std::min(fourfold, most_larger(s));
     const double exponent = exponent_of(s), now = s.mean.sum(), good = s.job.options.verdict.good;
     // At best flat areas come nearer too: light from afar is in their middles.
-    MeanParts at_best = s.mean;
+    MeanParts parts = s.mean;
+    // Sheets that enclose nothing are as thin at any size.
+    if (s.mean.thin > (1 - worth_a_word) * now) {
+        const double sheets = std::min(1.0, share_of_sheets(s)) * parts.thin;
+        parts.thin -= sheets, parts.reach += sheets;
+    }
+    MeanParts at_best = parts;
     at_best.neighbours += std::exchange(at_best.flat, 0);
     const auto at_least = [&](double k) { return mean_when_larger(at_best, k, exponent, thick_mm, fading_mm); };
-    const auto at_most = [&](double k) { return mean_when_larger(s.mean, k, slow_part * exponent, thick_mm); };
+    const auto at_most = [&](double k) { return mean_when_larger(parts, k, slow_part * exponent, thick_mm); };
     const auto then = [&](double k) { return (at_least(k) + at_most(k)) / 2; };
     // As large as makes it good; else twice as large.
     double type_k = 1;
@@ -167,33 +202,9 @@ void add_loop(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
          "--iterations auto", seen_mean, now, then});
 }
 
-/// Of faces that have their own back in the same place, both sides.
-double area_of_sheets_mm2(const SolidMesh& mesh) {
-    using Corners = std::array<std::array<double, 3>, 3>;
-    const auto corners = [&](const std::array<std::uint32_t, 3>& triangle) {
-        Corners at{};
-        for (std::size_t c = 0; c < 3; ++c) {
-            const Eigen::Vector3d& p = mesh.positions_mm[triangle[c]];
-            at[c] = {p.x(), p.y(), p.z()};
-        }
-        std::ranges::sort(at);
-        return at;
-    };
-    std::map<Corners, int> times;
-    for (const auto& triangle : mesh.triangles) ++times[corners(triangle)];
-    double area = 0;
-    for (const auto& triangle : mesh.triangles) {
-        if (times[corners(triangle)] < 2) continue;
-        const auto at = [&](std::size_t c) -> const Eigen::Vector3d& { return mesh.positions_mm[triangle[c]]; };
-        area += (at(1) - at(0)).cross(at(2) - at(0)).norm() / 2;
-    }
-    return area;
-}
-
 void add_thicker(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     const double thick_mm = 2 * s.job.options.colour.depth_mm, now = s.mean.sum();
-    const double of_sheets =
-        s.body.is_picture || !(s.mean.thin_mm2 > 0) ? 0 : area_of_sheets_mm2(*s.body.solid) / s.mean.thin_mm2;
+    const double of_sheets = share_of_sheets(s);
     // Some of the thin walls: those that stay are as they were.
     const bool sheets = of_sheets >= some_sheets, is_part = sheets && of_sheets < 0.5;
     const bool known = !is_part && s.mean.thick_walls < s.mean.thin,
