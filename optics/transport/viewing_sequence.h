@@ -4,7 +4,8 @@
 //
 // The first prediction is a diffusion solve and `sweeps` rounds of sweep and correction (transport.h); each later one
 // starts from the light of the one before and takes one, or up to `next_sweeps` where that changed much
-// (`next_change`). What changes in between enters with the first sweep, through sources and extinctions.
+// (`next_change`). What changes in between enters with the first sweep, through sources and extinctions. Where its last
+// sweep still changes a tenth of what is seen it begins anew.
 //
 // A twin comes before the first prediction: it leaves grids and what shines across cuts to begin with, and is swept
 // until that changes little (`first_change`). The print's light begins with a diffusion solve of its own: on `spot`

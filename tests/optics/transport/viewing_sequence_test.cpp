@@ -517,3 +517,30 @@ TEST_CASE("Cells of the eye: too little memory is an error") {
     CHECK_THROWS_AS(ViewingSequence(scene, surface, options), ResourceError);
     CHECK_THROWS_AS((void)TransportPredictor(options).predict(scene, surface), ResourceError);
 }
+
+TEST_CASE("A print whose light does not come nearer from that of the one before begins anew") {
+    const ResinSet set = vero_opaque();
+    const std::array<int, 3> n{48, 24, 60};
+    const auto of = [&](double black) {
+        return make_resin_volume(n, j750, [&](int x, int y, int z) {
+            return RandomStream(6, static_cast<std::uint64_t>((z * n[1] + y) * n[0] + x)).uniform() < black ? 4 : 5;
+        });
+    };
+    const ResinVolume dark = of(0.5), light = of(0.02), lighter = of(0.019);
+    const Scene scene{&dark, &set, Backing::none, Sides::open};
+    const Surface surface = find_surface(scene, viewing_cell, SurfacePart::all);
+    TransportOptions options = on_viewing_cells();
+    options.colour_mm = 0.4;
+    options.deep_colour_in_nodes = true;  // grids of one shape
+    options.next_sweeps = 1;
+    const auto fresh = [&](const ResinVolume& print) {
+        return ViewingSequence(scene, surface, options).next(print).value;
+    };
+    ViewingSequence sequence(scene, surface, options);
+    (void)sequence.next(dark);
+    CHECK(sequence.next(light).value == fresh(light));
+    // From nearly the same print one sweep is enough, and what was found is kept.
+    const std::vector<float> on = sequence.next(lighter).value, anew = fresh(lighter);
+    CHECK(on != anew);
+    CHECK(between(on, anew).rms < 0.01);
+}
