@@ -129,13 +129,13 @@ void add_larger(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     constexpr double fourfold = 4;
     const double thick_mm = 2 * s.job.options.colour.depth_mm, most = std::min(fourfold, most_larger(s));
     const double exponent = exponent_of(s), now = s.mean.sum(), good = s.job.options.verdict.good;
-    // At best flat areas come nearer too: light from afar is in their middles.
     MeanParts parts = s.mean;
     // Sheets that enclose nothing are as thin at any size.
     if (s.mean.thin > (1 - worth_a_word) * now) {
         const double sheets = std::min(1.0, share_of_sheets(s)) * parts.thin;
         parts.thin -= sheets, parts.reach += sheets;
     }
+    // At best flat areas come nearer too: light from afar is in their middles.
     MeanParts at_best = parts;
     at_best.neighbours += std::exchange(at_best.flat, 0);
     const auto at_least = [&](double k) { return mean_when_larger(at_best, k, exponent, thick_mm, fading_mm); };

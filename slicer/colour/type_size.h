@@ -12,10 +12,9 @@
 // normal sight reads (Snellen). Of less contrast c, down to a tenth, larger letters are still read, if slower: they are
 // pale. Size and contrast at which reading slows down are a straight line in logarithms (Fujita et al. 2020,
 // doi:10.1016/j.visres.2019.09.010); through five minutes at 0.5 and capitals of a quarter of a degree at 0.1 (Legge,
-// Rubin, Luebker 1987) it is 5' (0.5 / c)^0.455.
-// The size below which type cannot be read is the one that divides those that
-// are read from those that are not with the fewest on the wrong side. What it cannot see: faces of other proportions,
-// and what type_rows.h does not.
+// Rubin, Luebker 1987) it is 5' (0.5 / c)^0.455. The size below which type cannot be read is the one that divides those
+// that are read from those that are not with the fewest on the wrong side. What it cannot see: faces of other
+// proportions, and what type_rows.h does not.
 #pragma once
 
 #include <cstdint>
