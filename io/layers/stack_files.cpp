@@ -232,20 +232,22 @@ void StackFiles::read_page(const std::vector<std::uint8_t>& bytes) {
     listing_.seal = seal_of_manifest_text(*manifest, source);
 }
 
+/// An entry of the archive, or what is missing of it.
+void StackFiles::take_layer(const std::string& name, std::map<std::string, std::size_t>& index) {
+    const auto found = index.find(name);
+    if (found == index.end()) return add_missing(name);
+    listing_.names.push_back(name);
+    entries_.push_back(found->second);
+    index.erase(found);
+}
+
 /// The same as `open_for_printer`, packed as ZIP. `index`: its entries.
 void StackFiles::open_packed(std::map<std::string, std::size_t> index) {
     const auto page = index.find(std::string(how_to_print_name));
     read_page(zip_->read(page->second, most_how_to_print_bytes));
     index.erase(page);
     for (std::uint32_t k = 0; k < listing_.description->layers; ++k) {
-        const std::string name = listing_.description->layer_path(k);
-        if (const auto found = index.find(name); found != index.end()) {
-            listing_.names.push_back(name);
-            entries_.push_back(found->second);
-            index.erase(found);
-        } else {
-            add_missing(name);
-        }
+        take_layer(listing_.description->layer_path(k), index);
     }
     if (listing_.names.empty())
         throw InputError(
@@ -316,15 +318,8 @@ void StackFiles::open_gcvf() {
         index.erase(found);
     }
     for (std::uint32_t k = 0; k < listing_.gcvf->slices; ++k) {
-        const std::string name =
-            fmt::format("{}{}.png", listing_.gcvf->prefix, std::uint64_t{listing_.gcvf->start_index} + k);
-        if (const auto found = index.find(name); found != index.end()) {
-            listing_.names.push_back(name);
-            entries_.push_back(found->second);
-            index.erase(found);
-        } else {
-            add_missing(name);
-        }
+        take_layer(fmt::format("{}{}.png", listing_.gcvf->prefix, std::uint64_t{listing_.gcvf->start_index} + k),
+                   index);
     }
     for (const auto& [name, i] : index) listing_.strangers.push_back(name);
 }

@@ -79,11 +79,12 @@ private:
     void read_beside_manifest();
     void open_gcvf();
     void add_missing(const std::string& name);
+    void take_layer(const std::string& name, std::map<std::string, std::size_t>& index);
 
     std::filesystem::path root_;
     StackListing listing_;
     std::unique_ptr<ZipReader> zip_;
-    std::vector<std::size_t> entries_;  // of a container, per layer
+    std::vector<std::size_t> entries_;  // of an archive, per layer
     std::optional<std::size_t> zbuffer_entry_;
 };
 
