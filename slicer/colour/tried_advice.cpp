@@ -28,7 +28,7 @@ constexpr double left_by_thickness = 0.35;  // at most, of what is lost in walls
 constexpr double least_wall_mm = 0.25;      // in which they do
 constexpr double some_sheets = 0.25;        // of the thin walls, from where on a thickness for them is worth a word
 constexpr double slow_part = 0.25;          // of the exponent, at the least: the header tells of which
-constexpr double readable_type_mm = 1.5;    // face: below 1.1 to 1.6 mm letters were lost on signs and cards
+constexpr double readable_type_mm = 1.6;    // face: below 1.1 to 1.6 mm letters were lost on signs and cards
 constexpr double fading_mm = 0.25;          // in which light through walls falls to a third, at best
 constexpr const char *seen_mean = "seen_de2000", *gamut_mean = "gamut", *smallest_type = "type_mm";
 
