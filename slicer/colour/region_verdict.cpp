@@ -192,8 +192,8 @@ std::optional<Row> small_type(const RegionSources& s, const std::optional<TypeSi
     row.cells = {type->cell};
     if (type->unread > 0) {
         row.said.type_mm = type->below_mm, row.said.smallest_type_mm = type->smallest_mm;
-        row.said.why = fmt::format("below {} is not readable at this size: {} of {} letters",
-                                   type_size_text(type->below_mm), type->unread, type->letters);
+        row.said.why = fmt::format("below {} is not readable from {:g} mm: {} of {} letters",
+                                   type_size_text(type->below_mm), s.viewing_distance_mm, type->unread, type->letters);
         if (type->pale > 0) row.said.why += fmt::format("; {} larger ones are pale", type->pale);
     } else {
         row.said.why = fmt::format("is pale: {} of {} letters have a contrast of {:.2f}, and {:g} is read with ease",
@@ -294,7 +294,7 @@ double seen_mm2(const io::ReportRegion& region) { return region.area_mm2 * regio
 
 /// By how much it is noted: eyes of another colour more than a large ground with a breath of mottle.
 double note_of(const io::ReportRegion& region, const VerdictLimits& limits) {
-    return badness(region, limits) * std::pow(seen_mm2(region), 0.25);
+    return badness(region, limits) * std::sqrt(seen_mm2(region));
 }
 
 /// Walls that lie apart, by boxes of `box_mm` that touch, so that both faces of a wall are one; those that are large
@@ -517,6 +517,45 @@ std::string colour_word(const Eigen::Vector3f& rgb) {
     return "purple";
 }
 
+namespace {
+
+/// What someone or something reads, or does not.
+void add_read(const RegionSources& s, Row read, std::vector<Row>& rows) {
+    Row& row = rows.emplace_back(std::move(read));
+    say_where(s, row);
+    row.said.printed = row.said.good ? "read" : "not read";
+}
+
+/// What of type and fine detail is lost. Adds a picture's codes to the rows, and says what they and its type are good
+/// for.
+std::optional<Row> lost_on_page(const RegionSources& s, const halftone::CellNeighbours& cells, std::vector<Row>& rows,
+                                PageVerdict& page) {
+    const JobPrediction& p = s.prediction;
+    const std::vector<PicturePage> pages = s.is_picture ? picture_pages(p, s.mesh) : std::vector<PicturePage>();
+    const auto type = unreadable_type(p, s.viewing_distance_mm, pages);
+    if (s.is_picture)
+        for (Row& code : codes_of(s)) {
+            if (!code.said.good) page.useless = "a scanner cannot read its code";
+            page.served.resize(p.target.size());
+            for (const std::uint32_t cell : code.cells) page.served[cell] = code.said.good;
+            add_read(s, std::move(code), rows);
+        }
+    if (page.useless.empty() && type && is_little_else(p, *type)) page.useless = "most of its type cannot be read";
+    // What the size of type says the contrast of fine detail need not, nor that of a code which is read.
+    auto lost = small_type(s, type);
+    if (s.is_picture && lost && type->unread > 0) page.lost = "some of its type cannot be read";
+    if (!lost) lost = lost_detail(p, cells);
+    if (!lost) lost = lost_lines_row(s, pages);
+    if (!lost || lost->said.kind != "fine detail") return lost;
+    if (!page.served.empty() && std::ranges::all_of(lost->cells, [&](auto cell) { return page.served[cell] != 0; }))
+        return std::nullopt;
+    constexpr double gone = 0.3;
+    if (s.is_picture && lost->said.contrast < gone) page.lost = "some of its detail is gone";
+    return lost;
+}
+
+}  // namespace
+
 JudgedRegions judge_regions(const RegionSources& s, const ThinWalls& walls) {
     const JobPrediction& p = s.prediction;
     const halftone::CellNeighbours cells(p.predicted.surface);
@@ -539,31 +578,10 @@ JudgedRegions judge_regions(const RegionSources& s, const ThinWalls& walls) {
         row.said.why = what_is_wrong(row.said, s.limits);
         row.said.good = row.said.why.empty();
     }
-    // What the size of type says the contrast of fine detail need not.
-    const std::vector<PicturePage> pages = s.is_picture ? picture_pages(p, s.mesh) : std::vector<PicturePage>();
-    const auto type = unreadable_type(p, s.viewing_distance_mm, pages);
-    auto more = small_type(s, type);
-    if (!more) more = lost_detail(p, cells);
-    if (!more) more = lost_lines_row(s, pages);
-    for (auto& row : {std::move(more), blurred_texture(s, judged.spoilt), thin_walls(s, walls)})
+    auto detail = lost_on_page(s, cells, rows, judged.page);
+    for (auto& row : {std::move(detail), blurred_texture(s, judged.spoilt), thin_walls(s, walls)})
         if (row) say_where(s, rows.emplace_back(*row));
-    if (s.is_picture) {
-        std::vector<Row> codes = codes_of(s);
-        if (!std::ranges::all_of(codes, [](const Row& code) { return code.said.good; }))
-            judged.useless = "a scanner cannot read its code";
-        else if (type && is_little_else(p, *type))
-            judged.useless = "most of its type cannot be read";
-        for (Row& code : codes) {
-            Row& row = rows.emplace_back(std::move(code));
-            say_where(s, row);
-            row.said.printed = row.said.good ? "read" : "not read";
-        }
-    }
-    for (Row& label : labels_of(s)) {
-        Row& row = rows.emplace_back(std::move(label));
-        say_where(s, row);
-        row.said.printed = row.said.good ? "read" : "not read";
-    }
+    for (Row& label : labels_of(s)) add_read(s, std::move(label), rows);
     for (Row& row : rows) judged.rows.push_back(std::move(row.said));
     std::ranges::stable_sort(judged.rows, std::greater<>(), [&](const io::ReportRegion& region) {
         // Of a page first what cannot be made out: nobody minds how even a ground is below words that are lost.

@@ -31,6 +31,7 @@
 #include "slicer/colour/job_prediction.h"
 #include "slicer/colour/place_words.h"
 #include "slicer/colour/sides_seen.h"
+#include "slicer/colour/whole_verdict.h"
 #include "slicer/options/resolved_job.h"
 #include "slicer/part/job_colour.h"
 
@@ -68,7 +69,7 @@ struct ThinWalls {
 struct JudgedRegions {
     std::vector<io::ReportRegion> rows;  ///< the worst first; empty where nothing is flat, as in photographs
     std::vector<char> spoilt;            ///< per cell: in a flat area that is uneven, or in a texture that is lost
-    std::string useless = {};            ///< what a picture is of no use for: a clause; empty: nothing
+    PageVerdict page;
 };
 [[nodiscard]] JudgedRegions judge_regions(const RegionSources& sources, const ThinWalls& walls);
 

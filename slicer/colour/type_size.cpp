@@ -19,7 +19,8 @@ namespace voxtone::slicer {
 namespace {
 
 constexpr double readable_contrast = 0.5, readable_part = 0.6;
-constexpr double pale_contrast = 0.1, pale_exponent = 0.455;
+/// Reading acuity of normal eyes, logMAR, by the part of the paper's light that a letter lacks (Fujita et al. 2008).
+constexpr std::array<std::pair<double, double>, 4> reading_acuity{{{0.1, 0.26}, {0.2, 0.13}, {0.4, 0.03}, {1, -0.08}}};
 constexpr double capitals = 0.72, x_height = 0.5;  // of a face
 constexpr std::size_t least_letters = 4;
 constexpr double ground_within_mm = 0.5;
@@ -214,11 +215,16 @@ std::optional<LostLines> lost_on(const JobPrediction& p, double times) {
 
 Legibility legibility_of(double contrast, double contrast_asked, double size_mm, double viewing_distance_mm) {
     constexpr double minutes = 5 * std::numbers::pi / 180 / 60;
-    const double times = x_height * size_mm / (viewing_distance_mm * minutes);
+    const double lacks = 2 * contrast / (1 + contrast);
+    if (lacks < reading_acuity.front().first) return Legibility::lost;
+    const auto* above = std::ranges::lower_bound(reading_acuity, lacks, {}, &std::pair<double, double>::first);
+    above = std::clamp(above, reading_acuity.begin() + 1, reading_acuity.end() - 1);
+    const auto [low, of_low] = above[-1];
+    const auto [high, of_high] = above[0];
+    const double log_mar = std::lerp(of_low, of_high, std::log(lacks / low) / std::log(high / low));
+    if (x_height * size_mm < viewing_distance_mm * minutes * std::pow(10, log_mar)) return Legibility::lost;
     const double enough = contrast_asked < readable_contrast ? readable_part * contrast_asked : readable_contrast;
-    if (contrast >= enough && times >= 1) return Legibility::well;
-    const bool is_pale = contrast >= pale_contrast && times >= std::pow(readable_contrast / contrast, pale_exponent);
-    return is_pale ? Legibility::pale : Legibility::lost;
+    return contrast >= enough ? Legibility::well : Legibility::pale;
 }
 
 std::optional<TypeSize> unreadable_type(const JobPrediction& p, double viewing_distance_mm,

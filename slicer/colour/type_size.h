@@ -6,14 +6,12 @@
 // which is the 80th percentile of the heights in the row: 1 pt = 0.3528 mm. Letters that have run together in the
 // target are as high as their line.
 //
-// A letter is read where the contrast (a - b) / (a + b) of luminance, of the letter against what lies within 0.5 mm of
-// it, is a half or more (ISO 9241-303 asks for as much of characters), or, where less was asked for, at least 0.6 of
-// that; and where its x-height, half of the face, is five minutes of arc from the viewing distance, which is what
-// normal sight reads (Snellen). Of less contrast c, down to a tenth, larger letters are still read, if slower: they are
-// pale. Size and contrast at which reading slows down are a straight line in logarithms (Fujita et al. 2020,
-// doi:10.1016/j.visres.2019.09.010); through five minutes at 0.5 and capitals of a quarter of a degree at 0.1 (Legge,
-// Rubin, Luebker 1987) it is 5' (0.5 / c)^0.455. The size below which type cannot be read is the one that divides those
-// that are read from those that are not with the fewest on the wrong side. What it cannot see: faces of other
+// Normal sight reads a letter whose x-height, half of the face, is five minutes of arc times 10^a from the viewing
+// distance, a its acuity at the letter's contrast: -0.08, 0.03, 0.13, 0.26 where it lacks all, 0.4, 0.2, 0.1 of the
+// light of what lies within 0.5 mm of it (Fujita et al. 2008, doi:10.1007/s10384-007-0494-6); what lacks less is lost.
+// It is read well where its contrast (a - b) / (a + b) is a half or more (ISO 9241-303 asks for as much of characters),
+// or, where less was asked for, at least 0.6 of that; else it is pale. The size below which type cannot be read divides
+// those that are read from those that are not with the fewest on the wrong side. What it cannot see: faces of other
 // proportions, and what type_rows.h does not.
 #pragma once
 

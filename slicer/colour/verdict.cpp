@@ -193,8 +193,7 @@ void judge_prediction(const VerdictSources& s, const JobPrediction& p, io::Repor
                        &s.body.model.mesh, s.job.options.marks, s.body.grid.origin_mm},
                       losses.walls);
     verdict.regions = std::move(regions.rows);
-    WholeVerdict whole = judge_whole(p.seen.difference, seen, regions.spoilt, limits);
-    if (!regions.useless.empty()) whole.level = io::VerdictLevel::bad, whole.useless = regions.useless;
+    const WholeVerdict whole = judge_whole(p.seen.difference, seen, regions.spoilt, limits, regions.page);
     verdict.level = whole.level;
     verdict.seen_mean = whole.mean, verdict.wrong_share = whole.wrong_share;
     verdict.seen_p95 = weighted_percentile(p.seen.difference, seen, 0.95);

@@ -11,8 +11,10 @@
 
 namespace voxtone::slicer {
 
-WholeVerdict judge_whole(std::span<const double> difference, std::span<const double> weight,
-                         std::span<const char> spoilt, const VerdictLimits& limits) {
+namespace {
+
+WholeVerdict judge_colours(std::span<const double> difference, std::span<const double> weight,
+                           std::span<const char> spoilt, const VerdictLimits& limits) {
     constexpr double much = 0.1, most = 0.5;
     VOXTONE_EXPECT(difference.size() == weight.size() && (spoilt.empty() || spoilt.size() == weight.size()));
     double all = 0, sum = 0, off = 0, wrong = 0;
@@ -30,8 +32,6 @@ WholeVerdict judge_whole(std::span<const double> difference, std::span<const dou
     return whole;
 }
 
-namespace {
-
 /// With a digit more where one would make it the limit that it is above.
 std::string figure(double mean, double limit) {
     const std::string text = fmt::format("{:.1f}", mean);
@@ -40,11 +40,28 @@ std::string figure(double mean, double limit) {
 
 }  // namespace
 
+WholeVerdict judge_whole(std::span<const double> difference, std::span<const double> weight,
+                         std::span<const char> spoilt, const VerdictLimits& limits, const PageVerdict& page) {
+    using enum io::VerdictLevel;
+    WholeVerdict whole = judge_colours(difference, weight, spoilt, limits);
+    if (whole.level == bad && !page.served.empty()) {
+        std::vector<double> served(difference.begin(), difference.end());
+        for (std::size_t i = 0; i < served.size(); ++i)
+            if (page.served[i] != 0) served[i] = std::min(served[i], limits.good);
+        if (judge_colours(served, weight, spoilt, limits).level != bad)
+            whole.level = fair, whole.decided_by = "a scanner reads its code";
+    }
+    if (!page.lost.empty() && whole.level == good) whole.level = fair, whole.decided_by = page.lost;
+    if (!page.useless.empty()) whole.level = bad, whole.decided_by = page.useless;
+    return whole;
+}
+
 std::string opening_of(const WholeVerdict& whole, const VerdictLimits& limits) {
     if (whole.level == io::VerdictLevel::unknown) return "How it will look was not predicted";
     const bool is_bad = whole.level == io::VerdictLevel::bad;
-    if (!whole.useless.empty())
-        return fmt::format("On the whole bad: {}; its colours are {:.1f} off", whole.useless, whole.mean);
+    if (!whole.decided_by.empty())
+        return fmt::format("On the whole {}: {}; its colours are {:.1f} off", is_bad ? "bad" : "fair", whole.decided_by,
+                           whole.mean);
     const double limit = is_bad ? limits.bad : limits.good;
     std::string text = figure(whole.mean, limit);
     if (whole.level == io::VerdictLevel::good) return "On the whole good, " + text;

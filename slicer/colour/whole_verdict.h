@@ -19,14 +19,16 @@
 // forgiven because it is small: each cell counts with its share. What is worst is said in a sentence of its own, and
 // changes no level. A tenth is seen at once wherever it lies; of what is half off nobody says that it is as asked.
 // Flecks and blur alone make no print bad: its colours are those that were asked for.
-// One thing decides all the same, of pictures: what cannot be used is no print, however near its colours are. A code
-// that no scanner reads (printed_codes.h), a page whose type, most of it, cannot be read (type_size.h,
-// region_verdict.h) are bad; larger, they are read. What it cannot see: that a face is worth more than the back of a
-// head.
+// What a page is there for decides all the same (PageVerdict): what cannot be used is no print, however near its
+// colours are. A code that no scanner reads (printed_codes.h), a page whose type, most of it, cannot be read
+// (type_size.h, region_verdict.h) are bad, and one of which some is gone is not good; larger, they are read. A code
+// that is read does what it is there for: where that alone would be bad its cells are off by no more than `good`. What
+// it cannot see: that a face is worth more than the back of a head.
 #pragma once
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "io/report/report.h"
 #include "slicer/options/resolved_job.h"
@@ -35,15 +37,23 @@ namespace voxtone::slicer {
 
 struct WholeVerdict {
     io::VerdictLevel level = io::VerdictLevel::good;
-    double mean = 0;           ///< m, CIEDE2000
-    double wrong_share = 0;    ///< t, in [0, 1]
-    std::string useless = {};  ///< what makes it bad whatever its colours are: a clause; empty: nothing
+    double mean = 0;              ///< m, CIEDE2000
+    double wrong_share = 0;       ///< t, in [0, 1]
+    std::string decided_by = {};  ///< what gives the level whatever its colours are: a clause; empty: these do
+};
+
+/// What can be read of a picture.
+struct PageVerdict {
+    std::string useless = {};  ///< what it is of no use for: a clause; empty: nothing
+    std::string lost = {};     ///< what of it is gone: a clause; empty: nothing
+    std::vector<char> served;  ///< per cell: in a code that is read; empty: none is
 };
 
 /// One each per cell. `spoilt`: 1 where the cell lies in such an area; empty: none does. Nothing weighs anything:
 /// good.
 [[nodiscard]] WholeVerdict judge_whole(std::span<const double> difference, std::span<const double> weight,
-                                       std::span<const char> spoilt, const VerdictLimits& limits);
+                                       std::span<const char> spoilt, const VerdictLimits& limits,
+                                       const PageVerdict& page = {});
 
 /// "On the whole fair, 2.9: ..."; what the level comes of where the mean alone would not give it.
 [[nodiscard]] std::string opening_of(const WholeVerdict& whole, const VerdictLimits& limits);

@@ -158,7 +158,8 @@ void check_mark(const MarkOptions& mark) {
     if (mark.kind == MarkKind::picture && mark.file.empty()) refuse_mark(mark.said, "names no picture");
     if (mark.kind == MarkKind::picture && !(mark.size_mm > 0) && !std::holds_alternative<UvRectangle>(mark.place))
         refuse_mark(mark.said, "how wide it is must be said: size=20mm");
-    if (mark.kind != MarkKind::picture && trimmed_word(mark.text).empty()) refuse_mark(mark.said, "says nothing");
+    if (mark.kind != MarkKind::picture && trimmed_word(mark.text).empty())
+        refuse_mark(mark.said, "says nothing: write what it is to say, 'A-17' or 'qr=A-17'");
     if (mark.kind != MarkKind::text && !mark.font.empty())
         refuse_mark(mark.said, "font= is for text, which a code has not");
     if (mark.at_mm &&

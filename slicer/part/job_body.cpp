@@ -316,7 +316,11 @@ void say_body(const JobBody& body, Progress& progress) {
 }
 
 std::string enough_layers(const JobBody& body) {
-    return body.is_picture ? "thicker (--thickness)" : "larger (--size), or turn it (--rotate)";
+    if (body.is_picture) return "thicker (--thickness)";
+    const Eigen::Vector3d& extent = body.placement.extent_mm;
+    if (extent.z() < 1e-4 * extent.maxCoeff())
+        return "thicker (--sheet-thickness), for it is flat, or turn it (--rotate)";
+    return "larger (--size), or turn it (--rotate)";
 }
 
 VisibleSurface coloured_surface_of(const JobBody& body, const RepairedMesh& repaired, Progress& progress) {

@@ -28,7 +28,8 @@ Eigen::Vector2d size_of(const io::Picture& picture, const Eigen::Vector2d& face_
     if (options.size_mm > 0) return as_wide(options.size_mm / std::max(1.0, aspect));
     if (picture.dpi_x > 0) return as_wide(face_px.x() / picture.dpi_x * mm_per_inch);
     throw UsageError(
-        "the picture says nothing about its size; give --width, --height, --size or --dpi, such as --width 40mm");
+        "the picture says nothing about its size; give --width, --height, --size or --dpi above 0, such as --width "
+        "40mm");
 }
 
 /// What of a picture is printed, in pixels from its upper left corner, y downwards.

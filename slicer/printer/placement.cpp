@@ -187,9 +187,10 @@ void check_tray(const VoxelGrid& grid, const Eigen::Vector3d& tray_mm, const Pla
 void check_layer_count(int layers, const PrinterProfile& printer, const std::string& remedy) {
     const double layer_mm = printer.sliced_pitch_mm().z();
     if (layers < printer.min_layers)
-        throw InputError(fmt::format(
-            "the print has {} layers ({:.3g} mm), and {} takes no fewer than {} ({:.3g} mm): make it {}", layers,
-            layers * layer_mm, printer.id, printer.min_layers, printer.min_layers * layer_mm, remedy));
+        throw InputError(
+            fmt::format("the print has {} layer{} ({:.3g} mm), and {} takes no fewer than {} ({:.3g} mm): make it {}",
+                        layers, layers == 1 ? "" : "s", layers * layer_mm, printer.id, printer.min_layers,
+                        printer.min_layers * layer_mm, remedy));
 }
 
 }  // namespace voxtone::slicer

@@ -262,7 +262,7 @@ void lay_mark(const MarkOptions& mark, const BodyToMark& body, const io::ReadOpt
     } else {
         MarkedBody marked{body.solid};
         if (body.is_picture) marked.picture_faces = face_of_picture(body.mesh);
-        const MarkFrame frame = place_of_mark(mark, marked, shape.width_mm, shape.height_mm, taken);
+        const MarkFrame frame = place_of_mark(mark, shape, marked, taken);
         decal = decal_in(frame, *body.solid);
         if (std::string seen = in_sight_text(mark, marked, decal, taken); !seen.empty())
             laid.warnings.push_back(named_warning("label-in-sight", std::move(seen)));

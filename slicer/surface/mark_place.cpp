@@ -99,14 +99,21 @@ std::string no_place_text(const MarkOptions& mark, const MarkedBody& body) {
     return "no side has a face without steps or edges";
 }
 
-[[noreturn]] void refuse_size(const MarkOptions& mark, const MarkedBody& body, const FlatQuery& query) {
+[[noreturn]] void refuse_size(const MarkOptions& mark, const MarkShape& shape, const MarkedBody& body,
+                              const FlatQuery& query) {
     const double share =
         fitting_share(query, [&](const FlatQuery& smaller) { return find_place(mark, body, smaller).has_value(); });
-    throw InputError(
-        fmt::format("{}: is {:.1f} x {:.1f} mm, and {} of that size: {}{} or name another place (place=...)", mark.said,
-                    query.width_mm, query.height_mm, no_place_text(mark, body),
-                    share > 0 ? fmt::format("size={:.2f}mm would fit,", mark.size_mm * share) : "make it smaller,",
-                    mark.kind == MarkKind::text ? " break it into lines (\\n)," : ""));
+    const bool is_code = shape.module_mm > 0;
+    std::string remedy = "make it smaller,";
+    if (is_code && share * shape.module_mm < least_module_mm)
+        remedy = fmt::format("what would fit no scanner reads, for it needs size={:.1f}mm; print the part larger,",
+                             std::ceil(10 * mark.size_mm * least_module_mm / shape.module_mm) / 10);
+    else if (share > 0)
+        remedy = fmt::format("size={:.2f}mm would fit,", mark.size_mm * share);
+    throw InputError(fmt::format(
+        "{}: is {:.1f} x {:.1f} mm{}, and {} of that size: {}{} or name another place (place=...)", mark.said,
+        query.width_mm, query.height_mm, is_code ? " with the quiet zone around it" : "", no_place_text(mark, body),
+        remedy, mark.kind == MarkKind::text ? " break it into lines (\\n)," : ""));
 }
 
 /// In the middle of the body's box as seen from there, and above all of it.
@@ -145,8 +152,9 @@ MarkFrame frame_at_point(const MarkOptions& mark, const SolidIndex& body, double
 
 }  // namespace
 
-MarkFrame place_of_mark(const MarkOptions& mark, const MarkedBody& body, double width_mm, double height_mm,
+MarkFrame place_of_mark(const MarkOptions& mark, const MarkShape& shape, const MarkedBody& body,
                         std::span<const MarkFrame> taken) {
+    const double width_mm = shape.width_mm, height_mm = shape.height_mm;
     if (std::holds_alternative<Eigen::Vector3d>(mark.place))
         return frame_at_point(mark, body.solid, width_mm, height_mm);
     const bool on_a_side = std::get<MarkSide>(mark.place) > MarkSide::flattest;
@@ -154,7 +162,7 @@ MarkFrame place_of_mark(const MarkOptions& mark, const MarkedBody& body, double 
         return middle_of_side(mark, body, width_mm, height_mm);
     const FlatQuery query{.width_mm = width_mm, .height_mm = height_mm, .turn_deg = mark.turn_deg, .taken = taken};
     const auto found = find_place(mark, body, query);
-    if (!found) refuse_size(mark, body, query);
+    if (!found) refuse_size(mark, shape, body, query);
     return *found;
 }
 

@@ -105,6 +105,7 @@ MarkShape shape_of(const MarkOptions& mark, const io::ReadOptions& reading, doub
         shape.ink = mark.kind == MarkKind::text ? ink_of_text(mark) : ink_of_code(mark);
         shape.width_mm = shape.ink.width_mm();
         shape.height_mm = shape.ink.height_mm();
+        if (is_code(mark.kind)) shape.module_mm = shape.ink.pixel_mm * pixels_a_module;
         if (is_code(mark.kind) && !is_gs1(mark.kind) && mark.text.find(gs1_separator) != std::string::npos)
             shape.notes.push_back(
                 fmt::format("{}: holds the separator of GS1, and is none of its codes, for no FNC1 stands in front: "

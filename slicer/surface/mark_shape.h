@@ -19,9 +19,13 @@ struct MarkShape {
     io::Coverage ink;                                ///< with a quiet zone around codes; of pictures their alpha
     std::shared_ptr<const io::AlphaPicture> pixels;  ///< of pictures
     double width_mm = 0, height_mm = 0;              ///< pictures laid by texture coordinates have a ratio alone
+    double module_mm = 0;                            ///< of codes
     std::vector<std::string> warnings;               ///< of the picture's reader
     std::vector<std::string> notes;                  ///< what may be worth a thought
 };
+
+/// Codes of smaller modules are hardly read: one of 0.31 mm was in one print and not in the next (printed_codes.h).
+inline constexpr double least_module_mm = 0.3;
 
 /// Sets the text, makes the code or reads the picture, a drawing with a pixel for each `pitch_mm` (needed of these
 /// alone). Throws FileError, InputError that begins with the mark.

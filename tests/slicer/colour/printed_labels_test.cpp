@@ -66,7 +66,7 @@ TEST_CASE("A serial number is read letter by letter: each of them has to stand o
     for (const std::uint32_t cell : whole.cells) CHECK(cell < 235u * 94u);
     // The spot of a cow below its end.
     const PrintedLabel spotted =
-        label.printed([&](double x) { return x > 2 + 0.75 * label.shape.width_mm ? 0.025f : 0.9f; });
+        label.printed([&](double x) { return x > 2 + 0.75 * label.shape.width_mm ? 0.02f : 0.9f; });
     CHECK_FALSE(spotted.is_read);
     CHECK((spotted.unread >= 1 && spotted.unread <= 2));
     const PrintedLabel gone = label.printed(white, 0.1f);

@@ -145,8 +145,27 @@ TEST_CASE("A place is said in words, by thirds of the box") {
     CHECK(place_in_box({15, 0.1, 55}, {30, 2, 60}, false) == "upper");
 }
 
+TEST_CASE("Letters are read down to the size that normal eyes read at their contrast") {
+    // Fujita et al. 2008: contrast by what is missing of the paper's light, acuity in logMAR; 300 mm away five minutes
+    // are 0.436 mm, and an x-height is half of a face.
+    struct Measured {
+        double lacks, log_mar;
+    };
+    for (const auto& [lacks, log_mar] : {Measured{1, -0.08}, {0.4, 0.03}, {0.2, 0.13}, {0.1, 0.26}}) {
+        CAPTURE(lacks);
+        const double contrast = lacks / (2 - lacks), size_mm = 2 * 0.4363 * std::pow(10, log_mar);
+        CHECK(legibility_of(contrast, 1, 0.99 * size_mm, 300) == Legibility::lost);
+        CHECK(legibility_of(contrast, 1, 1.01 * size_mm, 300) != Legibility::lost);
+        CHECK(legibility_of(contrast, 1, 1.01 * size_mm, 306) == Legibility::lost);
+    }
+    CHECK(legibility_of(0.04, 1, 20, 300) == Legibility::lost);
+    CHECK(legibility_of(0.49, 1, 3, 300) == Legibility::pale);
+    CHECK(legibility_of(0.51, 1, 3, 300) == Legibility::well);
+    CHECK(legibility_of(0.19, 0.3, 3, 300) == Legibility::well);  // little more was asked for
+}
+
 TEST_CASE("Below the size where its contrast is lost type is said to be unreadable, and nothing where all is read") {
-    const auto small_is_lost = [](int, int y, bool black) { return black ? (y < 50 ? 0.5f : 0.05f) : 1.0f; };
+    const auto small_is_lost = [](int, int y, bool black) { return black ? (y < 50 ? 0.75f : 0.05f) : 1.0f; };
     const Page page(lines_of_type, small_is_lost);
     const auto type = unreadable_type(page.p, 300);
     REQUIRE(type);
@@ -158,20 +177,20 @@ TEST_CASE("Below the size where its contrast is lost type is said to be unreadab
     CHECK(type->contrast < 0.5);
     const Page sharp(lines_of_type, [](int, int, bool black) { return black ? 0.05f : 1.0f; });
     CHECK_FALSE(unreadable_type(sharp.p, 300));
-    // Sight has its limit, too: nobody reads 1.4 mm from six metres.
+    // Sight has its limit, too: nobody reads 1.4 mm from three metres.
     CHECK(unreadable_type(sharp.p, 3000));
-    const Page all_lost(lines_of_type, [](int, int, bool black) { return black ? 0.9f : 1.0f; });
+    const Page all_lost(lines_of_type, [](int, int, bool black) { return black ? 0.95f : 1.0f; });
     const auto all = unreadable_type(all_lost.p, 300);
     REQUIRE(all);
     CHECK((all->unread == all->letters && all->pale == 0));
-    // Of a contrast of a quarter capitals of 1.4 mm are read, as they are pale; from half a metre they are not.
-    const Page grey(lines_of_type, [](int, int, bool black) { return black ? 0.6f : 1.0f; });
+    // A quarter darker than the paper capitals of 1.4 mm are read, if they are pale; from six tenths of a metre not.
+    const Page grey(lines_of_type, [](int, int, bool black) { return black ? 0.75f : 1.0f; });
     const auto pale = unreadable_type(grey.p, 300);
     REQUIRE(pale);
     CHECK(pale->unread == 24);
     CHECK(pale->unread + pale->pale == pale->letters);
-    CHECK(pale->pale_contrast == Approx(0.25).margin(0.02));
-    CHECK(unreadable_type(grey.p, 500)->pale == 0);
+    CHECK(pale->pale_contrast == Approx(0.143).margin(0.015));
+    CHECK(unreadable_type(grey.p, 600)->pale == 0);
     const auto upper_line = [](int x, int y) { return y >= 50 && lines_of_type(x, y); };
     const auto only_pale =
         unreadable_type(Page(upper_line, [](int, int, bool black) { return black ? 0.6f : 1.0f; }).p, 300);

@@ -112,6 +112,27 @@ TEST_CASE("A large area that is flecked is wrong, however near its mean is") {
     CHECK(judge_whole(cells.difference, cells.weight, cells.flecked, limits).wrong_share == Approx(0.5).margin(0.01));
 }
 
+TEST_CASE("What a page is there for decides: nothing is good that is lost, and a code that is read is never bad") {
+    const Cells near = body(1, 0, 0, 1.0, 0), far = body(1, 0, 0, 7.0, 0);
+    const auto judged = [](const Cells& cells, const PageVerdict& page) {
+        return judge_whole(cells.difference, cells.weight, cells.flecked, limits, page);
+    };
+    CHECK(judged(near, {}).decided_by.empty());
+    const PageVerdict lost{.useless = {}, .lost = "some of its type cannot be read", .served = {}};
+    CHECK(judged(near, lost).level == fair);
+    CHECK(opening_of(judged(near, lost), limits) ==
+          "On the whole fair: some of its type cannot be read; its colours are 1.0 off");
+    CHECK(judged(far, lost).level == bad);
+    CHECK(judged(near, {"x", "y", {}}).decided_by == "x");
+    // A code over nine tenths of it, and over a quarter.
+    PageVerdict page;
+    for (std::size_t i = 0; i < far.difference.size(); ++i) page.served.push_back(i % 10 != 0);
+    CHECK(judged(far, page).level == fair);
+    CHECK(judged(far, page).mean == Approx(7));
+    for (std::size_t i = 0; i < far.difference.size(); ++i) page.served[i] = i % 4 == 0;
+    CHECK(judged(far, page).level == bad);
+}
+
 TEST_CASE("What is hardly seen hardly counts") {
     Cells cells = body(1, 0, 0, 1.0, 0);
     for (std::size_t i = 0; i < 400; ++i) cells.difference[i] = 30;

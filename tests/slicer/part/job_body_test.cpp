@@ -109,6 +109,10 @@ TEST_CASE("A sheet is as thick as it was asked to be, and what has no face at it
     desk.options.sheet_thickness_mm = 11;
     CHECK_THROWS_WITH(desk.body(), Contains("--sheet-thickness 11mm") && Contains("10 mm large"));
     desk.options.sheet_thickness_mm = 0;
+    CHECK_THAT(enough_layers(desk.body()), Contains("--sheet-thickness") && !Contains("larger"));
+    desk.boxes({{0, 0, 0, 4, 4, 0.5}});
+    CHECK_THAT(enough_layers(desk.body()), Contains("larger (--size)") && !Contains("flat"));
+    desk.options.sheet_thickness_mm = 0;
     // Scaled to 8 mm its other corners are one.
     write("v 1e8 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n");
     desk.options.size_mm = 8;

@@ -210,6 +210,15 @@ TEST_CASE("A label of a picture lies on its back or its rim, and never across it
     Body code = slab(4, {30, 20});
     marked(code, "qr=Klein; size=8mm; place=bottom");
     CHECK(test::code_in(test::seen_from(code, -Eigen::Vector3d::UnitZ(), 0.1)) == "Klein");
+    // Of 21 modules: with four more on either side it is 1.38 times as large, and what 8 mm hold has modules of 0.24
+    // mm.
+    Body low = slab(4, {30, 8});
+    CHECK_THROWS_WITH(marked(low, "qr=Klein; size=8mm; place=bottom"), Contains("11.0 x 11.0 mm with the quiet zone") &&
+                                                                           Contains("no scanner reads") &&
+                                                                           Contains("needs size=6.3mm"));
+    Body broad = slab(4, {30, 12});
+    CHECK_THROWS_WITH(marked(broad, "qr=Klein; size=12mm; place=bottom"),
+                      Contains("would fit,") && !Contains("no scanner"));
     // Across a back that is too narrow for it: nothing is up there.
     Body upright = slab(2, {8, 14});
     CHECK_THAT(marked(upright, "Kleine; size=3mm").notes[0], Contains("on the back of the picture"));
