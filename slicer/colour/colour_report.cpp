@@ -171,9 +171,18 @@ void draw_predicted_picture(const JobPrediction& p, io::Report& report, const st
                          io::exr_bytes(top_picture(p.volume, cells_in_colours(p.predicted, p.target)), px_per_mm));
 }
 
-void write_body_colours(const ColouredSurface& surface, const std::filesystem::path& file, const char* name,
-                        const Progress& progress) {
-    io::write_whole_file(file, io::glb_bytes(vertex_colours(surface, {}, &progress).mesh, name));
+/// As fine as the prediction that is looked at beside it, as far as a picture of the whole shows that.
+double looked_at_edge_mm(const JobBody& body) {
+    constexpr double of_all = 1.0 / 300;
+    // Halved until none is longer, edges are as long as a cell of two by two voxels, most of them.
+    const double longest_mm = 4 * std::min(body.grid.pitch_mm.x(), body.grid.pitch_mm.y());
+    return std::max(longest_mm, of_all * body.placement.extent_mm.maxCoeff());
+}
+
+void write_body_colours(const ColouredSurface& surface, double edge_mm, const std::filesystem::path& file,
+                        const char* name, const Progress& progress) {
+    const VertexColourOptions options{.edge_mm = edge_mm};
+    io::write_whole_file(file, io::glb_bytes(vertex_colours(surface, options, &progress).mesh, name));
 }
 
 ReportViews views_of(const ColouredSurface& target, const ColourReport& s, io::Report& report,
@@ -193,8 +202,9 @@ void draw_separated(const ColourReport& s, io::Report& report, const std::filesy
         io::write_whole_file(folder / report_file::target_png, io::png_bytes(requested, px_per_mm));
         io::write_whole_file(folder / report_file::predicted_png, io::png_bytes(shown, px_per_mm));
     } else {
-        write_body_colours(target, folder / report_file::target_glb, "target", progress);
-        write_body_colours(predicted, folder / report_file::predicted_glb, "predicted", progress);
+        const double edge_mm = looked_at_edge_mm(s.body);
+        write_body_colours(target, edge_mm, folder / report_file::target_glb, "target", progress);
+        write_body_colours(predicted, edge_mm, folder / report_file::predicted_glb, "predicted", progress);
     }
 }
 
@@ -224,7 +234,8 @@ void draw_predicted_body(const ColourReport& s, const JobPrediction& p, io::Repo
     parallel_for(0, 3, 1, [&](std::size_t task) {
         if (task == 0) draw_views();
         if (task == 1) io::write_whole_file(folder / report_file::predicted_glb, io::glb_bytes(cells, "predicted"));
-        if (task == 2) write_body_colours(target, folder / report_file::target_glb, "target", progress);
+        if (task == 2)
+            write_body_colours(target, looked_at_edge_mm(s.body), folder / report_file::target_glb, "target", progress);
     });
 }
 

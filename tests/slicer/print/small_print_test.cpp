@@ -10,6 +10,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "io/models/model_reader.h"
 #include "slicer/predict/stack_volume.h"
 #include "slicer/print/estimate_job.h"
 #include "slicer/print/shard_task.h"
@@ -120,6 +121,9 @@ TEST_CASE("The report of a print says what its layers hold, and the estimate sai
     for (const char* name : {"report.html", "for-customer.html", "job.json", "manifest.json", "target.glb",
                              "predicted.glb", "preview.webp", "preview-target.webp", "printer"})
         CHECK(fs::exists(desk.path(std::string("out/") + name)));
+    // What was asked for is as fine as printer and eye are: a label's letters are seen in it.
+    const io::ModelFile target = io::read_model(desk.path("out/target.glb"));
+    CHECK(double(target.mesh.triangles.size()) > estimate.surface_mm2 / (0.17 * 0.17));
     CHECK_THAT(result.text, Contains(desk.path("out").string()));
 
     SliceOptions bare = desk.options("bare");
