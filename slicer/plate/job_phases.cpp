@@ -16,54 +16,18 @@
 #include "slicer/look/viewer_surface.h"
 #include "slicer/part/phase.h"
 #include "slicer/part/report_files.h"
+#include "slicer/plate/memory_room.h"
 
 namespace voxtone::slicer {
 
 namespace {
-
-/// Lets in as many threads as memory allows, one at least.
-class Room {
-public:
-    explicit Room(std::uint64_t bytes) : bytes_(bytes) {}
-
-    /// `needed`: bytes, as is known at the time.
-    template <class Needed, class Work>
-    void with(const Needed& needed, const Work& work) {
-        std::uint64_t mine = 0;
-        {
-            std::unique_lock lock(mutex_);
-            changed_.wait(lock, [&] {
-                mine = needed();
-                return taken_ == 0 || taken_ + mine <= bytes_;
-            });
-            taken_ += mine;
-        }
-        const auto leave = [&] {
-            const std::scoped_lock lock(mutex_);
-            taken_ -= mine;
-            changed_.notify_all();
-        };
-        try {
-            work();
-        } catch (...) {
-            leave();
-            throw;
-        }
-        leave();
-    }
-
-private:
-    std::uint64_t bytes_, taken_ = 0;
-    std::mutex mutex_;
-    std::condition_variable changed_;
-};
 
 /// `look_on`: after a layer is taken.
 void make_slabs(const LayerSource& layers, const LayerRange& range, const LayerTaker& take, const LayerTaker& look_on,
                 JobMeasurements& figures, Progress& progress) {
     constexpr std::uint64_t bytes_at_once = 1'000'000'000;  // of slabs that are made side by side
     const Stopwatch watch;
-    Room room(bytes_at_once);
+    MemoryRoom room(bytes_at_once);
     std::mutex figures_mutex;
     const int depth = layers.slab_layers();
     progress.begin_stage(name_of(Phase::layers), std::uint64_t(range.layers()), "layers");

@@ -48,8 +48,6 @@ private:
     std::array<int, 2> size_;
 };
 
-/// What was asked for of a print's bodies, where they are seen from above: who stands at the printer sees by it which
-/// way a print lies, and whether it came out mirrored. Lower places are a fifth darker.
 class ColourFromAbove {
 public:
     ColourFromAbove(const std::vector<PlacedBody>& bodies, const io::StackDescription& stack) : stack_(stack) {
@@ -110,6 +108,10 @@ std::array<double, 2> range_of(std::vector<double>& values) {
 
 }  // namespace
 
+ColourOfColumn colour_from_above(const std::vector<PlacedBody>& bodies, const io::StackDescription& stack) {
+    return ColourFromAbove(bodies, stack);
+}
+
 PartFinish finish_of(const PlacedBody& placed, const io::StackDescription& stack, const io::TopmostLayers& topmost) {
     const JobBody& body = placed.body;
     const std::vector<AreaPoint> pieces = area_points(*body.surface, body.model.mesh);
@@ -148,9 +150,8 @@ io::PageOfStack printer_page(const OpenedJob& job, std::string title, std::vecto
                              std::vector<std::string> missing) {
     return [&job, title = std::move(title), bodies = std::move(bodies), missing = std::move(missing)](
                const io::StackDescription& stack, const io::TopmostLayers& topmost) {
-        const ColourFromAbove asked(bodies, stack);
         PictureFromAbove from_above =
-            picture_from_above(stack, topmost, std::cref(asked), "in the colours that were asked for");
+            picture_from_above(stack, topmost, colour_from_above(bodies, stack), "in the colours that were asked for");
         HowToPrint what{title, job.outputs(), {}, std::move(from_above), {}, missing, {}};
         std::map<std::string, std::vector<std::string>> fragile;  // copies and parts alike are told together
         for (const PlacedBody& placed : bodies) {

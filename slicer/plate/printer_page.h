@@ -29,6 +29,11 @@ struct PlacedBody {
 [[nodiscard]] PartFinish finish_of(const PlacedBody& placed, const io::StackDescription& stack,
                                    const io::TopmostLayers& topmost);
 
+/// What was asked for of the bodies where they are seen from above: who stands at the printer sees by it which way a
+/// print lies, and whether it came out mirrored. Lower places are a fifth darker. Keeps references to what it is given.
+[[nodiscard]] ColourOfColumn colour_from_above(const std::vector<PlacedBody>& bodies,
+                                               const io::StackDescription& stack);
+
 /// Keeps references to the job and the bodies. `missing`: names of parts that failed.
 [[nodiscard]] io::PageOfStack printer_page(const OpenedJob& job, std::string title, std::vector<PlacedBody> bodies,
                                            std::vector<std::string> missing = {});

@@ -23,6 +23,7 @@
 #include "slicer/plate/component_surface.h"
 #include "slicer/plate/opened_tray.h"
 #include "slicer/plate/slice_report.h"
+#include "slicer/plate/tray_verdict.h"
 
 namespace voxtone::slicer {
 
@@ -71,16 +72,6 @@ io::ViewerPlace place_of(const ReadyPart& part, const io::Report& own) {
     place = own.viewer.worst[0];
     place.span_mm = span_mm;
     return place;
-}
-
-std::string names_of(const std::vector<const io::ReportPart*>& parts) {
-    constexpr std::size_t most = 5;
-    std::vector<std::string> names;
-    for (const io::ReportPart* part : parts) names.push_back(part->name);
-    if (names.size() <= most) return fmt::format("{}", fmt::join(names, ", "));
-    const std::size_t more = names.size() - most;
-    names.resize(most);
-    return fmt::format("{} and {} more", fmt::join(names, ", "), more);
 }
 
 /// Before all else: someone waits for it.
@@ -219,41 +210,6 @@ void TrayReport::add_surface(const std::vector<const Entry*>& entries, int tray,
                       coloured_surface(surface, look, positions, triangles));
 }
 
-io::ReportVerdict TrayReport::verdict_of(const std::vector<const Entry*>& entries) {
-    std::vector<const io::ReportPart*> bad, fair, unknown;
-    std::size_t all = 0;
-    for (const Entry* entry : entries) {
-        if (entry->is_component) continue;
-        ++all;
-        if (entry->row.level == io::VerdictLevel::bad) bad.push_back(&entry->row);
-        if (entry->row.level == io::VerdictLevel::fair) fair.push_back(&entry->row);
-        if (entry->row.level == io::VerdictLevel::unknown) unknown.push_back(&entry->row);
-    }
-    io::ReportVerdict verdict;
-    if (!bad.empty()) {
-        verdict.level = io::VerdictLevel::bad;
-        verdict.headline = fmt::format("{} of {} bodies will not look as asked{}", bad.size(), all,
-                                       fair.empty() ? "" : fmt::format(", {} nearly", fair.size()));
-        verdict.why = names_of(bad) + ". Each has its reason and what to try on its own page.";
-    } else if (!fair.empty()) {
-        verdict.level = io::VerdictLevel::fair;
-        const std::size_t good = all - fair.size() - unknown.size();
-        verdict.headline = good == 0
-                               ? fmt::format("{} of {} bodies will look nearly as asked", fair.size(), all)
-                               : fmt::format("{} of {} bodies will look as asked, {} nearly", good, all, fair.size());
-        verdict.why = names_of(fair) + ". What limits them is on their own pages.";
-    } else if (unknown.size() < all) {
-        verdict.level = io::VerdictLevel::good;
-        verdict.headline = all == unknown.size() + 1 ? "It will look as asked" : "All bodies will look as asked";
-    } else {
-        verdict.headline = "Nothing was predicted";
-        verdict.why = "Parts have their colours in reach below; --predict transport says how they will look.";
-    }
-    if (!unknown.empty() && unknown.size() < all) verdict.why += " Not predicted: " + names_of(unknown) + ".";
-    verdict.sentence = verdict.headline + "." + (verdict.why.empty() ? "" : " ") + verdict.why;
-    return verdict;
-}
-
 io::Report TrayReport::of_bodies(const Tray& tray, LayerWatchers& watchers, Progress& progress) const {
     const std::vector<const Entry*> entries = on(tray.number);
     io::Report report;
@@ -261,7 +217,10 @@ io::Report TrayReport::of_bodies(const Tray& tray, LayerWatchers& watchers, Prog
     add_print(tray.job, tray.stack, tray.grid, report);
     report.printing.support_ml = support_of(entries, tray.number);
     if (!std::ranges::all_of(entries, &Entry::is_component)) {
-        report.verdict = verdict_of(entries);
+        std::vector<const io::ReportPart*> rows;
+        for (const Entry* entry : entries)
+            if (!entry->is_component) rows.push_back(&entry->row);
+        report.verdict = tray_verdict(rows);
         report.verdict->good_up_to = tray.job.options.verdict.good;
         report.verdict->bad_above = tray.job.options.verdict.bad;
         report.verdict->viewing_distance_mm = tray.job.options.loop.viewing_distance_mm;

@@ -60,7 +60,6 @@ private:
     /// Below what hangs over; nothing where one stands above others, or what it is made of is not known.
     [[nodiscard]] static std::optional<double> support_of(const std::vector<const Entry*>& entries, int tray);
     static void add_surface(const std::vector<const Entry*>& entries, int tray, io::Report& report, Progress& progress);
-    [[nodiscard]] static io::ReportVerdict verdict_of(const std::vector<const Entry*>& entries);
     [[nodiscard]] io::Report of_bodies(const Tray& tray, LayerWatchers& watchers, Progress& progress) const;
 
     std::size_t copies_;

@@ -33,7 +33,8 @@ namespace {
 
 double gaussian(std::uint64_t i, std::uint64_t stream) {
     RandomStream random(stream, i);
-    return std::sqrt(-2 * std::log(1 - random.uniform())) * std::cos(2 * std::numbers::pi * random.uniform());
+    const double r = std::sqrt(-2 * std::log(1 - random.uniform()));
+    return r * std::cos(2 * std::numbers::pi * random.uniform());
 }
 
 }  // namespace

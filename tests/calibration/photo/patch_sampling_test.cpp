@@ -72,8 +72,8 @@ TEST_CASE("what noise adds that is cut off at 0 is told, from the share of it th
         io::Photograph photo{"dark", 200, 200, io::SampleCoding::linear, 16, {}};
         for (std::uint32_t i = 0; i < 200 * 200; ++i) {
             RandomStream random(3, i);
-            const double z =
-                std::sqrt(-2 * std::log(1 - random.uniform())) * std::cos(2 * std::numbers::pi * random.uniform());
+            const double r = std::sqrt(-2 * std::log(1 - random.uniform()));
+            const double z = r * std::cos(2 * std::numbers::pi * random.uniform());
             photo.pixels.push_back(Eigen::Vector3f::Constant(static_cast<float>(std::max(0.0, s * (u + z)))));
         }
         const AreaSample sample = sample_area(photo, identity, {{10, 10}, {190, 190}}, no_clip);

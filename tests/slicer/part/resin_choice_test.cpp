@@ -112,3 +112,14 @@ TEST_CASE("A dark core costs light colours, which is said, and a white one costs
     light.sample.options.load = {"K", "Y", "M"};
     CHECK_FALSE(loss_with_white_core(light.sample.opened(), light.body));
 }
+
+TEST_CASE("Where clear resin is not loaded, the set of the same cartridges that has it is named") {
+    for (const auto& [set, twin] :
+         {std::pair("j750-opaque", "vero-opaque-clear"), {"j750-vivid", "j750-vivid-clear"}}) {
+        test::SampleJob sample;
+        sample.options.resins = set;
+        sample.options.coat_mm = 0.2;
+        CHECK_THROWS_WITH(sample.opened(), Catch::Contains("takes clear resin (role T)") &&
+                                               Catch::Contains(std::string("give --resins ") + twin + " --load"));
+    }
+}

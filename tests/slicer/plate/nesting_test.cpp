@@ -184,3 +184,46 @@ TEST_CASE("What may be turned is turned where it lies closer so, and all of a gr
     const Places none = nest(bars(false), {18, 40}, 0);
     for (const auto& place : none) CHECK_FALSE(place);
 }
+
+TEST_CASE("What is laid out lies as far left as it can, and there as low, on plates of any height") {
+    // Columns of more cells than a word of memory has bits.
+    for (std::uint64_t draw = 0; draw < 60; ++draw) {
+        CAPTURE(draw);
+        RandomStream random(11, draw);
+        const auto below = [&](int n) { return int(random.uniform() * n); };
+        const int width = 12, height = 60 + below(200), high = 1 + below(height - 1), wide = 1 + below(3);
+        Outline taken(width, height), item(wide, high);
+        for (int n = 0; n < 9; ++n) taken.set(below(width), below(height));
+        for (int x = 0; x < wide; ++x)
+            for (int from = below(high), y = from, to = from + 1 + below(high - from); y < to; ++y) item.set(x, y);
+        const auto is_free = [&](int x, int y) {
+            for (int i = 0; i < wide; ++i)
+                for (int j = 0; j < high; ++j)
+                    if (item.at(i, j) && taken.at(x + i, y + j)) return false;
+            return true;
+        };
+        std::optional<NestPlace> wanted;
+        for (int x = 0; x + wide <= width && !wanted; ++x)
+            for (int y = 0; y + high <= height && !wanted; ++y)
+                if (is_free(x, y)) wanted = NestPlace{x, y, 0};
+        const auto at = lay_out({item}, {width, height}, 0, taken)[0];
+        REQUIRE(at.has_value() == wanted.has_value());
+        if (wanted) CHECK((at->x == wanted->x && at->y == wanted->y));
+    }
+}
+
+TEST_CASE("Of many parts the tallest are laid first, or the largest, whichever leaves more room") {
+    // So many that no order is tried by chance. The two kinds take the same columns in either order.
+    const auto first_of = [](const Outline& given_first, std::size_t many, const Outline& last, std::size_t others,
+                             int height) {
+        std::vector<Outline> outlines(many, given_first);
+        outlines.insert(outlines.end(), others, last);
+        REQUIRE(outlines.size() > 60);
+        const Places at = lay_out(outlines, {400, height}, 0);
+        return at.back()->x < at.front()->x;
+    };
+    // One column each for the tall ones; squares lie eight on twelve columns.
+    CHECK(first_of(box(12, 12), 40, box(1, 100), 21, 100));
+    // Two on four columns for the large ones; the tall ones one on three.
+    CHECK(first_of(box(3, 6), 31, box(4, 5), 32, 10));
+}

@@ -85,3 +85,22 @@ TEST_CASE("Of faces in layers that a stack does not have nothing is counted") {
     CHECK(upper.surface_mm2 == Approx(16).epsilon(0.03));
     CHECK(upper.coloured_mm2 == Approx(16).epsilon(0.03));
 }
+
+TEST_CASE("From above a print has the colours that were asked for, lower places a fifth darker, others grey") {
+    JobBody body = two_plates();
+    body.model.mesh.corner_rgb.assign(24, {Vector3f(1, 0.2f, 0), Vector3f(1, 0.2f, 0), Vector3f(1, 0.2f, 0)});
+    const std::vector<PlacedBody> bodies{{"plates", body, {{0, 0, 0}, {100, 5, 0}}}};
+    io::StackDescription stack = io::sample_description(60, columns, rows);
+    stack.pitch_um = {50, 50, 50};
+    const ColourOfColumn colour = colour_from_above(bodies, stack);
+    // sRGB of 0.2 is 0.4845. Of 60 layers the plates end at 20 and 60.
+    const io::Rgb upper{255, 124, 0}, lower{221, 107, 0};
+    CHECK(colour(40, 40, 60) == upper);
+    CHECK(colour(5, 40, 20) == lower);
+    CHECK(colour(105, 45, 20) == lower);
+    CHECK(colour(90, 40, 20) == io::Rgb{173, 173, 173});  // 200 * 0.8667
+    CHECK(colour(90, 40, 60) == io::Rgb{200, 200, 200});
+    // Layers of a range count from its first.
+    stack.first_layer = 30, stack.layers = 30;
+    CHECK(colour_from_above(bodies, stack)(40, 40, 30) == upper);
+}

@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "base/stopwatch.h"
 #include "slicer/predict/stack_volume.h"
 #include "slicer/print/estimate_job.h"
 #include "small_print.h"
@@ -197,4 +198,36 @@ TEST_CASE("A tray's estimate is what its stack comes to") {
     CHECK(cpu_of(estimate, Phase::separate) == Approx(2 * cpu_of(box, Phase::separate)));
     CHECK(cpu_of(estimate, Phase::layers) > cpu_of(box, Phase::layers));
     CHECK_FALSE(fs::exists(desk.path("out/parts/none")));
+}
+
+TEST_CASE("The seconds that a tray's layers took are shared out to its parts") {
+    class Clock final : public Progress {
+    public:
+        double until_last_layer_s = 0, until_next_stage_s = 0;
+
+    private:
+        void on_stage(std::string_view name, std::uint64_t, std::string_view) override {
+            if (in_layers_) until_next_stage_s = since_.total();
+            in_layers_ = name == name_of(Phase::layers) && until_next_stage_s == 0;
+            if (in_layers_) since_ = Stopwatch();
+        }
+        void on_advance(std::uint64_t) override {
+            if (in_layers_) until_last_layer_s = since_.total();
+        }
+        bool in_layers_ = false;
+        Stopwatch since_;
+    } clock;
+    TraysDesk desk;
+    const SliceOptions options = desk.of_tray("out");
+    (void)run_print({options, {{desk.path("box.obj").string(), desk.path("small.obj").string()}, 1}, true}, clock);
+    double sum = 0;
+    for (const char* part : {"box", "small"}) {
+        const json report = desk.json(fmt::format("out/parts/{}/report.json", part));
+        for (const json& stage : report.at("stages"))
+            if (stage.at("name").get<std::string>() == name_of(Phase::layers)) sum += stage.at("seconds").get<double>();
+    }
+    REQUIRE(clock.until_last_layer_s > 0);
+    // Their clock begins a little before the stage is told, and ends before the next is.
+    CHECK(sum > clock.until_last_layer_s / 2);
+    CHECK(sum < 2 * clock.until_next_stage_s);
 }
