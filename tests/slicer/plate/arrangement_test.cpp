@@ -315,14 +315,16 @@ TEST_CASE("A turn comes after what the part's options turn, and before its mirro
 }
 
 TEST_CASE("A place between cells that is a whole number of voxels is that") {
-    // 127 cells of 0.5 mm are 1500 columns, and 750 rows; in doubles a hair more or less.
+    // 127 cells of 0.5 mm are 1500 columns, and 750 rows. The corner is where the plate's is.
     Boxes boxes;
     boxes.add("first", {63.5, 63.5, 1});
     boxes.add("second", {60, 60, 1});
     TrayOptions options;
     options.gap_mm = 0;
     const auto second = [&](const Eigen::Vector3d& tray_mm) {
-        return boxes.arranged(tray_mm, options).copies[1][0].at;
+        const Arrangement made = boxes.arranged(tray_mm, options);
+        CHECK(made.corner_mm[0] == std::array{0.0, 0.0, 0.0});
+        return made.copies[1][0].at;
     };
     CHECK(second({70, 140, 20}) == std::array{0, 750, 0});
     CHECK(second({140, 70, 20}) == std::array{1500, 0, 0});
