@@ -80,6 +80,10 @@ int SpreadBox::only(const std::array<int, 3>& corner, const std::array<int, 3>& 
                                                 {extent[0] + 2 * reach[0], extent[1] + 2 * reach[1], extent[2]});
     if (whole >= 0) return whole;
     read_surroundings(corner, extent);
+    return only_in_box();
+}
+
+int SpreadBox::only_in_box() const {
     int found = air;
     for (const Material m : box_) {
         if (m == air || m == found) continue;
@@ -93,35 +97,54 @@ void SpreadBox::read(const std::array<int, 3>& corner, const std::array<int, 3>&
     read_surroundings(corner, extent);
     shares_.assign(count_of(extent) * resins_, 0.0f);
     is_air_.assign(count_of(extent), 0);
+    if (const int only = only_in_box(); only >= 0) {
+        keep_layers(extent, only);
+        return;
+    }
     for (int z = 0; z < extent[2]; ++z) spread_layer(extent, z);
 }
 
-/// Each resin of a layer along x, then along y; then each voxel takes back, in its own resin, what fell on air.
+/// Of a box that one resin alone reaches.
+void SpreadBox::keep_layers(const std::array<int, 3>& extent, int only) {
+    const std::array<int, 2>& reach = spread_->reach();
+    const int wide = extent[0] + 2 * reach[0], high = extent[1] + 2 * reach[1];
+    std::size_t voxel = 0;
+    for (int z = 0; z < extent[2]; ++z)
+        for (int y = 0; y < extent[1]; ++y) {
+            const Material* const row =
+                box_.data() + (static_cast<std::ptrdiff_t>(z) * high + y + reach[1]) * wide + reach[0];
+            for (int x = 0; x < extent[0]; ++x, ++voxel) {
+                is_air_[voxel] = row[x] == air;
+                if (row[x] != air) shares_[voxel * resins_ + static_cast<std::size_t>(only - 1)] = 1;
+            }
+        }
+}
+
+/// All resins of a layer along x, then along y; then each voxel takes back, in its own resin, what fell on air.
 void SpreadBox::spread_layer(const std::array<int, 3>& extent, int z) {
     const auto rx = static_cast<std::size_t>(spread_->reach()[0]), ry = static_cast<std::size_t>(spread_->reach()[1]);
     const auto nx = static_cast<std::size_t>(extent[0]), ny = static_cast<std::size_t>(extent[1]);
     const std::size_t wide = nx + 2 * rx, high = ny + 2 * ry;
     const Material* const layer = box_.data() + static_cast<std::size_t>(z) * wide * high;
-    const std::size_t first = static_cast<std::size_t>(z) * nx * ny;
-    std::array<bool, 256> here{};
-    for (std::size_t i = 0; i < wide * high; ++i) here[layer[i]] = true;
+    const std::size_t first = static_cast<std::size_t>(z) * nx * ny, row = nx * resins_;
     const std::span<const float> x_weights = spread_->weights(0), y_weights = spread_->weights(1);
-    along_x_.resize(nx * high);
-    for (std::size_t r = 0; r < resins_; ++r) {
-        if (!here[r + 1]) continue;
-        for (std::size_t y = 0; y < high; ++y)
-            for (std::size_t x = 0; x < nx; ++x) {
-                const Material* const from = layer + y * wide + x;
-                float sum = 0;
-                for (std::size_t k = 0; k < x_weights.size(); ++k) sum += from[k] == r + 1 ? x_weights[k] : 0;
-                along_x_[y * nx + x] = sum;
-            }
-        for (std::size_t y = 0; y < ny; ++y)
-            for (std::size_t x = 0; x < nx; ++x) {
-                float sum = 0;
-                for (std::size_t k = 0; k < y_weights.size(); ++k) sum += y_weights[k] * along_x_[(y + k) * nx + x];
-                shares_[(first + y * nx + x) * resins_ + r] = sum;
-            }
+    along_x_.assign(row * high, 0.0f);
+    for (std::size_t y = 0; y < high; ++y)
+        for (std::size_t from = 0; from < wide; ++from) {
+            const Material m = layer[y * wide + from];
+            if (m == air) continue;
+            // What is jetted `from` counts in the places x = from - k.
+            const std::size_t least = from < nx ? 0 : from - nx + 1, most = std::min(from, x_weights.size() - 1);
+            for (std::size_t k = least; k <= most; ++k)
+                along_x_[y * row + (from - k) * resins_ + m - 1u] += x_weights[k];
+        }
+    for (std::size_t y = 0; y < ny; ++y) {
+        float* const to = shares_.data() + (first + y * nx) * resins_;
+        for (std::size_t k = 0; k < y_weights.size(); ++k) {
+            const float* const from = along_x_.data() + (y + k) * row;
+            const float weight = y_weights[k];
+            for (std::size_t i = 0; i < row; ++i) to[i] += weight * from[i];
+        }
     }
     for (std::size_t y = 0; y < ny; ++y)
         for (std::size_t x = 0; x < nx; ++x) {

@@ -75,6 +75,8 @@ public:
 
 private:
     void read_surroundings(const std::array<int, 3>& corner, const std::array<int, 3>& extent);
+    [[nodiscard]] int only_in_box() const;
+    void keep_layers(const std::array<int, 3>& extent, int only);
     void spread_layer(const std::array<int, 3>& extent, int z);
 
     const ResinVolume* volume_;

@@ -139,8 +139,8 @@ std::uint32_t TileGrids::ghost_at(const Place& block) const {
 std::unique_ptr<Tile::Shape> TileGrids::shape_of(const Tile& tile, const Progress* progress) const {
     auto shape = std::make_unique<Tile::Shape>();
     ViewingGrid& grid = shape->grid;
-    grid = make_viewing_grid(scene_, view_voxels_, {options_.colour_mm, options_.deep_colour_in_nodes}, tile.also,
-                             tile.window, &surface_, progress);
+    grid = make_empty_viewing_grid(scene_, view_voxels_, {options_.colour_mm, options_.deep_colour_in_nodes}, tile.also,
+                                   tile.window, &surface_, progress);
     grid.shrink();
     shape->seen = find_viewing_faces(grid, tiles_.size() == 1 ? surface_ : part_of(surface_, tile.near), progress);
     const auto place_of = [&](std::uint32_t block) {

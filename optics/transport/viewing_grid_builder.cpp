@@ -552,6 +552,16 @@ struct ViewingGridBuilder {
 ViewingGrid make_viewing_grid(const Scene& scene, const std::array<int, 3>& view_voxels, const ColourDepth& colour,
                               std::span<const std::uint8_t> also, const ViewingWindow& window, const Surface* requested,
                               const Progress* progress) {
+    ViewingGrid made = make_empty_viewing_grid(scene, view_voxels, colour, also, window, requested, progress);
+    std::vector<std::uint8_t> wanted;
+    const bool filled = fill(made, *scene.volume, wanted, progress);
+    VOXTONE_ENSURE(filled);
+    return made;
+}
+
+ViewingGrid make_empty_viewing_grid(const Scene& scene, const std::array<int, 3>& view_voxels,
+                                    const ColourDepth& colour, std::span<const std::uint8_t> also,
+                                    const ViewingWindow& window, const Surface* requested, const Progress* progress) {
     require_resins(scene);
     ViewingGrid made;
     made.window = window;
@@ -570,9 +580,6 @@ ViewingGrid make_viewing_grid(const Scene& scene, const std::array<int, 3>& view
     builder.find_blocks(colour.mm, also, requested);
     builder.list_faces();
     find_face_laws(made, scene, progress);
-    std::vector<std::uint8_t> wanted;
-    const bool filled = fill(made, *scene.volume, wanted, progress);
-    VOXTONE_ENSURE(filled);
     return made;
 }
 
