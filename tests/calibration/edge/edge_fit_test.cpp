@@ -171,8 +171,11 @@ TEST_CASE("a fit refuses what it cannot use", "[edge]") {
         CHECK_THAT(fit_edges(single, table, options).warnings.at(0),
                    Contains("one thickness only") && Contains("[one-slab]"));
     }
-    SECTION("a channel that is clipped in all slabs") {
+    SECTION("a channel that is clipped in one slab is told, in all slabs refused") {
         auto clipped = profiles;
+        clipped[0].value[0][100] = std::nan("");
+        CHECK_THAT(fit_edges(clipped, table, options).warnings.at(0),
+                   Contains("M of 0.5 mm, R: 1 samples are not known"));
         for (EdgeProfile& p : clipped) p.value[0][100] = std::nan("");
         CHECK_THROWS_WITH(fit_edges(clipped, table, options), Contains("nothing is clipped"));
     }
