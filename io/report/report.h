@@ -71,7 +71,8 @@ enum class VerdictLevel {
 
 /// Pieces of one flat colour, or type and lines of it, as a person sees them.
 struct ReportRegion {
-    /// "paper", "solid", "type and lines", "small type", "code", "label", "fine detail", "texture", "thin walls"
+    /// "paper", "solid", "type and lines", "small type", "code", "label", "fine detail", "texture", "thin walls",
+    /// "colour": where most is off of what has no flat areas
     std::string kind;
     std::string asked, printed = {};   ///< "red (255, 0, 0)", sRGB; of a code what it is: "QR code of 9.0 x 9.0 mm"
     std::string asked_seen = {};       ///< what the eye makes of `asked` at its size; empty: about the same

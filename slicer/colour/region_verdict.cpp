@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -261,19 +262,26 @@ bool is_uneven(const io::ReportRegion& region, double above) {
 /// "yellow (187, 154, 1)", without its numbers.
 std::string colour_name(const std::string& colour) { return colour.substr(0, colour.find(" (")); }
 
-/// With what was asked for by numbers, where words do not tell the two apart.
-std::string printed_text(const io::ReportRegion& region) {
+/// With how it differs and what was asked for by numbers, where words do not tell the two apart.
+std::string printed_text(const Row& row) {
+    const io::ReportRegion& region = row.said;
     const std::string& asked = region.asked_seen.empty() ? region.asked : region.asked_seen;
     if (colour_name(asked) != colour_name(region.printed)) return region.printed;
-    return fmt::format("{} for {}", region.printed, asked.substr(asked.find('(')));
+    const Eigen::Vector3d meant =
+        region.asked_seen.empty() ? optics::linear_srgb_from_oklab(row.oklab.cast<double>()) : *row.asked_seen;
+    return fmt::format("{} {} for {}",
+                       shift_word(optics::lab_from_linear_srgb(meant.cwiseMax(0)),
+                                  optics::lab_from_linear_srgb(row.printed.cwiseMax(0))),
+                       region.printed, asked.substr(asked.find('(')));
 }
 
-std::string what_is_wrong(const io::ReportRegion& region, const VerdictLimits& limits) {
+std::string what_is_wrong(const Row& row, const VerdictLimits& limits) {
+    const io::ReportRegion& region = row.said;
     if (region.contrast_asked >= legible && region.contrast < legible)
         return fmt::format("{} hard to read: the contrast is {:.2f}, {:.2f} was asked for and {:g} is legible",
                            is_are(region), region.contrast, region.contrast_asked, legible);
     if (region.de2000 > limits.bad)
-        return fmt::format("{} printed as {}, {:.0f} off{}", is_are(region), printed_text(region), *region.de2000,
+        return fmt::format("{} printed as {}, {:.0f} off{}", is_are(region), printed_text(row), *region.de2000,
                            region.out_of_reach ? ": no mixture of the loaded resins is nearer" : "");
     if (region.rim > rim_limit(limits))
         return fmt::format("{} a rim of another colour, {:.0f} units of CIELAB in chroma",
@@ -387,6 +395,67 @@ std::optional<Row> thin_walls(const RegionSources& s, const ThinWalls& walls) {
     return row;
 }
 
+/// Of what has no flat areas: of the worst quarter of all that is clearly off the largest place, for colours that run
+/// into each other have no mean to speak of; nothing where what is off is hardly seen.
+std::optional<Row> most_off(const RegionSources& s) {
+    constexpr double enough = 0.02;
+    const JobPrediction& p = s.prediction;
+    const optics::Surface& surface = p.predicted.surface;
+    std::vector<std::uint32_t> off;
+    double seen = 0;
+    for (std::uint32_t i = 0; i < p.seen.difference.size(); ++i)
+        if (p.seen.difference[i] > s.limits.bad) off.push_back(i), seen += s.seen[i];
+    if (!(seen > enough * std::accumulate(s.seen.begin(), s.seen.end(), 0.0))) return std::nullopt;
+    const auto worst = off.begin() + std::ptrdiff_t(off.size() / 4);
+    std::ranges::nth_element(off, worst, std::greater<>(), [&](std::uint32_t i) { return p.seen.difference[i]; });
+    off.erase(worst + 1, off.end());
+    std::ranges::sort(off);
+    const auto pieces = pieces_of(off, surface, 1.0);
+    Row row;
+    Eigen::Vector3f target = Eigen::Vector3f::Zero();
+    double difference = 0;
+    for (const std::uint32_t i : pieces[0]) {
+        const float area = surface.cells[i].area_mm2;
+        row.said.area_mm2 += double(area), difference += double(area) * p.seen.difference[i];
+        target += area * p.seen.target[i], row.printed += (area * p.seen.print[i]).cast<double>();
+    }
+    difference /= row.said.area_mm2, target /= float(row.said.area_mm2), row.printed /= row.said.area_mm2;
+    row.cells = pieces[0], row.oklab = oklab_of(target);
+    row.said.kind = "colour";
+    row.said.asked = text_of(target);
+    row.said.pieces = int(pieces.size());
+    row.said.de2000 = difference;
+    put_at(middle_of(pieces[0], surface), surface, row.said);
+    row.said.good = false;
+    return row;
+}
+
+/// Per cell: the flat area that it lies in, no letter or line; no_region: none.
+constexpr std::uint32_t no_region = ~std::uint32_t{0};
+std::vector<std::uint32_t> flat_areas(const SeenPrint& seen, std::size_t cells) {
+    std::vector<std::uint32_t> area(cells, no_region);
+    for (std::uint32_t r = 0; r < seen.regions.size(); ++r)
+        if (seen.regions[r].kind != RegionKind::strokes)
+            for (const std::uint32_t i : seen.regions[r].cells) area[i] = r;
+    return area;
+}
+
+double edge_of(const ColourRegion& of) { return std::sqrt(of.area_mm2 / static_cast<double>(of.cells.size())); }
+
+/// Whether it is the inside of a letter, of the paper or ground around that, and no type itself.
+bool is_counter(const SeenPrint& seen, const ColourRegion& of, const halftone::CellNeighbours& cells,
+                std::span<const std::uint32_t> flat) {
+    constexpr double within_mm = 1, part = 0.25;
+    constexpr float same = 0.03f;
+    const Eigen::Vector3f colour = oklab_of(of.target);
+    const std::vector<std::uint32_t> around =
+        cells.around(of, std::max(1, static_cast<int>(std::lround(within_mm / edge_of(of)))));
+    const auto alike = std::ranges::count_if(around, [&](std::uint32_t i) {
+        return flat[i] != no_region && (oklab_of(seen.regions[flat[i]].target) - colour).norm() < same;
+    });
+    return double(alike) > part * double(around.size());
+}
+
 Row row_of(const RegionSources& s, std::size_t r, const halftone::CellNeighbours& cells,
            std::span<const EdgeTerms> edges, bool is_page) {
     const JobPrediction& p = s.prediction;
@@ -409,9 +478,8 @@ Row row_of(const RegionSources& s, std::size_t r, const halftone::CellNeighbours
         region.unevenness = unevenness_of(of, cells, p.seen.target, p.seen.print, edges);
     region.out_of_reach = s.colour.separation.gamut_distance(of.target) >= look.difference / 2;
     if (of.kind == RegionKind::strokes && is_page) {
-        const double edge = std::sqrt(of.area_mm2 / static_cast<double>(of.cells.size()));
         const std::vector<std::uint32_t> ground =
-            cells.around(of, std::max(1, static_cast<int>(std::lround(ground_mm / edge))));
+            cells.around(of, std::max(1, static_cast<int>(std::lround(ground_mm / edge_of(of)))));
         region.contrast_asked = contrast(luminance(p.target, surface, of.cells), luminance(p.target, surface, ground));
         region.contrast =
             contrast(luminance(p.predicted.rgb, surface, of.cells), luminance(p.predicted.rgb, surface, ground));
@@ -556,6 +624,16 @@ std::optional<Row> lost_on_page(const RegionSources& s, const halftone::CellNeig
 
 }  // namespace
 
+std::string shift_word(const Eigen::Vector3d& asked, const Eigen::Vector3d& printed) {
+    const Eigen::Vector3d by = printed - asked;
+    const double chroma = printed.tail<2>().norm() - asked.tail<2>().norm(),
+                 hue = std::sqrt(std::max(0.0, by.tail<2>().squaredNorm() - chroma * chroma));
+    if (std::abs(by[0]) >= std::max(std::abs(chroma), hue)) return by[0] < 0 ? "darker" : "lighter";
+    if (std::abs(chroma) >= hue) return chroma < 0 ? "greyer" : "stronger";
+    if (std::abs(by[1]) > std::abs(by[2])) return by[1] > 0 ? "redder" : "greener";
+    return by[2] > 0 ? "yellower" : "bluer";
+}
+
 JudgedRegions judge_regions(const RegionSources& s, const ThinWalls& walls) {
     const JobPrediction& p = s.prediction;
     const halftone::CellNeighbours cells(p.predicted.surface);
@@ -565,7 +643,10 @@ JudgedRegions judge_regions(const RegionSources& s, const ThinWalls& walls) {
     const std::vector<EdgeTerms> edges =
         p.seen.regions.empty() ? std::vector<EdgeTerms>() : edge_terms(p.predicted.surface, p.target, p.seen.target);
     std::vector<Row> rows;
+    const std::vector<std::uint32_t> flat = flat_areas(p.seen, p.target.size());
     for (std::size_t r = 0; r < p.seen.regions.size(); ++r) {
+        const ColourRegion& of = p.seen.regions[r];
+        if (is_page && of.kind == RegionKind::strokes && is_counter(p.seen, of, cells, flat)) continue;
         Row row = row_of(s, r, cells, edges, is_page);
         if (is_uneven(row.said, spoilt_above))
             for (const std::uint32_t cell : row.cells) judged.spoilt[cell] = 1;
@@ -575,13 +656,18 @@ JudgedRegions judge_regions(const RegionSources& s, const ThinWalls& walls) {
     std::erase_if(rows, [](const Row& row) { return row.said.area_mm2 < least_mm2; });
     for (Row& row : rows) {
         say_where(s, row);
-        row.said.why = what_is_wrong(row.said, s.limits);
+        row.said.why = what_is_wrong(row, s.limits);
         row.said.good = row.said.why.empty();
     }
     auto detail = lost_on_page(s, cells, rows, judged.page);
     for (auto& row : {std::move(detail), blurred_texture(s, judged.spoilt), thin_walls(s, walls)})
         if (row) say_where(s, rows.emplace_back(*row));
     for (Row& label : labels_of(s)) add_read(s, std::move(label), rows);
+    if (std::ranges::all_of(rows, [](const Row& row) { return row.said.good; }))
+        if (auto row = most_off(s)) {
+            say_where(s, rows.emplace_back(*row));
+            rows.back().said.why = what_is_wrong(rows.back(), s.limits);
+        }
     for (Row& row : rows) judged.rows.push_back(std::move(row.said));
     std::ranges::stable_sort(judged.rows, std::greater<>(), [&](const io::ReportRegion& region) {
         // Of a page first what cannot be made out: nobody minds how even a ground is below words that are lost.

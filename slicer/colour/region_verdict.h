@@ -42,6 +42,10 @@ namespace voxtone::slicer {
 /// was asked.
 [[nodiscard]] std::string colour_word(const Eigen::Vector3f& rgb);
 
+/// How a colour differs from the one that was asked for, by the part of the difference that is largest: "darker",
+/// "greyer", "yellower". CIELAB.
+[[nodiscard]] std::string shift_word(const Eigen::Vector3d& asked, const Eigen::Vector3d& printed);
+
 /// What is said of flecks in `why`.
 inline constexpr std::string_view not_even = "not even";
 

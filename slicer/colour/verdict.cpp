@@ -163,7 +163,7 @@ void add_worst(io::ReportVerdict& verdict) {
     if (verdict.level != io::VerdictLevel::good && worst.why.find(not_even) != std::string::npos &&
         worst.unevenness < spoilt_above)
         return;
-    const bool is_colour = worst.kind == "solid" || worst.kind == "paper";
+    const bool is_colour = worst.kind == "solid" || worst.kind == "paper" || worst.kind == "colour";
     std::string what = worst.type_mm ? std::string("type")
                        : is_colour   ? word_of(worst.asked)
                                      : fmt::format("{}, {}", worst.kind, word_of(worst.asked));

@@ -24,7 +24,7 @@ WholeVerdict judge_colours(std::span<const double> difference, std::span<const d
         if (difference[i] > limits.bad || (!spoilt.empty() && spoilt[i] != 0)) wrong += weight[i];
     }
     if (!(all > 0)) return {};
-    WholeVerdict whole{.mean = sum / all, .wrong_share = wrong / all};
+    WholeVerdict whole{.mean = sum / all, .wrong_share = wrong / all, .off_share = off / all};
     using enum io::VerdictLevel;
     whole.level = whole.mean > limits.bad || off > most * all            ? bad
                   : whole.mean > limits.good || whole.wrong_share > much ? fair
@@ -51,7 +51,7 @@ WholeVerdict judge_whole(std::span<const double> difference, std::span<const dou
         if (judge_colours(served, weight, spoilt, limits).level != bad)
             whole.level = fair, whole.decided_by = "a scanner reads its code";
     }
-    if (!page.lost.empty() && whole.level == good) whole.level = fair, whole.decided_by = page.lost;
+    if (!page.lost.empty() && whole.level != bad) whole.level = fair, whole.decided_by = page.lost;
     if (!page.useless.empty()) whole.level = bad, whole.decided_by = page.useless;
     return whole;
 }
@@ -65,9 +65,14 @@ std::string opening_of(const WholeVerdict& whole, const VerdictLimits& limits) {
     const double limit = is_bad ? limits.bad : limits.good;
     std::string text = figure(whole.mean, limit);
     if (whole.level == io::VerdictLevel::good) return "On the whole good, " + text;
-    if (whole.mean <= limit)
-        text +=
-            fmt::format(", and {:.0f} % of what is seen is clearly off, flecked or blurred", 100 * whole.wrong_share);
+    if (whole.mean <= limit) {
+        constexpr double nearly_all = 0.9, hardly_any = 0.1;
+        const double off = whole.off_share / whole.wrong_share;
+        text += fmt::format(", and {:.0f} % of what is seen is {}", 100 * whole.wrong_share,
+                            off > nearly_all   ? "clearly off"
+                            : off < hardly_any ? "flecked or blurred"
+                                               : "clearly off, flecked or blurred");
+    }
     return is_bad ? fmt::format("On the whole bad, {}: it will not look as asked", text)
                   : fmt::format("On the whole fair, {}: much as asked, with differences that are seen", text);
 }

@@ -39,6 +39,7 @@ struct WholeVerdict {
     io::VerdictLevel level = io::VerdictLevel::good;
     double mean = 0;              ///< m, CIEDE2000
     double wrong_share = 0;       ///< t, in [0, 1]
+    double off_share = 0;         ///< s, in [0, 1]
     std::string decided_by = {};  ///< what gives the level whatever its colours are: a clause; empty: these do
 };
 

@@ -292,6 +292,17 @@ TEST_CASE("Of lines that run together the place is of those that keep least") {
     CHECK(page.p.predicted.surface.cells[lost->worst].cell[0] < 60);
 }
 
+TEST_CASE("How a colour differs is said by what differs most") {
+    CHECK(shift_word({50, 0, 0}, {40, 3, 0}) == "darker");
+    CHECK(shift_word({50, 0, 0}, {60, 3, -4}) == "lighter");
+    CHECK(shift_word({50, 30, 40}, {52, 18, 24}) == "greyer");
+    CHECK(shift_word({50, 18, 24}, {52, 30, 40}) == "stronger");
+    CHECK(shift_word({50, 40, 0}, {48, 38, 14}) == "yellower");
+    CHECK(shift_word({50, 40, 0}, {48, 38, -14}) == "bluer");
+    CHECK(shift_word({50, 0, 40}, {52, 14, 38}) == "redder");
+    CHECK(shift_word({50, 0, 40}, {52, -14, 38}) == "greener");
+}
+
 TEST_CASE("A tint is told from white and grey") {
     const auto word = [](int red, int green, int blue) {
         const auto linear = [](int code) { return float(optics::srgb_decode(code / 255.0)); };

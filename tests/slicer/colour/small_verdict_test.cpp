@@ -16,25 +16,36 @@ using nlohmann::json;
 
 namespace {
 
-/// Grey paper, 120 x 90 pixels: a red square of 30 on the upper left, one of 40 on the lower left, blue of 45 x 60 on
-/// the right.
-void write_squares(const PrintDesk& desk) {
-    const auto linear = [](std::array<int, 3> code) {
-        Eigen::Vector4f pixel(0, 0, 0, 1);
-        for (Eigen::Index c = 0; c < 3; ++c) pixel[c] = float(optics::srgb_decode(code[std::size_t(c)] / 255.0));
-        return pixel;
-    };
+/// 120 x 90 pixels, `code` of each in sRGB's codes.
+template <class Code>
+void write_page(const PrintDesk& desk, const char* name, const Code& code) {
     io::LinearPicture page{120, 90, {}};
     for (int y = 0; y < 90; ++y)
         for (int x = 0; x < 120; ++x) {
-            const bool red = x >= 8 && ((y >= 8 && y < 38 && x < 38) || (y >= 44 && y < 84 && x < 48)),
-                       blue = x >= 66 && x < 111 && y >= 15 && y < 75;
-            page.pixels.push_back(linear(red    ? std::array{170, 60, 60}
-                                         : blue ? std::array{60, 90, 140}
-                                                : std::array{200, 200, 196}));
+            const std::array<int, 3> of = code(x, y);
+            Eigen::Vector4f& pixel = page.pixels.emplace_back(0, 0, 0, 1);
+            for (Eigen::Index c = 0; c < 3; ++c) pixel[c] = float(optics::srgb_decode(of[std::size_t(c)] / 255.0));
         }
-    io::write_whole_file(desk.path("squares.png"),
-                         io::png_bytes(io::encode_over(page, Eigen::Vector3f::Zero()), {0, 0}));
+    io::write_whole_file(desk.path(name), io::png_bytes(io::encode_over(page, Eigen::Vector3f::Zero()), {0, 0}));
+}
+
+/// Grey paper: a red square of 30 on the upper left, one of 40 on the lower left, blue of 45 x 60 on the right.
+void write_squares(const PrintDesk& desk) {
+    write_page(desk, "squares.png", [](int x, int y) {
+        const bool red = x >= 8 && ((y >= 8 && y < 38 && x < 38) || (y >= 44 && y < 84 && x < 48)),
+                   blue = x >= 66 && x < 111 && y >= 15 && y < 75;
+        return red ? std::array{170, 60, 60} : blue ? std::array{60, 90, 140} : std::array{200, 200, 196};
+    });
+}
+
+json report_of_page(PrintDesk& desk, const char* name) {
+    SliceOptions options = desk.options("out");
+    options.model = desk.path(name).string();
+    options.unit.assign("auto");
+    options.width_mm = 6;
+    options.thickness_mm = 2;
+    options.predict.assign("transport");
+    return json::parse(desk.print(options).json);
 }
 
 const json* region_of(const json& verdict, const char* asked) {
@@ -48,13 +59,7 @@ const json* region_of(const json& verdict, const char* asked) {
 TEST_CASE("A page's areas are told with their colours, sizes and places, those of one colour together") {
     PrintDesk desk;
     write_squares(desk);
-    SliceOptions options = desk.options("out");
-    options.model = desk.path("squares.png").string();
-    options.unit.assign("auto");
-    options.width_mm = 6;
-    options.thickness_mm = 2;
-    options.predict.assign("transport");
-    const json report = json::parse(desk.print(options).json), &verdict = report.at("verdict");
+    const json report = report_of_page(desk, "squares.png"), &verdict = report.at("verdict");
     INFO(verdict.dump(1));
     const json *red = region_of(verdict, "red"), *blue = region_of(verdict, "blue");
     REQUIRE(red);
@@ -102,6 +107,41 @@ TEST_CASE("A page's areas are told with their colours, sizes and places, those o
     CHECK(shares == Approx(1).margin(1e-3));
     CHECK(predicted["de2000"]["median"].get<double>() <= predicted["de2000"]["p95"].get<double>());
     CHECK(predicted["de2000"]["p95"].get<double>() <= predicted["de2000"]["max"].get<double>());
+}
+
+TEST_CASE("The inside of a letter is paper, and no type of its colour") {
+    PrintDesk desk;
+    write_page(desk, "rings.png", [](int x, int y) {
+        const double from = std::hypot((x - 4) % 28 - 13.5, (y - 3) % 28 - 13.5);
+        const bool ink = x >= 4 && y >= 3 && x < 116 && y < 87 && from < 11 && from > 6;
+        return ink ? std::array{10, 10, 10} : std::array{255, 255, 255};
+    });
+    const json verdict = report_of_page(desk, "rings.png").at("verdict");
+    INFO(verdict.dump(1));
+    bool is_paper = false;
+    for (const json& region : verdict.at("regions")) {
+        const std::string kind = region.at("kind"), asked = region.at("asked");
+        is_paper = is_paper || kind == "paper";
+        if (kind == "type and lines") CHECK_FALSE(asked.starts_with("white"));
+    }
+    CHECK(is_paper);
+}
+
+TEST_CASE("Of a picture without flat areas the worst is where most of it is off") {
+    PrintDesk desk;
+    write_page(desk, "sunset.png", [](int x, int y) {  // to a blue in the upper right that no mixture reaches
+        const double blue = std::clamp((x - 0.9 * y) / 110.0, 0.0, 1.0);
+        return std::array{int(200 - 200 * blue), int(150 - 130 * blue) + y / 6, int(90 + 165 * blue)};
+    });
+    const json verdict = report_of_page(desk, "sunset.png").at("verdict");
+    INFO(verdict.dump(1));
+    REQUIRE_FALSE(verdict.at("regions").empty());
+    const json& worst = verdict["regions"][0];
+    CHECK(worst.at("kind") == "colour");
+    CHECK(worst.at("place") == "upper right");
+    CHECK(worst.at("asked").get<std::string>().starts_with("blue"));
+    CHECK(worst.at("de2000").get<double>() > 5);
+    CHECK_THAT(verdict.at("sentence").get<std::string>(), Contains("blue (upper right"));
 }
 
 TEST_CASE("A thin page over black is told to be thin, and that a thicker one would be nearer") {

@@ -123,6 +123,7 @@ TEST_CASE("What a page is there for decides: nothing is good that is lost, and a
     CHECK(opening_of(judged(near, lost), limits) ==
           "On the whole fair: some of its type cannot be read; its colours are 1.0 off");
     CHECK(judged(far, lost).level == bad);
+    CHECK(judged(body(1, 0, 0, 4.0, 0), lost).decided_by == lost.lost);
     CHECK(judged(near, {"x", "y", {}}).decided_by == "x");
     // A code over nine tenths of it, and over a quarter.
     PageVerdict page;
@@ -152,12 +153,14 @@ TEST_CASE("A percentile is of the weight") {
 
 TEST_CASE("The first words do not contradict the level, neither by rounding nor by what else decides it") {
     using Catch::Matchers::Contains, Catch::Matchers::StartsWith;
-    const auto said = [&](io::VerdictLevel level, double mean, double wrong) {
-        return opening_of({level, mean, wrong}, limits);
+    const auto said = [&](io::VerdictLevel level, double mean, double wrong, double off = 0.1) {
+        return opening_of({level, mean, wrong, off, {}}, limits);
     };
     CHECK(said(io::VerdictLevel::good, 2.4, 0.02) == "On the whole good, 2.4");
     CHECK_THAT(said(io::VerdictLevel::fair, limits.good + 0.02, 0), StartsWith("On the whole fair, 2.52: "));
     CHECK_THAT(said(io::VerdictLevel::fair, 2.42, 0.16), Contains("2.4, and 16 % of what is seen is clearly off"));
+    CHECK_THAT(said(io::VerdictLevel::fair, 2.4, 0.16, 0.16), Contains("of what is seen is clearly off:"));
+    CHECK_THAT(said(io::VerdictLevel::fair, 2.4, 0.16, 0.01), Contains("of what is seen is flecked or blurred:"));
     CHECK_THAT(said(io::VerdictLevel::bad, limits.bad + 0.03, 0.3), StartsWith("On the whole bad, 5.03: "));
     CHECK_THAT(said(io::VerdictLevel::bad, 4.4, 0.6), Contains("4.4, and 60 % of what is seen"));
 }
