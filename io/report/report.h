@@ -98,7 +98,8 @@ struct ReportRegion {
 struct ReportAdvice {
     std::string text;     ///< what, and what it would come to
     std::string options;  ///< as they are written: "--size 83mm"; empty: it is done to the model, or elsewhere
-    std::string figure;   ///< "seen_de2000": the verdict's mean; "gamut": that of the colours out of reach; "type_mm"
+    std::string figure;   ///< "seen_de2000": the verdict's mean; "gamut": that of the colours out of reach; "type_mm",
+                          ///< "module_mm"
     double now = 0, then = 0;
 };
 

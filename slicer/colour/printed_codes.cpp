@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "io/lettering/make_code.h"
 #include "io/pictures/codes_in_picture.h"
 #include "io/pictures/texture.h"
 #include "slicer/colour/slab_picture.h"
@@ -50,6 +51,17 @@ bool is_in(const io::LuminanceRaster& picture, const io::CodeInPicture& code) {
     });
 }
 
+double module_of(const io::CodeInPicture& code, const PrintedCode& of) {
+    const bool is_qr = code.kind == "QR code";
+    if (!is_qr && code.kind != "Data Matrix") return 0;
+    try {
+        const io::CodeSymbol symbol = io::make_code(is_qr ? io::CodeKind::qr : io::CodeKind::data_matrix, code.content);
+        return std::sqrt(of.width_mm * of.height_mm / (double(symbol.columns) * symbol.rows));
+    } catch (const InputError&) {
+        return 0;  // bytes that are no text
+    }
+}
+
 }  // namespace
 
 std::vector<PrintedCode> printed_codes(const JobPrediction& p, const io::TexturedMesh* picture) {
@@ -66,9 +78,10 @@ std::vector<PrintedCode> printed_codes(const JobPrediction& p, const io::Texture
                     }))
                     all.push_back(std::move(code));
         for (const io::CodeInPicture& asked : all) {
-            PrintedCode& code = codes.emplace_back(PrintedCode{asked.kind, {}, 0, 0, false});
+            PrintedCode& code = codes.emplace_back(PrintedCode{asked.kind, {}, 0, 0, 0, false});
             code.width_mm = (asked.box[2] - asked.box[0]) * p.cell_um[0] / 1000;
             code.height_mm = (asked.box[3] - asked.box[1]) * p.cell_um[1] / 1000;
+            code.module_mm = module_of(asked, code);
             const Frame frame = around(slab.all(), asked.box);
             for (int row = int(asked.box[1]); row < std::min(slab.all()[3], int(asked.box[3]) + 1); ++row)
                 for (int column = int(asked.box[0]); column < std::min(slab.all()[2], int(asked.box[2]) + 1); ++column)

@@ -205,7 +205,7 @@ std::optional<Row> small_type(const RegionSources& s, const std::optional<TypeSi
 }
 
 /// Of pictures.
-std::vector<Row> codes_of(const RegionSources& s) {
+std::vector<Row> codes_of(const RegionSources& s, PageVerdict& page) {
     std::vector<Row> rows;
     const optics::Surface& surface = s.prediction.predicted.surface;
     for (PrintedCode& code : printed_codes(s.prediction, s.mesh)) {
@@ -219,6 +219,8 @@ std::vector<Row> codes_of(const RegionSources& s) {
         row.said.good = code.is_read;
         if (!code.is_read) row.said.why = "cannot be read by a scanner";
         row.cells = std::move(code.cells);
+        if (!code.is_read && code.module_mm > 0)
+            page.module_mm = page.module_mm > 0 ? std::min(page.module_mm, code.module_mm) : code.module_mm;
     }
     return rows;
 }
@@ -602,7 +604,7 @@ std::optional<Row> lost_on_page(const RegionSources& s, const halftone::CellNeig
     const std::vector<PicturePage> pages = s.is_picture ? picture_pages(p, s.mesh) : std::vector<PicturePage>();
     const auto type = unreadable_type(p, s.viewing_distance_mm, pages);
     if (s.is_picture)
-        for (Row& code : codes_of(s)) {
+        for (Row& code : codes_of(s, page)) {
             if (!code.said.good) page.useless = "a scanner cannot read its code";
             page.served.resize(p.target.size());
             for (const std::uint32_t cell : code.cells) page.served[cell] = code.said.good;

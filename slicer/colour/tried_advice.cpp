@@ -30,7 +30,9 @@ constexpr double some_sheets = 0.25;        // of the thin walls, from where on 
 constexpr double slow_part = 0.25;          // of the exponent, at the least: the header tells of which
 constexpr double readable_type_mm = 1.6;    // face: below 1.1 to 1.6 mm letters were lost on signs and cards
 constexpr double fading_mm = 0.25;          // in which light through walls falls to a third, at best
-constexpr const char *seen_mean = "seen_de2000", *gamut_mean = "gamut", *smallest_type = "type_mm";
+constexpr const char *seen_mean = "seen_de2000", *gamut_mean = "gamut", *smallest_type = "type_mm",
+                     *code_module = "module_mm";
+constexpr double readable_module_mm = 0.4;  // of a QR code one of 0.31 mm was read in one print and not in the next
 
 /// What blurring the target changes of it, on average.
 double changed_by_blur(const AdviceSources& s, double spread_mm) {
@@ -147,24 +149,31 @@ void add_larger(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     double k = 1.25;
     while (k < most && then(k) > good) k *= 1.1;
     if (then(k) > good) k = 2;
-    const bool for_type = type_k > k || now <= good || is_cut_short(s);
-    if (for_type) k = type_k;
+    const double code_k = s.module_mm > 0 ? readable_module_mm / s.module_mm : 1, read_k = std::max(type_k, code_k);
+    if (read_k > k || now <= good || is_cut_short(s)) k = read_k;
     k = std::min(k, most);
     const auto [option, edge_mm] = size_option(s);
     const double to_mm = rounded_mm(k * edge_mm);
     if (to_mm <= edge_mm) return;
     const double times = to_mm / edge_mm, least = at_least(times);
-    if (type_k > 1 && to_mm >= type_k * edge_mm) {
-        const std::string options = fmt::format("{} {:g}mm", option, to_mm);
-        const double smallest_mm = s.smallest_type_mm * times;
-        advice.push_back({fmt::format("print it larger ({}): then its smallest type is of {}, which can be read",
-                                      options, type_size_text(smallest_mm)),
-                          options, smallest_type, s.smallest_type_mm, smallest_mm});
-        return;
+    const std::string size = fmt::format("{} {:g}mm", option, to_mm);
+    if (code_k > 1 && to_mm >= code_k * edge_mm) {
+        const double module_mm = s.module_mm * times;
+        advice.push_back(
+            {fmt::format("print it larger ({}): then its code has modules of {:.2f} mm, which scanners read", size,
+                         module_mm),
+             size, code_module, s.module_mm, module_mm});
     }
+    if (type_k > 1 && to_mm >= type_k * edge_mm) {
+        const double smallest_mm = s.smallest_type_mm * times;
+        advice.push_back({fmt::format("print it larger ({}): then its smallest type is of {}, which can be read", size,
+                                      type_size_text(smallest_mm)),
+                          size, smallest_type, s.smallest_type_mm, smallest_mm});
+    }
+    if (read_k > 1) return;
     const double highest = std::max(at_most(times), s.body.is_picture ? mean_from_nearer(s, times) : 0);
     if ((least + highest) / 2 > worth_a_word * now) return;
-    std::string options = fmt::format("{} {:g}mm", option, to_mm);
+    std::string options = size;
     // Where nothing else would tell what it comes to.
     const double area_mm2 = coloured_area_mm2(*s.body.surface) * std::pow(to_mm / edge_mm, 2);
     if (!s.loop && s.job.options.prediction.automatic && area_mm2 > 100 * auto_prediction_cm2)

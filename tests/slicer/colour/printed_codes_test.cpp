@@ -64,6 +64,7 @@ TEST_CASE("A code that comes out as asked is read, one that runs together is not
     const double edge = code.columns * module_mm;
     CHECK(found[0].width_mm == Approx(edge).margin(2 * module_mm));
     CHECK(found[0].height_mm == Approx(edge).margin(2 * module_mm));
+    CHECK(found[0].module_mm == Approx(module_mm).epsilon(0.08));
     for (const std::uint32_t i : found[0].cells) {
         const auto& c = page.predicted.surface.cells[i].centre_mm;
         CHECK((c[0] > 3 - module_mm && c[0] < 3 + edge + module_mm && c[1] > 2 - module_mm &&
