@@ -88,7 +88,6 @@ struct ReportRegion {
     std::optional<double> rim = {};           ///< of a solid: mean chroma of print less target by its edge, in CIELAB
     double contrast = 0, contrast_asked = 0;  ///< of type and lines against what surrounds them, (a - b) / (a + b)
     std::optional<double> type_mm = {};       ///< of small type: size of the face below which it is not read
-    double smallest_type_mm = 0;              ///< and the smallest there is
     bool out_of_reach = false;                ///< no mixture of the loaded resins is much nearer
     bool good = true;
     std::string why = {};  ///< what is wrong with it, a clause; empty where it is good

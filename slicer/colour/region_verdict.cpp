@@ -173,7 +173,9 @@ std::optional<Row> lost_lines_row(const RegionSources& s, std::span<const Pictur
 
 /// Whether more than half of the letters cannot be read, and they are what the page is there for.
 bool is_little_else(const JobPrediction& p, const TypeSize& type) {
-    constexpr double part = 0.01;  // of the page, in ink: an address on a card 0.03, a line below a photograph 0.003
+    // Of the page, in ink: an address on a card 0.03, small print of a cover 0.01, a logo's word 0.0085, a line below a
+    // photograph 0.003.
+    constexpr double part = 0.006;
     double all = 0;
     for (const optics::SurfaceCell& cell : p.predicted.surface.cells) all += double(cell.area_mm2);
     return 2 * type.unread > type.letters && type.told_mm2 > part * all;
@@ -192,7 +194,7 @@ std::optional<Row> small_type(const RegionSources& s, const std::optional<TypeSi
     put_at(type->cell, p.predicted.surface, row.said);
     row.cells = {type->cell};
     if (type->unread > 0) {
-        row.said.type_mm = type->below_mm, row.said.smallest_type_mm = type->smallest_mm;
+        row.said.type_mm = type->below_mm;
         row.said.why = fmt::format("below {} is not readable from {:g} mm: {} of {} letters",
                                    type_size_text(type->below_mm), s.viewing_distance_mm, type->unread, type->letters);
         if (type->pale > 0) row.said.why += fmt::format("; {} larger ones are pale", type->pale);
@@ -598,8 +600,8 @@ void add_read(const RegionSources& s, Row read, std::vector<Row>& rows) {
 
 /// What of type and fine detail is lost. Adds a picture's codes to the rows, and says what they and its type are good
 /// for.
-std::optional<Row> lost_on_page(const RegionSources& s, const halftone::CellNeighbours& cells, std::vector<Row>& rows,
-                                PageVerdict& page) {
+std::vector<Row> lost_on_page(const RegionSources& s, const halftone::CellNeighbours& cells, std::vector<Row>& rows,
+                              PageVerdict& page) {
     const JobPrediction& p = s.prediction;
     const std::vector<PicturePage> pages = s.is_picture ? picture_pages(p, s.mesh) : std::vector<PicturePage>();
     const auto type = unreadable_type(p, s.viewing_distance_mm, pages);
@@ -612,15 +614,18 @@ std::optional<Row> lost_on_page(const RegionSources& s, const halftone::CellNeig
         }
     if (page.useless.empty() && type && is_little_else(p, *type)) page.useless = "most of its type cannot be read";
     // What the size of type says the contrast of fine detail need not, nor that of a code which is read.
-    auto lost = small_type(s, type);
-    if (s.is_picture && lost && type->unread > 0) page.lost = "some of its type cannot be read";
-    if (!lost) lost = lost_detail(p, cells);
-    if (!lost) lost = lost_lines_row(s, pages);
-    if (!lost || lost->said.kind != "fine detail") return lost;
-    if (!page.served.empty() && std::ranges::all_of(lost->cells, [&](auto cell) { return page.served[cell] != 0; }))
-        return std::nullopt;
+    if (type) page.smallest_type_mm = type->smallest_mm, page.type_times = type->times;
     constexpr double gone = 0.3;
-    if (s.is_picture && lost->said.contrast < gone) page.lost = "some of its detail is gone";
+    std::vector<Row> lost;
+    if (auto small = small_type(s, type)) lost.push_back(std::move(*small));
+    auto detail = lost.empty() ? lost_detail(p, cells) : std::nullopt;
+    if (!detail) detail = lost_lines_row(s, pages);
+    const auto is_served = [&](std::uint32_t cell) { return !page.served.empty() && page.served[cell] != 0; };
+    if (detail && !std::ranges::all_of(detail->cells, is_served)) {
+        if (s.is_picture && detail->said.contrast < gone) page.lost = "some of its detail is gone";
+        lost.push_back(std::move(*detail));
+    }
+    if (s.is_picture && type && type->unread > 0) page.lost = "some of its type cannot be read";
     return lost;
 }
 
@@ -661,8 +666,8 @@ JudgedRegions judge_regions(const RegionSources& s, const ThinWalls& walls) {
         row.said.why = what_is_wrong(row, s.limits);
         row.said.good = row.said.why.empty();
     }
-    auto detail = lost_on_page(s, cells, rows, judged.page);
-    for (auto& row : {std::move(detail), blurred_texture(s, judged.spoilt), thin_walls(s, walls)})
+    for (Row& row : lost_on_page(s, cells, rows, judged.page)) say_where(s, rows.emplace_back(std::move(row)));
+    for (auto& row : {blurred_texture(s, judged.spoilt), thin_walls(s, walls)})
         if (row) say_where(s, rows.emplace_back(*row));
     for (Row& label : labels_of(s)) add_read(s, std::move(label), rows);
     if (std::ranges::all_of(rows, [](const Row& row) { return row.said.good; }))

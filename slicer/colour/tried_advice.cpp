@@ -144,12 +144,14 @@ void add_larger(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     const auto at_most = [&](double k) { return mean_when_larger(parts, k, slow_part * exponent, thick_mm); };
     const auto then = [&](double k) { return (at_least(k) + at_most(k)) / 2; };
     // As large as makes it good; else twice as large.
-    double type_k = 1;
-    if (s.type_mm > 0 && s.smallest_type_mm > 0) type_k = std::max(s.type_mm, readable_type_mm) / s.smallest_type_mm;
+    const double type_k =
+        s.page.type_times > 1 ? std::max(s.page.type_times, readable_type_mm / s.page.smallest_type_mm) : 1;
     double k = 1.25;
     while (k < most && then(k) > good) k *= 1.1;
     if (then(k) > good) k = 2;
-    const double code_k = s.module_mm > 0 ? readable_module_mm / s.module_mm : 1, read_k = std::max(type_k, code_k);
+    const double module_now_mm = s.page.module_mm,
+                 code_k = module_now_mm > 0 ? std::max(1.0, readable_module_mm / module_now_mm) : 1,
+                 read_k = std::max(type_k, code_k);
     if (read_k > k || now <= good || is_cut_short(s)) k = read_k;
     k = std::min(k, most);
     const auto [option, edge_mm] = size_option(s);
@@ -158,17 +160,17 @@ void add_larger(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     const double times = to_mm / edge_mm, least = at_least(times);
     const std::string size = fmt::format("{} {:g}mm", option, to_mm);
     if (code_k > 1 && to_mm >= code_k * edge_mm) {
-        const double module_mm = s.module_mm * times;
+        const double module_mm = module_now_mm * times;
         advice.push_back(
             {fmt::format("print it larger ({}): then its code has modules of {:.2f} mm, which scanners read", size,
                          module_mm),
-             size, code_module, s.module_mm, module_mm});
+             size, code_module, module_now_mm, module_mm});
     }
     if (type_k > 1 && to_mm >= type_k * edge_mm) {
-        const double smallest_mm = s.smallest_type_mm * times;
+        const double smallest_mm = s.page.smallest_type_mm * times;
         advice.push_back({fmt::format("print it larger ({}): then its smallest type is of {}, which can be read", size,
                                       type_size_text(smallest_mm)),
-                          size, smallest_type, s.smallest_type_mm, smallest_mm});
+                          size, smallest_type, s.page.smallest_type_mm, smallest_mm});
     }
     if (read_k > 1) return;
     const double highest = std::max(at_most(times), s.body.is_picture ? mean_from_nearer(s, times) : 0);

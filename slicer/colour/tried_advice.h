@@ -19,8 +19,9 @@
 //                 5.5 at twice that). What is too small to be seen becomes visible: a picture's print is at most what
 //                 this one would be from as much nearer, where light had spread as much farther (a menu of 8 mm on
 //                 cream, 5.5, came to 8.5 at 16 mm). As large is advised as makes their middle good; where type cannot
-//                 be read, as makes its smallest 1.6 mm, and where a code is not, its modules 0.4 mm, said by that. Not
-//                 after a loop that was cut short: another size would be cut short elsewhere
+//                 be read, as makes it readable (type_size.h), its smallest 1.6 mm or more, and where a code is not,
+//                 its modules 0.4 mm, said by that. Not after a loop that was cut short: another size would be cut
+//                 short elsewhere
 //   thicker walls the cells of thin walls become as those are that have a core behind them. Where hardly any has one,
 //   of walls
 //                 below 0.25 mm at most 0.35 of it is left, said as a bound: of open sheets of one voxel that were
@@ -47,6 +48,7 @@
 #include "io/report/report.h"
 #include "slicer/colour/job_loop.h"
 #include "slicer/colour/job_prediction.h"
+#include "slicer/colour/whole_verdict.h"
 #include "slicer/part/opened_job.h"
 
 namespace voxtone::slicer {
@@ -67,9 +69,7 @@ struct AdviceSources {
     const std::vector<double>& weight;  ///< per cell
     const std::optional<JobLoop>& loop;
     MeanParts mean;
-    double type_mm = 0;  ///< size of the face below which type is not read, of what is there at the smallest; 0: none
-    double smallest_type_mm = 0;
-    double module_mm = 0;  ///< of codes that are not read; 0: all are, or nobody knows
+    const PageVerdict& page;
 };
 
 /// What holds for certain first, a larger size last. Of a print that is not good.

@@ -136,6 +136,17 @@ double dividing_size(std::span<const Glyph> by_size) {
     return (by_size[at - 1].size_mm + by_size[at].size_mm) / 2;
 }
 
+/// Twenty times as large at the most.
+double times_to_be_read(std::span<const Glyph* const> letters, double viewing_distance_mm) {
+    double times = 1;
+    const auto is_lost = [&](const Glyph* letter) {
+        return legibility_of(std::min(letter->contrast_asked, times * letter->contrast), letter->contrast_asked,
+                             times * letter->size_mm, viewing_distance_mm) == Legibility::lost;
+    };
+    while (times < 20 && std::ranges::any_of(letters, is_lost)) times *= 1.05;
+    return times;
+}
+
 /// The cell that differs most from its ground: the rim of a letter is half its ground.
 std::uint32_t most_ink(const JobPrediction& p, const std::vector<std::uint32_t>& cells, double ground) {
     return *std::ranges::max_element(
@@ -259,6 +270,7 @@ std::optional<TypeSize> unreadable_type(const JobPrediction& p, double viewing_d
     if (unread.empty() && pale.empty()) return std::nullopt;
     type.smallest_mm = letters.front().size_mm, type.largest_mm = letters.back().size_mm;
     type.unread = unread.size(), type.pale = pale.size();
+    type.times = times_to_be_read(unread, viewing_distance_mm);
     for (const Glyph* letter : pale) type.pale_contrast += letter->contrast / double(pale.size());
     const std::vector<const Glyph*>& told = unread.empty() ? pale : unread;
     for (const Glyph* letter : told) {

@@ -31,6 +31,7 @@ namespace voxtone::slicer {
 struct TypeSize {
     double below_mm = 0;  ///< size of the face: what is smaller cannot be read; 0: all can, some is pale
     double smallest_mm = 0, largest_mm = 0;
+    double times = 1;  ///< how much larger all would be read, contrasts growing as sizes do, up to what was asked for
     std::size_t letters = 0, unread = 0, pale = 0;
     double pale_contrast = 0;                 ///< mean of those that are pale
     double told_mm2 = 0;                      ///< of those that cannot be read, or where there are none are pale

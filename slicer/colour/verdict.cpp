@@ -214,10 +214,7 @@ void judge_prediction(const VerdictSources& s, const JobPrediction& p, io::Repor
     const auto type = std::ranges::find_if(verdict.regions, [](const auto& r) { return r.type_mm.has_value(); });
     const bool all_is_well = verdict.level == io::VerdictLevel::good && type == verdict.regions.end();
     if (!all_is_well) {
-        AdviceSources advice{s.job, s.body, p, seen, s.loop, losses.mean, 0, 0, regions.page.module_mm};
-        if (type != verdict.regions.end())
-            advice.type_mm = *type->type_mm, advice.smallest_type_mm = type->smallest_type_mm;
-        verdict.advice = tried_advice(advice);
+        verdict.advice = tried_advice({s.job, s.body, p, seen, s.loop, losses.mean, regions.page});
     }
     std::vector<std::string> sentences{fmt::format(
         "{} (CIEDE2000 as seen from {:g} mm: up to {:g} is good, above {:g} bad; {:.1f} of it no mixture of "

@@ -45,10 +45,11 @@ struct WholeVerdict {
 
 /// What can be read of a picture.
 struct PageVerdict {
-    std::string useless = {};  ///< what it is of no use for: a clause; empty: nothing
-    std::string lost = {};     ///< what of it is gone: a clause; empty: nothing
-    std::vector<char> served;  ///< per cell: in a code that is read; empty: none is
-    double module_mm = 0;      ///< of codes that are not read, the smallest that is known; 0: none
+    std::string useless = {};                     ///< what it is of no use for: a clause; empty: nothing
+    std::string lost = {};                        ///< what of it is gone: a clause; empty: nothing
+    std::vector<char> served;                     ///< per cell: in a code that is read; empty: none is
+    double smallest_type_mm = 0, type_times = 1;  ///< size of the smallest face, and how much larger all would be read
+    double module_mm = 0;                         ///< of codes that are not read, the smallest that is known; 0: none
 };
 
 /// One each per cell. `spoilt`: 1 where the cell lies in such an area; empty: none does. Nothing weighs anything:
