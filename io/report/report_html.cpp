@@ -282,7 +282,8 @@ void add_parts(std::string& html, const Report& report) {
             const ViewerPlace& place = report.viewer.worst[i];
             const std::string text = place.cause.empty()
                                          ? std::string("show it")
-                                         : fmt::format("{:.1f}: {}", place.seen, html_text(place.cause));
+                                         : fmt::format("{:.1f}{}{}: {}", place.seen, place.words.empty() ? "" : ", ",
+                                                       html_text(place.words), html_text(place.cause));
             html +=
                 fmt::format("<button type=\"button\" class=\"place\" data-place=\"{}\" disabled>{}</button>", i, text);
         }

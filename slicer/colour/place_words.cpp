@@ -32,7 +32,9 @@ PlaceWords::PlaceWords(const JobBody& body) : body_(body) {
         ++triangles[body.model.mesh.materials[material].name];
     // What most of it is made of is no place.
     for (const auto& [name, count] : triangles)
-        if (!name.empty() && !is_number(name) && 2 * count < body.model.mesh.triangles.size()) names_.insert(name);
+        // Names in brackets are a program's own: "(layers)".
+        if (!name.empty() && name.front() != '(' && !is_number(name) && 2 * count < body.model.mesh.triangles.size())
+            names_.insert(name);
 }
 
 std::string PlaceWords::at(const std::array<double, 3>& at_mm) const {

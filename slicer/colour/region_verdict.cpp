@@ -288,8 +288,8 @@ std::string what_is_wrong(const Row& row, const VerdictLimits& limits) {
         return fmt::format("{} printed as {}, {:.0f} off{}", is_are(region), printed_text(row), *region.de2000,
                            region.out_of_reach ? ": no mixture of the loaded resins is nearer" : "");
     if (region.rim > rim_limit(limits))
-        return fmt::format("{} a rim of another colour, {:.0f} units of CIELAB in chroma",
-                           is_plural(region) ? "have" : "has", *region.rim);
+        return fmt::format("{} a rim of another colour, {:.0f} off in chroma", is_plural(region) ? "have" : "has",
+                           *region.rim);
     if (is_uneven(region, flecked_above))
         return fmt::format("{} {}: flecked by {:.1f} CIEDE2000", is_are(region), not_even, *region.unevenness);
     return {};
@@ -298,8 +298,9 @@ std::string what_is_wrong(const Row& row, const VerdictLimits& limits) {
 /// How bad a region is, by what is bad: mottle counts twice what a mean does (halftone::worse_by).
 double badness(const io::ReportRegion& region, const VerdictLimits& limits) {
     const double read = region.contrast_asked >= legible ? legible / std::max(region.contrast, 1e-3) : 0;
+    constexpr double of_rim = 0.5;  // it is no more than a part of the area
     return std::max({region.de2000.value_or(0) / limits.bad, 2 * region.unevenness.value_or(0) / limits.bad,
-                     region.rim.value_or(0) / rim_limit(limits), read});
+                     of_rim * region.rim.value_or(0) / rim_limit(limits), read});
 }
 
 double seen_mm2(const io::ReportRegion& region) { return region.area_mm2 * region.seen_share; }
@@ -669,7 +670,10 @@ JudgedRegions judge_regions(const RegionSources& s, const ThinWalls& walls) {
     for (Row& row : lost_on_page(s, cells, rows, judged.page)) say_where(s, rows.emplace_back(std::move(row)));
     for (auto& row : {blurred_texture(s, judged.spoilt), thin_walls(s, walls)})
         if (row) say_where(s, rows.emplace_back(*row));
-    for (Row& label : labels_of(s)) add_read(s, std::move(label), rows);
+    for (Row& label : labels_of(s)) {
+        if (!label.said.good && judged.page.lost.empty()) judged.page.lost = "a label cannot be read";
+        add_read(s, std::move(label), rows);
+    }
     if (std::ranges::all_of(rows, [](const Row& row) { return row.said.good; }))
         if (auto row = most_off(s)) {
             say_where(s, rows.emplace_back(*row));

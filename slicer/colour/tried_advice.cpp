@@ -28,7 +28,7 @@ constexpr double left_by_thickness = 0.35;  // at most, of what is lost in walls
 constexpr double least_wall_mm = 0.25;      // in which they do
 constexpr double some_sheets = 0.25;        // of the thin walls, from where on a thickness for them is worth a word
 constexpr double slow_part = 0.25;          // of the exponent, at the least: the header tells of which
-constexpr double readable_type_mm = 1.6;    // face: below 1.1 to 1.6 mm letters were lost on signs and cards
+constexpr double some_more = 1.1;           // of a size from which on type is read, for its contrast is not foreseen
 constexpr double fading_mm = 0.25;          // in which light through walls falls to a third, at best
 constexpr const char *seen_mean = "seen_de2000", *gamut_mean = "gamut", *smallest_type = "type_mm",
                      *code_module = "module_mm";
@@ -144,8 +144,7 @@ void add_larger(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     const auto at_most = [&](double k) { return mean_when_larger(parts, k, slow_part * exponent, thick_mm); };
     const auto then = [&](double k) { return (at_least(k) + at_most(k)) / 2; };
     // As large as makes it good; else twice as large.
-    const double type_k =
-        s.page.type_times > 1 ? std::max(s.page.type_times, readable_type_mm / s.page.smallest_type_mm) : 1;
+    const double type_k = s.page.type_times > 1 ? some_more * s.page.type_times : 1;
     double k = 1.25;
     while (k < most && then(k) > good) k *= 1.1;
     if (then(k) > good) k = 2;

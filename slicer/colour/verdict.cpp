@@ -216,10 +216,17 @@ void judge_prediction(const VerdictSources& s, const JobPrediction& p, io::Repor
     if (!all_is_well) {
         verdict.advice = tried_advice({s.job, s.body, p, seen, s.loop, losses.mean, regions.page});
     }
-    std::vector<std::string> sentences{fmt::format(
-        "{} (CIEDE2000 as seen from {:g} mm: up to {:g} is good, above {:g} bad; {:.1f} of it no mixture of "
-        "these resins could avoid).",
-        verdict.headline, verdict.viewing_distance_mm, verdict.good_up_to, verdict.bad_above, losses.mean.reach)};
+    constexpr float as_white = 0.97f;
+    const std::string paper =
+        p.seen.paper < as_white
+            ? fmt::format(" by eyes that take its white, {:.2f} of the light that was asked for, for white",
+                          p.seen.paper)
+            : "";
+    std::vector<std::string> sentences{
+        fmt::format("{} (CIEDE2000 as seen from {:g} mm{}: up to {:g} is good, above {:g} bad; {:.1f} of it no mixture "
+                    "of these resins could avoid).",
+                    verdict.headline, verdict.viewing_distance_mm, paper, verdict.good_up_to, verdict.bad_above,
+                    losses.mean.reach)};
     const auto code = std::ranges::find_if(
         verdict.regions, [](const io::ReportRegion& region) { return region.kind == "code" && region.good; });
     const std::string scans = code == verdict.regions.end() ? "" : fmt::format("A scanner reads its {}.", code->asked);

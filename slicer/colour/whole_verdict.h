@@ -21,9 +21,9 @@
 // Flecks and blur alone make no print bad: its colours are those that were asked for.
 // What a page is there for decides all the same (PageVerdict): what cannot be used is no print, however near its
 // colours are. A code that no scanner reads (printed_codes.h), a page whose type, most of it, cannot be read
-// (type_size.h, region_verdict.h) are bad, and one of which some is gone is not good; larger, they are read. A code
-// that is read does what it is there for: where that alone would be bad its cells are off by no more than `good`. What
-// it cannot see: that a face is worth more than the back of a head.
+// (type_size.h, region_verdict.h) are bad, and one of which some is gone, or a label, is not good; larger, they are
+// read. A code that is read does what it is there for: where that alone would be bad its cells are off by no more than
+// `good`. What it cannot see: that a face is worth more than the back of a head.
 #pragma once
 
 #include <span>

@@ -34,8 +34,9 @@ io::ReportVerdict tray_verdict(const std::vector<const io::ReportPart*>& bodies)
     if (!bad.empty()) {
         verdict.level = io::VerdictLevel::bad;
         verdict.headline = fmt::format("{} of {} bodies will not look as asked{}", bad.size(), all,
-                                       fair.empty() ? "" : fmt::format(", {} nearly", fair.size()));
-        verdict.why = names_of(bad) + ". Each has its reason and what to try on its own page.";
+                                       fair.empty() ? "" : fmt::format(", {} will nearly", fair.size()));
+        verdict.why = names_of(bad) + (fair.empty() ? "" : "; nearly: " + names_of(fair)) +
+                      ". Each has its reason and what to try on its own page.";
     } else if (!fair.empty()) {
         verdict.level = io::VerdictLevel::fair;
         const std::size_t good = all - fair.size() - unknown.size();

@@ -136,8 +136,9 @@ std::string resins_step(const io::StackDescription& stack, const io::StackOutput
         rows += fmt::format(
             "<tr><td class=\"code\"><span class=\"swatch\" style=\"background:#{0:02x}{1:02x}{2:02x}\"></span>{0}, "
             "{1}, "
-            "{2}</td><td><b>{3}</b></td><td>{4}</td><td class=\"n\">{5:.2f} ml</td></tr>\n",
-            resin.rgb[0], resin.rgb[1], resin.rgb[2], html_text(resin.name), html_text(resin.role), resin.ml);
+            "{2}</td><td><b>{3}</b></td><td>{4}</td><td class=\"n\">{5} ml</td></tr>\n",
+            resin.rgb[0], resin.rgb[1], resin.rgb[2], html_text(resin.name), html_text(resin.role),
+            resin.ml > 0 && resin.ml < 0.095 ? fmt::format("{:.1g}", resin.ml) : fmt::format("{:.2f}", resin.ml));
     std::string how;
     if (o.gcvf) how = "stack.gcvf names the resin of each colour: compare it with what is loaded. ";
     if (has_layers(o)) how += "With the folder layers give each colour its resin by hand, all of them. ";

@@ -109,11 +109,13 @@ std::string no_place_text(const MarkOptions& mark, const MarkedBody& body) {
         remedy = fmt::format("what would fit no scanner reads, for it needs size={:.1f}mm; print the part larger,",
                              std::ceil(10 * mark.size_mm * least_module_mm / shape.module_mm) / 10);
     else if (share > 0)
-        remedy = fmt::format("size={:.2f}mm would fit,", mark.size_mm * share);
+        remedy = fmt::format("size={:.2f}mm would fit{},", mark.size_mm * share,
+                             !is_code && mark.size_mm * share < least_type_mm ? ", if too small to be read" : "");
     throw InputError(fmt::format(
         "{}: is {:.1f} x {:.1f} mm{}, and {} of that size: {}{} or name another place (place=...)", mark.said,
         query.width_mm, query.height_mm, is_code ? " with the quiet zone around it" : "", no_place_text(mark, body),
-        remedy, mark.kind == MarkKind::text ? " break it into lines (\\n)," : ""));
+        remedy,
+        mark.kind == MarkKind::text && mark.text.find('\n') == std::string::npos ? " break it into lines (\\n)," : ""));
 }
 
 /// In the middle of the body's box as seen from there, and above all of it.

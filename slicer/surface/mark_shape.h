@@ -27,6 +27,9 @@ struct MarkShape {
 /// Codes of smaller modules are hardly read: one of 0.31 mm was in one print and not in the next (printed_codes.h).
 inline constexpr double least_module_mm = 0.3;
 
+/// Text of a smaller face is hardly read: of 1.2 mm it was pale on a cow's white, and of 0.85 mm gone.
+inline constexpr double least_type_mm = 1.2;
+
 /// Sets the text, makes the code or reads the picture, a drawing with a pixel for each `pitch_mm` (needed of these
 /// alone). Throws FileError, InputError that begins with the mark.
 [[nodiscard]] MarkShape shape_of(const MarkOptions& mark, const io::ReadOptions& reading, double pitch_mm = 0);

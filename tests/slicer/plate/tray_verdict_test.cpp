@@ -45,7 +45,10 @@ TEST_CASE("A tray is as good as its worst body, and says of how many it speaks")
               "a" + limits + " Not predicted: c."},
              {{fair, fair}, fair, "2 of 2 bodies will look nearly as asked", "a, b" + limits},
              {{good, bad}, bad, "1 of 2 bodies will not look as asked", "b" + each},
-             {{bad, fair, bad, fair}, bad, "2 of 4 bodies will not look as asked, 2 nearly", "a, c" + each},
+             {{bad, fair, bad, fair},
+              bad,
+              "2 of 4 bodies will not look as asked, 2 will nearly",
+              "a, c; nearly: b, d" + each},
              {{unknown, bad}, bad, "1 of 2 bodies will not look as asked", "b" + each + " Not predicted: a."},
              {std::vector(7, bad), bad, "7 of 7 bodies will not look as asked", "a, b, c, d, e and 2 more" + each},
              {std::vector(5, bad), bad, "5 of 5 bodies will not look as asked", "a, b, c, d, e" + each}}) {
