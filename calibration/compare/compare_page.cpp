@@ -23,7 +23,8 @@ constexpr std::string_view page_style =
     "pixelated}.compare img+img{clip-path:inset(0 0 0 var(--cut,50%))}input[type=range]{width:100%}"
     ".swatch{display:inline-block;width:1.4em;height:1.4em;border-radius:4px;vertical-align:middle;border:1px solid "
     "var(--line)}.legend{display:flex;gap:.3rem 1rem;flex-wrap:wrap;color:var(--soft)}"
-    ".pictures img{width:100%;height:auto;image-rendering:pixelated;border-radius:6px}";
+    ".pictures>figure{flex-basis:10rem}.pictures "
+    "img{width:100%;height:auto;image-rendering:pixelated;border-radius:6px}";
 
 /// From nothing (white) over 2.5 (yellow) and 5 (red) to 10 and more (black), CIEDE2000.
 constexpr double most_shown = 10;
@@ -88,8 +89,10 @@ void add_causes(std::string& html, const PredictedPrint& print, const PrintDiffe
         has_checker ? ", which is left in the comparison" : "", d.after_cast, d.spread_mm, d.print_spread_mm,
         d.after_spread);
     html +=
-        "<h3>Were one resin alone the reason</h3>\n<table><tr><th>resin</th><th>its extinction would be off by</th>"
-        "<th>and explain of what is left</th></tr>\n";
+        "<h3>How far each resin may be off</h3>\n<p class=\"soft\">All at once, each in its turn the one that may be "
+        "far "
+        "off.</p>\n<table><tr><th>resin</th><th>its extinction is off by</th><th>which by itself explains of what is "
+        "left</th></tr>\n";
     for (std::size_t r = 0; r < d.hints.resins.size(); ++r) {
         const ResinHint& hint = d.hints.resins[r];
         html += fmt::format("<tr><td>{}</td><td>{:+.0f} &plusmn; {:.0f} %</td><td>{:.0f} %</td></tr>\n",
