@@ -20,11 +20,23 @@ constexpr double model_error = 2e-6;
 constexpr int net_v = 16, net_sigma_t = 20;  // of the brute force
 constexpr std::size_t net_starts = 4;
 
-Medium medium(const TargetRoles& roles, std::size_t role, const ResinPoint& point, double g) {
-    return roles.is_clear(role) ? Medium{} : medium_of(point, g);
-}
+constexpr double told_mm = 2;         // thinner clear is known to 0.004 mm^-1 by a noise of 0.005, as much as it has
+constexpr double usual_clear = 0.01;  // mm^-1, where its fit begins
 
 }  // namespace
+
+bool clear_is_told(const PatchTable& table, const std::string& role) {
+    return std::ranges::any_of(table.patches, [&](const Patch& patch) {
+        return patch.top.size() == 1 && patch.top.front().role == role && patch.thickness_mm >= told_mm;
+    });
+}
+
+Medium ChannelFitter::medium_at(std::size_t role, const ResinPoint& point) const {
+    if (!roles_.is_clear(role)) return medium_of(point, options_.g);
+    return {fitted_[role] ? std::exp(point.ln_sigma_t) : 0, 0};
+}
+
+ResinBounds ChannelFitter::bounds_of(std::size_t role) const { return roles_.is_clear(role) ? clear_bounds : bounds_; }
 
 // Residuals / noise of a part of the target as a function of some resins' coordinates.
 class ChannelFitter::Residuals : public ceres::CostFunction {
@@ -77,7 +89,9 @@ public:
                 const double by_scattering =
                     by_resin_(static_cast<Eigen::Index>(p), static_cast<Eigen::Index>(2 * r + 1));
                 const Medium& m = media_[r];
-                if (jacobians[2 * k])
+                if (jacobians[2 * k] && fitter_.roles_.is_clear(r))
+                    jacobians[2 * k][p] = 0;
+                else if (jacobians[2 * k])
                     jacobians[2 * k][p] =
                         weight_[p] * (by_scattering - by_absorption) * m.sigma_t() * albedo_by_v(points_[r].v, g);
                 if (jacobians[2 * k + 1])
@@ -96,8 +110,7 @@ private:
         Eigen::Matrix2d root;  ///< of the precision
     };
     void refresh() const {
-        for (std::size_t r = 0; r < points_.size(); ++r)
-            media_[r] = medium(fitter_.roles_, r, points_[r], fitter_.options_.g);
+        for (std::size_t r = 0; r < points_.size(); ++r) media_[r] = fitter_.medium_at(r, points_[r]);
     }
     // Two rows a resin, after those of the patches.
     void compare_with_prior(double* residuals, double** jacobians) const {
@@ -152,6 +165,8 @@ ChannelFitter::ChannelFitter(const PatchTable& table, const TargetRoles& roles, 
     std::vector<std::size_t> all(table.patches.size());
     std::iota(all.begin(), all.end(), std::size_t{0});
     whole_ = part(all);
+    for (std::size_t r = 0; r < roles_.roles.size(); ++r)
+        fitted_.push_back(!roles_.is_clear(r) || clear_is_told(table, roles_.roles[r]));
     for (std::size_t r = 0; r < roles_.roles.size(); ++r) {
         std::vector<std::size_t> of;
         if (!roles_.is_base(r) && !roles_.is_clear(r))
@@ -172,10 +187,11 @@ double ChannelFitter::solve(const Part& of, std::size_t channel, const std::vect
     const std::size_t count = 2 * free.size();
     std::vector<double> x, low, high;
     for (const std::size_t r : free) {
-        const ResinPoint p = clamped(resins[r], bounds_);
+        const ResinBounds bounds = bounds_of(r);
+        const ResinPoint p = clamped(resins[r], bounds);
         x.insert(x.end(), {p.v, p.ln_sigma_t});
-        low.insert(low.end(), {bounds_.least_v, std::log(bounds_.least_sigma_t)});
-        high.insert(high.end(), {bounds_.most_v, std::log(bounds_.most_sigma_t)});
+        low.insert(low.end(), {bounds.least_v, std::log(bounds.least_sigma_t)});
+        high.insert(high.end(), {bounds.most_v, std::log(bounds.most_sigma_t)});
     }
     ceres::Problem::Options own;
     own.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -184,6 +200,7 @@ double ChannelFitter::solve(const Part& of, std::size_t channel, const std::vect
     for (double& value : x) blocks.push_back(&value);
     problem.AddResidualBlock(&residuals, nullptr, blocks);
     for (std::size_t k = 0; k < count; ++k) {
+        if (!(low[k] < high[k])) continue;  // stays as it is
         problem.SetParameterLowerBound(blocks[k], 0, low[k]);
         problem.SetParameterUpperBound(blocks[k], 0, high[k]);
     }
@@ -197,11 +214,14 @@ double ChannelFitter::solve(const Part& of, std::size_t channel, const std::vect
     options.num_threads = 1;
     double chi2 = 0;
     std::vector<bool> fixed(count, false), held(count, false);
+    const auto fix = [&](std::size_t coordinate) {
+        fixed[coordinate] = held[coordinate] = true;
+        problem.SetParameterBlockConstant(blocks[coordinate]);
+    };
     for (std::size_t k = 0; k < free.size(); ++k)
-        if (std::ranges::find(held_resins, free[k]) != held_resins.end()) {
-            fixed[2 * k + 1] = held[2 * k + 1] = true;
-            problem.SetParameterBlockConstant(blocks[2 * k + 1]);
-        }
+        if (roles_.is_clear(free[k])) fix(2 * k);
+    for (std::size_t k = 0; k < free.size(); ++k)
+        if (std::ranges::find(held_resins, free[k]) != held_resins.end()) fix(2 * k + 1);
     std::vector<double> gradient, residual(of.patches.size());
     for (int round = 0; round < 8; ++round) {
         ceres::Solver::Summary summary;
@@ -308,6 +328,7 @@ void ChannelFitter::limit_opaque(std::size_t channel, const std::vector<std::siz
     std::vector<ResinPoint> limited = fit.resins;
     for (const std::size_t r : free) {
         const double at = fit.resins[r].ln_sigma_t;
+        if (roles_.is_clear(r)) continue;
         if (fit.errors[r].ln_sigma_t < 0.5 && at < high - 1e-6) continue;
         // A colour's own patches decide with the bases held; a base's are all.
         const bool base = of_resin_[r].patches.empty();
@@ -363,7 +384,7 @@ void ChannelFitter::errors(std::size_t channel, const std::vector<std::size_t>& 
     fit.beyond = fit.resins;
     for (std::size_t k = 0; k < free.size(); ++k) {
         const auto i = static_cast<Eigen::Index>(2 * k);
-        fit.beyond[free[k]].v += step[i];
+        fit.beyond[free[k]].v += step[i], fit.beyond[free[k]].ln_sigma_t += step[i + 1];
         const double v = std::sqrt(covariance(i, i)), s = std::sqrt(covariance(i + 1, i + 1));
         fit.errors[free[k]] = {v, s};
         for (std::size_t other = 0; other < free.size(); ++other)
@@ -393,22 +414,28 @@ ChannelFit ChannelFitter::fit(std::size_t channel) const {
     fit.covariance.setZero(static_cast<Eigen::Index>(2 * count), static_cast<Eigen::Index>(2 * count));
     fit.second.assign(count, false);
     fit.opaque.assign(count, false);
-    choose_minima(channel, start, fit);
     std::vector<std::size_t> free;
-    for (std::size_t r = 0; r < count; ++r)
-        if (!roles_.is_clear(r)) free.push_back(r);
+    int values = 0;
+    for (std::size_t r = 0; r < count; ++r) {
+        if (!fitted_[r]) continue;
+        free.push_back(r);
+        values += roles_.is_clear(r) ? 1 : 2;
+        if (roles_.is_clear(r)) fit.resins[r] = {1, std::log(usual_clear)};
+    }
+    choose_minima(channel, start, fit);
     solve(whole_, channel, free, true, fit.resins, fit.evaluations);
     errors(channel, free, fit);
     fit.least_chi2 = fit.chi2;
     limit_opaque(channel, free, fit);
-    fit.freedom = static_cast<int>(whole_.patches.size()) - static_cast<int>(2 * free.size());
+    fit.freedom = static_cast<int>(whole_.patches.size()) - values;
     if (!prior_.resins.empty()) compare_with_prior(channel, fit);
     for (std::size_t r = 0; r < count; ++r) {
         const ResinPoint& p = fit.resins[r];
-        fit.v_low.push_back(p.v <= bounds_.least_v + 1e-6);
-        fit.v_high.push_back(p.v >= bounds_.most_v - 1e-6);
-        fit.sigma_low.push_back(p.ln_sigma_t <= std::log(bounds_.least_sigma_t) + 1e-6);
-        fit.sigma_high.push_back(p.ln_sigma_t >= std::log(bounds_.most_sigma_t) - 1e-6);
+        const ResinBounds bounds = bounds_of(r);
+        fit.v_low.push_back(p.v <= bounds.least_v + 1e-6);
+        fit.v_high.push_back(p.v >= bounds.most_v - 1e-6);
+        fit.sigma_low.push_back(p.ln_sigma_t <= std::log(bounds.least_sigma_t) + 1e-6);
+        fit.sigma_high.push_back(p.ln_sigma_t >= std::log(bounds.most_sigma_t) - 1e-6);
     }
     return fit;
 }

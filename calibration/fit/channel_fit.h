@@ -13,6 +13,9 @@
 // it knows starts there; one that it does not know in full is searched by brute force, the others held, before the
 // least squares.
 //
+// Clear resin scatters nothing: its v is 1 and stays. Where a square of it is deep enough to tell (clear_is_told), its
+// ln sigma_t = ln sigma_a is fitted with the others' values, else it is nothing.
+//
 // A resin so opaque that its patches would look the same at the largest extinction (chi2 within 1 of the least) has no
 // least squares worth the name: its extinction is then the lower limit, where chi2 is 1 above the least.
 #pragma once
@@ -28,10 +31,10 @@
 namespace voxtone::calibration {
 
 struct ChannelFit {
-    std::vector<ResinPoint> resins;  ///< one per role; clear ones mean nothing
+    std::vector<ResinPoint> resins;  ///< one per role; clear ones that are not fitted mean nothing
     std::vector<ResinPoint> errors;  ///< standard errors of both coordinates; huge where nothing tells
     std::vector<ResinPoint> beyond;  ///< where the least squares would lie without bounds, to first order
-    Eigen::MatrixXd covariance;      ///< of v and ln sigma_t of each role in turn; 0 for clear resin
+    Eigen::MatrixXd covariance;      ///< of v and ln sigma_t of each role in turn; 0 for what is not fitted
     std::vector<double> predicted;   ///< rho of each patch
     double chi2 = 0;                 ///< sum of squared residuals / noise^2, those of the prior too
     double least_chi2 = 0;           ///< the same before resins that are opaque were limited
@@ -42,6 +45,9 @@ struct ChannelFit {
     std::vector<bool> second;  ///< another set of values of this resin explains its patches nearly as well
     int evaluations = 0;       ///< of the whole target
 };
+
+/// Whether squares of clear resin upon a base are thick enough, 2 mm, that their absorption is fitted.
+[[nodiscard]] bool clear_is_told(const PatchTable& table, const std::string& role);
 
 class ChannelFitter {
 public:
@@ -62,6 +68,8 @@ private:
                  std::vector<ResinPoint>& resins, int& evaluations, const std::vector<std::size_t>& held = {}) const;
     void limit_opaque(std::size_t channel, const std::vector<std::size_t>& free, ChannelFit& fit) const;
     [[nodiscard]] PriorValue prior(std::size_t role, std::size_t channel) const;
+    [[nodiscard]] optics::Medium medium_at(std::size_t role, const ResinPoint& point) const;
+    [[nodiscard]] ResinBounds bounds_of(std::size_t role) const;
     void start_at_prior(std::size_t channel, ChannelStart& start) const;
     [[nodiscard]] std::vector<ResinPoint> brute_force(std::size_t role, std::size_t channel,
                                                       const std::vector<ResinPoint>& resins) const;
@@ -76,6 +84,7 @@ private:
     ResinPrior prior_;
     std::shared_ptr<const optics::OrdinatePlan> plan_;
     ResinBounds bounds_;
+    std::vector<bool> fitted_;  ///< of each role
     Principles principles_;
     Part whole_;
     std::vector<Part> of_resin_;  ///< patches whose square holds the resin; empty for bases and clear resin

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "calibration/fit/resin_fit.h"
+#include "calibration/target/square_ends.h"
 #include "calibration/target/target_layout.h"
 
 namespace voxtone::calibration {
@@ -21,12 +22,16 @@ struct SquareEnds {
 /// InputError where no patch is one of the target's squares.
 [[nodiscard]] SquareEnds square_ends(const PatchTable& table, const Target& target, const optics::ResinSet& resins,
                                      UnderBase under);
+/// By what is known of the deep squares.
+[[nodiscard]] SquareEnds square_ends(const PatchTable& table, const Target& target, const optics::ResinSet& resins,
+                                     UnderBase under, const LightOfSquares& deep);
 
 /// A reading keeps a fifth of itself.
 void take_ends_off(PatchTable& table, const SquareEnds& ends);
 
 /// The fit of a table less the ends of its squares, found together: from the resins follow the ends, from the table
-/// without them the resins. Throws InputError as both.
+/// without them the resins. Light paths of deep squares, `paths` each, are drawn for the first two of these turns: what
+/// moves later is less than their noise. Throws InputError as both.
 struct EndedFit {
     ResinFit fit;
     PatchTable table;            ///< without the ends
@@ -34,7 +39,7 @@ struct EndedFit {
     std::string where;           ///< "Y on W in R"
 };
 [[nodiscard]] EndedFit fit_ended_squares(PatchTable table, const Target& target, const FitOptions& options,
-                                         const Progress* progress = nullptr);
+                                         const Progress* progress = nullptr, double paths = 20000);
 /// Empty where the target is not known.
 [[nodiscard]] std::string ends_sentence(const EndedFit& ended);
 

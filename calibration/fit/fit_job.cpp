@@ -10,6 +10,7 @@
 #include "base/warning.h"
 #include "calibration/chart/chart_order.h"
 #include "calibration/chart/chart_text.h"
+#include "calibration/fit/channel_fit.h"
 #include "calibration/fit/chart_page.h"
 #include "calibration/fit/ended_fit.h"
 #include "calibration/fit/fit_report.h"
@@ -62,6 +63,10 @@ void write_fit(const FitJob& job, const optics::ResinSet& set, const std::string
 /// Where the target is known its squares have ends.
 EndedFit fit_squares(const FitJob& job, const PatchTable& table, const FitOptions& options, Progress& progress) {
     if (!job.map.target.empty()) return fit_ended_squares(table, read_target(job.map.target), options, &progress);
+    if (clear_is_told(table, "T"))
+        progress.warn(named_warning("assumed",
+                                    "squares of clear resin (T) are taken as without end, as wide plates in wide light "
+                                    "are; give --target where they are a target's, whose walls are white"));
     EndedFit endless;
     endless.fit = fit_resins(table, options, &progress);
     endless.table = table;

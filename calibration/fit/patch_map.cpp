@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -60,14 +61,19 @@ bool alike(const std::vector<double>& a, const std::vector<double>& b) {
     return std::ranges::equal(a, b, [](double x, double y) { return std::abs(x - y) < rounding; });
 }
 
-/// The patch of a mixture upon another, from 1; 0: there is none.
+/// The patch of a mixture upon another, from 1, of several that of the nearest thickness; 0: there is none.
 std::uint16_t patch_with(const PatchTable& table, const Target& target, const std::vector<double>& top,
-                         const std::vector<double>& below) {
-    for (std::size_t p = 0; p < table.patches.size(); ++p)
-        if (alike(fractions_of(target, table.patches[p].top), top) &&
-            alike(fractions_of(target, {{table.patches[p].backing, 1.0}}), below))
-            return std::uint16_t(p + 1);
-    return 0;
+                         const std::vector<double>& below, double thickness_mm) {
+    std::size_t found = 0;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t p = 0; p < table.patches.size(); ++p) {
+        const Patch& patch = table.patches[p];
+        const double off = std::abs(patch.thickness_mm - thickness_mm);
+        if (off < nearest && alike(fractions_of(target, patch.top), top) &&
+            alike(fractions_of(target, {{patch.backing, 1.0}}), below))
+            found = p + 1, nearest = off;
+    }
+    return std::uint16_t(found);
 }
 
 /// What lies on top of each pixel and under it, as numbers of boxes.
@@ -77,14 +83,14 @@ void mark_patches(PatchMap& map, const PatchTable& table, const Target& target) 
     for (std::size_t b = 0; b < boxes.size(); ++b)
         rasterize(map, {boxes[b].min_mm.head<2>(), boxes[b].max_mm.head<2>()}, [&](std::size_t pixel) {
             of[pixel].first = b;
-            if (boxes[b].min_mm.z() < target.base_mm) of[pixel].second = b;
+            if (boxes[b].min_mm.z() <= 0) of[pixel].second = b;
         });
     std::map<std::pair<std::size_t, std::size_t>, std::uint16_t> known;
     for (std::size_t pixel = 0; pixel < of.size(); ++pixel) {
         const auto [found, is_new] = known.try_emplace(of[pixel], std::uint16_t{0});
+        const TargetBox &top = boxes[of[pixel].first], &below = boxes[of[pixel].second];
         if (is_new)
-            found->second =
-                patch_with(table, target, boxes[of[pixel].first].fractions, boxes[of[pixel].second].fractions);
+            found->second = patch_with(table, target, top.fractions, below.fractions, top.max_mm.z() - top.min_mm.z());
         map.patch_of[pixel] = found->second;
     }
 }
@@ -156,8 +162,8 @@ PatchMap chart_of_patches(const PatchTable& table) {
 std::vector<std::size_t> patches_of_squares(const PatchTable& table, const Target& target) {
     std::vector<std::size_t> patches;
     for (const TargetSquare& square : target.squares)
-        patches.push_back(
-            patch_with(table, target, fractions_of(target, square.top), fractions_of(target, {{square.backing, 1.0}})));
+        patches.push_back(patch_with(table, target, fractions_of(target, square.top),
+                                     fractions_of(target, {{square.backing, 1.0}}), target.depth_mm(square)));
     return patches;
 }
 

@@ -176,6 +176,23 @@ void describe(const ChannelFit& fit, std::size_t role, double scale, double thic
     if (weak_sigma_t && sigma_t.doubts.empty()) doubt(sigma_t, Doubt::unsure);
 }
 
+// Clear resin, whose absorption is told.
+void describe_clear(const ChannelFit& fit, std::size_t role, double scale, FittedResin& resin, std::size_t channel) {
+    const double fitted = std::exp(fit.resins[role].ln_sigma_t);
+    const double error = scale * fit.errors[role].ln_sigma_t * fitted;
+    // To first order, below nothing too.
+    const double beyond = fitted * (1 + fit.beyond[role].ln_sigma_t - fit.resins[role].ln_sigma_t);
+    const Interval of = interval_above_zero(beyond / error);
+    FittedValue& sigma_a = resin.sigma_t[channel];
+    const bool none = fit.sigma_low[role];
+    sigma_a = {none ? 0 : fitted, error, none ? 0 : of.low * error, of.high * error, {}};
+    if (sigma_a.low <= 0) doubt(sigma_a, Doubt::thin);
+    if (fit.sigma_high[role]) doubt(sigma_a, Doubt::bound);
+    resin.reduced[channel] = sigma_a;
+    resin.reduced[channel].doubts.clear();
+    resin.albedo[channel] = {none ? 1.0 : 0.0, 0, 0, none ? 1.0 : 0.0, {Doubt::assumed}};
+}
+
 }  // namespace
 
 std::string_view doubt_name(Doubt d) {
@@ -201,7 +218,7 @@ std::string_view doubt_name(Doubt d) {
 std::string_view doubt_meaning(Doubt d) {
     switch (d) {
         case Doubt::assumed:
-            return "clear resin: taken as neither absorbing nor scattering, not fitted";
+            return "clear resin: taken as not scattering; nor as absorbing, where no square of it is 2 mm deep";
         case Doubt::dark:
             return "reflects too little to tell its albedo from 0; only the upper end is known";
         case Doubt::opaque:
@@ -280,7 +297,9 @@ ResinFit fit_resins(const PatchTable& table, const FitOptions& options, const Pr
         fitted.albedo.resize(channels), fitted.sigma_t.resize(channels), fitted.reduced.resize(channels);
         optics::Resin& resin = result.set.resins.emplace_back(optics::Resin{role, role, {}, {}});
         for (std::size_t c = 0; c < channels; ++c) {
-            if (roles.is_clear(r)) {
+            if (roles.is_clear(r) && clear_is_told(table, role)) {
+                describe_clear(fits[c], r, scale[c], fitted, c);
+            } else if (roles.is_clear(r)) {
                 fitted.albedo[c] = {1, 0, 1, 1, {Doubt::assumed}};
                 fitted.sigma_t[c] = {0, 0, 0, 0, {Doubt::assumed}};
             } else {

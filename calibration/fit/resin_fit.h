@@ -45,7 +45,7 @@ void validate(const FitOptions& options);
 
 /// Why a value is not to be relied on.
 enum class Doubt {
-    assumed,  ///< clear resin: taken as neither absorbing nor scattering, not fitted
+    assumed,  ///< clear resin: it scatters nothing, nor does it absorb where no deep square tells
     dark,     ///< albedo: reflects too little to tell it from 0; `high` is what is known
     opaque,   ///< extinction: its squares hide the base; the value is a lower limit
     thin,     ///< its squares are so clear that albedo and extinction cannot be told apart

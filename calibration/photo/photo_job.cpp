@@ -113,6 +113,12 @@ JobResult result_of(const PhotoJob& job, const std::vector<PhotoMeasurement>& ph
                                             table.patches.size(), worst_error(table))};
 }
 
+void take_off(Target& target, double polished_mm) {
+    target.top_mm -= polished_mm;
+    for (TargetSquare& square : target.squares)
+        if (square.depth_mm > 0) square.depth_mm -= polished_mm;
+}
+
 }  // namespace
 
 void PhotoJob::validate() const {
@@ -135,7 +141,7 @@ JobResult run_photo_job(const PhotoJob& job, Progress& progress) {
     if (job.top_mm && *job.top_mm > most * target.top_mm)
         throw UsageError(fmt::format("--top: {:g} mm, and {:g} mm were printed; polishing only takes off", *job.top_mm,
                                      target.top_mm));
-    target.top_mm = job.top_mm.value_or(target.top_mm);
+    if (job.top_mm) take_off(target, target.top_mm - *job.top_mm);
     const std::vector<PhotoMeasurement> photos = measure_all(job, target, progress);
     const MeasuredTable measured = average_photos(photos, target, job.channels);
     for (const std::string& warning : measured.warnings) progress.warn(warning);

@@ -397,8 +397,9 @@ MeasuredTable average_photos(const std::vector<PhotoMeasurement>& photos, const 
     result.table.is_chart = target.is_chart();
     if (!target.is_chart()) tell_too_light(means, target, result);
     for (std::size_t s = 0; s < means.size(); ++s) {
-        Patch patch{target.squares[s].top, target.squares[s].backing, target.top_mm, target.base_mm, {}, {},
-                    square_name(target, s)};
+        const TargetSquare& square = target.squares[s];
+        Patch patch{square.top, square.backing,        target.depth_mm(square), target.under_mm(square), {},
+                    {},         square_name(target, s)};
         if (target.is_chart()) patch.backing.clear(), patch.thickness_mm = patch.base_mm = 0;
         for (int channel = 0; channel < 3; ++channel) {
             const double rho = means[s].rho[channel];

@@ -39,8 +39,13 @@ PatchTable true_table(const Target& target, const TargetColours& colours) {
     for (std::size_t s = 0; s < target.squares.size(); ++s) {
         const TargetSquare& square = target.squares[s];
         const Eigen::Vector3d rho = map * colours.squares[s];
-        table.patches.push_back(
-            {square.top, square.backing, target.top_mm, target.base_mm, {rho[0], rho[1], rho[2]}, {}, {}});
+        table.patches.push_back({square.top,
+                                 square.backing,
+                                 target.depth_mm(square),
+                                 target.under_mm(square),
+                                 {rho[0], rho[1], rho[2]},
+                                 {},
+                                 {}});
     }
     return table;
 }

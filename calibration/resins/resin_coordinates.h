@@ -25,6 +25,9 @@ struct ResinBounds {
     double least_v = 0, most_v = 1;
 };
 
+/// Of resin that scatters nothing.
+inline constexpr ResinBounds clear_bounds{.least_sigma_t = 1e-4, .most_sigma_t = 2, .least_v = 1, .most_v = 1};
+
 [[nodiscard]] inline double v_of_albedo(double albedo, double g) {
     return std::pow((1 - albedo) / (1 - albedo * g), 0.25);
 }

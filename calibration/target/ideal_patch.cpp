@@ -61,7 +61,8 @@ std::vector<double> IdealPatches::reflectance(const PatchMixture& top, double to
 std::vector<std::vector<double>> IdealPatches::squares(const Target& target) const {
     std::vector<std::vector<double>> all(target.squares.size());
     parallel_for(0, all.size(), 1, [&](std::size_t s) {
-        all[s] = reflectance(target.squares[s].top, target.top_mm, target.squares[s].backing, target.base_mm);
+        all[s] = reflectance(target.squares[s].top, target.depth_mm(target.squares[s]), target.squares[s].backing,
+                             target.under_mm(target.squares[s]));
     });
     return all;
 }

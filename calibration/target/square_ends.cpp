@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/contracts.h"
 #include "base/parallel.h"
+#include "calibration/target/clear_wells.h"
 #include "optics/scene/fresnel.h"
 
 namespace voxtone::calibration {
@@ -13,7 +15,6 @@ namespace {
 
 constexpr double cell_mm = 1, first_base_mm = 0.1, growth = 1.35;
 constexpr std::size_t top_layers = 8;
-constexpr double sampled = 0.6;  // of a square's edge, as `calibrate photo` does
 
 /// Columns from the lower left, layers from the top.
 struct Grid {
@@ -36,6 +37,7 @@ Grid grid_of(const Target& target, const std::vector<TargetBox>& boxes) {
     for (std::size_t k = top_layers; k < grid.dz.size(); ++k) grid.dz[k] *= target.base_mm / depth;
     grid.box.assign(grid.columns() * grid.dz.size(), 0);
     for (std::size_t b = 0; b < boxes.size(); ++b) {
+        if (boxes[b].min_mm.z() > 0 && boxes[b].min_mm.z() < target.base_mm - 1e-9) continue;  // deep: clear_wells.h
         const auto range = [](double from, double to, double d, std::size_t n) {
             const auto cell = [&](double mm) { return std::size_t(std::clamp(std::round(mm / d), 0.0, double(n))); };
             return std::pair{cell(from), cell(to)};
@@ -186,7 +188,7 @@ private:
 };
 
 double middle_of(const Grid& grid, const Area& area, const std::vector<double>& of_column) {
-    const Eigen::Vector2d rim = (1 - sampled) / 2 * area.size();
+    const Eigen::Vector2d rim = (1 - sampled_share) / 2 * area.size();
     const Eigen::Vector2d low = area.min_mm + rim, high = area.max_mm - rim;
     const auto cell = [](double mm, double d, std::size_t n) {
         return std::size_t(std::clamp(std::round(mm / d), 0.0, double(n - 1)));
@@ -207,12 +209,26 @@ double SquareLight::more(double rho) const {
     return difference < 0 && alone > 0 ? difference / alone * rho : difference;
 }
 
-std::vector<std::vector<SquareLight>> light_of_squares(const Target& target, const optics::ResinSet& resins,
-                                                       bool air_below) {
+LightOfSquares light_of_deep_squares(const Target& target, const optics::ResinSet& resins, double paths) {
+    LightOfSquares light(target.squares.size());
+    for (std::size_t s = 0; s < light.size(); ++s) {
+        const TargetSquare& square = target.squares[s];
+        if (square.depth_mm == 0) continue;
+        const std::vector<double> alone = well_without_end(square, target.under_mm(square), resins),
+                                  together =
+                                      light_of_well(square, target.under_mm(square), resins, sampled_share, paths);
+        for (std::size_t c = 0; c < alone.size(); ++c) light[s].push_back({alone[c], together[c]});
+    }
+    return light;
+}
+
+LightOfSquares light_of_squares(const Target& target, const optics::ResinSet& resins, bool air_below,
+                                const LightOfSquares& deep) {
+    VOXTONE_EXPECT(deep.size() == target.squares.size());
     const optics::ResinSet set = resins.subset(target.roles);
     const std::vector<TargetBox> boxes = target_boxes(target);
     const Grid grid = grid_of(target, boxes);
-    std::vector<std::vector<SquareLight>> light(target.squares.size(), std::vector<SquareLight>(set.channels.size()));
+    LightOfSquares light(target.squares.size(), std::vector<SquareLight>(set.channels.size()));
     parallel_for(0, set.channels.size(), 1, [&](std::size_t c) {
         std::vector<optics::Medium> of_box;
         for (const TargetBox& box : boxes) of_box.push_back(set.mix(box.fractions, c));
@@ -222,6 +238,8 @@ std::vector<std::vector<SquareLight>> light_of_squares(const Target& target, con
             light[s][c] = {middle_of(grid, target.squares[s].area, alone),
                            middle_of(grid, target.squares[s].area, together)};
     });
+    for (std::size_t s = 0; s < light.size(); ++s)
+        if (!deep[s].empty()) light[s] = deep[s];
     return light;
 }
 

@@ -23,6 +23,9 @@
 
 namespace voxtone::calibration {
 
+/// Of a square's edge, as `calibrate photo` does.
+inline constexpr double sampled_share = 0.6;
+
 /// pi L / E of the middle 60 % of a square (as much as `calibrate photo` samples) by diffusion in one channel.
 struct SquareLight {
     double alone = 0;     ///< if the square had no end
@@ -31,9 +34,15 @@ struct SquareLight {
     [[nodiscard]] double more(double rho) const;
 };
 
-/// By square and channel. Throws InputError where the set lacks a resin of the target. `air_below`: the base ends in
-/// air, else in a black that touches it.
-[[nodiscard]] std::vector<std::vector<SquareLight>> light_of_squares(const Target& target,
-                                                                     const optics::ResinSet& resins, bool air_below);
+using LightOfSquares = std::vector<std::vector<SquareLight>>;
+
+/// Of deep squares (clear_wells.h); nothing for the others.
+[[nodiscard]] LightOfSquares light_of_deep_squares(const Target& target, const optics::ResinSet& resins,
+                                                   double paths = 20000);
+
+/// By square and channel; deep squares are those of `deep`. Throws InputError where the set lacks a resin of the
+/// target. `air_below`: the base ends in air, else in a black that touches it.
+[[nodiscard]] LightOfSquares light_of_squares(const Target& target, const optics::ResinSet& resins, bool air_below,
+                                              const LightOfSquares& deep);
 
 }  // namespace voxtone::calibration

@@ -45,7 +45,7 @@ Target from_json(const io::JsonObject& object, const std::string& source) {
     target.size_mm = {size[0], size[1]};
     target.dark_half = area_of(object, "dark_half_mm");
     for (const io::JsonObject& square : object.objects("squares")) {
-        square.allow_only({"top", "backing", "area_mm"});
+        square.allow_only({"top", "backing", "area_mm", "depth_mm"});
         TargetSquare entry;
         try {
             entry.top = parse_mixture(square.text("top"));
@@ -54,6 +54,7 @@ Target from_json(const io::JsonObject& object, const std::string& source) {
         }
         entry.backing = square.text("backing");
         entry.area = area_of(square, "area_mm");
+        if (square.has("depth_mm")) entry.depth_mm = square.number("depth_mm", 1e-3, largest_mm);
         target.squares.push_back(std::move(entry));
     }
     const io::JsonObject fiducials = object.object("fiducials");
@@ -80,13 +81,12 @@ std::string target_text(const Target& target) {
     json.line().add("top_mm", target.top_mm).line().add("base_mm", target.base_mm);
     json.line().add("size_mm", target.size_mm).line().add("dark_half_mm", numbers(target.dark_half));
     json.line().key("squares").begin_list();
-    for (const TargetSquare& square : target.squares)
-        json.line()
-            .begin_object()
-            .add("top", mixture_text(square.top))
-            .add("backing", square.backing)
-            .add("area_mm", numbers(square.area))
-            .end_object();
+    for (const TargetSquare& square : target.squares) {
+        json.line().begin_object().add("top", mixture_text(square.top)).add("backing", square.backing);
+        json.add("area_mm", numbers(square.area));
+        if (square.depth_mm > 0) json.add("depth_mm", square.depth_mm);
+        json.end_object();
+    }
     json.end_list().line().key("fiducials").begin_object().add("dictionary", marker_dictionary);
     json.key("markers").begin_list();
     for (const auto& marker : target.markers)

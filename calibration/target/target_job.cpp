@@ -210,7 +210,7 @@ JobResult run_target_job(const TargetJob& job, const PrintBoxes& print, Progress
     const Target target = lay_out_target(layout);
     const std::optional<optics::ResinSet> set = known_resins(job, target);
     if (!target.is_chart()) warn_of_base(target, set, progress);
-    const Eigen::Vector3d size_mm(target.size_mm.x(), target.size_mm.y(), target.base_mm + target.top_mm);
+    const Eigen::Vector3d size_mm(target.size_mm.x(), target.size_mm.y(), target.height_mm());
     const io::StackDescription stack = print(target_boxes(target), size_mm, progress);
     write_description(job, target, set);
     return result_of(job, target, size_mm, stack);

@@ -93,6 +93,16 @@ std::vector<PatchMixture> mixtures(const TargetOptions& o) {
     return all;
 }
 
+constexpr const char* clear_role = "T";
+constexpr double clear_mm[] = {5, 10};
+constexpr double edge_by_depth = 2.7;  // a deep square's edge by its depth
+constexpr double least_floor_mm = 3;   // of light resin under the deepest
+constexpr double from_halves_mm = 5;   // light of the halves hardly goes farther in white resin
+
+bool has_deep_squares(const TargetOptions& o) {
+    return o.layout <= TargetLayout::c && std::ranges::find(o.roles, clear_role) != o.roles.end();
+}
+
 /// Columns of each part, so that the whole is nearest to 3 x 2, as pictures are.
 int columns_of_part(int squares, int parts, double pitch_mm, double frame_mm) {
     int best = 1;
@@ -119,7 +129,7 @@ std::array<int, 4> marker_numbers(const Target& target) {
     for (const TargetSquare& square : target.squares)
         add(fmt::format("{} on {} at {:.2f},{:.2f};", mixture_text(square.top), square.backing, square.area.min_mm.x(),
                         square.area.min_mm.y()));
-    add(fmt::format("{:.4f} {:.4f}", target.top_mm, target.base_mm));
+    add(fmt::format("{:.4f} {:.4f}", target.top_mm, target.base_mm));  // which tells deep squares too
     const std::array<std::uint32_t, 4> mixed =
         philox4x32({static_cast<std::uint32_t>(hash), static_cast<std::uint32_t>(hash >> 32), 0, 0}, {0, 0});
     constexpr int each = marker_count / 4;
@@ -140,6 +150,20 @@ double nearest_layers(double mm, double pitch_um) {
 }
 double enough_layers(double mm, double pitch_um) { return std::ceil(mm * 1000 / pitch_um - 1e-6) * pitch_um / 1000; }
 
+/// Side by side from the left, with their upper edges at `top_mm`.
+std::vector<TargetSquare> deep_squares(const TargetOptions& o, double left_mm, double top_mm) {
+    std::vector<TargetSquare> squares;
+    for (const double depth : clear_mm) {
+        const Eigen::Vector2d low(left_mm, top_mm - edge_by_depth * depth);
+        squares.push_back({{{clear_role, 1.0}},
+                           o.light,
+                           {low, low + Eigen::Vector2d::Constant(edge_by_depth * depth)},
+                           nearest_layers(depth, o.pitch_um[2])});
+        left_mm += edge_by_depth * depth + std::max(o.gap_mm, from_halves_mm);
+    }
+    return squares;
+}
+
 }  // namespace
 
 Target lay_out_target(const TargetOptions& o) {
@@ -155,7 +179,10 @@ Target lay_out_target(const TargetOptions& o) {
     target.light = o.light;
     target.dark = o.dark;
     target.top_mm = nearest_layers(o.top_mm, o.pitch_um[2]);
-    target.base_mm = enough_layers(o.base_mm, o.pitch_um[2]);
+    const bool deep = has_deep_squares(o);
+    constexpr double deepest_mm = clear_mm[1];
+    target.base_mm = enough_layers(deep ? std::max(o.base_mm, deepest_mm + least_floor_mm - target.top_mm) : o.base_mm,
+                                   o.pitch_um[2]);
 
     const std::vector<PatchMixture> tops = mixtures(o);
     const double pitch = o.square_mm + o.gap_mm, frame = o.marker_mm + 2 * o.quiet_mm;
@@ -163,8 +190,11 @@ Target lay_out_target(const TargetOptions& o) {
     const int columns = columns_of_part(static_cast<int>(tops.size()), parts, pitch, 2 * frame + parts * o.gap_mm);
     const int rows = (static_cast<int>(tops.size()) + columns - 1) / columns;
     const Eigen::Vector2d half(columns * pitch + o.gap_mm, rows * pitch + o.gap_mm);
-    target.size_mm = {parts * half.x() + 2 * frame, half.y() + 2 * frame};
-    const Eigen::Vector2d light_corner(frame, frame), dark_corner(frame + half.x(), frame);
+    const double apart = std::max(o.gap_mm, from_halves_mm);
+    const double strip = deep ? edge_by_depth * deepest_mm + apart : 0,
+                 strip_width = edge_by_depth * (clear_mm[0] + clear_mm[1]) + apart;
+    target.size_mm = {std::max(parts * half.x(), deep ? strip_width : 0) + 2 * frame, half.y() + strip + 2 * frame};
+    const Eigen::Vector2d light_corner(frame, frame + strip), dark_corner(frame + half.x(), frame + strip);
     if (!chart) target.dark_half = {dark_corner, dark_corner + half};
 
     for (const bool on_light : chart ? std::vector{true} : std::vector{true, false})
@@ -176,6 +206,9 @@ Target lay_out_target(const TargetOptions& o) {
             target.squares.push_back(
                 {tops[s], on_light ? o.light : o.dark, {corner, corner + Eigen::Vector2d::Constant(o.square_mm)}});
         }
+    if (deep)
+        for (TargetSquare& square : deep_squares(o, frame, frame + edge_by_depth * deepest_mm))
+            target.squares.push_back(std::move(square));
     const std::array<int, 4> numbers = marker_numbers(target);
     const Eigen::Vector2d near = Eigen::Vector2d::Constant(o.quiet_mm),
                           far = target.size_mm - Eigen::Vector2d::Constant(o.quiet_mm + o.marker_mm);
@@ -217,6 +250,7 @@ void Target::validate(const std::string& where) const {
         const bool on_dark = dark_half.contains(square.area.min_mm) && dark_half.contains(square.area.max_mm);
         rule(on_dark == (square.backing == dark) && (on_dark || !overlap(square.area, dark_half)),
              name + " lies on the half of the other backing");
+        rule(square.depth_mm >= 0 && square.depth_mm < height_mm(), name + " is deeper than the target");
         double sum = 0;
         std::set<std::string> parts;
         for (const ResinShare& share : square.top) {
@@ -259,7 +293,7 @@ std::vector<TargetBox> target_boxes(const Target& target) {
         return fractions;
     };
     const std::vector<double> light = shares({{target.light, 1.0}}), dark = shares({{target.dark, 1.0}});
-    const double top = target.base_mm + target.top_mm;
+    const double top = target.height_mm();
     const auto box = [](const Area& area, double z0, double z1, std::vector<double> fractions) {
         return TargetBox{
             {area.min_mm.x(), area.min_mm.y(), z0}, {area.max_mm.x(), area.max_mm.y(), z1}, std::move(fractions)};
@@ -268,7 +302,7 @@ std::vector<TargetBox> target_boxes(const Target& target) {
     boxes.push_back(box({Eigen::Vector2d::Zero(), target.size_mm}, 0, top, light));
     if (!target.is_chart()) boxes.push_back(box(target.dark_half, 0, top, dark));
     for (const TargetSquare& square : target.squares)
-        boxes.push_back(box(square.area, target.base_mm, top, shares(square.top)));
+        boxes.push_back(box(square.area, target.under_mm(square), top, shares(square.top)));
     for (const TargetMarker& marker : target.markers) {
         const std::vector<bool> cells = marker_pattern(marker.id);
         const double cell = marker.area.size().x() / marker_cells;

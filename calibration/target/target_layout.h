@@ -12,6 +12,11 @@
 //   chart     any mixtures, each once, row by row from the upper left, thick and upon the light resin alone: for a
 //             spectrophotometer (calibrate chart)
 //
+// Where clear resin (role T) is among those of A, B or C, two larger squares of it, 5 and 10 mm deep, lie in a strip of
+// the light resin under the halves: in thin ones its absorption is not seen. They are 2.7 times as wide as deep, so
+// that light of 45 degrees (28 within) reaches all of the bottom that is sampled; the base is then as thick as they
+// want.
+//
 // Every square lies once upon each half; the number of squares grows linearly with that of resins, that of layout E
 // doubles with every resin. Squares are let into
 // the slab, so that its top is flat: between them is the resin of the half. The frame is of the light resin from top to
@@ -70,6 +75,7 @@ struct TargetSquare {
     PatchMixture top;
     std::string backing;  ///< role
     Area area;
+    double depth_mm = 0;  ///< of a deep square; 0: as deep as the target's thin ones
 };
 
 struct TargetMarker {
@@ -91,6 +97,12 @@ struct Target {
     std::vector<TargetMarker> markers;  ///< upper left, upper right, lower right, lower left
 
     [[nodiscard]] bool is_chart() const { return layout == "chart"; }
+    [[nodiscard]] double height_mm() const { return base_mm + top_mm; }
+    [[nodiscard]] double depth_mm(const TargetSquare& square) const {
+        return square.depth_mm > 0 ? square.depth_mm : top_mm;
+    }
+    /// How thick the base under a square is.
+    [[nodiscard]] double under_mm(const TargetSquare& square) const { return height_mm() - depth_mm(square); }
     /// Throws InputError naming the part and the rule it breaks: outside, overlapping, unknown roles, fractions, ...
     void validate(const std::string& where) const;
 };

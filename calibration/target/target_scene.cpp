@@ -24,7 +24,7 @@ constexpr double bin_mm = 2;
 std::vector<std::vector<double>> dithered_squares(const Target& target, const optics::ResinSet& set) {
     std::vector<Patch> patches;
     for (const TargetSquare& square : target.squares)
-        patches.push_back({square.top, square.backing, target.top_mm, target.base_mm, {}, {}, {}});
+        patches.push_back({square.top, square.backing, target.depth_mm(square), target.under_mm(square), {}, {}, {}});
     PatchModelOptions options;
     options.g = set.g;
     options.eta = set.eta;
@@ -55,7 +55,7 @@ TargetColours reflected_colours(const Target& target, const optics::ResinSet& al
     const bool ideal = mixtures == MixtureKind::ideal;
     std::vector<std::vector<double>> all_rho = ideal ? patches.squares(target) : dithered_squares(target, set);
     if (squares == SquareKind::ended) {
-        const auto light = light_of_squares(target, set, false);
+        const auto light = light_of_squares(target, set, false, light_of_deep_squares(target, set));
         for (std::size_t s = 0; s < all_rho.size(); ++s)
             for (std::size_t c = 0; c < all_rho[s].size(); ++c) all_rho[s][c] += light[s][c].more(all_rho[s][c]);
     }

@@ -302,6 +302,33 @@ TEST_CASE("Clear resin is taken as clear, and helps to thin others") {
     CHECK(resin_of(fit, "Y").sigma_t[2].value == Approx(19).epsilon(1e-3));
 }
 
+TEST_CASE("What clear resin absorbs is fitted from squares that are deep enough", "[slow]") {
+    optics::ResinSet truth = optics::vero_opaque();
+    truth.resins.push_back({"clear", "T", {0.004, 0.02, 0}, {0, 0, 1}});
+    PatchTable table = target('A', {"T"});
+    for (const double mm : {5.0, 10.0}) table.patches.push_back({{{"T", 1}}, "W", mm, 0, {}, {}, {}});
+    std::erase_if(truth.resins, [](const optics::Resin& r) { return r.role == "C" || r.role == "M" || r.role == "Y"; });
+    measure(table, truth, 0, 1);
+    const ResinFit exact = fit_resins(table, {});
+    CHECK(resin_of(exact, "T").sigma_t[0].value == Approx(0.004).epsilon(0.01));
+    CHECK(resin_of(exact, "T").sigma_t[1].value == Approx(0.02).epsilon(0.01));
+    CHECK(resin_of(exact, "T").sigma_t[2].value < 1e-4);
+    CHECK(exact.set.resins[static_cast<std::size_t>(exact.set.find("T"))].albedo[0] == 0);
+    exact.set.validate();
+    CHECK(resin_of(exact, "W").albedo[1].value == Approx(0.9997).margin(1e-5));
+    // Noise: errors are as large as they are told, and what does not absorb is told so.
+    int within = 0;
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+        measure(table, truth, 0.005, seed);
+        const FittedResin clear = resin_of(fit_resins(table, {}), "T");
+        CHECK(clear.sigma_t[1].value == Approx(0.02).epsilon(0.15));
+        within += clear.sigma_t[1].low < 0.02 && clear.sigma_t[1].high > 0.02;
+        CHECK(clear.sigma_t[2].low == 0);
+        CHECK(clear.sigma_t[2].high < 0.001);
+    }
+    CHECK(within >= 2);
+}
+
 TEST_CASE("A sound table is no misfit because some of its resins are opaque", "[slow]") {
     // Without noise the least squares are nothing; the limits of opaque resins, which stand 1 above them each, do not
     // count.

@@ -124,6 +124,33 @@ TEST_CASE("layout E has every choice of resins once upon each half, as much of e
     CHECK_THROWS_WITH(target_of(TargetLayout::e, {"A", "B", "C", "D", "E", "K", "W"}), Contains("7 resins"));
 }
 
+TEST_CASE("where clear resin is among the resins two deep squares of it lie in the light resin") {
+    const Target target = target_of(TargetLayout::b, {"C", "M", "Y", "K", "W", "T"});
+    const std::vector<TargetBox> boxes = target_boxes(target);
+    std::vector<double> depths;
+    for (const TargetSquare& square : target.squares) {
+        if (square.depth_mm == 0) continue;
+        depths.push_back(square.depth_mm);
+        CHECK(mixture_text(square.top) == "T");
+        CHECK(square.backing == "W");
+        CHECK(square.area.size().x() == Approx(2.7 * square.depth_mm).epsilon(0.01));
+        const Eigen::Vector2d middle = square.area.center();
+        const double top = target.height_mm(), floor = top - square.depth_mm;
+        CHECK(floor > 2.99);
+        CHECK(share_at(boxes, {middle.x(), middle.y(), top - 0.01}, 5) == 1);
+        CHECK(share_at(boxes, {middle.x(), middle.y(), floor + 0.01}, 5) == 1);
+        CHECK(share_at(boxes, {middle.x(), middle.y(), floor - 0.01}, 4) == 1);
+        CHECK(square.area.max_mm.y() + 4.99 < target.dark_half.min_mm.y());
+        const TargetSquare back = parse_target(target_text(target), "target.json").squares[target.squares.size() - 1];
+        CHECK(back.depth_mm == Approx(10).margin(0.02));
+    }
+    REQUIRE(depths.size() == 2);
+    CHECK(depths[0] == Approx(5).margin(0.02));
+    CHECK(depths[1] == Approx(10).margin(0.02));
+    CHECK(target_of(TargetLayout::a, {"T", "K", "W"}).squares.size() == 8);
+    CHECK(target_of(TargetLayout::e, {"T", "K", "W"}).squares.size() == 14);
+}
+
 TEST_CASE("descriptions read back as they were written") {
     for (const TargetLayout layout : {TargetLayout::a, TargetLayout::b, TargetLayout::c}) {
         const Target target = target_of(layout, {"C", "M", "Y", "K", "W", "T"});
