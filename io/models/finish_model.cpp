@@ -331,10 +331,9 @@ private:
         TexelImage texels = last ? std::move(image) : image;
         if (options_.fill_gutters) fill_gutters(texels, coverage_[index]);
         if (last) coverage_[index] = TexelCoverage(0, 0);
-        if (variant.transparent && keeps_alpha(variant)) {
-            if (looks_premultiplied(texels))
-                parts_.warnings.push_back(premultiplied_warning(parts_.image_names[index]));
-        } else if (variant.transparent)
+        if (variant.transparent && looks_premultiplied(texels))
+            parts_.warnings.push_back(premultiplied_warning(parts_.image_names[index]));
+        if (variant.transparent && !keeps_alpha(variant))
             compose_over(texels, {variant.under[0], variant.under[1], variant.under[2]},
                          {variant.tint[0], variant.tint[1], variant.tint[2]}, variant.tint[3]);
         if (variant.through_image >= 0) texels = with_transmission(texels, variant);

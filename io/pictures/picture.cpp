@@ -98,16 +98,19 @@ void spread_colours(TexelImage& texels, const std::vector<std::uint16_t>& alpha)
 }  // namespace
 
 std::string premultiplied_warning(const std::string& name) {
-    return named_warning("premultiplied",
-                         fmt::format("The colours of {} are nowhere brighter than their alpha, as if they had been "
-                                     "multiplied by it, and print too dark then; save it with straight alpha.",
-                                     name));
+    return named_warning(
+        "premultiplied",
+        fmt::format("The colours of {} are nowhere brighter than their alpha and grow with it, as if "
+                    "they had been multiplied by it, and print too dark where it is between then; save "
+                    "it with straight alpha.",
+                    name));
 }
 
 Picture finish_picture(DecodedImage image, const std::string& name, bool nearest) {
     show_if_invisible(image, name);
     Picture picture = picture_of(image);
     if (image.has_alpha) {
+        if (looks_premultiplied(image.texels)) picture.warnings.push_back(premultiplied_warning(name));
         picture.warnings.push_back(
             named_warning("transparent", fmt::format("{} has transparent pixels; they were laid over white. --alpha "
                                                      "translucency prints them so that light goes through, --cut-out "
@@ -143,6 +146,7 @@ Picture finish_cut_out(DecodedImage image, const std::string& name, bool nearest
             fmt::format("{}: has no transparent pixels that it could be cut along; leave --cut-out out, "
                         "or save it as a PNG or WebP whose background is transparent",
                         name));
+    if (looks_premultiplied(image.texels)) picture.warnings.push_back(premultiplied_warning(name));
     spread_colours(image.texels, picture.alpha);
     picture.texture = std::make_shared<const Texture>(std::move(image.texels), Wrap::clamp, Wrap::clamp, nearest);
     return picture;

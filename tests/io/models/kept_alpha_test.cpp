@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -97,6 +98,39 @@ TEST_CASE("Colours that look multiplied by alpha are told of") {
     CHECK(picture.warnings.empty());
     CHECK(picture.alpha_texture);
     CHECK_FALSE(finish_picture(ramp(false), "a.png").alpha_texture);
+}
+
+TEST_CASE("Colours times alpha are told from straight ones, bright or dark, in 8 bits and in 16") {
+    // 32 x 32: alpha falls from the middle, as of a glow or of a soft edge.
+    const auto picture = [](double brightness, bool times_alpha, bool noisy, bool deep) {
+        DecodedImage image;
+        image.has_alpha = true;
+        image.texels.width_px = image.texels.height_px = 32;
+        for (int i = 0; i < 1024; ++i) {
+            const double alpha = std::clamp(1.3 - std::hypot(i % 32 - 16, i / 32 - 16) / 14, 0.0, 1.0);
+            const double grain = noisy ? 0.5 + 0.5 * std::sin(i * 12.9) : 1;
+            const double red = brightness * grain * (times_alpha ? alpha : 1);
+            for (const double value : {red, red / 2, red / 3, alpha}) {
+                image.texels.srgb8.push_back(std::uint8_t(std::lround(255 * value)));
+                const double linear = value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
+                image.texels.linear16.push_back(std::uint16_t(std::lround(65535 * linear)));
+            }
+            if (deep) image.texels.linear16.back() = std::uint16_t(std::lround(65535 * alpha));
+        }
+        deep ? image.texels.srgb8.clear() : image.texels.linear16.clear();
+        return looks_premultiplied(image.texels);
+    };
+    for (const bool noisy : {false, true})
+        for (const bool deep : {false, true}) {
+            for (const double brightness : {0.3, 0.6, 0.9, 1.0}) CHECK(picture(brightness, true, noisy, deep));
+            for (const double brightness : {0.0, 0.05, 0.1, 0.2, 0.6, 1.0})
+                CHECK_FALSE(picture(brightness, false, noisy, deep));
+            CHECK_FALSE(picture(0, true, noisy, deep));
+        }
+    CHECK_THAT(said(finish_picture(ramp(true), "a.png").warnings), Contains("[premultiplied]"));
+    CHECK_THAT(said(finish_cut_out(ramp(true), "a.png").warnings), Contains("[premultiplied]"));
+    CHECK_THAT(said(finish_model(triangle(true), "a.glb", {}).warnings), Contains("[premultiplied]"));
+    CHECK_THAT(said(finish_model(triangle(), "a.glb", {}).warnings), !Contains("[premultiplied]"));
 }
 
 TEST_CASE("glTF's transmission counts by its picture, and a volume by what it absorbs and its colour") {
