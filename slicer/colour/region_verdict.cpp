@@ -599,6 +599,20 @@ void add_read(const RegionSources& s, Row read, std::vector<Row>& rows) {
     row.said.printed = row.said.good ? "read" : "not read";
 }
 
+/// Whether half of it lies within letters: dots, accents, and those that a coarser page joins.
+bool is_of_letters(const JobPrediction& p, const std::vector<std::uint32_t>& detail,
+                   std::span<const Eigen::AlignedBox2d> letters) {
+    const SlabCells slab(p.predicted.surface);
+    const auto inside = std::ranges::count_if(detail, [&](std::uint32_t cell) {
+        const Eigen::Vector2d at = slab.place(p.predicted.surface.cells[cell]);
+        return std::ranges::any_of(letters, [&](const Eigen::AlignedBox2d& box) {
+            const Eigen::Vector2d more = 0.5 * box.sizes();
+            return Eigen::AlignedBox2d(box.min() - more, box.max() + more).contains(at);
+        });
+    });
+    return 2 * std::size_t(inside) > detail.size();
+}
+
 /// What of type and fine detail is lost. Adds a picture's codes to the rows, and says what they and its type are good
 /// for.
 std::vector<Row> lost_on_page(const RegionSources& s, const halftone::CellNeighbours& cells, std::vector<Row>& rows,
@@ -620,7 +634,8 @@ std::vector<Row> lost_on_page(const RegionSources& s, const halftone::CellNeighb
     std::vector<Row> lost;
     if (auto small = small_type(s, type)) lost.push_back(std::move(*small));
     auto detail = lost.empty() ? lost_detail(p, cells) : std::nullopt;
-    if (!detail) detail = lost_lines_row(s, pages);
+    if (!detail && (lost.empty() || !type->letters_at.empty())) detail = lost_lines_row(s, pages);
+    if (detail && !lost.empty() && is_of_letters(p, detail->cells, type->letters_at)) detail.reset();
     const auto is_served = [&](std::uint32_t cell) { return !page.served.empty() && page.served[cell] != 0; };
     if (detail && !std::ranges::all_of(detail->cells, is_served)) {
         if (s.is_picture && detail->said.contrast < gone) page.lost = "some of its detail is gone";

@@ -19,7 +19,7 @@
 //                 5.5 at twice that). What is too small to be seen becomes visible: a picture's print is at most what
 //                 this one would be from as much nearer, where light had spread as much farther (a menu of 8 mm on
 //                 cream, 5.5, came to 8.5 at 16 mm). As large is advised as makes their middle good; where type cannot
-//                 be read, as makes it readable (type_size.h), its smallest 1.6 mm or more, and where a code is not,
+//                 be read, as makes it readable (type_size.h) and a tenth more, and where a code is not,
 //                 its modules 0.4 mm, said by that. Not after a loop that was cut short: another size would be cut
 //                 short elsewhere
 //   thicker walls the cells of thin walls become as those are that have a core behind them. Where hardly any has one,

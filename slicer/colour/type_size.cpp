@@ -271,6 +271,8 @@ std::optional<TypeSize> unreadable_type(const JobPrediction& p, double viewing_d
     type.smallest_mm = letters.front().size_mm, type.largest_mm = letters.back().size_mm;
     type.unread = unread.size(), type.pale = pale.size();
     type.times = times_to_be_read(unread, viewing_distance_mm);
+    if (print)
+        for (const Glyph& letter : letters) type.letters_at.push_back(letter.box);
     for (const Glyph* letter : pale) type.pale_contrast += letter->contrast / double(pale.size());
     const std::vector<const Glyph*>& told = unread.empty() ? pale : unread;
     for (const Glyph* letter : told) {

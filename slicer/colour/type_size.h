@@ -22,6 +22,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "slicer/colour/job_prediction.h"
 #include "slicer/colour/slab_picture.h"
@@ -33,10 +34,11 @@ struct TypeSize {
     double smallest_mm = 0, largest_mm = 0;
     double times = 1;  ///< how much larger all would be read, contrasts growing as sizes do, up to what was asked for
     std::size_t letters = 0, unread = 0, pale = 0;
-    double pale_contrast = 0;                 ///< mean of those that are pale
-    double told_mm2 = 0;                      ///< of those that cannot be read, or where there are none are pale
-    double contrast = 0, contrast_asked = 0;  ///< their means
-    std::uint32_t cell = 0;                   ///< of one of them, of its ink
+    std::vector<Eigen::AlignedBox2d> letters_at;  ///< in parts of the page; empty where `pages` are
+    double pale_contrast = 0;                     ///< mean of those that are pale
+    double told_mm2 = 0;                          ///< of those that cannot be read, or where there are none are pale
+    double contrast = 0, contrast_asked = 0;      ///< their means
+    std::uint32_t cell = 0;                       ///< of one of them, of its ink
     Eigen::Vector3f asked = Eigen::Vector3f::Zero();  ///< linear sRGB, there
 };
 
