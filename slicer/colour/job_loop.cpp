@@ -120,6 +120,20 @@ private:
     bool looked_ = false;
 };
 
+/// Of a picture the loop sees the face alone (viewed_cells.cpp). Of the print by visible triangle.
+std::vector<char> not_looked_at(const JobBody& body) {
+    std::vector<char> apart;
+    if (!body.is_picture) return apart;
+    constexpr double up = 0.5;
+    const VisibleSurface& surface = *body.surface;
+    for (const auto& triangle : surface.triangles) {
+        const auto at = [&](std::size_t c) -> const Eigen::Vector3d& { return surface.positions_mm[triangle[c]]; };
+        const Eigen::Vector3d out = (at(1) - at(0)).cross(at(2) - at(0));
+        apart.push_back(out.z() < up * out.norm());
+    }
+    return apart;
+}
+
 }  // namespace
 
 LoopCells::LoopCells(ViewedCells cells, const JobBody& body, const DepthZones& of_zones, double colour_mm)
@@ -127,7 +141,8 @@ LoopCells::LoopCells(ViewedCells cells, const JobBody& body, const DepthZones& o
       zones(of_zones),
       layers(halftone::skin_layers(colour_mm)),
       places(*body.surface, body.grid.origin_mm),
-      index(seen.surface, {body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()}) {}
+      index(seen.surface, {body.grid.pitch_mm.x(), body.grid.pitch_mm.y(), body.grid.pitch_mm.z()}),
+      apart(not_looked_at(body)) {}
 
 LoopProblem::LoopProblem(const ResolvedJob& of_job, const JobBody& body, const LoadedResins& of_resins,
                          const JobColour& colour, const PrintParts& of_parts, const Progress& progress)

@@ -44,7 +44,8 @@ struct LoopCells {
     const halftone::SkinLayers layers;
     const SurfacePlaces places;
     const CellIndex index;
-    [[nodiscard]] SkinMap map() const { return {places, index, layers, zones}; }
+    const std::vector<char> apart;  ///< a picture's back and rim, where labels lie
+    [[nodiscard]] SkinMap map() const { return {places, index, layers, zones, apart}; }
 };
 
 /// What the loop needs while it runs. Keeps references to all that it is made from. Stays where it was made.

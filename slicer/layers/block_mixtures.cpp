@@ -26,6 +26,7 @@ std::size_t BlockMixtures::gather(const ShellBlock& block) {
     marked_.clear();
     thinned_.clear();
     dark_.clear();
+    apart_.clear();
     for_each_shell_voxel(block, [&](int row, int lane) {
         const int at = row * ShellBlock::width + lane;
         const std::uint32_t source = surface_.source_triangle[block.triangle[at]];
@@ -46,11 +47,12 @@ std::size_t BlockMixtures::gather(const ShellBlock& block) {
             resin = core_;
         if (resin < 0 && colour_.sets_resins()) resin = colour_.resin_at(source, block.u[at], block.v[at]);
         if (resin >= 0) marked_.emplace_back(count_, resin);
-        if (skin_) {
+        if (skin_ && skin_->knows(block.triangle[at])) {
             mixture_[count_++] = skin_->mixture(block.triangle[at], block.u[at], block.v[at], depth_mm);
             return;
         }
         const Eigen::Vector3f rgb = colour_.at(source, block.u[at], block.v[at]);
+        if (skin_) apart_.emplace_back(count_, rgb);
         red_[count_] = rgb.x();
         green_[count_] = rgb.y();
         blue_[count_] = rgb.z();
@@ -61,6 +63,7 @@ std::size_t BlockMixtures::gather(const ShellBlock& block) {
 
 const halftone::CumulativeMixture* BlockMixtures::separate() {
     if (!skin_) separation_.mixtures(red_.data(), green_.data(), blue_.data(), count_, mixture_.data());
+    for (const auto& [voxel, rgb] : apart_) separation_.mixtures(&rgb.x(), &rgb.y(), &rgb.z(), 1, &mixture_[voxel]);
     for (const auto& [voxel, resin] : marked_) mixture_[voxel] = pure_[static_cast<std::size_t>(resin)];
     for (const auto& [voxel, rgb] : dark_)
         night_->separation().mixtures(&rgb.x(), &rgb.y(), &rgb.z(), 1, &mixture_[voxel]);

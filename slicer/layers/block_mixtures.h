@@ -40,10 +40,11 @@ private:
     TranslucentBody translucent_;
     const NightSide* night_;
     int core_;
-    std::vector<halftone::CumulativeMixture> pure_;              ///< of each resin, where some voxels are of one
-    std::vector<std::pair<std::size_t, int>> marked_;            ///< voxels of the block that are, and their resins
-    std::vector<std::pair<std::size_t, float>> thinned_;         ///< those that are diluted, and to what
-    std::vector<std::pair<std::size_t, Eigen::Vector3f>> dark_;  ///< those of the night, and what is asked of them
+    std::vector<halftone::CumulativeMixture> pure_;               ///< of each resin, where some voxels are of one
+    std::vector<std::pair<std::size_t, int>> marked_;             ///< voxels of the block that are, and their resins
+    std::vector<std::pair<std::size_t, float>> thinned_;          ///< those that are diluted, and to what
+    std::vector<std::pair<std::size_t, Eigen::Vector3f>> dark_;   ///< those of the night, and what is asked of them
+    std::vector<std::pair<std::size_t, Eigen::Vector3f>> apart_;  ///< those that the loop did not look at, and colours
     std::size_t count_ = 0;
     std::array<float, max_voxels> red_, green_, blue_;
     std::array<halftone::CumulativeMixture, max_voxels> mixture_;

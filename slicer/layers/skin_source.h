@@ -38,10 +38,14 @@ struct SkinMap {
     const CellIndex& cells;
     const halftone::SkinLayers& layers;
     DepthZones zones = {};
+    std::span<const char> apart = {};  ///< by visible triangle: the loop does not look there; empty: everywhere
     static constexpr std::size_t core = ~std::size_t{0}, clear = core - 1;
-    /// cell * layers + layer; `core` below the skin; `clear` in clear resin over or under it.
+    [[nodiscard]] bool is_apart(std::uint32_t triangle) const { return !apart.empty() && apart[triangle] != 0; }
+    /// cell * layers + layer; `core` below the skin and where the loop does not look; `clear` in clear resin over or
+    /// under it.
     [[nodiscard]] std::size_t at(std::uint32_t triangle, float u, float v, float distance_mm) const {
         if (zones.is_clear(distance_mm)) return clear;
+        if (is_apart(triangle)) return core;
         const std::size_t layer = layers.layer_of(distance_mm - zones.colour_from_mm);
         return layer == layers.size() ? core : std::size_t{cells.at(places.at(triangle, u, v))} * layers.size() + layer;
     }
@@ -53,6 +57,8 @@ public:
     SkinSource(const SkinMap& map, const halftone::SkinMixtures& mixtures, int core);
     /// The same with the mixtures as `halftone::cumulative_mixtures` makes them.
     SkinSource(const SkinMap& map, std::vector<halftone::CumulativeMixture> mixtures, std::size_t resins, int core);
+    /// Whether the loop looks at this triangle: the mixtures of others are the separation's.
+    [[nodiscard]] bool knows(std::uint32_t triangle) const { return !map_.is_apart(triangle); }
     [[nodiscard]] const halftone::CumulativeMixture& mixture(std::uint32_t triangle, float u, float v,
                                                              float distance_mm) const {
         const std::size_t at = map_.at(triangle, u, v, distance_mm);

@@ -109,6 +109,27 @@ TEST_CASE("A page's areas are told with their colours, sizes and places, those o
     CHECK(predicted["de2000"]["p95"].get<double>() <= predicted["de2000"]["max"].get<double>());
 }
 
+TEST_CASE("A label on a picture's back is printed as it is, whatever the loop makes of its face") {
+    PrintDesk desk;
+    write_squares(desk);
+    const auto lowest_layer = [&](const char* out, const char* iterations) {
+        SliceOptions options = desk.options(out);
+        options.model = desk.path("squares.png").string();
+        options.unit.assign("auto");
+        options.width_mm = 6;
+        options.thickness_mm = 1.5;
+        options.labels = {"A-17; size=1.5mm"};
+        options.iterations.assign(iterations);
+        options.report = false;
+        (void)desk.print(options);
+        std::ifstream in(desk.path(std::string(out) + "/layers/slice_00000.png"), std::ios::binary);
+        return std::string(std::istreambuf_iterator<char>(in), {});
+    };
+    const std::string open = lowest_layer("open", "0");
+    CHECK(open.size() > 100);
+    CHECK(lowest_layer("looped", "1") == open);
+}
+
 TEST_CASE("The inside of a letter is ground, and no type of its colour") {
     PrintDesk desk;
     write_page(desk, "rings.png", [](int x, int y) {

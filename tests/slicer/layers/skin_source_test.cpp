@@ -108,6 +108,23 @@ TEST_CASE("Layers of the skin lie in the print as deep as they say, to the voxel
             for (int i = 0; i < 12; ++i) wrong += made.at(i, j, k) != expected;
     }
     CHECK(wrong == 0);
+    // Where the loop does not look, the separation says what is printed.
+    const std::vector<char> nowhere(top.triangles.size(), 1);
+    const SkinSource apart({places, cells, layers, {}, nowhere}, mixtures, 3);
+    CHECK_FALSE(apart.knows(0));
+    const auto printed = [&](const SkinSource* by) {
+        return made_voxels({solid, nullptr, top, shell, 4, MixtureSources{colour, separation, &screen, 1, by}});
+    };
+    const MadeVoxels without = printed(nullptr), with = printed(&apart);
+    std::size_t other = 0, looped = 0;
+    for (int k = 0; k < 20; ++k)
+        for (int j = 0; j < 8; ++j)
+            for (int i = 0; i < 12; ++i) {
+                other += with.at(i, j, k) != without.at(i, j, k);
+                looped += made.at(i, j, k) != without.at(i, j, k);
+            }
+    CHECK(other == 0);
+    CHECK(looped > 0);
 }
 
 TEST_CASE("Clear resin lies over and under the colours as deep as it is asked for, whoever makes the mixtures") {
