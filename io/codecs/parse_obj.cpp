@@ -291,8 +291,10 @@ private:
         if (mtl.has_opacity_map)
             warn(named_warning(
                 "transparent",
-                fmt::format("The material '{}' has an opacity map; prints are opaque here, it is left aside.",
-                            mtl.name)));
+                fmt::format(
+                    "The material '{}' has an opacity map, which is left aside; the alpha of its map_Kd is what "
+                    "--alpha translucency prints.",
+                    mtl.name)));
         if (!map.empty()) parts_.has_colour = true;
         if (!map.empty() && shown == Shown::as_it_is) {
             made.image = ranged(image(map), mtl);

@@ -98,6 +98,14 @@ TEST_CASE("A picture by an unknown name is lost colour where there is one and no
         CHECK(with("Kd 1 0 0\n" + name + " t.png\n").lost_colour.empty());
 }
 
+TEST_CASE("An opacity map is left aside, and told of with what is printed in its place") {
+    const ModelFile file = obj("mtllib a.mtl\n" + corners + "usemtl m\n" + face,
+                               {{"a.mtl", "newmtl m\nmap_Kd t.png\nmap_d t.png\n"}, {"t.png", four_colours()}});
+    CHECK_THAT(warnings(file), Contains("'m' has an opacity map") && Contains("the alpha of its map_Kd") &&
+                                   Contains("--alpha translucency") && Contains("[transparent]"));
+    CHECK(file.lost_colour.empty());
+}
+
 TEST_CASE("The range that a material gives its picture") {
     const auto with = [&](const std::string& map, bool deep = false) {
         return corner_colour(obj("mtllib a.mtl\n" + corners + "usemtl m\n" + face,
