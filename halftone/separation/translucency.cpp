@@ -6,10 +6,10 @@
 
 #include "base/contracts.h"
 #include "base/parallel.h"
+#include "halftone/separation/cube_root_lattice.h"
 #include "optics/colour/observed_colour.h"
 #include "optics/layered/layered_appearance.h"
 #include "optics/media/effective_medium.h"
-#include "optics/numerics/portable_math.h"
 
 namespace voxtone::halftone {
 
@@ -111,32 +111,17 @@ float Translucency::kept(const Eigen::Vector3f& rgb, float alpha) const {
     const float e = root * (etas - 1);
     const auto of_eta = std::min(std::size_t(e), etas - 2);
     const float past = e - float(of_eta);
-    std::array<std::size_t, 3> first{};
-    std::array<float, 3> beyond{};
-    for (int c = 0; c < 3; ++c) {
-        const float x = portable::cbrt(std::clamp(rgb[c], 0.0f, 1.0f)) * (edge - 1);
-        first[std::size_t(c)] = std::min(std::size_t(x), edge - 2);
-        beyond[std::size_t(c)] = x - float(first[std::size_t(c)]);
-    }
     float sum = 0;
-    for (unsigned corner = 0; corner < 8; ++corner) {
-        float weight = 1;
-        std::size_t colour = 0;
-        for (std::size_t c = 0; c < 3; ++c) {
-            const bool upper = corner >> c & 1;
-            weight *= upper ? beyond[c] : 1 - beyond[c];
-            colour = colour * edge + first[c] + (upper ? 1 : 0);
-        }
+    for_nodes_around(rgb, edge, [&](std::size_t colour, float weight) {
         const float* node = root_kept_.data() + colour * etas + of_eta;
         sum += weight * (node[0] + past * (node[1] - node[0]));
-    }
+    });
     return std::min(sum * sum, 1.0f);
 }
 
 double Translucency::most_alpha(const Eigen::Vector3f& rgb) const {
     std::size_t colour = 0;
-    for (int c = 0; c < 3; ++c)
-        colour = colour * edge + std::size_t(std::lround(portable::cbrt(std::clamp(rgb[c], 0.0f, 1.0f)) * (edge - 1)));
+    for (int c = 0; c < 3; ++c) colour = colour * edge + std::size_t(std::lround(cube_root_place(rgb[c], edge)));
     return double(most_alpha_[colour]);
 }
 

@@ -9,8 +9,8 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "halftone/separation/cube_root_lattice.h"
 #include "optics/colour/observed_colour.h"
-#include "optics/numerics/portable_math.h"
 #include "slicer/surface/area_samples.h"
 
 namespace voxtone::slicer {
@@ -118,24 +118,9 @@ NightSide::NightSide(const optics::ShellAppearance& day, const halftone::Separat
 }
 
 Eigen::Vector3f NightSide::let_through(const Eigen::Vector3f& day) const {
-    std::array<std::size_t, 3> first{};
-    std::array<float, 3> past{};
-    for (int c = 0; c < 3; ++c) {
-        const float x = portable::cbrt(std::clamp(day[c], 0.0f, 1.0f)) * (night_edge - 1);
-        first[std::size_t(c)] = std::min(std::size_t(x), night_edge - 2);
-        past[std::size_t(c)] = x - float(first[std::size_t(c)]);
-    }
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-    for (unsigned corner = 0; corner < 8; ++corner) {
-        float weight = 1;
-        std::size_t node = 0;
-        for (std::size_t c = 0; c < 3; ++c) {
-            const bool upper = corner >> c & 1;
-            weight *= upper ? past[c] : 1 - past[c];
-            node = node * night_edge + first[c] + (upper ? 1 : 0);
-        }
-        sum += weight * lattice_[node];
-    }
+    halftone::for_nodes_around(day, night_edge,
+                               [&](std::size_t node, float weight) { sum += weight * lattice_[node]; });
     return sum;
 }
 
