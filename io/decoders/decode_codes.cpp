@@ -57,6 +57,9 @@ LuminanceRaster enlarged(const LuminanceRaster& from, int times) {
 
 void add(std::vector<CodeInPicture>& codes, const ZXing::Result& result, int times, int first_row = 0) {
     if (!result.isValid() || result.isMirrored() || result.bytes().empty()) return;
+    // It has no sum: what few stripes say by chance is none.
+    constexpr std::size_t least_characters = 4;
+    if (result.format() == BarcodeFormat::Code39 && std::size_t(result.bytes().size()) < least_characters) return;
     CodeInPicture code{kind_of(result.format()), {result.bytes().begin(), result.bytes().end()}, {}};
     const auto& corners = result.position();
     code.box = {1e9, 1e9, -1e9, -1e9};
@@ -95,20 +98,24 @@ std::vector<CodeInPicture> decode_codes(const LuminanceRaster& picture, int most
     if (picture.columns < 1 || picture.rows < 1 || double(picture.columns) * picture.rows > 1e9 ||
         picture.grey.size() != std::size_t(picture.columns) * std::size_t(picture.rows))
         throw InputError("a picture whose codes are to be read is not of its size");
-    ZXing::DecodeHints hints;
-    hints.setFormats(BarcodeFormat::QRCode | BarcodeFormat::DataMatrix | BarcodeFormat::PDF417 |
-                     BarcodeFormat::Code128 | BarcodeFormat::EAN13 | BarcodeFormat::UPCA);
-    hints.setTryHarder(true).setMaxNumberOfSymbols(most_codes);
+    ZXing::DecodeHints areas, bars;
+    areas.setFormats(BarcodeFormat::QRCode | BarcodeFormat::DataMatrix | BarcodeFormat::PDF417);
+    bars.setFormats(BarcodeFormat::Code128 | BarcodeFormat::Code39 | BarcodeFormat::EAN13 | BarcodeFormat::EAN8 |
+                    BarcodeFormat::UPCA);
+    // ZXing 1.4.0 aborts where it compares bars that it found at two scales of its own.
+    bars.setTryDownscale(false);
+    for (ZXing::DecodeHints* hints : {&areas, &bars}) hints->setTryHarder(true).setMaxNumberOfSymbols(most_codes);
     std::vector<CodeInPicture> codes;
     for (const int times : {1, 2, 3, 4, 6}) {
         if (times > most_times) break;
         if (times > 1 && double(times) * times * picture.columns * picture.rows > most_pixels) break;
         const LuminanceRaster larger = enlarged(picture, times);
         for (const ZXing::Binarizer how : {ZXing::Binarizer::LocalAverage, ZXing::Binarizer::GlobalHistogram}) {
-            hints.setBinarizer(how);
-            for (const ZXing::Result& result :
-                 ZXing::ReadBarcodes({larger.grey.data(), larger.columns, larger.rows, ZXing::ImageFormat::Lum}, hints))
-                add(codes, result, times);
+            for (ZXing::DecodeHints* hints : {&areas, &bars})
+                for (const ZXing::Result& result :
+                     ZXing::ReadBarcodes({larger.grey.data(), larger.columns, larger.rows, ZXing::ImageFormat::Lum},
+                                         hints->setBinarizer(how)))
+                    add(codes, result, times);
         }
     }
     add_from_strips(codes, picture);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Codes that a scanner reads in a picture: QR, Data Matrix, PDF417, Code 128, EAN-13 and UPC-A, all of which have sums
-// by which a decoder knows that it has read right. Read by ZXing-C++ in voxtone-read, behind its walls: what stands in
-// a code is somebody else's data.
+// Codes that a scanner reads in a picture: QR, Data Matrix, PDF417, Code 128, EAN-13, EAN-8 and UPC-A, all of which
+// have sums by which a decoder knows that it has read right, and Code 39 of four characters or more. Read by ZXing-C++
+// in voxtone-read, behind its walls: what stands in a code is somebody else's data.
 #pragma once
 
 #include <array>

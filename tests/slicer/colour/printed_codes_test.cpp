@@ -3,7 +3,11 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
+#include <utility>
 
 #include "drawn_page.h"
 #include "io/lettering/make_code.h"
@@ -77,6 +81,38 @@ TEST_CASE("A code that comes out as asked is read, one that runs together is not
     // A little of it is no harm.
     page.predicted.rgb = blurred(page, module_mm / 4);
     CHECK(printed_codes(page).at(0).is_read);
+}
+
+TEST_CASE("The bars of a price tag are a code, those of three characters alone are none") {
+    // Code 39: nine elements a character, bars and spaces in turns, three of them wide.
+    const std::map<char, std::string> wide{{'*', "nwnnwnwnn"}, {'A', "wnnnnwnnw"}, {'0', "nnnwwnwnn"},
+                                           {'1', "wnnwnnnnw"}, {'4', "nnnwwnnnw"}, {'7', "nnnwnnwnw"}};
+    const auto page_of = [&](const std::string& text) {
+        std::vector<std::pair<double, double>> bars;  // from, to
+        double x = 4;
+        for (const char c : "*" + text + "*") {
+            for (std::size_t n = 0; n < 9; ++n) {
+                const double width = wide.at(c)[n] == 'w' ? 0.9 : 0.34;
+                if (n % 2 == 0) bars.emplace_back(x, x + width);
+                x += width;
+            }
+            x += 0.34;
+        }
+        return test::page_of(x + 4, 14, [&](double at, double y) {
+            const bool is_dark = y > 3 && y < 11 && std::ranges::any_of(bars, [&](const auto& bar) {
+                                     return at >= bar.first && at < bar.second;
+                                 });
+            return Eigen::Vector3f::Constant(is_dark ? 0.01f : 0.95f);
+        });
+    };
+    JobPrediction page = page_of("A1047");
+    auto found = printed_codes(page);
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].kind == "bar code");
+    CHECK(found[0].is_read);
+    page.predicted.rgb = blurred(page, 0.6);
+    CHECK_FALSE(printed_codes(page).at(0).is_read);
+    CHECK(printed_codes(page_of("A10")).empty());
 }
 
 TEST_CASE("A code that reads as another is not the one that was asked for, and what is no code is none") {
