@@ -75,6 +75,38 @@ void add(std::vector<CodeInPicture>& codes, const ZXing::Result& result, int tim
     if (std::ranges::none_of(codes, same)) codes.push_back(std::move(code));
 }
 
+/// Edges where they are steepest, as scanners of bars look for them: with 1.5 times what a Gaussian of 2.5 pixels takes
+/// away. Bars that light has run into each other are read so by zbar 0.23, and by ZXing not without it.
+LuminanceRaster sharpened(const LuminanceRaster& from) {
+    constexpr double sigma = 2.5, more = 1.5;
+    constexpr int reach = 8;
+    std::array<double, 2 * reach + 1> kernel{};
+    double all = 0;
+    for (int d = -reach; d <= reach; ++d)
+        all += kernel[std::size_t(d + reach)] = std::exp(-d * d / (2 * sigma * sigma));
+    const auto at = [&](const auto& values, int column, int row) {
+        return double(values[std::size_t(std::clamp(row, 0, from.rows - 1)) * std::size_t(from.columns) +
+                             std::size_t(std::clamp(column, 0, from.columns - 1))]);
+    };
+    std::vector<float> across(from.grey.size());
+    LuminanceRaster to = from;
+    for (const bool along : {true, false})
+        for (int row = 0; row < from.rows; ++row)
+            for (int column = 0; column < from.columns; ++column) {
+                double sum = 0;
+                for (int d = -reach; d <= reach; ++d)
+                    sum += kernel[std::size_t(d + reach)] / all *
+                           (along ? at(from.grey, column + d, row) : at(across, column, row + d));
+                const std::size_t i = std::size_t(row) * std::size_t(from.columns) + std::size_t(column);
+                if (along)
+                    across[i] = float(sum);
+                else
+                    to.grey[i] = std::uint8_t(std::lround(
+                        std::clamp(double(from.grey[i]) + more * (double(from.grey[i]) - sum), 0.0, 255.0)));
+            }
+    return to;
+}
+
 /// ZXing 1.4.0 finds a Data Matrix half way up a picture alone
 /// (findings/zxing-data-matrix-place.sh): it is shown strips of the picture, one below the other.
 void add_from_strips(std::vector<CodeInPicture>& codes, const LuminanceRaster& picture) {
@@ -118,6 +150,14 @@ std::vector<CodeInPicture> decode_codes(const LuminanceRaster& picture, int most
                     add(codes, result, times);
         }
     }
+    if (most_times > 1)
+        for (const LuminanceRaster clear = sharpened(picture); const int times : {2, 4}) {
+            if (double(times) * times * picture.columns * picture.rows > most_pixels) break;
+            const LuminanceRaster larger = enlarged(clear, times);
+            for (const ZXing::Result& result :
+                 ZXing::ReadBarcodes({larger.grey.data(), larger.columns, larger.rows, ZXing::ImageFormat::Lum}, bars))
+                add(codes, result, times);
+        }
     add_from_strips(codes, picture);
     return codes;
 }
