@@ -183,7 +183,7 @@ bool is_little_else(const JobPrediction& p, const TypeSize& type) {
 
 /// What cannot be read for its size, or is pale.
 std::optional<Row> small_type(const RegionSources& s, const std::optional<TypeSize>& type) {
-    if (!type) return std::nullopt;
+    if (!type || type->is_read_well()) return std::nullopt;
     const JobPrediction& p = s.prediction;
     Row row;
     row.said.kind = "small type";
@@ -635,7 +635,7 @@ std::vector<Row> lost_on_page(const RegionSources& s, const halftone::CellNeighb
     if (auto small = small_type(s, type)) lost.push_back(std::move(*small));
     auto detail = lost.empty() ? lost_detail(p, cells) : std::nullopt;
     if (!detail && (lost.empty() || !type->letters_at.empty())) detail = lost_lines_row(s, pages);
-    if (detail && !lost.empty() && is_of_letters(p, detail->cells, type->letters_at)) detail.reset();
+    if (detail && type && is_of_letters(p, detail->cells, type->letters_at)) detail.reset();
     const auto is_served = [&](std::uint32_t cell) { return !page.served.empty() && page.served[cell] != 0; };
     if (detail && !std::ranges::all_of(detail->cells, is_served)) {
         if (s.is_picture && detail->said.contrast < gone) page.lost = "some of its detail is gone";

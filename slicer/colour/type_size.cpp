@@ -267,14 +267,15 @@ std::optional<TypeSize> unreadable_type(const JobPrediction& p, double viewing_d
     }
     if (unread.size() < least_letters) unread.clear(), type.below_mm = 0;
     if (pale.size() < least_letters) pale.clear();
-    if (unread.empty() && pale.empty()) return std::nullopt;
     type.smallest_mm = letters.front().size_mm, type.largest_mm = letters.back().size_mm;
     type.unread = unread.size(), type.pale = pale.size();
     type.times = times_to_be_read(unread, viewing_distance_mm);
     if (print)
-        for (const Glyph& letter : letters) type.letters_at.push_back(letter.box);
+        for (const Glyph& letter : letters)
+            if (letter.is_read || !unread.empty()) type.letters_at.push_back(letter.box);
     for (const Glyph* letter : pale) type.pale_contrast += letter->contrast / double(pale.size());
     const std::vector<const Glyph*>& told = unread.empty() ? pale : unread;
+    if (told.empty()) return type;
     for (const Glyph* letter : told) {
         type.told_mm2 += letter->area_mm2;
         type.contrast += letter->contrast / double(told.size());

@@ -34,12 +34,14 @@ struct TypeSize {
     double smallest_mm = 0, largest_mm = 0;
     double times = 1;  ///< how much larger all would be read, contrasts growing as sizes do, up to what was asked for
     std::size_t letters = 0, unread = 0, pale = 0;
-    std::vector<Eigen::AlignedBox2d> letters_at;  ///< in parts of the page; empty where `pages` are
-    double pale_contrast = 0;                     ///< mean of those that are pale
-    double told_mm2 = 0;                          ///< of those that cannot be read, or where there are none are pale
-    double contrast = 0, contrast_asked = 0;      ///< their means
-    std::uint32_t cell = 0;                       ///< of one of them, of its ink
+    std::vector<Eigen::AlignedBox2d>
+        letters_at;                           ///< of what is told or read, in parts of the page; without `pages` none
+    double pale_contrast = 0;                 ///< mean of those that are pale
+    double told_mm2 = 0;                      ///< of those that cannot be read, or where there are none are pale
+    double contrast = 0, contrast_asked = 0;  ///< their means
+    std::uint32_t cell = 0;                   ///< of one of them, of its ink
     Eigen::Vector3f asked = Eigen::Vector3f::Zero();  ///< linear sRGB, there
+    [[nodiscard]] bool is_read_well() const { return unread == 0 && pale == 0; }
 };
 
 /// Letters of this contrast and face, from this distance, as above.
@@ -47,7 +49,7 @@ enum class Legibility : std::uint8_t { lost, pale, well };
 [[nodiscard]] Legibility legibility_of(double contrast, double contrast_asked, double size_mm,
                                        double viewing_distance_mm);
 
-/// Nothing where there is no type, or all of it is read well. `pages`: of a slab, the picture as it was given
+/// Nothing where there is no type. `pages`: of a slab, the picture as it was given
 /// (slab_picture.h), whose letters are found however small they are printed; none: those of the target alone.
 [[nodiscard]] std::optional<TypeSize> unreadable_type(const JobPrediction& prediction, double viewing_distance_mm,
                                                       std::span<const PicturePage> pages = {});

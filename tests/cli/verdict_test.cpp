@@ -367,7 +367,7 @@ void write_code(const Folder& folder, const char* name) {
 
 }  // namespace
 
-TEST_CASE("A code that no scanner reads makes a picture bad, printed larger it is read, and not because of it") {
+TEST_CASE("A code that no scanner reads makes a picture bad, and printed larger it is read and no longer bad") {
     const Folder folder("code");
     write_code(folder, "code.png");
     const auto code_row = [](const nlohmann::json& verdict) {
@@ -388,7 +388,9 @@ TEST_CASE("A code that no scanner reads makes a picture bad, printed larger it i
     REQUIRE(code_row(large));
     for (const auto& region : large["regions"])
         if (region["kind"] == "code") CHECK((region["good"].get<bool>() && region["printed"] == "read"));
-    CHECK_THAT(large["headline"].get<std::string>(), !Contains("scanner"));
+    // Its colours are 10.5 off, open loop: it does what it is there for all the same.
+    CHECK(large["level"] == "fair");
+    CHECK_THAT(large["headline"].get<std::string>(), Contains("a scanner reads its code"));
 }
 
 TEST_CASE("Six letters of one colour are one row, and a seventh of another is its own") {

@@ -176,9 +176,9 @@ TEST_CASE("Below the size where its contrast is lost type is said to be unreadab
     CHECK(type->contrast_asked > 0.9);
     CHECK(type->contrast < 0.5);
     const Page sharp(lines_of_type, [](int, int, bool black) { return black ? 0.05f : 1.0f; });
-    CHECK_FALSE(unreadable_type(sharp.p, 300));
+    CHECK(unreadable_type(sharp.p, 300)->is_read_well());
     // Sight has its limit, too: nobody reads 1.4 mm from three metres.
-    CHECK(unreadable_type(sharp.p, 3000));
+    CHECK_FALSE(unreadable_type(sharp.p, 3000)->is_read_well());
     const Page all_lost(lines_of_type, [](int, int, bool black) { return black ? 0.95f : 1.0f; });
     const auto all = unreadable_type(all_lost.p, 300);
     REQUIRE(all);
