@@ -35,14 +35,12 @@ TwinAppearances TransportPredictor::predict_with_twin(const Scene& scene, const 
                                                       const ResinVolume& twin, const Progress* progress) const {
     VOXTONE_EXPECT(scene.volume && scene.resins);
     ViewingSequence sequence(scene, surface, options_, progress);
-    TwinAppearances seen;
-    {
-        const PartRange range(progress, 0, 0.5);
-        seen.body = sequence.only(*scene.volume, progress);
-    }
-    const PartRange range(progress, 0.5, 1);
-    seen.twin = sequence.only_twin(twin, progress);
-    return seen;
+    const auto half = [&](const ResinVolume& volume, double from) {
+        const PartRange range(progress, from, from + 0.5);
+        return sequence.only(volume, progress);
+    };
+    Appearance body = half(*scene.volume, 0);
+    return {std::move(body), half(twin, 0.5)};
 }
 
 std::size_t TransportPredictor::least_bytes(double solid_mm3, const std::array<double, 3>& pitch_mm) const {

@@ -200,19 +200,11 @@ void ViewingSequence::begin(int rounds, const Progress* progress) {
 }
 
 Appearance ViewingSequence::only(const ResinVolume& volume, const Progress* progress) {
-    return alone(volume, options_.sweeps, progress);
-}
-
-Appearance ViewingSequence::only_twin(const ResinVolume& volume, const Progress* progress) {
-    return alone(volume, std::max(1, options_.sweeps - 1), progress);
-}
-
-Appearance ViewingSequence::alone(const ResinVolume& volume, int least, const Progress* progress) {
     keeps_light_ = false;
     ghosts_.clear();
     summary_.open_solves = 0;  // of another prediction's light
     // A tile's light is not kept from the last round: it is found once more, with what its neighbours told, and swept.
-    const int most = options_.first_change > 0 ? 2 * options_.sweeps : least;
+    const int least = options_.sweeps, most = options_.first_change > 0 ? 2 * least : least;
     return predict(volume, {{least, most, options_.first_change}, first_rounds - 1}, progress);
 }
 

@@ -60,9 +60,6 @@ public:
     /// A prediction that stands alone, on cells that are cut where `options` say so: the light of a tile is dropped
     /// when the next one's turn comes. Another may follow on the same grids; no other kind may.
     [[nodiscard]] Appearance only(const ResinVolume& volume, const Progress* progress = nullptr);
-    /// The same of a twin, which one sweep less brings as near: after two a white `spot` of 12 mm is 0.0004 from nine
-    /// in three channels and 0.002 in the fourth, the print after three 0.001 and 0.003.
-    [[nodiscard]] Appearance only_twin(const ResinVolume& volume, const Progress* progress = nullptr);
     /// Of viewing_gradient.h, box by box of the tiles, each as if its cuts were mirrors: in tiles of 2 mm, a twentieth
     /// of those of large bodies, it has a cosine of 0.996 with that of the whole body and 1.04 times its scale.
     /// Contract: there was a prediction.
@@ -90,7 +87,6 @@ private:
     /// The live tile has other blocks with cells now: its grid is made anew, and the light goes over.
     void remake_live(const Progress* progress);
     void refine_live(const Progress* progress);
-    [[nodiscard]] Appearance alone(const ResinVolume& volume, int least, const Progress* progress);
     [[nodiscard]] Appearance predict(const ResinVolume& volume, Effort effort, const Progress* progress);
     [[nodiscard]] ViewingTransport::Media media_of_live(std::size_t channel) const;
     /// Solves all channels of the live tile, given the light at its ghosts where it `receives` that, and sends its own;
