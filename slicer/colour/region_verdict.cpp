@@ -287,6 +287,9 @@ std::string what_is_wrong(const Row& row, const VerdictLimits& limits) {
     if (region.de2000 > limits.bad)
         return fmt::format("{} printed as {}, {:.0f} off{}", is_are(region), printed_text(row), *region.de2000,
                            region.out_of_reach ? ": no mixture of the loaded resins is nearer" : "");
+    if (region.rim > rim_limit(limits) && region.de2000 > limits.good)
+        return fmt::format("{} printed as {}, {:.0f} off, and {} a rim of another colour", is_are(region),
+                           printed_text(row), *region.de2000, is_plural(region) ? "have" : "has");
     if (region.rim > rim_limit(limits))
         return fmt::format("{} a rim of another colour, {:.0f} off in chroma", is_plural(region) ? "have" : "has",
                            *region.rim);
@@ -298,16 +301,16 @@ std::string what_is_wrong(const Row& row, const VerdictLimits& limits) {
 /// How bad a region is, by what is bad: mottle counts twice what a mean does (halftone::worse_by).
 double badness(const io::ReportRegion& region, const VerdictLimits& limits) {
     const double read = region.contrast_asked >= legible ? legible / std::max(region.contrast, 1e-3) : 0;
-    constexpr double of_rim = 0.5;  // it is no more than a part of the area
-    return std::max({region.de2000.value_or(0) / limits.bad, 2 * region.unevenness.value_or(0) / limits.bad,
-                     of_rim * region.rim.value_or(0) / rim_limit(limits), read});
+    return std::max({region.de2000.value_or(0) / limits.bad, 2 * region.unevenness.value_or(0) / limits.bad, read});
 }
 
 double seen_mm2(const io::ReportRegion& region) { return region.area_mm2 * region.seen_share; }
 
 /// By how much it is noted: eyes of another colour more than a large ground with a breath of mottle.
 double note_of(const io::ReportRegion& region, const VerdictLimits& limits) {
-    return badness(region, limits) * std::sqrt(seen_mm2(region));
+    constexpr double rim_mm = 0.5;
+    const double edge_mm = std::sqrt(seen_mm2(region)), rim = region.rim.value_or(0) / rim_limit(limits);
+    return std::max(badness(region, limits) * edge_mm, rim * std::sqrt(std::min(1.0, rim_mm / edge_mm)) * edge_mm);
 }
 
 /// Walls that lie apart, by boxes of `box_mm` that touch, so that both faces of a wall are one; those that are large
