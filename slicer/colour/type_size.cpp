@@ -185,7 +185,7 @@ bool is_known(std::span<const Glyph> letters, const Glyph& letter) {
 }
 
 std::optional<LostLines> lost_on(const JobPrediction& p, double times) {
-    constexpr double enough = 0.6, stands_out = 0.5, least_lost_mm2 = 1, gone = 0.3, least_gone_mm2 = 0.1;
+    constexpr double enough = 0.6, stands_out = 0.5, least_lost_mm2 = 1, least_gone_mm2 = 0.1;
     constexpr double faint = 0.03;  // lightness, Oklab: what differs by less is ground in type_rows.cpp, too
     const LocalDetail detail(p, times);
     LostLines lost;
@@ -217,7 +217,7 @@ std::optional<LostLines> lost_on(const JobPrediction& p, double times) {
         lost.area_mm2 += area_mm2, asked_of_all += asked, kept_of_all += kept;
     }
     lost.kept = asked_of_all > 0 ? std::max(0.0, kept_of_all / asked_of_all) : 1;
-    if (lost.area_mm2 < (lost.kept < gone ? least_gone_mm2 : least_lost_mm2)) return std::nullopt;
+    if (lost.area_mm2 < (lost.kept < gone_contrast ? least_gone_mm2 : least_lost_mm2)) return std::nullopt;
     lost.asked = p.target[lost.worst];
     return lost;
 }

@@ -66,8 +66,9 @@ struct LostLines {
     Eigen::Vector3f asked = Eigen::Vector3f::Zero();  ///< linear sRGB, there
     double area_mm2 = 0, kept = 0;
 };
-/// Of a picture's slab; nothing where that is less than 1 mm2, or than 0.1 mm2 of what keeps less than 0.3: three
-/// letters of 3 points. `pages`: as above; what a coarse target does not show is lost as well.
+inline constexpr double gone_contrast = 0.3;
+/// Of a picture's slab; nothing where that is less than 1 mm2, or than 0.1 mm2 of what keeps less than `gone_contrast`:
+/// three letters of 3 points. `pages`: as above; what a coarse target does not show is lost as well.
 [[nodiscard]] std::optional<LostLines> lost_lines(const JobPrediction& prediction,
                                                   std::span<const PicturePage> pages = {});
 

@@ -216,7 +216,7 @@ void judge_prediction(const VerdictSources& s, const JobPrediction& p, io::Repor
     if (!all_is_well) {
         verdict.advice = tried_advice({s.job, s.body, p, seen, s.loop, losses.mean, regions.page});
     }
-    constexpr float as_white = 0.97f;
+    constexpr float as_white = 0.97f;  // what paper may give away before a person is told
     const std::string paper =
         p.seen.paper < as_white
             ? fmt::format(" by eyes that take its white, {:.2f} of the light that was asked for, for white",

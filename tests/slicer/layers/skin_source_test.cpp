@@ -81,6 +81,7 @@ TEST_CASE("Layers of the skin lie in the print as deep as they say, to the voxel
     textured.triangles = top.triangles;
     textured.material_of_triangle = {0, 0};
     textured.materials.emplace_back();
+    textured.materials[0].rgb.setConstant(0.3f);  // unlike the core
     const SurfaceColour colour(textured, pitch_mm[0]);
 
     const optics::ResinSet set = optics::vero_opaque().subset(std::vector<std::string>{"C", "M", "Y", "W"});
