@@ -6,9 +6,8 @@
 #include <numbers>
 #include <utility>
 
-#include <Eigen/LU>
-
 #include "base/contracts.h"
+#include "optics/numerics/dense.h"
 #include "optics/numerics/quadrature.h"
 
 namespace voxtone::optics {
@@ -189,7 +188,7 @@ Eigen::VectorXd EdgeCells::profile(const EdgeKernels& kernels, const EdgeSheet& 
         Eigen::MatrixXd::Identity(cells, cells) - K.middleCols(1, cells) * R.segment(1, cells).asDiagonal();
     const Eigen::VectorXd b =
         (K.col(0) * (R[0] * q[0]) + K.col(cells + 1) * (R[cells + 1] * q[cells + 1])).array() + kernels.from_base;
-    q.segment(1, cells) = A.partialPivLu().solve(b);
+    q.segment(1, cells) = preimage(A, b);
     Eigen::VectorXd F(cells + 2);
     F.segment(1, cells) = (P * (R.array() * q.array()).matrix()).array() + kernels.from_camera;
     F[0] = far_from_edge(kernels, sheet.black);

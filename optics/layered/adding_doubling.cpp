@@ -3,9 +3,8 @@
 
 #include <cmath>
 
-#include <Eigen/LU>
-
 #include "base/contracts.h"
+#include "optics/numerics/dense.h"
 
 namespace voxtone::optics {
 
@@ -13,6 +12,7 @@ namespace {
 
 using Eigen::ArrayXd;
 using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
 constexpr double first_depth = 1e-8;
 // A conservative half-space differs from a slab of depth tau by 1/tau: 2^80 * 1e-8 = 1e16 is enough.
@@ -25,15 +25,14 @@ struct Interface {
 };
 
 Interface between(const LayerResponse& upper, const MatrixXd& R_lower, const ArrayXd& c) {
-    const auto C = c.matrix().asDiagonal();
-    const auto e = upper.direct.matrix().asDiagonal();
+    const VectorXd C = c, e = upper.direct;
     const Eigen::Index n = c.size();
     // Light that goes back and forth: S = Q + Q C Q + ... with Q = R*_upper C R_lower.
-    const MatrixXd Q = upper.R_below * (C * R_lower);
-    const MatrixXd S = (MatrixXd::Identity(n, n) - Q * C).partialPivLu().solve(Q);
+    const MatrixXd Q = product(upper.R_below, scaled_rows(C, R_lower));
+    const MatrixXd S = solved(MatrixXd(MatrixXd::Identity(n, n) - scaled_columns(Q, C)), Q);
     Interface light;
-    light.down = upper.D_down + S * e + S * (C * upper.D_down);
-    light.up = R_lower * e + R_lower * (C * light.down);
+    light.down = upper.D_down + scaled_columns(S, e) + product(S, scaled_rows(C, upper.D_down));
+    light.up = scaled_columns(R_lower, e) + product(R_lower, scaled_rows(C, light.down));
     return light;
 }
 
@@ -66,25 +65,22 @@ AddingDoubling::Symmetric AddingDoubling::thin(double albedo, double depth) cons
             layer.D(i, j) = 0.25 * albedo * phase_.same(i, j) * layer.direct[i] * depth / (nu_i * nu_j) * mean_path;
         }
     }
-    const Eigen::VectorXd reciprocal = (1 / grid_.nu).matrix();
-    const auto inverse_nu = reciprocal.asDiagonal();
-    const auto C = grid_.c.matrix().asDiagonal();
-    const MatrixXd A = 0.25 * albedo * (inverse_nu * phase_.same * inverse_nu);
-    const MatrixXd B = 0.25 * albedo * (inverse_nu * phase_.opposite * inverse_nu);
-    const MatrixXd CA = C * A, CB = C * B;
-    layer.R += 0.5 * depth * depth * (A * CB + B * CA);
-    layer.D += 0.5 * depth * depth * (A * CA + B * CB);
+    const VectorXd inverse_nu = 1 / grid_.nu, C = grid_.c;
+    const MatrixXd A = 0.25 * albedo * scaled_columns(scaled_rows(inverse_nu, phase_.same), inverse_nu);
+    const MatrixXd B = 0.25 * albedo * scaled_columns(scaled_rows(inverse_nu, phase_.opposite), inverse_nu);
+    const MatrixXd CA = scaled_rows(C, A), CB = scaled_rows(C, B);
+    layer.R += 0.5 * depth * depth * (product(A, CB) + product(B, CA));
+    layer.D += 0.5 * depth * depth * (product(A, CA) + product(B, CB));
     return layer;
 }
 
 AddingDoubling::Symmetric AddingDoubling::doubled(const Symmetric& half) const {
-    const auto C = grid_.c.matrix().asDiagonal();
-    const auto e = half.direct.matrix().asDiagonal();
+    const VectorXd C = grid_.c, e = half.direct;
     const Interface light = between({half.R, half.R, half.D, half.D, half.direct}, half.R, grid_.c);
     Symmetric whole;
     whole.depth = 2 * half.depth;
-    whole.R = half.R + e * light.up + half.D * (C * light.up);
-    whole.D = e * light.down + half.D * e + half.D * (C * light.down);
+    whole.R = half.R + scaled_rows(e, light.up) + product(half.D, scaled_rows(C, light.up));
+    whole.D = scaled_rows(e, light.down) + scaled_columns(half.D, e) + product(half.D, scaled_rows(C, light.down));
     whole.direct = (-whole.depth / grid_.nu).exp();
     return whole;
 }
@@ -112,26 +108,27 @@ MatrixXd AddingDoubling::half_space(const Medium& medium) const {
 }
 
 LayerResponse AddingDoubling::add(const LayerResponse& upper, const LayerResponse& lower) const {
-    const auto C = grid_.c.matrix().asDiagonal();
-    const auto e_upper = upper.direct.matrix().asDiagonal();
-    const auto e_lower = lower.direct.matrix().asDiagonal();
+    const VectorXd C = grid_.c, e_upper = upper.direct, e_lower = lower.direct;
+    const auto scattered = [&](const MatrixXd& D, const MatrixXd& light) { return product(D, scaled_rows(C, light)); };
     const Interface from_above = between(upper, lower.R_above, grid_.c);
     // Lit from below: the same with the layers turned over.
     const LayerResponse turned{lower.R_below, lower.R_above, lower.D_up, lower.D_down, lower.direct};
     const Interface from_below = between(turned, upper.R_below, grid_.c);
     LayerResponse both;
-    both.R_above = upper.R_above + e_upper * from_above.up + upper.D_up * (C * from_above.up);
-    both.D_down = e_lower * from_above.down + lower.D_down * e_upper + lower.D_down * (C * from_above.down);
-    both.R_below = lower.R_below + e_lower * from_below.up + lower.D_down * (C * from_below.up);
-    both.D_up = e_upper * from_below.down + upper.D_up * e_lower + upper.D_up * (C * from_below.down);
+    both.R_above = upper.R_above + scaled_rows(e_upper, from_above.up) + scattered(upper.D_up, from_above.up);
+    both.D_down = scaled_rows(e_lower, from_above.down) + scaled_columns(lower.D_down, e_upper) +
+                  scattered(lower.D_down, from_above.down);
+    both.R_below = lower.R_below + scaled_rows(e_lower, from_below.up) + scattered(lower.D_down, from_below.up);
+    both.D_up = scaled_rows(e_upper, from_below.down) + scaled_columns(upper.D_up, e_lower) +
+                scattered(upper.D_up, from_below.down);
     both.direct = upper.direct * lower.direct;
     return both;
 }
 
 MatrixXd AddingDoubling::over(const LayerResponse& upper, const MatrixXd& R_below) const {
     const Interface light = between(upper, R_below, grid_.c);
-    return upper.R_above + upper.direct.matrix().asDiagonal() * light.up +
-           upper.D_up * (grid_.c.matrix().asDiagonal() * light.up);
+    return upper.R_above + scaled_rows(upper.direct.matrix(), light.up) +
+           product(upper.D_up, scaled_rows(grid_.c.matrix(), light.up));
 }
 
 }  // namespace voxtone::optics

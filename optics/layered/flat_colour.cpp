@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/LU>
+
 #include "base/contracts.h"
 #include "optics/colour/channels.h"
 #include "optics/colour/colour.h"

@@ -4,10 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
-
 #include "base/contracts.h"
+#include "optics/numerics/dense.h"
 
 namespace voxtone::optics {
 
@@ -51,7 +49,7 @@ Admittance Admittance::white_sheet(const OrdinatePlan& plan, double share) {
     OrdinateMatrix one_plus_R = share * (v * v.transpose());
     one_plus_R /= (grid.t * grid.c).sum();
     one_plus_R.diagonal().array() += 1 + grid.r;
-    OrdinateMatrix Y = 2 * one_plus_R.llt().solve(OrdinateMatrix::Identity(n, n));
+    OrdinateMatrix Y = 2 * cholesky_solved(one_plus_R, OrdinateMatrix::Identity(n, n));
     Y.diagonal().array() -= 1;
     return {Y, OrdinateVector::Zero(n)};
 }
@@ -68,21 +66,20 @@ LayerModes::LayerModes(const OrdinatePlan& plan, const Medium& medium) {
     E.diagonal() += plan.inverse_nu_;
     F.diagonal() += plan.inverse_nu_;
     // F = L L^T;  L^T E L = Q Lambda Q^T;  W = L^-T Q.
-    const Eigen::LLT<OrdinateMatrix> cholesky(F);
-    const OrdinateMatrix L = cholesky.matrixL();
-    const OrdinateMatrix K = L.transpose() * (E * L);
+    const OrdinateMatrix L = cholesky_factor(F);
+    const OrdinateMatrix K = transposed_product(L, product(E, L));
     const SymmetricEigen eigen = symmetric_eigen(K);
     lambda_ = eigen.values.cwiseMax(0);
-    W_ = cholesky.matrixU().solve(eigen.vectors);
-    W_inverse_ = eigen.vectors.transpose() * L.transpose();
+    W_ = lower_transposed_solved(L, eigen.vectors);
+    W_inverse_ = transposed_product(eigen.vectors, L.transpose());
     // The diffusion mode's small eigenvalue drowns in the rounding of the largest (up to 1/nu^2 = 1e6); its Rayleigh
     // quotient does not. Where nothing absorbs it is 0.
     const OrdinateVector slowest = W_inverse_.row(0).transpose();
-    lambda_[0] = scaled.sigma_a == 0 ? 0 : std::max(0.0, slowest.dot(E * slowest));
+    lambda_[0] = scaled.sigma_a == 0 ? 0 : std::max(0.0, slowest.dot(image(E, slowest)));
 }
 
 Admittance LayerModes::half_space() const {
-    return {W_ * lambda_.cwiseSqrt().asDiagonal() * W_.transpose(), OrdinateVector::Zero(lambda_.size())};
+    return {product_transposed(scaled_columns(W_, lambda_.cwiseSqrt()), W_), OrdinateVector::Zero(lambda_.size())};
 }
 
 Admittance LayerModes::over(const Admittance& below, double thickness_mm) const {
@@ -98,17 +95,15 @@ Admittance LayerModes::over(const Admittance& below, double thickness_mm) const 
         C[k] = x < 1e-4 ? (1 + x * x / 3) / depth : root / std::tanh(x);
         s[k] = x < 1e-4 ? (1 - x * x / 6) / depth : root / sinh_x;
     }
-    OrdinateMatrix sum = W_inverse_ * below.Y * W_inverse_.transpose();
+    OrdinateMatrix sum = congruence(W_inverse_, below.Y);
     sum.diagonal() += C;
-    const Eigen::LLT<OrdinateMatrix> cholesky(sum);
     // s (C + y)^-1 s = Z^T Z with Z = L^-1 s
-    OrdinateMatrix Z = s.asDiagonal();
-    cholesky.matrixL().solveInPlace(Z);
-    OrdinateMatrix y = -(Z.transpose() * Z);
+    const OrdinateMatrix L = cholesky_factor(sum), Z = lower_solved(L, s.asDiagonal());
+    OrdinateMatrix y = -transposed_product(Z, Z);
     y.diagonal() += C;
-    OrdinateVector p = W_inverse_ * below.p;
-    cholesky.matrixL().solveInPlace(p);
-    return {W_ * y * W_.transpose(), W_ * (Z.transpose() * p)};
+    OrdinateVector p = image(W_inverse_, below.p);
+    L.triangularView<Eigen::Lower>().solveInPlace(p);
+    return {congruence(W_, y), image(W_, Z.transpose() * p)};
 }
 
 OrdinateVector LayerModes::decay_per_mm() const { return sigma_t_ * lambda_.cwiseSqrt(); }

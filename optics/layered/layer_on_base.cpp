@@ -5,9 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Cholesky>
-
 #include "base/contracts.h"
+#include "optics/numerics/dense.h"
 
 namespace voxtone::optics {
 
@@ -55,8 +54,8 @@ Change albedo_change(const OrdinatePlan& plan, const LayerModes& modes, double T
         change.C[k] = e.C, change.S[k] = e.S, C_lambda[k] = e.C_lambda, S_lambda[k] = e.S_lambda;
     }
     if (!with_derivatives) return change;
-    const OrdinateMatrix E = modes.W_inverse() * plan.even() * modes.W_inverse().transpose();
-    const OrdinateMatrix F = modes.W().transpose() * plan.odd() * modes.W();
+    const OrdinateMatrix E = congruence(modes.W_inverse(), plan.even());
+    const OrdinateMatrix F = transposed_congruence(modes.W(), plan.odd());
     change.same.resize(n, n), change.other.resize(n, n);
     for (Eigen::Index l = 0; l < n; ++l)
         for (Eigen::Index k = 0; k <= l; ++k) {
@@ -87,14 +86,14 @@ OrdinateBase::OrdinateBase(const OrdinatePlan& plan, const Medium& medium, bool 
     const LayerModes modes(plan, seen);
     const OrdinateVector s = modes.lambda().cwiseSqrt();
     const OrdinateMatrix& W = modes.W();
-    Y_ = W * s.asDiagonal() * W.transpose();
+    Y_ = product_transposed(scaled_columns(W, s), W);
     if (!with_derivatives) return;
-    OrdinateMatrix change = modes.W_inverse() * plan.even() * modes.W_inverse().transpose();
-    const OrdinateMatrix F = W.transpose() * plan.odd() * W;
+    OrdinateMatrix change = congruence(modes.W_inverse(), plan.even());
+    const OrdinateMatrix F = transposed_congruence(W, plan.odd());
     for (Eigen::Index l = 0; l < s.size(); ++l)
         for (Eigen::Index k = 0; k < s.size(); ++k)
             change(k, l) = (change(k, l) - s[k] * s[l] * F(k, l)) / std::max(s[k] + s[l], 1e-12);
-    const OrdinateMatrix by_albedo = -(W * change * W.transpose());
+    const OrdinateMatrix by_albedo = -congruence(W, change);
     const Medium chain = by_medium(1, 0, scaled.sigma_t(), scaled.albedo(), plan.phase().truncated, 0);
     Y_absorption_ = chain.sigma_a * by_albedo;
     Y_scattering_ = chain.sigma_s * by_albedo;
@@ -109,18 +108,19 @@ OrdinateBase::OrdinateBase(const OrdinatePlan& plan, const Medium& medium, doubl
     const OrdinateMatrix& W = modes.W();
     const Change change = albedo_change(plan, modes, modes.depth_per_mm() * thickness_mm, with_derivatives);
     // u(T) = B u(0), v(0) = C u(0) - S u(T)
-    OrdinateMatrix sum = modes.W_inverse() * below.Y * modes.W_inverse().transpose();
+    OrdinateMatrix sum = congruence(modes.W_inverse(), below.Y);
     sum.diagonal() += change.C;
-    const OrdinateMatrix B = sum.llt().solve(OrdinateMatrix(change.S.asDiagonal()));
-    OrdinateMatrix y = -(change.S.asDiagonal() * B);
+    const OrdinateMatrix B = cholesky_solved(sum, change.S.asDiagonal());
+    OrdinateMatrix y = -scaled_rows(change.S, B);
     y.diagonal() += change.C;
-    Y_ = W * y * W.transpose();
+    Y_ = congruence(W, y);
     if (!with_derivatives) return;
-    const OrdinateMatrix across = change.other * B;
-    const OrdinateMatrix y_albedo = -(change.same + B.transpose() * change.same * B + across + across.transpose());
-    OrdinateMatrix y_depth = -(y * y);
+    const OrdinateMatrix across = product(change.other, B);
+    const OrdinateMatrix y_albedo =
+        -(change.same + transposed_congruence(B, change.same) + across + across.transpose());
+    OrdinateMatrix y_depth = -product(y, y);
     y_depth.diagonal() += modes.lambda();
-    const OrdinateMatrix by_albedo = W * y_albedo * W.transpose(), by_depth = W * y_depth * W.transpose();
+    const OrdinateMatrix by_albedo = congruence(W, y_albedo), by_depth = congruence(W, y_depth);
     const auto chain = [&](double a, double d) {
         return by_medium(a, d, scaled.sigma_t(), scaled.albedo(), plan.phase().truncated, thickness_mm);
     };
@@ -151,14 +151,13 @@ OrdinateLayer::OrdinateLayer(const OrdinatePlan& plan, const Medium& medium, dou
     W_inverse_e_.col(1) = modes.W_inverse().col(out);
 
     const OrdinateVector surface = ((1 - grid.r) / (1 + grid.r)).matrix();
-    OrdinateMatrix A = modes.W_inverse() * surface.asDiagonal() * modes.W_inverse().transpose();
+    OrdinateMatrix A = product_transposed(scaled_columns(modes.W_inverse(), surface), modes.W_inverse());
     A.diagonal() += C_;
-    L_ = A.llt().matrixL();
-    OrdinateMatrix Z = S_.asDiagonal();
-    L_.triangularView<Eigen::Lower>().solveInPlace(Z);
-    OrdinateMatrix below = -(Z.transpose() * Z);
+    L_ = cholesky_factor(A);
+    const OrdinateMatrix Z = lower_solved(L_, S_.asDiagonal());
+    OrdinateMatrix below = -transposed_product(Z, Z);
     below.diagonal() += C_;
-    P_ = W_ * below * W_.transpose();
+    P_ = congruence(W_, below);
     light_ = W_inverse_e_;
     L_.triangularView<Eigen::Lower>().solveInPlace(light_);
     source_ = W_ * (Z.transpose() * light_);
@@ -167,7 +166,10 @@ OrdinateLayer::OrdinateLayer(const OrdinatePlan& plan, const Medium& medium, dou
 LayerReflectance OrdinateLayer::upon(const OrdinateBase& base) const {
     using Pair = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::ColMajor, max_ordinates, 2>;
     const OrdinateMatrix sum = P_ + base.Y_;
-    const Pair U = sum.llt().solve(source_);
+    const OrdinateMatrix L = cholesky_factor(sum);
+    Pair U = source_;
+    L.triangularView<Eigen::Lower>().solveInPlace(U);
+    L.transpose().triangularView<Eigen::Upper>().solveInPlace(U);
     const Pair b = W_.transpose() * U;
     // u(0) = A^-1 (W^-1 e + S b)
     Pair a = S_.asDiagonal() * b;

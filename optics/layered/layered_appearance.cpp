@@ -5,22 +5,24 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Cholesky>
-
 #include "base/contracts.h"
+#include "optics/numerics/dense.h"
 
 namespace voxtone::optics {
 
 namespace {
 
 // The surface reflects upward light, x+ = q + r x-, hence (1 - r)/(1 + r) U + V = 2 q/(1 + r) = (Y_surface + Y) U + p.
-Eigen::LLT<OrdinateMatrix> under_surface(const AngularGrid& grid, const Admittance& top) {
+OrdinateVector under_surface(const AngularGrid& grid, const Admittance& top, OrdinateVector source) {
     OrdinateMatrix sum = top.Y;
     sum.diagonal().array() += (1 - grid.r) / (1 + grid.r);
     // Light that is trapped in a slab without resin that scatters or absorbs comes from nowhere and goes nowhere.
     for (Eigen::Index k = 0; k < sum.rows(); ++k)
         if (sum(k, k) == 0) sum(k, k) = 1;
-    return Eigen::LLT<OrdinateMatrix>(sum);
+    const OrdinateMatrix L = cholesky_factor(sum);
+    L.triangularView<Eigen::Lower>().solveInPlace(source);
+    L.transpose().triangularView<Eigen::Upper>().solveInPlace(source);
+    return source;
 }
 
 }  // namespace
@@ -52,7 +54,7 @@ double appearance(const OrdinatePlan& plan, const Admittance& top) {
     const Eigen::ArrayXd sqrt_c = grid.c.sqrt();
     // Radiance 1 in air is eta^2 t inside; q is 0 for trapped directions.
     const Eigen::ArrayXd q = grid.eta * grid.eta * grid.t * sqrt_c;
-    const OrdinateVector U = under_surface(grid, top).solve(OrdinateVector((2 * q / (1 + grid.r)).matrix() - top.p));
+    const OrdinateVector U = under_surface(grid, top, (2 * q / (1 + grid.r)).matrix() - top.p);
     const Eigen::ArrayXd upward = (U.array() - q) / (1 + grid.r);
     return (sqrt_c * grid.t * upward).sum() / (sqrt_c * q).sum();
 }
@@ -62,7 +64,7 @@ double reflectance_factor(const OrdinatePlan& plan, const Admittance& top, doubl
     const int in = grid.find(mu_in), out = grid.find(mu_out);
     VOXTONE_EXPECT(in != out);
     const auto scale = [&](int k) { return grid.t[k] / (std::sqrt(grid.c[k]) * (1 + grid.r[k])); };
-    const OrdinateVector U = under_surface(grid, top).solve(OrdinateVector::Unit(grid.size(), in));
+    const OrdinateVector U = under_surface(grid, top, OrdinateVector::Unit(grid.size(), in));
     return 2 * scale(in) * scale(out) * U[out] / (grid.eta * grid.eta);
 }
 

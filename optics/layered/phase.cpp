@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/contracts.h"
+#include "optics/numerics/dense.h"
 
 namespace voxtone::optics {
 
@@ -35,13 +36,13 @@ PhaseMatrices conserving_henyey_greenstein(const AngularGrid& grid, double g, in
     Eigen::ArrayXd d = Eigen::ArrayXd::Ones(grid.size());
     double change = 1;
     for (int iteration = 0; iteration < 200 && change > 1e-15; ++iteration) {
-        const Eigen::ArrayXd next = (d / (total * (w * d).matrix()).array()).sqrt();
+        const Eigen::ArrayXd next = (d / image(total, (w * d).matrix()).array()).sqrt();
         change = (next - d).abs().maxCoeff();
         d = next;
     }
     VOXTONE_ENSURE(change < 1e-12);
-    h.same = d.matrix().asDiagonal() * h.same * d.matrix().asDiagonal();
-    h.opposite = d.matrix().asDiagonal() * h.opposite * d.matrix().asDiagonal();
+    h.same = scaled_columns(scaled_rows(d.matrix(), h.same), d.matrix());
+    h.opposite = scaled_columns(scaled_rows(d.matrix(), h.opposite), d.matrix());
     if (correction) *correction = (d - 1).abs().maxCoeff();
     return h;
 }

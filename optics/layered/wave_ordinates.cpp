@@ -6,10 +6,9 @@
 #include <numbers>
 #include <vector>
 
-#include <Eigen/LU>
-
 #include "base/contracts.h"
 #include "optics/layered/phase.h"
+#include "optics/numerics/dense.h"
 #include "optics/numerics/quadrature.h"
 
 namespace voxtone::optics {
@@ -70,8 +69,8 @@ WaveOrdinates::WaveOrdinates(AngularGrid grid, double g, int orders) : grid_(std
     const ArrayXd weight = grid_.c / (4 * grid_.nu), sine = (1 - grid_.nu * grid_.nu).sqrt();
     for (int m = 0; m < orders; ++m) {
         const PhaseMatrices h = m == 0 ? around : phase_of_order(grid_.nu, g, m, terms, truncated_);
-        same_.block(m * n, m * n, n, n) = h.same * weight.matrix().asDiagonal();
-        opposite_.block(m * n, m * n, n, n) = h.opposite * weight.matrix().asDiagonal();
+        same_.block(m * n, m * n, n, n) = scaled_columns(h.same, weight.matrix());
+        opposite_.block(m * n, m * n, n, n) = scaled_columns(h.opposite, weight.matrix());
         if (m + 1 == orders) break;
         const double shared = m == 0 ? std::numbers::sqrt2 / 2 : 0.5;
         sideways_.block((m + 1) * n, m * n, n, n) = (shared * sine).matrix().asDiagonal();
@@ -91,12 +90,13 @@ LayerWaves WaveOrdinates::layer(const Medium& medium, double thickness_mm, doubl
     const double sigma_s = medium.sigma_s * (1 - truncated_);
     MatrixXd A = 2 * std::numbers::pi * k_per_mm * sideways_ - sigma_s * same_;
     A.diagonal().array() += medium.sigma_a + sigma_s;
-    A = inverse_nu_.asDiagonal() * A;
-    const MatrixXd B = sigma_s * (inverse_nu_.asDiagonal() * opposite_);
+    A = scaled_rows(inverse_nu_, A);
+    const MatrixXd B = sigma_s * scaled_rows(inverse_nu_, opposite_);
     const double steepest = A.cwiseAbs().rowwise().sum().maxCoeff() * thickness_mm;
     const int doublings = std::max(0, static_cast<int>(std::ceil(std::log2(steepest / first_step))));
     const double d = std::ldexp(thickness_mm, -doublings);
-    LayerWaves layer{B * d - (A * B + B * A) * (0.5 * d * d), (A * A + B * B) * (0.5 * d * d) - A * d};
+    LayerWaves layer{B * d - (product(A, B) + product(B, A)) * (0.5 * d * d),
+                     (product(A, A) + product(B, B)) * (0.5 * d * d) - A * d};
     layer.T.diagonal().array() += 1;
     for (int i = 0; i < doublings; ++i) layer = doubled(layer);
     return layer;
@@ -104,8 +104,8 @@ LayerWaves WaveOrdinates::layer(const Medium& medium, double thickness_mm, doubl
 
 LayerWaves WaveOrdinates::doubled(const LayerWaves& half) {
     const Eigen::Index n = half.R.rows();
-    const MatrixXd down = (MatrixXd::Identity(n, n) - half.R * half.R).partialPivLu().solve(half.T);
-    return {half.R + half.T * (half.R * down), half.T * down};
+    const MatrixXd down = solved(MatrixXd(MatrixXd::Identity(n, n) - product(half.R, half.R)), half.T);
+    return {half.R + product(half.T, product(half.R, down)), product(half.T, down)};
 }
 
 // Between orders m and m', N N' / 2 ((-1)^m' J_{m + m'}(x) +- J_{|m - m'|}(x)), x = 2 pi k t tan(theta), N^2 = 2 but
@@ -149,8 +149,8 @@ Eigen::VectorXd WaveOrdinates::mirrored(const Eigen::ArrayXd& reflectance) const
 
 WavesBelow WavesBelow::under(const LayerWaves& layer) const {
     const Eigen::Index n = R.rows();
-    const MatrixXd down = (MatrixXd::Identity(n, n) - layer.R * R).partialPivLu().solve(layer.T);
-    return {layer.R + layer.T * (R * down), leaving * down};
+    const MatrixXd down = solved(MatrixXd(MatrixXd::Identity(n, n) - product(layer.R, R)), layer.T);
+    return {layer.R + product(layer.T, product(R, down)), leaving * down};
 }
 
 }  // namespace voxtone::optics

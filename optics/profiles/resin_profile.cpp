@@ -4,11 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/LU>
-
 #include "base/contracts.h"
 #include "optics/layered/adding_doubling.h"
 #include "optics/layered/angular_grid.h"
+#include "optics/numerics/dense.h"
 
 namespace voxtone::optics {
 namespace {
@@ -61,7 +60,7 @@ DiffuseTotals diffuse_totals(const LayerScene& scene) {
         if (i > 0) all = solver.add(all, solver.layer(layer.medium, layer.thickness_mm));
     }
     const Eigen::VectorXd c = solver.grid().c.matrix();
-    return {c.dot(all.R_above * c), c.dot(all.D_down * c) + c.dot(all.direct.matrix()), 2 * E3(tau)};
+    return {c.dot(image(all.R_above, c)), c.dot(image(all.D_down, c)) + c.dot(all.direct.matrix()), 2 * E3(tau)};
 }
 
 // Solved in all directions: of light that the surface let in, and of diffuse light from below.
@@ -69,20 +68,22 @@ BoundedTotals bounded_totals(const Medium& medium, double g, double eta, double 
     const AddingDoubling solver(angular_grid(eta, of_directions / 2, of_directions / 2), g, terms);
     const LayerResponse layer = solver.layer(medium, thickness_mm);
     const AngularGrid& at = solver.grid();
-    const auto C = at.c.matrix().asDiagonal();
     const Eigen::VectorXd c = at.c.matrix(), leaving = (at.c * at.t).matrix(), ones = Eigen::VectorXd::Ones(at.size());
     // Down below the surface: what comes in, and what the surface sends back of what the layer sent up.
-    const Eigen::MatrixXd returned = at.r.matrix().asDiagonal() * (layer.R_above * C);
-    const auto inside = (Eigen::MatrixXd::Identity(at.size(), at.size()) - returned).partialPivLu();
-    const auto through = [&](const Eigen::MatrixXd& D, const Eigen::VectorXd& light) -> Eigen::VectorXd {
-        return layer.direct.matrix().cwiseProduct(light) + D * (C * light);
+    const Eigen::MatrixXd returned = scaled_rows(at.r.matrix(), scaled_columns(layer.R_above, c));
+    const Eigen::MatrixXd inside = Eigen::MatrixXd::Identity(at.size(), at.size()) - returned;
+    const auto scattered = [&](const Eigen::MatrixXd& R, const Eigen::VectorXd& light) {
+        return image(R, c.cwiseProduct(light));
     };
-    const Eigen::VectorXd down = inside.solve(at.t.matrix() / leaving.sum());
+    const auto through = [&](const Eigen::MatrixXd& D, const Eigen::VectorXd& light) -> Eigen::VectorXd {
+        return layer.direct.matrix().cwiseProduct(light) + scattered(D, light);
+    };
+    const Eigen::VectorXd down = preimage(inside, at.t.matrix() / leaving.sum());
     const Eigen::VectorXd up_from_below = through(layer.D_up, ones);
-    const Eigen::VectorXd sent_back = inside.solve((at.r * up_from_below.array()).matrix());
-    return {leaving.dot(layer.R_above * (C * down)), c.dot(through(layer.D_down, down)),
-            c.dot(layer.R_below * c) + c.dot(through(layer.D_down, sent_back)),
-            leaving.dot(up_from_below + layer.R_above * (C * sent_back))};
+    const Eigen::VectorXd sent_back = preimage(inside, (at.r * up_from_below.array()).matrix());
+    return {leaving.dot(scattered(layer.R_above, down)), c.dot(through(layer.D_down, down)),
+            c.dot(image(layer.R_below, c)) + c.dot(through(layer.D_down, sent_back)),
+            leaving.dot(up_from_below + scattered(layer.R_above, sent_back))};
 }
 
 ResinProfile resin_profile(const Medium& medium, double g, double thickness_mm, const HankelGrid& grid,

@@ -4,10 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/LU>
-
 #include "base/contracts.h"
 #include "base/parallel.h"
+#include "optics/numerics/dense.h"
 
 namespace voxtone::optics {
 namespace {
@@ -82,10 +81,9 @@ WaveLaminates::Light WaveLaminates::light_of(std::span<const ResinLayer> layers,
     // Down below the surface: what comes in, and what the surface sends back of what comes up.
     const Eigen::VectorXd comes_in = ordinates_.all_around((1 - top) / (at.c * (1 - top)).sum());
     const Eigen::Index n = comes_in.size();
-    const Eigen::VectorXd down = (Eigen::MatrixXd::Identity(n, n) - ordinates_.mirrored(top).asDiagonal() * below.R)
-                                     .partialPivLu()
-                                     .solve(comes_in);
-    return {leaving.dot(below.R * down), below.leaving * down};
+    const Eigen::MatrixXd lost = Eigen::MatrixXd::Identity(n, n) - scaled_rows(ordinates_.mirrored(top), below.R);
+    const Eigen::VectorXd down = preimage(lost, comes_in);
+    return {leaving.dot(image(below.R, down)), below.leaving * down};
 }
 
 LaminateLight WaveLaminates::light(std::span<const ResinLayer> layers, const Progress* progress) const {

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "optics/numerics/dense.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include "optics/numerics/symmetric_eigen.h"
+
+namespace voxtone::optics {
+
+template <class Matrix>
+Matrix product(const Matrix& A, const std::type_identity_t<Matrix>& B) {
+    return A * B;
+}
+
+template <class Matrix>
+ColumnOf<Matrix> image(const Matrix& A, const ColumnOf<Matrix>& x) {
+    return A * x;
+}
+
+template <class Matrix>
+Matrix transposed_product(const Matrix& A, const std::type_identity_t<Matrix>& B) {
+    return A.transpose() * B;
+}
+
+template <class Matrix>
+Matrix product_transposed(const Matrix& A, const std::type_identity_t<Matrix>& B) {
+    return A * B.transpose();
+}
+
+template <class Matrix>
+Matrix congruence(const Matrix& A, const std::type_identity_t<Matrix>& B) {
+    return product_transposed(product(A, B), A);
+}
+
+template <class Matrix>
+Matrix transposed_congruence(const Matrix& A, const std::type_identity_t<Matrix>& B) {
+    return product(transposed_product(A, B), A);
+}
+
+template <class Matrix>
+Matrix scaled_rows(const ColumnOf<Matrix>& s, const Matrix& A) {
+    return s.asDiagonal() * A;
+}
+
+template <class Matrix>
+Matrix scaled_columns(const Matrix& A, const ColumnOf<Matrix>& s) {
+    return A * s.asDiagonal();
+}
+
+template <class Matrix>
+Matrix solved(const Matrix& A, const std::type_identity_t<Matrix>& B) {
+    return A.partialPivLu().solve(B);
+}
+
+template <class Matrix>
+ColumnOf<Matrix> preimage(const Matrix& A, const ColumnOf<Matrix>& b) {
+    return A.partialPivLu().solve(b);
+}
+
+template <class Matrix>
+Matrix cholesky_factor(const Matrix& A) {
+    return A.llt().matrixL();
+}
+
+template <class Matrix>
+Matrix cholesky_solved(const Matrix& A, const std::type_identity_t<Matrix>& B) {
+    return A.llt().solve(B);
+}
+
+template <class Matrix>
+Matrix lower_solved(const Matrix& L, const std::type_identity_t<Matrix>& B) {
+    return L.template triangularView<Eigen::Lower>().solve(B);
+}
+
+template <class Matrix>
+Matrix lower_transposed_solved(const Matrix& L, const std::type_identity_t<Matrix>& B) {
+    return L.transpose().template triangularView<Eigen::Upper>().solve(B);
+}
+
+#define VOXTONE_DENSE_OF(Matrix)                                                        \
+    template Matrix product<Matrix>(const Matrix&, const Matrix&);                      \
+    template ColumnOf<Matrix> image<Matrix>(const Matrix&, const ColumnOf<Matrix>&);    \
+    template Matrix transposed_product<Matrix>(const Matrix&, const Matrix&);           \
+    template Matrix product_transposed<Matrix>(const Matrix&, const Matrix&);           \
+    template Matrix congruence<Matrix>(const Matrix&, const Matrix&);                   \
+    template Matrix transposed_congruence<Matrix>(const Matrix&, const Matrix&);        \
+    template Matrix scaled_rows<Matrix>(const ColumnOf<Matrix>&, const Matrix&);        \
+    template Matrix scaled_columns<Matrix>(const Matrix&, const ColumnOf<Matrix>&);     \
+    template Matrix solved<Matrix>(const Matrix&, const Matrix&);                       \
+    template ColumnOf<Matrix> preimage<Matrix>(const Matrix&, const ColumnOf<Matrix>&); \
+    template Matrix cholesky_factor<Matrix>(const Matrix&);                             \
+    template Matrix cholesky_solved<Matrix>(const Matrix&, const Matrix&);              \
+    template Matrix lower_solved<Matrix>(const Matrix&, const Matrix&);                 \
+    template Matrix lower_transposed_solved<Matrix>(const Matrix&, const Matrix&);
+
+VOXTONE_DENSE_OF(Eigen::MatrixXd)
+VOXTONE_DENSE_OF(OrdinateMatrix)
+
+}  // namespace voxtone::optics
