@@ -154,8 +154,30 @@ TEST_CASE("Of a picture without flat areas the worst is where most of it is off"
         const double blue = std::clamp((x - 0.9 * y) / 110.0, 0.0, 1.0);
         return std::array{int(200 - 200 * blue), int(150 - 130 * blue) + y / 6, int(90 + 165 * blue)};
     });
-    const json verdict = report_of_page(desk, "sunset.png").at("verdict");
+    const json report = report_of_page(desk, "sunset.png"), &verdict = report.at("verdict");
     INFO(verdict.dump(1));
+    // Below 1 CIEDE2000 nothing is said to be mapped.
+    const json& gamut = report.at("gamut");
+    const double mapped = gamut.at("mapped_share"), mean = gamut.at("de2000").at("mean");
+    CHECK(mapped > 0.02);
+    CHECK(mean > mapped);
+    CHECK(mean < gamut["de2000"]["p95"].get<double>());
+    CHECK(gamut["de2000"]["p95"].get<double>() < gamut["de2000"]["max"].get<double>());
+    // Places that are looked at more closely lie a twelfth of the page apart, the worst first.
+    const std::string page = io::text_of(desk.path("out/report.html"));
+    const std::size_t from = page.find("\"worst\": [");
+    REQUIRE(from != std::string::npos);
+    const json places = json::parse(page.substr(from + 9, page.find("}]", from) + 2 - from - 9), nullptr, false);
+    REQUIRE(places.is_array());
+    CHECK(places.size() > 1);
+    for (std::size_t a = 0; a < places.size(); ++a)
+        for (std::size_t b = 0; b < a; ++b) {
+            double apart = 0;
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                apart = std::hypot(
+                    apart, places[a].at("at_mm")[axis].get<double>() - places[b].at("at_mm")[axis].get<double>());
+            CHECK(apart > 0.99 * 6 / 12);
+        }
     REQUIRE_FALSE(verdict.at("regions").empty());
     const json& worst = verdict["regions"][0];
     CHECK(worst.at("kind") == "colour");

@@ -155,6 +155,8 @@ TEST_CASE("A picture has its size where it says so, or where it is asked for, el
     options.width_mm = 3000;
     CHECK_FALSE(shelf.read_contents(options).refused.empty());
     CHECK(io::schema_faults("contents", contents_json(std::array{plain, sized, asked})) == std::vector<std::string>{});
+    CHECK_THAT(contents_json(std::array{sized}), Contains("\"dpi\": 50.8"));
+    CHECK_THAT(contents_json(std::array{plain}), !Contains("\"dpi\""));
 }
 
 TEST_CASE("What cannot be read is told with its kind, and the other files all the same") {

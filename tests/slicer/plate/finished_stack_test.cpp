@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "tests/io/files/temporary_folder.h"
+#include "tests/said_progress.h"
 #include "tests/slicer/plate/common_job.h"
 #include "tests/slicer/plate/written_stack.h"
 
@@ -130,6 +131,16 @@ TEST_CASE("Resins of a stack are those of the tray by name, in whatever order th
     const OpenedJob without = common_of({}, {"W", "M"});
     CHECK_THAT(fault(stack, folder.path() / "old", without),
                Contains(common.resins.entries[0].name + ", which is not loaded") && Contains("load"));
+    // Resins of another set stand for those of their roles, which is said once.
+    write_stack(folder.path() / "others", common_of("vero-opaque", {"C", "M", "W"}), print);
+    for (const auto& [kind, name] : {std::pair{stack, "others"}, {gcvf, "others/stack.gcvf"}}) {
+        SaidProgress said;
+        const ReadyComponent of_others =
+            open_finished_stack({kind, {}, {}, (folder.path() / name).string()}, other, said);
+        CHECK(source_voxels(*of_others.layers) == (kind == stack ? wanted : body_of(wanted)));
+        CHECK_THAT(said.warnings(), Contains("[cartridges]") && Contains(" as " + other.resins.entries[0].name) &&
+                                        !Contains(" as " + other.resins.entries[1].name));
+    }
     // A resin that is named and fills nothing is no matter.
     SourceVoxels two = print;
     std::ranges::replace(two.materials, io::Material(1), io::Material(3));

@@ -81,6 +81,31 @@ TEST_CASE("Joined bodies have the voxels of both, in their places", "[tray]") {
     CHECK(joined == wanted);
 }
 
+TEST_CASE("What was mended of joined bodies is added up", "[tray]") {
+    const std::string box = box_file("a.ply", {3, 2, 1.5}, "255 255 255");
+    JobBody a = body_of(box), b = body_of(box);
+    std::size_t n = 1;
+    for (RepairReport* one : {&a.repair, &b.repair}) {
+        for (std::size_t* count : {&one->welded_vertices, &one->dropped_faces, &one->turned_faces, &one->turned_shells,
+                                   &one->cavities, &one->filled_holes, &one->wrapped_faces})
+            *count = n++;
+        one->filled_area_mm2 = double(n++), one->wrap_alpha_mm = double(n++), one->wrap_offset_mm = double(n++);
+    }
+    Progress progress;
+    const RepairReport sum =
+        join_bodies(std::array{BodyAt{&a, {0, 0, 0}}, BodyAt{&b, {a.grid.size[0] + 3, 0, 0}}}, progress).repair;
+    CHECK(sum.welded_vertices == 1 + 11);
+    CHECK(sum.dropped_faces == 2 + 12);
+    CHECK(sum.turned_faces == 3 + 13);
+    CHECK(sum.turned_shells == 4 + 14);
+    CHECK(sum.cavities == 5 + 15);
+    CHECK(sum.filled_holes == 6 + 16);
+    CHECK(sum.wrapped_faces == 7 + 17);
+    CHECK(sum.filled_area_mm2 == 8 + 18);
+    CHECK(sum.wrap_alpha_mm == 19);
+    CHECK(sum.wrap_offset_mm == 20);
+}
+
 TEST_CASE("What of joined bodies lies in the other, or touches it, is not coloured", "[tray]") {
     const JobBody a = body_of(box_file("a.ply", {3, 2, 1.5}, "255 255 255")),
                   b = body_of(box_file("b.ply", {1, 2, 1.5}, "10 20 30"));

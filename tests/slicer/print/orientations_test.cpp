@@ -97,6 +97,29 @@ TEST_CASE("Each way to turn a box is another, and lays the sides down that its t
     }
 }
 
+TEST_CASE("What a turn costs in time is told where it is a tenth or more, against the job's own and the fastest way") {
+    const auto advice = [](Orientation best, std::vector<Orientation> others) {
+        others.insert(others.begin(), std::move(best));
+        return advised_orientation(others, 100).value().reason;
+    };
+    const Orientation turned{.rotate = "x90", .layers = 100, .passes = 100, .under_ml = 1},
+        own{.rotate = "", .layers = 105, .passes = 105, .under_ml = 2, .as_it_is = true};
+    const auto times = Catch::Contains("times its printing time"), fewer = Catch::Contains("100 layers instead of");
+    CHECK_THAT(advice(turned, {own}), fewer && Catch::Contains("and is lower") && !times);
+    Orientation slow = own;
+    slow.layers = slow.passes = 50;
+    CHECK_THAT(advice(turned, {slow}), Catch::Contains("some 2 times its printing time") && fewer &&
+                                           Catch::Contains("as it is prints in some 50 % of that time (50 layers)"));
+    // Passes decide where they are known, and what does not fit is no way.
+    slow.passes = 95;
+    CHECK_THAT(advice(turned, {slow}), fewer && !times && !Catch::Contains("of that time"));
+    slow.passes = 50, slow.fits = false;
+    CHECK_THAT(advice(turned, {slow}),
+               Catch::StartsWith("it does not fit as it is") && !Catch::Contains("of that time"));
+    // The job's own way is compared with no other of its own.
+    CHECK_THAT(advice(own, {turned}), Catch::StartsWith("no other way") && !times && !Catch::Contains("instead of"));
+}
+
 TEST_CASE("A body that is turned is too high for a printer before it is too wide for it") {
     SampleJob sample;
     const OpenedJob job = sample.opened();

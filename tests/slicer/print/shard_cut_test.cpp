@@ -33,6 +33,13 @@ TEST_CASE("Shards tile the layers at borders of slabs, and share the work", "[sh
         }
 }
 
+TEST_CASE("A border stands where the work below it is nearest to its share", "[shards]") {
+    // Of 24 in two: 10 below is nearer to 12 than 16, and 14 than 8.
+    CHECK(shard_layers({10, 6, 4, 4}, 8, {0, 31}, {1, 2}).last == 7);
+    CHECK(shard_layers({4, 4, 6, 10}, 8, {0, 31}, {1, 2}).last == 23);
+    CHECK(shard_layers({4, 4, 6, 10}, 8, {0, 31}, {2, 2}).first == 24);
+}
+
 TEST_CASE("A box has its work where its surface is", "[shards]") {
     JobBody body;
     body.grid.pitch_mm = {0.05, 0.05, 0.05};

@@ -102,10 +102,15 @@ TEST_CASE("Each part of a tray is printed as it would be alone, where the tray s
 TEST_CASE("A tray of one part has the layers of the part, each once") {
     TraysDesk desk;
     SliceOptions alone = desk.options("alone"), one = desk.of_tray("one");
-    alone.report = one.report = false;
+    alone.report = false;
     (void)desk.print(alone);
     const json says = json::parse(desk.tray(one, {"box.obj"}).json);
     CHECK(says.at("layers") == 56);
+    // Its report is the body's.
+    const json report = desk.json("one/report.json");
+    CHECK(report.at("title") == "box.obj");
+    CHECK(report.at("gamut").at("de2000").contains("mean"));
+    CHECK_FALSE(report.at("sections").empty());
     CHECK(desk.content("one") == desk.content("alone"));
 }
 

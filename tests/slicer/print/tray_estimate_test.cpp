@@ -77,6 +77,8 @@ TEST_CASE("estimate refuses what slice refuses: too little memory for the loop, 
     desk.write("sheet.obj", soft_box({0, 0, 0}, {4, 3, 0.4}));
     options = desk.options("sheet.obj");
     CHECK_THROWS_WITH(estimate_job(options, progress, {.resins = false}), Contains("takes no fewer than 30"));
+    CHECK_THROWS_WITH(estimated(options, {{options.model}, 2}),
+                      Contains("takes no fewer than 30") && Contains("larger (\"size\")"));
     // To see which way it has enough.
     CHECK(estimate_job(options, progress, {.orientations = true, .resins = false}).advised_orientation);
     // Said, as slice says it: small, in a unit that was assumed.
