@@ -78,23 +78,25 @@ Matrix lower_transposed_solved(const Matrix& L, const std::type_identity_t<Matri
     return L.transpose().template triangularView<Eigen::Upper>().solve(B);
 }
 
-#define VOXTONE_DENSE_OF(Matrix)                                                        \
-    template Matrix product<Matrix>(const Matrix&, const Matrix&);                      \
-    template ColumnOf<Matrix> image<Matrix>(const Matrix&, const ColumnOf<Matrix>&);    \
-    template Matrix transposed_product<Matrix>(const Matrix&, const Matrix&);           \
-    template Matrix product_transposed<Matrix>(const Matrix&, const Matrix&);           \
-    template Matrix congruence<Matrix>(const Matrix&, const Matrix&);                   \
-    template Matrix transposed_congruence<Matrix>(const Matrix&, const Matrix&);        \
-    template Matrix scaled_rows<Matrix>(const ColumnOf<Matrix>&, const Matrix&);        \
-    template Matrix scaled_columns<Matrix>(const Matrix&, const ColumnOf<Matrix>&);     \
-    template Matrix solved<Matrix>(const Matrix&, const Matrix&);                       \
-    template ColumnOf<Matrix> preimage<Matrix>(const Matrix&, const ColumnOf<Matrix>&); \
-    template Matrix cholesky_factor<Matrix>(const Matrix&);                             \
-    template Matrix cholesky_solved<Matrix>(const Matrix&, const Matrix&);              \
-    template Matrix lower_solved<Matrix>(const Matrix&, const Matrix&);                 \
-    template Matrix lower_transposed_solved<Matrix>(const Matrix&, const Matrix&);
+// What is asked for of either, no more.
+#define VOXTONE_DENSE_OF(Matrix)                                                     \
+    template Matrix product<Matrix>(const Matrix&, const Matrix&);                   \
+    template ColumnOf<Matrix> image<Matrix>(const Matrix&, const ColumnOf<Matrix>&); \
+    template Matrix scaled_rows<Matrix>(const ColumnOf<Matrix>&, const Matrix&);     \
+    template Matrix scaled_columns<Matrix>(const Matrix&, const ColumnOf<Matrix>&);
 
 VOXTONE_DENSE_OF(Eigen::MatrixXd)
+template Eigen::MatrixXd solved(const Eigen::MatrixXd&, const Eigen::MatrixXd&);
+template Eigen::VectorXd preimage(const Eigen::MatrixXd&, const Eigen::VectorXd&);
+
 VOXTONE_DENSE_OF(OrdinateMatrix)
+template OrdinateMatrix transposed_product(const OrdinateMatrix&, const OrdinateMatrix&);
+template OrdinateMatrix product_transposed(const OrdinateMatrix&, const OrdinateMatrix&);
+template OrdinateMatrix congruence(const OrdinateMatrix&, const OrdinateMatrix&);
+template OrdinateMatrix transposed_congruence(const OrdinateMatrix&, const OrdinateMatrix&);
+template OrdinateMatrix cholesky_factor(const OrdinateMatrix&);
+template OrdinateMatrix cholesky_solved(const OrdinateMatrix&, const OrdinateMatrix&);
+template OrdinateMatrix lower_solved(const OrdinateMatrix&, const OrdinateMatrix&);
+template OrdinateMatrix lower_transposed_solved(const OrdinateMatrix&, const OrdinateMatrix&);
 
 }  // namespace voxtone::optics
