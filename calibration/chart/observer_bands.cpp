@@ -5,9 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
 #include "base/contracts.h"
+#include "optics/numerics/dense.h"
 
 namespace voxtone::calibration {
 
@@ -54,7 +53,7 @@ Solution non_negative(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& righ
     Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
     const auto unbound = [&] {
         Eigen::VectorXd of = Eigen::VectorXd::Zero(n);
-        const Eigen::VectorXd solved = matrix(free, free).ldlt().solve(right(free));
+        const Eigen::VectorXd solved = optics::symmetric_preimage(Eigen::MatrixXd(matrix(free, free)), right(free));
         for (std::size_t i = 0; i < free.size(); ++i) of[free[i]] = solved[static_cast<Eigen::Index>(i)];
         return of;
     };

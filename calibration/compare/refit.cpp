@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "optics/colour/colour.h"
+#include "optics/numerics/dense.h"
 #include "optics/numerics/median.h"
 
 namespace voxtone::calibration {
@@ -170,9 +171,9 @@ Solved solve(std::span<const RegionSheet> sheets, const optics::ResinSet& known,
             }
             normal.block(at, 0, nuisances, values) = normal.block(0, at, values, nuisances).transpose();
         }
-        found = normal.ldlt().solve(right);
+        found = optics::symmetric_preimage(normal, right);
     }
-    const Eigen::MatrixXd covariance = normal.ldlt().solve(Eigen::MatrixXd::Identity(all, all));
+    const Eigen::MatrixXd covariance = optics::symmetric_solved(normal, Eigen::MatrixXd::Identity(all, all));
     return {found.head(values), covariance.topLeftCorner(values, values)};
 }
 

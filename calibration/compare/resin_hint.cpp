@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "calibration/compare/resin_hint.h"
+#include "optics/numerics/dense.h"
 #include "optics/numerics/median.h"
 
 #include <algorithm>
@@ -76,7 +77,7 @@ std::vector<ResinSample> without_outliers(std::span<const ResinSample> all, std:
                 normal.noalias() += trust[i] * all[i].weight * row * row.transpose();
                 right += trust[i] * all[i].weight * all[i].log_ratio[k] * row;
             }
-        const Eigen::VectorXd found = normal.ldlt().solve(right);
+        const Eigen::VectorXd found = optics::symmetric_preimage(normal, right);
         std::vector<double> off(all.size(), 0.0);
         for (std::size_t i = 0; i < all.size(); ++i)
             for (Eigen::Index k = 0; k < 3; ++k)
@@ -148,7 +149,8 @@ ResinHints hint_at_resins(std::span<const ResinSample> all_samples, std::size_t 
     if (!(all > 0)) return hints;
     // Noise: what all resins together leave.
     constexpr double ridge = 1e-9;
-    const Eigen::VectorXd together = (gram + ridge * Eigen::MatrixXd::Identity(n, n)).ldlt().solve(right);
+    const Eigen::VectorXd together =
+        optics::symmetric_preimage(Eigen::MatrixXd(gram + ridge * Eigen::MatrixXd::Identity(n, n)), right);
     const double freedom = 3.0 * double(y.size()) - double(unknowns) - double(resins);
     const double noise2 = std::max(all - together.dot(right), 1e-12 * all) / std::max(freedom, 1.0);
 

@@ -5,12 +5,12 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <Eigen/Cholesky>
 
 #include "base/contracts.h"
 #include "base/error.h"
 #include "base/parallel.h"
 #include "calibration/edge/dictionary_file.h"
+#include "optics/numerics/dense.h"
 
 namespace voxtone::calibration {
 namespace {
@@ -43,7 +43,7 @@ NodeWeights smooth_weights(const std::vector<double>& nodes, double x) {
         for (std::size_t p = 0; p <= smooth_degree; ++p) basis(row, static_cast<Eigen::Index>(p)) = std::pow(d, p);
     }
     const Eigen::MatrixXd normal = basis.transpose() * weight.asDiagonal() * basis;
-    const Eigen::VectorXd at_x = normal.ldlt().solve(Eigen::VectorXd::Unit(smooth_degree + 1, 0));
+    const Eigen::VectorXd at_x = optics::symmetric_preimage(normal, Eigen::VectorXd::Unit(smooth_degree + 1, 0));
     const Eigen::VectorXd combined = weight.asDiagonal() * (basis * at_x);
     return {first, {combined.begin(), combined.end()}};
 }

@@ -6,12 +6,12 @@
 #include <limits>
 
 #include <fmt/format.h>
-#include <Eigen/QR>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/mcc.hpp>
 
 #include "base/error.h"
 #include "calibration/photo/finder_picture.h"
+#include "optics/numerics/dense.h"
 
 namespace voxtone::calibration {
 
@@ -55,7 +55,7 @@ double residual_of_matrix(const CheckerChart& chart, const std::vector<AreaSampl
         to.row(used++) = chart.linear_srgb[p].transpose();
     }
     if (used < 8) return std::numeric_limits<double>::infinity();
-    const Eigen::MatrixXd A = from.topRows(used).colPivHouseholderQr().solve(to.topRows(used));
+    const Eigen::MatrixXd A = optics::least_squares(Eigen::MatrixXd(from.topRows(used)), to.topRows(used));
     return std::sqrt((from.topRows(used) * A - to.topRows(used)).squaredNorm() / (3.0 * double(used)));
 }
 

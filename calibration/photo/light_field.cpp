@@ -6,10 +6,11 @@
 
 #include <ceres/ceres.h>
 #include <fmt/format.h>
-#include <Eigen/Dense>
+#include <Eigen/LU>
 
 #include "base/contracts.h"
 #include "base/error.h"
+#include "optics/numerics/dense.h"
 
 namespace voxtone::calibration {
 
@@ -103,7 +104,7 @@ PhotoModel PhotoModel::fit(std::span<const LitSample> chart, std::span<const Lit
     }
     for (const LitSample& sample : frame) frame_mean += sample.value / double(frame.size());
     Parameters& theta = model.theta_;
-    const Eigen::Matrix3d M = from.colPivHouseholderQr().solve(to).transpose();
+    const Eigen::Matrix3d M = optics::least_squares(from, to).transpose();
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) theta[3 * i + j] = M(i, j);
     theta.segment<3>(9) = frame_mean;
@@ -167,7 +168,7 @@ PhotoModel PhotoModel::fit(std::span<const LitSample> chart, std::span<const Lit
                 for (int b = J.rows[std::size_t(row)]; b < J.rows[std::size_t(row) + 1]; ++b)
                     normal(J.cols[std::size_t(a)], J.cols[std::size_t(b)]) +=
                         J.values[std::size_t(a)] * J.values[std::size_t(b)];
-        model.covariance_ = normal.ldlt().solve(Eigen::MatrixXd::Identity(parameters, parameters));
+        model.covariance_ = optics::symmetric_solved(normal, Eigen::MatrixXd::Identity(parameters, parameters));
     }
     return model;
 }

@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <Eigen/QR>
 
 #include "optics/numerics/symmetric_eigen.h"
 
@@ -59,6 +60,21 @@ ColumnOf<Matrix> preimage(const Matrix& A, const ColumnOf<Matrix>& b) {
 }
 
 template <class Matrix>
+Matrix symmetric_solved(const Matrix& A, const std::type_identity_t<Matrix>& B) {
+    return A.ldlt().solve(B);
+}
+
+template <class Matrix>
+ColumnOf<Matrix> symmetric_preimage(const Matrix& A, const ColumnOf<Matrix>& b) {
+    return A.ldlt().solve(b);
+}
+
+template <class Matrix>
+Matrix least_squares(const Matrix& A, const std::type_identity_t<Matrix>& B) {
+    return A.colPivHouseholderQr().solve(B);
+}
+
+template <class Matrix>
 Matrix cholesky_factor(const Matrix& A) {
     return A.llt().matrixL();
 }
@@ -88,6 +104,9 @@ Matrix lower_transposed_solved(const Matrix& L, const std::type_identity_t<Matri
 VOXTONE_DENSE_OF(Eigen::MatrixXd)
 template Eigen::MatrixXd solved(const Eigen::MatrixXd&, const Eigen::MatrixXd&);
 template Eigen::VectorXd preimage(const Eigen::MatrixXd&, const Eigen::VectorXd&);
+template Eigen::MatrixXd symmetric_solved(const Eigen::MatrixXd&, const Eigen::MatrixXd&);
+template Eigen::VectorXd symmetric_preimage(const Eigen::MatrixXd&, const Eigen::VectorXd&);
+template Eigen::MatrixXd least_squares(const Eigen::MatrixXd&, const Eigen::MatrixXd&);
 
 VOXTONE_DENSE_OF(OrdinateMatrix)
 template OrdinateMatrix transposed_product(const OrdinateMatrix&, const OrdinateMatrix&);

@@ -44,6 +44,14 @@ template <class Matrix>
 [[nodiscard]] Matrix solved(const Matrix& A, const std::type_identity_t<Matrix>& B);
 template <class Matrix>
 [[nodiscard]] ColumnOf<Matrix> preimage(const Matrix& A, const ColumnOf<Matrix>& b);
+/// A^-1 B and A^-1 b of a symmetric A by LDL^T, whose lower triangle counts.
+template <class Matrix>
+[[nodiscard]] Matrix symmetric_solved(const Matrix& A, const std::type_identity_t<Matrix>& B);
+template <class Matrix>
+[[nodiscard]] ColumnOf<Matrix> symmetric_preimage(const Matrix& A, const ColumnOf<Matrix>& b);
+/// The X of least |A X - B| by a QR decomposition with pivots of columns.
+template <class Matrix>
+[[nodiscard]] Matrix least_squares(const Matrix& A, const std::type_identity_t<Matrix>& B);
 /// The lower L with A = L L^T; A^-1 B by it; L^-1 B; L^-T B.
 template <class Matrix>
 [[nodiscard]] Matrix cholesky_factor(const Matrix& A);
