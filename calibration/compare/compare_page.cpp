@@ -53,9 +53,11 @@ std::string swatch(const Eigen::Vector3d& linear) {
 }
 
 void add_pictures(std::string& html, const PredictedPrint& print, const PrintDifference& d) {
-    const std::string printed = picture_data(print, d.printed), predicted = picture_data(print, print.rgb);
+    const std::string printed = picture_data(print, d.shown), predicted = picture_data(print, print.rgb);
     std::vector<Eigen::Vector3f> map;
-    for (const float value : d.difference) map.push_back(colour_of_difference(double(value)));
+    const Eigen::Vector3f left_out = Eigen::Vector3f::Constant(0.6f);
+    for (std::size_t i = 0; i < d.difference.size(); ++i)
+        map.push_back(d.counts[i] ? colour_of_difference(double(d.difference[i])) : left_out);
     html += fmt::format(
         "<section><h2>Printed and predicted</h2>\n<div class=\"compare\" id=\"both\"><img alt=\"printed\" src=\"{0}\">"
         "<img alt=\"predicted\" src=\"{1}\"></div>\n<label class=\"soft\">left of the line as photographed "
@@ -65,10 +67,10 @@ void add_pictures(std::string& html, const PredictedPrint& print, const PrintDif
         "<figure><img alt=\"predicted\" src=\"{1}\"><figcaption>prediction</figcaption></figure>\n"
         "<figure><img alt=\"difference\" src=\"{2}\"><figcaption>difference, as an eye sees it</figcaption></figure>"
         "</div>\n<p class=\"legend\">CIEDE2000: <span>{3} 0</span><span>{4} 2.5, good</span><span>{5} 5</span>"
-        "<span>{6} 10 and more</span></p></section>\n",
+        "<span>{6} 10 and more</span><span>{7} left out</span></p></section>\n",
         printed, predicted, picture_data(print, map), swatch(colour_of_difference(0).cast<double>()),
         swatch(colour_of_difference(2.5).cast<double>()), swatch(colour_of_difference(5).cast<double>()),
-        swatch(colour_of_difference(most_shown).cast<double>()));
+        swatch(colour_of_difference(most_shown).cast<double>()), swatch(left_out.cast<double>()));
 }
 
 void add_causes(std::string& html, const PredictedPrint& print, const PrintDifference& d, bool has_checker) {

@@ -264,6 +264,7 @@ PrintDifference difference_of(const PredictedPrint& print, const std::vector<Pri
         camera_known &= reading.camera_blur_mm.has_value();
         camera2 += std::pow(reading.camera_blur_mm.value_or(0), 2) / n;
         const Picture& used = has_checker ? seen : neutral;
+        if (d.shown.empty()) d.shown = used;
         for (std::size_t i = 0; i < used.size(); ++i)
             if (counts[i]) sum[i] += used[i], ++seen_by[i];
     }
@@ -271,7 +272,7 @@ PrintDifference difference_of(const PredictedPrint& print, const std::vector<Pri
     std::vector<std::uint8_t> counts(print.cells());
     d.printed = print.rgb;
     for (std::size_t i = 0; i < counts.size(); ++i)
-        if ((counts[i] = seen_by[i] > 0)) d.printed[i] = sum[i] / float(seen_by[i]);
+        if ((counts[i] = seen_by[i] > 0)) d.shown[i] = d.printed[i] = sum[i] / float(seen_by[i]);
     d.predicted_seen = print.seen(print.rgb);
     d.printed_seen = print.seen(d.printed);
     d.difference = differences(d.predicted_seen, d.printed_seen, counts);
@@ -286,6 +287,7 @@ PrintDifference difference_of(const PredictedPrint& print, const std::vector<Pri
     d.hints = hint_at_resins(resin_samples(print, d.regions), print.response.resins);
     d.tiles = told(print, sums_of(print, d.printed, print.rgb, counts));
     name_causes(print, has_checker, camera_known, d);
+    d.counts = std::move(counts);
     return d;
 }
 

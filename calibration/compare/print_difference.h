@@ -10,6 +10,7 @@
 // the print's and stays in. The exposure is taken out always: how light falls on a print is not known to a few percent.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -45,8 +46,10 @@ struct PrintDifference {
     ResinHints hints;
     std::vector<PrintTile> tiles;                                        ///< the worst first
     std::vector<Eigen::Vector3f> printed, predicted_seen, printed_seen;  ///< of all cells, after what is taken out
-    std::vector<float> difference;    ///< CIEDE2000 of each cell; where none counts, 0
-    std::vector<std::string> causes;  ///< sentences, the largest first
+    std::vector<Eigen::Vector3f> shown;  ///< `printed`, and the photograph where nothing counts
+    std::vector<std::uint8_t> counts;    ///< cells that do
+    std::vector<float> difference;       ///< CIEDE2000 of each cell; where none counts, 0
+    std::vector<std::string> causes;     ///< sentences, the largest first
 };
 
 /// Several readings of one print are averaged, each after its own exposure and cast.

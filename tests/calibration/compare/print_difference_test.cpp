@@ -6,6 +6,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "calibration/compare/compare_page.h"
 #include "calibration/compare/print_spread.h"
 #include "compare_samples.h"
 
@@ -59,6 +60,24 @@ TEST_CASE("exposure, a cast and a spread are told apart and by how much") {
     CHECK(d.after_exposure > d.after_cast);
     CHECK(d.after_cast > d.after_spread);
     CHECK(d.after_spread < 0.1);
+}
+
+TEST_CASE("what is left out is shown as it was photographed, and has no colour of a difference") {
+    const PredictedPrint print = discs();
+    PrintReading reading = reading_of(print);
+    const std::size_t mirrored = print.index(70, 40), rim = print.index(0, 40);
+    reading.cells.value[mirrored] = reading.cells.value[rim] = {3, 3, 3};
+    reading.cells.good[mirrored] = 0;
+    const PrintDifference d = difference_of(print, {reading});
+    for (const std::size_t cell : {mirrored, rim}) {
+        CHECK_FALSE(d.counts[cell]);
+        CHECK(d.shown[cell][0] == Approx(3).margin(1e-3));
+        CHECK(d.printed[cell] == print.rgb[cell]);
+    }
+    const std::size_t beside = print.index(71, 40);
+    CHECK(d.counts[beside]);
+    CHECK(d.shown[beside] == d.printed[beside]);
+    CHECK_THAT(compare_page(print, {reading}, d, 300), Contains("</span> left out</span>"));
 }
 
 TEST_CASE("with a checker a cast is the print's own and counts") {
