@@ -19,7 +19,7 @@ struct PhotoJob {
     std::string target;                      ///< its description (calibration/target/target_file.h)
     std::string checker = "colorchecker24";  ///< chart beside the target, or its file
     PhotoMeasureOptions measure;             ///< corners by hand are those of one photograph
-    PhotoChannels channels = PhotoChannels::automatic;
+    PhotoChannels channels = PhotoChannels::rgb;
     std::optional<double> top_mm;  ///< thickness of the squares as they are, in (0, 10]; none: as they were printed
     std::string out;               ///< table of patches (calibration/patches/patch_file.h)
     std::string overlay;     ///< picture of what was sampled, the next ones as NAME-2.png, ...; empty: beside the table

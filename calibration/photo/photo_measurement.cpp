@@ -315,7 +315,7 @@ void tell_negative(const NegativeSquares& negative, Told told, const Target& tar
         result.warnings.push_back(named_warning("beyond-rgb", where + "; the table is in wide channels (wR, wG, wB)."));
     else if (told == Told::cut)
         result.warnings.push_back(named_warning(
-            "beyond-rgb", where + "; it is written as 0, and resins will be wrong: use --channels wide."));
+            "beyond-rgb", where + "; it is written as 0, so that an ink may be stronger there than it is found."));
     else
         result.warnings.push_back(named_warning("beyond-rgb", where + "; it is written as it is."));
 }
@@ -344,7 +344,7 @@ void tell_too_light(const std::vector<Mean>& means, const Target& target, Measur
             fmt::format(
                 "In {} square(s), first of all {}, a channel lies above that of a perfect diffuser, up to {:.3f}, and "
                 "is "
-                "written as 1: an ink more saturated than R, G, B can say (--channels wide), gloss, uneven light, or a "
+                "written as 1: an ink more saturated than R, G, B can say, gloss, uneven light, or a "
                 "checker that is not what its file says. Look at the overlay.",
                 squares, square_name(target, first), most)));
 }
@@ -378,8 +378,7 @@ MeasuredTable average_photos(const std::vector<PhotoMeasurement>& photos, const 
         result.spread.push_back(spread2.cwiseSqrt());
     }
     const NegativeSquares negative = negative_squares(means);
-    const bool wide = !target.is_chart() && (channels == PhotoChannels::wide ||
-                                             (channels == PhotoChannels::automatic && !negative.surely.empty()));
+    const bool wide = !target.is_chart() && channels == PhotoChannels::wide;
     tell_negative(negative, wide ? Told::wide : target.is_chart() ? Told::signed_rgb : Told::cut, target, result);
     if (wide) {
         widen(means);

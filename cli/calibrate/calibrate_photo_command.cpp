@@ -13,17 +13,14 @@ namespace {
 
 struct CalibratePhotoArguments {
     calibration::PhotoJob job;
-    std::string coding = "auto", channels = "auto";
+    std::string coding = "auto", channels = "rgb";
     std::vector<double> corners, checker_corners;
     RunOptions run;
 };
 
 int run(CalibratePhotoArguments& a, const CalibrateJobs& jobs) {
     a.job.measure.coding = coding_of(a.coding);
-    using calibration::PhotoChannels;
-    a.job.channels = a.channels == "rgb"    ? PhotoChannels::rgb
-                     : a.channels == "wide" ? PhotoChannels::wide
-                                            : PhotoChannels::automatic;
+    a.job.channels = a.channels == "wide" ? calibration::PhotoChannels::wide : calibration::PhotoChannels::rgb;
     a.job.measure.corners = four_points(a.corners);
     a.job.measure.checker_corners = four_points(a.checker_corners);
     return run_on_console(a.run, [&](Progress& progress) { return jobs.photo(a.job, progress); });
@@ -48,11 +45,10 @@ Verb calibrate_photo_verb(const CalibrateJobs& jobs) {
     add_corners_option(command, "--checker-corners", a.checker_corners,
                        "corners of the checker's patches in the picture, px, in order round it");
     add_coding_option(command, a.coding);
-    command.add(
-        "--channels", a.channels,
-        "of a target's squares: rgb, linear sRGB; wide, in which no ink is negative; auto: wide where an ink is "
-        "surely negative in rgb",
-        {.choices = {"auto", "rgb", "wide"}});
+    command.add("--channels", a.channels,
+                "of a target's squares: rgb, linear sRGB cut at 0; wide, in which no ink is negative, and mixtures are "
+                "predicted worse",
+                {.choices = {"rgb", "wide"}});
     command.add("--inner", a.job.measure.inner, "part of a square's edge that is sampled", {.range = {0.1, 0.9}});
     command.add("--top", length(a.job.top_mm),
                 "thickness of a target's squares as a gauge tells it, where they were polished; 30 um are 4 % of "

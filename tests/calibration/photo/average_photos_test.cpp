@@ -85,12 +85,15 @@ TEST_CASE("a channel below 0 is told by its error: by less than three it is cut,
             CHECK_THAT(table.warnings.front(), Catch::Contains("by less than three of its errors"));
             continue;
         }
-        // In wide channels it is the same light, with the errors that a matrix makes of independent ones.
-        CHECK(table.table.channels == optics::wide_channels());
+        CHECK(table.table.channels.is_rgb());
+        CHECK(table.table.patches[2].rho[0] == 0);
         CHECK_THAT(table.warnings.front(),
                    Catch::Contains("by more than three of its errors") && Catch::Contains("[beyond-rgb]"));
+        // In wide channels, asked for, it is the same light, with the errors that a matrix makes of independent ones.
+        const MeasuredTable wide = average_photos({photo_of(target, 2, rho, error)}, target, PhotoChannels::wide);
+        CHECK(wide.table.channels == optics::wide_channels());
         const Eigen::Matrix3d back(optics::linear_srgb_weights(optics::wide_channels()));
-        const Patch& patch = table.table.patches[2];
+        const Patch& patch = wide.table.patches[2];
         CHECK((back * Vector3d(patch.rho.data()) - rho).norm() < 1e-12);
         const Eigen::Matrix3d map = back.inverse();
         for (Eigen::Index k = 0; k < 3; ++k)

@@ -104,6 +104,8 @@ using O = PhotoOptions;
 
 }  // namespace
 
+// Inks that are media in wide channels. Inks of smooth spectra are not, and are fitted better in sRGB cut at 0:
+// benchmarks/calibration/target/rgb-against-spectral.
 TEST_CASE("inks more saturated than sRGB are measured and fitted as well as others, in wide channels") {
     const Target target = target_of(TargetLayout::b);
     const CheckerChart chart = find_checker("colorchecker24");
@@ -135,20 +137,19 @@ TEST_CASE("inks more saturated than sRGB are measured and fitted as well as othe
     for (const Eigen::Vector3d& rgb : truth.squares) most_negative = std::min(most_negative, rgb.minCoeff());
     REQUIRE(most_negative < -0.03);
     const auto photos = measured(truth);
-    const MeasuredTable wide = average_photos(photos, target);
+    const MeasuredTable wide = average_photos(photos, target, PhotoChannels::wide);
     CHECK(wide.table.channels == optics::wide_channels());
     CHECK(least(wide.table) > 0);
     const optics::ObservedColour<double> observed(wide.table.channels);
     for (std::size_t s = 0; s < truth.squares.size(); ++s)
         CHECK((observed.absolute(wide.table.patches[s].rho.data()) - truth.squares[s]).cwiseAbs().maxCoeff() < wanted);
     CHECK_THAT(wide.warnings.back(), Catch::Contains("more saturated") && Catch::Contains("wide channels"));
-    const MeasuredTable cut = average_photos(photos, target, PhotoChannels::rgb);
+    const MeasuredTable cut = average_photos(photos, target);
     CHECK(cut.table.channels.is_rgb());
     CHECK(least(cut.table) == 0);
     REQUIRE(cut.warnings.size() >= 2);
-    CHECK_THAT(cut.warnings[cut.warnings.size() - 2],
-               Catch::Contains("written as 0") && Catch::Contains("--channels wide"));
-    CHECK_THAT(cut.warnings.back(), Catch::Contains("written as 1") && Catch::Contains("--channels wide"));
+    CHECK_THAT(cut.warnings[cut.warnings.size() - 2], Catch::Contains("written as 0"));
+    CHECK_THAT(cut.warnings.back(), Catch::Contains("written as 1"));
     // Others stay what they were.
     auto usual_photos = measured(rendered().truth);
     const MeasuredTable usual = average_photos(usual_photos, target);
