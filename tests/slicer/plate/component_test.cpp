@@ -9,6 +9,7 @@
 #include "slicer/look/composed_surface.h"
 #include "slicer/plate/component_surface.h"
 #include "slicer/plate/tray_parts.h"
+#include "tests/said_progress.h"
 #include "tests/slicer/plate/common_job.h"
 
 using namespace voxtone;
@@ -48,6 +49,20 @@ TEST_CASE("A cylinder stands where its size says, its resins in their shares") {
     CHECK_FALSE(made.outline.at(0, 0));
     CHECK(made.outline.at(6, 6));
     CHECK(double(made.outline.area()) * 0.25 == Approx(std::acos(-1) * 9).epsilon(0.25));
+}
+
+TEST_CASE("What a component's size is in whole voxels is told where that is another") {
+    const OpenedJob common = common_of();
+    const Eigen::Vector3d pitch = common.printer.sliced_pitch_mm();
+    const auto notes = [&](const std::array<int, 3>& voxels, double off_mm) {
+        SaidProgress said;
+        const std::array<double, 3> mm{voxels[0] * pitch.x() + off_mm, voxels[1] * pitch.y(), voxels[2] * pitch.z()};
+        (void)prepare_component(part_of(ComponentKind::box, mm, {{"W", 1}}), common, said);
+        return said.notes();
+    };
+    CHECK_THAT(notes({60, 30, 40}, 0), !Contains("in whole voxels"));
+    CHECK_THAT(notes({60, 30, 40}, 0.01),
+               Contains("part: is 2.540 x 2.540 x 1.080 mm, in whole voxels of 42.33 x 84.67"));
 }
 
 TEST_CASE("Mirrors are of models alone, and refused where boxes would stay as they are") {

@@ -114,6 +114,26 @@ TEST_CASE("A tray of one part has the layers of the part, each once") {
     CHECK(desk.content("one") == desk.content("alone"));
 }
 
+TEST_CASE("A tray's page tells of components, and of bodies that had no room in memory beside the others") {
+    TraysDesk desk;
+    std::ofstream(desk.path("tray.json")) << R"({"format": "voxtone-tray", "version": 1, "parts": [
+        {"model": "box.obj"}, {"model": "small.obj"}, {"box": [1, 1, 1.5], "resin": "W", "name": "spacer-17"}]})";
+    SliceOptions options = desk.of_tray("out");
+    options.model = desk.path("tray.json").string();
+    options.memory_gib = 0.02;  // half of it holds one page's pictures, of 16 MB
+    CHECK(desk.print(options).exit_code == ExitCode::done);
+    const auto body_mm3 = [&](const char* part) {
+        std::uint64_t voxels = 0;
+        const json report = desk.json(fmt::format("out/parts/{}/report.json", part));
+        for (const json& resin : report.at("resins")) voxels += resin.at("voxels").get<std::uint64_t>();
+        const auto um = report.at("pitch_um").get<std::array<double, 3>>();
+        return double(voxels) * um[0] * um[1] * um[2] * 1e-9;
+    };
+    CHECK(body_mm3("box") == Approx(2 * 3 * 1.5).epsilon(0.05));
+    CHECK(body_mm3("small") == Approx(1 * 1.2 * 1).epsilon(0.05));
+    CHECK_THAT(io::text_of(desk.path("out/report.html")), Contains("spacer-17"));
+}
+
 TEST_CASE("Parts that a tray has no more are set aside, and another tray asks before it takes the folder") {
     TraysDesk desk;
     SliceOptions options = desk.of_tray("out");

@@ -47,6 +47,7 @@ TEST_CASE("What a tray takes at the printer is told: passes over its layers, and
     desk.write("table.obj", soft_box({3, 0, 0}, {5, 4, 2}) + soft_box({0, 0, 2}, {8, 4, 3}, 9));
     const SliceOptions options = desk.options("table.obj");
     const JobEstimate one = estimated(options, {{options.model}, 1});
+    CHECK(one.printer == "stratasys-j750-hm");
     CHECK(one.printing.passes_of_layer == 1);
     CHECK(one.printing.passes == one.layers);
     CHECK_FALSE(one.printing.seconds);
