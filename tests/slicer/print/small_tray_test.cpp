@@ -131,6 +131,12 @@ TEST_CASE("A tray's page tells of components, and of bodies that had no room in 
     };
     CHECK(body_mm3("box") == Approx(2 * 3 * 1.5).epsilon(0.05));
     CHECK(body_mm3("small") == Approx(1 * 1.2 * 1).epsilon(0.05));
+    // What its layers took was measured when they were made again.
+    double layers_s = 0;
+    const json small = desk.json("out/parts/small/report.json");
+    for (const json& stage : small.at("stages"))
+        if (stage.at("name") == std::string(name_of(Phase::layers))) layers_s += stage.at("seconds").get<double>();
+    CHECK(layers_s > 0);
     CHECK_THAT(io::text_of(desk.path("out/report.html")), Contains("spacer-17"));
 }
 

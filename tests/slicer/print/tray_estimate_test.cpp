@@ -85,7 +85,9 @@ TEST_CASE("estimate refuses what slice refuses: too little memory for the loop, 
     // Said, as slice says it: small, in a unit that was assumed.
     SaidProgress said;
     desk.write("small.obj", soft_box({0, 0, 0}, {1, 1, 1.2}));
-    (void)estimate_job(desk.options("small.obj"), said, {.resins = false});
+    const JobEstimate small = estimate_job(desk.options("small.obj"), said, {.resins = false});
+    REQUIRE_FALSE(small.warnings.empty());
+    CHECK_THAT(small.warnings[0], Contains("[tiny]"));
     CHECK_THAT(said.notes(), Contains("mm assumed"));
     CHECK_THAT(said.warnings(), Contains("[tiny]"));
 }
