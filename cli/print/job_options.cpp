@@ -133,6 +133,11 @@ slicer::TrayModels many_models(const JobArguments& arguments, const slicer::Slic
         if (std::ranges::find(units, model) != units.end() && !std::filesystem::exists(model))
             throw UsageError(
                 fmt::format("'{}' is a unit and no model: lengths have no space in them, as 12{}", model, model));
+        // As other programs take it.
+        if (models.files.size() == 2 && model == models.files[1] && !std::filesystem::exists(model) &&
+            std::filesystem::path(model).extension().empty())
+            throw UsageError(
+                fmt::format("there is no model '{}'; if it is the folder for the print, write -o {}", model, model));
         if (!farm::is_plan(model)) continue;
         throw UsageError(
             models.files.size() > 1

@@ -2,9 +2,11 @@
 #include "cli/program/words.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <filesystem>
 #include <span>
+#include <string_view>
 #include <system_error>
 
 #include <fmt/core.h>
@@ -74,7 +76,16 @@ bool may_be_file(const std::string& word) {
            (word.find('=') == std::string::npos && word.find_first_of("/.") != std::string::npos);
 }
 
+/// What is looked for here and lies elsewhere.
+constexpr std::array<std::string_view, 6> names_of_finish{"--gloss", "--glossy", "--matte",
+                                                          "--matt",  "--mat",    "--finish"};
+
 std::string unknown_option(const Verb& verb, const std::string& word) {
+    if (std::ranges::find(names_of_finish, word.substr(0, word.find('='))) != names_of_finish.end())
+        return fmt::format(
+            "{}: `{}` has no such option; glossy or matt is set at the printer (HOW-TO-PRINT), and seen by "
+            "`voxtone proof --finish`",
+            word.substr(0, word.find('=')), verb.full_name);
     if (may_be_file(word))
         return fmt::format("{}: `{}` has no such option; if it is a file, write ./{}, or put it behind --", word,
                            verb.full_name, word);

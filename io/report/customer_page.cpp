@@ -65,6 +65,11 @@ void add_customer_verdict(std::string& html, const Report& report) {
                         html_text(customer_sentence(report)));
     // Who ordered it is the one who minds that its type cannot be read.
     if (is_known && !report.verdict->but.empty()) html += fmt::format("<p>{}</p>\n", html_text(report.verdict->but));
+    if (is_known && report.verdict->paper)
+        html += fmt::format(
+            "<p>Beside white paper its white is darker: it has {:.0f} % of the light. Its colours are judged as eyes "
+            "see them that have got used to it.</p>\n",
+            100 * *report.verdict->paper);
 }
 
 /// Without its name, which is the shop's.

@@ -231,8 +231,12 @@ void add_verdict(std::string& html, const Report& report) {
             v.reach_mean ? fmt::format("; {:.1f} of it no mixture of these resins could avoid", *v.reach_mean) : "";
         add_card(html, "Difference as seen", fmt::format("{:.1f}", *v.seen_mean),
                  fmt::format("CIEDE2000, mean over what is seen of the coloured surface, from {:g} mm; up to {:g} is "
-                             "good, above {:g} bad; 0.8 is just visible side by side{}",
-                             v.viewing_distance_mm, v.good_up_to, v.bad_above, reach));
+                             "good, above {:g} bad; 0.8 is just visible side by side{}{}",
+                             v.viewing_distance_mm, v.good_up_to, v.bad_above, reach,
+                             v.paper ? fmt::format("; its white has {:.2f} of the light that was asked for, and is "
+                                                   "taken for white",
+                                                   *v.paper)
+                                     : ""));
         html += "</dl>\n";
     }
     html += "</div>\n</section>\n";

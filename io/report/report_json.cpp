@@ -42,7 +42,9 @@ void write_verdict(JsonWriter& json, const ReportVerdict& verdict) {
         json.line().key("seen_de2000").begin_object().add("mean", *verdict.seen_mean);
         json.add("p95", verdict.seen_p95.value_or(*verdict.seen_mean));
         if (verdict.reach_mean) json.add("out_of_reach", *verdict.reach_mean);
-        json.end_object().add("viewing_distance_mm", verdict.viewing_distance_mm);
+        json.end_object();
+        if (verdict.paper) json.add("paper", *verdict.paper);
+        json.add("viewing_distance_mm", verdict.viewing_distance_mm);
         json.add("off_share", verdict.off_share).add("wrong_share", verdict.wrong_share);
         json.line().key("sides").begin_list();
         for (const ReportVerdict::Side& side : verdict.sides)

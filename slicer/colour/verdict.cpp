@@ -217,11 +217,11 @@ void judge_prediction(const VerdictSources& s, const JobPrediction& p, io::Repor
         verdict.advice = tried_advice({s.job, s.body, p, seen, s.loop, losses.mean, regions.page});
     }
     constexpr float as_white = 0.97f;  // what paper may give away before a person is told
+    if (p.seen.paper < as_white) verdict.paper = p.seen.paper;
     const std::string paper =
-        p.seen.paper < as_white
-            ? fmt::format(" by eyes that take its white, {:.2f} of the light that was asked for, for white",
-                          p.seen.paper)
-            : "";
+        verdict.paper ? fmt::format(" by eyes that take its white, {:.2f} of the light that was asked for, for white",
+                                    *verdict.paper)
+                      : "";
     std::vector<std::string> sentences{
         fmt::format("{} (CIEDE2000 as seen from {:g} mm{}: up to {:g} is good, above {:g} bad; {:.1f} of it no mixture "
                     "of these resins could avoid).",

@@ -156,6 +156,8 @@ TEST_CASE("A decimal comma and a missing unit are explained") {
     refused("predict layers -o x.png --pitch 42.33,84.67,27", 2, "add um");
     // "12 mm" is two words, and the second would be a model.
     refused("slice spot.obj --size 12 mm -o out", 2, "'mm' is a unit and no model");
+    refused("slice spot.obj out", 2, "there is no model 'out'; if it is the folder for the print, write -o out");
+    refused("slice spot.obj --matte -o out", 2, "is set at the printer");
 }
 
 TEST_CASE("Sizes beyond every printer and below every voxel are refused in a sentence") {

@@ -161,6 +161,21 @@ TEST_CASE("Who ordered it reads the worst thing, too, once, and is led only wher
     CHECK(count(report_html(report), "show me") == 0);
 }
 
+TEST_CASE("Where the print's white is darker than paper whoever reads is told how much") {
+    Report report = sample("sheet");
+    ReportVerdict& verdict = report.verdict.emplace();
+    verdict.level = VerdictLevel::fair;
+    verdict.sentence = "Fair.";
+    verdict.seen_mean = 2.9;
+    CHECK_THAT(customer_html(report) + report_html(report), !Contains("its white"));
+    verdict.paper = 0.83;
+    CHECK_THAT(customer_html(report), Contains("its white is darker: it has 83 % of the light"));
+    CHECK_THAT(report_html(report), Contains("its white has 0.83 of the light"));
+    CHECK(nlohmann::json::parse(report_json(report))["verdict"]["paper"] == 0.83);
+    verdict.level = VerdictLevel::unknown;
+    CHECK_THAT(customer_html(report), !Contains("its white"));
+}
+
 TEST_CASE("The customer's page says something of the looks, whatever is known of them") {
     Report report = sample("sword");
     report.verdict.reset();
