@@ -10,6 +10,7 @@
 #include <fmt/core.h>
 
 #include "base/contracts.h"
+#include "base/counted.h"
 #include "base/machine_memory.h"
 #include "base/named_values.h"
 #include "base/printable.h"
@@ -257,12 +258,12 @@ void add_parts(std::string& html, const Report& report) {
     const bool seen = std::any_of(report.parts.begin(), report.parts.end(),
                                   [](const ReportPart& part) { return part.seen_mean.has_value(); });
     html += fmt::format(
-        "<section class=\"parts\">\n<h2>Parts</h2>\n<p class=\"soft\">{} bodies, {} in all. A name opens the part's "
+        "<section class=\"parts\">\n<h2>Parts</h2>\n<p class=\"soft\">{}, {} in all. A name opens the part's "
         "own "
         "page.<span class=\"screen-only\"> A click on a place turns the view above to it.</span></p>\n<div "
         "class=\"table\"><table>\n<thead><tr><th></th><th>Part</th><th class=\"n\">Copies</th><th class=\"n\">ml each"
         "</th>{}</tr></thead>\n<tbody>\n",
-        report.parts.size(), copies,
+        counted(report.parts.size(), "part"), copies,
         seen ? "<th class=\"n\">Difference as seen</th><th>Worst place</th>" : "<th>Place</th>");
     for (std::size_t i = 0; i < report.parts.size(); ++i) {
         const ReportPart& part = report.parts[i];

@@ -98,7 +98,9 @@ io::PageOfStack page_of(const PreparedTray& prepared, int number) {
         if (!at.empty() && part.ready && !part.is_joined && !part.part.cuts)
             bodies.push_back({part.part.name, part.ready->body, std::move(at)});
     }
-    std::string title = "a tray of " + counted(bodies.size(), "part");
+    std::size_t copies = 0;
+    for (const PlacedBody& body : bodies) copies += body.at.size();
+    std::string title = "a tray of " + counted(copies, "part");
     std::vector<std::string> missing;
     for (const FailedPart& part : prepared.parts.failed) missing.push_back(part.name);
     return printer_page(prepared.any_job(), std::move(title), std::move(bodies), std::move(missing));

@@ -127,7 +127,7 @@ TEST_CASE("Parts of a tray are listed with their figures, each with its page and
     report.viewer.worst[0].seen = 9.87, report.viewer.worst[0].cause = "thin walls";
     report.viewer.worst[0].words = "upper left";
     const std::string html = report_html(report);
-    CHECK_THAT(html, Contains("2 bodies, 21 in all"));
+    CHECK_THAT(html, Contains("2 parts, 21 in all"));
     CHECK_THAT(html,
                Contains("<a href=\"parts/cow%20%26%20calf/report.html\">cow &amp; calf</a><small>Nearly</small>"));
     CHECK_THAT(html, Contains("<td class=\"n\">20</td><td class=\"n\">1.23</td>"));
