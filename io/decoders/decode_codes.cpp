@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
+#include <utility>
 
 #define ZX_USE_UTF8 1
 #include <ZXing/ReadBarcode.h>
@@ -55,19 +57,24 @@ LuminanceRaster enlarged(const LuminanceRaster& from, int times) {
     return to;
 }
 
-void add(std::vector<CodeInPicture>& codes, const ZXing::Result& result, int times, int first_row = 0) {
+using Box = std::array<double, 4>;  ///< left, top, right, bottom
+
+Box box_of(const ZXing::Result& result) {
+    Box box{1e9, 1e9, -1e9, -1e9};
+    for (const auto& corner : result.position())
+        box = {std::min(box[0], double(corner.x)), std::min(box[1], double(corner.y)),
+               std::max(box[2], double(corner.x)), std::max(box[3], double(corner.y))};
+    return box;
+}
+
+/// `box`: in pixels of a picture so many times as large, whose first row is this one.
+void add(std::vector<CodeInPicture>& codes, const ZXing::Result& result, const Box& box, int times, int first_row = 0) {
     if (!result.isValid() || result.isMirrored() || result.bytes().empty()) return;
     // It has no sum: what few stripes say by chance is none.
     constexpr std::size_t least_characters = 4;
     if (result.format() == BarcodeFormat::Code39 && std::size_t(result.bytes().size()) < least_characters) return;
     CodeInPicture code{kind_of(result.format()), {result.bytes().begin(), result.bytes().end()}, {}};
-    const auto& corners = result.position();
-    code.box = {1e9, 1e9, -1e9, -1e9};
-    for (const auto& corner : corners) {
-        const double x = double(corner.x) / times, y = first_row + double(corner.y) / times;
-        code.box = {std::min(code.box[0], x), std::min(code.box[1], y), std::max(code.box[2], x),
-                    std::max(code.box[3], y)};
-    }
+    code.box = {box[0] / times, first_row + box[1] / times, box[2] / times, first_row + box[3] / times};
     const auto same = [&](const CodeInPicture& other) {
         return other.kind == code.kind && other.content == code.content && other.box[0] < code.box[2] &&
                code.box[0] < other.box[2] && other.box[1] < code.box[3] && code.box[1] < other.box[3];
@@ -107,6 +114,61 @@ LuminanceRaster sharpened(const LuminanceRaster& from) {
     return to;
 }
 
+/// From lines across bars to the ends of them: as far as each further line looks like those. Bars that lie aslant keep
+/// the box of the lines.
+Box bars_at(const LuminanceRaster& picture, const Box& lines, bool upright) {
+    constexpr double alike = 0.5;
+    const int along = upright ? 0 : 1, across = 1 - along, most = upright ? picture.rows : picture.columns,
+              first = std::max(0, int(lines[std::size_t(along)])),
+              last = std::min((upright ? picture.columns : picture.rows) - 1, int(lines[std::size_t(along + 2)]));
+    if (last - first < 2) return lines;
+    const auto line_at = [&](int at) {
+        std::vector<double> line;
+        for (int i = first; i <= last; ++i)
+            line.push_back(double(picture.grey[std::size_t(upright ? at : i) * std::size_t(picture.columns) +
+                                               std::size_t(upright ? i : at)]));
+        const double mean = std::accumulate(line.begin(), line.end(), 0.0) / double(line.size());
+        for (double& grey : line) grey -= mean;
+        return line;
+    };
+    const int middle = std::clamp(int((lines[std::size_t(across)] + lines[std::size_t(across + 2)]) / 2), 0, most - 1);
+    const std::vector<double> wanted = line_at(middle);
+    const auto is_alike = [&](int at) {
+        const std::vector<double> line = line_at(at);
+        const auto product = [](const std::vector<double>& a, const std::vector<double>& b) {
+            return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+        };
+        return product(line, wanted) > alike * std::sqrt(product(line, line) * product(wanted, wanted));
+    };
+    int low = middle, high = middle;
+    while (low > 0 && is_alike(low - 1)) --low;
+    while (high + 1 < most && is_alike(high + 1)) ++high;
+    Box box = lines;
+    box[std::size_t(across)] = low, box[std::size_t(across + 2)] = high + 1;
+    return box;
+}
+
+/// One by one, each painted over once it is read: asked for several at once, or at scales of its own, ZXing 1.4.0
+/// aborts over some pages.
+void add_bars(std::vector<CodeInPicture>& codes, LuminanceRaster picture, int times, ZXing::DecodeHints hints) {
+    hints.setTryDownscale(false).setMaxNumberOfSymbols(1);
+    for (int n = 0; n < most_codes; ++n) {
+        const ZXing::Results found =
+            ZXing::ReadBarcodes({picture.grey.data(), picture.columns, picture.rows, ZXing::ImageFormat::Lum}, hints);
+        if (found.empty()) return;
+        const auto& corners = found.front().position();
+        const auto way = corners[1] - corners[0];
+        const Box box = bars_at(picture, box_of(found.front()), std::abs(way.x) >= std::abs(way.y));
+        add(codes, found.front(), box, times);
+        const int top = std::max(0, int(box[1])), bottom = std::min(picture.rows, int(box[3]) + 1),
+                  left = std::max(0, int(box[0])), right = std::min(picture.columns, int(box[2]) + 1);
+        if (top >= bottom || left >= right) return;
+        for (int row = top; row < bottom; ++row)
+            std::fill_n(picture.grey.begin() + std::ptrdiff_t(row) * picture.columns + left, right - left,
+                        std::uint8_t{255});
+    }
+}
+
 /// ZXing 1.4.0 finds a Data Matrix half way up a picture alone
 /// (findings/zxing-data-matrix-place.sh): it is shown strips of the picture, one below the other.
 void add_from_strips(std::vector<CodeInPicture>& codes, const LuminanceRaster& picture) {
@@ -120,7 +182,7 @@ void add_from_strips(std::vector<CodeInPicture>& codes, const LuminanceRaster& p
                  ZXing::ReadBarcodes({picture.grey.data() + std::size_t(first) * std::size_t(picture.columns),
                                       picture.columns, rows, ZXing::ImageFormat::Lum},
                                      hints))
-                add(codes, result, 1, first);
+                add(codes, result, box_of(result), 1, first);
     }
 }
 
@@ -134,29 +196,25 @@ std::vector<CodeInPicture> decode_codes(const LuminanceRaster& picture, int most
     areas.setFormats(BarcodeFormat::QRCode | BarcodeFormat::DataMatrix | BarcodeFormat::PDF417);
     bars.setFormats(BarcodeFormat::Code128 | BarcodeFormat::Code39 | BarcodeFormat::EAN13 | BarcodeFormat::EAN8 |
                     BarcodeFormat::UPCA);
-    // ZXing 1.4.0 aborts where it compares bars that it found at two scales of its own.
-    bars.setTryDownscale(false);
-    for (ZXing::DecodeHints* hints : {&areas, &bars}) hints->setTryHarder(true).setMaxNumberOfSymbols(most_codes);
+    areas.setTryHarder(true).setMaxNumberOfSymbols(most_codes);
+    bars.setTryHarder(true);
     std::vector<CodeInPicture> codes;
     for (const int times : {1, 2, 3, 4, 6}) {
         if (times > most_times) break;
         if (times > 1 && double(times) * times * picture.columns * picture.rows > most_pixels) break;
         const LuminanceRaster larger = enlarged(picture, times);
         for (const ZXing::Binarizer how : {ZXing::Binarizer::LocalAverage, ZXing::Binarizer::GlobalHistogram}) {
-            for (ZXing::DecodeHints* hints : {&areas, &bars})
-                for (const ZXing::Result& result :
-                     ZXing::ReadBarcodes({larger.grey.data(), larger.columns, larger.rows, ZXing::ImageFormat::Lum},
-                                         hints->setBinarizer(how)))
-                    add(codes, result, times);
+            for (const ZXing::Result& result :
+                 ZXing::ReadBarcodes({larger.grey.data(), larger.columns, larger.rows, ZXing::ImageFormat::Lum},
+                                     areas.setBinarizer(how)))
+                add(codes, result, box_of(result), times);
+            add_bars(codes, larger, times, bars.setBinarizer(how));
         }
     }
     if (most_times > 1)
         for (const LuminanceRaster clear = sharpened(picture); const int times : {2, 4}) {
             if (double(times) * times * picture.columns * picture.rows > most_pixels) break;
-            const LuminanceRaster larger = enlarged(clear, times);
-            for (const ZXing::Result& result :
-                 ZXing::ReadBarcodes({larger.grey.data(), larger.columns, larger.rows, ZXing::ImageFormat::Lum}, bars))
-                add(codes, result, times);
+            add_bars(codes, enlarged(clear, times), times, bars);
         }
     add_from_strips(codes, picture);
     return codes;

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <string>
@@ -83,26 +84,38 @@ TEST_CASE("A code that comes out as asked is read, one that runs together is not
     CHECK(printed_codes(page).at(0).is_read);
 }
 
-TEST_CASE("The bars of a price tag are a code, those of three characters alone are none") {
-    // Code 39: nine elements a character, bars and spaces in turns, three of them wide.
+namespace {
+
+using Bars = std::vector<std::pair<double, double>>;  ///< from, to
+
+/// Code 39: nine elements a character, bars and spaces in turns, three of them wide; from 4 mm on.
+Bars bars_of(const std::string& text) {
     const std::map<char, std::string> wide{{'*', "nwnnwnwnn"}, {'A', "wnnnnwnnw"}, {'0', "nnnwwnwnn"},
                                            {'1', "wnnwnnnnw"}, {'4', "nnnwwnnnw"}, {'7', "nnnwnnwnw"}};
-    const auto page_of = [&](const std::string& text) {
-        std::vector<std::pair<double, double>> bars;  // from, to
-        double x = 4;
-        for (const char c : "*" + text + "*") {
-            for (std::size_t n = 0; n < 9; ++n) {
-                const double width = wide.at(c)[n] == 'w' ? 0.9 : 0.34;
-                if (n % 2 == 0) bars.emplace_back(x, x + width);
-                x += width;
-            }
-            x += 0.34;
+    Bars bars;
+    double x = 4;
+    for (const char c : "*" + text + "*") {
+        for (std::size_t n = 0; n < 9; ++n) {
+            const double width = wide.at(c)[n] == 'w' ? 0.9 : 0.34;
+            if (n % 2 == 0) bars.emplace_back(x, x + width);
+            x += width;
         }
-        return test::page_of(x + 4, 14, [&](double at, double y) {
-            const bool is_dark = y > 3 && y < 11 && std::ranges::any_of(bars, [&](const auto& bar) {
-                                     return at >= bar.first && at < bar.second;
-                                 });
-            return Eigen::Vector3f::Constant(is_dark ? 0.01f : 0.95f);
+        x += 0.34;
+    }
+    return bars;
+}
+
+bool is_bar(const Bars& bars, double at) {
+    return std::ranges::any_of(bars, [&](const auto& bar) { return at >= bar.first && at < bar.second; });
+}
+
+}  // namespace
+
+TEST_CASE("The bars of a price tag are a code, those of three characters alone are none") {
+    const auto page_of = [&](const std::string& text) {
+        const Bars bars = bars_of(text);
+        return test::page_of(bars.back().second + 4, 14, [&](double at, double y) {
+            return Eigen::Vector3f::Constant(y > 3 && y < 11 && is_bar(bars, at) ? 0.01f : 0.95f);
         });
     };
     JobPrediction page = page_of("A1047");
@@ -116,6 +129,33 @@ TEST_CASE("The bars of a price tag are a code, those of three characters alone a
     page.predicted.rgb = blurred(page, 0.6);
     CHECK_FALSE(printed_codes(page).at(0).is_read);
     CHECK(printed_codes(page_of("A10")).empty());
+}
+
+TEST_CASE("Equal bars on one page are codes each, as high as they are, lying or standing") {
+    const Bars bars = bars_of("A1047");
+    const double wide = bars.back().second + 4;
+    const std::array<std::array<double, 2>, 2> heights{{{3, 6}, {9, 14}}};
+    for (const bool stand : {false, true}) {
+        const auto colour = [&](double along, double across) {
+            const bool lies =
+                std::ranges::any_of(heights, [&](const auto& h) { return across > h[0] && across < h[1]; });
+            return Eigen::Vector3f::Constant(lies && is_bar(bars, along) ? 0.01f : 0.95f);
+        };
+        const JobPrediction page = stand ? test::page_of(17, wide, [&](double x, double y) { return colour(y, x); })
+                                         : test::page_of(wide, 17, [&](double x, double y) { return colour(x, y); });
+        const auto found = printed_codes(page);
+        CAPTURE(stand);
+        REQUIRE(found.size() == 2);
+        std::vector<double> high;
+        for (const PrintedCode& code : found) {
+            CHECK(code.is_read);
+            CHECK((stand ? code.height_mm : code.width_mm) == Approx(wide - 8).margin(0.6));
+            high.push_back(stand ? code.width_mm : code.height_mm);
+        }
+        std::ranges::sort(high);
+        CHECK(high[0] == Approx(3).margin(0.3));
+        CHECK(high[1] == Approx(5).margin(0.3));
+    }
 }
 
 TEST_CASE("A code that reads as another is not the one that was asked for, and what is no code is none") {
