@@ -35,6 +35,12 @@ const char* kind_of(BarcodeFormat format) {
     }
 }
 
+/// By ISO/IEC 15420: of EAN-13 and UPC-A, 2 guards of 3, one of 5 and 12 digits of 7; of EAN-8 8 digits.
+int modules_of(BarcodeFormat format) {
+    if (format == BarcodeFormat::EAN13 || format == BarcodeFormat::UPCA) return 95;
+    return format == BarcodeFormat::EAN8 ? 67 : 0;
+}
+
 /// Between the middles of pixels a straight line.
 LuminanceRaster enlarged(const LuminanceRaster& from, int times) {
     if (times == 1) return from;
@@ -73,7 +79,11 @@ void add(std::vector<CodeInPicture>& codes, const ZXing::Result& result, const B
     // It has no sum: what few stripes say by chance is none.
     constexpr std::size_t least_characters = 4;
     if (result.format() == BarcodeFormat::Code39 && std::size_t(result.bytes().size()) < least_characters) return;
-    CodeInPicture code{kind_of(result.format()), {result.bytes().begin(), result.bytes().end()}, {}};
+    CodeInPicture code{kind_of(result.format()), {result.bytes().begin(), result.bytes().end()}, {}, 0};
+    if (const int modules = modules_of(result.format()); modules > 0) {
+        const auto way = result.position()[1] - result.position()[0];
+        code.module = std::hypot(way.x, way.y) / modules / times;
+    }
     code.box = {box[0] / times, first_row + box[1] / times, box[2] / times, first_row + box[3] / times};
     const auto same = [&](const CodeInPicture& other) {
         return other.kind == code.kind && other.content == code.content && other.box[0] < code.box[2] &&

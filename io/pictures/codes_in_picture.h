@@ -26,11 +26,12 @@ struct CodeInPicture {
     std::string kind;             ///< "QR code"
     std::string content;          ///< bytes, as they are; of a mirrored one, which no scanner takes, nothing comes
     std::array<double, 4> box{};  ///< left, top, right, bottom, pixels
+    double module = 0;            ///< of EAN and UPC, pixels; 0: not known
 };
 
 template <class Stream, class Code>
 requires std::is_same_v<std::remove_const_t<Code>, CodeInPicture>
-void describe(Stream& stream, Code& code) { stream(code.kind, code.content, code.box); }
+void describe(Stream& stream, Code& code) { stream(code.kind, code.content, code.box, code.module); }
 
 /// All that a patient reader finds: from several distances (the picture is enlarged up to `most_times`, at most 6, and
 /// to four million pixels), by a threshold of the whole and one of each neighbourhood. Throws FileError (no

@@ -39,9 +39,11 @@ std::vector<io::CodeInPicture> codes_of_picture(const io::Texture& texture, cons
                 grey_of(texture.sample((float(column) + 0.5f) / float(raster.columns),
                                        1 - (float(row) + 0.5f) / float(raster.rows), float(-std::log2(part)))));
     std::vector<io::CodeInPicture> codes = io::codes_in_picture(raster, 1);
-    for (io::CodeInPicture& code : codes)
+    for (io::CodeInPicture& code : codes) {
         for (std::size_t n = 0; n < 4; ++n)
             code.box[n] *= n % 2 ? double(cells[3]) / raster.rows : double(cells[2]) / raster.columns;
+        code.module *= double(cells[2]) / raster.columns;
+    }
     return codes;
 }
 
@@ -81,7 +83,7 @@ std::vector<PrintedCode> printed_codes(const JobPrediction& p, const io::Texture
             PrintedCode& code = codes.emplace_back(PrintedCode{asked.kind, {}, 0, 0, 0, false});
             code.width_mm = (asked.box[2] - asked.box[0]) * p.cell_um[0] / 1000;
             code.height_mm = (asked.box[3] - asked.box[1]) * p.cell_um[1] / 1000;
-            code.module_mm = module_of(asked, code);
+            code.module_mm = asked.module > 0 ? asked.module * p.cell_um[0] / 1000 : module_of(asked, code);
             const Frame frame = around(slab.all(), asked.box);
             for (int row = int(asked.box[1]); row < std::min(slab.all()[3], int(asked.box[3]) + 1); ++row)
                 for (int column = int(asked.box[0]); column < std::min(slab.all()[2], int(asked.box[2]) + 1); ++column)

@@ -24,7 +24,7 @@ struct PrintedCode {
     std::vector<std::uint32_t> cells;
     double width_mm = 0, height_mm = 0;
     double module_mm =
-        0;  ///< of QR codes and Data Matrices, if their text was given no more room than it needs; else 0
+        0;  ///< of EAN, UPC; of QR codes and Data Matrices, if their text was given no more room than it needs; else 0
     bool is_read = false;  ///< in the print
 };
 

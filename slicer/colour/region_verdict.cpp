@@ -645,7 +645,9 @@ std::vector<Row> lost_on_page(const RegionSources& s, const halftone::CellNeighb
         if (s.is_picture && detail->said.contrast < gone_contrast) page.lost = "some of its detail is gone";
         lost.push_back(std::move(*detail));
     }
-    if (s.is_picture && type && type->unread > 0) page.lost = "some of its type cannot be read";
+    if (s.is_picture && type && type->unread > 0)
+        page.lost = fmt::format("{} of its type can{} be read", type->unread == type->letters ? "none" : "some",
+                                type->unread == type->letters ? "" : "not");
     return lost;
 }
 

@@ -129,7 +129,8 @@ double share_of_sheets(const AdviceSources& s) {
 
 void add_larger(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     constexpr double fourfold = 4;
-    const double thick_mm = 2 * s.job.options.colour.depth_mm, most = std::min(fourfold, most_larger(s));
+    const double thick_mm = 2 * s.job.options.colour.depth_mm, of_tray = most_larger(s),
+                 most = std::min(fourfold, of_tray);
     const double exponent = exponent_of(s), now = s.mean.sum(), good = s.job.options.verdict.good;
     MeanParts parts = s.mean;
     // Sheets that enclose nothing are as thin at any size.
@@ -143,16 +144,19 @@ void add_larger(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     const auto at_least = [&](double k) { return mean_when_larger(at_best, k, exponent, thick_mm, fading_mm); };
     const auto at_most = [&](double k) { return mean_when_larger(parts, k, slow_part * exponent, thick_mm); };
     const auto then = [&](double k) { return (at_least(k) + at_most(k)) / 2; };
+    // What is clearly off is a band along edges, too.
+    const double stays = s.mean.reach_off, shrinks = std::max(0.0, s.whole.wrong_share - stays);
+    const auto is_good = [&](double k) { return then(k) <= good && stays + shrinks / k <= much_wrong; };
     // As large as makes it good; else twice as large.
     const double type_k = s.page.type_times > 1 ? some_more * s.page.type_times : 1;
     double k = 1.25;
-    while (k < most && then(k) > good) k *= 1.1;
-    if (then(k) > good) k = 2;
+    while (k < most && !is_good(k)) k *= 1.1;
+    if (!is_good(k)) k = 2;
     const double module_now_mm = s.page.module_mm,
                  code_k = module_now_mm > 0 ? std::max(1.0, readable_module_mm / module_now_mm) : 1,
                  read_k = std::max(type_k, code_k);
-    if (read_k > k || now <= good || is_cut_short(s)) k = read_k;
-    k = std::min(k, most);
+    k = read_k > 1 && (read_k > k || now <= good || is_cut_short(s)) ? std::min(read_k, of_tray) : std::min(k, most);
+    if (read_k == 1 && (is_cut_short(s) || (now <= good && s.whole.wrong_share <= much_wrong))) return;
     const auto [option, edge_mm] = size_option(s);
     const double to_mm = rounded_mm(k * edge_mm);
     if (to_mm <= edge_mm) return;

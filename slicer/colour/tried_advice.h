@@ -18,7 +18,10 @@
 //                 walls light falls to a third in 0.25 mm at best (a spider of 15 mm with legs of 0.3 mm, 14.0, came to
 //                 5.5 at twice that). What is too small to be seen becomes visible: a picture's print is at most what
 //                 this one would be from as much nearer, where light had spread as much farther (a menu of 8 mm on
-//                 cream, 5.5, came to 8.5 at 16 mm). As large is advised as makes their middle good; where type cannot
+//                 cream, 5.5, came to 8.5 at 16 mm). As large is advised as makes their middle good and
+//                 of what is clearly off, flecked or blurred, which shrinks as 1 / k, too little to mind (0.20 of
+//                 kodim23 of 12 mm came to 0.15, 0.11 and 0.08 at 16, 20 and 26 mm; 0.35 of an astronaut of 10 mm to
+//                 0.29, 0.23 and 0.15 at 15, 20 and 30 mm); where type cannot
 //                 be read, as makes it readable (type_size.h) and a tenth more, and where a code is not,
 //                 its modules 0.4 mm, said by that. Not after a loop that was cut short: another size would be cut
 //                 short elsewhere
@@ -59,6 +62,7 @@ struct MeanParts {
     double wall_mm = 0;      ///< of the thin walls, about
     double thick_walls = 0;  ///< what `thin` would be were they thick; `thin`: not known
     double thin_mm2 = 0;     ///< of the thin walls
+    double reach_off = 0;    ///< of what is seen: clearly off, and out of reach; in [0, 1]
     [[nodiscard]] double sum() const { return reach + thin + flat + neighbours; }
 };
 
@@ -70,6 +74,7 @@ struct AdviceSources {
     const std::optional<JobLoop>& loop;
     MeanParts mean;
     const PageVerdict& page;
+    const WholeVerdict& whole;
 };
 
 /// What holds for certain first, a larger size last. Of a print that is not good.

@@ -93,13 +93,15 @@ Losses losses_of(const VerdictSources& s, const JobPrediction& p, const std::vec
         if (!is_off) continue;
         losses.off += seen[i];
         losses.of(found[i].cause) += seen[i] * d;
+        if (found[i].cause == gamut && d > limits.bad) losses.mean.reach_off += seen[i];
         if (!is_thin) continue;
         thin.push_back({found[i].wall_mm, seen[i] * d});
         losses.walls.cells.push_back(static_cast<std::uint32_t>(i));
     }
     describe_walls(std::move(thin), losses);
     if (!(losses.all_seen > 0)) return losses;
-    for (double* part : {&losses.mean.reach, &losses.mean.thin, &losses.mean.flat, &losses.mean.neighbours})
+    for (double* part :
+         {&losses.mean.reach, &losses.mean.thin, &losses.mean.flat, &losses.mean.neighbours, &losses.mean.reach_off})
         *part /= losses.all_seen;
     losses.mean.wall_mm = losses.walls.wall_mm;
     for (const std::uint32_t i : losses.walls.cells)
@@ -214,7 +216,7 @@ void judge_prediction(const VerdictSources& s, const JobPrediction& p, io::Repor
     const auto type = std::ranges::find_if(verdict.regions, [](const auto& r) { return r.type_mm.has_value(); });
     const bool all_is_well = verdict.level == io::VerdictLevel::good && type == verdict.regions.end();
     if (!all_is_well) {
-        verdict.advice = tried_advice({s.job, s.body, p, seen, s.loop, losses.mean, regions.page});
+        verdict.advice = tried_advice({s.job, s.body, p, seen, s.loop, losses.mean, regions.page, whole});
     }
     constexpr float as_white = 0.97f;  // what paper may give away before a person is told
     if (p.seen.paper < as_white) verdict.paper = p.seen.paper;

@@ -15,7 +15,7 @@ namespace {
 
 WholeVerdict judge_colours(std::span<const double> difference, std::span<const double> weight,
                            std::span<const char> spoilt, const VerdictLimits& limits) {
-    constexpr double much = 0.1, most = 0.5;
+    constexpr double most = 0.5;
     VOXTONE_EXPECT(difference.size() == weight.size() && (spoilt.empty() || spoilt.size() == weight.size()));
     double all = 0, sum = 0, off = 0, wrong = 0;
     for (std::size_t i = 0; i < weight.size(); ++i) {
@@ -26,9 +26,9 @@ WholeVerdict judge_colours(std::span<const double> difference, std::span<const d
     if (!(all > 0)) return {};
     WholeVerdict whole{.mean = sum / all, .wrong_share = wrong / all, .off_share = off / all};
     using enum io::VerdictLevel;
-    whole.level = whole.mean > limits.bad || off > most * all            ? bad
-                  : whole.mean > limits.good || whole.wrong_share > much ? fair
-                                                                         : good;
+    whole.level = whole.mean > limits.bad || off > most * all                  ? bad
+                  : whole.mean > limits.good || whole.wrong_share > much_wrong ? fair
+                                                                               : good;
     return whole;
 }
 

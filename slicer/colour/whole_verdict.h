@@ -35,6 +35,8 @@
 
 namespace voxtone::slicer {
 
+inline constexpr double much_wrong = 0.1;  ///< of what is seen: more is not good
+
 struct WholeVerdict {
     io::VerdictLevel level = io::VerdictLevel::good;
     double mean = 0;              ///< m, CIEDE2000

@@ -158,6 +158,39 @@ TEST_CASE("Equal bars on one page are codes each, as high as they are, lying or 
     }
 }
 
+TEST_CASE("Of an EAN-13 the modules are measured, however high it is") {
+    // By ISO/IEC 15420: digits of the left half in two sets, whose order says the first one.
+    constexpr std::array<const char*, 10> odd{"0001101", "0011001", "0010011", "0111101", "0100011",
+                                              "0110001", "0101111", "0111011", "0110111", "0001011"};
+    const std::string digits = "4006381333931", sets = "OEOOEE";
+    const auto turned = [](std::string bars, bool mirror) {
+        for (char& bar : bars) bar = bar == '0' ? '1' : '0';
+        if (mirror) std::ranges::reverse(bars);
+        return bars;
+    };
+    std::string bars = "101";
+    for (std::size_t n = 1; n < 13; ++n) {
+        const std::string digit = odd[std::size_t(digits[n] - '0')];
+        bars += n > 6 ? turned(digit, false) : sets[n - 1] == 'O' ? digit : turned(digit, true);
+        if (n == 6) bars += "01010";
+    }
+    bars += "101";
+    constexpr double wide_mm = 0.42;
+    for (const double high : {8.0, 60.0}) {
+        const JobPrediction page = test::page_of(10 + 95 * wide_mm, high + 6, [&](double x, double y) {
+            const int at = int(std::floor((x - 5) / wide_mm));
+            const bool is_dark =
+                at >= 0 && at < int(bars.size()) && bars[std::size_t(at)] == '1' && y > 3 && y < high + 3;
+            return Eigen::Vector3f::Constant(is_dark ? 0.01f : 0.95f);
+        });
+        const auto found = printed_codes(page);
+        CAPTURE(high);
+        REQUIRE(found.size() == 1);
+        CHECK(found[0].module_mm == Approx(wide_mm).epsilon(0.03));
+        CHECK(found[0].height_mm == Approx(high).margin(0.3));
+    }
+}
+
 TEST_CASE("A code that reads as another is not the one that was asked for, and what is no code is none") {
     JobPrediction page = page_with(io::make_code(io::CodeKind::qr, "lot 1"));
     const JobPrediction other = page_with(io::make_code(io::CodeKind::qr, "lot 2"));
