@@ -92,12 +92,14 @@ void put_at(std::uint32_t cell, const optics::Surface& surface, io::ReportRegion
 }
 
 /// Per cell whether it is no fine detail, however much of its contrast light takes: of an area that is wide, on the
-/// edge between two of them, or on that of letters and lines, which are judged as what they are.
-std::vector<char> judged_areas(const JobPrediction& p, const halftone::CellNeighbours& cells) {
+/// edge between two of them, or on that of letters and lines, which are judged as what they are. `least`: what is
+/// smaller is no area.
+std::vector<char> judged_areas(const JobPrediction& p, const halftone::CellNeighbours& cells, double least) {
     std::vector<int> area(p.target.size(), 0);
     std::vector<char> stroke(p.target.size(), 0);
     int count = 0;
     for (const ColourRegion& of : p.seen.regions) {
+        if (of.area_mm2 < least) continue;
         ++count;
         for (const std::uint32_t i : of.cells)
             if (of.interior.size() < of.cells.size())
@@ -121,10 +123,13 @@ std::vector<char> judged_areas(const JobPrediction& p, const halftone::CellNeigh
     return judged;
 }
 
-/// Fine detail of graphics that lost much of its contrast; nothing where that is hardly anywhere.
-std::optional<Row> lost_detail(const JobPrediction& p, const halftone::CellNeighbours& cells) {
-    constexpr float strong = 0.08f, enough = 0.6f;
-    constexpr double least_lost_mm2 = 0.25;
+/// Fine detail of graphics that lost much of its contrast; nothing where that is hardly anywhere. Of a body also what
+/// is painted on it too small for a word of its own: eyes, brows, a mouth.
+std::optional<Row> lost_detail(const JobPrediction& p, const halftone::CellNeighbours& cells, bool is_picture) {
+    constexpr float enough = 0.6f;
+    // A black eye of 0.5 mm on white comes to 0.07.
+    const float strong = is_picture ? 0.08f : 0.05f;
+    const double least_lost_mm2 = is_picture ? 0.25 : 0.1;  // two eyes of 0.3 mm
     const optics::Surface& surface = p.predicted.surface;
     if (!is_graphics(p)) return std::nullopt;
     Row row;
@@ -132,7 +137,7 @@ std::optional<Row> lost_detail(const JobPrediction& p, const halftone::CellNeigh
     double kept = 0;
     float most = 0;
     std::size_t worst = 0;
-    const std::vector<char> judged = judged_areas(p, cells);
+    const std::vector<char> judged = judged_areas(p, cells, is_picture ? 0 : least_mm2);
     for (std::size_t i = 0; i < p.seen.fine.size(); ++i) {
         const halftone::FineContrast& fine = p.seen.fine[i];
         if (judged[i] || fine.wanted < strong || fine.kept >= enough) continue;
@@ -637,7 +642,7 @@ std::vector<Row> lost_on_page(const RegionSources& s, const halftone::CellNeighb
     if (type) page.smallest_type_mm = type->smallest_mm, page.type_times = type->times;
     std::vector<Row> lost;
     if (auto small = small_type(s, type)) lost.push_back(std::move(*small));
-    auto detail = lost.empty() ? lost_detail(p, cells) : std::nullopt;
+    auto detail = lost.empty() ? lost_detail(p, cells, s.is_picture) : std::nullopt;
     if (!detail && (lost.empty() || !type->letters_at.empty())) detail = lost_lines_row(s, pages);
     if (detail && type && is_of_letters(p, detail->cells, type->letters_at)) detail.reset();
     const auto is_served = [&](std::uint32_t cell) { return !page.served.empty() && page.served[cell] != 0; };
@@ -689,6 +694,12 @@ JudgedRegions judge_regions(const RegionSources& s, const ThinWalls& walls) {
         row.said.good = row.said.why.empty();
     }
     for (Row& row : lost_on_page(s, cells, rows, judged.page)) say_where(s, rows.emplace_back(std::move(row)));
+    // The bars of a code that is read do what they are there for, whatever their contrast is.
+    if (const std::vector<char>& served = judged.page.served; !served.empty())
+        std::erase_if(rows, [&](const Row& row) {
+            const auto in = std::ranges::count_if(row.cells, [&](std::uint32_t i) { return served[i] != 0; });
+            return row.said.kind != "code" && 10 * std::size_t(in) > 9 * row.cells.size();
+        });
     for (auto& row : {blurred_texture(s, judged.spoilt), thin_walls(s, walls)})
         if (row) say_where(s, rows.emplace_back(*row));
     for (Row& label : labels_of(s)) {

@@ -72,6 +72,15 @@ const io::Texture* upright_picture(const io::TexturedMesh* mesh) {
 
 namespace {
 
+/// Whether one of the four cells around a place is none.
+bool is_beside(const SlabCells& slab, double u, double v) {
+    const double half[2] = {0.5 / slab.all()[2], 0.5 / slab.all()[3]};
+    for (int n = 0; n < 4; ++n)
+        if (slab.at(Eigen::Vector2d(u + (n % 2 ? half[0] : -half[0]), v + (n / 2 ? half[1] : -half[1]))) < 0)
+            return true;
+    return false;
+}
+
 /// `part`: of the picture's pixels, each way.
 PicturePage page_of(const JobPrediction& p, const SlabCells& slab, const io::Texture& picture, double part) {
     const int columns = std::max(1, int(part * picture.width_px())),
@@ -103,6 +112,8 @@ PicturePage page_of(const JobPrediction& p, const SlabCells& slab, const io::Tex
                     slab.colour_at(p.predicted.rgb, u + ((n % samples + 0.5) / samples - 0.5) / columns,
                                    v + ((n / samples + 0.5) / samples - 0.5) / rows) /
                     float(samples * samples);
+            // Beside what is cut to shape nothing was asked for.
+            if (is_beside(slab, u, v)) page.target[i] = page.predicted.rgb[i];
         }
     });
     page.seen.regions = halftone::colour_regions(page.predicted.surface, page.target);

@@ -11,6 +11,7 @@
 
 #include "halftone/loop/appearance_loop.h"
 #include "halftone/loop/eye_filter.h"
+#include "slicer/colour/slab_picture.h"
 #include "slicer/colour/type_size.h"
 #include "slicer/mesh/solid_mesh.h"
 #include "slicer/options/auto_limits.h"
@@ -171,13 +172,15 @@ void add_larger(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     }
     if (type_k > 1 && to_mm >= type_k * edge_mm) {
         const double smallest_mm = s.page.smallest_type_mm * times;
-        advice.push_back({fmt::format("print it larger ({}): then its smallest type is of {}, which can be read", size,
-                                      type_size_text(smallest_mm)),
+        advice.push_back({fmt::format("print it larger ({}): then its smallest type is of {}, and nearly all of it can "
+                                      "be read",
+                                      size, type_size_text(smallest_mm)),
                           size, smallest_type, s.page.smallest_type_mm, smallest_mm});
     }
     if (read_k > 1) return;
-    const double highest = std::max(at_most(times), s.body.is_picture ? mean_from_nearer(s, times) : 0);
-    if ((least + highest) / 2 > worth_a_word * now) return;
+    const bool is_page = s.body.is_picture && is_graphics(s.prediction);
+    const double highest = std::max(at_most(times), is_page ? mean_from_nearer(s, times) : 0);
+    if (now > good && (least + highest) / 2 > worth_a_word * now) return;
     std::string options = size;
     // Where nothing else would tell what it comes to.
     const double area_mm2 = coloured_area_mm2(*s.body.surface) * std::pow(to_mm / edge_mm, 2);

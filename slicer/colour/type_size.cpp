@@ -136,14 +136,18 @@ double dividing_size(std::span<const Glyph> by_size) {
     return (by_size[at - 1].size_mm + by_size[at].size_mm) / 2;
 }
 
-/// Twenty times as large at the most.
+/// Twenty times as large at the most. The palest tenth is left out: it is read at no size that anybody prints.
 double times_to_be_read(std::span<const Glyph* const> letters, double viewing_distance_mm) {
     double times = 1;
+    const auto palest = std::ptrdiff_t(letters.size() / 10);
+    // Of a map's names in prints of 20, 30 and 40 mm 0.027, 0.053 and 0.075 was seen, of a label's of 16 mm 0.015 and
+    // of 32 mm, of the smaller half of them alone, 0.045 (open loop).
+    constexpr double growth = 1.5;
     const auto is_lost = [&](const Glyph* letter) {
-        return legibility_of(std::min(letter->contrast_asked, times * letter->contrast), letter->contrast_asked,
-                             times * letter->size_mm, viewing_distance_mm) == Legibility::lost;
+        return legibility_of(std::min(letter->contrast_asked, std::pow(times, growth) * letter->contrast),
+                             letter->contrast_asked, times * letter->size_mm, viewing_distance_mm) == Legibility::lost;
     };
-    while (times < 20 && std::ranges::any_of(letters, is_lost)) times *= 1.05;
+    while (times < 20 && std::ranges::count_if(letters, is_lost) > palest) times *= 1.05;
     return times;
 }
 

@@ -32,7 +32,9 @@ namespace voxtone::slicer {
 struct TypeSize {
     double below_mm = 0;  ///< size of the face: what is smaller cannot be read; 0: all can, some is pale
     double smallest_mm = 0, largest_mm = 0;
-    double times = 1;  ///< how much larger all would be read, contrasts growing as sizes do, up to what was asked for
+    /// How much larger nine tenths of what is lost would be read, contrasts growing as sizes^1.5, up to what was
+    /// asked for.
+    double times = 1;
     std::size_t letters = 0, unread = 0, pale = 0;
     std::vector<Eigen::AlignedBox2d>
         letters_at;                           ///< of what is told or read, in parts of the page; without `pages` none

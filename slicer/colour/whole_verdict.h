@@ -50,7 +50,7 @@ struct PageVerdict {
     std::string useless = {};                     ///< what it is of no use for: a clause; empty: nothing
     std::string lost = {};                        ///< what of it is gone: a clause; empty: nothing
     std::vector<char> served;                     ///< per cell: in a code that is read; empty: none is
-    double smallest_type_mm = 0, type_times = 1;  ///< size of the smallest face, and how much larger all would be read
+    double smallest_type_mm = 0, type_times = 1;  ///< size of the smallest face, and how much larger nearly all is read
     double module_mm = 0;                         ///< of codes that are not read, the smallest that is known; 0: none
 };
 

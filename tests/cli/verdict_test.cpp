@@ -538,6 +538,51 @@ TEST_CASE("A print's verdict does not get worse printed larger, with more resins
     CHECK(seen_ranks.size() == 3);  // all levels are among them
 }
 
+namespace {
+
+/// A tablet of 4 x 4 x 2.5 mm with what is painted on its top: by place, mm.
+std::string painted_tablet(const std::function<const char*(double x, double y)>& paint) {
+    constexpr int n = 81;
+    std::string text;
+    for (const double z : {0.0, 2.5})
+        for (int y = 0; y < n; ++y)
+            for (int x = 0; x < n; ++x)
+                text += fmt::format("v {:.2f} {:.2f} {} {}\n", 0.05 * x, 0.05 * y, z,
+                                    z > 0 ? paint(0.05 * x, 0.05 * y) : "0.25 0.12 0.05");
+    const auto at = [](int x, int y, int top) { return top * n * n + y * n + x + 1; };
+    const auto quad = [&](int a, int b, int c, int d) { text += fmt::format("f {} {} {} {}\n", a, b, c, d); };
+    for (int y = 0; y + 1 < n; ++y)
+        for (int x = 0; x + 1 < n; ++x) {
+            quad(at(x, y, 1), at(x + 1, y, 1), at(x + 1, y + 1, 1), at(x, y + 1, 1));
+            quad(at(x, y, 0), at(x, y + 1, 0), at(x + 1, y + 1, 0), at(x + 1, y, 0));
+        }
+    for (int i = 0; i + 1 < n; ++i) {
+        quad(at(i, 0, 0), at(i + 1, 0, 0), at(i + 1, 0, 1), at(i, 0, 1));
+        quad(at(i + 1, n - 1, 0), at(i, n - 1, 0), at(i, n - 1, 1), at(i + 1, n - 1, 1));
+        quad(at(0, i + 1, 0), at(0, i, 0), at(0, i, 1), at(0, i + 1, 1));
+        quad(at(n - 1, i, 0), at(n - 1, i + 1, 0), at(n - 1, i + 1, 1), at(n - 1, i, 1));
+    }
+    return text;
+}
+
+}  // namespace
+
+TEST_CASE("Eyes that fade on a model are told, however small they are") {
+    const Folder folder("eyes");
+    const auto told = [&](bool with_eyes) {
+        folder.write("face.obj", painted_tablet([&](double x, double y) {
+                         const bool eye = with_eyes && std::hypot(std::abs(x - 2) - 0.7, y - 2.4) < 0.11;
+                         return eye ? "0.98 0.98 0.98" : "0.25 0.12 0.05";
+                     }));
+        const auto regions =
+            verdict_of(folder, folder / "face.obj" + " --unit mm --iterations 0")["verdict"]["regions"];
+        UNSCOPED_INFO(regions.dump(1));
+        return std::ranges::any_of(regions, [](const auto& region) { return region["kind"] == "fine detail"; });
+    };
+    CHECK(told(true));
+    CHECK_FALSE(told(false));
+}
+
 TEST_CASE("A model's narrow legs are told by their colour, and not as type that is hard to read") {
     const Folder folder("legs");
     std::string text;

@@ -176,6 +176,22 @@ TEST_CASE("Where the print's white is darker than paper whoever reads is told ho
     CHECK_THAT(customer_html(report), !Contains("its white"));
 }
 
+TEST_CASE("Who ordered it reads what may break and what is lost, and neither options nor tools") {
+    Report report = sample("figure");
+    report.warnings = {
+        "walls under 0.6 mm may break: 0.4 mm over 2 mm below (1.0, 2.0, 0.3 mm). Thickened in a mesh "
+        "editor they would not [fragile]",
+        "3 pairs of pieces meet in a point alone: let them overlap in a mesh editor [fragile]",
+        "a.png has transparent pixels; they were laid over white. --alpha translucency prints them so "
+        "that light goes through, --cut-out leaves them out [transparent]",
+        "the print is only 1 mm large [tiny]"};
+    const std::string html = customer_html(report);
+    CHECK(count(html, "may break when the support is washed off") == 1);
+    CHECK_THAT(html, Contains("a.png has transparent pixels; they were laid over white.</p>"));
+    for (const char* of_shop : {"--alpha", "mesh editor", "[", "(1.0", "1 mm large"})
+        CHECK_THAT(html.substr(html.find("Please note")), !Contains(of_shop));
+}
+
 TEST_CASE("The customer's page says something of the looks, whatever is known of them") {
     Report report = sample("sword");
     report.verdict.reset();

@@ -175,6 +175,12 @@ TEST_CASE("Below the size where its contrast is lost type is said to be unreadab
     CHECK(type->unread == 24);
     CHECK(type->contrast_asked > 0.9);
     CHECK(type->contrast < 0.5);
+    // As much larger as sight needs, whatever the palest tenth does.
+    CHECK(type->times == Approx(1.1).margin(0.06));  // 1 mm at a contrast of 0.14: sight reads 1.1 mm
+    const Page palest(lines_of_type, [&](int x, int y, bool black) {
+        return black && y < 50 && x < 12 ? 0.999f : small_is_lost(x, y, black);
+    });
+    CHECK(unreadable_type(palest.p, 300)->times == Approx(type->times).epsilon(0.06));
     const Page sharp(lines_of_type, [](int, int, bool black) { return black ? 0.05f : 1.0f; });
     CHECK(unreadable_type(sharp.p, 300)->is_read_well());
     // Sight has its limit, too: nobody reads 1.4 mm from three metres.

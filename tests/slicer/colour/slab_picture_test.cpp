@@ -99,6 +99,23 @@ TEST_CASE("Nothing is looked for in a photograph, nor where the print is as fine
     }
 }
 
+TEST_CASE("What the picture has beside its cut was not asked for, and is not lost") {
+    const io::TexturedMesh mesh = slab_with([](int x, int) { return x < 160 && x % 4 < 2 ? 0.0f : 0.9f; });
+    const JobPrediction whole = printed(mesh, 12);
+    REQUIRE(lost_lines(whole, picture_pages(whole, &mesh)));
+    JobPrediction cut;
+    cut.cell_um = whole.cell_um, cut.predicted.surface.cell_voxels = whole.predicted.surface.cell_voxels;
+    for (std::size_t i = 0; i < whole.target.size(); ++i) {
+        const optics::SurfaceCell& cell = whole.predicted.surface.cells[i];
+        // One corner keeps the frame as it is.
+        if (cell.centre_mm[0] < 4.2f && (cell.centre_mm[0] > 0.3f || cell.centre_mm[1] > 0.3f)) continue;
+        cut.predicted.surface.cells.push_back(cell);
+        cut.target.push_back(Eigen::Vector3f::Constant(0.9f)), cut.predicted.rgb.push_back(cut.target.back());
+    }
+    cut.seen.regions = halftone::colour_regions(cut.predicted.surface, cut.target);
+    CHECK_FALSE(lost_lines(cut, picture_pages(cut, &mesh)));
+}
+
 TEST_CASE("Of a word of three letters that is gone it is said that it is lost") {
     const test::SetLine word("No 7", 6, 2, 2);
     const io::TexturedMesh mesh = slab_with(
