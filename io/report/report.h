@@ -112,8 +112,9 @@ struct ReportVerdict {
     std::array<double, 3> but_mm{}, but_normal{};  ///< where that is
     std::optional<double> seen_mean, seen_p95;     ///< the headline and its tail: as seen from the viewing distance
     std::optional<double> reach_mean;              ///< of that, what no mixture of the loaded resins could avoid
-    std::optional<double> paper;  ///< of the light that was asked for, what is taken for white; where less than all
-    double wrong_share = 0;       ///< of what is seen: off by more than `bad_above`, flecked, or blurred
+    std::optional<double> paper =
+        {};                  ///< of the light that was asked for, what is taken for white; where less than all
+    double wrong_share = 0;  ///< of what is seen: off by more than `bad_above`, flecked, or blurred
     double viewing_distance_mm = 0;
     double good_up_to = 0, bad_above = 0;  ///< means
     double off_share = 0;                  ///< of what is seen: differs by more than `good_up_to`
