@@ -55,6 +55,22 @@ JobPrediction printed(const io::TexturedMesh& mesh, double width_mm) {
 
 }  // namespace
 
+TEST_CASE("A slab's picture is looked at where it lies upright, and nowhere else") {
+    io::TexturedMesh mesh = slab_with([](int, int) { return 0.5; });
+    CHECK(upright_picture(&mesh) == mesh.materials[0].texture.get());
+    const auto seen_with = [&](const Eigen::Vector2f& a, const Eigen::Vector2f& b, const Eigen::Vector2f& c) {
+        mesh.corner_uv = {{a, b, c}};
+        return upright_picture(&mesh) != nullptr;
+    };
+    CHECK(seen_with({0.2f, 0.1f}, {0.7f, 0.1f}, {0.7f, 0.9f}));  // a part of it
+    CHECK_FALSE(seen_with({1, 0}, {0, 0}, {0, 1}));              // mirrored
+    CHECK_FALSE(seen_with({0, 1}, {1, 1}, {1, 0}));              // upside down
+    CHECK_FALSE(seen_with({0, 0}, {0, 1}, {-1, 1}));             // on its side
+    mesh.corner_uv.clear();
+    CHECK(upright_picture(&mesh) == nullptr);
+    CHECK(upright_picture(nullptr) == nullptr);
+}
+
 TEST_CASE("However small a picture is printed, its letters are judged as it was given", "[slow]") {
     // 24 x 12 mm of type of 4 and of 9 pt, which is read at that size.
     const test::SetLine small("Serial 00417-B, lot 9", 4, 1, 2), large("Open 10-18", 9, 1, 7);

@@ -205,6 +205,8 @@ TEST_CASE("A thin page over black is told to be thin, and that a thicker one wou
             CHECK_THAT(region.at("why").get<std::string>(), Contains("let light pass") || Contains("0.8 mm"));
             CHECK(region.at("area_mm2").get<double>() > 9);
             CHECK(region.at("area_mm2").get<double>() <= 27.1);  // all of the page
+            // Paper, red and blue together.
+            CHECK_THAT(region.at("asked").get<std::string>(), !Catch::StartsWith("black") && !Contains("(0, 0, 0)"));
             CHECK(region.at("pieces") == 1);
             // Of its own size, not of its area's: between what is good and what is black for white.
             CHECK(region.at("de2000").get<double>() > 2);
