@@ -75,7 +75,7 @@ Eigen::Vector3f nearest_colour(const Eigen::Vector3f& target, const Eigen::Vecto
         Eigen::Vector3d next = v;
         for (Eigen::Index c = 0; c < 3; ++c)
             if (!saturated[static_cast<std::size_t>(c)]) {
-                const double r = std::clamp(std::cbrt(v[c]) + change[c], std::cbrt(least), 1.0);
+                const double r = std::clamp(portable::cbrt(v[c]) + change[c], portable::cbrt(least), 1.0);
                 next[c] = r * r * r;
             }
         const Eigen::Vector3d residual_then = off(next);

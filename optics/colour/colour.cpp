@@ -7,6 +7,8 @@
 
 #include <Eigen/LU>
 
+#include "optics/numerics/portable_math.h"
+
 namespace voxtone::optics {
 
 namespace {
@@ -62,13 +64,13 @@ const Matrix3d& oklab_opponents() {
 constexpr double lab_edge = 6.0 / 29;
 
 double lab_curve(double t) {
-    return t > lab_edge * lab_edge * lab_edge ? std::cbrt(t) : t / (3 * lab_edge * lab_edge) + 4.0 / 29;
+    return t > lab_edge * lab_edge * lab_edge ? portable::cbrt(t) : t / (3 * lab_edge * lab_edge) + 4.0 / 29;
 }
 
 double lab_curve_inverse(double f) { return f > lab_edge ? f * f * f : 3 * lab_edge * lab_edge * (f - 4.0 / 29); }
 
 double lab_slope(double t) {
-    return t > lab_edge * lab_edge * lab_edge ? std::cbrt(t) / (3 * t) : 1 / (3 * lab_edge * lab_edge);
+    return t > lab_edge * lab_edge * lab_edge ? portable::cbrt(t) / (3 * t) : 1 / (3 * lab_edge * lab_edge);
 }
 
 double power_7(double x) {
@@ -162,7 +164,7 @@ Vector3d adapt_white(const Vector3d& xyz, const Vector3d& from, const Vector3d& 
 
 Vector3d oklab_from_linear_srgb(const Vector3d& rgb) {
     const Vector3d cones = oklab_cones() * rgb;
-    return oklab_opponents() * Vector3d(std::cbrt(cones[0]), std::cbrt(cones[1]), std::cbrt(cones[2]));
+    return oklab_opponents() * Vector3d(portable::cbrt(cones[0]), portable::cbrt(cones[1]), portable::cbrt(cones[2]));
 }
 
 Vector3d linear_srgb_from_oklab(const Vector3d& oklab) {
@@ -173,7 +175,7 @@ Vector3d linear_srgb_from_oklab(const Vector3d& oklab) {
 
 Matrix3d oklab_derivative(const Vector3d& rgb) {
     const Vector3d cones = (oklab_cones() * rgb).cwiseMax(1e-6);
-    const Vector3d slope = cones.unaryExpr([](double x) { return std::cbrt(x) / (3 * x); });
+    const Vector3d slope = cones.unaryExpr([](double x) { return portable::cbrt(x) / (3 * x); });
     return oklab_opponents() * slope.asDiagonal() * oklab_cones();
 }
 

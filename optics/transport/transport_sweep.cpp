@@ -530,7 +530,10 @@ void sweep(const SweepJob& job, int half) {
         const Octant& o = octants[k];
         CellFaces on{};
         Front& front = fronts[k];
-        std::vector<Octet> front_x(per_x), fitted(parts[k].size()), seen(parts[k].size());
+        // On the stack where no cell is cut: whole rows come and go too fast for the heap.
+        std::array<Octet, 16> of_whole_cells{};
+        std::vector<Octet> of_parts(any_fine ? per_x : 0), fitted(parts[k].size()), seen(parts[k].size());
+        Octet* const front_x = any_fine ? of_parts.data() : of_whole_cells.data();
         bool x_fine = false;
         const std::size_t begin = grid.transport_rows[row], end = grid.transport_rows[row + 1];
         for (std::size_t i = begin; i < end; ++i) {
@@ -547,7 +550,7 @@ void sweep(const SweepJob& job, int half) {
             const auto bx = static_cast<std::size_t>(block.at[0]);
             const std::size_t bz = static_cast<std::size_t>(block.at[1]) * across + bx;
             const std::size_t by = job.rows.front[row] * across + bx;
-            const BlockFaces faces{as_vectors(front_x.data()), as_vectors(front.y.data() + per_y * by),
+            const BlockFaces faces{as_vectors(front_x), as_vectors(front.y.data() + per_y * by),
                                    as_vectors(front.z.data() + per_z * bz)};
             fit(faces.x, x_fine, in_parts, 1, 2);
             fit(faces.y, front.y_fine[by], in_parts, 0, 2);
