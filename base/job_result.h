@@ -4,6 +4,7 @@
 // that gives this back and throws `Error` for all that is wrong with what it was given.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "base/error.h"
@@ -14,6 +15,8 @@ struct JobResult {
     std::string json;  ///< for programs: one object, one line
     std::string text;  ///< for people: one or more lines
     ExitCode exit_code = ExitCode::done;
+    /// What --quiet shows of a failure, a line or more; empty: warnings have said it all; nothing: the text.
+    std::optional<std::string> failure = {};
 };
 
 }  // namespace voxtone

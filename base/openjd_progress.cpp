@@ -88,7 +88,7 @@ void OpenJobProgress::on_stage_end() {
 
 void OpenJobProgress::on_warning(const std::string& message) {
     const std::lock_guard lock(mutex_);
-    sink_(fmt::format("warning: {}\n", printable_line(message)));
+    sink_(fmt::format("warning: {}\n", printable_line(with_part_name(message))));
 }
 
 void OpenJobProgress::on_note(const std::string& message) {

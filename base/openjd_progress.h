@@ -20,7 +20,7 @@
 
 namespace voxtone {
 
-class OpenJobProgress final : public Progress, public ShowsOutlook, public ShowsParts {
+class OpenJobProgress final : public Progress, public ShowsOutlook, public ShowsParts, public ShowsPartNames {
 public:
     OpenJobProgress(TextSink sink, SecondsClock clock, bool ticks = false);
 

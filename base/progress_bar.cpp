@@ -89,6 +89,30 @@ bool locale_is_utf8() {
 
 }  // namespace
 
+std::string ShowsPartNames::set_part_name(std::string name) {
+    const std::scoped_lock lock(naming_);
+    return std::exchange(part_name_, std::move(name));
+}
+
+std::string ShowsPartNames::with_part_name(const std::string& warning) const {
+    const std::scoped_lock lock(naming_);
+    return warning_of_part(part_name_, warning);
+}
+
+WarningsOfPart::WarningsOfPart(Progress& progress, std::string name)
+    : shows_(dynamic_cast<ShowsPartNames*>(&progress)) {
+    if (shows_) before_ = shows_->set_part_name(std::move(name));
+}
+
+WarningsOfPart::~WarningsOfPart() {
+    if (shows_) shows_->set_part_name(std::move(before_));
+}
+
+std::string warning_of_part(const std::string& name, const std::string& warning) {
+    const std::string lead = name + ": ";
+    return name.empty() || warning.starts_with(lead) ? warning : lead + warning;
+}
+
 TextSink stderr_sink() {
     return [](std::string_view text) {
         std::fwrite(text.data(), 1, text.size(), stderr);
@@ -167,7 +191,7 @@ void ProgressBar::on_stage_end() {
 
 void ProgressBar::on_warning(const std::string& message) {
     const std::lock_guard lock(mutex_);
-    write("warning: " + printable(message) + "\n");
+    write("warning: " + printable(with_part_name(message)) + "\n");
 }
 
 void ProgressBar::on_note(const std::string& message) {
@@ -286,7 +310,7 @@ void ProgressLines::on_stage_end() {
 
 void ProgressLines::on_warning(const std::string& message) {
     const std::lock_guard lock(mutex_);
-    write("warning: " + printable(message) + "\n");
+    write("warning: " + printable(with_part_name(message)) + "\n");
 }
 
 void ProgressLines::on_note(const std::string& message) {
@@ -312,7 +336,7 @@ ProgressQuiet::ProgressQuiet(TextSink sink) : sink_(std::move(sink)) {}
 
 void ProgressQuiet::on_warning(const std::string& message) {
     const std::lock_guard lock(mutex_);
-    sink_("warning: " + printable(message) + "\n");
+    sink_("warning: " + printable(with_part_name(message)) + "\n");
 }
 
 std::unique_ptr<Progress> make_console_progress(bool quiet) {

@@ -48,11 +48,44 @@ struct Stage {
 /// "4.2 s", "3 min 05 s", "2 h 07 min".
 [[nodiscard]] std::string duration_text(double seconds);
 
+/// Progress that shows whose a warning is. Of a job of many parts each is warned of while it is worked on, and its name
+/// stands before that: "cow: the print is only 1 mm large ... [tiny]".
+class ShowsPartNames {
+public:
+    virtual ~ShowsPartNames() = default;
+    /// Of what is warned of from now on; empty: of no part. What it was before.
+    std::string set_part_name(std::string name);
+
+protected:
+    /// The warning, with the name unless it begins with it.
+    [[nodiscard]] std::string with_part_name(const std::string& warning) const;
+
+private:
+    mutable std::mutex naming_;
+    std::string part_name_;
+};
+
+/// What is warned of while this lives is of this part; other progress does without.
+class WarningsOfPart {
+public:
+    WarningsOfPart(Progress& progress, std::string name);
+    WarningsOfPart(const WarningsOfPart&) = delete;
+    WarningsOfPart& operator=(const WarningsOfPart&) = delete;
+    ~WarningsOfPart();
+
+private:
+    ShowsPartNames* shows_;
+    std::string before_;
+};
+
+/// "cow: ...", where the sentence does not begin so.
+[[nodiscard]] std::string warning_of_part(const std::string& name, const std::string& warning);
+
 /// A bar that is redrawn in place at most ten times a second, twice a second while nothing is reported, and one line
 /// per stage when it is done:
 ///     layers  [=========>          ]  47 %  1842/3920 layers  61/s  34 s left
 /// The time left is that of the whole job where its stages are expected (base/job_outlook.h): "about 2 min left".
-class ProgressBar final : public Progress, public ShowsOutlook, public ShowsParts {
+class ProgressBar final : public Progress, public ShowsOutlook, public ShowsParts, public ShowsPartNames {
 public:
     struct Look {
         std::function<int()> columns;  ///< width of the terminal now
@@ -91,7 +124,7 @@ private:
 
 /// Lines for a log, as few as tell that the work goes on: tenths of a stage and its end, nothing of what takes less
 /// than a second, no two tenths within two seconds, and a sign of life every 20 s (some schedulers end silent jobs).
-class ProgressLines final : public Progress, public ShowsOutlook, public ShowsParts {
+class ProgressLines final : public Progress, public ShowsOutlook, public ShowsParts, public ShowsPartNames {
 public:
     ProgressLines(TextSink sink, SecondsClock clock, bool ticks = false);
 
@@ -122,7 +155,7 @@ private:
 };
 
 /// Warnings only.
-class ProgressQuiet final : public Progress {
+class ProgressQuiet final : public Progress, public ShowsPartNames {
 public:
     explicit ProgressQuiet(TextSink sink);
 

@@ -106,7 +106,7 @@ void ProgressEvents::on_stage_end() {
 
 void ProgressEvents::on_warning(const std::string& message) {
     write_line(fmt::format(R"({{"event":"warning","name":{},"message":{}}})", json_quoted(message_name(message)),
-                           json_quoted(message)));
+                           json_quoted(with_part_name(message))));
 }
 
 void ProgressEvents::on_note(const std::string& message) {

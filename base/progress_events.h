@@ -21,7 +21,7 @@
 
 namespace voxtone {
 
-class ProgressEvents final : public Progress, public ShowsOutlook, public ShowsParts {
+class ProgressEvents final : public Progress, public ShowsOutlook, public ShowsParts, public ShowsPartNames {
 public:
     ProgressEvents(TextSink sink, SecondsClock clock, bool ticks = false);
 

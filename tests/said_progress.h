@@ -5,11 +5,12 @@
 #include <string>
 
 #include "base/progress.h"
+#include "base/progress_bar.h"
 
 namespace voxtone::test {
 
 /// Keeps what the user would read.
-class SaidProgress final : public Progress {
+class SaidProgress final : public Progress, public ShowsPartNames {
 public:
     /// A line each.
     [[nodiscard]] std::string warnings() const { return warnings_; }
@@ -20,8 +21,8 @@ public:
 private:
     void on_warning(const std::string& message) override {
         const std::scoped_lock lock(mutex_);
-        warnings_ += message + "\n";
-        said_ += "warning: " + message + "\n";
+        warnings_ += with_part_name(message) + "\n";
+        said_ += "warning: " + with_part_name(message) + "\n";
     }
     void on_note(const std::string& message) override {
         const std::scoped_lock lock(mutex_);

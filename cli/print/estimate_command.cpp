@@ -47,7 +47,7 @@ int run(const EstimateArguments& arguments) {
             return farm::run_plan_estimate(plan_of(options), scope, progress);
         }
         const slicer::JobEstimate estimate = slicer::estimate_print({options, models}, progress, scope);
-        return JobResult{slicer::estimate_json(estimate), slicer::estimate_text(estimate)};
+        return JobResult{slicer::estimate_json(estimate), slicer::estimate_text(estimate), estimate.exit_code};
     });
 }
 

@@ -84,7 +84,11 @@ Verb read_verb() {
     add_some_job_options(command, arguments->job,
                          {"model", "printer", "unit", "size", "scale", "width", "height", "dpi", "thickness", "cut-out",
                           "rotate", "texture", "read-memory", "read-time", "read-size", "read-pixels"});
-    std::ranges::find(command.options, "model,--model", &Option::names)->rules.required = true;
+    Option& model = *std::ranges::find(command.options, "model,--model", &Option::names);
+    model.rules.required = true;
+    model.help =
+        "textured meshes (OBJ, PLY, STL, glTF, GLB, 3MF, FBX, VRML, or a ZIP of one) and pictures; what is in a plan "
+        "of many `voxtone estimate` tells";
     command.add("--picture", arguments->picture,
                 "a PNG to know the model by: from front, right and above, from the front, from above; of a "
                 "picture, itself",

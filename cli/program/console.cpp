@@ -60,22 +60,26 @@ JobResult run_with_events(const ConsoleOptions& options, const std::function<Job
     return result;
 }
 
-void print_text(const JobResult& result) {
-    print_out(printable(result.text));
-    if (!result.text.empty() && result.text.back() != '\n') print_out("\n");
+void print_lines(const std::string& text) {
+    print_out(printable(text));
+    if (!text.empty() && text.back() != '\n') print_out("\n");
 }
 
 JobResult run_with_text(const ConsoleOptions& options, const std::function<JobResult(Progress&)>& work) {
     const std::unique_ptr<Progress> progress = make_console_progress(options.quiet);
     JobResult result = work_until_stopped(work, *progress, Messages::text, options.grace);
-    if (!options.quiet || options.answers || result.exit_code != ExitCode::done) print_text(result);
+    const bool failed = result.exit_code != ExitCode::done;
+    if (!options.quiet || options.answers)
+        print_lines(result.text);
+    else if (failed)
+        print_lines(result.failure.value_or(result.text));
     return result;
 }
 
 JobResult run_for_openjd(const std::function<JobResult(Progress&)>& work, std::chrono::milliseconds grace) {
     OpenJobProgress progress(stdout_sink(), steady_seconds(), true);
     JobResult result = work_until_stopped(work, progress, Messages::openjd, grace);
-    print_text(result);
+    print_lines(result.text);
     if (result.exit_code == ExitCode::done)
         progress.finish();
     else

@@ -159,6 +159,7 @@ PlannedEstimate estimate_planned(const PlannedJob& job, const slicer::EstimateSc
     requested.overwrite = true;  // what its folder holds does not matter here
     try {
         planned.estimate = slicer::estimate_print({requested}, progress, scope);
+        planned.exit_code = static_cast<int>(planned.estimate.exit_code);
     } catch (const Cancelled&) {
         throw;
     } catch (const TryAgain&) {

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include "base/error.h"
 #include "farm/batch/job_result.h"
@@ -27,7 +28,11 @@ ChainEstimate estimate_chain(const PlannedJob& job, const ChainOptions& options,
     if (requested.threads == 0) requested.threads = options.most_cores;
     ChainEstimate made;
     try {
-        made.chain = task_chain(job, slicer::estimate_print({requested}, progress), options);
+        const slicer::JobEstimate estimate = slicer::estimate_print({requested}, progress);
+        if (!estimate.faults.empty())
+            throw Error(estimate.exit_code, fmt::format("shards of a tray leave no part out, and these fail:\n  {}",
+                                                        fmt::join(estimate.faults, "\n  ")));
+        made.chain = task_chain(job, estimate, options);
         if (!made.chain.why_whole.empty()) made.message = fmt::format("it cannot be cut: {}", made.chain.why_whole);
     } catch (const Cancelled&) {
         throw;

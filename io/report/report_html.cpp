@@ -285,10 +285,7 @@ void add_parts(std::string& html, const Report& report) {
         html += "<td>";
         if (i < report.viewer.worst.size()) {
             const ViewerPlace& place = report.viewer.worst[i];
-            const std::string text = place.cause.empty()
-                                         ? std::string("show it")
-                                         : fmt::format("{:.1f}{}{}: {}", place.seen, place.words.empty() ? "" : ", ",
-                                                       html_text(place.words), html_text(place.cause));
+            const std::string text = place.words.empty() ? std::string("show it") : html_text(place.words);
             html +=
                 fmt::format("<button type=\"button\" class=\"place\" data-place=\"{}\" disabled>{}</button>", i, text);
         }

@@ -2,6 +2,7 @@
 #include "slicer/plans/part_about.h"
 
 #include <algorithm>
+#include <filesystem>
 
 #include <fmt/core.h>
 
@@ -27,6 +28,18 @@ std::string customer_of(const TrayPart& part) {
     for (const auto& [name, value] : part.values)
         if (name == "customer") return value;
     return {};
+}
+
+std::string name_for(const std::string& name, const std::string& customer) {
+    return customer.empty() ? name : fmt::format("{} (for {})", name, customer);
+}
+
+std::string fault_at_place(const TrayPart& part, const std::string& fault) {
+    if (fault.find(part.place) != std::string::npos) return fault;
+    const std::string& file = part.component ? part.component->path : part.options.model;
+    const std::string name = std::filesystem::path(file).filename().string();
+    const bool named = name.empty() || part.place.ends_with(name) || fault.find(name) != std::string::npos;
+    return fmt::format("{}{}: {}", part.place, named ? "" : ": " + name, fault);
 }
 
 }  // namespace voxtone::slicer

@@ -15,5 +15,10 @@ namespace voxtone::slicer {
 
 /// Of its texts the one called customer; the others may be the shop's own. Empty: there is none.
 [[nodiscard]] std::string customer_of(const TrayPart& part);
+/// "cow (for Klein)"; without a customer the name.
+[[nodiscard]] std::string name_for(const std::string& name, const std::string& customer);
+
+/// What is wrong with a part, behind its place in the plan and its file, where the sentence names neither.
+[[nodiscard]] std::string fault_at_place(const TrayPart& part, const std::string& fault);
 
 }  // namespace voxtone::slicer

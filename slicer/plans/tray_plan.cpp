@@ -17,6 +17,7 @@
 #include "io/files/json_object.h"
 #include "io/files/json_writer.h"
 #include "io/files/read_bytes.h"
+#include "io/layers/stack_folder.h"
 #include "io/models/model_reader.h"
 #include "slicer/options/command_words.h"
 #include "slicer/options/job_file.h"
@@ -259,6 +260,17 @@ PlanText text_of_table(const std::string& file) {
     return plan;
 }
 
+/// Whether it was made of models that were named without a plan: who named them knows no such file.
+bool is_of_models(const fs::path& file) {
+    return file.filename() == tray_plan_name && file.parent_path().filename() == io::parts_name;
+}
+
+/// From here, where it lies below.
+std::string shown_path(const fs::path& file) {
+    const fs::path whole = fs::absolute(file).lexically_normal(), near = whole.lexically_proximate(fs::current_path());
+    return (near.empty() || *near.begin() == ".." ? whole : near).string();
+}
+
 PlanText text_of_object(const std::string& file) {
     io::JsonObject object = io::JsonObject::read(file);
     if (object.has("format") && object.any_text("format") == "voxtone-job")
@@ -272,8 +284,11 @@ PlanText text_of_object(const std::string& file) {
     if (object.has("out")) object.fail("out", "is not the plan's to say: name the folder with -o");
     PlanText plan;
     int number = 0;
-    for (io::JsonObject& part : object.objects(parts_key))
-        plan.parts.push_back({std::move(part), fmt::format("{}: parts[{}]", file, number++)});
+    for (io::JsonObject& part : object.objects(parts_key)) {
+        std::string place = is_of_models(file) ? shown_path(fs::path(file).parent_path() / part.text("model"))
+                                               : fmt::format("{}: parts[{}]", file, number++);
+        plan.parts.push_back({std::move(part), std::move(place)});
+    }
     plan.common = std::move(object);
     return plan;
 }
@@ -344,9 +359,10 @@ TrayPlan tray_plan_of_models(const TrayModels& models, const SliceOptions& commo
     const std::string file(tray_plan_name);
     const io::JsonObject object = io::JsonObject::parse(tray_plan_of(models, here), file);
     PlanText text;
-    int number = 0;
-    for (io::JsonObject& part : object.objects(parts_key))
-        text.parts.push_back({std::move(part), fmt::format("part {}", ++number)});
+    for (io::JsonObject& part : object.objects(parts_key)) {
+        std::string place = shown_path(here / part.text("model"));
+        text.parts.push_back({std::move(part), std::move(place)});
+    }
     return plan_of_text(text, file, here, common);
 }
 

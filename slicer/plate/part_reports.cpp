@@ -7,6 +7,7 @@
 #include <mutex>
 #include <utility>
 
+#include "base/progress_bar.h"
 #include "io/files/whole_file.h"
 #include "io/layers/stack_folder.h"
 #include "io/report/customer_page.h"
@@ -73,6 +74,7 @@ public:
             stack.resins[r].voxels = voxels_[r + 1];
             stack.resins[r].ml = io::millilitres(voxels_[r + 1], stack.pitch_um);
         }
+        const WarningsOfPart of_part(progress, ready.body.name.empty() ? part_.part.name : ready.body.name);
         ready.print->evaluate(stack, progress);
         progress.begin_stage(name_of(Phase::report), 0);
         io::Report report = make_report(ready.job, ready.body, stack, *ready.print, ready.figures);

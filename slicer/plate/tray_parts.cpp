@@ -10,10 +10,12 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
+#include "base/progress_bar.h"
 #include "base/warning.h"
 #include "io/layers/stack_folder.h"
 #include "slicer/options/mark_options.h"
 #include "slicer/part/loop_checkpoint.h"
+#include "slicer/plans/part_about.h"
 #include "slicer/plate/arrangement.h"
 #include "slicer/plate/component.h"
 #include "slicer/plate/kept_loop.h"
@@ -224,11 +226,9 @@ ReadyPart prepare_part(WaitingPart& part, bool loops_elsewhere, Progress& progre
 
 bool goes_well(const TrayPart& part, bool fail_fast, std::vector<FailedPart>& failed, Progress& progress,
                const std::function<void()>& work) {
-    const auto placed = [&](const Error& error) {
-        const std::string what = error.what();
-        return what.starts_with(part.place) ? what : part.place + ": " + what;
-    };
+    const auto placed = [&](const Error& error) { return fault_at_place(part, error.what()); };
     try {
+        const WarningsOfPart of_part(progress, part.name);
         work();
         return true;
     } catch (const TryAgain&) {
@@ -237,12 +237,22 @@ bool goes_well(const TrayPart& part, bool fail_fast, std::vector<FailedPart>& fa
         throw;
     } catch (const Error& error) {
         if (fail_fast) throw Error(error.exit_code(), placed(error));
-        failed.push_back({part.name, placed(error), error.exit_code()});
+        failed.push_back({part.name, placed(error), error.exit_code(), customer_of(part)});
     }
-    progress.warn(named_warning("part-failed",
-                                fmt::format("{}: fails, and the tray is made without it (--fail-fast stops there): {}",
-                                            part.name, failed.back().message)));
+    progress.warn(failed_warning(failed.back()));
     return false;
+}
+
+std::string failed_warning(const FailedPart& part) {
+    return named_warning("part-failed",
+                         fmt::format("{}: fails, and the tray is made without it (--fail-fast stops there): {}",
+                                     part.who(), part.message));
+}
+
+void expect_some(const std::vector<FailedPart>& failed, std::size_t ready) {
+    if (ready == 0)
+        throw Error(failed.front().exit_code,
+                    fmt::format("none of the tray's parts can be printed; {}", failed.front().message));
 }
 
 std::unique_ptr<PreparedJob> make_ready(OpenedJob opened, std::optional<JobBody> kept, Progress& progress,
@@ -276,6 +286,8 @@ const OpenedJob& TrayParts::any_job() const {
     return model != ready.end() ? model->ready->job : *common;
 }
 
+std::string FailedPart::who() const { return name_for(name, customer); }
+
 TrayParts prepare_parts(const TrayPlan& plan, Progress& progress) {
     TrayParts parts;
     std::vector<WaitingPart> waiting = open_parts(plan, parts.failed, progress);
@@ -287,9 +299,7 @@ TrayParts prepare_parts(const TrayPlan& plan, Progress& progress) {
         (void)goes_well(part.part, plan.common.fail_fast, parts.failed, progress,
                         [&] { parts.ready.push_back(prepare_part(part, plan.loops_elsewhere, progress)); });
     }
-    if (parts.ready.empty())
-        throw Error(parts.failed.front().exit_code,
-                    fmt::format("none of the tray's parts can be printed; {}", parts.failed.front().message));
+    expect_some(parts.failed, parts.ready.size());
     return parts;
 }
 

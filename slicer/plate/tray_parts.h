@@ -43,6 +43,10 @@ struct ReadyPart {
 struct FailedPart {
     std::string name, message;
     ExitCode exit_code = ExitCode::done;
+    std::string customer = {};  ///< who waits for it; empty: the plan does not say
+
+    /// "cow (for Klein)".
+    [[nodiscard]] std::string who() const;
 };
 
 struct TrayParts {
@@ -58,6 +62,11 @@ struct TrayParts {
 /// request to stop), it is thrown on. Whether all went well.
 [[nodiscard]] bool goes_well(const TrayPart& part, bool fail_fast, std::vector<FailedPart>& failed, Progress& progress,
                              const std::function<void()>& work);
+
+/// That the tray is made without it.
+[[nodiscard]] std::string failed_warning(const FailedPart& part);
+/// Throws what the first threw where no part is left.
+void expect_some(const std::vector<FailedPart>& failed, std::size_t ready);
 
 /// What all parts have in common, as a job of none of them; nothing where there are no components. `roles`: of the
 /// resins that the parts load which are models; empty: the printer's.

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 /// Of a component, which shows what it shows.
 constexpr const char* no_verdict = "none: component";
-constexpr const char *verdict_key = "verdict", *failed_key = "failed";
+constexpr const char *verdict_key = "verdict", *failed_key = "failed", *customer_key = "customer";
 
 int copies_on(const ReadyPart& part, int tray) { return int(std::ranges::count(part.copies, tray, &PlacedCopy::tray)); }
 
@@ -165,12 +165,11 @@ std::string tray_json(const PreparedTray& prepared, int tray, const std::vector<
         json.end_object();
     }
     json.end_list().key(failed_key).begin_list();
-    for (const FailedPart& part : prepared.parts.failed)
-        json.begin_object()
-            .add("name", part.name)
-            .add("exit_code", static_cast<int>(part.exit_code))
-            .add("message", part.message)
-            .end_object();
+    for (const FailedPart& part : prepared.parts.failed) {
+        json.begin_object().add("name", part.name).add("exit_code", static_cast<int>(part.exit_code));
+        if (!part.customer.empty()) json.add(customer_key, part.customer);
+        json.add("message", part.message).end_object();
+    }
     return json.end_list().end_object().text();
 }
 
@@ -184,12 +183,20 @@ std::string tray_summary(const PreparedTray& prepared, int tray, const io::Stack
             text += fmt::format("  {:<20} {:<10} {}\n", part.is_joined ? part.ready->body.name : part.part.name,
                                 copies == 1 ? "once" : fmt::format("{} copies", copies), verdict_line(part));
     for (const FailedPart& part : prepared.parts.failed)
-        text += fmt::format("  {:<20} fails: {}\n", part.name, part.message);
+        text += fmt::format("  {:<20} fails: {}\n", part.who(), part.message);
     for (const io::StackResin& resin : stack.resins)
         text += fmt::format("  {:<3} {:<16} {:9.3f} ml\n", resin.role, resin.name, resin.ml);
     if (prepared.any_job().options.report) text += fmt::format("  report: {}\n", (folder / report_file::page).string());
     return text +
            fmt::format("  done in {}; peak memory {}\n", duration_text(seconds), memory_text(peak_memory_bytes()));
+}
+
+std::string failure_of(const PreparedTray& prepared) {
+    std::string text;
+    for (const ReadyPart& part : prepared.parts.ready)
+        if (verdict_of(part) == name_of(io::VerdictLevel::bad))
+            text += fmt::format("{}: {}\n", part.is_joined ? part.ready->body.name : part.part.name, sentence_of(part));
+    return prepared.parts.failed.empty() ? text : std::string();
 }
 
 std::vector<std::string> verdicts_of(const PreparedTray& prepared) {
@@ -213,8 +220,9 @@ std::optional<TrayEnding> ending_in(const fs::path& folder) {
         for (const io::JsonObject& part : tray.objects("parts"))
             if (part.has(verdict_key)) ending.verdicts.push_back(part.text(verdict_key));
         for (const io::JsonObject& part : tray.objects(failed_key))
-            ending.failed.push_back(
-                {part.text("name"), part.text("message"), static_cast<ExitCode>(part.integer("exit_code", 0, 255))});
+            ending.failed.push_back({part.text("name"), part.text("message"),
+                                     static_cast<ExitCode>(part.integer("exit_code", 0, 255)),
+                                     part.has(customer_key) ? part.text(customer_key) : std::string()});
         return ending;
     } catch (const Error&) {
         return std::nullopt;

@@ -33,6 +33,8 @@ namespace voxtone::slicer {
 /// What a tray ends with: the first failed part's, else with --strict that of a print that will not look as asked.
 [[nodiscard]] ExitCode exit_code_of(const OpenedTray& tray, const std::vector<FailedPart>& failed,
                                     const std::vector<std::string>& verdicts);
+/// What it ended so for, where no warning said it: what will not look as asked, a line each.
+[[nodiscard]] std::string failure_of(const PreparedTray& prepared);
 /// Verdicts of the parts that have one: "good", "fair", "bad".
 [[nodiscard]] std::vector<std::string> verdicts_of(const PreparedTray& prepared);
 

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "base/process_usage.h"
+#include "base/progress_bar.h"
 #include "base/warning.h"
 #include "io/files/whole_file.h"
 #include "io/layers/stack_folder.h"
@@ -64,23 +65,33 @@ io::ViewerPlace top_of(const VoxelGrid& grid) {
     return place;
 }
 
-/// The part's worst place, or its top where nothing is worth naming.
+/// The place that the part's own verdict names, or its top where that names none.
 io::ViewerPlace place_of(const ReadyPart& part, const io::Report& own) {
     io::ViewerPlace place = top_of(part.ready->body.grid);
-    if (own.viewer.worst.empty()) return place;
-    const double span_mm = place.span_mm;
-    place = own.viewer.worst[0];
-    place.span_mm = span_mm;
+    if (!own.verdict || own.verdict->but.empty() || own.verdict->regions.empty()) return place;
+    const io::ReportRegion& worst = own.verdict->regions.front();
+    if (worst.good) return place;
+    place.at_mm = worst.place_mm, place.normal = worst.normal;
+    place.words = worst.place + (worst.from.empty() ? "" : ", seen " + worst.from);
     return place;
+}
+
+/// Of the part, and of no printer: those the tray has for all.
+std::vector<std::string> own_warnings(const ReadyPart& part, const io::Report& own, const std::string& name) {
+    const std::vector<std::string> of_all = part.ready->job.printer.warnings();
+    std::vector<std::string> warnings;
+    for (const std::string& warning : own.warnings)
+        if (std::ranges::find(of_all, warning) == of_all.end()) warnings.push_back(warning_of_part(name, warning));
+    return warnings;
 }
 
 /// Before all else: someone waits for it.
 void tell_what_is_missing(const std::vector<FailedPart>& failed, io::Report& report) {
     std::vector<std::string> names;
     for (const FailedPart& part : failed) {
-        names.push_back(part.name);
+        names.push_back(part.who());
         report.warnings.push_back(
-            named_warning("part-failed", fmt::format("{} is not on the tray: {}", part.name, part.message)));
+            named_warning("part-failed", fmt::format("{} is not on the tray: {}", part.who(), part.message)));
     }
     io::ReportVerdict& verdict = report.verdict ? *report.verdict : report.verdict.emplace();
     const std::string missing = fmt::format("Not on the tray: {}", fmt::join(names, ", "));
@@ -142,6 +153,7 @@ void TrayReport::add(const ReadyPart& part, io::Report own, Progress& progress) 
                 own.printing.support_ml};
     entry.surface = part.ready->print->viewer_surface(surface_share(), progress);
     entry.row.about = about_part(part.part);
+    entry.warnings = own_warnings(part, own, entry.row.name);
     entries_.push_back(std::move(entry));
 }
 
@@ -227,6 +239,7 @@ io::Report TrayReport::of_bodies(const Tray& tray, LayerWatchers& watchers, Prog
     }
     report.viewer.viewing_distance_mm = tray.job.options.loop.viewing_distance_mm;
     for (const Entry* entry : entries) {
+        report.warnings.insert(report.warnings.end(), entry->warnings.begin(), entry->warnings.end());
         const std::vector<Eigen::Vector3d> at_mm = places(*entry, tray.number);
         io::ReportPart row = entry->row;
         row.copies = static_cast<std::uint32_t>(at_mm.size());

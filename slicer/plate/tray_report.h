@@ -53,6 +53,7 @@ private:
         Eigen::Vector3d pitch_mm;
         std::optional<double> support_ml;  ///< of one copy
         bool is_component = false;
+        std::vector<std::string> warnings = {};  ///< with its name
     };
     /// Of an entry, on one tray, in its mm.
     [[nodiscard]] static std::vector<Eigen::Vector3d> places(const Entry& entry, int tray);

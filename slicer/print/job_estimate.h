@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "slicer/part/phase.h"
 #include "slicer/printer/printing_time.h"
 
@@ -74,6 +75,8 @@ struct JobEstimate {
     std::optional<std::uint64_t> free_disk_bytes;
 
     std::vector<std::string> warnings, notes;
+    std::vector<std::string> faults = {};                  ///< of a tray's parts without which it is made
+    ExitCode exit_code = ExitCode::done;                   ///< that slice would have for these
     std::vector<Orientation> orientations;                 ///< where they were asked for, the best first
     std::optional<OrientationAdvice> advised_orientation;  ///< nothing where none fits
 };

@@ -208,7 +208,8 @@ JobResult write_merged_report(const MergeOptions& options, const io::ShardSet& s
     fs::remove(io::prepared_file(options.out, shards.job()), not_there);
     const bool bad = report.verdict && report.verdict->level == io::VerdictLevel::bad;
     return {std::move(json), summary_text(print, report, watch.total(), job.options.report, options.out),
-            bad && job.options.strict ? ExitCode::check_failed : ExitCode::done};
+            bad && job.options.strict ? ExitCode::check_failed : ExitCode::done,
+            bad ? std::optional(report.verdict->sentence) : std::nullopt};
 }
 
 JobResult short_result(const fs::path& out, const io::ShardSet& shards, const char* what) {

@@ -201,7 +201,8 @@ JobResult run_slice_job(const SliceOptions& requested, Progress& progress) {
     progress.end_stage();
     const bool bad = report.verdict && report.verdict->level == io::VerdictLevel::bad;
     return {std::move(json), summary_text(*print, report, watch.total(), job.options.report, writer.folder()),
-            bad && job.options.strict ? ExitCode::check_failed : ExitCode::done};
+            bad && job.options.strict ? ExitCode::check_failed : ExitCode::done,
+            bad ? std::optional(report.verdict->sentence) : std::nullopt};
 }
 
 }  // namespace voxtone::slicer

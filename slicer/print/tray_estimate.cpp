@@ -14,11 +14,11 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/process_usage.h"
+#include "base/progress_bar.h"
 #include "base/stopwatch.h"
 #include "io/disk/disk_space.h"
 #include "slicer/layers/layer_bytes.h"
 #include "slicer/part/phase_estimates.h"
-#include "slicer/plans/fault_list.h"
 #include "slicer/plate/component.h"
 #include "slicer/plate/kept_loop.h"
 #include "slicer/plate/opened_tray.h"
@@ -68,35 +68,20 @@ EstimatedPart estimate_component(const TrayPart& part, const OpenedJob& common, 
     return made;
 }
 
-/// "tray.csv: line 4: cow.obj", the file where what is said does not name it.
-std::string place_and_file(const TrayPart& part, const std::string& said) {
-    const std::string& file = part.component ? part.component->path : part.options.model;
-    const std::string name = std::filesystem::path(file).filename().string();
-    return name.empty() || said.find(name) != std::string::npos ? part.place : part.place + ": " + name;
-}
-
 EstimatedPart estimate_part(const TrayPart& part, const EstimateScope& scope, const OpenedJob* common,
                             Progress& progress) {
-    progress.note("part " + part.name);  // whose the units and warnings are that come now
-    try {
-        if (part.component) return estimate_component(part, *common, progress);
-        const OpenedJob job = open_job(part.options, [&](const OpenedJob& opened, JobRun& run) {
-            run.loop_done =
-                part.job && !part.job->folder.empty() && why_no_kept_loop(part.job->folder, opened, progress).empty();
-        });
-        EstimatedPart made{&part};
-        made.printer = job.printer;
-        made.measured.emplace(read_measured(job, progress));
-        made.resident_bytes = resident_bytes();
-        made.estimate = estimate_body(job, made.measured->body, made.measured->read, scope, progress);
-        return made;
-    } catch (const Cancelled&) {
-        throw;
-    } catch (const TryAgain&) {
-        throw;
-    } catch (const Error& error) {
-        throw Error(error.exit_code(), fmt::format("{}: {}", place_and_file(part, error.what()), error.what()));
-    }
+    progress.note("part " + part.name);  // whose the unit is that comes now
+    if (part.component) return estimate_component(part, *common, progress);
+    const OpenedJob job = open_job(part.options, [&](const OpenedJob& opened, JobRun& run) {
+        run.loop_done =
+            part.job && !part.job->folder.empty() && why_no_kept_loop(part.job->folder, opened, progress).empty();
+    });
+    EstimatedPart made{&part};
+    made.printer = job.printer;
+    made.measured.emplace(read_measured(job, progress));
+    made.resident_bytes = resident_bytes();
+    made.estimate = estimate_body(job, made.measured->body, made.measured->read, scope, progress);
+    return made;
 }
 
 void add_resins(const JobEstimate& part, int copies, JobEstimate& sum) {
@@ -182,11 +167,11 @@ JobEstimate estimate_tray(const SliceOptions& asked, const TrayModels& models, P
     std::vector<EstimatedPart> parts;
     EstimateScope of_part = scope;
     of_part.of_a_tray = true;
-    FaultList faults;
+    std::vector<FailedPart> failed;
     for (const TrayPart& part : tray.plan.parts)
-        faults.look([&] { parts.push_back(estimate_part(part, of_part, of_all ? &*of_all : nullptr, progress)); });
-    faults.expect_none(
-        fmt::format("{} of {} parts cannot be printed as they are", faults.size(), tray.plan.parts.size()));
+        (void)goes_well(part, common.fail_fast, failed, progress,
+                        [&] { parts.push_back(estimate_part(part, of_part, of_all ? &*of_all : nullptr, progress)); });
+    expect_some(failed, parts.size());
     std::vector<StandingPart> standing;
     for (const EstimatedPart& part : parts)
         standing.push_back(
@@ -196,6 +181,11 @@ JobEstimate estimate_tray(const SliceOptions& asked, const TrayModels& models, P
     sum.model = models.empty() ? asked.model : fmt::format("{}", fmt::join(models.files, ", "));
     sum.threads = thread_count();
     sum.warnings = printer.warnings();
+    for (const FailedPart& part : failed) {
+        sum.warnings.push_back(failed_warning(part));
+        sum.faults.push_back(part.message);
+    }
+    if (!failed.empty()) sum.exit_code = failed.front().exit_code;
     const Arrangement places =
         arrange(standing, printer.sliced_tray_mm(), tray_options_of(common), printer.sliced_passes());
     add_print(places, printer, sum);
@@ -213,7 +203,7 @@ JobEstimate estimate_tray(const SliceOptions& asked, const TrayModels& models, P
         price += part.part->copies * part.estimate.price.value_or(0);
         if (!part.measured) continue;
         for (const std::string& warning : part.measured->body.warnings)
-            sum.warnings.push_back(part.part->name + ": " + warning);
+            sum.warnings.push_back(warning_of_part(part.part->name, warning));
     }
     if (weighed) sum.g = g;
     if (priced) sum.price = price;

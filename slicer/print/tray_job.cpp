@@ -102,7 +102,7 @@ io::PageOfStack page_of(const PreparedTray& prepared, int number) {
     for (const PlacedBody& body : bodies) copies += body.at.size();
     std::string title = "a tray of " + counted(copies, "part");
     std::vector<std::string> missing;
-    for (const FailedPart& part : prepared.parts.failed) missing.push_back(part.name);
+    for (const FailedPart& part : prepared.parts.failed) missing.push_back(part.who());
     return printer_page(prepared.any_job(), std::move(title), std::move(bodies), std::move(missing));
 }
 
@@ -175,7 +175,7 @@ JobResult loops_kept(const OpenedTray& tray, const PreparedTray& prepared) {
     return {json.end_list().end_object().text(),
             fmt::format("{}: what the loops of {} parts came to is kept\n",
                         (fs::path(tray.plan.common.out) / io::parts_name).string(), looped),
-            exit_code_of(tray, prepared.parts.failed, {})};
+            exit_code_of(tray, prepared.parts.failed, {}), failure_of(prepared)};
 }
 
 }  // namespace
@@ -221,6 +221,7 @@ JobResult run_tray_job(const SliceOptions& asked, const TrayModels& models, Prog
         result.text += made.text;
     }
     result.exit_code = exit_code_of(tray, prepared.parts.failed, verdicts_of(prepared));
+    result.failure = failure_of(prepared);
     return result;
 }
 

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/progress_bar.h"
 #include "base/stopwatch.h"
 #include "io/files/json_object.h"
 #include "io/files/whole_file.h"
@@ -65,7 +66,10 @@ std::vector<double> slab_work_of(const PreparedTray& prepared, int slab_layers) 
 /// Parts that were looped before, ready to make layers.
 void take_loops(PreparedTray& prepared, Progress& progress) {
     for (ReadyPart& part : prepared.parts.ready)
-        if (!part.alone.empty() && part.ready) part.ready->print->prepare(progress);
+        if (!part.alone.empty() && part.ready) {
+            const WarningsOfPart of_part(progress, part.part.name);
+            part.ready->print->prepare(progress);
+        }
 }
 
 PreparedTray prepare_for_shards(const OpenedTray& tray, Progress& progress) {
@@ -144,7 +148,7 @@ JobResult tell_of_tray(const MergeOptions& options, const io::StackDescription& 
                  progress);
     progress.end_stage();
     return {std::move(json), tray_summary(prepared, 0, stack, watch.total(), options.out),
-            exit_code_of(tray, {}, verdicts_of(prepared))};
+            exit_code_of(tray, {}, verdicts_of(prepared)), failure_of(prepared)};
 }
 
 }  // namespace

@@ -251,6 +251,24 @@ TEST_CASE("Quiet means warnings only") {
     CHECK(desk.all() == "warning: w\n");
 }
 
+TEST_CASE("While a part is worked on its name stands before what is warned of, once") {
+    Desk desk;
+    ProgressQuiet quiet(desk.sink);
+    {
+        const WarningsOfPart tray(quiet, "tray");
+        {
+            const WarningsOfPart cow(quiet, "cow");
+            quiet.warn("w");
+            quiet.warn("cow: is turned");
+        }
+        quiet.warn("w");
+    }
+    quiet.warn("w");
+    CHECK(desk.all() == "warning: cow: w\nwarning: cow: is turned\nwarning: tray: w\nwarning: w\n");
+    Progress nobody;
+    const WarningsOfPart unheard(nobody, "cow");  // is no fault
+}
+
 TEST_CASE("Every step of every thread is counted") {
     Desk desk;
     ProgressBar bar(desk.sink, steady_seconds(), desk.look);

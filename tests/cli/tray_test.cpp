@@ -207,6 +207,11 @@ TEST_CASE("A part that fails is left out and told of, --fail-fast stops there") 
     CHECK(tray["failed"][0]["name"] == "gone");
     CHECK(tray["failed"][0]["exit_code"] == 4);
     CHECK(run_program("verify --quiet " + (bench.folder / "out")).exit_code == 0);
+    // Quietly the warning is all that is said.
+    const Outcome quiet = bench.tray(parts, "--quiet --overwrite");
+    CHECK(quiet.exit_code == 4);
+    CHECK(quiet.out.empty());
+    CHECK_THAT(quiet.err, Contains("gone: fails, and the tray is made without it"));
 
     // Once it is mended the same command makes the whole tray.
     bench.folder.write("gone.obj", soft_box_obj(3, 3, 3));
@@ -219,7 +224,9 @@ TEST_CASE("A print that will not look as asked is no success of a strict tray") 
     const std::string words = "slice " + (bench.folder / "ramp.obj") + " " + (bench.folder / "ramp.obj") +
                               " --size 2mm --iterations 0 --verdict-good 1e-6 --verdict-bad 1e-5 -o " +
                               (bench.folder / "out");
-    CHECK(run_program(words + " --strict").exit_code == 6);
+    const Outcome quiet = run_program(words + " --strict --quiet");
+    CHECK(quiet.exit_code == 6);
+    CHECK_THAT(quiet.out, Catch::Matchers::StartsWith("ramp-1: On the whole bad") && !Contains("peak memory"));
     CHECK(run_program(words).exit_code == 0);  // as it was made
     CHECK(run_program(words + " --strict").exit_code == 6);
 }
@@ -295,7 +302,8 @@ TEST_CASE("An estimate of several models is that of their tray, and writes nothi
     // What the print would refuse.
     const Outcome gone = run_program(words + marker + " " + (bench.folder / "gone.obj"));
     CHECK(gone.exit_code == 4);
-    CHECK_THAT(gone.err, Contains("part 2: ") && Contains("gone.obj"));
+    CHECK_THAT(gone.out, Contains("[part-failed]") && Contains("gone.obj"));
+    CHECK(result_in(gone)["layers"] == result_in(run_program(words + marker))["layers"]);
     for (const std::string& no : {"--orientations " + ramp, "--layers 0-5 " + ramp, bench.folder / "tray.json"})
         CHECK(run_program(words + marker + " " + no).exit_code == 2);
 }

@@ -124,15 +124,14 @@ TEST_CASE("Parts of a tray are listed with their figures, each with its page and
     cow.copies = 20, cow.ml = 1.234, cow.level = VerdictLevel::fair, cow.headline = "Nearly", cow.seen_mean = 3.14;
     report.parts = {cow, nameless};
     report.viewer.worst.resize(2);
-    report.viewer.worst[0].seen = 9.87, report.viewer.worst[0].cause = "thin walls";
-    report.viewer.worst[0].words = "upper left";
+    report.viewer.worst[0].words = "upper left, seen from behind";
     const std::string html = report_html(report);
     CHECK_THAT(html, Contains("2 parts, 21 in all"));
     CHECK_THAT(html,
                Contains("<a href=\"parts/cow%20%26%20calf/report.html\">cow &amp; calf</a><small>Nearly</small>"));
     CHECK_THAT(html, Contains("<td class=\"n\">20</td><td class=\"n\">1.23</td>"));
     CHECK_THAT(html, Contains("<i class=\"mark fair\"></i>3.1</td>"));
-    CHECK_THAT(html, Contains("data-place=\"0\" disabled>9.9, upper left: thin walls</button>"));
+    CHECK_THAT(html, Contains("data-place=\"0\" disabled>upper left, seen from behind</button>"));
     CHECK_THAT(html, Contains("data-place=\"1\" disabled>show it</button>"));
     CHECK_THAT(html, Contains("<i class=\"mark unknown\"></i>not predicted</td>"));
     CHECK(count(html, "Where it is worst") == 0);  // the parts say so

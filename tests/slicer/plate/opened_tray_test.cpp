@@ -161,6 +161,26 @@ TEST_CASE("A part that fails is left out and told of, or is the end of the tray"
                Contains("none of the tray's parts can be printed"));
 }
 
+TEST_CASE("A warning says whose it is, also where nothing else is said") {
+    const Models desk;
+    const std::string warnings =
+        TrayDesk::place(desk.open(R"({"model": "large.obj", "size": "1.9mm"}, {"model": "small.obj", "size": "1.8mm"},
+            {"model": "gone.obj", "name": "gone", "customer": "Klein"})"))
+            .warnings;
+    CHECK_THAT(warnings, Contains("large: the print is only 1.9 mm large") &&
+                             Contains("small: the print is only 1.8 mm large") &&
+                             Contains("gone (for Klein): fails, and the tray is made without it"));
+}
+
+TEST_CASE("Faults of models that were named without a plan are told of by their files") {
+    const Models desk;
+    const std::string model = desk / "small.obj", gone = desk / "gone.obj";
+    const PlacedTray rest = TrayDesk::place(open_tray(with_plan(desk.options(""), {{model, gone}, 1})));
+    REQUIRE(rest.prepared.parts.failed.size() == 1);
+    const std::string& fault = rest.prepared.parts.failed[0].message;
+    CHECK_THAT(fault, Catch::Matchers::StartsWith(gone) && !Contains("tray-plan.json"));
+}
+
 TEST_CASE("A tray ends as its parts do") {
     const Models desk;
     OpenedTray tray = desk.open(R"({"model": "small.obj"})");

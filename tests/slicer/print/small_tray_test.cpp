@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/stopwatch.h"
+#include "io/files/read_bytes.h"
 #include "slicer/predict/stack_volume.h"
 #include "slicer/print/estimate_job.h"
 #include "small_print.h"
@@ -97,6 +98,22 @@ TEST_CASE("Each part of a tray is printed as it would be alone, where the tray s
     const JobResult again = desk.tray(desk.of_tray("out"), {"box.obj"}, 3);
     CHECK_THAT(again.text, Contains("holds this tray already"));
     CHECK(json::parse(again.json) == says);
+}
+
+TEST_CASE("A tray's page has the warnings of its parts, and the places that their own verdicts name", "[slow]") {
+    TraysDesk desk;
+    SliceOptions options = desk.of_tray("out");
+    options.predict = "transport";
+    (void)desk.tray(options, {"small.obj", "box.obj"});
+    const std::string page = io::read_text(desk.path("out/report.html"), 1 << 26);
+    CHECK_THAT(page, Contains("small: the print is only 1.2 mm large") && !Contains("box: the print is only"));
+    for (const std::string name : {"small", "box"}) {
+        const json verdict = desk.json("out/parts/" + name + "/report.json").at("verdict");
+        REQUIRE(verdict.contains("worst"));
+        const auto place = verdict.at("regions").at(0).at("place").get<std::string>();
+        CHECK_THAT(verdict.at("worst").get<std::string>(), Contains(place));
+        CHECK_THAT(page, Contains("disabled>" + place));
+    }
 }
 
 TEST_CASE("A tray of one part has the layers of the part, each once") {

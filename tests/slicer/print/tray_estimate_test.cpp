@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include <fmt/ranges.h>
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
@@ -22,23 +23,40 @@ JobEstimate estimated(const SliceOptions& options, const TrayModels& models = {}
 
 }  // namespace
 
-TEST_CASE("All parts of a tray that cannot be printed are said at once, by their files, with what would fit") {
+TEST_CASE("Parts of a tray that cannot be printed are said at once, and the others are estimated, as slice does") {
     const TrayDesk desk;
     desk.write("good.obj", soft_box({0, 0, 0}, {6, 4, 3}));
     desk.write("metres.obj", soft_box({0, 0, 0}, {72, 50, 20}));
     desk.write("broken.obj", "this is no model\n");
     desk.write("tray.json", R"({"format": "voxtone-tray", "version": 1, "parts": [{"model": "good.obj"},
         {"model": "metres.obj", "unit": "m"}, {"model": "broken.obj"}, {"model": "gone.obj"}]})");
-    try {
-        (void)estimated(desk.options("tray.json"));
-        FAIL("nothing was refused");
-    } catch (const Error& error) {
-        const std::string said = error.what();
-        CHECK_THAT(said, Contains("3 of 4 parts") && Contains("parts[1]: metres.obj: the model is") &&
-                             Contains("As mm (--unit mm) it is 72 x 50 x 20 mm") && Contains("broken.obj") &&
-                             Contains("gone.obj") && !Contains("good.obj"));
-        CHECK(std::ranges::count(said, '\n') == 3);
-    }
+    const JobEstimate rest = estimated(desk.options("tray.json"));
+    REQUIRE(rest.faults.size() == 3);
+    CHECK_THAT(rest.faults[0],
+               Contains("parts[1]: metres.obj: the model is") && Contains("As mm (--unit mm) it is 72 x 50 x 20 mm"));
+    CHECK_THAT(rest.faults[1], Contains("broken.obj"));
+    CHECK_THAT(rest.faults[2], Contains("gone.obj"));
+    CHECK_THAT(fmt::format("{}", fmt::join(rest.warnings, "\n")),
+               Contains("metres: fails, and the tray is made without it") && Contains("gone: fails") &&
+                   !Contains("good: fails"));
+    CHECK(rest.exit_code == ExitCode::invalid_input);
+    const JobEstimate alone = estimated(desk.options(""), {{desk / "good.obj"}, 1});
+    CHECK(rest.body_ml == alone.body_ml);
+    CHECK((rest.layers == alone.layers && alone.exit_code == ExitCode::done && alone.faults.empty()));
+    // Where nothing is left, or none may be left out, there is nothing to estimate.
+    const auto refused = [&](const std::string& parts, bool fail_fast) {
+        desk.write("tray.json", R"({"format": "voxtone-tray", "version": 1, "parts": [)" + parts + "]}");
+        SliceOptions options = desk.options("tray.json");
+        options.fail_fast = fail_fast;
+        try {
+            (void)estimated(options);
+            return std::string();
+        } catch (const Error& error) {
+            return std::string(error.what());
+        }
+    };
+    CHECK_THAT(refused(R"({"model": "gone.obj"})", false), Contains("none of the tray's parts can be printed"));
+    CHECK_THAT(refused(R"({"model": "good.obj"}, {"model": "gone.obj"})", true), Contains("gone.obj"));
 }
 
 TEST_CASE("What a tray takes at the printer is told: passes over its layers, and support of all copies") {
