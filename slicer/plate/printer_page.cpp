@@ -99,6 +99,19 @@ private:
     std::vector<Part> parts_;
 };
 
+/// What of the print has an outside. Of a picture the face alone takes colour, and its slab has other sides, too.
+VisibleSurface outside_of(const JobBody& body) {
+    if (!body.is_picture) return *body.surface;
+    VisibleSurface sides;
+    sides.positions_mm = body.model.mesh.positions;
+    sides.triangles = body.model.mesh.triangles;
+    for (std::uint32_t t = 0; t < sides.triangles.size(); ++t) {
+        sides.source_triangle.push_back(t);
+        sides.source_uv.push_back({Eigen::Vector2f(0, 0), Eigen::Vector2f(1, 0), Eigen::Vector2f(0, 1)});
+    }
+    return sides;
+}
+
 /// The middle nine tenths.
 std::array<double, 2> range_of(std::vector<double>& values) {
     if (values.empty()) return {0, 0};
@@ -114,7 +127,8 @@ ColourOfColumn colour_from_above(const std::vector<PlacedBody>& bodies, const io
 
 PartFinish finish_of(const PlacedBody& placed, const io::StackDescription& stack, const io::TopmostLayers& topmost) {
     const JobBody& body = placed.body;
-    const std::vector<AreaPoint> pieces = area_points(*body.surface, body.model.mesh);
+    const VisibleSurface outside = outside_of(body);
+    const std::vector<AreaPoint> pieces = area_points(outside, body.model.mesh);
     PartFinish finish;
     finish.name = placed.name;
     finish.copies = int(placed.at.size());
@@ -124,7 +138,7 @@ PartFinish finish_of(const PlacedBody& placed, const io::StackDescription& stack
     constexpr std::size_t most = 1'000'000;
     const std::size_t stride = (pieces.size() * placed.at.size() + most - 1) / most;
     const double of_copy_mm2 =
-        coloured_area_mm2(*body.surface) / double((pieces.size() + stride - 1) / stride) / double(placed.at.size());
+        coloured_area_mm2(outside) / double((pieces.size() + stride - 1) / stride) / double(placed.at.size());
     std::vector<double> heights_mm;
     for (const std::array<int, 3>& at : placed.at)
         for (std::size_t p = 0; p < pieces.size(); p += stride) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "slicer/surface/mark_place.h"
 
+#include <array>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -91,6 +93,17 @@ double fitting_share(FlatQuery query, Fits&& fits) {
     return 0;
 }
 
+/// " on the back", by the side that it faces most; of a picture, and where the side was told, nothing.
+std::string place_text(const MarkOptions& mark, const MarkedBody& body, const Eigen::Vector3d& out) {
+    if (body.picture_faces || std::get<MarkSide>(mark.place) > MarkSide::flattest) return {};
+    Eigen::Index axis = 0;
+    out.cwiseAbs().maxCoeff(&axis);
+    constexpr std::array<std::array<const char*, 2>, 3> names{
+        {{"left", "right"}, {"front", "back"}, {"bottom", "top"}}};
+    const bool is_high = out[axis] > 0, hidden = axis == 2 ? !is_high : axis == 1 && is_high;
+    return fmt::format(" on the {}{}", names[std::size_t(axis)][is_high ? 1 : 0], hidden ? "" : ", in sight");
+}
+
 std::string no_place_text(const MarkOptions& mark, const MarkedBody& body) {
     const MarkSide side = std::get<MarkSide>(mark.place);
     if (side > MarkSide::flattest) return fmt::format("the {} has no face without steps or edges", name_of(side));
@@ -101,16 +114,20 @@ std::string no_place_text(const MarkOptions& mark, const MarkedBody& body) {
 
 [[noreturn]] void refuse_size(const MarkOptions& mark, const MarkShape& shape, const MarkedBody& body,
                               const FlatQuery& query) {
-    const double share =
-        fitting_share(query, [&](const FlatQuery& smaller) { return find_place(mark, body, smaller).has_value(); });
+    std::optional<MarkFrame> place;
+    const double share = fitting_share(query, [&](const FlatQuery& smaller) {
+        place = find_place(mark, body, smaller);
+        return place.has_value();
+    });
     const bool is_code = shape.module_mm > 0;
     std::string remedy = "make it smaller,";
     if (is_code && share * shape.module_mm < least_module_mm)
         remedy = fmt::format("what would fit no scanner reads, for it needs size={:.1f}mm; print the part larger,",
                              std::ceil(10 * mark.size_mm * least_module_mm / shape.module_mm) / 10);
     else if (share > 0)
-        remedy = fmt::format("size={:.2f}mm would fit{},", mark.size_mm * share,
-                             !is_code && mark.size_mm * share < least_type_mm ? ", if too small to be read" : "");
+        remedy =
+            fmt::format("size={:.2f}mm would fit{}{},", mark.size_mm * share, place_text(mark, body, place->axes.out),
+                        !is_code && mark.size_mm * share < least_type_mm ? ", if too small to be read" : "");
     throw InputError(fmt::format(
         "{}: is {:.1f} x {:.1f} mm{}, and {} of that size: {}{} or name another place (place=...)", mark.said,
         query.width_mm, query.height_mm, is_code ? " with the quiet zone around it" : "", no_place_text(mark, body),

@@ -25,8 +25,10 @@ using Eigen::Vector3d;
 constexpr double points_a_limit = 3;
 constexpr std::uint64_t most_points = 200'000, seed = 1;
 constexpr double looking_away = -0.866;   // the cosine of 150 degrees
-constexpr double shortest_in_limits = 2;  // of what is told
+constexpr double shortest_in_limits = 2;  // of what is told,
+constexpr double shortest_of_body = 0.5;  // or of a small body: by the diagonal of its box
 constexpr std::size_t fewest_points = 6;
+constexpr double touching = 0.05;  // in limits: what lies so near behind a face is one with it
 
 struct Met {
     double distance;
@@ -44,31 +46,95 @@ std::optional<Met> meet(const Vector3d& from, const Vector3d& way, const std::ar
     return Met{distance, e1.cross(e2).normalized().dot(way)};
 }
 
-/// How far inward the body ends, where that is nearer than the limit and the face there looks away.
-std::optional<double> thickness_at(const SolidIndex& solid, const Vector3d& at, const Vector3d& outward, double limit) {
-    const Vector3d from = at - 1e-4 * limit * outward, to = at - limit * outward;
+/// The faces on the way, the nearest first.
+std::vector<Met> faces_on(const SolidIndex& solid, const Vector3d& from, const Vector3d& way, double length) {
+    const Vector3d to = from + length * way;
     std::vector<std::uint32_t> near;
     solid.tree().overlapping(from.cwiseMin(to), from.cwiseMax(to), near);
     std::vector<Met> met;
     for (const std::uint32_t t : near)
-        if (const auto found = meet(from, -outward, solid.tree().corners(t)); found && found->distance < limit)
+        if (const auto found = meet(from, way, solid.tree().corners(t)); found && found->distance < length)
             met.push_back(*found);
     std::ranges::sort(met, {}, &Met::distance);
-    int winding = 1;
-    for (const Met& m : met) {
-        winding += m.facing > 0 ? -1 : 1;
+    return met;
+}
+
+int winding_behind(int winding, const std::vector<Met>& met) {
+    for (const Met& m : met) winding += m.facing > 0 ? -1 : 1;
+    return winding;
+}
+
+/// Where the body ends on the way, `winding` deep in it at its begin; nothing: beyond the length. Where the next piece
+/// begins at once it does not end.
+std::optional<Met> end_of_body(const SolidIndex& solid, const Vector3d& from, const Vector3d& way, double length,
+                               int winding, double slack) {
+    const std::vector<Met> met = faces_on(solid, from, way, length + slack);
+    for (std::size_t m = 0; m < met.size() && met[m].distance < length; ++m) {
+        winding += met[m].facing > 0 ? -1 : 1;
         if (winding > 0) continue;
-        if (-m.facing > looking_away) return std::nullopt;
-        return m.distance;
+        const bool goes_on =
+            m + 1 < met.size() && met[m + 1].facing < 0 && met[m + 1].distance < met[m].distance + slack;
+        if (!goes_on) return met[m];
     }
     return std::nullopt;
 }
 
+/// How far inward the body ends, where that is nearer than the limit and the face there looks away.
+std::optional<double> thickness_at(const SolidIndex& solid, const Vector3d& at, const Vector3d& outward, double limit) {
+    const auto end = end_of_body(solid, at - 1e-4 * limit * outward, -outward, limit, 1, touching * limit);
+    if (!end || -end->facing > looking_away) return std::nullopt;
+    return end->distance;
+}
+
 struct ThinPoint {
-    Vector3d at_mm = Vector3d::Zero();
+    Vector3d at_mm = Vector3d::Zero(), outward = Vector3d::Zero();
     double thickness_mm = 0;  ///< 0: not thin
     std::uint32_t source = 0;
 };
+
+/// Whether another piece covers the point: seams of what is seen reach a little into what hides it.
+bool is_covered(const SolidIndex& solid, const ThinPoint& point, double limit, double reach) {
+    const Vector3d above = point.at_mm + 1e-4 * limit * point.outward;
+    return winding_behind(0, faces_on(solid, above, point.outward, reach)) < 0;
+}
+
+/// Whether the wall stands out of a thick body by less than it is thick, as stripes, frames and letters do: no farther
+/// than that along the wall the body is as thick as the limit asks for.
+bool is_low_rib(const SolidIndex& solid, const ThinPoint& point, double limit) {
+    constexpr int ways = 8;
+    const double slack = touching * limit, half = point.thickness_mm / 2;
+    const Vector3d &n = point.outward, below = point.at_mm - 1e-4 * limit * n;
+    const Vector3d middle = point.at_mm - half * n;
+    const int winding = winding_behind(1, faces_on(solid, below, -n, half - 1e-4 * limit));
+    const Vector3d u = n.unitOrthogonal(), v = n.cross(u);
+    for (int w = 0; w < ways; ++w) {
+        const double angle = 2 * M_PI * w / ways;
+        const Vector3d way = std::cos(angle) * u + std::sin(angle) * v, there = middle + point.thickness_mm * way;
+        const int deep = winding_behind(winding, faces_on(solid, middle, way, point.thickness_mm));
+        if (deep <= 0) continue;
+        double thick = 0;
+        for (const Vector3d& side : {Vector3d(n), Vector3d(-n)}) {
+            const auto end = end_of_body(solid, there, side, limit, deep, slack);
+            thick += end ? end->distance : limit;
+        }
+        if (thick >= limit) return true;
+    }
+    return false;
+}
+
+/// Without the points of low ribs, and covered ones; of many points some stand for all.
+std::vector<ThinPoint> without_ribs(const SolidIndex& solid, std::vector<ThinPoint> place, double limit, double reach) {
+    constexpr std::size_t most = 300;
+    if (place.size() > most) place.resize(most);  // they lie in random order
+    std::vector<char> rib(place.size());
+    parallel_for(0, place.size(), 16, [&](std::size_t i) {
+        rib[i] = is_covered(solid, place[i], limit, reach) || is_low_rib(solid, place[i], limit);
+    });
+    std::vector<ThinPoint> walls;
+    for (std::size_t i = 0; i < place.size(); ++i)
+        if (!rib[i]) walls.push_back(place[i]);
+    return walls;
+}
 
 std::vector<ThinPoint> thin_points(const VisibleSurface& surface, const SolidIndex& solid, const AreaSamples& samples,
                                    std::uint64_t count, double limit_mm) {
@@ -81,7 +147,7 @@ std::vector<ThinPoint> thin_points(const VisibleSurface& surface, const SolidInd
         if (!(normal.norm() > 0)) return;
         const Vector3d at = a + sample.u * (b - a) + sample.v * (c - a);
         const auto thickness = thickness_at(solid, at, normal.normalized(), limit_mm);
-        if (thickness) points[i] = {at, *thickness, surface.source_triangle[sample.triangle]};
+        if (thickness) points[i] = {at, normal.normalized(), *thickness, surface.source_triangle[sample.triangle]};
     });
     std::erase_if(points, [](const ThinPoint& point) { return point.thickness_mm == 0; });
     return points;
@@ -129,11 +195,19 @@ std::vector<ThinWall> find_thin_walls(const VisibleSurface& surface, const Solid
     const std::vector<ThinPoint> points = thin_points(surface, solid, samples, count, limit_mm);
     progress.check_cancelled();
     const double apart = std::sqrt(samples.area_mm2() / double(count));
+    Eigen::AlignedBox3d box;
+    for (const auto& triangle : surface.triangles)
+        for (const std::uint32_t corner : triangle) box.extend(surface.positions_mm[corner]);
+    const double shortest_mm = std::min(shortest_in_limits * limit_mm, shortest_of_body * box.diagonal().norm());
+    const auto is_told = [&](const std::vector<ThinPoint>& place) {
+        return place.size() >= fewest_points && wall_of(place).length_mm >= shortest_mm;
+    };
     std::vector<ThinWall> walls;
     for (std::vector<ThinPoint>& place : places_of(points, std::max(limit_mm / 2, 2 * apart))) {
-        if (place.size() < fewest_points) continue;
-        const ThinWall wall = wall_of(std::move(place));
-        if (wall.length_mm >= shortest_in_limits * limit_mm) walls.push_back(wall);
+        progress.check_cancelled();
+        if (!is_told(place)) continue;
+        place = without_ribs(solid, std::move(place), limit_mm, box.diagonal().norm());
+        if (is_told(place)) walls.push_back(wall_of(std::move(place)));
     }
     std::ranges::stable_sort(walls, std::greater(), &ThinWall::length_mm);
     return walls;

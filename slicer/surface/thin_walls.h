@@ -4,8 +4,10 @@
 //
 // From points all over the visible surface a line goes straight inward. Where it leaves the body again nearer than the
 // limit, through a face that looks away by more than 150 degrees (an edge of a thick body is no wall, sharp as it may
-// be), the body is thin there. Points that lie near each other are one place, told if it is longer than twice the
-// limit: the tips of cones and the edges of blades are thin on any print, and do no harm.
+// be), the body is thin there; where another piece begins at once behind that face, it is not. What stands out of a
+// thick body by less than it is thick (a stripe, a frame) does not break. Points that lie near each other are one
+// place, told if it is longer than twice the limit, or than half a small body: the tips of cones and the edges of
+// blades are thin on any print, and do no harm.
 #pragma once
 
 #include <cstdint>

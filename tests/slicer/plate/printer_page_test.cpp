@@ -68,6 +68,22 @@ TEST_CASE("Support makes matt what lies under something, and the tray what lies 
     for (const double height_mm : one.coloured_matt_height_mm) CHECK(height_mm == Approx(1 + gap_mm).margin(0.05));
 }
 
+TEST_CASE("A picture's slab lies on the tray with its back, which takes no colour") {
+    JobBody body = two_plates();
+    body.is_picture = true;
+    // As of a picture: the coloured surface is its face alone.
+    VisibleSurface face = *body.surface;
+    face.triangles.resize(1), face.source_triangle.resize(1), face.source_uv.resize(1);
+    body.surface = SurfaceIndex(std::move(face));
+    io::StackDescription stack = io::sample_description(60, columns, rows);
+    stack.pitch_um = {50, 50, 50};
+    const PartFinish slab = finish_of({"slab", body, {{0, 0, 0}}}, stack, topmost_of({{0, 0, 0}}));
+    const PartFinish whole = finish({{0, 0, 0}});
+    CHECK(slab.surface_mm2 == Approx(whole.surface_mm2).epsilon(1e-3));
+    CHECK(slab.matt_mm2 == Approx(whole.matt_mm2).epsilon(0.02));
+    CHECK(slab.matt_mm2 > 16);  // its lower face
+}
+
 TEST_CASE("Figures of a finish are of one copy, in the mean of all") {
     const PartFinish one = finish({{0, 0, 0}}), two = finish({{0, 0, 0}, {100, 5, 0}});
     CHECK(two.copies == 2);

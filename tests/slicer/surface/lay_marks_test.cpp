@@ -126,7 +126,8 @@ TEST_CASE("A label takes the flattest face that is as large as it, and keeps cle
     lay(again, {"ABCDEFGH; size=3mm"});  // below there is no step
     CHECK(again.mesh.decals[0].out.z() == -1);
     Body whole = test::body_of(stepped, white);
-    CHECK_THROWS_WITH(lay(whole, {"a label that is longer than the whole part; size=4mm"}), Contains("would fit"));
+    CHECK_THROWS_WITH(lay(whole, {"a label that is longer than the whole part; size=4mm"}),
+                      Contains("would fit on the bottom"));
     CHECK(whole.mesh.decals.empty());
 }
 

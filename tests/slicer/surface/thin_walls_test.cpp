@@ -96,6 +96,36 @@ TEST_CASE("Edges and corners of thick bodies, tips of cones and shells within ea
     CHECK(walls_of(pyramid).empty());
 }
 
+TEST_CASE("Pieces on or in a thick body are no walls by themselves, low ribs neither, fins are") {
+    const SolidMesh body = shapes::box(Vector3d::Zero(), {8, 4, 2});
+    const Eigen::AlignedBox3d inside(Vector3d::Zero(), Vector3d(8, 4, 2));
+    // `low` and `high`: of a box beside it; `out_low` and `out_high`: what of that is outside of the body.
+    const auto with = [&](const Vector3d& low, const Vector3d& high, const Vector3d& out_low,
+                          const Vector3d& out_high) {
+        SolidMesh seen = shapes::box(out_low, out_high);
+        std::erase_if(seen.triangles, [&](const auto& triangle) {
+            return std::ranges::all_of(triangle,
+                                       [&](auto corner) { return inside.contains(seen.positions_mm[corner]); });
+        });
+        Progress progress;
+        return find_thin_walls(surface_of(shapes::joined(body, seen)),
+                               SolidIndex(shapes::joined(body, shapes::box(low, high))), 0.6, progress);
+    };
+    CHECK(with({0, 1.8, 1.9}, {8, 2.2, 2.1}, {0, 1.8, 2}, {8, 2.2, 2.1}).empty());        // a stripe, let in
+    CHECK(with({0, 1.8, 2}, {8, 2.2, 2.1}, {0, 1.8, 2}, {8, 2.2, 2.1}).empty());          // laid on: a face is shared
+    CHECK(with({0, 1.8, 2.02}, {8, 2.2, 2.3}, {0, 1.8, 2.02}, {8, 2.2, 2.3}).empty());    // less than a layer above
+    CHECK(with({-0.1, 0.5, 0.5}, {0.3, 3.5, 1}, {-0.1, 0.5, 0.5}, {0, 3.5, 1}).empty());  // a bumper
+    const std::vector<ThinWall> fin = with({0, 1.8, 1.9}, {8, 2.2, 4}, {0, 1.8, 2}, {8, 2.2, 4});
+    REQUIRE(fin.size() == 1);
+    CHECK(fin[0].thickness_mm == Approx(0.4).margin(1e-3));
+    CHECK(with({0, 1.8, 2.4}, {8, 2.2, 4}, {0, 1.8, 2.4}, {8, 2.2, 4}).size() == 1);  // with air below
+}
+
+TEST_CASE("A body that is smaller than what is told of others is told when most of it is thin") {
+    CHECK(walls_of(shapes::box(Vector3d::Zero(), {0.3, 0.3, 1})).size() == 1);
+    CHECK(walls_of(shapes::box(Vector3d::Zero(), {0.8, 0.8, 0.8})).empty());
+}
+
 TEST_CASE("Pieces that meet in a point or an edge alone are told, and those that overlap or share a face are not") {
     const auto box_at = [](const Vector3d& low) { return shapes::box(low, low + Vector3d(4, 4, 4)); };
     const auto both = [&](const Vector3d& second) {
