@@ -221,9 +221,11 @@ void add_loop(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
 
 void add_thicker(const AdviceSources& s, std::vector<io::ReportAdvice>& advice) {
     const double thick_mm = 2 * s.job.options.colour.depth_mm, now = s.mean.sum();
-    const double of_sheets = share_of_sheets(s);
+    // Of a sheet both sides are one area, and light passes it more than any wall.
+    const double by_area = share_of_sheets(s),
+                 of_sheets = by_area > 0 ? std::max(by_area, s.mean.thinnest / s.mean.thin) : 0;
     // Some of the thin walls: those that stay are as they were.
-    const bool sheets = of_sheets >= some_sheets, is_part = sheets && of_sheets < 0.5;
+    const bool sheets = of_sheets >= some_sheets, is_part = sheets && by_area < 0.5;
     const bool known = !is_part && s.mean.thick_walls < s.mean.thin,
                is_bound = is_part || (!known && s.mean.wall_mm < least_wall_mm);
     const double left = is_part ? 1 - of_sheets * (1 - left_by_thickness) : left_by_thickness;

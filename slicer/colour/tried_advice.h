@@ -31,8 +31,9 @@
 //                 given 2 mm 0.29 or less was left, with the loop and without (checks; soft, light, saturated and dark
 //                 hills 0.04 to 0.25). Of pictures by --thickness; of sheets that enclose nothing, whose faces have
 //                 their own backs in the same place (mesh/open_pieces.h), by --sheet-thickness, where half of the
-//                 thin walls are those; from a quarter on as if the others stayed as they are (a mage of 20 mm, 5.1:
-//                 "4.4 or less" was said and 1.9 came)
+//                 thin walls are those; from a quarter on, of their area or of what is lost in walls below 0.15 mm, as
+//                 if the others stayed as they are (mages of 13 and 20 mm, 7.1 and 5.1: "5.2 or less" and "3.1 or less"
+//                 were said, 3.8 and 1.9 came)
 //   the loop      of what reach leaves, at most `left_by_loop` is left: a bound, and said as one ("or less"). Left were
 //                 of the bundled cow of 12, 18 and 30 mm 0.61, 0.57 and 0.47, a mage of 12 mm 0.62, a fox of 12 and 18
 //                 mm 0.50 and 0.47, a box of 6 mm 0.48, kodim23 0.42, a plate of 0.5 mm 0.17, of 0.3 mm 0.13, of 0.2 mm
@@ -59,6 +60,7 @@ namespace voxtone::slicer {
 /// What the mean is made of.
 struct MeanParts {
     double reach = 0, thin = 0, flat = 0, neighbours = 0;
+    double thinnest = 0;     ///< of `thin`: in walls as thin as sheets that enclose nothing are printed
     double wall_mm = 0;      ///< of the thin walls, about
     double thick_walls = 0;  ///< what `thin` would be were they thick; `thin`: not known
     double thin_mm2 = 0;     ///< of the thin walls

@@ -79,6 +79,7 @@ Losses losses_of(const VerdictSources& s, const JobPrediction& p, const std::vec
         reach[i] = std::min(difference[i], s.colour.separation.gamut_distance(p.target[i]));
         if (difference[i] > limits.good) found[i] = loss_of_cell(p, s.colour, i, thin_mm);
     });
+    constexpr double sheet_mm = 0.15;  // one voxel, two where it lies aslant
     const std::vector<double> middle = off_in_the_middle(p.seen);
     double thin_seen = 0, rest = 0, rest_seen = 0;
     for (std::size_t i = 0; i < difference.size(); ++i) {
@@ -89,6 +90,7 @@ Losses losses_of(const VerdictSources& s, const JobPrediction& p, const std::vec
         losses.mean.flat += flat;
         (is_thin ? losses.mean.thin : losses.mean.neighbours) += left - flat;
         if (is_thin) thin_seen += seen[i];
+        if (is_thin && found[i].wall_mm < sheet_mm) losses.mean.thinnest += left;
         if (!is_off || found[i].cause == neighbours) rest += left, rest_seen += seen[i];
         if (!is_off) continue;
         losses.off += seen[i];
@@ -100,8 +102,8 @@ Losses losses_of(const VerdictSources& s, const JobPrediction& p, const std::vec
     }
     describe_walls(std::move(thin), losses);
     if (!(losses.all_seen > 0)) return losses;
-    for (double* part :
-         {&losses.mean.reach, &losses.mean.thin, &losses.mean.flat, &losses.mean.neighbours, &losses.mean.reach_off})
+    for (double* part : {&losses.mean.reach, &losses.mean.thin, &losses.mean.flat, &losses.mean.neighbours,
+                         &losses.mean.reach_off, &losses.mean.thinnest})
         *part /= losses.all_seen;
     losses.mean.wall_mm = losses.walls.wall_mm;
     for (const std::uint32_t i : losses.walls.cells)
