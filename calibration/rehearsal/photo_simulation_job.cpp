@@ -121,7 +121,7 @@ JobResult simulate_print(const PhotoSimulationJob& job, Progress& progress) {
     progress.begin_stage("photograph", 0);
     SimulatedPhoto photo = simulate_photo(thing, find_checker(job.checker), job.photo);
     progress.end_stage();
-    return written(job, std::move(photo), job.resins);
+    return written(job, std::move(photo), job.resins.empty() ? "the resins of its job" : job.resins);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ struct PhotoSimulationJob {
     PhotoOptions photo;
     std::string target;                              ///< its description (calibration/target/target_file.h), or a print
     std::function<FlatThing(Progress&)> print = {};  ///< what `target` looks like where it is a print
-    std::string resins = "vero-opaque";              ///< set or file
+    std::string resins = "vero-opaque";              ///< set or file; empty: of a print that of its job
     std::string checker = "colorchecker24";          ///< chart, or its file
     MixtureKind mixtures = MixtureKind::dithered;
     bool eight_bits = false;  ///< of sRGB codes instead of 16 linear ones

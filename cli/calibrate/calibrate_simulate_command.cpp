@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -54,6 +56,7 @@ int run(CalibrateSimulateArguments& a, const CalibrateJobs& jobs) {
             fmt::format("{} is of a print; {} is no output folder of `slice`, and squares are read in their middle. "
                         "Leave it out.",
                         a.paths ? "--paths" : "--spread", a.job.target));
+    if (a.job.resins.empty() && !a.job.print) a.job.resins = calibration::PhotoSimulationJob{}.resins;
     a.job.mixtures = a.ideal ? calibration::MixtureKind::ideal : calibration::MixtureKind::dithered;
     a.job.photo.checker = !a.no_checker;
     a.job.photo.white_balance = {a.white_balance[0], a.white_balance[1], a.white_balance[2]};
@@ -106,7 +109,8 @@ Verb calibrate_simulate_verb(const CalibrateJobs& jobs) {
     command.add("target", a.job.target,
                 "description of the target (target.json), or of a flat print the output folder of `slice`",
                 {.unit = "FILE|OUT", .required = true});
-    add_resins_option(command, a.job.resins);
+    const std::string of_target = std::exchange(a.job.resins, {});
+    add_resins_option(command, a.job.resins, "; empty: of a print that of its job, of a target " + of_target);
     add_out_option(
         command, a.job.out, "FILE",
         "photograph to write: .png, .tif (16 bits, linear) or .exr; of a chart .csv, what a spectrophotometer reads");

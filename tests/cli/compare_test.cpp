@@ -178,6 +178,22 @@ TEST_CASE("a photographed print differs by as much as the print itself does") {
     CHECK_THAT(page, Contains("Printed and predicted") && Contains("than predicted") && Contains("id=\"cut\""));
 }
 
+TEST_CASE("a rehearsal prints with the resins of the print's job where none are named") {
+    const Folder folder("rehearsal");
+    const auto rehearsed = [&](const std::string& resins) {
+        const std::string file = folder / ("photograph" + resins + ".png");
+        const Outcome outcome =
+            run_program("calibrate simulate --quiet --no-checker --width 120 --height 90 --paths 2 " +
+                        (resins.empty() ? "" : "--resins " + resins + " ") + sliced().stack + " -o " + file);
+        INFO(outcome.err);
+        REQUIRE(outcome.exit_code == 0);
+        return read_file(file);
+    };
+    const std::string usual = rehearsed("");
+    CHECK(usual == rehearsed("j750-vivid"));
+    CHECK(usual != rehearsed("vero-opaque"));
+}
+
 TEST_CASE("an exposure larger by 0.3 EV is told as that, and as nothing else") {
     const Folder folder("exposure");
     calibration::PhotoOptions camera = hand_camera();
