@@ -241,13 +241,17 @@ std::string figure(const io::StackDescription& stack, const PictureFromAbove& fr
                 fits(number) && 0.8 * font < box[4] - box[1]
                     ? 0.8 * font
                     : std::min(0.8 * (box[4] - box[1]), (box[3] - box[0]) / (of_letter * double(number.size())));
+            const std::string& words = fits(whole) ? whole : number;
+            // On a plate, or it would be lost on what is printed there.
             marks += fmt::format(
                 "<rect x=\"{0:.3f}\" y=\"{1:.3f}\" width=\"{2:.3f}\" height=\"{3:.3f}\" fill=\"none\" "
-                "stroke=\"#6cc3df\" stroke-width=\"{4:.3f}\"/>\n<text x=\"{5:.3f}\" y=\"{6:.3f}\" "
-                "font-size=\"{7:.3f}\" fill=\"#6cc3df\" stroke=\"#1c1d1f\" stroke-width=\"{8:.3f}\" "
-                "paint-order=\"stroke\" font-family=\"sans-serif\">{9}</text>\n",
-                box[0], h - box[4], box[3] - box[0], box[4] - box[1], 0.004 * std::max(w, h), box[0] + 0.2 * size,
-                h - box[4] + 1.1 * size, size, 0.15 * size, html_text(fits(whole) ? whole : number));
+                "stroke=\"#6cc3df\" stroke-width=\"{4:.3f}\"/>\n<rect x=\"{0:.3f}\" y=\"{1:.3f}\" width=\"{5:.3f}\" "
+                "height=\"{6:.3f}\" fill=\"#1c1d1f\"/>\n<text x=\"{7:.3f}\" y=\"{8:.3f}\" font-size=\"{9:.3f}\" "
+                "fill=\"#fff\" font-family=\"sans-serif\">{10}</text>\n",
+                box[0], h - box[4], box[3] - box[0], box[4] - box[1], 0.004 * std::max(w, h),
+                std::min(box[3] - box[0], (of_letter * double(words.size()) + 0.3) * size),
+                std::min(box[4] - box[1], 1.4 * size), box[0] + 0.2 * size, h - box[4] + 1.1 * size, size,
+                html_text(words));
         }
     }
     const auto text = [&](double x, double y, const char* anchor, const std::string& words) {
