@@ -127,7 +127,7 @@ LuminanceRaster sharpened(const LuminanceRaster& from) {
 /// From lines across bars to the ends of them: as far as each further line looks like those. Bars that lie aslant keep
 /// the box of the lines.
 Box bars_at(const LuminanceRaster& picture, const Box& lines, bool upright) {
-    constexpr double alike = 0.5;
+    constexpr double alike = 0.5;  // correlation: paper has none, digits below them little; chosen, not measured
     const int along = upright ? 0 : 1, across = 1 - along, most = upright ? picture.rows : picture.columns,
               first = std::max(0, int(lines[std::size_t(along)])),
               last = std::min((upright ? picture.columns : picture.rows) - 1, int(lines[std::size_t(along + 2)]));

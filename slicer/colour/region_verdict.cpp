@@ -651,8 +651,7 @@ std::vector<Row> lost_on_page(const RegionSources& s, const halftone::CellNeighb
         lost.push_back(std::move(*detail));
     }
     if (s.is_picture && type && type->unread > 0)
-        page.lost = fmt::format("{} of its type can{} be read", type->unread == type->letters ? "none" : "some",
-                                type->unread == type->letters ? "" : "not");
+        page.lost = type->unread == type->letters ? "none of its type can be read" : "some of its type cannot be read";
     return lost;
 }
 

@@ -16,7 +16,7 @@
 //                 the loop, came to 7.3 at 2.1 times their size, e = 0.18 for 0.64. With the loop the bundled cow of 12
 //                 mm, 3.4, came to 2.9 at 16.5 mm, 2.7 at 20 and 2.1 at 25, a barrel of 12 mm, 2.6, to 2.3 at 15 mm. Of
 //                 walls light falls to a third in 0.25 mm at best (a spider of 15 mm with legs of 0.3 mm, 14.0, came to
-//                 5.5 at twice that). What is too small to be seen becomes visible: a picture's print is at most what
+//                 5.5 at twice that). What is too small to be seen becomes visible: a page's print is at most what
 //                 this one would be from as much nearer, where light had spread as much farther (a menu of 8 mm on
 //                 cream, 5.5, came to 8.5 at 16 mm). As large is advised as makes their middle good and
 //                 of what is clearly off, flecked or blurred, which shrinks as 1 / k, too little to mind (0.20 of

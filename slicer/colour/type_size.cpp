@@ -136,7 +136,8 @@ double dividing_size(std::span<const Glyph> by_size) {
     return (by_size[at - 1].size_mm + by_size[at].size_mm) / 2;
 }
 
-/// Twenty times as large at the most. The palest tenth is left out: it is read at no size that anybody prints.
+/// 1 where twenty times as large is not enough: then size is no cure. The palest tenth is left out: it is read at no
+/// size that anybody prints.
 double times_to_be_read(std::span<const Glyph* const> letters, double viewing_distance_mm) {
     double times = 1;
     const auto palest = std::ptrdiff_t(letters.size() / 10);
@@ -148,7 +149,7 @@ double times_to_be_read(std::span<const Glyph* const> letters, double viewing_di
                              letter->contrast_asked, times * letter->size_mm, viewing_distance_mm) == Legibility::lost;
     };
     while (times < 20 && std::ranges::count_if(letters, is_lost) > palest) times *= 1.05;
-    return times;
+    return times < 20 ? times : 1;
 }
 
 /// The cell that differs most from its ground: the rim of a letter is half its ground.

@@ -33,7 +33,7 @@ struct TypeSize {
     double below_mm = 0;  ///< size of the face: what is smaller cannot be read; 0: all can, some is pale
     double smallest_mm = 0, largest_mm = 0;
     /// How much larger nine tenths of what is lost would be read, contrasts growing as sizes^1.5, up to what was
-    /// asked for.
+    /// asked for; 1: all is read, or no size that anybody prints would help.
     double times = 1;
     std::size_t letters = 0, unread = 0, pale = 0;
     std::vector<Eigen::AlignedBox2d>

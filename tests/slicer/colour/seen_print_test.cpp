@@ -181,6 +181,9 @@ TEST_CASE("Below the size where its contrast is lost type is said to be unreadab
         return black && y < 50 && x < 12 ? 0.999f : small_is_lost(x, y, black);
     });
     CHECK(unreadable_type(palest.p, 300)->times == Approx(type->times).epsilon(0.06));
+    // What has next to no contrast is read at no size, and none is advised.
+    const Page gone(lines_of_type, [](int, int, bool black) { return black ? 0.9995f : 1.0f; });
+    CHECK(unreadable_type(gone.p, 300)->times == 1);
     const Page sharp(lines_of_type, [](int, int, bool black) { return black ? 0.05f : 1.0f; });
     CHECK(unreadable_type(sharp.p, 300)->is_read_well());
     // Sight has its limit, too: nobody reads 1.4 mm from three metres.
