@@ -116,8 +116,9 @@ std::string no_place_text(const MarkOptions& mark, const MarkedBody& body) {
                               const FlatQuery& query) {
     std::optional<MarkFrame> place;
     const double share = fitting_share(query, [&](const FlatQuery& smaller) {
-        place = find_place(mark, body, smaller);
-        return place.has_value();
+        const std::optional<MarkFrame> found = find_place(mark, body, smaller);
+        if (found) place = found;  // the last that fits is the largest
+        return found.has_value();
     });
     const bool is_code = shape.module_mm > 0;
     std::string remedy = "make it smaller,";
