@@ -6,14 +6,17 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include <catch2/catch.hpp>
 #include <Eigen/Core>
+#include <catch2/catch.hpp>
 
 #include "optics/colour/colour.h"
 #include "slicer/colour/region_verdict.h"
+#include "slicer/colour/verdict.h"
 
 namespace voxtone::test {
 
@@ -69,6 +72,12 @@ public:
         body.grid.pitch_mm = {0.1, 0.1, 0.1};
         body.placement.extent_mm = {8, 6, 2};
         stand_on(body);
+        p.volume = optics::make_resin_volume({columns, rows, 20}, {0.1, 0.1, 0.1},
+                                             [](int, int, int) { return optics::Material{1}; });
+        p.channels = optics::vero_opaque().channels;
+        job.printer.tray_mm = {490, 390, 200};
+        job.resins.set = optics::vero_opaque();
+        job.resins.entries.resize(halftone::max_resins);  // no slot is free, so that no other resin is tried
         stays_picture();
     }
 
@@ -102,6 +111,7 @@ public:
         halftone::ColourRegion& region = p.seen.regions.emplace_back();
         region.kind = kind, region.target = asked;
         region.cells = cells_of(box), region.interior = cells_of(box.within(rim));
+        if (region.interior.empty()) region.interior = region.cells;
         region.area_mm2 = 0.01 * double(region.cells.size());
         p.seen.looks.push_back({lab_of(printed), lab_of(asked), off, 0});
         p.seen.rims.push_back(0);
@@ -114,6 +124,11 @@ public:
         const slicer::PlaceWords places(body);
         return slicer::judge_regions({p, five_resins(), p.sides, places, seen, limits, body.is_picture, distance_mm},
                                      walls);
+    }
+    /// Of all of it.
+    [[nodiscard]] io::ReportVerdict verdict() const {
+        const std::optional<slicer::JobPrediction> prediction(p);
+        return slicer::judge({job, body, five_resins(), prediction, "", {}, loop});
     }
     /// The row whose `asked` begins so, or whose kind that is; fails where there is none.
     [[nodiscard]] static io::ReportRegion row(const slicer::JudgedRegions& judged, const std::string& what) {
@@ -131,6 +146,8 @@ public:
 
     slicer::JobPrediction p;
     slicer::JobBody body;
+    slicer::OpenedJob job;
+    std::optional<slicer::JobLoop> loop;
     std::vector<double> seen;
     slicer::VerdictLimits limits;
     slicer::ThinWalls walls;

@@ -172,7 +172,7 @@ TEST_CASE("Faint type was asked for faint: its colour is judged, and not its con
 
 TEST_CASE("Regions of one kind and colour are one row: means by area, the place of the larger one") {
     JudgedSheet sheet;
-    sheet.add(solid, {4, 40, 14, 50}, red, dark_red, 8);                                 // 1 mm2
+    sheet.add(solid, {4, 40, 14, 50}, red, dark_red, 8);                                  // 1 mm2
     sheet.add(solid, {60, 10, 75, 30}, red + Eigen::Vector3f::Constant(0.002f), red, 4);  // 3 mm2
     sheet.p.seen.rims = {2, 6};
     JudgedRegions judged = sheet.judge();
@@ -186,8 +186,8 @@ TEST_CASE("Regions of one kind and colour are one row: means by area, the place 
     CHECK(row.place_mm[0] == Approx(6.75).margin(0.06));
     const Eigen::Vector3f mean = 0.25f * dark_red + 0.75f * red;
     const auto code = [&](Eigen::Index c) { return std::lround(255 * optics::srgb_encode(double(mean[c]))); };
-    CHECK(row.printed == "red (" + std::to_string(code(0)) + ", " + std::to_string(code(1)) + ", " +
-                             std::to_string(code(2)) + ")");
+    CHECK(row.printed ==
+          "red (" + std::to_string(code(0)) + ", " + std::to_string(code(1)) + ", " + std::to_string(code(2)) + ")");
     CHECK(row.asked == "red (170, 60, 60)");
     // The larger one first: its place stays.
     std::swap(sheet.p.seen.regions[0], sheet.p.seen.regions[1]);
@@ -375,13 +375,13 @@ TEST_CASE("Contrast that is lost in an area, between two of them or beside type 
             if (row.kind == "fine detail") area = row.area_mm2;
         return area;
     };
-    CHECK(told({0, 10, 80, 14}) == 0);                 // in the ground
-    CHECK(told({0, 28, 80, 31}) == Approx(1.6));       // the middle one of three rows is beside both
-    CHECK(told({0, 45, 80, 47}) == Approx(1.6));       // along one of them
-    CHECK(told({40, 50, 50, 52}) == 0);                // two cells from the line
-    CHECK(told({38, 49, 52, 50}) == 0);                // 0.14 mm2: hardly anywhere
-    CHECK(told({30, 48, 60, 50}) == Approx(0.6));      // three of them
-    CHECK(told({10, 47, 20, 60}) == Approx(1.3));      // in the open
+    CHECK(told({0, 10, 80, 14}) == 0);             // in the ground
+    CHECK(told({0, 28, 80, 31}) == Approx(1.6));   // the middle one of three rows is beside both
+    CHECK(told({0, 45, 80, 47}) == Approx(1.6));   // along one of them
+    CHECK(told({40, 50, 50, 52}) == 0);            // two cells from the line
+    CHECK(told({38, 49, 52, 50}) == 0);            // 0.14 mm2: hardly anywhere
+    CHECK(told({30, 48, 60, 50}) == Approx(0.6));  // three of them
+    CHECK(told({10, 47, 20, 60}) == Approx(1.3));  // in the open
 }
 
 TEST_CASE("A texture that comes out blurred is told with its share, and all of it is spoilt") {
