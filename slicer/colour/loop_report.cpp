@@ -9,6 +9,7 @@
 
 #include "base/counted.h"
 #include "io/pictures/picture_writer.h"
+#include "slicer/printer/voxel_grid.h"
 #include "slicer/surface/target_cells.h"
 
 namespace voxtone::slicer {
@@ -78,12 +79,11 @@ io::ReportPicture cut(const optics::ResinVolume& volume, int x_middle, int y, do
     const auto& pitch = volume.pitch_mm();
     const auto& size = volume.size();
     constexpr double px_per_mm = 200;
-    const int width = std::min(size[0], std::max(1, static_cast<int>(width_mm / pitch[0]))),
-              height = std::max(1, static_cast<int>(height_mm / pitch[2]));
+    const int width = std::min(size[0], voxels_in(width_mm, pitch[0])), height = voxels_in(height_mm, pitch[2]);
     const int x_first = std::clamp(x_middle - width / 2, 0, size[0] - width);
     io::Picture8 codes;
-    codes.width_px = static_cast<std::uint32_t>(width * pitch[0] * px_per_mm);
-    codes.height_px = static_cast<std::uint32_t>(height * pitch[2] * px_per_mm);
+    codes.width_px = static_cast<std::uint32_t>(std::lround(width * pitch[0] * px_per_mm));
+    codes.height_px = static_cast<std::uint32_t>(std::lround(height * pitch[2] * px_per_mm));
     codes.channels = 4;
     codes.codes.reserve(std::size_t{codes.width_px} * codes.height_px * 4);
     for (std::uint32_t row = 0; row < codes.height_px; ++row)

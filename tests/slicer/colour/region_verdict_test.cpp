@@ -54,7 +54,7 @@ TEST_CASE("A region's row says what was asked for, what is printed, where it lie
     CHECK_FALSE(row.type_mm.has_value());
 }
 
-TEST_CASE("A region is good up to the limit, and no further; words that are the same are told apart by numbers") {
+TEST_CASE("A region is good up to the limit and no further, and words that are the same are told apart by numbers") {
     JudgedSheet sheet;
     sheet.add(solid, {6, 40, 26, 55}, red, dark_red, 5);
     CHECK(sheet.row("red").good);
