@@ -101,6 +101,8 @@ TEST_CASE("A verdict's figures are means and shares by what is seen") {
           "thick.");
     CHECK(verdict.but_mm[2] == 2);
     CHECK(verdict.but_normal == std::array<double, 3>{0, 0, 1});
+    REQUIRE_FALSE(verdict.advice.empty());
+    CHECK_THAT(verdict.sentence, EndsWith(" (0.8 mm). Try: " + verdict.advice.front().text + "."));
     // Nearly all of it.
     put_off(sheet, {24, 0, 32, 60}, 0.7);
     CHECK_THAT(sheet.verdict().why, StartsWith("Nearly all of it because light passes through thin walls"));
