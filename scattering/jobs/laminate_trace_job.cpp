@@ -19,6 +19,7 @@
 #include "io/profiles/bssrdf_file.h"
 #include "optics/colour/channels.h"
 #include "scattering/design/laminate_search.h"
+#include "scattering/jobs/layered_options.h"
 #include "scattering/jobs/place_profiles.h"
 #include "scattering/jobs/profile_map_picture.h"
 #include "scattering/jobs/profile_plots.h"
@@ -46,14 +47,15 @@ void check(const LaminateTraceJob& job) {
     }
 }
 
-slicer::LayeredOptions options_of(const LaminateTraceJob& job) {
+LayeredOptions options_of(const LaminateTraceJob& job) {
     const fs::path file = fs::path(job.stack) / slicer::job_file_name;
     std::error_code none;
-    std::optional<slicer::LayeredOptions> layered;
+    std::optional<LayeredOptions> layered;
     if (fs::exists(file, none)) {
         slicer::SliceOptions requested;
         slicer::read_job(file.string(), requested);
-        layered = slicer::resolve(requested).layered;
+        const slicer::ResolvedJob resolved = slicer::resolve(requested);
+        if (const LayeredOptions* options = layered_options(resolved)) layered = *options;
     }
     if (!layered)
         throw InputError(fmt::format(
@@ -320,7 +322,7 @@ std::string drawing(const Traced& traced) {
 JobResult run_laminate_trace(const LaminateTraceJob& job, Progress& progress) {
     check(job);
     io::expect_outputs({job.files.begin(), job.files.end()}, job.overwrite);
-    const slicer::LayeredOptions options = options_of(job);
+    const LayeredOptions options = options_of(job);
     io::ProfileMap map = io::read_profile_map(options.profiles);
     LocalProfiles of_map = profiles_of_map(map);
     io::BssrdfFile asked;

@@ -89,7 +89,7 @@ Materials computed_materials(const optics::ResinSet& set, double most_mm, const 
 }
 
 /// Measured with whatever surface they had: none is added.
-Materials measured_materials(const slicer::LayeredOptions& options, const io::ProfileMap& map,
+Materials measured_materials(const LayeredOptions& options, const io::ProfileMap& map,
                              const slicer::LoadedResins& resins, const optics::HankelGrid& grid, Progress& progress) {
     LaminateSettingOptions setting;
     setting.materials = material_files(options, resins);
@@ -105,14 +105,14 @@ Materials measured_materials(const slicer::LayeredOptions& options, const io::Pr
     return {laminates.materials(0, options.thickness_mm, {}, progress), laminates.turned_back()};
 }
 
-LaminateSearchOptions search_options(const slicer::LayeredOptions& options, const slicer::LoadedResins& resins,
+LaminateSearchOptions search_options(const LayeredOptions& options, const slicer::LoadedResins& resins,
                                      std::span<const LaminateMaterial> materials) {
     LaminateSearchOptions search;
     search.thickness_mm = options.thickness_mm;
     search.steps = options.steps;
     search.max_blocks = options.blocks;
     search.dc_weight = options.dc_weight;
-    for (const slicer::ClearTop& clear : options.clear_top) {
+    for (const ClearTop& clear : options.clear_top) {
         const int resin = resins.set.find(clear.role);
         search.clear_top_mm.resize(materials.size(), 0);
         search.clear_top_mm[static_cast<std::size_t>(resin)] = clear.mm;
@@ -184,9 +184,8 @@ void design_cluster(ClusterLaminate& cluster, const LaminateSearch& search, std:
     design.judged_distance = distance(design.judged, cluster.target);
 }
 
-void search_laminates(const slicer::LayeredOptions& options, const slicer::LoadedResins& resins,
-                      const optics::HankelGrid& grid, std::vector<ClusterLaminate>& clusters, const Materials& made,
-                      Progress& progress) {
+void search_laminates(const LayeredOptions& options, const slicer::LoadedResins& resins, const optics::HankelGrid& grid,
+                      std::vector<ClusterLaminate>& clusters, const Materials& made, Progress& progress) {
     const std::span<const LaminateMaterial> materials = made.materials;
     LaminateDesignOptions design;
     design.search = search_options(options, resins, materials);
@@ -206,7 +205,7 @@ void search_laminates(const slicer::LayeredOptions& options, const slicer::Loade
     progress.end_stage();
 }
 
-PlacedMap place_map(const slicer::LayeredOptions& options, const io::ProfileMap& map, const slicer::JobBody& body) {
+PlacedMap place_map(const LayeredOptions& options, const io::ProfileMap& map, const slicer::JobBody& body) {
     const io::TexturedMesh& mesh = body.model.mesh;
     LaminateMap laminates{map.width_px, map.height_px,   map.width_mm,        map.height_mm,
                           map.cluster,  MapEdge::repeat, options.smoothing_mm};
@@ -222,7 +221,7 @@ PlacedMap place_map(const slicer::LayeredOptions& options, const io::ProfileMap&
                 map.width_mm, map.height_mm, extent.x(), extent.y());
         return {laminates, MapPlacement::by_texture(mesh, laminates.width_mm, laminates.height_mm), stretched};
     }
-    if (options.placement == slicer::ProfilePlacement::uv)
+    if (options.placement == ProfilePlacement::uv)
         return {laminates, MapPlacement::by_texture(mesh, laminates.width_mm, laminates.height_mm), ""};
     laminates.edge = MapEdge::mirror;
     return {laminates, MapPlacement::by_box(mesh), ""};
@@ -256,7 +255,7 @@ std::vector<std::string> warnings_of(const PlacedMap& placed, const LaminateFit&
 
 }  // namespace
 
-int correcting_rounds(const slicer::LayeredOptions& options) {
+int correcting_rounds(const LayeredOptions& options) {
     return options.materials.empty() ? options.rounds.value_or(1) : 0;
 }
 
@@ -288,7 +287,7 @@ JobLayers::JobLayers(DesignedLaminates designed, const slicer::JobBody& body, co
     warnings = warnings_of(designed.placed, fit);
 }
 
-std::unique_ptr<const JobLayers> arrange_layers(const slicer::LayeredOptions& options, io::ProfileMap map,
+std::unique_ptr<const JobLayers> arrange_layers(const LayeredOptions& options, io::ProfileMap map,
                                                 const slicer::JobBody& body, const slicer::LoadedResins& resins,
                                                 Progress& progress) {
     check_thickness(body);

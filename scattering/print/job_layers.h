@@ -24,10 +24,10 @@
 #include "scattering/design/aligned_laminates.h"
 #include "scattering/design/laminate_design.h"
 #include "scattering/design/layer_fields.h"
+#include "scattering/jobs/layered_options.h"
 #include "scattering/print/laminate_fit.h"
 #include "scattering/print/map_placement.h"
 #include "scattering/print/wrapped_layers.h"
-#include "slicer/options/resolved_job.h"
 #include "slicer/part/job_body.h"
 #include "slicer/part/job_colour.h"
 
@@ -49,7 +49,7 @@ struct ClusterLaminate {
 };
 
 /// In how many rounds laminates are corrected: as asked for, else in one; of measured materials none.
-[[nodiscard]] int correcting_rounds(const slicer::LayeredOptions& options);
+[[nodiscard]] int correcting_rounds(const LayeredOptions& options);
 
 /// The farthest sample of any wanted profile.
 [[nodiscard]] double profile_extent_mm(const io::ProfileMap& map);
@@ -100,7 +100,7 @@ private:
 /// Searches the laminates of a map that `check_layers` let pass, a second of one core each, and wraps them. Throws
 /// InputError: profiles that send back more light than they got, a mesh without texture coordinates where they are
 /// needed, a body thinner than two voxels.
-[[nodiscard]] std::unique_ptr<const JobLayers> arrange_layers(const slicer::LayeredOptions& options, io::ProfileMap map,
+[[nodiscard]] std::unique_ptr<const JobLayers> arrange_layers(const LayeredOptions& options, io::ProfileMap map,
                                                               const slicer::JobBody& body,
                                                               const slicer::LoadedResins& resins, Progress& progress);
 

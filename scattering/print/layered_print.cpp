@@ -9,8 +9,8 @@
 
 namespace voxtone::scattering {
 
-LayeredPrint::LayeredPrint(const slicer::OpenedJob& job, const slicer::LayeredOptions& options,
-                           const io::ProfileMap& map, const slicer::JobBody& body, Progress& progress)
+LayeredPrint::LayeredPrint(const slicer::OpenedJob& job, const LayeredOptions& options, const io::ProfileMap& map,
+                           const slicer::JobBody& body, Progress& progress)
     : job_(job),
       options_(options),
       body_(body),

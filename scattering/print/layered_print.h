@@ -20,7 +20,7 @@ namespace voxtone::scattering {
 class LayeredPrint final : public slicer::Print {
 public:
     /// Searches the laminates. Keeps references to all but the map.
-    LayeredPrint(const slicer::OpenedJob& job, const slicer::LayeredOptions& options, const io::ProfileMap& map,
+    LayeredPrint(const slicer::OpenedJob& job, const LayeredOptions& options, const io::ProfileMap& map,
                  const slicer::JobBody& body, Progress& progress);
 
     void prepare(Progress& progress) override;
@@ -40,7 +40,7 @@ public:
 
 private:
     const slicer::OpenedJob& job_;
-    const slicer::LayeredOptions& options_;
+    const LayeredOptions& options_;
     const slicer::JobBody& body_;
     std::unique_ptr<const JobLayers> layers_;
     slicer::PrintParts parts_;

@@ -4,13 +4,16 @@
 #include <filesystem>
 #include <utility>
 
+#include "base/contracts.h"
 #include "io/profiles/profile_map.h"
 #include "io/profiles/resin_file.h"
 #include "optics/media/resins.h"
+#include "scattering/jobs/layered_options.h"
 #include "scattering/local_profiles/luminance_channel.h"
 #include "scattering/print/job_layers.h"
 #include "scattering/print/layered_print.h"
 #include "scattering/print/layers_check.h"
+#include "slicer/options/option_table.h"
 #include "slicer/part/other_print.h"
 #include "slicer/printer/picture_slab.h"
 
@@ -20,8 +23,7 @@ namespace {
 
 class LayeredProfiles final : public slicer::OtherPrint {
 public:
-    LayeredProfiles(slicer::LayeredOptions options, io::ProfileMap map)
-        : options_(std::move(options)), map_(std::move(map)) {}
+    LayeredProfiles(LayeredOptions options, io::ProfileMap map) : options_(std::move(options)), map_(std::move(map)) {}
 
     /// The printer's; those of published profiles where the map has other channels than these.
     std::string usual_resins(const slicer::PrinterProfile& printer) const override {
@@ -36,7 +38,7 @@ public:
         const std::filesystem::path picture = std::filesystem::path(options_.profiles).parent_path() / map_.picture;
         std::vector<slicer::JobInput> inputs{{key, options_.profiles, {}},
                                              {key + ":" + map_.picture, picture.string(), {}}};
-        for (const slicer::LaminateMaterialFile& material : options_.materials)
+        for (const LaminateMaterialFile& material : options_.materials)
             inputs.push_back({"laminate-materials:" + material.role, material.file, {}});
         return inputs;
     }
@@ -59,19 +61,24 @@ public:
     }
 
 private:
-    const slicer::LayeredOptions options_;
+    const LayeredOptions options_;
     const io::ProfileMap map_;
 };
 
 /// A picture without a size of its own is as wide as the map.
 std::unique_ptr<const slicer::OtherPrint> open_layered(slicer::ResolvedJob& job) {
-    io::ProfileMap map = io::read_profile_map(job.layered->profiles);
+    const LayeredOptions* const options = layered_options(job);
+    VOXTONE_EXPECT(options);
+    io::ProfileMap map = io::read_profile_map(options->profiles);
     if (job.is_picture() && !slicer::is_sized(job.picture)) job.picture.width_mm = job.raw.width_mm = map.width_mm;
-    return std::make_unique<const LayeredProfiles>(*job.layered, std::move(map));
+    return std::make_unique<const LayeredProfiles>(*options, std::move(map));
 }
 
 }  // namespace
 
-void register_layered_profiles() { slicer::register_other_print(open_layered); }
+void register_layered_profiles() {
+    slicer::declare_show(layered_show_options());
+    slicer::register_other_print(open_layered);
+}
 
 }  // namespace voxtone::scattering

@@ -17,8 +17,8 @@ std::string channels_in_full(const optics::Channels& channels) {
     return fmt::format("{} wavelengths ({:g} nm)", channels.size(), fmt::join(channels.wavelengths_nm, ", "));
 }
 
-std::vector<std::string> material_files(const slicer::LayeredOptions& options, const slicer::LoadedResins& resins) {
-    const std::vector<slicer::LaminateMaterialFile>& named = options.materials;
+std::vector<std::string> material_files(const LayeredOptions& options, const slicer::LoadedResins& resins) {
+    const std::vector<LaminateMaterialFile>& named = options.materials;
     for (const auto& [role, file] : named)
         if (resins.set.find(role) < 0)
             throw InputError(fmt::format(
@@ -26,7 +26,7 @@ std::vector<std::string> material_files(const slicer::LayeredOptions& options, c
                 file));
     std::vector<std::string> files;
     for (const optics::Resin& resin : resins.set.resins) {
-        const auto found = std::find_if(named.begin(), named.end(), [&](const slicer::LaminateMaterialFile& entry) {
+        const auto found = std::find_if(named.begin(), named.end(), [&](const LaminateMaterialFile& entry) {
             return resins.set.find(entry.role) == resins.set.find(resin.role);
         });
         if (found == named.end())
@@ -43,8 +43,7 @@ std::vector<std::string> material_files(const slicer::LayeredOptions& options, c
     return files;
 }
 
-void check_layers(const slicer::LayeredOptions& options, const io::ProfileMap& map,
-                  const slicer::LoadedResins& resins) {
+void check_layers(const LayeredOptions& options, const io::ProfileMap& map, const slicer::LoadedResins& resins) {
     if (map.target.empty())
         throw InputError(fmt::format(
             "{}: has no clusters, so there is nothing to arrange; give a map with at least one", options.profiles));
@@ -59,7 +58,7 @@ void check_layers(const slicer::LayeredOptions& options, const io::ProfileMap& m
             "--show layered-profile: only one resin is loaded, so there are no layers to choose; load at least two, "
             "such as --load W,K");
     if (!options.materials.empty()) (void)material_files(options, resins);
-    for (const slicer::ClearTop& clear : options.clear_top)
+    for (const ClearTop& clear : options.clear_top)
         if (resins.set.find(clear.role) < 0)
             throw InputError(fmt::format("--clear-top {}: no resin of this role is loaded", clear.role));
 }

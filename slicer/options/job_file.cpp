@@ -75,9 +75,13 @@ void replace_paths(SliceOptions& options, const fs::path& folder, Wanted&& wante
     for (const OptionSpec& spec : slice_option_table()) {
         if (spec.names == OptionSpec::Names::nothing || !wanted(spec.key)) continue;
         if (spec.names == OptionSpec::Names::inputs_by_role) {
-            for (std::string& entry : options.laminate_materials)
-                if (const std::size_t equals = entry.find('='); equals != std::string::npos)
-                    entry = entry.substr(0, equals + 1) + place(entry.substr(equals + 1));
+            std::string entries;
+            for (const std::string& entry : split_at(spec.get(options), ',')) {
+                const std::size_t file = entry.find('=') + 1;  // 0: none is named
+                entries += (entries.empty() ? "" : ",") + entry.substr(0, file);
+                entries += file == 0 ? entry : place(entry.substr(file));
+            }
+            spec.set(options, entries);
             continue;
         }
         if (spec.kind() == OptionSpec::Kind::texts) {
@@ -110,7 +114,7 @@ constexpr std::size_t blanks_a_level = 2;
 void add_options(io::JsonWriter& json, const SliceOptions& options) {
     json.add("format", "voxtone-job").add("version", 1);
     for (const OptionSpec& spec : slice_option_table())
-        if (!spec.is_preset())
+        if (!spec.is_preset() && !spec.is_of_another(options))
             std::visit([&](const auto& value) { json.add(spec.key, value); }, option_value(spec, options));
 }
 

@@ -18,8 +18,7 @@ namespace {
 std::string why_idle(const OptionSpec& spec, const SliceOptions& o, bool is_picture) {
     for (const OptionSpec::Idle& why : spec.idle)
         if (const std::string_view reason = why(o, is_picture); !reason.empty()) return std::string(reason);
-    if (spec.belongs_to(parse_choice<Show>("show", o.show))) return {};
-    return fmt::format("it only goes with --show {}", name_of(*spec.only_for));
+    return spec.belongs_to(o.show) ? std::string() : fmt::format("it only goes with --show {}", spec.only_for);
 }
 
 }  // namespace
@@ -28,7 +27,9 @@ void check_scope(const SliceOptions& options) {
     const ModelKind kind = model_kind(options.model);
     if (kind == ModelKind::tray_plan) return;
     for (const OptionSpec& spec : slice_option_table()) {
-        if (std::ranges::find(options.named, spec.key) == options.named.end()) continue;
+        // For who writes options in code, too, nobody looks at what another kind of print wants.
+        const bool is_named = std::ranges::find(options.named, spec.key) != options.named.end();
+        if (!is_named && !(spec.is_of_another(options) && options.other.contains(spec.key))) continue;
         if (const std::string why = why_idle(spec, options, kind == ModelKind::picture); !why.empty())
             throw UsageError(fmt::format("--{} {} would be ignored: {}", spec.key, spec.get(options), why));
     }

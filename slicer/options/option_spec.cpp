@@ -17,14 +17,10 @@ namespace {
 
 using Kind = OptionSpec::Kind;
 
-void expect_choice(const OptionSpec& spec, const std::string& value) {
-    if (!spec.choices.empty() && std::ranges::find(spec.choices, value) == spec.choices.end())
-        refuse_choice(spec.key, value, spec.choices);
-}
-
 /// The kind, the text and the value of each type of member.
 struct MemberKind {
     Kind operator()(std::monostate) const { return Kind::text; }
+    Kind operator()(const OptionSpec::Other& other) const { return other.kind; }
     Kind operator()(std::string SliceOptions::*) const { return Kind::text; }
     Kind operator()(std::vector<std::string> SliceOptions::*) const { return Kind::list; }
     Kind operator()(OptionSpec::Texts) const { return Kind::texts; }
@@ -41,6 +37,10 @@ struct MemberText {
     const SliceOptions& options;
 
     std::string operator()(std::monostate) const { return spec.get_preset ? spec.get_preset(options) : std::string(); }
+    std::string operator()(const OptionSpec::Other& other) const {
+        const auto said = options.other.find(spec.key);
+        return said == options.other.end() ? other.usual : said->second;
+    }
     std::string operator()(std::string SliceOptions::*text) const { return options.*text; }
     std::string operator()(std::vector<std::string> SliceOptions::*list) const {
         return fmt::format("{}", fmt::join(options.*list, ","));
@@ -62,21 +62,22 @@ struct MemberSetter {
     const std::string& value;
 
     void operator()(std::monostate) const {
-        expect_choice(spec, value);
+        spec.expect_choice(value);
         for (const OptionSpec::Preset& preset : spec.presets)
             if (preset.name == value && spec.set_preset) spec.set_preset(options, preset);
     }
     void operator()(std::string SliceOptions::*text) const {
-        expect_choice(spec, value);
+        spec.expect_choice(value);
         options.*text = value;
     }
-    void operator()(std::vector<std::string> SliceOptions::*list) const {
-        const std::vector<std::string> parts = parse_list(value);
-        for (const std::string& part : parts) expect_choice(spec, part);
-        if (std::set<std::string>(parts.begin(), parts.end()).size() != parts.size())
-            throw UsageError(fmt::format("--{}: '{}' names something twice", spec.key, value));
-        options.*list = parts;
+    void operator()(const OptionSpec::Other& other) const {
+        std::string text = other_text(other);
+        if (text == other.usual)
+            options.other.erase(spec.key);
+        else
+            options.other[spec.key] = std::move(text);
     }
+    void operator()(std::vector<std::string> SliceOptions::*list) const { options.*list = parts_of_list(); }
     void operator()(OptionSpec::Texts list) const {
         std::vector<std::string> texts;
         for (std::size_t begin = 0; begin < value.size();) {
@@ -98,6 +99,32 @@ struct MemberSetter {
     void operator()(Number SliceOptions::*number) const {
         options.*number = parse_number<Number>(spec.key, value);
     }
+
+private:
+    [[nodiscard]] std::vector<std::string> parts_of_list() const {
+        std::vector<std::string> parts = parse_list(value);
+        for (const std::string& part : parts) spec.expect_choice(part);
+        if (std::set<std::string>(parts.begin(), parts.end()).size() != parts.size())
+            throw UsageError(fmt::format("--{}: '{}' names something twice", spec.key, value));
+        return parts;
+    }
+    /// Two spellings of one value are one job.
+    [[nodiscard]] std::string other_text(const OptionSpec::Other& other) const {
+        switch (other.kind) {
+            case Kind::flag:
+                return parse_flag(spec.key, value) ? "true" : "false";
+            case Kind::length:
+                return fmt::format("{}mm", parse_length_mm(value, "--" + spec.key));
+            case Kind::number:
+                return other.whole ? fmt::format("{}", parse_number<std::uint32_t>(spec.key, value))
+                                   : fmt::format("{}", parse_number<double>(spec.key, value));
+            case Kind::list:
+                return fmt::format("{}", fmt::join(parts_of_list(), ","));
+            default:
+                spec.expect_choice(value);
+                return value;
+        }
+    }
 };
 
 }  // namespace
@@ -110,6 +137,14 @@ std::string OptionSpec::get(const SliceOptions& options) const {
 
 void OptionSpec::set(SliceOptions& options, const std::string& value) const {
     std::visit(MemberSetter{*this, options, value}, member);
+}
+
+void OptionSpec::expect_choice(const std::string& value) const {
+    if (!choices.empty() && std::ranges::find(choices, value) == choices.end()) refuse_choice(key, value, choices);
+}
+
+bool OptionSpec::is_of_another(const SliceOptions& options) const {
+    return std::holds_alternative<Other>(member) && !belongs_to(options.show);
 }
 
 std::vector<std::string> predict_choices() {

@@ -40,9 +40,16 @@ struct OptionSpec {
     struct Texts {
         std::vector<std::string> SliceOptions::*texts;
     };
-    using Member = std::variant<std::monostate, std::string SliceOptions::*, std::vector<std::string> SliceOptions::*,
-                                bool SliceOptions::*, int SliceOptions::*, std::uint32_t SliceOptions::*,
-                                std::uint64_t SliceOptions::*, double SliceOptions::*, Length, Texts>;
+    /// Of what another kind of print declares (SliceOptions::other): text, list, number, length or flag.
+    struct Other {
+        Kind kind = Kind::text;
+        std::string usual{};  ///< the default, as `get` says it
+        bool whole = false;   ///< of a number: none but 0, 1, 2 ...
+    };
+    using Member =
+        std::variant<std::monostate, Other, std::string SliceOptions::*, std::vector<std::string> SliceOptions::*,
+                     bool SliceOptions::*, int SliceOptions::*, std::uint32_t SliceOptions::*,
+                     std::uint64_t SliceOptions::*, double SliceOptions::*, Length, Texts>;
     /// A choice that stands for values of other options.
     struct Preset {
         std::string name;
@@ -64,8 +71,8 @@ struct OptionSpec {
     Member member{};
     Names names = Names::nothing;
     Decides decides = Decides::bits;
-    std::optional<Show> only_for{};  ///< the kind of print that has it; its rule holds there alone
-    bool decides_scope = false;      ///< other options do nothing beside some value of this one
+    std::string only_for{};      ///< what --show says where the print has it, and its rule holds; empty: any
+    bool decides_scope = false;  ///< other options do nothing beside some value of this one
     std::vector<Idle> idle{};
     Rule rule{};
     std::function<void(const SliceOptions&, ResolvedJob&)> resolve{};
@@ -79,9 +86,13 @@ struct OptionSpec {
     [[nodiscard]] std::string get(const SliceOptions& options) const;
     /// Throws UsageError that names the option, the value and the rule.
     void set(SliceOptions& options, const std::string& value) const;
+    /// Throws UsageError for what is none of its choices.
+    void expect_choice(const std::string& value) const;
     [[nodiscard]] bool is_preset() const { return !presets.empty(); }
     /// Whether a print of this kind has it.
-    [[nodiscard]] bool belongs_to(Show show) const { return !only_for || *only_for == show; }
+    [[nodiscard]] bool belongs_to(std::string_view show) const { return only_for.empty() || only_for == show; }
+    /// Whether it comes with another kind of print than is asked for, and is no part of this job.
+    [[nodiscard]] bool is_of_another(const SliceOptions& options) const;
 };
 
 /// Words of `predict` besides the models' names.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -10,9 +11,9 @@
 #include "slicer/options/mark_words.h"
 #include "slicer/options/table_of_body.h"
 #include "slicer/options/table_of_colour.h"
-#include "slicer/options/table_of_layers.h"
 #include "slicer/options/table_of_marks.h"
 #include "slicer/options/table_of_run.h"
+#include "slicer/options/table_of_shows.h"
 #include "slicer/options/table_of_tray.h"
 
 namespace voxtone::slicer {
@@ -47,7 +48,7 @@ std::string deciding_text(const OptionSpec& spec, const SliceOptions& options) {
 std::vector<OptionSpec> whole_table() {
     std::vector<OptionSpec> table;
     for (std::vector<OptionSpec> part :
-         {table_of_body(), table_of_tray(), table_of_marks(), table_of_colour(), table_of_layers(), table_of_run()})
+         {table_of_body(), table_of_tray(), table_of_marks(), table_of_colour(), table_of_shows(), table_of_run()})
         table.insert(table.end(), std::make_move_iterator(part.begin()), std::make_move_iterator(part.end()));
     for (OptionSpec& spec : table) {
         if (spec.is_preset()) {
@@ -59,11 +60,18 @@ std::vector<OptionSpec> whole_table() {
     return table;
 }
 
+std::vector<OptionSpec>& made_table() {
+    static std::vector<OptionSpec> table = whole_table();
+    return table;
+}
+
 }  // namespace
 
-std::span<const OptionSpec> slice_option_table() {
-    static const std::vector<OptionSpec> table = whole_table();
-    return table;
+std::span<const OptionSpec> slice_option_table() { return made_table(); }
+
+void declare_show(OtherShow show) {
+    add_show(std::move(show));
+    made_table() = whole_table();
 }
 
 const OptionSpec* find_option(std::string_view key) {

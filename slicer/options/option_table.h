@@ -4,7 +4,7 @@
 // decides, beside what it would do nothing, and what becomes of it in the resolved job. The command line, the job file,
 // `--dump-default`, `--help`, the manual, the shells' completion, job.json and the job's identity follow from the
 // table. Its parts are table_of_body (what is printed, where), table_of_marks (labels, decals), table_of_colour,
-// table_of_layers and table_of_run.
+// table_of_shows (other kinds of print, which floors above declare) and table_of_run.
 #pragma once
 
 #include <span>
@@ -13,10 +13,13 @@
 #include <vector>
 
 #include "slicer/options/option_spec.h"
+#include "slicer/options/table_of_shows.h"
 
 namespace voxtone::slicer {
 
 [[nodiscard]] std::span<const OptionSpec> slice_option_table();
+/// Another kind of print and its options. Before anybody looks at the table, by one thread.
+void declare_show(OtherShow show);
 /// The entry of this key; nullptr: there is none.
 [[nodiscard]] const OptionSpec* find_option(std::string_view key);
 /// All keys that a job file may have.

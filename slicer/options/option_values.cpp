@@ -44,15 +44,6 @@ Eigen::Matrix3d axis_rotation(int axis, double degrees) {
     return matrix;
 }
 
-/// Nothing for "auto".
-std::optional<int> count_or_auto(std::string_view key, const std::string& text, int most,
-                                 std::string_view or_else = "or auto") {
-    if (text == "auto") return std::nullopt;
-    const int n = parse_number<int>(key, text);
-    if (n < 0 || n > most) throw UsageError(fmt::format("--{} {}: must be 0 to {}, {}", key, text, most, or_else));
-    return n;
-}
-
 }  // namespace
 
 ModelKind model_kind(const std::string& model) {
@@ -113,36 +104,16 @@ Eigen::Matrix3d parse_rotation(const std::string& text) {
     return whole;
 }
 
+std::optional<int> parse_count_or_auto(std::string_view key, const std::string& text, int most,
+                                       std::string_view or_else) {
+    if (text == "auto") return std::nullopt;
+    const int n = parse_number<int>(key, text);
+    if (n < 0 || n > most) throw UsageError(fmt::format("--{} {}: must be 0 to {}, {}", key, text, most, or_else));
+    return n;
+}
+
 std::optional<int> parse_iterations(const std::string& text) {
-    return text == patient_word ? std::nullopt : count_or_auto("iterations", text, 1000, "auto or long");
-}
-
-std::optional<int> parse_laminate_rounds(const std::string& text) { return count_or_auto("laminate-rounds", text, 20); }
-
-std::vector<LaminateMaterialFile> parse_laminate_materials(const std::vector<std::string>& entries) {
-    std::vector<LaminateMaterialFile> parsed;
-    for (const std::string& entry : entries) {
-        const std::size_t equals = entry.find('=');
-        if (equals == 0 || equals == std::string::npos || equals + 1 == entry.size())
-            throw UsageError(fmt::format("--laminate-materials {}: write ROLE=FILE, such as W=white.json", entry));
-        parsed.push_back({entry.substr(0, equals), entry.substr(equals + 1)});
-        for (std::size_t i = 0; i + 1 < parsed.size(); ++i)
-            if (parsed[i].role == parsed.back().role)
-                throw UsageError(fmt::format("--laminate-materials {}: {} is named twice", entry, parsed.back().role));
-    }
-    return parsed;
-}
-
-std::vector<ClearTop> parse_clear_top(const std::vector<std::string>& entries) {
-    std::vector<ClearTop> parsed;
-    for (const std::string& entry : entries) {
-        const std::size_t equals = entry.find('=');
-        if (equals == 0 || equals == std::string::npos)
-            throw UsageError(fmt::format("--clear-top {}: write ROLE=LENGTH, such as T=0.2mm", entry));
-        parsed.push_back({entry.substr(0, equals), parse_length_mm(entry.substr(equals + 1), "--clear-top")});
-        if (!(parsed.back().mm >= 0)) throw UsageError(fmt::format("--clear-top {}: must be 0 or more", entry));
-    }
-    return parsed;
+    return text == patient_word ? std::nullopt : parse_count_or_auto("iterations", text, 1000, "auto or long");
 }
 
 std::optional<LayerRange> parse_layer_range(const std::string& text) {

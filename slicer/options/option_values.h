@@ -88,23 +88,9 @@ inline constexpr std::string_view patient_word = "long";
 /// Most iterations of the loop, 0 to 1000; "auto", "long": nothing.
 [[nodiscard]] std::optional<int> parse_iterations(const std::string& text);
 
-/// Rounds of corrected searches, 0 to 20; "auto": nothing.
-[[nodiscard]] std::optional<int> parse_laminate_rounds(const std::string& text);
-
-/// Measured profile of a resin.
-struct LaminateMaterialFile {
-    std::string role, file;
-};
-/// "ROLE=FILE" each, no role twice.
-[[nodiscard]] std::vector<LaminateMaterialFile> parse_laminate_materials(const std::vector<std::string>& entries);
-
-/// How far from the top of any laminate a resin stays.
-struct ClearTop {
-    std::string role;
-    double mm = 0;
-};
-/// "ROLE=LENGTH" each.
-[[nodiscard]] std::vector<ClearTop> parse_clear_top(const std::vector<std::string>& entries);
+/// A number from 0 to `most`; "auto": nothing. `or_else`: what is no number, for who is refused.
+[[nodiscard]] std::optional<int> parse_count_or_auto(std::string_view key, const std::string& text, int most,
+                                                     std::string_view or_else = "or auto");
 
 /// First and last layer that are asked for, inclusive.
 struct LayerRange {

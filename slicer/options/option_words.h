@@ -14,12 +14,6 @@
 
 namespace voxtone::slicer {
 
-/// What the surface shows.
-enum class Show {
-    colour,           ///< colours of the model, by mixtures of resins
-    layered_profile,  ///< how light spreads, by layers of resin under each point
-};
-
 /// What the separation takes a mixture to look like.
 enum class Mixing {
     voxels,  ///< voxels of the printer's size, between which light finds its way
@@ -42,12 +36,6 @@ enum class PictureView {
 enum class ScreenKind {
     blue_noise,       ///< position-addressed
     error_diffusion,  ///< three-dimensional
-};
-
-/// Where on a mesh a map of profiles lies.
-enum class ProfilePlacement {
-    uv,   ///< by texture coordinates
-    box,  ///< projected along the main axis of the normal
 };
 
 /// How far a job goes.
@@ -107,12 +95,6 @@ struct NamesOf<slicer::MarkSide> {
 };
 
 template <>
-struct NamesOf<slicer::Show> {
-    using E = slicer::Show;
-    static constexpr auto table =
-        std::to_array<Named<E>>({{E::colour, "colour"}, {E::layered_profile, "layered-profile"}});
-};
-template <>
 struct NamesOf<slicer::Mixing> {
     using E = slicer::Mixing;
     static constexpr auto table = std::to_array<Named<E>>({{E::voxels, "voxels"}, {E::ideal, "ideal"}});
@@ -128,11 +110,6 @@ struct NamesOf<slicer::ScreenKind> {
     using E = slicer::ScreenKind;
     static constexpr auto table =
         std::to_array<Named<E>>({{E::blue_noise, "blue-noise"}, {E::error_diffusion, "error-diffusion"}});
-};
-template <>
-struct NamesOf<slicer::ProfilePlacement> {
-    using E = slicer::ProfilePlacement;
-    static constexpr auto table = std::to_array<Named<E>>({{E::uv, "uv"}, {E::box, "box"}});
 };
 template <>
 struct NamesOf<slicer::Until> {

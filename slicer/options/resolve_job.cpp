@@ -21,9 +21,9 @@ namespace voxtone::slicer {
 namespace {
 
 void check_rules(const SliceOptions& o) {
-    const Show show = parse_choice<Show>("show", o.show);
+    find_option("show")->expect_choice(o.show);
     for (const OptionSpec& spec : slice_option_table()) {
-        if (!spec.rule || !spec.belongs_to(show)) continue;
+        if (!spec.rule || !spec.belongs_to(o.show)) continue;
         const std::string_view broken = spec.rule(o);
         if (broken.empty()) continue;
         const std::string value = spec.get(o);
@@ -74,9 +74,8 @@ ResolvedJob resolve(const SliceOptions& options) {
     check_scope(options);
     ResolvedJob job;
     job.raw = options;
-    const Show show = value_of<Show>(options.show).value();
     for (const OptionSpec& spec : slice_option_table())
-        if (spec.resolve && spec.belongs_to(show)) spec.resolve(options, job);
+        if (spec.resolve && spec.belongs_to(options.show)) spec.resolve(options, job);
     if (job.is_picture()) job.picture.size_mm = std::exchange(job.placement.size_mm, 0);  // without its thickness
     // Nothing that scatters need lie behind a picture that light comes through.
     if (job.picture.is_lit_from_behind() && std::ranges::find(options.named, "core") == options.named.end())

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -63,20 +64,19 @@ struct JobLoopOptions {
     bool mixtures_named = false;     ///< by the user: must be there, unless it is made
 };
 
-/// Layers of a map of profiles, where the surface shows how light spreads.
-struct LayeredOptions {
-    std::string profiles;  ///< file of the map
-    ProfilePlacement placement = ProfilePlacement::uv;
-    std::string base = "K";  ///< role of the resin below the laminates
-    double thickness_mm = 5;
-    std::uint32_t steps = 64, blocks = 6;
-    std::optional<int> rounds;                    ///< of corrected searches; nothing: by the number of clusters
-    std::vector<LaminateMaterialFile> materials;  ///< measured; empty: resins are computed
-    double dc_weight = 1;
-    std::vector<ClearTop> clear_top;
-    double smoothing_mm = 0;
-    bool surfaces = false;
-    double surface_cell_mm = 0.1;
+/// What is asked of a print that shows something else than colours, as far as every job wants to know.
+class OtherOptions {
+public:
+    OtherOptions() = default;
+    OtherOptions(const OtherOptions&) = default;
+    OtherOptions& operator=(const OtherOptions&) = default;
+    virtual ~OtherOptions() = default;
+
+    /// How deep below the surface it is made.
+    [[nodiscard]] virtual double depth_mm() const = 0;
+    /// Role of the resin below that, and the option that says so.
+    [[nodiscard]] virtual const std::string& core() const = 0;
+    [[nodiscard]] virtual const char* core_option() const = 0;
 };
 
 /// Who predicts the print for the report, and how closely.
@@ -136,7 +136,7 @@ struct ResolvedJob {
     CavityMode cavities = CavityMode::automatic;
     bool keep_thin = true;
 
-    std::optional<LayeredOptions> layered;  ///< nothing: the surface shows colours. Else see part/other_print.h
+    std::shared_ptr<const OtherOptions> other;  ///< null: the surface shows colours. Else see part/other_print.h
     ColourOptions colour;
     JobLoopOptions loop;
     JobPredictionOptions prediction;
@@ -149,14 +149,14 @@ struct ResolvedJob {
     int threads = 0;  ///< 0: one per core
 
     [[nodiscard]] bool is_picture() const { return kind == ModelKind::picture; }
-    [[nodiscard]] bool shows_colours() const { return !layered; }
+    [[nodiscard]] bool shows_colours() const { return !other; }
     /// How deep the shell is in which it shows them, or what it shows instead.
     [[nodiscard]] double shell_mm() const {
-        return layered ? layered->thickness_mm : colour.depth_mm + colour.clear_over_mm();
+        return other ? other->depth_mm() : colour.depth_mm + colour.clear_over_mm();
     }
     /// The resin below, and the option that says so.
-    [[nodiscard]] const std::string& core() const { return layered ? layered->base : colour.core; }
-    [[nodiscard]] const char* core_option() const { return layered ? "base" : "core"; }
+    [[nodiscard]] const std::string& core() const { return other ? other->core() : colour.core; }
+    [[nodiscard]] const char* core_option() const { return other ? other->core_option() : "core"; }
 };
 
 }  // namespace voxtone::slicer

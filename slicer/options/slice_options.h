@@ -4,6 +4,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -35,19 +37,10 @@ struct SliceOptions {
     std::string night;                        ///< file, with view both
     std::vector<std::string> labels, decals;  ///< each as it is spelled (mark_words.h)
 
-    std::string show = "colour";  ///< colour, or how light spreads: layers of the map's profiles (see job_layers.h)
-    std::string profiles;         ///< file of the map
-    std::string profile_placement = "uv";
-    double laminate_thickness_mm = 5;
-    std::uint32_t laminate_steps = 64, laminate_blocks = 6;
-    std::string laminate_rounds = "auto";         ///< a number, 0 for none; auto: see job_layers.h
-    std::vector<std::string> laminate_materials;  ///< "ROLE=FILE"; empty: resins are computed
-    double dc_weight = 1;
-    std::vector<std::string> clear_top;  ///< "ROLE=LENGTH"
-    std::string base = "K";              ///< role of the resin below the laminates
-    double layer_smoothing_mm = 0;
-    bool surfaces = false;
-    double surface_cell_mm = 0.1;
+    std::string show = "colour";  ///< or what a floor above declares (table_of_shows.h)
+    /// Values of the options that come with what it declares, by key, as OptionSpec::get says them; left out: the
+    /// default.
+    std::map<std::string, std::string, std::less<>> other;
 
     double gap_mm = 2;  ///< of a tray: between parts that are arranged
     std::string arrange = "plate";

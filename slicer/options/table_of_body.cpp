@@ -2,6 +2,7 @@
 #include "slicer/options/table_of_body.h"
 
 #include "io/models/model_reader.h"
+#include "slicer/options/table_of_shows.h"
 #include "slicer/options/table_parts.h"
 
 namespace voxtone::slicer {
@@ -37,7 +38,7 @@ std::vector<OptionSpec> files_entries() {
          .decides_scope = true,
          .rule =
              [](const O& o) {
-                 if (value_of<Show>(o.model))
+                 if (is_show(o.model))
                      return std::string_view("is no file, but what --show says: a model or a picture stands here");
                  return unless(!o.model.empty(), "name a model or a picture");
              },
@@ -191,9 +192,7 @@ std::vector<OptionSpec> size_entries() {
                .idle = {[](const O&, bool is_picture) {
                             return unless(is_picture, "it is for pictures; a model has a shape of its own");
                         },
-                        [](const O& o, bool) {
-                            return unless(!is_layered(o), "a map of profiles lies on a whole picture");
-                        }}}),
+                        [](const O& o, bool) { return unless(shows_colours(o), "it only goes with --show colour"); }}}),
     };
 }
 

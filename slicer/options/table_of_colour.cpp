@@ -29,7 +29,7 @@ std::vector<OptionSpec> quality_entries() {
              .choices = {"draft", "good", "best"},
              .decides_scope = true,
              .idle = {[](const O& o, bool) {
-                 return unless(!is_layered(o), "it is of the appearance loop, which --show layered-profile has not");
+                 return unless(shows_colours(o), "it is of the appearance loop, which only --show colour has");
              }},
              .presets = {{"draft", {{"iterations", "0"}, {"predict", "none"}}},
                          {"good", {{"iterations", "auto"}, {"predict", "auto"}}},
@@ -43,7 +43,7 @@ OptionSpec alpha_entry() {
                               .group = "Colour",
                               .help = "alpha of colours: laid over-white, or translucency after ISO 19307: 0 prints as "
                                       "clear resin (role T), 1 as opaque as the resins are, in shell and core",
-                              .only_for = Show::colour,
+                              .only_for = colour_show,
                               .idle = {[](const O& o, bool) {
                                   return unless(o.alpha == name_of(AlphaMeaning::over_white) || !o.cut_out,
                                                 "--cut-out takes alpha for a shape: leave one of the two out");
@@ -72,7 +72,7 @@ std::vector<OptionSpec> resins_entries() {
                .help = "picture for a mesh that has texture coordinates and no picture for them; those that the mesh "
                        "has stay; empty: none",
                .names = Names::input,
-               .only_for = Show::colour,
+               .only_for = colour_show,
                .idle = {[](const O&, bool is_picture) {
                    return unless(!is_picture, "it is for meshes; a picture is its own texture");
                }}}),
@@ -82,7 +82,7 @@ std::vector<OptionSpec> resins_entries() {
                 .group = group,
                 .help = "between texels: as the model's file says (linear where it does not), nearest (the sharp edges "
                         "of pixel art) or linear",
-                .only_for = Show::colour}),
+                .only_for = colour_show}),
         plain(&O::resins, at(&Job::resins),
               {.key = "resins",
                .metavar = "SET|FILE",
@@ -100,12 +100,12 @@ std::vector<OptionSpec> resins_entries() {
                .metavar = "ROLE",
                .group = group,
                .help = "resin below the coloured shell",
-               .only_for = Show::colour}),
+               .only_for = colour_show}),
         plain(Length{&O::depth_mm}, at(&Job::colour, &ColourOptions::depth_mm),
               {.key = "depth",
                .group = group,
                .help = "colour depth: how far below the surface voxels carry colour",
-               .only_for = Show::colour,
+               .only_for = colour_show,
                .rule =
                    [](const O& o) {
                        return unless(o.depth_mm > 0 && o.depth_mm <= 10, "must be above 0 and at most 10 mm");
@@ -115,13 +115,13 @@ std::vector<OptionSpec> resins_entries() {
                .group = group,
                .help = "clear resin (role T) over the colours: of a model within its surface, which stays as large as "
                        "it is, of a picture on top of its slab; 0: none",
-               .only_for = Show::colour,
+               .only_for = colour_show,
                .rule = [](const O& o) { return unless(o.coat_mm >= 0 && o.coat_mm <= 10, "must be 0 to 10 mm"); }}),
         plain(Length{&O::enclose_mm}, at(&Job::colour, &ColourOptions::enclose_mm),
               {.key = "enclose",
                .group = group,
                .help = "pictures: clear resin (role T) over and under the slab, so much on either side; 0: none",
-               .only_for = Show::colour,
+               .only_for = colour_show,
                .idle = {[](const O&, bool is_picture) {
                    return unless(is_picture, "it is for pictures; --coat lays clear resin over the colours of a model");
                }},
@@ -139,8 +139,8 @@ std::vector<OptionSpec> resins_entries() {
                 .help = "halftone screen: blue-noise (position-addressed) or error-diffusion (three-dimensional)",
                 .rule =
                     [](const O& o) {
-                        return unless(!is_layered(o) || o.screen == name_of(ScreenKind::blue_noise),
-                                      "layers are dithered by the screen blue-noise only");
+                        return unless(shows_colours(o) || o.screen == name_of(ScreenKind::blue_noise),
+                                      "what shows no colours is dithered by the screen blue-noise only");
                     }}),
         choice(&O::mixing, at(&Job::colour, &ColourOptions::mixing),
                {.key = "mixing",
@@ -148,7 +148,7 @@ std::vector<OptionSpec> resins_entries() {
                 .group = group,
                 .help = "what the separation takes a mixture to be: voxels of the printer's size, between which light "
                         "finds its way, or ideal (averaged)",
-                .only_for = Show::colour}),
+                .only_for = colour_show}),
         choice(
             &O::view, at(&Job::picture, &PictureOptions::view),
             {.key = "view",
@@ -158,7 +158,7 @@ std::vector<OptionSpec> resins_entries() {
                      "them (through: a lithophane), where white is what clear resin lets through; both: by day this "
                      "picture, "
                      "by light from behind that of --night. The last two want clear resin",
-             .only_for = Show::colour,
+             .only_for = colour_show,
              .idle = {[](const O&, bool is_picture) {
                  return unless(is_picture, "light goes through the slabs of pictures; a mesh is seen from all sides");
              }},
@@ -175,7 +175,7 @@ std::vector<OptionSpec> resins_entries() {
                .group = group,
                .help = "with --view both: the picture that light from behind shows, of the same shape",
                .names = Names::input,
-               .only_for = Show::colour,
+               .only_for = colour_show,
                .idle = {[](const O& o, bool) {
                    return unless(o.view == name_of(PictureView::both), "only --view both shows a second picture");
                }}}),
@@ -209,7 +209,7 @@ std::vector<OptionSpec> loop_entries() {
          .decides = Decides::bits_after_loop,
          .decides_scope = true,
          .idle = {[](const O& o, bool) {
-             return unless(!is_layered(o) || parse_iterations(o.iterations) == 0, "it only goes with --show colour");
+             return unless(shows_colours(o) || parse_iterations(o.iterations) == 0, "it only goes with --show colour");
          }},
          .resolve =
              [](const O& o, Job& job) {
@@ -223,13 +223,13 @@ std::vector<OptionSpec> loop_entries() {
                 .help = "relative: the target's white is the white resin; absolute: it is a body that absorbs "
                         "nothing; contrast: relative, and where a limit is met the surroundings give way too, so that "
                         "local contrast is kept",
-                .only_for = Show::colour,
+                .only_for = colour_show,
                 .idle = {idle::without_loop}}),
         plain(Length{&O::viewing_distance_mm}, at(&Job::loop, &JobLoopOptions::viewing_distance_mm),
               {.key = "viewing-distance",
                .group = group,
                .help = "from where the print is looked at: what cannot be seen from there counts less",
-               .only_for = Show::colour,
+               .only_for = colour_show,
                .idle = {idle::without_loop},
                .rule =
                    [](const O& o) {
@@ -241,7 +241,7 @@ std::vector<OptionSpec> loop_entries() {
                 .metavar = "MODEL",
                 .group = group,
                 .help = "what predicts the print in the loop; monte-carlo is for slabs of a few mm",
-                .only_for = Show::colour,
+                .only_for = colour_show,
                 .idle = {idle::without_loop}}),
         choice(&O::loop_method, at(&Job::loop, &JobLoopOptions::method),
                {.key = "loop-method",
@@ -251,7 +251,7 @@ std::vector<OptionSpec> loop_entries() {
                         "whole print, which is sharper and takes two to three times the time and 1.5 times the "
                         "memory; auto: descent for pictures and --intent contrast, up to 15 cm2 of coloured "
                         "surface, feedback otherwise",
-                .only_for = Show::colour,
+                .only_for = colour_show,
                 .idle = {idle::without_loop}}),
         plain(&O::resume, at(&Job::resume),
               {.key = "resume",
@@ -259,14 +259,14 @@ std::vector<OptionSpec> loop_entries() {
                .help = "go on with the loop of an interrupted job in the same output folder; with fewer --iterations "
                        "than it has made it prints the best of them",
                .decides = Decides::this_run,
-               .only_for = Show::colour}),
+               .only_for = colour_show}),
         plain(&O::keep_loop, at(&Job::keep_loop),
               {.key = "keep-loop",
                .group = group,
                .help = "keep what the appearance loop came to in OUT/skin.mixtures beside the finished stack, for the "
                        "same job with another report, prediction, formats or layers",
                .decides = Decides::work,
-               .only_for = Show::colour,
+               .only_for = colour_show,
                .idle = {idle::without_loop}}),
         {.key = "mixtures",
          .metavar = "FILE",
@@ -276,7 +276,7 @@ std::vector<OptionSpec> loop_entries() {
          .member = &O::mixtures,
          .names = Names::input,
          .decides = Decides::this_run,
-         .only_for = Show::colour,
+         .only_for = colour_show,
          .idle = {idle::without_loop},
          .resolve =
              [](const O& o, Job& job) {
@@ -291,7 +291,7 @@ std::vector<OptionSpec> loop_entries() {
 bool has_prediction(const SliceOptions& o) { return o.predict != predict_none && o.report; }
 
 std::string_view why_no_prediction(const SliceOptions& o, bool) {
-    if (is_layered(o)) return unless(o.predict == predict_none, "it only goes with --show colour");
+    if (!shows_colours(o)) return unless(o.predict == predict_none, "it only goes with --show colour");
     return unless(o.report || o.predict == predict_auto || o.predict == predict_none,
                   "it is for the report, which --no-report leaves out");
 }
@@ -324,7 +324,7 @@ std::vector<OptionSpec> prediction_entries() {
                .group = group,
                .help = "cells that are predicted and seen as one; from twice the default on it is a quick look, "
                        "averaged over cells of the eye",
-               .only_for = Show::colour,
+               .only_for = colour_show,
                .idle = {[](const O& o, bool) {
                    return unless(has_loop(o) || has_prediction(o), "there is neither a loop nor a prediction");
                }},

@@ -26,7 +26,7 @@ std::vector<OptionSpec> table_of_marks() {
              "'{job}-{copy:03}; place=bottom; size=6pt' or 'qr=https://example.org/{job}; size=8mm' (docs/labels.md)",
          .member = OptionSpec::Texts{&O::labels},
          .names = Names::inputs_of_labels,
-         .only_for = Show::colour,
+         .only_for = colour_show,
          .resolve = left_to_all},
         {.key = "decal",
          .metavar = "FILE",
@@ -35,7 +35,7 @@ std::vector<OptionSpec> table_of_marks() {
                  "semicolons: 'logo.png; place=front; size=20mm; at=5,-2; turn=15' (docs/labels.md)",
          .member = OptionSpec::Texts{&O::decals},
          .names = Names::inputs_of_decals,
-         .only_for = Show::colour,
+         .only_for = colour_show,
          .resolve = left_to_all},
     };
 }

@@ -80,7 +80,7 @@ std::vector<OptionSpec> reading_entries() {
     };
 }
 
-constexpr std::string_view sliced_whole = "does not go with --show layered-profile, which is sliced whole";
+constexpr std::string_view sliced_whole = "only goes with --show colour: other prints are sliced whole";
 
 std::vector<OptionSpec> parts_entries() {
     const std::string group = "Run";
@@ -95,7 +95,7 @@ std::vector<OptionSpec> parts_entries() {
          .decides = Decides::this_run,
          .rule =
              [](const O& o) {
-                 if (!o.shard.empty() && is_layered(o)) return sliced_whole;
+                 if (!o.shard.empty() && !shows_colours(o)) return sliced_whole;
                  return unless(o.shard.empty() || o.until == name_of(Until::end),
                                "a shard makes layers, and --until loop none");
              },
@@ -104,15 +104,16 @@ std::vector<OptionSpec> parts_entries() {
                  job.sharded = !o.shard.empty();
                  job.shard = parse_shard(o.shard);
              }},
-        choice(&O::until, at(&Job::until),
-               {.key = "until",
-                .metavar = "WHERE",
-                .group = group,
-                .help = "loop: stop after the appearance loop and keep what it came to in OUT/skin.mixtures (or "
-                        "--mixtures FILE), for shards and other jobs of the body; end: go on to the end",
-                .decides = Decides::this_run,
-                .rule =
-                    [](const O& o) { return unless(!is_layered(o) || o.until == name_of(Until::end), sliced_whole); }}),
+        choice(
+            &O::until, at(&Job::until),
+            {.key = "until",
+             .metavar = "WHERE",
+             .group = group,
+             .help = "loop: stop after the appearance loop and keep what it came to in OUT/skin.mixtures (or "
+                     "--mixtures FILE), for shards and other jobs of the body; end: go on to the end",
+             .decides = Decides::this_run,
+             .rule =
+                 [](const O& o) { return unless(shows_colours(o) || o.until == name_of(Until::end), sliced_whole); }}),
     };
 }
 
@@ -151,9 +152,10 @@ std::vector<OptionSpec> machine_entries() {
               {.key = "seed",
                .metavar = "N",
                .group = group,
-               .help = "seed of what is random: --screen error-diffusion, --predict monte-carlo, layered profiles",
+               .help = "seed of what is random: --screen error-diffusion, --predict monte-carlo, other prints than of "
+                       "colours (--show)",
                .idle = {[](const O& o, bool) {
-                   const bool by_chance = is_layered(o) || o.screen == name_of(ScreenKind::error_diffusion) ||
+                   const bool by_chance = !shows_colours(o) || o.screen == name_of(ScreenKind::error_diffusion) ||
                                           o.predict == name_of(PredictionModel::monte_carlo);
                    return unless(by_chance,
                                  "nothing is random with --screen blue-noise, unless --predict is monte-carlo: leave "

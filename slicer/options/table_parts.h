@@ -47,8 +47,9 @@ template <class Place>
     return spec;
 }
 
-/// Whether the print is to show how light spreads.
-[[nodiscard]] inline bool is_layered(const SliceOptions& o) { return o.show == name_of(Show::layered_profile); }
+/// What the surface shows unless another kind of print is asked for.
+inline constexpr const char* colour_show = "colour";
+[[nodiscard]] inline bool shows_colours(const SliceOptions& o) { return o.show == colour_show; }
 /// Whether an appearance loop runs, or what one has found is printed.
 [[nodiscard]] inline bool has_loop(const SliceOptions& o) { return parse_iterations(o.iterations) != 0 || o.resume; }
 

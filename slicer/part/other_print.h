@@ -59,7 +59,7 @@ using OpenOtherPrint = std::unique_ptr<const OtherPrint> (*)(ResolvedJob& job);
 /// Before the first job is opened, by one thread.
 void register_other_print(OpenOtherPrint open);
 
-/// Nothing for a job that shows colours. Throws what the registered one throws; InputError where there is none.
+/// Nothing for a job that shows colours. Throws what the registered one throws.
 [[nodiscard]] std::unique_ptr<const OtherPrint> open_other_print(ResolvedJob& job);
 
 }  // namespace voxtone::slicer

@@ -103,7 +103,8 @@ void add_print(const OpenedJob& job, const JobBody& body, const io::StackDescrip
             {job.resins.set.resins[r].name, resin.role, resin.name, resin.rgb, resin.voxels, resin.ml});
     }
     for (const OptionSpec& spec : slice_option_table())
-        if (!spec.is_preset()) report.job.emplace_back(spec.key, option_value(spec, job.options.raw));
+        if (!spec.is_preset() && !spec.is_of_another(job.options.raw))
+            report.job.emplace_back(spec.key, option_value(spec, job.options.raw));
 }
 
 std::vector<std::string> warnings_of(const OpenedJob& job, const JobBody& body, const JobMeasurements& f) {

@@ -8,7 +8,7 @@ using namespace voxtone::scattering;
 
 TEST_CASE(
     "Laminates of resins are corrected in a round unless others are asked for, those of measured profiles never") {
-    slicer::LayeredOptions options;
+    LayeredOptions options;
     CHECK(correcting_rounds(options) == 1);
     options.rounds = 0;
     CHECK(correcting_rounds(options) == 0);

@@ -11,6 +11,7 @@
 #include "slicer/options/option_table.h"
 #include "tests/io/files/schema.h"
 #include "tests/io/files/temporary_folder.h"
+#include "tests/slicer/options/declared_show.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;
@@ -75,8 +76,9 @@ TEST_CASE("What a job leaves is seen from its folder, and what was said to that 
     options.out = at("prints/out");
     options.printer = at("mine.json");
     options.resins = at("grey");
-    options.profiles = at("prints/out/map.json");
-    options.laminate_materials = {"W=" + at("white.json")};
+    declare_relics();
+    options = with_relic(options, at("prints/out/map.json"));
+    find_option("guards")->set(options, "W=" + at("white.json") + ",K=" + at("black.json"));
     options.overwrite = options.resume = true;
     const std::string digest(64, 'a');
     const std::string record = job_record(
@@ -84,11 +86,10 @@ TEST_CASE("What a job leaves is seen from its folder, and what was said to that 
         std::vector<JobInput>{
             {"model", at("models/a.obj"), digest}, {"resins", "", digest}, {"model:b.png", at("models/b.png"), ""}},
         at("prints/out"));
-    CHECK(io::schema_faults("job", record) == std::vector<std::string>{});
     using Catch::Matchers::Contains;
     CHECK_THAT(record, Contains("\"model\": \"../../models/a.obj\"") && Contains("\"out\": \".\"") &&
                            Contains("\"printer\": \"../../mine.json\"") && Contains("\"resins\": \"../../grey\"") &&
-                           Contains("\"profiles\": \"./map.json\"") && Contains("W=../../white.json"));
+                           Contains("\"bone\": \"./map.json\"") && Contains("W=../../white.json"));
     // Read from another place, where all of it went.
     std::filesystem::create_directories(desk.path() / "far/prints/out");
     std::ofstream(at("far/prints/out/job.json")) << record;
@@ -98,8 +99,8 @@ TEST_CASE("What a job leaves is seen from its folder, and what was said to that 
     CHECK(back.out == at("far/prints/out"));
     CHECK(back.printer == at("far/mine.json"));
     CHECK(back.resins == at("far/grey"));
-    CHECK(back.profiles == at("far/prints/out/map.json"));
-    CHECK(back.laminate_materials == std::vector<std::string>{"W=" + at("far/white.json")});
+    CHECK(find_option("bone")->get(back) == at("far/prints/out/map.json"));
+    CHECK(find_option("guards")->get(back) == "W=" + at("far/white.json") + ",K=" + at("far/black.json"));
     CHECK_FALSE(back.overwrite);
     CHECK_FALSE(back.resume);
     REQUIRE(back.recorded_inputs.size() == 3);
@@ -152,19 +153,20 @@ TEST_CASE("A wrong job file is refused with file, key and what to try") {
 }
 
 TEST_CASE("The key of an option is its name") {
+    declare_relics();
     SliceOptions options;
     const JobFile job(
-        R"({"format": "voxtone-job", "version": 1, "model": "a.obj", "show": "layered-profile", "profiles": "maps/b.json"})");
+        R"({"format": "voxtone-job", "version": 1, "model": "a.obj", "show": "relic", "bone": "maps/b.json"})");
     read_job(job.path(), options);
-    CHECK(options.show == "layered-profile");
-    CHECK(options.named.back() == "profiles");
+    CHECK(options.show == "relic");
+    CHECK(options.named.back() == "bone");
     CHECK(std::find(options.named.begin(), options.named.end(), "show") != options.named.end());
     CHECK(options.model == (job.folder.path() / "a.obj").string());
-    CHECK(options.profiles == (job.folder.path() / "maps/b.json").string());
-    read_job(JobFile(job_json(SliceOptions{})).path(), options);
-    CHECK(options.profiles.empty());
+    CHECK(find_option("bone")->get(options) == (job.folder.path() / "maps/b.json").string());
+    read_job(JobFile(R"({"format": "voxtone-job", "version": 1, "show": "colour", "bone": ""})").path(), options);
+    CHECK(options.other.empty());
     CHECK_THAT(failure(R"({"format": "voxtone-job", "version": 1, "show": "layers"})"),
-               Catch::Matchers::Contains("none of colour, layered-profile"));
+               Catch::Matchers::Contains("none of colour, relic"));
     read_job(JobFile(R"({"format": "voxtone-job", "version": 1, "arrange": "stacked"})").path(), options);
     CHECK(options.arrange == "stacked");
     CHECK(options.show == SliceOptions{}.show);

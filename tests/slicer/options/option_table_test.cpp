@@ -10,6 +10,7 @@
 #include "slicer/options/job_file.h"
 #include "slicer/options/option_scope.h"
 #include "slicer/options/resolve_job.h"
+#include "tests/slicer/options/declared_show.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;
@@ -42,7 +43,7 @@ std::string other_value(const OptionSpec& spec) {
         case OptionSpec::Kind::length:
             return "7";
         default:
-            return spec.key == "laminate-materials" ? "W=w.json" : "7";
+            return "7";
     }
 }
 
@@ -56,7 +57,8 @@ TEST_CASE("Every option is declared whole, and no two of one name") {
         CHECK_FALSE(spec.help.empty());
         CHECK_FALSE(spec.group.empty());
         CHECK((spec.kind() == OptionSpec::Kind::flag) == spec.metavar.empty());
-        CHECK((spec.is_preset() || spec.resolve));  // otherwise it would be taken and forgotten
+        CHECK((spec.is_preset() || spec.resolve ||
+               std::holds_alternative<OptionSpec::Other>(spec.member)));  // otherwise it would be taken and forgotten
         for (const OptionSpec::Preset& preset : spec.presets)
             for (const auto& [key, value] : preset.values) {
                 SliceOptions set;
@@ -69,27 +71,30 @@ TEST_CASE("An option that is new and at its default makes no job another") {
     std::vector<OptionSpec> table(slice_option_table().begin(), slice_option_table().end());
     OptionSpec added = *find_option("depth");
     added.key = "halo";
-    added.member = OptionSpec::Length{&SliceOptions::surface_cell_mm};
+    added.member = OptionSpec::Length{&SliceOptions::viewing_distance_mm};
     table.push_back(added);
     SliceOptions options = with(named(), "size", "30mm");
     const std::string lines = deciding_lines(options, Decides::looks, table);
     CHECK(lines == deciding_lines(options, Decides::looks));
     CHECK(lines == "size=30mm\n");
-    options.surface_cell_mm = 0.3;
-    CHECK_THAT(deciding_lines(options, Decides::looks, table), Contains("halo=0.3mm"));
+    options.viewing_distance_mm = 301;
+    CHECK_THAT(deciding_lines(options, Decides::looks, table), Contains("halo=301mm"));
 }
 
 TEST_CASE("What an option decides says whom another value makes a stranger, and what job.json keeps") {
     for (const OptionSpec& spec : slice_option_table()) {
         if (spec.is_preset()) continue;
         INFO(spec.key);
-        const SliceOptions options = with({}, spec.key, other_value(spec));
+        SliceOptions without;
+        if (std::holds_alternative<OptionSpec::Other>(spec.member)) without.show = spec.only_for;
+        const std::string usual = deciding_lines(without, Decides::looks);
+        const SliceOptions options = with(without, spec.key, other_value(spec));
         REQUIRE(spec.get(options) != spec.get({}));
         // What is said of a label beside its font's file decides too.
         const bool by_content = spec.names != OptionSpec::Names::nothing && spec.kind() != OptionSpec::Kind::texts;
-        CHECK(deciding_lines(options, Decides::looks).empty() == (by_content || spec.decides > Decides::looks));
-        CHECK(deciding_lines(options, Decides::bits).empty() == (by_content || spec.decides > Decides::bits));
-        const bool kept = job_record(options, {}, "/out") != job_record({}, {}, "/out");
+        CHECK((deciding_lines(options, Decides::looks) == usual) == (by_content || spec.decides > Decides::looks));
+        CHECK((deciding_lines(options, Decides::bits) == usual) == (by_content || spec.decides > Decides::bits));
+        const bool kept = job_record(options, {}, "/out") != job_record(without, {}, "/out");
         CHECK(kept == (spec.decides != Decides::this_run));
     }
 }
@@ -112,10 +117,10 @@ TEST_CASE("A quality is a name for other options") {
     options.iterations = "3";
     CHECK(quality.get(options).empty());
     CHECK_THROWS_WITH(quality.set(options, "superb"), Contains("draft, good, best"));
-    SliceOptions layered = with(with(named(), "show", "layered-profile"), "profiles", "map.json");
-    CHECK_NOTHROW(resolve(layered));
-    CHECK_THROWS_WITH(resolve(with(layered, "quality", "draft")),
-                      Contains("--quality") && Contains("would be ignored"));
+    declare_relics();
+    const SliceOptions relic = with_relic(named(), "bone.json");
+    CHECK_NOTHROW(resolve(relic));
+    CHECK_THROWS_WITH(resolve(with(relic, "quality", "draft")), Contains("--quality") && Contains("would be ignored"));
 }
 
 TEST_CASE("An option that would do nothing is refused where it is named") {
@@ -124,7 +129,8 @@ TEST_CASE("An option that would do nothing is refused where it is named") {
         SliceOptions beside;
     };
     const SliceOptions mesh = named(), picture = named("a.png"), open = with(named(), "quality", "draft");
-    const SliceOptions layered = with(with(named(), "show", "layered-profile"), "profiles", "map.json");
+    declare_relics();
+    const SliceOptions relic = with_relic(named(), "bone.json");
     const std::vector<Case> cases{{"size", "3mm", "--width, --height or --dpi decides", with(picture, "height", "2mm")},
                                   {"unit", "cm", "unit of a mesh's numbers", picture},
                                   {"texture", "b.png", "a picture is its own texture", picture},
@@ -135,17 +141,20 @@ TEST_CASE("An option that would do nothing is refused where it is named") {
                                   {"intent", "contrast", "no appearance loop", open},
                                   {"loop-method", "descent", "no appearance loop", open},
                                   {"predict-cell", "0.2mm", "neither a loop nor a prediction", open},
-                                  {"laminate-steps", "32", "only goes with --show layered-profile", mesh},
-                                  {"depth", "0.5mm", "only goes with --show colour", layered},
-                                  {"iterations", "3", "only goes with --show colour", layered},
-                                  {"predict", "transport", "only goes with --show colour", layered},
-                                  {"surface-cell", "0.3mm", "meshes of --surfaces", layered}};
+                                  {"fingers", "6", "only goes with --show relic", mesh},
+                                  {"depth", "0.5mm", "only goes with --show colour", relic},
+                                  {"iterations", "3", "only goes with --show colour", relic},
+                                  {"predict", "transport", "only goes with --show colour", relic},
+                                  {"cut-out", "true", "only goes with --show colour", with_relic(picture, "b.json")}};
     for (const auto& [key, value, why, beside] : cases) {
         INFO(key);
         CHECK_THROWS_WITH(resolve(with(beside, key, value)), Contains(why) && Contains("would be ignored"));
         SliceOptions unnamed = with(beside, key, value);
         unnamed.named.clear();
-        if (std::string(key) != "size") CHECK_NOTHROW(resolve(unnamed));  // a default of a job file, say
+        if (std::string(key) == "fingers")
+            CHECK_THROWS_WITH(resolve(unnamed), Contains("would be ignored"));  // no default of this print's
+        else if (std::string(key) != "size")
+            CHECK_NOTHROW(resolve(unnamed));  // a default of a job file, say
     }
     CHECK_NOTHROW(resolve(with(with(named(), "scale", "2"), "size", "0")));
     CHECK_THROWS_WITH(resolve(with(with(named(), "scale", "2"), "size", "3mm")), Contains("--size decides"));
@@ -211,4 +220,43 @@ TEST_CASE("Names in a label stand for the job's when it is resolved, and so in i
     CHECK(deciding_lines(resolve(options).raw, Decides::bits) != deciding_lines(job.raw, Decides::bits));
     options.labels[0] = "{jib}";
     CHECK_THROWS_WITH(resolve(options), Contains("{jib} stands for nothing"));
+}
+
+TEST_CASE("What another kind of print declares is in the table, in one spelling, and of its own jobs alone") {
+    declare_relics();
+    declare_relics();  // takes the place of the first
+    CHECK(std::ranges::count(slice_option_table(), std::string("deep"), &OptionSpec::key) == 1);
+    const OptionSpec &deep = *find_option("deep"), &fingers = *find_option("fingers"), &holy = *find_option("holy");
+    CHECK(deep.group == "Relics");
+    CHECK(deep.kind() == OptionSpec::Kind::length);
+    CHECK_THAT(find_option("show")->help, Contains("relic: what is left of somebody"));
+
+    SliceOptions options = with_relic(named(), "bone.json");
+    CHECK(deep.get(options) == "2mm");
+    deep.set(options, "0.15cm");
+    CHECK(deep.get(options) == "1.5mm");
+    CHECK(resolve(options).shell_mm() == 1.5);
+    CHECK(resolve(options).core() == "K");
+    CHECK(std::string(resolve(options).core_option()) == "below");
+    CHECK(resolve(options).loop.iterations == 0);
+    CHECK_FALSE(resolve(options).shows_colours());
+    // Said as it is by itself, it is not said.
+    const std::size_t before = options.other.size();
+    fingers.set(options, "05");
+    holy.set(options, "no");
+    CHECK(options.other.size() == before);
+    CHECK_THROWS_AS(fingers.set(options, "4.5"), UsageError);
+    CHECK_THROWS_AS(find_option("guards")->set(options, "W=a,W=a"), UsageError);
+    find_option("worth")->set(options, "4.50");
+    CHECK(find_option("worth")->get(options) == "4.5");
+    deep.set(options, "0");
+    CHECK_THROWS_WITH(resolve(options), Contains("--deep 0mm: it would lie on the ground"));
+
+    // A job of colours has none of them: neither to say nor to break.
+    CHECK_THAT(job_json(options), Contains("\"fingers\": 5"));
+    options.show = "colour";
+    CHECK_THROWS_WITH(resolve(options), Contains("would be ignored") && Contains("only goes with --show relic"));
+    CHECK_NOTHROW(resolve(named()));
+    CHECK_THAT(job_json(named()), !Contains("fingers"));
+    CHECK_THROWS_WITH(resolve(with(named(), "show", "nothing")), Contains("none of colour, relic"));
 }

@@ -33,10 +33,8 @@ void check_round_trip() {
 }  // namespace
 
 TEST_CASE("Every word among the options is a value, and that value has its name") {
-    check_round_trip<Show>();
     check_round_trip<Mixing>();
     check_round_trip<ScreenKind>();
-    check_round_trip<ProfilePlacement>();
     check_round_trip<LoopMethod>();
     check_round_trip<PredictedView>();
     check_round_trip<RepairMode>();
@@ -77,29 +75,6 @@ TEST_CASE("A unit of the file is named, or the file's own") {
     CHECK(parse_file_unit("in")->mm == 25.4);
     CHECK(parse_file_unit("in")->name == "in");
     CHECK_THROWS_AS(parse_file_unit("mile"), UsageError);
-}
-
-TEST_CASE("Distances from the top are read by role") {
-    const auto clear = parse_clear_top({"T=0.2mm", "K=100um"});
-    REQUIRE(clear.size() == 2);
-    CHECK(clear[0].role == "T");
-    CHECK(clear[0].mm == Approx(0.2));
-    CHECK(clear[1].mm == Approx(0.1));
-    for (const char* bad : {"T", "=0.2mm", "T=", "T=-1mm", "T=deep"})
-        CHECK_THROWS_AS(parse_clear_top({bad}), UsageError);
-}
-
-TEST_CASE("Rounds of stacks and measured materials are read, and told apart from what is wrong") {
-    CHECK_FALSE(parse_laminate_rounds("auto"));
-    CHECK(parse_laminate_rounds("0") == 0);
-    CHECK(parse_laminate_rounds("20") == 20);
-    for (const char* wrong : {"21", "-1", "", "1.5", "some"}) CHECK_THROWS_AS(parse_laminate_rounds(wrong), UsageError);
-    const auto files = parse_laminate_materials({"W=a/white=1.json", "K=black.json"});
-    REQUIRE(files.size() == 2);
-    CHECK(files[0].role == "W");
-    CHECK(files[0].file == "a/white=1.json");
-    for (const char* wrong : {"W", "=a.json", "W="}) CHECK_THROWS_AS(parse_laminate_materials({wrong}), UsageError);
-    CHECK_THROWS_AS(parse_laminate_materials({"W=a.json", "W=b.json"}), UsageError);
 }
 
 TEST_CASE("What stands in a model's place is told by its name, of a text by its first line") {

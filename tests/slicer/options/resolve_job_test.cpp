@@ -26,13 +26,6 @@ SliceOptions named() {
     return options;
 }
 
-SliceOptions layered() {
-    SliceOptions options = named();
-    options.show = "layered-profile";
-    options.profiles = "map.json";
-    return options;
-}
-
 ResolvedJob changed(SliceOptions options, const Change& change) {
     change(options);
     return resolve(options);
@@ -66,7 +59,7 @@ TEST_CASE("What the user wrote becomes values") {
         o.predict = "monte-carlo";
     });
     CHECK_FALSE(job.is_picture());
-    CHECK_FALSE(job.layered);
+    CHECK(job.shows_colours());
     REQUIRE(job.placement.unit);
     CHECK(job.placement.unit->mm == 10);
     CHECK(job.placement.rotation * Eigen::Vector3d::UnitX() == Eigen::Vector3d::UnitY());
@@ -90,7 +83,6 @@ TEST_CASE("What the job is to decide is nothing") {
     CHECK(job.formats.empty());
     CHECK(job.prediction.automatic);
     CHECK(job.prediction.memory_bytes > 0);
-    CHECK_FALSE(resolve(layered()).layered->rounds);
     CHECK_FALSE(changed(named(), [](SliceOptions& o) { o.predict = "none"; }).prediction.automatic);
     CHECK_FALSE(changed(named(), [](SliceOptions& o) { o.predict = "none"; }).prediction.model);
     CHECK(changed(named(), [](SliceOptions& o) { o.model = "a.png"; }).is_picture());
@@ -108,10 +100,6 @@ TEST_CASE("Every word comes out as its value") {
     check_words<LoopMethod>(&SliceOptions::loop_method, [](const ResolvedJob& job) { return job.loop.method; });
     check_words<PredictionModel>(&SliceOptions::loop_model, [](const ResolvedJob& job) { return job.loop.model; });
     check_words<PredictionModel>(&SliceOptions::predict, [](const ResolvedJob& job) { return *job.prediction.model; });
-    for (const Named<ProfilePlacement>& entry : NamesOf<ProfilePlacement>::table)
-        CHECK(changed(layered(), [&](SliceOptions& o) { o.profile_placement = entry.name; }).layered->placement ==
-              entry.value);
-    CHECK(resolve(layered()).layered.has_value());
 }
 
 TEST_CASE("A sheet under a picture is grey, a colour, a checker or a picture") {
@@ -168,33 +156,6 @@ TEST_CASE("A bad value is refused, its key named") {
         {"loop-model", [](SliceOptions& o) { o.loop_model = "none"; }},
         {"loop-method", [](SliceOptions& o) { o.loop_method = "ascent"; }},
         {"predict", [](SliceOptions& o) { o.predict = "luck"; }},
-        {"show", [](SliceOptions& o) { o.show = "layers"; }},
-        {"profiles", [](SliceOptions& o) { o.profiles = "map.json"; }},
-        {"laminate-materials", [](SliceOptions& o) { o.laminate_materials = {"W=w.json"}; }},
-        {"surfaces", [](SliceOptions& o) { o.surfaces = true; }}};
+        {"show", [](SliceOptions& o) { o.show = "layers"; }}};
     for (const auto& [key, change] : bad) check_refused(named(), key, change);
-}
-
-TEST_CASE("A bad value of layered profiles is refused where they are asked for, and there alone") {
-    const std::vector<std::pair<const char*, Change>> bad{
-        {"screen", [](SliceOptions& o) { o.screen = "error-diffusion"; }},
-        {"laminate-thickness", [](SliceOptions& o) { o.laminate_thickness_mm = 0; }},
-        {"laminate-steps", [](SliceOptions& o) { o.laminate_steps = 0; }},
-        {"laminate-blocks", [](SliceOptions& o) { o.laminate_blocks = 17; }},
-        {"laminate-rounds", [](SliceOptions& o) { o.laminate_rounds = "21"; }},
-        {"dc-weight", [](SliceOptions& o) { o.dc_weight = 0; }},
-        {"layer-smoothing", [](SliceOptions& o) { o.layer_smoothing_mm = -1; }},
-        {"surface-cell", [](SliceOptions& o) { o.surface_cell_mm = 0; }},
-        {"clear-top", [](SliceOptions& o) { o.clear_top = {"T"}; }},
-        {"profile-placement", [](SliceOptions& o) { o.profile_placement = "sphere"; }}};
-    for (const auto& [key, change] : bad) {
-        check_refused(layered(), key, change);
-        CHECK_NOTHROW(changed(named(), change));
-    }
-    check_refused(layered(), "profiles", [](SliceOptions& o) { o.profiles.clear(); });
-    check_refused(layered(), "laminate-materials", [](SliceOptions& o) { o.laminate_materials = {"W"}; });
-    check_refused(layered(), "laminate-rounds", [](SliceOptions& o) {
-        o.laminate_materials = {"W=w.json"};
-        o.laminate_rounds = "2";
-    });
 }

@@ -15,6 +15,7 @@
 #include "slicer/part/phase_estimates.h"
 #include "slicer/print/estimate_job.h"
 #include "tests/io/files/temporary_folder.h"
+#include "tests/slicer/options/declared_show.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;
@@ -202,9 +203,10 @@ TEST_CASE("What another print has to do is a phase of its plan") {
     };
     const Cube cube("1 0 0");
     SliceOptions options = cube.options();
-    options.show = "layered-profile";
-    options.profiles = (std::filesystem::path(options.model).parent_path() / "carving.json").string();
-    std::ofstream(options.profiles) << "x";
+    declare_relics();
+    const std::string bone = (std::filesystem::path(options.model).parent_path() / "carving.json").string();
+    std::ofstream(bone) << "x";
+    options = with_relic(options, bone);
     register_other_print([](ResolvedJob&) -> std::unique_ptr<const OtherPrint> { return std::make_unique<Carved>(); });
     const OpenedJob job = open_job(options);
     register_other_print(nullptr);

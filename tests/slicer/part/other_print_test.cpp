@@ -11,6 +11,7 @@
 #include "slicer/part/job_identity.h"
 #include "slicer/part/opened_job.h"
 #include "tests/io/files/temporary_folder.h"
+#include "tests/slicer/options/declared_show.h"
 
 using namespace voxtone;
 using namespace voxtone::slicer;
@@ -38,23 +39,22 @@ private:
 
 std::unique_ptr<const OtherPrint> open_relic(ResolvedJob& job) {
     job.threads = 7;
-    return std::make_unique<const Relic>(job.raw.profiles);
+    return std::make_unique<const Relic>(dynamic_cast<const RelicOptions&>(*job.other).relic);
 }
 
 }  // namespace
 
 TEST_CASE("A print that shows no colours is opened by who registered it, and by nobody else") {
     const io::TemporaryFolder folder;
+    declare_relics();
     SliceOptions options;
     options.model = (folder.path() / "a.obj").string();
-    options.profiles = (folder.path() / "relic.json").string();
+    const std::string bone = (folder.path() / "relic.json").string();
     options.out = (folder.path() / "out").string();
-    options.show = "layered-profile";
+    options = with_relic(options, bone);
     options.load = {"W", "K"};
     std::ofstream(options.model) << "v 0 0 0\n";
-    std::ofstream(options.profiles) << "bone";
-    CHECK_THROWS_WITH(open_job(options), Catch::Matchers::Contains("--show layered-profile: this program was built "
-                                                                   "without such prints"));
+    std::ofstream(bone) << "bone";
     register_other_print(open_relic);
     const OpenedJob job = open_job(options);
     REQUIRE(job.other);
@@ -65,15 +65,15 @@ TEST_CASE("A print that shows no colours is opened by who registered it, and by 
     const JobIdentity identity = identify(job, {});
     const auto relic = std::ranges::find(identity.inputs, std::string("relic"), &JobInput::key);
     REQUIRE(relic != identity.inputs.end());
-    CHECK(relic->sha256 == io::file_sha256(options.profiles));
-    std::ofstream(options.profiles) << "tooth";
+    CHECK(relic->sha256 == io::file_sha256(bone));
+    std::ofstream(bone) << "tooth";
     CHECK(identify(job, {}).job != identity.job);
 
     options.load = {"W", "K", "C"};
     CHECK_THROWS_WITH(open_job(options), "two resins make it");
     // A job of colours never comes here.
     options.show = "colour";
-    options.profiles.clear();
+    options.other.clear();
     CHECK_FALSE(open_job(options).other);
     register_other_print(nullptr);
 }
