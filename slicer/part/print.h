@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // A print on its way through a job: all that depends on what its surface is to show, colours (colour_print.h) or
-// something else (other_print.h). What is common to both does slice_job.
+// something else (other_print.h). What is common to both: print/body_plate.h.
 #pragma once
 
 #include <memory>

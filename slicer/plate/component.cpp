@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 
 #include "base/error.h"
+#include "slicer/layers/layer_bytes.h"
 #include "slicer/layers/mixture_body.h"
 #include "slicer/layers/plain_body.h"
 #include "slicer/plate/finished_stack.h"
@@ -113,6 +114,13 @@ ReadyComponent prepare_component(const TrayPart& part, const OpenedJob& common, 
     if (part.component->kind == ComponentKind::body) return prepare_solid(part, common, progress);
     return part.component->is_shape() ? prepare_shape(part, common, progress)
                                       : open_finished_stack(*part.component, common, progress);
+}
+
+std::uint64_t component_disk_bytes(const ReadyComponent& component, bool cuts, const OpenedJob& common) {
+    const VoxelGrid& grid = component.layers->grid();
+    const bool screened = std::ranges::count_if(component.voxels, [](auto count) { return count > 0; }) > 1;
+    const double screened_mm3 = screened && !cuts ? double(component.all_voxels()) * grid.voxel_volume_mm3() : 0;
+    return layer_bytes(grid, {screened_mm3, 1, grid.size[2], common.outputs(), common.resins.entries.size()});
 }
 
 }  // namespace voxtone::slicer

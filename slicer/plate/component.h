@@ -3,6 +3,8 @@
 // From what a plan says of a component to its voxels.
 #pragma once
 
+#include <cstdint>
+
 #include "base/progress.h"
 #include "slicer/part/opened_job.h"
 #include "slicer/plans/tray_part.h"
@@ -14,5 +16,8 @@ namespace voxtone::slicer {
 /// what its manifest says, is refused before time is spent. Throws InputError (of another pitch, a resin that is not
 /// loaded, layers missing or changed, no voxel), FileError, Cancelled.
 [[nodiscard]] ReadyComponent prepare_component(const TrayPart& part, const OpenedJob& common, Progress& progress);
+
+/// Most that its layers, once, take on disk.
+[[nodiscard]] std::uint64_t component_disk_bytes(const ReadyComponent& component, bool cuts, const OpenedJob& common);
 
 }  // namespace voxtone::slicer

@@ -105,8 +105,8 @@ void draw_report(const Print& print, io::Report& report, std::optional<VoxelSamp
     report.stages.push_back({"draw the report", watch.total()});
 }
 
-std::string write_report(const OpenedJob& job, const Print& print, io::Report& report,
-                         std::optional<VoxelSample>& voxels, const Stopwatch& since_begin, Progress& progress) {
+JobResult write_report(const OpenedJob& job, const Print& print, io::Report& report, std::optional<VoxelSample>& voxels,
+                       const Stopwatch& since_begin, Progress& progress) {
     const std::filesystem::path& folder = job.options.out;
     if (job.options.report) draw_report(print, report, voxels, io::StackDescription{}.pattern, progress);
     report.total_seconds = since_begin.total();
@@ -116,7 +116,10 @@ std::string write_report(const OpenedJob& job, const Print& print, io::Report& r
     }
     std::string json = io::report_json(report);
     io::write_whole_file(folder / report_file::figures, json);
-    return json;
+    const bool bad = report.verdict && report.verdict->level == io::VerdictLevel::bad;
+    return {std::move(json), summary_text(print, report, since_begin.total(), job.options.report, folder),
+            bad && job.options.strict ? ExitCode::check_failed : ExitCode::done,
+            bad ? std::optional(report.verdict->sentence) : std::nullopt};
 }
 
 }  // namespace voxtone::slicer

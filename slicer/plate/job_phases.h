@@ -63,9 +63,9 @@ void make_layers(Print& print, const LayerRange& range, const LayerTaker& take, 
 void draw_report(const Print& print, io::Report& report, std::optional<VoxelSample>& voxels, std::string layer_file,
                  Progress& progress);
 
-/// Draws and writes the report, if it was asked for, and its figures; these as JSON.
-[[nodiscard]] std::string write_report(const OpenedJob& job, const Print& print, io::Report& report,
-                                       std::optional<VoxelSample>& voxels, const Stopwatch& since_begin,
-                                       Progress& progress);
+/// Draws and writes the report, if it was asked for, and its figures: what a job of one body ends with.
+[[nodiscard]] JobResult write_report(const OpenedJob& job, const Print& print, io::Report& report,
+                                     std::optional<VoxelSample>& voxels, const Stopwatch& since_begin,
+                                     Progress& progress);
 
 }  // namespace voxtone::slicer

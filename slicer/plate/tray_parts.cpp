@@ -281,6 +281,10 @@ std::optional<OpenedJob> common_job(const TrayPlan& plan, const std::vector<std:
     return open_job(options);
 }
 
+std::uint64_t ReadyPart::disk_bytes(const OpenedJob& common) const {
+    return ready ? ready->plan.disk_bytes : component_disk_bytes(*component, part.cuts, common);
+}
+
 const OpenedJob& TrayParts::any_job() const {
     const auto model = std::ranges::find_if(ready, [](const ReadyPart& part) { return part.ready != nullptr; });
     return model != ready.end() ? model->ready->job : *common;

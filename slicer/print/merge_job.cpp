@@ -202,14 +202,11 @@ JobResult write_merged_report(const MergeOptions& options, const io::ShardSet& s
     report.sections.push_back(shards_section(shards));
     for (const io::ShardRecord& record : shards.records)
         report.peak_memory_bytes = std::max(report.peak_memory_bytes, record.figures.peak_memory_bytes);
-    std::string json = write_report(job, print, report, voxels, watch, progress);
+    JobResult told = write_report(job, print, report, voxels, watch, progress);
     progress.end_stage();
     std::error_code not_there;
     fs::remove(io::prepared_file(options.out, shards.job()), not_there);
-    const bool bad = report.verdict && report.verdict->level == io::VerdictLevel::bad;
-    return {std::move(json), summary_text(print, report, watch.total(), job.options.report, options.out),
-            bad && job.options.strict ? ExitCode::check_failed : ExitCode::done,
-            bad ? std::optional(report.verdict->sentence) : std::nullopt};
+    return told;
 }
 
 JobResult short_result(const fs::path& out, const io::ShardSet& shards, const char* what) {

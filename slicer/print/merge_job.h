@@ -27,7 +27,7 @@ struct MergeOptions {
     int shards = 0;  ///< how many there are known to be; 0: those that lie there
 };
 
-/// What is told of a stack once it is whole: of a body here, of a tray in tray_shard.h.
+/// What is told of a stack once it is whole: of a body here, of a tray in merged_tray.h.
 struct MergedTelling {
     std::function<bool(const io::ShardSet& shards)> is_told;       ///< it was before
     std::function<JobResult(const io::ShardSet& shards)> tell_of;  ///< with a report

@@ -2,16 +2,18 @@
 #include "slicer/print/run_print.h"
 
 #include <filesystem>
+#include <memory>
 
 #include "base/error.h"
 #include "io/shards/shard_folder.h"
 #include "slicer/options/job_file.h"
 #include "slicer/options/option_values.h"
-#include "slicer/print/shard_job.h"
-#include "slicer/print/slice_job.h"
+#include "slicer/print/body_plate.h"
+#include "slicer/print/merged_tray.h"
+#include "slicer/print/run_shard.h"
+#include "slicer/print/run_whole.h"
 #include "slicer/print/tray_estimate.h"
-#include "slicer/print/tray_job.h"
-#include "slicer/print/tray_shard.h"
+#include "slicer/print/tray_plate.h"
 
 namespace voxtone::slicer {
 
@@ -40,17 +42,17 @@ bool holds_tray(const fs::path& out) {
 
 JobResult run_print(PrintRequest request, Progress& progress) {
     const SliceOptions& options = request.options;
-    const bool is_shard = !options.shard.empty();
+    std::unique_ptr<Plate> plate;
     if (is_of_tray(request)) {
         // Its plan is made there before it is opened.
         if (options.out.empty()) throw UsageError("tray: name the folder for the print (-o OUT)");
         if (request.models.empty() && !is_plan_of_tray(options) && !options.model.empty())
             request.models.files = {options.model};
-        return is_shard ? run_tray_shard(options, request.models, progress)
-                        : run_tray_job(options, request.models, progress);
+        plate = tray_plate(options, request.models);
+    } else {
+        plate = body_plate(options, progress);
     }
-    if (is_shard) return run_shard_job(options, progress);
-    return run_slice_job(options, progress);
+    return options.shard.empty() ? run_whole(*plate, progress) : run_shard(*plate, progress);
 }
 
 JobResult run_merge(const MergeOptions& options, Progress& progress) {

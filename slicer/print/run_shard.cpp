@@ -173,19 +173,20 @@ void make_shard(const ShardedPrint& print, const LayerRange& mine, const fs::pat
     if (watchers.voxels) record.viewer = watchers.voxels->take_layers();
 }
 
-}  // namespace
-
 void expect_shardable(const OpenedJob& job) {
-    const io::StackOutputs outputs = job.outputs();
-    if (outputs.vdb)
+    if (job.outputs().vdb)
         throw UsageError(fmt::format(
             "--shard: {} is one file of the whole stack, which shards do not make: leave it out of --formats, or slice "
             "without --shard",
             io::vdb_name));
 }
 
-JobResult run_shard(const OpenedJob& job, const ShardSteps& steps, Progress& progress) {
+}  // namespace
+
+JobResult run_shard(Plate& plate, Progress& progress) {
     const Stopwatch watch;
+    const OpenedJob& job = plate.job();
+    expect_shardable(job);
     const fs::path& out = job.options.out;
     const bool same_job_before = is_same_job(io::shards_folder(out), job, &progress);
     const ShardTask task = task_of(job, same_job_before);
@@ -197,11 +198,12 @@ JobResult run_shard(const OpenedJob& job, const ShardSteps& steps, Progress& pro
         io::expect_free_for_stack(out);
         expect_no_other_shards(out, job, &progress);
     }
-    steps.expect_loops();
+    plate.expect_loops(progress);
     io::ShardFolder folder(out, task.number);
 
     const ThreadLimit threads(static_cast<std::size_t>(job.options.threads));
-    const ShardedPrint print = steps.prepare(same_job_before);
+    const ShardedPrint print = plate.prepare_for_shards(same_job_before, progress);
+    expect_shardable(print.job);
     const LayerRange mine = shard_layers(print.work, print.slab_layers, print.layers, task.number);
     print.expect_disk(mine);
     io::ShardRecord record = record_of(print, task);

@@ -17,7 +17,6 @@
 #include "base/progress_bar.h"
 #include "base/stopwatch.h"
 #include "io/disk/disk_space.h"
-#include "slicer/layers/layer_bytes.h"
 #include "slicer/part/phase_estimates.h"
 #include "slicer/plate/component.h"
 #include "slicer/plate/kept_loop.h"
@@ -52,14 +51,12 @@ EstimatedPart estimate_component(const TrayPart& part, const OpenedJob& common, 
     made.component = prepare_component(part, common, progress);
     const VoxelGrid& grid = made.component->layers->grid();
     const double voxel_ml = grid.voxel_volume_mm3() * 1e-3, voxels = double(made.component->all_voxels());
-    const bool screened = std::ranges::count_if(made.component->voxels, [](auto count) { return count > 0; }) > 1;
     JobEstimate& estimate = made.estimate;
     ResinVolumes volumes;
     for (const std::uint64_t count : made.component->voxels)
         volumes.ml.push_back(part.cuts ? 0 : double(count) * voxel_ml), volumes.body_ml += volumes.ml.back();
     add_amounts(common, volumes, estimate);
-    estimate.disk_bytes = layer_bytes(grid, {screened && !part.cuts ? voxels * grid.voxel_volume_mm3() : 0, 1,
-                                             grid.size[2], common.outputs(), common.resins.entries.size()});
+    estimate.disk_bytes = component_disk_bytes(*made.component, part.cuts, common);
     PhaseEstimate read{Phase::read, cpu_seconds() - cpu_began_s, watch.total(), peak_memory_bytes(), true};
     PhaseEstimate layers{Phase::layers, read.cpu_s + voxels * cpu_s_of_voxel, 0, resident_bytes(), false};
     layers.seconds = seconds_on_threads(layers.cpu_s, thread_count());

@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "run_program.h"
 #include "slicer/part/loop_checkpoint.h"
-#include "slicer/print/slice_job.h"
+#include "slicer/print/run_print.h"
 #include "tests/counted_parts.h"
 #include "tests/places.h"
 
@@ -111,7 +111,7 @@ TEST_CASE("A loop that was stopped and resumed makes the same print, bit by bit"
     };
     const auto run = [&](slicer::SliceOptions options, const std::string& method, Progress& progress) {
         options.loop_method = method;
-        (void)slicer::run_slice_job(options, progress);
+        (void)slicer::run_print({options}, progress);
     };
     for (const std::string method : {"descent", "feedback"}) {
         const std::string whole = "whole-" + method;
@@ -137,19 +137,19 @@ TEST_CASE("An interrupted loop is not thrown away, not taken for another job's, 
     const Folder folder("stopped");
     Progress quiet;
     StopsAfter stops(3);
-    CHECK_THROWS_AS(slicer::run_slice_job(small_slab(folder, "out"), stops), Cancelled);
+    CHECK_THROWS_AS(slicer::run_print({small_slab(folder, "out")}, stops), Cancelled);
     slicer::SliceOptions other = small_slab(folder, "out");
     other.iterations.assign(1, '0');
-    CHECK_THROWS_WITH(slicer::run_slice_job(other, quiet), Catch::Contains("--resume"));
+    CHECK_THROWS_WITH(slicer::run_print({other}, quiet), Catch::Contains("--resume"));
     other = small_slab(folder, "out");
     other.depth_mm = 0.5;
-    CHECK_THROWS_WITH(slicer::run_slice_job(other, quiet), Catch::Contains("--overwrite"));
+    CHECK_THROWS_WITH(slicer::run_print({other}, quiet), Catch::Contains("--overwrite"));
     other = small_slab(folder, "out");
     other.resume = true;
     other.depth_mm = 0.5;
     // Refused before the model is read.
     RecordsStages stages;
-    CHECK_THROWS_WITH(slicer::run_slice_job(other, stages), Catch::Contains("belongs to a job with other options"));
+    CHECK_THROWS_WITH(slicer::run_print({other}, stages), Catch::Contains("belongs to a job with other options"));
     CHECK(stages.begun.empty());
     // A resin set of the same name that says something else.
     std::string resins = read_file(source_dir() + "/data/resins/j750-vivid.json");
@@ -163,12 +163,12 @@ TEST_CASE("An interrupted loop is not thrown away, not taken for another job's, 
     REQUIRE(at != std::string::npos);
     resins[at + 7] = '3';
     folder.write("mine.json", resins);
-    CHECK_THROWS_AS(slicer::run_slice_job(other, quiet), InputError);
+    CHECK_THROWS_AS(slicer::run_print({other}, quiet), InputError);
     // The set of the program in a file of another name is the same job; no more iterations are made.
     folder.write("mine.json", read_file(source_dir() + "/data/resins/j750-vivid.json"));
     const std::size_t saved = slicer::LoopCheckpoint::saved_steps(folder / "out");
     REQUIRE(saved >= 1);  // of three that were made the last are lost where a state took too long to write
-    (void)slicer::run_slice_job(other, quiet);
+    (void)slicer::run_print({other}, quiet);
     CHECK(run_program("verify --quiet " + (folder / "out")).exit_code == 0);
     CHECK(json_of(folder / "out/report.json").at("loop").at("iterations").size() == saved);
     CHECK_FALSE(std::filesystem::exists(folder / "out/loop.checkpoint"));
@@ -190,7 +190,7 @@ TEST_CASE("A state that cannot be saved is warned about once, and the job goes o
     slicer::SliceOptions options = small_slab(folder, "out");
     options.overwrite = true;
     options.iterations.assign(1, '2');
-    (void)slicer::run_slice_job(options, progress);
+    (void)slicer::run_print({options}, progress);
     REQUIRE(progress.told.size() == 1);
     CHECK_THAT(progress.told[0], Catch::Contains("cannot be resumed") && Catch::Contains("[not-resumable]"));
     CHECK(run_program("verify --quiet " + (folder / "out")).exit_code == 0);
@@ -252,7 +252,7 @@ TEST_CASE("Large bodies are rearranged without being asked, and what that takes 
             if (note.find("the appearance loop takes about") != std::string::npos) cancel();
         }
     } progress;
-    CHECK_THROWS_AS(slicer::run_slice_job(options, progress), Cancelled);
+    CHECK_THROWS_AS(slicer::run_print({options}, progress), Cancelled);
     INFO(progress.told);
     CHECK(progress.told.find(" min") != std::string::npos);
     CHECK(progress.told.find("GiB of memory") != std::string::npos);
@@ -277,7 +277,7 @@ TEST_CASE("Each prediction of a loop tells how far it is") {
         options.loop_method = method;
         options.iterations = "4";
         options.predict = "none";
-        (void)slicer::run_slice_job(options, parts);
+        (void)slicer::run_print({options}, parts);
         std::size_t predictions = 0;
         for (const std::vector<double>& step : parts.told) {
             if (step.empty()) continue;

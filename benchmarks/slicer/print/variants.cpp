@@ -14,7 +14,7 @@
 #include "io/files/whole_file.h"
 #include "slicer/options/job_file.h"
 #include "slicer/options/option_table.h"
-#include "slicer/print/slice_job.h"
+#include "slicer/print/run_print.h"
 
 namespace voxtone::loop_benchmark {
 namespace {
@@ -103,7 +103,7 @@ Print make_print(const slicer::SliceOptions& wanted, bool reuse) {
     NotingProgress progress;
     const auto start = std::chrono::steady_clock::now();
     const double cores_before = core_seconds();
-    const JobResult result = slicer::run_slice_job(print.options, progress);
+    const JobResult result = slicer::run_print({print.options}, progress);
     print.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     print.core_seconds = core_seconds() - cores_before;
     print.iterations = iterations_made(nlohmann::json::parse(result.json));

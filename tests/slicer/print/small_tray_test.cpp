@@ -7,7 +7,9 @@
 
 #include "base/error.h"
 #include "base/stopwatch.h"
+#include "io/disk/disk_space.h"
 #include "io/files/read_bytes.h"
+#include "io/printer/printer_folder.h"
 #include "slicer/predict/stack_volume.h"
 #include "slicer/print/estimate_job.h"
 #include "small_print.h"
@@ -246,6 +248,22 @@ TEST_CASE("A tray's estimate is what its stack comes to") {
     CHECK(cpu_of(estimate, Phase::separate) == Approx(2 * cpu_of(box, Phase::separate)));
     CHECK(cpu_of(estimate, Phase::layers) > cpu_of(box, Phase::layers));
     CHECK_FALSE(fs::exists(desk.path("out/parts/none")));
+}
+
+TEST_CASE("A tray says what it takes of the disk before its layers are made, and so does a shard of it") {
+    for (const char* shard : {"", "1/1"}) {
+        TraysDesk desk;
+        SliceOptions options = desk.of_tray("out");
+        const std::vector<std::string> models{desk.path("box.obj").string()};
+        const JobEstimate estimate = estimate_print({options, {models, 3}, true}, desk.said);
+        CHECK_THAT(desk.said.said(), !Contains("has free"));
+        options.shard = shard;
+        (void)desk.tray(options, {"box.obj"}, 3);
+        // Beside OUT/printer there are no copies, for the folder's disk has hard links.
+        REQUIRE(io::has_hard_links(desk.path("out")));
+        CHECK_THAT(desk.said.said(),
+                   Contains("the stack takes up to " + io::bytes_text(estimate.disk_bytes) + " of the"));
+    }
 }
 
 TEST_CASE("The seconds that a tray's layers took are shared out to its parts") {

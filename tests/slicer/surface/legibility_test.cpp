@@ -15,7 +15,7 @@
 #include "io/pictures/picture.h"
 #include "io/pictures/picture_writer.h"
 #include "optics/colour/colour.h"
-#include "slicer/print/slice_job.h"
+#include "slicer/print/run_print.h"
 #include "tests/io/files/temporary_folder.h"
 #include "tests/outcomes.h"
 #include "tests/slicer/surface/read_text.h"
@@ -55,7 +55,7 @@ test::GreyPicture predicted(const io::TemporaryFolder& folder, double grey, cons
     options.iterations.assign(1, '0');  // a literal here trips a warning of GCC 12
     options.predict = "transport";
     Progress quiet;
-    (void)run_slice_job(options, quiet);
+    (void)run_print({options}, quiet);
     const io::Picture seen = io::read_picture(folder.path() / "out" / "predicted.png");
     test::GreyPicture result{int(seen.width_px), int(seen.height_px), {}};
     for (int y = 0; y < result.height; ++y)

@@ -10,7 +10,7 @@
 #include "io/lettering/font_file.h"
 #include "io/lettering/set_text.h"
 #include "io/pictures/picture_writer.h"
-#include "slicer/print/slice_job.h"
+#include "slicer/print/run_print.h"
 #include "tests/io/files/temporary_folder.h"
 
 using namespace voxtone;
@@ -55,7 +55,7 @@ TEST_CASE("A label of a resin is of that resin alone, as deep as the shell, what
     options.iterations = iterations;
     options.labels = {"HO8; size=5mm; place=top; resin=M"};
     Progress quiet;
-    (void)run_slice_job(options, quiet);
+    (void)run_print({options}, quiet);
     // The outline's staircase, and a little magenta that the loop puts beside the letters.
     CHECK(mm3_of(options, "M") == Approx(ink_mm2 * 1).epsilon(0.03));
 }
@@ -65,5 +65,5 @@ TEST_CASE("A label of a resin that is not loaded is refused") {
     SliceOptions options = white_slab(folder);
     options.labels = {"HO8; place=top; resin=T"};
     Progress quiet;
-    CHECK_THROWS_WITH(run_slice_job(options, quiet), Contains("resin=T is not loaded") && Contains("C, M, Y, K, W"));
+    CHECK_THROWS_WITH(run_print({options}, quiet), Contains("resin=T is not loaded") && Contains("C, M, Y, K, W"));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "slicer/print/tray_job.h"
+#include "slicer/print/tray_plate.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -14,12 +14,13 @@
 
 #include "base/counted.h"
 #include "base/error.h"
-#include "base/parallel.h"
+#include "base/progress_bar.h"
 #include "base/stopwatch.h"
 #include "io/files/json_writer.h"
 #include "io/files/whole_file.h"
 #include "io/layers/layer_stack_writer.h"
 #include "io/layers/stack_folder.h"
+#include "io/shards/shard_folder.h"
 #include "slicer/options/job_file.h"
 #include "slicer/plate/job_phases.h"
 #include "slicer/plate/opened_tray.h"
@@ -28,6 +29,7 @@
 #include "slicer/plate/printer_page.h"
 #include "slicer/plate/tray_record.h"
 #include "slicer/plate/tray_report.h"
+#include "slicer/print/shard_cut.h"
 
 namespace voxtone::slicer {
 
@@ -178,51 +180,170 @@ JobResult loops_kept(const OpenedTray& tray, const PreparedTray& prepared) {
             exit_code_of(tray, prepared.parts.failed, {}), failure_of(prepared)};
 }
 
+/// Of each slab of the part's own.
+std::vector<double> work_of(const ReadyPart& part, int slab_layers) {
+    if (part.ready) return slab_work(part.ready->body, part.ready->job.options.colour.depth_mm, slab_layers);
+    // Its mixtures are known: reading and screening take a small part of what finding them would.
+    constexpr double work_of_voxel = 0.02;
+    const int layers = part.grid().size[2];
+    const double of_layer = work_of_voxel * double(part.component->all_voxels()) / layers;
+    std::vector<double> work(std::size_t((layers + slab_layers - 1) / slab_layers));
+    for (int k = 0; k < layers; ++k) work[std::size_t(k / slab_layers)] += of_layer;
+    return work;
+}
+
+/// Work of each slab of the print: of every part once for each height it stands at, as its layers are made. A copy in
+/// another place of the same height takes little more.
+std::vector<double> slab_work_of(const PreparedTray& prepared, int slab_layers) {
+    const int layers = prepared.places.trays[0].size[2];
+    std::vector<double> work(std::size_t((layers + slab_layers - 1) / slab_layers));
+    for (const ReadyPart& part : prepared.parts.ready) {
+        if (part.alone.empty()) continue;
+        const std::vector<double> own = work_of(part, slab_layers);
+        std::vector<int> heights;
+        for (const PlacedCopy& copy : part.alone) heights.push_back(copy.at[2]);
+        std::ranges::sort(heights);
+        heights.erase(std::unique(heights.begin(), heights.end()), heights.end());
+        for (const int height : heights)
+            for (std::size_t slab = 0; slab < own.size(); ++slab)
+                work[std::min(work.size() - 1, slab + std::size_t(height / slab_layers))] += own[slab];
+    }
+    return work;
+}
+
+/// Without hard links OUT/printer is a copy.
+std::uint64_t disk_bytes_of(const PreparedTray& prepared, const fs::path& out) {
+    std::uint64_t bytes = 0;
+    for (const ReadyPart& part : prepared.parts.ready) bytes += part.alone.size() * part.disk_bytes(prepared.any_job());
+    return bytes * (io::has_hard_links(out) ? 1 : 2);
+}
+
+class TrayPlate final : public Plate {
+public:
+    TrayPlate(SliceOptions asked, const TrayModels& models) : asked_(std::move(asked)), models_(models) {
+        if (asked_.shard.empty()) return;
+        if (!asked_.overwrite && !models.empty()) io::expect_free_for_stack(asked_.out);
+        tray_.emplace(open_shard_of_tray(with_plan(asked_, models)));
+    }
+
+    [[nodiscard]] const OpenedJob& job() const override { return tray_->job; }
+
+    /// A strange folder is refused before anything is made in it; whose stack is there is known once the plan is read.
+    io::StackFolder take_folder(Progress& progress) override {
+        io::StackFolder folder = take_tray_folder(asked_.out, progress);
+        if (!asked_.overwrite && !folder.holds_stack()) folder.expect_free();
+        tray_.emplace(open_tray(with_plan(asked_, models_)));
+        for (const std::string& note : tray_->plan.notes) progress.note(note);
+        return folder;
+    }
+
+    std::optional<JobResult> done_before(const io::StackFolder& folder, Progress& progress) override {
+        if (only_loops()) return std::nullopt;
+        auto done = slicer::done_before(*tray_, folder, progress);
+        for (int number = 0; done && is_same_job(folder_of_tray(asked_.out, number), tray_->job, &progress); ++number)
+            hand_over(folder_of_tray(asked_.out, number), printer_target(*tray_, number), asked_.overwrite, progress);
+        return done;
+    }
+
+    void expect_replaceable(const io::StackFolder& folder, Progress& progress) override {
+        expect_tray_replaceable(*tray_, 0, folder, progress);
+    }
+
+    void prepare(Progress& progress) override {
+        prepared_.emplace(prepare_tray(*tray_, progress));
+        const fs::path out = tray_->plan.common.out;
+        for (int number = 1; number < prepared_->trays(); ++number) {
+            further_.push_back(take_tray_folder(folder_of_tray(out, number), progress));
+            expect_tray_replaceable(*tray_, number, further_.back(), progress);
+        }
+        expect_disk_space(out, disk_bytes_of(*prepared_, out), progress);
+    }
+
+    std::optional<JobResult> rearrange(Progress& progress) override {
+        rearrange_parts(*tray_, *prepared_, progress);
+        return only_loops() ? std::optional(loops_kept(*tray_, *prepared_)) : std::nullopt;
+    }
+
+    JobResult print(io::StackFolder folder, const Stopwatch& since_begin, Progress& progress) override {
+        TrayReport report = report_for(*prepared_, tray_->plan.common.out);
+        std::vector<std::unique_ptr<TrayPrint>> prints;
+        for (int number = 0; number < prepared_->trays(); ++number) {
+            io::StackFolder& taken = number == 0 ? folder : further_[std::size_t(number - 1)];
+            prints.push_back(std::make_unique<TrayPrint>(*tray_, *prepared_, number, std::move(taken)));
+            prints.back()->make(report, progress);
+        }
+        set_aside_left_parts(*tray_, *prepared_, progress);
+        JobResult result;
+        for (const auto& print : prints) {
+            JobResult made = print->finish(report, since_begin, progress);
+            if (print == prints.front()) result.json = std::move(made.json);
+            result.text += made.text;
+        }
+        result.exit_code = exit_code_of(*tray_, prepared_->parts.failed, verdicts_of(*prepared_));
+        result.failure = failure_of(*prepared_);
+        return result;
+    }
+
+    ShardedPrint prepare_for_shards(bool, Progress& progress) override {
+        prepared_.emplace(prepare_tray(*tray_, progress));
+        if (prepared_->any_job().outputs().gcvf)
+            throw UsageError(
+                fmt::format("--shard: {} of a tray is not made in shards: leave it out of --formats, or slice "
+                            "without --shard",
+                            io::gcvf_name));
+        take_loops(*prepared_, progress);
+        layers_.reset(new ComposedLayers(compose(*prepared_, 0)));
+        const LayerRange all{0, layers_->grid().size[2] - 1};
+        return {
+            .job = prepared_->any_job(),
+            .identity = prepared_->identity,
+            .grid = layers_->grid(),
+            .layers = all,
+            .slab_layers = layers_->slab_layers(),
+            .work = slab_work_of(*prepared_, layers_->slab_layers()),
+            .members = members_of(*prepared_, 0),
+            .make = [this, &progress](
+                        const LayerRange& mine, const LayerTaker& take, LayerWatchers& watchers,
+                        JobMeasurements& figures) { make_layers(*layers_, mine, take, watchers, figures, progress); },
+            .expect_disk =
+                [this, all, &progress](const LayerRange& mine) {
+                    const fs::path out = tray_->plan.common.out;
+                    const std::uint64_t whole = disk_bytes_of(*prepared_, out);
+                    expect_disk_space(out, whole * std::uint64_t(mine.layers()) / std::uint64_t(all.layers()),
+                                      progress);
+                }};
+    }
+
+private:
+    [[nodiscard]] bool only_loops() const { return asked_.until == name_of(Until::loop); }
+
+    const SliceOptions asked_;
+    const TrayModels models_;
+    std::optional<OpenedTray> tray_;
+    std::optional<PreparedTray> prepared_;
+    std::vector<io::StackFolder> further_;  ///< of trays after the first
+    std::unique_ptr<const ComposedLayers> layers_;
+};
+
 }  // namespace
 
-JobResult run_tray_job(const SliceOptions& asked, const TrayModels& models, Progress& progress) {
-    const Stopwatch watch;
-    const bool only_loops = asked.until == name_of(Until::loop);
-    // A strange folder is refused before anything is made in it; whose stack is there is known once the plan is read.
-    io::StackFolder first = take_tray_folder(asked.out, progress);
-    if (!asked.overwrite && !first.holds_stack()) first.expect_free();
-    const OpenedTray tray = open_tray(with_plan(asked, models));
-    for (const std::string& note : tray.plan.notes) progress.note(note);
-    if (!only_loops)
-        if (auto done = done_before(tray, first, progress)) {
-            for (int number = 0; is_same_job(folder_of_tray(asked.out, number), tray.job, &progress); ++number)
-                hand_over(folder_of_tray(asked.out, number), printer_target(tray, number), asked.overwrite, progress);
-            return *std::move(done);
+void take_loops(PreparedTray& prepared, Progress& progress) {
+    for (ReadyPart& part : prepared.parts.ready)
+        if (!part.alone.empty() && part.ready) {
+            const WarningsOfPart of_part(progress, part.part.name);
+            part.ready->print->prepare(progress);
         }
-    expect_tray_replaceable(tray, 0, first, progress);
-    std::vector<io::StackFolder> folders;
-    folders.push_back(std::move(first));
-    const ThreadLimit threads(static_cast<std::size_t>(tray.plan.common.threads));
-    PreparedTray prepared = prepare_tray(tray, progress);
-    for (int number = 1; number < prepared.trays(); ++number) {
-        folders.push_back(take_tray_folder(folder_of_tray(tray.plan.common.out, number), progress));
-        expect_tray_replaceable(tray, number, folders.back(), progress);
-    }
+}
 
-    // From here on hours may be spent.
-    rearrange_parts(tray, prepared, progress);
-    if (only_loops) return loops_kept(tray, prepared);
-    TrayReport report = report_for(prepared, tray.plan.common.out);
-    std::vector<std::unique_ptr<TrayPrint>> prints;
-    for (int number = 0; number < prepared.trays(); ++number) {
-        prints.push_back(std::make_unique<TrayPrint>(tray, prepared, number, std::move(folders[std::size_t(number)])));
-        prints.back()->make(report, progress);
-    }
-    set_aside_left_parts(tray, prepared, progress);
-    JobResult result;
-    for (const auto& print : prints) {
-        JobResult made = print->finish(report, watch, progress);
-        if (print == prints.front()) result.json = std::move(made.json);
-        result.text += made.text;
-    }
-    result.exit_code = exit_code_of(tray, prepared.parts.failed, verdicts_of(prepared));
-    result.failure = failure_of(prepared);
-    return result;
+OpenedTray open_shard_of_tray(const SliceOptions& asked) {
+    if (asked.trays > 1) throw UsageError("--shard: is of one tray; leave --trays out");
+    OpenedTray tray = open_tray(asked);
+    tray.plan.common.fail_fast = true;
+    return tray;
+}
+
+std::unique_ptr<Plate> tray_plate(const SliceOptions& asked, const TrayModels& models) {
+    return std::make_unique<TrayPlate>(asked, models);
 }
 
 }  // namespace voxtone::slicer
