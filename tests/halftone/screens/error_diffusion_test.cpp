@@ -194,3 +194,38 @@ TEST_CASE("What is owed goes to voxels not yet visited, by the square of how nea
         }
     }
 }
+
+TEST_CASE("Error diffusion lays the bits that it laid before: a print that goes on fits what is there") {
+    // Regression values, of this test at the commit that added it: FNV-1a over 34 layers of 13 x 9 voxels, of a body
+    // with holes and of mixtures of one to five resins that differ from voxel to voxel.
+    const auto digest = [](const ErrorDiffusionOptions& options) {
+        constexpr int width = 13, height = 9, layers = ErrorDiffusion::slab_layers + 2;
+        ErrorDiffusion diffusion(width, height, resins, options);
+        std::uint64_t hash = 0xcbf29ce484222325u;
+        for (int k = 0; k < layers; ++k) {
+            std::vector<CumulativeMixture> mixtures;
+            std::vector<std::uint8_t> body, laid(width * height, 99);
+            for (int v = 0; v < width * height; ++v) {
+                RandomStream random(9, std::uint64_t(v + 1000 * k));
+                body.push_back(random.uniform() < 0.85);
+                const double red = random.uniform() * 0.5, rare = 0.02 * random.uniform();
+                mixtures.push_back(mixture_of(v % 7 == 0   ? std::array{0.0, 0.0, 1.0, 0.0, 0.0}
+                                              : v % 7 == 1 ? std::array{red, 0.0, 0.0, 1 - red, 0.0}
+                                                           : std::array{red, rare, 0.2, 0.1, 0.7 - red - rare}));
+            }
+            diffusion.layer(k, mixtures, body, laid);
+            for (const std::uint8_t resin : laid) hash = (hash ^ resin) * 0x100000001b3u;
+        }
+        return hash;
+    };
+    ErrorDiffusionOptions options;
+    options.pitch_mm = j750;
+    const std::uint64_t usual = digest(options);
+    CHECK(usual == 0xccdf3ca8c14bc2f2u);
+    options.seed = 7;
+    CHECK(digest(options) == 0x1251fbc8d2135412u);
+    options.seed = 1, options.noise = 0.5f;
+    CHECK(digest(options) == 0x2512d6ed1209fe38u);
+    options.noise = 0.1f, options.pitch_mm = {0.03, 0.06, 0.05};
+    CHECK(digest(options) == 0xe5840b9450ce47c6u);
+}
