@@ -155,7 +155,7 @@ def at_run_time(text, numbers, is_header=False):
     lines = text.split("\n")
     for number in {declared_in(lines, number) for number in numbers}:
         declared = "static inline const " if is_header and "static" in lines[number] else "static const "
-        lines[number] = re.sub(r"^(\s*)(?:static |inline )*constexpr (?=[\w:<>, ]+(?:\[\w*\])? ?(?:=|\{))", rf"\1{declared}", lines[number])
+        lines[number] = re.sub(r"^(\s*)(?:static |inline )*constexpr (?=[\w:<>, ]+(?:\[\w*\])? ?(?:=|\{|$))", rf"\1{declared}", lines[number])
     return "\n".join(lines)
 
 
