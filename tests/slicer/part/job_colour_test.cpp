@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,17 @@ std::string refusal(const ResolvedJob& job, const PrinterProfile& printer) {
     return {};
 }
 
+/// Of a print that shows something else than colours.
+class OverBlack final : public OtherOptions {
+public:
+    [[nodiscard]] double depth_mm() const override { return 3; }
+    [[nodiscard]] const std::string& core() const override { return core_; }
+    [[nodiscard]] const char* core_option() const override { return "base"; }
+
+private:
+    std::string core_ = "K";
+};
+
 ResolvedJob with_coat() {
     ResolvedJob job;
     job.colour.coat_mm = 0.3;
@@ -65,7 +77,7 @@ TEST_CASE("Clear resin is wanted by a core, a coat, what encloses a picture, alp
         job = {}, job.picture.view = view;
         CHECK(wants_clear(job));
     }
-    job = with_coat(), job.layered.emplace();  // shows no colours
+    job = with_coat(), job.other = std::make_shared<const OverBlack>();  // shows no colours
     CHECK_FALSE(wants_clear(job));
 }
 
@@ -142,7 +154,7 @@ TEST_CASE("More resins than a printer carries, unknown ones and a core that is n
     CHECK(refusal(job, printer_of(4)).empty());
     job.colour.core = "K";
     CHECK(refusal(job, printer_of(4)) == "--core K: no such resin is loaded; loaded are C, M, Y, W");
-    job.layered.emplace().base = "K";
+    job.other = std::make_shared<const OverBlack>();
     CHECK(refusal(job, printer_of(4)) == "--base K: no such resin is loaded; loaded are C, M, Y, W");
     job = {}, job.resins = "vero-opaque", job.load = {"W", "Q"};
     CHECK_FALSE(refusal(job, printer_of(4)).empty());
