@@ -63,7 +63,7 @@ class Weaving(unittest.TestCase):
         self.assertEqual(weave.at_run_time("    static constexpr int n = 3;", [0], is_header=True), "    static inline const int n = 3;")
         self.assertEqual(weave.at_run_time("f();\nconstexpr int n{\n    3};", [2]), "f();\nstatic const int n{\n    3};")
         self.assertEqual(weave.at_run_time("f();\nconstexpr std::array<int, 1> n\n    {{3}};", [2]), "f();\nstatic const std::array<int, 1> n\n    {{3}};")
-        self.assertTrue(weave.mutated("\nconstexpr int n = 3;", [mutant(1, "3", "4")]).endswith("\nstatic const int n = (voxtone::mutant(1) ? (4) : (3));"))
+        self.assertTrue(weave.mutated("\nconstexpr int n = 3;", [mutant(1, "3", "4")]).endswith("\nstatic const int n = (voxtone::mutant_at_run_time(1) ? (4) : (3));"))
 
 
 def slips(body, head="void f() {"):

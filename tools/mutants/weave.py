@@ -30,9 +30,13 @@ inline bool mutant_reached(int number) {{
     }}
     return false;
 }}
+// In what was a constant: an initialiser that can be computed by the compiler would be, with all asleep.
+inline bool mutant_at_run_time(int number) {{
+    return mutant_awake == number || (mutant_awake < 0 && mutant_reached(number));
+}}
 constexpr bool mutant(int number) {{
     if (std::is_constant_evaluated()) return false;
-    return mutant_awake == number || (mutant_awake < 0 && mutant_reached(number));
+    return mutant_at_run_time(number);
 }}
 }}  // namespace voxtone
 """
@@ -153,9 +157,13 @@ def declared_in(lines, number):
 def at_run_time(text, numbers, is_header=False):
     """Constants in these lines, counted from 0, become variables: constexpr is computed before there is an environment."""
     lines = text.split("\n")
-    for number in {declared_in(lines, number) for number in numbers}:
-        declared = "static inline const " if is_header and "static" in lines[number] else "static const "
-        lines[number] = re.sub(r"^(\s*)(?:static |inline )*constexpr (?=[\w:<>, ]+(?:\[\w*\])? ?(?:=|\{|$))", rf"\1{declared}", lines[number])
+    for number in sorted(set(numbers)):
+        first = declared_in(lines, number)
+        declared = "static inline const " if is_header and "static" in lines[first] else "static const "
+        constant = re.sub(r"^(\s*)(?:static |inline )*constexpr (?=[\w:<>, ]+(?:\[\w*\])? ?(?:=|\{|$))", rf"\1{declared}", lines[first])
+        if constant != lines[first] or constant.lstrip().startswith(declared):
+            lines[first] = constant
+            lines[number] = lines[number].replace("voxtone::mutant(", "voxtone::mutant_at_run_time(")
     return "\n".join(lines)
 
 

@@ -21,6 +21,8 @@
 #include "judged_sheet.h"
 #include "slicer/colour/asked_alpha.h"
 #include "slicer/colour/colour_report.h"
+#include "slicer/colour/night_prediction.h"
+#include "slicer/colour/viewer_report.h"
 #include "tests/io/files/temporary_folder.h"
 #include "tests/said_progress.h"
 
@@ -313,4 +315,70 @@ TEST_CASE("Of a picture too large for the page means are drawn, of what is cover
     CHECK((shown.width_px == 434 && shown.height_px == 1));
     CHECK(shown.px_per_mm == Approx(10.0 / 3));
     CHECK(drawn(folder.path() / "target.png").size() == std::array<std::uint32_t, 2>{1300, 3});
+}
+
+TEST_CASE("The viewer of a picture has target, open loop and print, and both kinds of differences") {
+    JudgedSheet sheet;
+    sheet.p.model = "transport";
+    const std::uint32_t corner = JudgedSheet::at(0, 59);  // the first place: upper left
+    sheet.p.target[corner] = red, sheet.p.predicted.rgb[corner] = blue;
+    sheet.p.seen.difference[corner] = 4, sheet.p.difference[corner] = 20;
+    std::optional<JobPrediction> prediction(sheet.p);
+    const io::TexturedMesh mesh = painted(grey);
+    const SurfaceColour colour(mesh, 0.1);
+    SaidProgress progress;
+    const auto shown = [&] {
+        const auto surface =
+            viewer_surface({sheet.job, sheet.body, five_resins(), colour, prediction}, 1'000'000, progress);
+        REQUIRE(surface.has_value());
+        return *surface;
+    };
+    io::ViewerSurface surface = shown();
+    CHECK(surface.size_px == std::array<std::uint32_t, 2>{80, 60});
+    REQUIRE(surface.looks.size() == 2);
+    CHECK((surface.looks[0].name == "target" && surface.looks[0].caption == "what was asked for"));
+    CHECK(
+        (surface.looks[1].name == "print" && surface.looks[1].caption == "what will be seen, by the model transport"));
+    REQUIRE((surface.seen.size() == 4800 && surface.single.size() == 4800));
+    CHECK((surface.seen[0] == 40 && surface.single[0] == 200));
+    CHECK((surface.seen[1] == 0 && surface.single[1] == 0));
+    prediction->open_loop.assign(4800, red);
+    surface = shown();
+    REQUIRE(surface.looks.size() == 3);
+    CHECK((surface.looks[1].name == "open loop" &&
+           surface.looks[1].caption == "what would be seen without the appearance loop"));
+    // The report's page has the worst places, and how far away they are looked at from.
+    sheet.job.options.loop.viewing_distance_mm = 250;
+    io::Report report;
+    add_viewer({sheet.job, sheet.body, five_resins(), colour, prediction}, report, progress);
+    CHECK(report.viewer.viewing_distance_mm == 250);
+    REQUIRE(report.viewer.worst.size() == 1);
+    CHECK(report.viewer.worst[0].seen == 4);
+    CHECK(report.viewer.surface.has_value());
+    progress.cancel();
+    CHECK_THROWS_AS(add_viewer({sheet.job, sheet.body, five_resins(), colour, prediction}, report, progress),
+                    Cancelled);
+}
+
+TEST_CASE("A night is told in a sentence, and drawn with what was asked for beside it") {
+    const io::TemporaryFolder folder;
+    const JudgedSheet sheet;
+    NightPrediction night;
+    night.predicted = cells_in_colours(sheet.p.predicted, sheet.p.predicted.rgb);
+    night.target = sheet.p.target;
+    night.target[JudgedSheet::at(0, 0)] = red, night.predicted.rgb[JudgedSheet::at(79, 59)] = blue;
+    night.level = 0.256, night.seen_mean = 3.14, night.beyond = 0.126;
+    CHECK(night.words() ==
+          "By light from behind 3.1 off (CIEDE2000 as seen), its white 0.256 of what clear resin alone "
+          "lets through: a brighter lamp makes up for that. 13 % of the picture asks for more light "
+          "than the day's colours leave.");
+    const io::ReportSection section = draw_night(night, sheet.p, folder.path());
+    CHECK(section.title == "By light from behind");
+    CHECK(section.paragraphs == std::vector<std::string>{night.words()});
+    REQUIRE(section.pictures.size() == 2);
+    CHECK((section.pictures[0].caption == "target" && section.pictures[1].caption == "predicted"));
+    CHECK(section.pictures[0].px_per_mm == Approx(10));
+    CHECK(drawn(folder.path() / "target-night.png").at(0, 59) == Pixel{170, 60, 60, 255});
+    CHECK(drawn(folder.path() / "night.png").at(79, 0) == Pixel{60, 90, 140, 255});
+    CHECK(drawn(folder.path() / "night.png").at(0, 59) == Pixel{150, 150, 150, 255});
 }

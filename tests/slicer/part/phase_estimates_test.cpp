@@ -9,6 +9,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "slicer/look/prediction_time.h"
 #include "slicer/part/job_plan.h"
 #include "tests/slicer/print/sample_body.h"
 
@@ -210,4 +211,49 @@ TEST_CASE("The disk is asked for more the more there is to write") {
     CHECK(disk_bytes(sample.opened(), small, all_of(small), {}) < whole);
     // The layers cannot take more than their bitmaps would without compression, four bytes a voxel.
     CHECK(disk_bytes(sample.opened(), small, all_of(small), {}) < 4 * small.grid.voxels());
+}
+
+TEST_CASE("What a job is said to take are the figures that were measured: they change with a measurement alone") {
+    // Regression values, of docs/estimate.md's jobs: a box of 12 x 9 x 7 mm, all its layers, one thread.
+    SampleJob sample("5", "transport");
+    OpenedJob job = sample.opened();
+    job.options.loop.method = LoopMethod::descent;
+    job.options.prediction.memory_bytes = 0;
+    const JobBody body = boxes(job, {12, 9, 7});
+    const double area = 2 * (12 * 9 + 9 * 7 + 7 * 12), cells = area / (0.085 * 0.085);
+    const double of_rgb = double(job.resins.set.channels.size()) / 3;
+    const auto phases = estimates(job, body, all_of(body), 1, resident);
+    const auto cpu = [&](Phase phase) { return phase_of(phases, phase).cpu_s; };
+    CHECK(cpu(Phase::separate) == Approx(0.3));
+    CHECK(cpu(Phase::prepare_loop) == Approx(0.5 + 1.1e-5 * cells));
+    CHECK(cpu(Phase::loop) == Approx(of_rgb * cells * (1e-4 + 3 * 2.3e-5 + 2 * 5.3e-5)));
+    const double shell = area * job.options.shell_mm() / body.grid.voxel_volume_mm3();
+    CHECK(cpu(Phase::layers) == Approx(0.4 + 6e-10 * double(body.grid.voxels()) + 8e-8 * shell));
+    CHECK(cpu(Phase::report) == Approx(0.25 + 1.15e-5 * cells));
+    const auto bytes = [&](Phase phase) { return double(phase_of(phases, phase).memory_bytes) - double(resident); };
+    const double working = 4e7 + 8e6, looping = working + 1.6e8 + 6400 * cells;
+    CHECK(bytes(Phase::separate) == Approx(working));
+    CHECK(bytes(Phase::prepare_loop) == Approx(working + 900 * cells));
+    CHECK(bytes(Phase::loop) == Approx(looping));
+    CHECK(bytes(Phase::layers) == Approx(looping + 2.0 * body.grid.size[0] * body.grid.size[1]));
+    CHECK(bytes(Phase::predict) == Approx(working + 1.5e8 + 6000 * cells + 5e7 + 1800 * cells));
+    CHECK(bytes(Phase::report) == Approx(std::max(looping, working + 1e8 + 2500 * cells)));
+    // By feedback, and without a loop or a prediction.
+    job.options.loop.method = LoopMethod::feedback;
+    const auto by_feedback = estimates(job, body, all_of(body), 1, resident);
+    CHECK(phase_of(by_feedback, Phase::loop).cpu_s == Approx(of_rgb * cells * (1e-4 + 5 * 2.3e-5)));
+    CHECK(double(phase_of(by_feedback, Phase::loop).memory_bytes) - double(resident) ==
+          Approx(working + 1.4e8 + 2700 * cells));
+    const SampleJob bare("0", "none");
+    const OpenedJob alone = bare.opened();
+    CHECK(phase_of(estimates(alone, body, all_of(body), 1, resident), Phase::report).cpu_s ==
+          Approx(0.25 + 2e-6 * cells));
+    CHECK(seconds_on_threads(100, 4) == Approx(100 * (0.05 + 0.95 / 4)));
+    CHECK(most_bytes_of_surface(area, 0.085) ==
+          Approx(std::max(1.5e8 + 6000 * cells + 5e7 + 1800 * cells, 1.6e8 + 6400 * cells)));
+    // What is left of a tile waits in few bits: 0.4 million cells.
+    CHECK(prediction_bytes(1e6) == Approx(1.5e8 + 6000 * 4e5 + 1500 * 6e5));
+    CHECK(most_bytes_of_surface(1e6 * 0.01, 0.1) == Approx(1.6e8 + 6400 * 1e6));
+    CHECK(double(bytes_of_voxels(job, body, all_of(body))) ==
+          Approx(std::min(double(body.grid.voxels()), 3 * shell)).epsilon(1e-6));
 }
