@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/contracts.h"
 #include "base/parallel.h"
 #include "halftone/separation/cube_root_lattice.h"
 #include "optics/colour/observed_colour.h"
+#include "optics/layered/layer_modes.h"
 #include "optics/layered/layered_appearance.h"
 #include "optics/media/effective_medium.h"
 
@@ -37,52 +39,83 @@ float inverted(const std::array<double, ladder.size()>& rising, double x) {
     return 1;
 }
 
+/// Reads slabs of a shell and its core, thinned; what they share is made once.
+class SlabReader {
+public:
+    SlabReader(const optics::ShellAppearance& appearance, int clear)
+        : geometry_(appearance.geometry()),
+          clear_(std::size_t(clear)),
+          channels_(appearance.channels()),
+          medium_(appearance.set(), geometry_.pitch_mm, geometry_.seen),
+          plan_(optics::appearance_plan(appearance.set().g, appearance.set().eta)),
+          observed_(appearance.set().channels) {}
+
+    [[nodiscard]] optics::SlabReading operator()(std::vector<double> shell, double k) const {
+        VOXTONE_EXPECT(k > 0 && k <= 1);
+        std::vector<double> core(shell.size());
+        core[std::size_t(geometry_.core_resin)] = 1;
+        for (auto* shares : {&shell, &core}) {
+            for (double& share : *shares) share *= k;
+            (*shares)[clear_] += 1 - k;
+        }
+        const bool both_sides = geometry_.seen == optics::SeenFrom::all_sides;
+        const double slab = Translucency::slab_mm(geometry_),
+                     shell_mm = std::min(geometry_.shell_mm / k, both_sides ? slab / 2 : slab),
+                     core_mm = slab - (both_sides ? 2 : 1) * shell_mm;
+        std::vector<double> on_white, through;
+        for (std::size_t c = 0; c < channels_; ++c) {
+            const Layer of_shell(plan_, medium_(shell, c)), of_core(plan_, medium_(core, c));
+            const auto seen = [&](optics::Admittance law) {
+                if (both_sides) law = of_shell.over(law, shell_mm);
+                return optics::appearance(plan_, of_shell.over(of_core.over(law, core_mm), shell_mm));
+            };
+            on_white.push_back(seen(optics::Admittance::white_sheet(plan_)));
+            through.push_back(seen(optics::Admittance::air(plan_, true)) - seen(optics::Admittance::air(plan_, false)));
+        }
+        return {luminance(observed_, on_white), luminance(observed_, through)};
+    }
+
+private:
+    /// Modes of what is seen at all.
+    struct Layer {
+        Layer(const optics::OrdinatePlan& plan, const optics::Medium& medium) {
+            if (medium.sigma_t() > 0) modes.emplace(plan, medium);
+        }
+        [[nodiscard]] optics::Admittance over(const optics::Admittance& law, double mm) const {
+            return modes ? modes->over(law, mm) : law;
+        }
+        std::optional<optics::LayerModes> modes;
+    };
+
+    const optics::ShellGeometry& geometry_;
+    std::size_t clear_, channels_;
+    optics::EffectiveMedium medium_;
+    optics::OrdinatePlan plan_;
+    optics::ObservedColour<double> observed_;
+};
+
 }  // namespace
 
+double Translucency::slab_mm(const optics::ShellGeometry& geometry) {
+    return std::min(geometry.shell_mm + geometry.core_mm, optics::translucency_slab_mm);
+}
+
 optics::SlabReading Translucency::reading(const Eigen::Vector3f& rgb, double k) const {
-    VOXTONE_EXPECT(k > 0 && k <= 1);
-    const optics::ShellGeometry& geometry = appearance_.geometry();
-    const optics::ResinSet& set = appearance_.set();
-    const optics::EffectiveMedium medium(set, geometry.pitch_mm, geometry.seen);
-    const optics::OrdinatePlan plan = optics::appearance_plan(set.g, set.eta);
-    const auto white = optics::Admittance::white_sheet(plan), lit = optics::Admittance::air(plan, true),
-               dark = optics::Admittance::air(plan, false);
-    std::vector<double> shell = separation_.fractions(rgb), core(shell.size());
-    core[std::size_t(geometry.core_resin)] = 1;
-    for (auto* shares : {&shell, &core}) {
-        for (double& share : *shares) share *= k;
-        (*shares)[std::size_t(clear_)] += 1 - k;
-    }
-    const bool both_sides = geometry.seen == optics::SeenFrom::all_sides;
-    const double slab_mm = optics::translucency_slab_mm,
-                 shell_mm = std::min(appearance_.geometry().shell_mm / k, both_sides ? slab_mm / 2 : slab_mm);
-    std::vector<double> on_white, through;
-    for (std::size_t c = 0; c < appearance_.channels(); ++c) {
-        const optics::Medium of_shell = medium(shell, c);
-        const std::array layers{optics::LayerOf{of_shell, shell_mm},
-                                optics::LayerOf{medium(core, c), slab_mm - (both_sides ? 2 : 1) * shell_mm},
-                                optics::LayerOf{of_shell, both_sides ? shell_mm : 0}};
-        const auto seen = [&](const optics::Admittance& below) {
-            return optics::layered_appearance(plan, layers, below);
-        };
-        on_white.push_back(seen(white));
-        through.push_back(seen(lit) - seen(dark));
-    }
-    const optics::ObservedColour<double> observed(set.channels);
-    return {luminance(observed, on_white), luminance(observed, through)};
+    return SlabReader(appearance_, clear_)(separation_.fractions(rgb), k);
 }
 
 Translucency::Translucency(const optics::ShellAppearance& appearance, const Separation& separation, int clear)
     : appearance_(appearance), separation_(separation), clear_(clear) {
     VOXTONE_EXPECT(clear >= 0 && std::size_t(clear) < separation.resins());
-    const optics::TranslucencyScale scale(appearance.set().eta);
+    const optics::TranslucencyScale scale(appearance.set().eta, slab_mm(appearance.geometry()));
     constexpr std::size_t colours = edge * edge * edge;
+    const SlabReader reader(appearance, clear);
     std::vector<std::array<double, ladder.size()>> root_eta(colours);
     parallel_for(0, colours * ladder.size(), 1, [&](std::size_t i) {
         const std::size_t colour = i / ladder.size();
         const auto at = [](std::size_t n) { return float(std::pow(double(n) / (edge - 1), 3)); };
         const Eigen::Vector3f rgb(at(colour / (edge * edge)), at(colour / edge % edge), at(colour % edge));
-        const optics::SlabReading read = reading(rgb, ladder[i % ladder.size()]);
+        const optics::SlabReading read = reader(separation.fractions(rgb), ladder[i % ladder.size()]);
         if (read.through >= least_told) root_eta[colour][i % ladder.size()] = std::sqrt(scale.eta_per_cm(read));
     });
     for (auto& rising : root_eta) {

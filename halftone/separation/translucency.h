@@ -8,9 +8,10 @@
 // whose core holds that share of the core's resin, looks as the undiluted body does wherever it is thick; only how far
 // light gets in it changes. What k gives which alpha is found once a job: for colours of a lattice and a ladder of k
 // the standard's slab of 4 mm, coloured from above as the print is, is computed by the modes of its layers with voxels
-// of clear among the others (effective_medium.h), and read; where hardly any light comes through, as of dark colours,
-// eta goes on in proportion to k. Alpha grows with k; it is inverted in between. A colour is opaque enough at k = 1: an
-// alpha above what the resins show there prints as k = 1 does, to the bit.
+// of clear among the others (effective_medium.h), and read; a picture's slab that is thinner as it is, as greys as
+// thin; where hardly any light comes through, as of dark colours, eta goes on in proportion to k. Alpha grows with k;
+// it is inverted in between. A colour is opaque enough at k = 1: an alpha above what the resins show there prints as k
+// = 1 does, to the bit.
 //
 // Kept and looked up are sqrt(k) over sqrt(eta), which is a straight line where a print is homogeneous. The lattice is
 // even in the cube root of linear channels.
@@ -42,7 +43,9 @@ public:
     /// So much of the mixture, the rest clear; k = 1 changes nothing.
     [[nodiscard]] CumulativeMixture diluted(const CumulativeMixture& mixture, float k) const;
 
-    /// A slab of the standard's thickness as it would be printed of a colour with this k.
+    /// The print's own thickness where it is a slab, at most the standard's.
+    [[nodiscard]] static double slab_mm(const optics::ShellGeometry& geometry);
+    /// A slab of this thickness as it would be printed of a colour with this k.
     [[nodiscard]] optics::SlabReading reading(const Eigen::Vector3f& rgb, double k) const;
 
 private:

@@ -54,8 +54,8 @@ struct TexelImage {
     }
 };
 
-/// Whether colours look as if they were times alpha: where alpha is between, none is brighter than it, some are as
-/// bright.
+/// Whether colours look as if they were times alpha: where alpha is between none is brighter than it, and the brightest
+/// rise with it.
 [[nodiscard]] bool looks_premultiplied(const TexelImage& image);
 
 /// Alpha as a grey, linear in 16 bits; the picture becomes opaque.

@@ -49,7 +49,7 @@ double translucency_eta_per_cm(double alpha) {
     return -std::log1p(-std::pow(alpha, 1 / power)) / rate_cm;
 }
 
-TranslucencyScale::TranslucencyScale(double eta) {
+TranslucencyScale::TranslucencyScale(double eta, double slab_mm) {
     constexpr double least_ratio = 1e-5, most_ratio = 30, least_per_mm = 2e-3, most_per_mm = 60;
     const auto spaced = [](double least, double most, double share) { return least * std::pow(most / least, share); };
     for (std::size_t j = 0; j < extinctions; ++j)
@@ -63,10 +63,10 @@ TranslucencyScale::TranslucencyScale(double eta) {
         row.absorbed = i == 0 ? 0 : spaced(least_ratio, most_ratio, double(i - 1) / (ratios - 2));
         for (const double log_extinction : log_extinction_) {
             const double per_mm = std::exp(log_extinction), s = per_mm / (1 + row.absorbed);
-            const std::array slab{LayerOf{{per_mm - s, s}, translucency_slab_mm}};
-            const double through = layered_appearance(plan, slab, lit) - layered_appearance(plan, slab, dark);
-            row.log_through.push_back(std::log(std::max(through, least_through)));
-            row.on_white.push_back(layered_appearance(plan, slab, white));
+            const LayerModes slab(plan, {per_mm - s, s});
+            const auto seen = [&](const Admittance& below) { return appearance(plan, slab.over(below, slab_mm)); };
+            row.log_through.push_back(std::log(std::max(seen(lit) - seen(dark), least_through)));
+            row.on_white.push_back(seen(white));
         }
     });
 }

@@ -36,8 +36,8 @@ struct SlabReading {
 /// extinctions; the alpha of a grey within is found to 0.003 (tested).
 class TranslucencyScale {
 public:
-    /// Of materials of this refractive index.
-    explicit TranslucencyScale(double eta);
+    /// Of materials of this refractive index; thinner slabs are read as greys as thin are.
+    explicit TranslucencyScale(double eta, double slab_mm = translucency_slab_mm);
     /// eta of the grey that reads like this, per cm; at the ends of the table the nearest.
     [[nodiscard]] double eta_per_cm(const SlabReading& reading) const;
 
