@@ -49,10 +49,10 @@ void add_scene_options(Verb& command, slicer::ProofOptions& o) {
     command.add("--light", o.lights,
                 "studio: two soft boxes and white walls; overcast: the CIE's overcast sky; even: the same "
                 "from everywhere; behind: a source as wide as the sky behind the print; or a lat-long picture of a "
-                "place (.exr); edge, slit, spot: a beam on a part of what "
+                "place (.exr); edge, slit, spot, laser: a beam on a part of what "
                 "is seen, which shows translucency. Said again: one picture below the other",
                 {.unit = "LIGHT",
-                 .choices = {"studio", "overcast", "even", "behind", "edge", "slit", "spot", "FILE"},
+                 .choices = {"studio", "overcast", "even", "behind", "edge", "slit", "spot", "laser", "FILE"},
                  .verb_checks = true,
                  .usual = "studio",
                  .one_each = true});
@@ -60,7 +60,9 @@ void add_scene_options(Verb& command, slicer::ProofOptions& o) {
                 "where the beam falls: middle of what is seen, or a place of the surface, mm in the model's frame as "
                 "printed",
                 {.unit = "middle|X,Y,Z"});
-    command.add("--light-width", length(o.light_width_mm), "of a slit, or across a spot", {.usual = "1mm, spot 2mm"});
+    command.add("--light-width", length(o.light_width_mm),
+                "of a slit, or across a spot or a laser, which sends as much light as the usual spot",
+                {.usual = "1mm, spot 2mm, laser 0.5mm"});
     command.add("--turn-light", o.turn_light_deg,
                 "degrees, counter-clockwise from above; a beam's seen from outside, about its place: an edge across "
                 "slabs is lit above, one on a body upright and lit on the left",

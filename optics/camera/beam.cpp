@@ -18,12 +18,12 @@ Point from_to(const Point& a, const Point& b) { return {b[0] - a[0], b[1] - a[1]
 }  // namespace
 
 Beam::Beam(const BeamKind& kind, std::vector<BeamPlane> planes) : kind_(kind), planes_(std::move(planes)) {
-    VOXTONE_EXPECT(!planes_.empty() && (kind.shape == BeamShape::edge || kind.width_mm > 0));
+    VOXTONE_EXPECT(!planes_.empty() && kind.times > 0 && (kind.shape == BeamShape::edge || kind.width_mm > 0));
     VOXTONE_EXPECT(kind.tilt_deg >= 0 && kind.half_angle_deg > 0 && kind.tilt_deg + kind.half_angle_deg < 90);
     const double tilt = kind.tilt_deg * pi / 180, rim = kind.half_angle_deg * pi / 180;
     rim_cosine_ = std::cos(rim);
     // A cone that is all above the plane sends pi sin^2(rim) cos(tilt) of its radiance to it.
-    lit_.fill(1 / (std::sin(rim) * std::sin(rim) * std::cos(tilt)));
+    lit_.fill(kind.times / (std::sin(rim) * std::sin(rim) * std::cos(tilt)));
     for (const BeamPlane& plane : planes_) {
         Point& lamp = lamps_.emplace_back();
         for (std::size_t a = 0; a < 3; ++a)

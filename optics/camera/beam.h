@@ -27,6 +27,7 @@ struct BeamPlane {
 struct BeamKind {
     BeamShape shape = BeamShape::edge;
     double width_mm = 0;  ///< of a slit, diameter of a spot; > 0
+    double times = 1;     ///< so many times the unit of light where it is lit; > 0
     // Of the lamp: from the normal, and from its middle to its rim; together below 90. So that a smooth face mirrors
     // none of it to a camera that looks down on it: those of 85 mm see 15 degrees to either side.
     double tilt_deg = 45, half_angle_deg = 30;

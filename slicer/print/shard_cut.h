@@ -6,7 +6,7 @@
 // Work is estimated from the meshes alone, in the time that it takes to look at every triangle once: a layer's voxels
 // inside the body (the area of its section, by the divergence theorem) count little, those of its coloured shell much:
 // the shell below a triangle is spread over the layers that it reaches down to along its normal. The same body gives
-// the same cut on every machine. docs/batch.md says how even it is.
+// the same cut on every machine. docs/decisions/014 has what was measured.
 #pragma once
 
 #include <vector>

@@ -21,7 +21,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double usual_slit_mm = 1, usual_spot_mm = 2;
+constexpr double usual_slit_mm = 1, usual_spot_mm = 2, usual_laser_mm = 0.5;
 
 int slab_of(const ProofPrint& print, const optics::Point& place) {
     constexpr double rounding_mm = 0.01;
@@ -142,11 +142,14 @@ std::vector<SeenPiece> seen_pieces(const ProofScene& scene, const Progress& prog
 optics::Beam make_beam(const ResolvedProof& job, const ProofLamp& lamp, const ProofScene& scene,
                        const std::vector<SeenPiece>& pieces) {
     optics::BeamKind kind;
-    const bool spot = lamp.kind == ProofLight::spot;
+    const bool laser = lamp.kind == ProofLight::laser, spot = laser || lamp.kind == ProofLight::spot;
     if (lamp.kind != ProofLight::edge) {
+        const double usual_mm = laser ? usual_laser_mm : spot ? usual_spot_mm : usual_slit_mm;
         kind.shape = spot ? optics::BeamShape::spot : optics::BeamShape::slit;
-        kind.width_mm = job.requested.light_width_mm.value_or(spot ? usual_spot_mm : usual_slit_mm);
+        kind.width_mm = job.requested.light_width_mm.value_or(usual_mm);
     }
+    // However thin, it sends as much light as the usual spot: what it makes glow is seen.
+    if (laser) kind.times = (usual_spot_mm / kind.width_mm) * (usual_spot_mm / kind.width_mm);
     const optics::Camera camera(scene.camera.view);
     if (!job.light_at) return {kind, middle_planes(job, spot, scene, camera, pieces)};
     const SeenPoint seen = seen_at(scene, camera, *job.light_at, job.requested.light_at);
@@ -166,7 +169,8 @@ std::string beam_words(const optics::Beam& beam) {
             break;
     }
     if (beam.planes().size() > 1) at += fmt::format(" and {} other places", beam.planes().size() - 1);
-    return fmt::format("a spot of light, {:g} mm wide, at {}", width, at);
+    const bool is_unit = beam.kind().times == 1;
+    return fmt::format("a {}, {:g} mm wide, at {}", is_unit ? "spot of light" : "laser", width, at);
 }
 
 }  // namespace voxtone::slicer

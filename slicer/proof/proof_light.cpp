@@ -59,6 +59,7 @@ optics::Sky preset(ProofLight light) {
         case ProofLight::edge:
         case ProofLight::slit:
         case ProofLight::spot:
+        case ProofLight::laser:
             return optics::even_sky();
     }
     return optics::even_sky();

@@ -58,14 +58,15 @@ void read_lights(const ProofOptions& o, ResolvedProof& job) {
     if (job.lamps.empty()) job.lamps.push_back(lamp_of("studio"));
     if (o.light_at != "middle") {
         need(beam, "light-at", o.light_at,
-             "would be ignored: only a beam lights one place (--light edge, slit or spot)");
+             "would be ignored: only a beam lights one place (--light edge, slit, spot or laser)");
         constexpr std::string_view rule = "must be middle, or three lengths in mm: X,Y,Z";
         job.light_at = point_of("light-at", o.light_at, rule);
         need(job.light_at.has_value(), "light-at", o.light_at, rule);
     }
     if (!o.light_width_mm) return;
     const std::string width = fmt::format("{:g}mm", *o.light_width_mm);
-    need(wide, "light-width", width, "would be ignored: only a slit and a spot have a width (--light slit or spot)");
+    need(wide, "light-width", width,
+         "would be ignored: only a slit, a spot and a laser have a width (--light slit, spot or laser)");
     need(*o.light_width_mm > 0 && *o.light_width_mm <= 1000, "light-width", width, "must be above 0, up to 1000mm");
 }
 

@@ -24,15 +24,13 @@ enum class ProofUp { z, minus_z, y, minus_y, x, minus_x };
 
 /// Lights that come with the program: skies, and beams that light a part of what is seen.
 /// `behind`: a source as wide as the sky, which the camera sees the print before.
-enum class ProofLight { studio, overcast, even, behind, edge, slit, spot };
+enum class ProofLight { studio, overcast, even, behind, edge, slit, spot, laser };
 
 struct ProofLamp {
     std::string words;
     std::optional<ProofLight> kind;  ///< nothing: a file
     [[nodiscard]] bool is_behind() const { return kind == ProofLight::behind; }
-    [[nodiscard]] bool is_beam() const {
-        return kind == ProofLight::edge || kind == ProofLight::slit || kind == ProofLight::spot;
-    }
+    [[nodiscard]] bool is_beam() const { return kind && *kind >= ProofLight::edge; }
 };
 
 /// How the printer leaves faces.
@@ -59,7 +57,7 @@ struct ProofOptions {
     std::vector<std::string> lights;
     double turn_light_deg = 0;             ///< counter-clockwise from above; of a beam from outside, about its place
     std::string light_at = "middle";       ///< of a beam: of what is seen, or "X,Y,Z" mm in the model's frame
-    std::optional<double> light_width_mm;  ///< of a slit or a spot; in (0, 1000]; nothing: 1, 2
+    std::optional<double> light_width_mm;  ///< of a slit, a spot, a laser; in (0, 1000]; nothing: 1, 2, 0.5
     std::string finish = "glossy";
     std::array<double, 2> roughness{0, 0.3};  ///< alpha of GGX: of glossy and of matt faces; in [0, 0.9]
     std::string ground = "0.5";               ///< its reflectance, or none
@@ -120,7 +118,8 @@ struct voxtone::NamesOf<voxtone::slicer::ProofLight> {
                                                            {E::behind, "behind"},
                                                            {E::edge, "edge"},
                                                            {E::slit, "slit"},
-                                                           {E::spot, "spot"}});
+                                                           {E::spot, "spot"},
+                                                           {E::laser, "laser"}});
 };
 template <>
 struct voxtone::NamesOf<voxtone::slicer::ProofFinish> {

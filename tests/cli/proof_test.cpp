@@ -147,11 +147,12 @@ TEST_CASE("a proof's files, lights and views are checked before it works") {
     refused("out -o " + (folder / "there.png"), 3, "there.png");
     refused("out --size 800" + out, 2, "WIDTHxHEIGHT");
     refused("out --size 16000x16000 --memory 1" + out, 5, "ask for fewer pixels");
-    refused("out --light moon" + out, 2, "none of studio, overcast, even, behind, edge, slit, spot");
+    refused("out --light moon" + out, 2, "none of studio, overcast, even, behind, edge, slit, spot, laser");
     refused("out --light-at 1,2,3" + out, 2, "only a beam lights one place");
     refused("out --light spot --light-at 1,2" + out, 2, "X,Y,Z");
     refused("out --light edge --light-at here" + out, 2, "middle, or three lengths");
-    refused("out --light edge --light studio --light-width 1mm" + out, 2, "only a slit and a spot have a width");
+    refused("out --light edge --light studio --light-width 1mm" + out, 2,
+            "only a slit, a spot and a laser have a width");
     refused("out --light slit --light-width 0mm" + out, 2, "above 0, up to 1000mm");
     refused(usual_stack() + " --light spot --light-at 900,900,0" + out, 3, "the camera sees no print there");
     refused(usual_stack() + " --light edge --camera 0,0,900 --look-at 0,900,900" + out, 3,

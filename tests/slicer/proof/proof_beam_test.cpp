@@ -83,6 +83,12 @@ TEST_CASE("an edge lies across the slab in the middle, a spot on each, and both 
     const optics::Beam spots = make_beam(job, spot, slabs.scene, slabs.pieces);
     REQUIRE(spots.planes().size() == 2);
     CHECK(spots.kind().width_mm == 2);
+    CHECK(spots.kind().times == 1);
+    const optics::Beam laser = make_beam(job, {"laser", ProofLight::laser}, slabs.scene, slabs.pieces);
+    CHECK(laser.planes().size() == 2);
+    CHECK(laser.kind().width_mm == 0.5);
+    CHECK(laser.kind().times == Approx(16));
+    CHECK_THAT(beam_words(laser), Contains("a laser, 0.5 mm wide, at ("));
     CHECK(spots.planes()[0].place[0] == Approx(5).margin(0.06));
     CHECK(spots.planes()[1].place[0] == Approx(17).margin(0.06));
     job.requested.turn_light_deg = 90;
