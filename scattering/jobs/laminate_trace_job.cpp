@@ -83,13 +83,17 @@ struct Place {
 };
 
 struct Traced {
-    const io::ProfileMap& map;
+    io::ProfileMap map;
     optics::HankelGrid grid;
     std::vector<Column> columns;  ///< the map and the print last
     std::vector<Place> places;    ///< the largest first
     double pitch_mm = 0, seconds = 0, scale = 1;
     double extent_mm = 0;  ///< of the profiles
     double left_out = 0;   ///< share of the map whose clusters lie by its border alone
+    PointGrid points = {};
+    std::uint32_t radius = 0;  ///< of windows, points
+    std::size_t drawn = 0;     ///< the point whose response is
+    optics::SampledBssrdf printed = {};
     [[nodiscard]] const Column& of_map() const { return columns[columns.size() - 2]; }
 };
 
@@ -255,36 +259,65 @@ std::string result_json(const LaminateTraceJob& job, const Traced& traced) {
     return json.end_object().end_object().text();
 }
 
-std::string table_text(const Traced& traced) {
-    constexpr std::size_t most_listed = 16;
-    const std::size_t channel = traced.map.channels.size() / 2, listed = std::min(most_listed, traced.places.size());
-    std::string text = "  cluster   share  places ", names;
-    for (const Column& column : traced.columns) names += fmt::format(" {:>9}", column.name);
-    text += fmt::format("{} |{}  distance   noise\n", names, names);
-    for (std::size_t i = 0; i < listed; ++i) {
+constexpr std::size_t most_listed = 16;
+
+/// R of the channel in the middle and the mm that half of it leaves within, of each column; the largest clusters alone.
+std::vector<std::vector<std::string>> table_rows(const Traced& traced) {
+    const std::size_t channel = traced.map.channels.size() / 2;
+    std::vector<std::vector<std::string>> rows;
+    for (std::size_t i = 0; i < std::min(most_listed, traced.places.size()); ++i) {
         const Place& place = traced.places[i];
-        text += fmt::format("  {:7} {:5.1f} % {:7} ", place.cluster, 100 * place.share, place.points);
-        std::string half;
+        std::vector<std::string>& row = rows.emplace_back();
+        row = {fmt::format("{}", place.cluster), fmt::format("{:.1f} %", 100 * place.share),
+               fmt::format("{}", place.points)};
+        std::vector<std::string> half;
         for (const Column& column : traced.columns) {
             const SpreadFigures figures = spread_figures(
                 traced.grid, column.of_cluster[place.cluster][channel].coefficients(traced.grid, traced.pitch_mm));
-            text += fmt::format(" {:9.4f}", figures.total);
-            half += fmt::format(" {:9.2f}", figures.half_mm);
+            row.push_back(fmt::format("{:.4f}", figures.total));
+            half.push_back(fmt::format("{:.2f}", figures.half_mm));
         }
-        text += fmt::format(" |{}  {:8.4f}  {:6.4f}\n", half, place.off_map, place.noise);
+        row.insert(row.end(), half.begin(), half.end());
+        row.push_back(fmt::format("{:.4f}", place.off_map));
+        row.push_back(fmt::format("{:.4f}", place.noise));
     }
-    if (listed < traced.places.size())
-        text += fmt::format("  and {} smaller clusters\n", traced.places.size() - listed);
+    return rows;
+}
+
+std::string table_text(const Traced& traced) {
+    std::string names;
+    for (const Column& column : traced.columns) names += fmt::format(" {:>9}", column.name);
+    std::string text = fmt::format("  cluster   share  places {} |{}  distance   noise\n", names, names);
+    for (const std::vector<std::string>& row : table_rows(traced)) {
+        text += fmt::format("  {:>7} {:>7} {:>7} ", row[0], row[1], row[2]);
+        const std::size_t half = 3 + traced.columns.size();
+        for (std::size_t k = 3; k + 2 < row.size(); ++k) text += fmt::format("{} {:>9}", k == half ? " |" : "", row[k]);
+        text += fmt::format("  {:>8}  {:>6}\n", row[row.size() - 2], row.back());
+    }
+    if (traced.places.size() > most_listed)
+        text += fmt::format("  and {} smaller clusters\n", traced.places.size() - most_listed);
     return text;
 }
 
-std::string result_text(const LaminateTraceJob& job, const Traced& traced) {
-    std::string text = fmt::format(
-        "{}: {} x {} places of {:.3g} mm, {} paths each and channel, traced in {:.1f} s; {}: R | the mm that half of "
-        "it "
-        "leaves within\n{}",
-        job.stack, traced.map.width_px, traced.map.height_px, traced.pitch_mm, job.paths, traced.seconds,
-        optics::channel_name(traced.map.channels, traced.map.channels.size() / 2), table_text(traced));
+std::vector<std::string> table_header(const Traced& traced) {
+    std::vector<std::string> header{"cluster", "share", "places"};
+    for (const char* what : {"R", "half within, mm"})
+        for (const Column& column : traced.columns) header.push_back(fmt::format("{}: {}", column.name, what));
+    header.insert(header.end(), {"distance", "noise"});
+    return header;
+}
+
+/// What was traced, and what the table's columns are.
+std::string heading_of(const LaminateTraceJob& job, const Traced& traced) {
+    return fmt::format(
+        "{} x {} places of {:.3g} mm, {} paths each and channel, traced in {:.1f} s; {}: R | the mm that half of it "
+        "leaves within",
+        traced.map.width_px, traced.map.height_px, traced.pitch_mm, job.paths, traced.seconds,
+        optics::channel_name(traced.map.channels, traced.map.channels.size() / 2));
+}
+
+std::string judged_text(const Traced& traced) {
+    std::string text = table_text(traced);
     text += fmt::format("  by area: print {:.4f} from the map (rms over Hankel coefficients; noise {:.4f} at most)",
                         by_area(traced, [](const Place& p) { return p.off_map; }),
                         by_area(traced, [](const Place& p) { return p.noise; }));
@@ -317,11 +350,7 @@ std::string drawing(const Traced& traced) {
     return profile_plots(traced.grid, channels, rows, traced.extent_mm);
 }
 
-}  // namespace
-
-JobResult run_laminate_trace(const LaminateTraceJob& job, Progress& progress) {
-    check(job);
-    io::expect_outputs({job.files.begin(), job.files.end()}, job.overwrite);
+Traced trace_slab(const LaminateTraceJob& job, Progress& progress) {
     const LayeredOptions options = options_of(job);
     io::ProfileMap map = io::read_profile_map(options.profiles);
     LocalProfiles of_map = profiles_of_map(map);
@@ -341,45 +370,71 @@ JobResult run_laminate_trace(const LaminateTraceJob& job, Progress& progress) {
     const double extent_mm = of_map.radius * of_map.pitch_mm;
     Traced traced{map, optics::HankelGrid(std::max(10.0, 1.5 * extent_mm), 64), {}, {}, of_map.pitch_mm};
     traced.extent_mm = extent_mm;
+    traced.points = of_map.grid;
+    traced.radius = of_map.radius;
+    traced.drawn = middle_point(of_map.grid);
     const auto points = points_of_clusters(map, unjudged_margin(of_map.grid, of_map.radius));
-    const std::size_t drawn = middle_point(of_map.grid);
+    const auto add = [&](const char* name, const char* colour, const auto& source) {
+        traced.columns.push_back(column_of(name, colour, source, points, traced.drawn));
+    };
     if (!job.dataset.empty()) {
         traced.scale = scale_to(of_map, data);
         std::vector<FactorSummary> summary;
-        traced.columns.push_back(column_of("asked", "black", data, points, drawn));
-        traced.columns.push_back(column_of("factored", "#999999", factor_responses(data, {}, summary), points, drawn));
+        add("asked", "black", data);
+        add("factored", "#999999", factor_responses(data, {}, summary));
     }
-    traced.columns.push_back(column_of("clustered", "#2266dd", of_map, points, drawn));
+    add("clustered", "#2266dd", of_map);
     const Stopwatch watch;
-    const optics::SampledBssrdf printed = trace(job, map, stack, of_map.radius, progress);
+    traced.printed = trace(job, map, stack, of_map.radius, progress);
     traced.seconds = watch.total();
-    traced.columns.push_back(column_of("printed", "#cc2222", printed, points, drawn));
-    judge(traced, points, printed);
+    add("printed", "#cc2222", traced.printed);
+    judge(traced, points, traced.printed);
+    return traced;
+}
 
-    std::string text = result_text(job, traced);
+/// What is in the columns of the picture, and its rows.
+std::string caption_of(const Traced& traced, const ComparisonPicture& picture) {
+    std::string names;
+    for (const Column& column : traced.columns) names += (names.empty() ? "" : ", ") + column.name;
+    return fmt::format("columns {}; rows albedo, mean distance {:.2f} to {:.2f} mm, response of the middle", names,
+                       picture.least_mm, picture.most_mm);
+}
+
+ComparisonPicture picture_of(const Traced& traced) {
+    std::vector<PictureColumn> columns;
+    for (const Column& column : traced.columns) columns.push_back(column.picture);
+    return draw_columns(traced.map.channels, traced.points, traced.radius, traced.drawn, columns);
+}
+
+}  // namespace
+
+SeenSpread seen_spread(const LaminateTraceJob& job, Progress& progress) {
+    check(job);
+    const Traced traced = trace_slab(job, progress);
+    const ComparisonPicture picture = picture_of(traced);
+    return {heading_of(job, traced),     table_header(traced),           table_rows(traced),
+            caption_of(traced, picture), io::png_bytes(picture.picture), picture.picture.width_px,
+            picture.picture.height_px};
+}
+
+JobResult run_laminate_trace(const LaminateTraceJob& job, Progress& progress) {
+    check(job);
+    io::expect_outputs({job.files.begin(), job.files.end()}, job.overwrite);
+    const Traced traced = trace_slab(job, progress);
+    std::string text = fmt::format("{}: {}\n{}", job.stack, heading_of(job, traced), judged_text(traced));
     for (const std::string& file : job.files) {
         if (fs::path(file).extension() == ".svg") {
             io::write_whole_file(file, drawing(traced));
-            continue;
-        }
-        if (fs::path(file).extension() == ".bssrdf") {
+        } else if (fs::path(file).extension() == ".bssrdf") {
             io::write_bssrdf({fmt::format("voxtone laminate trace {}: {} paths a place", job.stack, job.paths),
-                              map.channels, printed},
+                              traced.map.channels, traced.printed},
                              file);
             text += fmt::format("  {}: R of the printed voxels\n", file);
-            continue;
+        } else {
+            const ComparisonPicture picture = picture_of(traced);
+            io::write_whole_file(file, io::png_bytes(picture.picture));
+            text += fmt::format("  {}: {}\n", file, caption_of(traced, picture));
         }
-        std::vector<PictureColumn> columns;
-        std::string names;
-        for (const Column& column : traced.columns) {
-            columns.push_back(column.picture);
-            names += (names.empty() ? "" : ", ") + column.name;
-        }
-        const ComparisonPicture picture = draw_columns(map.channels, of_map.grid, of_map.radius, drawn, columns);
-        io::write_whole_file(file, io::png_bytes(picture.picture));
-        text +=
-            fmt::format("  {}: columns {}; rows albedo, mean distance {:.2f} to {:.2f} mm, response of the middle\n",
-                        file, names, picture.least_mm, picture.most_mm);
     }
     return {result_json(job, traced), text};
 }

@@ -25,6 +25,17 @@ struct LaminateTraceJob {
     bool overwrite = false;
 };
 
+/// The same for the report of a print, without files: a table of clusters, and the columns as a picture.
+struct SeenSpread {
+    std::string summary;
+    std::vector<std::string> header;  ///< of the table by cluster: R and the mm that half of it leaves within, ...
+    std::vector<std::vector<std::string>> rows;  ///< ... as the map asks and as printed
+    std::string caption;
+    std::vector<std::uint8_t> png;
+    std::uint32_t width_px = 0, height_px = 0;
+};
+[[nodiscard]] SeenSpread seen_spread(const LaminateTraceJob& job, Progress& progress);
+
 /// Throws Error (with its exit code): also for a body, whose surface has no place that lies flat as a map's.
 [[nodiscard]] JobResult run_laminate_trace(const LaminateTraceJob& job, Progress& progress);
 

@@ -37,11 +37,14 @@ void LayeredPrint::take_layer(int k, const io::LayerRuns& layer) {
 }
 
 void LayeredPrint::evaluate(const io::StackDescription& stack, Progress& progress) {
-    if (!options_.surfaces) return;
     const Stopwatch watch;
-    surfaces_ = write_layer_surfaces(layer_surfaces(body_, layers_->wrapped(), options_.surface_cell_mm, progress),
-                                     job_.resins, stack, job_.options.out);
+    if (options_.surfaces)
+        surfaces_ = write_layer_surfaces(layer_surfaces(body_, layers_->wrapped(), options_.surface_cell_mm, progress),
+                                         job_.resins, stack, job_.options.out);
     surfaces_s_ = watch.total();
+    if (job_.options.report && body_.is_picture && stack.layers == std::uint32_t(body_.grid.size[2]))
+        spread_ = spread_section(layers_->map, stack, job_.options.out, job_.options.seed, progress);
+    spread_s_ = watch.total() - surfaces_s_;
 }
 
 std::vector<io::ReportStage> LayeredPrint::stages_before_layers() const {
@@ -50,8 +53,10 @@ std::vector<io::ReportStage> LayeredPrint::stages_before_layers() const {
 }
 
 std::vector<io::ReportStage> LayeredPrint::stages_after_layers() const {
-    if (surfaces_.empty()) return {};
-    return {{"closed surfaces", surfaces_s_}};
+    std::vector<io::ReportStage> stages;
+    if (!surfaces_.empty()) stages.push_back({"closed surfaces", surfaces_s_});
+    if (spread_) stages.push_back({"trace", spread_s_});
+    return stages;
 }
 
 void LayeredPrint::add_to(io::Report& report) const {
@@ -60,6 +65,7 @@ void LayeredPrint::add_to(io::Report& report) const {
         cut = cut_->picture(job_.palette(),
                             "cut through the middle of the print along x, upright; resins as the bitmaps colour them");
     add_layers_report(*layers_, job_.resins, cut, surfaces_, report);
+    if (spread_) report.sections.push_back(*spread_);
 }
 
 void LayeredPrint::draw(io::Report& report, Progress& progress) const {

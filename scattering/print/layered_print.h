@@ -29,7 +29,7 @@ public:
     [[nodiscard]] std::unique_ptr<const slicer::LayerSource> layers() const override;
     void expect_layers(const slicer::LayerRange& range) override;
     void take_layer(int k, const io::LayerRuns& layer) override;
-    /// Writes the closed surfaces of its layers, where they were asked for.
+    /// Writes the closed surfaces of its layers, where they were asked for, and traces a whole slab for the report.
     void evaluate(const io::StackDescription& stack, Progress& progress) override;
     [[nodiscard]] std::vector<io::ReportStage> stages_before_layers() const override;
     [[nodiscard]] std::vector<io::ReportStage> stages_after_layers() const override;
@@ -47,6 +47,8 @@ private:
     std::optional<slicer::UprightCut> cut_;  ///< for the report
     std::vector<SurfaceFile> surfaces_;
     double surfaces_s_ = 0;
+    std::optional<io::ReportSection> spread_;  ///< as it was traced
+    double spread_s_ = 0;
 };
 
 }  // namespace voxtone::scattering

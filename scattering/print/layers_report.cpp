@@ -17,6 +17,7 @@
 #include "io/pictures/srgb_code.h"
 #include "io/report/plot_svg.h"
 #include "optics/colour/channels.h"
+#include "scattering/jobs/laminate_trace_job.h"
 #include "slicer/look/preview.h"
 #include "slicer/look/report_views.h"
 #include "slicer/look/viewer_surface.h"
@@ -360,6 +361,37 @@ void draw_layers_report(const JobLayers& layers, const slicer::JobBody& body, io
                                       slicer::report_file::difference_png};
     for (std::size_t s = 0; s < files.size(); ++s)
         io::write_whole_file(folder / files[s], io::png_bytes(drawn[s], {views.px_per_mm(), views.px_per_mm()}));
+}
+
+io::ReportSection spread_section(const io::ProfileMap& map, const io::StackDescription& stack,
+                                 const std::filesystem::path& folder, std::uint64_t seed, Progress& progress) {
+    io::ReportSection section;
+    section.title = "How light spreads in the print";
+    // Some five seconds of a core, and the voxels are held.
+    constexpr double all_paths = 3e6, most_voxels = 2e8;
+    const double voxels = double(stack.size_px[0]) * stack.size_px[1] * stack.layers;
+    const double places = double(map.width_px) * map.height_px * double(map.channels.size());
+    if (voxels > most_voxels) {
+        section.paragraphs.push_back(fmt::format(
+            "Its {:.0f} million voxels were not traced here: voxtone laminate trace does that.", voxels * 1e-6));
+        return section;
+    }
+    LaminateTraceJob job;
+    job.stack = folder.string();
+    job.paths = static_cast<std::uint32_t>(std::clamp(all_paths / places, 20.0, 500.0));
+    job.seed = seed;
+    try {
+        SeenSpread seen = seen_spread(job, progress);
+        section.paragraphs.push_back(
+            "Every voxel was traced from each place of the map; beside what the map asks of a cluster's places stands "
+            "what the print does there. voxtone laminate trace --dataset sets it beside the data, too.");
+        section.paragraphs.push_back(std::move(seen.summary));
+        section.tables.push_back({"Clusters", std::move(seen.header), std::move(seen.rows)});
+        section.pictures.push_back({std::move(seen.caption), std::move(seen.png), seen.width_px, seen.height_px});
+    } catch (const InputError& error) {
+        section.paragraphs.push_back(fmt::format("It was not traced: {}.", error.what()));
+    }
+    return section;
 }
 
 std::string layers_summary(const JobLayers& layers) {

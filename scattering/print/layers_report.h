@@ -4,6 +4,7 @@
 // laminates these are, and where the body is too thin for them.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -35,6 +36,12 @@ struct SurfaceFile {
 void add_layers_report(const JobLayers& layers, const slicer::LoadedResins& resins,
                        const std::optional<io::ReportPicture>& cut, const std::vector<SurfaceFile>& surfaces,
                        io::Report& report);
+
+/// How light spreads in the printed voxels of a slab, by a few paths from each place of its map: of a stack that is
+/// whole in its folder. Where that cannot be traced, or takes too much memory, the section says why.
+[[nodiscard]] io::ReportSection spread_section(const io::ProfileMap& map, const io::StackDescription& stack,
+                                               const std::filesystem::path& folder, std::uint64_t seed,
+                                               Progress& progress);
 
 /// Lines of the job's summary.
 [[nodiscard]] std::string layers_summary(const JobLayers& layers);

@@ -116,7 +116,7 @@ TEST_CASE("laminate trace sees in a print's voxels what its laminates were trace
     std::vector<nlohmann::json> traced;
     for (const char* threads : {"1", "3"}) {
         const Outcome outcome =
-            run_program(fmt::format("laminate trace {} --paths 400 --threads {} --quiet --json -o {}", folder / "out",
+            run_program(fmt::format("laminate trace {} --paths 500 --threads {} --quiet --json -o {}", folder / "out",
                                     threads, folder / fmt::format("{}.png", threads)));
         INFO(outcome.err);
         REQUIRE(outcome.exit_code == 0);
@@ -126,6 +126,15 @@ TEST_CASE("laminate trace sees in a print's voxels what its laminates were trace
         traced.back().erase("seconds");
     }
     CHECK(traced[0] == traced[1]);
+    // The report has traced it, too.
+    const auto spread = std::find_if(report["sections"].begin(), report["sections"].end(), [](const auto& section) {
+        return section["title"] == "How light spreads in the print";
+    });
+    REQUIRE(spread != report["sections"].end());
+    const auto& rows = (*spread)["tables"][0]["rows"];
+    REQUIRE(rows.size() == traced[0]["clusters"].size());
+    for (std::size_t k = 0; k < rows.size(); ++k)
+        CHECK(rows[k][4] == fmt::format("{:.4f}", traced[0]["clusters"][k]["printed"][1]["total"].get<double>()));
     CHECK(read_file(folder / "1.png") == read_file(folder / "3.png"));
     const auto& clusters = traced[0].at("clusters");
     REQUIRE(clusters.size() == 2);
