@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "calibration/compare/body_reading.h"
 #include "calibration/compare/compare_page.h"
 #include "calibration/compare/print_difference.h"
 #include "io/disk/output_files.h"
@@ -36,8 +37,19 @@ void add_reading(io::JsonWriter& json, const PrintReading& r, const PredictedPri
         json.value(r.found.place.to_px(corner));
     json.end_list().add("px_per_cell", r.found.place.px_per_cell()).add("correlation", r.found.correlation);
     json.add("turned_deg", r.found.turned_deg).add("checker", r.has_checker);
-    json.add("light", r.light_from_ground ? "ground" : "even").add("light_falls_to", r.light_falls_to);
+    json.add("light", r.light_from_body     ? "body"
+                      : r.light_from_ground ? "ground"
+                                            : "even")
+        .add("light_falls_to", r.light_falls_to);
     json.add("clipped", r.clipped);
+    if (print.of_body) json.add("left_out", r.left_out).add("overlap", r.overlap);
+    if (r.camera) {
+        json.key("camera").begin_object().add("position_mm", r.camera->position);
+        json.add("look_at_mm", r.camera->look_at)
+            .add("up", r.camera->up)
+            .add("focal_mm", r.camera->focal_mm)
+            .end_object();
+    }
     if (r.camera_blur_mm) json.add("camera_blur_mm", *r.camera_blur_mm);
     json.end_object();
 }
@@ -111,6 +123,42 @@ std::vector<io::Photograph> read_all(const CompareJob& job, Progress& progress) 
     return photos;
 }
 
+/// What is compared, and as what each photograph shows it.
+using Compared = std::pair<PredictedPrint, std::vector<PrintReading>>;
+
+Compared read_flat(PredictedPrint print, std::vector<io::Photograph> photos, const ReadPrintOptions& options,
+                   Progress& progress) {
+    std::vector<PrintReading> readings;
+    progress.begin_stage("photographs", photos.size(), "photographs");
+    for (io::Photograph& photo : photos) {
+        progress.check_cancelled();
+        readings.push_back(read_print(std::move(photo), print, options));
+        progress.advance();
+    }
+    progress.end_stage();
+    return {std::move(print), std::move(readings)};
+}
+
+/// What goes with flat prints alone.
+void expect_for_body(const CompareJob& job) {
+    const auto refuse = [&](const char* option, const char* why) {
+        throw UsageError(fmt::format("{}: {} is a body, and {}; leave it out", option, job.stack, why));
+    };
+    if (job.photos.size() > 1) refuse("PHOTO...", "each photograph shows another side of it: compare one by one");
+    if (job.read.corners) refuse("--corners", "has none in a picture: --view says from where it was taken");
+    if (job.checker != "none") refuse("--checker", "the light on a chart beside it is not that on it");
+    if (job.refit) refuse("--refit", "what its resins change is known of slabs alone");
+}
+
+Compared read_one_body(const PredictedBody& body, std::vector<io::Photograph> photos, const CompareJob& job,
+                       Progress& progress) {
+    expect_for_body(job);
+    progress.begin_stage("photograph", 0);
+    BodyReading read = read_body(std::move(photos.front()), body, job.read.coding);
+    progress.end_stage();
+    return {std::move(read.print), std::vector{std::move(read.reading)}};
+}
+
 }  // namespace
 
 void CompareJob::validate() const {
@@ -134,16 +182,13 @@ JobResult run_compare_job(const CompareJob& job, const PredictPrint& predict, Pr
     const std::filesystem::path folder =
         io::make_folder_for(job.out, {page_file, json_file, regions_file}, job.overwrite);
     std::vector<io::Photograph> photos = read_all(job, progress);
-    const PredictedPrint print = predict(progress);
-    std::vector<PrintReading> readings;
-    progress.begin_stage("photographs", photos.size(), "photographs");
-    for (io::Photograph& photo : photos) {
-        progress.check_cancelled();
-        readings.push_back(read_print(std::move(photo), print, options));
-        for (const std::string& warning : readings.back().warnings) progress.warn(warning);
-        progress.advance();
-    }
-    progress.end_stage();
+    auto predicted = predict(progress);
+    const auto [print, readings] =
+        std::holds_alternative<PredictedPrint>(predicted)
+            ? read_flat(std::move(std::get<PredictedPrint>(predicted)), std::move(photos), options, progress)
+            : read_one_body(std::get<PredictedBody>(predicted), std::move(photos), job, progress);
+    for (const PrintReading& reading : readings)
+        for (const std::string& warning : reading.warnings) progress.warn(warning);
     const PrintDifference difference = difference_of(print, readings);
     const std::string json = comparison_json(job, print, readings, difference);
     io::write_whole_file(folder / json_file, json + "\n");

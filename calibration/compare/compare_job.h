@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// `voxtone compare`: photographs of a flat print against what it was predicted to look like: a page, its figures as
-// JSON (data/schema/compare.schema.json), and a few lines for a person.
+// `voxtone compare`: photographs of a flat print, or one of a body, against what it was predicted to look like: a page,
+// its figures as JSON (data/schema/compare.schema.json), and a few lines for a person.
 #pragma once
 
 #include <functional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "base/job_result.h"
 #include "base/progress.h"
+#include "calibration/compare/predicted_body.h"
 #include "calibration/compare/predicted_print.h"
 #include "calibration/compare/print_reading.h"
 
@@ -30,7 +32,7 @@ struct CompareJob {
 };
 
 /// What OUT was predicted to look like; asked once the photographs were read.
-using PredictPrint = std::function<PredictedPrint(Progress& progress)>;
+using PredictPrint = std::function<std::variant<PredictedPrint, PredictedBody>(Progress& progress)>;
 
 /// Throws Error (with its exit code). Warns of what is doubtful.
 [[nodiscard]] JobResult run_compare_job(const CompareJob& job, const PredictPrint& predict, Progress& progress);

@@ -90,6 +90,10 @@ void add_causes(std::string& html, const PredictedPrint& print, const PrintDiffe
         d.as_taken, d.exposure_ev, d.after_exposure, d.cast[0], d.cast[1], d.cast[2],
         has_checker ? ", which is left in the comparison" : "", d.after_cast, d.spread_mm, d.print_spread_mm,
         d.after_spread);
+    if (d.hints.resins.empty()) {
+        html += "</section>\n";
+        return;
+    }
     html +=
         "<h3>How far each resin may be off</h3>\n<p class=\"soft\">All at once, each in its turn the one that may be "
         "far "
@@ -125,8 +129,11 @@ void add_readings(std::string& html, const PredictedPrint& print, const std::vec
         html += fmt::format("<li>{}</li>\n", io::html_text(reading_words(reading, print)));
     html += fmt::format(
         "</ul>\n<p class=\"soft\">Predicted by {}. What this cannot see: gloss, the direction of the light, colours "
-        "that the camera does not tell apart{}.</p></section>\n",
+        "that the camera does not tell apart{}{}.</p></section>\n",
         io::html_text(print.model),
+        print.of_body ? "; the light is found on the body, so that what all sides that look one way have in common is "
+                        "taken for light"
+                      : "",
         readings.front().has_checker ? "" : "; without a colour checker also none of the print's own cast");
 }
 
@@ -144,9 +151,14 @@ std::string reading_words(const PrintReading& r, const PredictedPrint& print) {
     std::string words =
         fmt::format("{}: {:.1f} pixels a mm, correlation {:.3f}", r.photograph, px_per_mm, r.found.correlation);
     if (r.found.turned_deg != 0) words += fmt::format(", the print lies turned by {} degrees", r.found.turned_deg);
-    words += r.light_from_ground
-                 ? fmt::format(", light falls to {:.0f} % across it (taken out)", 100 * r.light_falls_to)
-                 : ", light taken for even";
+    words +=
+        r.light_from_body
+            ? fmt::format(
+                  ", outlines overlap by {:.1f} %, light falls to {:.0f} % (found on the body, taken out), {:.0f} % "
+                  "of what is seen left out (aslant, rims, shadows, gloss)",
+                  100 * r.overlap, 100 * r.light_falls_to, 100 * r.left_out)
+        : r.light_from_ground ? fmt::format(", light falls to {:.0f} % across it (taken out)", 100 * r.light_falls_to)
+                              : ", light taken for even";
     words += r.has_checker ? ", colours by the checker" : ", no checker";
     if (r.camera_blur_mm) words += fmt::format(", blur at its outline {:.3f} mm", *r.camera_blur_mm);
     return words;

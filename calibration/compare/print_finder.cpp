@@ -27,8 +27,9 @@ const char* by_hand() {
            "beside it, or give its corners by hand with --corners X,Y,X,Y,X,Y,X,Y";
 }
 
-/// 0 to 255: how far each pixel lies from a plane of colour through the border.
-cv::Mat difference_from_ground(const cv::Mat& bgr) {
+/// 0 to 255: how far each pixel lies from a plane of colour through the border; where `shadow` is given, 1 there where
+/// it has the ground's colour and is darker.
+cv::Mat difference_from_ground(const cv::Mat& bgr, cv::Mat* shadow = nullptr) {
     const int band = std::max(2, int(border_share * std::max(bgr.cols, bgr.rows)));
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero(), right = Eigen::Matrix3d::Zero();
     std::vector<Eigen::Vector3d> places, colours;
@@ -63,6 +64,10 @@ cv::Mat difference_from_ground(const cv::Mat& bgr) {
                 plane.transpose() * Eigen::Vector3d(1, double(x) / bgr.cols, double(y) / bgr.rows);
             const double off = (Eigen::Vector3d(p[0], p[1], p[2]) - ground).cwiseAbs().maxCoeff();
             difference.at<std::uint8_t>(y, x) = cv::saturate_cast<std::uint8_t>(off);
+            if (!shadow) continue;
+            constexpr double alike = 0.15;
+            const Eigen::Vector3d share = Eigen::Vector3d(p[0], p[1], p[2]).cwiseQuotient(ground.cwiseMax(1.0));
+            shadow->at<std::uint8_t>(y, x) = share.maxCoeff() < 1 && share.maxCoeff() - share.minCoeff() < alike;
         }
     return difference;
 }
@@ -129,6 +134,37 @@ double twice_area(const PrintCorners& c) {
     return sum;
 }
 
+/// In a picture of this size, `scale` times as large as the photograph.
+struct Things {
+    int columns = 0, rows = 0;
+    double scale = 1;
+    std::vector<std::vector<cv::Point>> contours;
+    cv::Mat shadow;  ///< 1 where it may be one
+};
+
+Things things_on_ground(const io::Photograph& photo) {
+    std::vector<std::uint8_t> codes = finder_bgr(photo);
+    const cv::Mat whole(int(photo.height_px), int(photo.width_px), CV_8UC3, codes.data());
+    const double scale = std::min(1.0, finder_px / std::max(whole.cols, whole.rows));
+    cv::Mat small = whole.clone(), mask;
+    if (scale < 1) cv::resize(whole, small, {}, scale, scale, cv::INTER_AREA);
+    cv::Mat shadow = cv::Mat::zeros(small.size(), CV_8UC1);
+    const cv::Mat difference = difference_from_ground(small, &shadow);
+    const double level = cv::threshold(difference, mask, 0, 255, cv::THRESH_BINARY | cv::THRESH_OTSU);
+    // Otsu's level halves the way to what is bright; a print's dim parts lie nearer to the ground.
+    cv::threshold(difference, mask, std::max(least_difference, 0.35 * level), 255, cv::THRESH_BINARY);
+    const int reach = std::max(3, small.cols / 150) | 1;
+    const cv::Mat brush = cv::getStructuringElement(cv::MORPH_RECT, {reach, reach});
+    cv::morphologyEx(mask, mask, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_RECT, {3, 3}));
+    cv::morphologyEx(mask, mask, cv::MORPH_CLOSE, brush);
+    return {small.cols, small.rows, scale, contours_of(mask), shadow};
+}
+
+bool is_cut_off(const std::vector<cv::Point>& contour, const Things& things) {
+    const cv::Rect box = cv::boundingRect(contour);
+    return box.x <= 1 || box.y <= 1 || box.x + box.width >= things.columns - 1 || box.y + box.height >= things.rows - 1;
+}
+
 }  // namespace
 
 PrintCorners checked_corners(const io::Photograph& photo, const PrintCorners& corners) {
@@ -151,35 +187,21 @@ PrintCorners checked_corners(const io::Photograph& photo, const PrintCorners& co
 }
 
 std::vector<PrintCorners> find_prints(const io::Photograph& photo) {
-    std::vector<std::uint8_t> codes = finder_bgr(photo);
-    const cv::Mat whole(int(photo.height_px), int(photo.width_px), CV_8UC3, codes.data());
-    const double scale = std::min(1.0, finder_px / std::max(whole.cols, whole.rows));
-    cv::Mat small = whole.clone(), mask;
-    if (scale < 1) cv::resize(whole, small, {}, scale, scale, cv::INTER_AREA);
-    const cv::Mat difference = difference_from_ground(small);
-    const double level = cv::threshold(difference, mask, 0, 255, cv::THRESH_BINARY | cv::THRESH_OTSU);
-    // Otsu's level halves the way to what is bright; a print's dim parts lie nearer to the ground.
-    cv::threshold(difference, mask, std::max(least_difference, 0.35 * level), 255, cv::THRESH_BINARY);
-    const int reach = std::max(3, small.cols / 150) | 1;
-    const cv::Mat brush = cv::getStructuringElement(cv::MORPH_RECT, {reach, reach});
-    cv::morphologyEx(mask, mask, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_RECT, {3, 3}));
-    cv::morphologyEx(mask, mask, cv::MORPH_CLOSE, brush);
-    const std::vector<std::vector<cv::Point>> contours = contours_of(mask);
-    if (contours.empty())
+    const Things things = things_on_ground(photo);
+    if (things.contours.empty())
         throw InputError(
             fmt::format("{}: no print is found: nothing of size differs from the ground; {}", photo.name, by_hand()));
     std::vector<PrintCorners> found;
     bool cut_off = false;
-    for (const std::vector<cv::Point>& contour : contours) {
-        const cv::Rect box = cv::boundingRect(contour);
-        if (box.x <= 1 || box.y <= 1 || box.x + box.width >= small.cols - 1 || box.y + box.height >= small.rows - 1) {
+    for (const std::vector<cv::Point>& contour : things.contours) {
+        if (is_cut_off(contour, things)) {
             cut_off = true;
             continue;
         }
         const std::optional<PrintCorners> rough = four_corners(contour);
         if (!rough) continue;
         PrintCorners corners = refined(*rough, contour);
-        for (Eigen::Vector2d& corner : corners) corner /= scale;
+        for (Eigen::Vector2d& corner : corners) corner /= things.scale;
         found.push_back(checked_corners(photo, corners));
     }
     if (found.empty() && cut_off)
@@ -191,6 +213,30 @@ std::vector<PrintCorners> find_prints(const io::Photograph& photo) {
         throw InputError(
             fmt::format("{}: what differs from the ground has not four corners; {}", photo.name, by_hand()));
     return found;
+}
+
+/// A shadow may reach the picture's edge, the body not.
+Silhouette find_silhouette(const io::Photograph& photo) {
+    constexpr const char* mend =
+        "stand it before ground of one colour that it has not (dark grey card that is bent up behind it), all of it in "
+        "the picture and nothing else beside it";
+    const Things things = things_on_ground(photo);
+    if (things.contours.empty())
+        throw InputError(
+            fmt::format("{}: no body is found: nothing of size differs from the ground; {}", photo.name, mend));
+    cv::Mat part = cv::Mat::zeros(things.rows, things.columns, CV_8UC1);
+    cv::drawContours(part, things.contours, 0, cv::Scalar(Silhouette::thing_or_its_shadow), cv::FILLED);
+    cv::Mat sure = part & (things.shadow == 0);
+    cv::morphologyEx(sure, sure, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_ELLIPSE, {5, 5}));
+    std::vector<std::vector<cv::Point>> contours;
+    cv::findContours(sure, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+    if (std::ranges::any_of(contours, [&](const auto& contour) { return is_cut_off(contour, things); }))
+        throw InputError(fmt::format(
+            "{}: what differs from the ground reaches the edge of the picture, so the body is cut off or the ground "
+            "is not of one colour; {}",
+            photo.name, mend));
+    cv::drawContours(part, contours, -1, cv::Scalar(Silhouette::thing), cv::FILLED);
+    return {things.columns, things.rows, 1 / things.scale, {part.begin<std::uint8_t>(), part.end<std::uint8_t>()}};
 }
 
 }  // namespace voxtone::calibration

@@ -27,13 +27,6 @@ constexpr double most_clipped = 0.5;  // of the cells: more says nothing
 constexpr double some_clipped = 0.02;
 constexpr double least_brightness = 0.02;  // of full scale, of the print's lightest tenth
 
-void decode(io::Photograph& photo, io::SampleCoding coding) {
-    if (coding != io::SampleCoding::unknown) photo.coding = coding;
-    // What a file of 16 bits without a word holds: what cameras' programs write.
-    if (photo.coding == io::SampleCoding::unknown) photo.coding = io::SampleCoding::srgb;
-    if (photo.coding == io::SampleCoding::srgb) io::make_linear(photo);
-}
-
 PrintCorners place_of(const PrintPlace& place) {
     const Eigen::Vector2d s = place.size();
     return {place.to_px({0, 0}), place.to_px({s.x(), 0}), place.to_px(s), place.to_px({0, s.y()})};
@@ -178,6 +171,13 @@ void tell_shaded_corner(PrintReading& reading, const PredictedPrint& print) {
 }
 
 }  // namespace
+
+void decode(io::Photograph& photo, io::SampleCoding coding) {
+    if (coding != io::SampleCoding::unknown) photo.coding = coding;
+    // What a file of 16 bits without a word holds: what cameras' programs write.
+    if (photo.coding == io::SampleCoding::unknown) photo.coding = io::SampleCoding::srgb;
+    if (photo.coding == io::SampleCoding::srgb) io::make_linear(photo);
+}
 
 PrintReading read_print(io::Photograph photo, const PredictedPrint& print, const ReadPrintOptions& options) {
     PrintReading reading;

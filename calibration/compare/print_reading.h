@@ -28,13 +28,24 @@ struct PrintReading {
     std::uint32_t width_px = 0, height_px = 0;
     FoundPrint found;
     CellSamples cells;  ///< linear sRGB
-    bool light_from_ground = false;
+    bool light_from_ground = false, light_from_body = false;
     double light_falls_to = 1;  ///< least light on the print / most
     bool has_checker = false;
     std::optional<double> camera_blur_mm;  ///< standard deviation, from the print's edge against the ground
     double clipped = 0;                    ///< share of the cells left out
+    double left_out = 0;                   ///< of what is seen of a body: aslant, rims, shadows, gloss
+    double overlap = 1;                    ///< of a body's outlines
+    struct Camera {
+        Eigen::Vector3d position = Eigen::Vector3d::Zero(), look_at = Eigen::Vector3d::Zero();  ///< mm, model's frame
+        Eigen::Vector3d up = Eigen::Vector3d::UnitZ();                                          ///< in the picture
+        double focal_mm = 0;                                                                    ///< of a frame of 36 mm
+    };
+    std::optional<Camera> camera;  ///< before a body
     std::vector<std::string> warnings;
 };
+
+/// To linear light; `coding` as ReadPrintOptions has it.
+void decode(io::Photograph& photo, io::SampleCoding coding);
 
 /// Throws InputError that names the photograph, what is wrong and what to try.
 [[nodiscard]] PrintReading read_print(io::Photograph photograph, const PredictedPrint& print,

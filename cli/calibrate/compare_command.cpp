@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
@@ -13,6 +14,7 @@
 #include "cli/calibrate/photo_options.h"
 #include "cli/program/common_options.h"
 #include "slicer/predict/top_print.h"
+#include "slicer/proof/proof_camera.h"
 
 namespace voxtone::cli {
 
@@ -21,16 +23,14 @@ namespace {
 struct CompareArguments {
     calibration::CompareJob job;
     slicer::PredictOptions predict;
+    slicer::ProofOptions camera;     ///< before a body
     std::vector<std::string> files;  ///< photographs, and last the stack
     std::string coding = "auto";
     std::vector<double> corners, checker_corners;
     RunOptions run;
 };
 
-calibration::PredictedPrint predicted_print(const CompareArguments& a, Progress& progress) {
-    slicer::TopPrint top = slicer::predict_top_print(
-        a.predict, a.job.refit ? slicer::ResinParts::extinction_and_absorption : slicer::ResinParts::extinction,
-        progress);
+calibration::PredictedPrint flat_print(const CompareArguments& a, slicer::TopPrint top) {
     calibration::PredictedPrint print;
     print.name = a.job.stack;
     print.model = a.predict.model;
@@ -48,6 +48,47 @@ calibration::PredictedPrint predicted_print(const CompareArguments& a, Progress&
                       .by_absorption = std::move(top.response.by_absorption)};
     print.seen = slicer::eye_over(top, a.job.viewing_distance_mm);
     return print;
+}
+
+calibration::PredictedBody body_before(const CompareArguments& a, slicer::BodyPrint made) {
+    const auto print = std::make_shared<const slicer::BodyPrint>(std::move(made));
+    calibration::PredictedBody body;
+    body.name = a.job.stack;
+    body.model = a.predict.model;
+    body.position = print->mesh.positions_mm;
+    body.normal = print->normals;
+    body.rgb = print->mesh.rgb;
+    body.triangles = print->mesh.triangles;
+    body.cell_mm = print->cell_mm;
+    body.set = print->set;
+    const auto from = [print](const slicer::ProofOptions& camera) {
+        return [print, camera](int width_px, int height_px) {
+            return slicer::camera_before(camera, {slicer::vector_of(print->low_mm), slicer::vector_of(print->high_mm)},
+                                         width_px, height_px);
+        };
+    };
+    body.start = from(a.camera);
+    for (const std::string& view : names_of<slicer::ProofView>()) {
+        slicer::ProofOptions camera = a.camera;
+        camera.view = view;
+        body.other_sides.push_back({view, from(camera)});
+    }
+    body.sees_sky = [print](std::span<const std::uint32_t> places, std::span<const Eigen::Vector3d> directions) {
+        return print->sees_sky(places, directions);
+    };
+    body.eye = [distance = a.job.viewing_distance_mm](int columns, int rows, const Eigen::Vector2d& cell_mm) {
+        return slicer::eye_over(columns, rows, {cell_mm.x(), cell_mm.y()}, distance);
+    };
+    return body;
+}
+
+std::variant<calibration::PredictedPrint, calibration::PredictedBody> predicted_print(const CompareArguments& a,
+                                                                                      Progress& progress) {
+    auto print = slicer::predict_photographed(
+        a.predict, a.job.refit ? slicer::ResinParts::extinction_and_absorption : slicer::ResinParts::extinction,
+        progress);
+    if (auto* top = std::get_if<slicer::TopPrint>(&print)) return flat_print(a, std::move(*top));
+    return body_before(a, std::move(std::get<slicer::BodyPrint>(print)));
 }
 
 int run(CompareArguments& a, const CalibrateJobs& jobs) {
@@ -74,6 +115,19 @@ void add_photo_options(Verb& command, CompareArguments& a) {
     add_coding_option(command, a.coding);
 }
 
+/// As `proof` has them.
+void add_camera_options(Verb& command, slicer::ProofOptions& o) {
+    std::vector<std::string> views = names_of<slicer::ProofView>();
+    views.insert(views.begin(), "auto");
+    command.add("--view", o.view, "of a body: the side that is seen, within some 20 degrees; auto: three-quarter",
+                {.choices = std::move(views)});
+    command.add("--up", o.up, "of a body: which way of the model as printed is up in the picture",
+                {.choices = {"z", "-z", "y", "-y", "x", "-x"}});
+    command.add("--turn", o.turn_deg, "of a body: turns it first, degrees, counter-clockwise from above",
+                {.unit = "DEG"});
+    command.add("--focal", o.focal_mm, "of a body: focal length, mm, for a frame of 36 mm, about", {.unit = "MM"});
+}
+
 void add_prediction_options(Verb& command, CompareArguments& a) {
     command.add("--predict", a.predict.model, "by which model", {.choices = {"transport", "monte-carlo"}});
     command.add("--cell", length(a.predict.cell_mm), "what is compared as one: edge of the cells");
@@ -90,7 +144,7 @@ void add_prediction_options(Verb& command, CompareArguments& a) {
 Verb compare_verb(const CalibrateJobs& jobs) {
     auto arguments = std::make_shared<CompareArguments>();
     CompareArguments& a = *arguments;
-    Verb command("compare", "Hold photographs of a flat print against what its stack was predicted to look like",
+    Verb command("compare", "Hold photographs of a print against what its stack was predicted to look like",
                  "photograph.jpg out/photo -o compared");
     command.add("files", a.files,
                 "photographs of the print (PNG, JPEG, TIFF, EXR, RAW) with ground of one colour around it, and "
@@ -101,6 +155,7 @@ Verb compare_verb(const CalibrateJobs& jobs) {
     command.add("--refit", a.job.refit,
                 "leave regions.json there too, by which `calibrate fit` makes the resins' set better");
     add_photo_options(command, a);
+    add_camera_options(command, a.camera);
     add_prediction_options(command, a);
     add_run_options(command, a.run);
     command.run = [arguments, &jobs] { return run(*arguments, jobs); };

@@ -18,6 +18,12 @@ PredictedStack predict_from_above(const PredictOptions& options, PredictFigures&
     return predict_stack(job, figures, progress);
 }
 
+PredictedStack predict_slab_or_body(const PredictOptions& options, PredictFigures& figures, Progress& progress) {
+    const ResolvedPrediction job = resolve_without_files(options);
+    const ThreadLimit threads(static_cast<std::size_t>(options.threads));
+    return predict_stack(job, figures, progress);
+}
+
 PredictResult run_predict_job(const PredictOptions& options, Progress& progress) {
     const ResolvedPrediction job = resolve(options);
     const std::vector<std::filesystem::path> files(options.files.begin(), options.files.end());

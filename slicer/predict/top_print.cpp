@@ -10,31 +10,11 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "halftone/loop/eye_filter.h"
-#include "optics/colour/observed_colour.h"
-#include "optics/layered/half_space_reflectance.h"
 #include "slicer/look/prediction_files.h"
 
 namespace voxtone::slicer {
 
 namespace {
-
-/// What a photograph is exposed for: thick white resin in even light; of a picture that is lit from behind, and of sets
-/// without white, the lightest hundredth of it.
-Eigen::Vector3f photographed_white(const PredictedStack& predicted, const PredictFigures& figures) {
-    const optics::ResinSet& set = predicted.stack.resins;
-    if (predicted.stack.white >= 0 && !figures.from_behind) {
-        const optics::HalfSpaceReflectance reflectance(set.g, set.eta, optics::MeasuringGeometry::diffuse_8);
-        const optics::Resin& white = set.resins[std::size_t(predicted.stack.white)];
-        std::vector<double> value;
-        for (std::size_t c = 0; c < set.channels.size(); ++c) value.push_back(reflectance(white.medium(c)));
-        return optics::ObservedColour<double>(set.channels).absolute(value.data()).cast<float>();
-    }
-    std::vector<float> levels;
-    for (const Eigen::Vector3f& rgb : predicted.prediction.rgb) levels.push_back(rgb.maxCoeff());
-    const auto lightest = levels.begin() + std::ptrdiff_t(levels.size() * 99 / 100);
-    std::nth_element(levels.begin(), lightest, levels.end());
-    return Eigen::Vector3f::Constant(std::max(*lightest, 1e-6f));
-}
 
 /// Of a perfect diffuser's: a photograph shows how light is lost at a slab's sides, which no white of the same place
 /// takes out of it.
@@ -81,9 +61,11 @@ TopPrint predict_top_picture(const PredictOptions& options, Progress& progress) 
     return top;
 }
 
-TopPrint predict_top_print(const PredictOptions& options, ResinParts parts, Progress& progress) {
+std::variant<TopPrint, BodyPrint> predict_photographed(const PredictOptions& options, ResinParts parts,
+                                                       Progress& progress) {
     PredictFigures figures;
-    PredictedStack predicted = predict_from_above(as_photographed(options), figures, progress);
+    PredictedStack predicted = predict_slab_or_body(as_photographed(options), figures, progress);
+    if (!figures.from_above) return body_print(std::move(predicted), figures);
     TopPrint top = picture_of(options, predicted, figures);
     const ThreadLimit threads(static_cast<std::size_t>(options.threads));
     const std::vector<Eigen::Vector3f> by_paths = colours_by_paths(predicted, figures, progress);
@@ -102,6 +84,19 @@ SeenPicture eye_over(const TopPrint& top, double viewing_distance_mm) {
         for (const std::size_t cell : cell_of) seen.push_back(by_cell[cell]);
         return seen;
     };
+}
+
+SeenPicture eye_over(int columns, int rows, const std::array<double, 2>& pixel_mm, double viewing_distance_mm) {
+    optics::Surface flat;
+    flat.cell_voxels = {1, 1, 1};
+    for (int row = 0; row < rows; ++row)
+        for (int column = 0; column < columns; ++column)
+            flat.cells.push_back({.cell = {column, row, 0},
+                                  .centre_mm = {float(column * pixel_mm[0]), float(row * pixel_mm[1]), 0},
+                                  .normal = {0, 0, 1},
+                                  .area_mm2 = float(pixel_mm[0] * pixel_mm[1])});
+    const auto eye = std::make_shared<const halftone::EyeFilter>(flat, viewing_distance_mm);
+    return [eye](std::span<const Eigen::Vector3f> rgb) { return eye->filter(rgb); };
 }
 
 }  // namespace voxtone::slicer

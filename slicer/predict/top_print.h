@@ -9,11 +9,13 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "base/progress.h"
+#include "slicer/predict/body_print.h"
 #include "slicer/predict/predict_job.h"
 #include "slicer/predict/resin_response.h"
 
@@ -33,11 +35,15 @@ struct TopPrint {
 
 /// Without light paths and response. Throws what a prediction throws, and InputError for bodies and slabs with holes.
 [[nodiscard]] TopPrint predict_top_picture(const PredictOptions& options, Progress& progress);
-/// The whole of it.
-[[nodiscard]] TopPrint predict_top_print(const PredictOptions& options, ResinParts parts, Progress& progress);
+/// The whole of a slab; what is seen from all sides as a body. Throws what a prediction throws.
+[[nodiscard]] std::variant<TopPrint, BodyPrint> predict_photographed(const PredictOptions& options, ResinParts parts,
+                                                                     Progress& progress);
 
 /// What an eye makes of a picture of these cells, from a distance in mm (halftone/loop/eye_filter.h).
 using SeenPicture = std::function<std::vector<Eigen::Vector3f>(std::span<const Eigen::Vector3f>)>;
 [[nodiscard]] SeenPicture eye_over(const TopPrint& top, double viewing_distance_mm);
+/// The same of any picture: columns, rows, and how large its pixels are.
+[[nodiscard]] SeenPicture eye_over(int columns, int rows, const std::array<double, 2>& pixel_mm,
+                                   double viewing_distance_mm);
 
 }  // namespace voxtone::slicer

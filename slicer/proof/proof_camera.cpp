@@ -130,4 +130,14 @@ optics::CameraView place_camera(const ResolvedProof& job, const Box& room, const
     return view;
 }
 
+optics::CameraView camera_before(ProofOptions options, const Box& body, int width_px, int height_px) {
+    options.stacks = {"body"};
+    options.files = {"picture.png"};
+    options.size = ProofOptions{}.size;
+    ResolvedProof job = resolve(options);
+    job.width_px = width_px, job.height_px = height_px;
+    const Eigen::Matrix3d axes = room_axes(job.up, options.turn_deg);
+    return place_camera(job, turned(axes, body), axes, false);
+}
+
 }  // namespace voxtone::slicer

@@ -33,6 +33,10 @@ struct Box {
 [[nodiscard]] optics::CameraView place_camera(const ResolvedProof& job, const Box& room, const Eigen::Matrix3d& axes,
                                               bool flat);
 
+/// As `proof` places it before one body with these options; their stacks, files and size do not count. Throws
+/// UsageError.
+[[nodiscard]] optics::CameraView camera_before(ProofOptions options, const Box& body, int width_px, int height_px);
+
 [[nodiscard]] inline Eigen::Vector3d vector_of(const std::array<double, 3>& p) { return {p[0], p[1], p[2]}; }
 [[nodiscard]] inline optics::Point point_of(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 

@@ -17,6 +17,7 @@
 #include "io/pictures/picture_writer.h"
 #include "io/pictures/srgb_code.h"
 #include "io/profiles/resin_file.h"
+#include "optics/camera/camera.h"
 #include "optics/colour/colour.h"
 #include "optics/layered/flat_colour.h"
 #include "run_program.h"
@@ -24,6 +25,7 @@
 #include "tests/calibration/compare/compare_samples.h"
 #include "tests/io/files/schema.h"
 #include "tests/outcomes.h"
+#include "tests/places.h"
 
 using namespace voxtone;
 using namespace voxtone::test;
@@ -279,19 +281,83 @@ TEST_CASE("what cannot be compared is told in a sentence") {
                Contains("were left out. [clipped-print]"));
 }
 
-TEST_CASE("a body is not compared, and it is said what can be done") {
+namespace {
+
+/// A cow of 8 mm, and `proof`'s picture of it by light paths from beside its front, above dark ground.
+struct Cow {
+    Folder folder{"compare-body"};
+    std::string stack = folder / "cow", photograph = folder / "cow.png";
+    const optics::Camera truth{
+        {.position = {8.8, -22.4, 8.8}, .target = {2.2, 4, 3.9}, .focal_mm = 85, .width_px = 400, .height_px = 320}};
+    Cow() {
+        const Outcome made = run_program(
+            fmt::format("slice --quiet --no-report --iterations 0 --predict none --size 8mm --rotate x90,z180 "
+                        "{}/examples/models/spot/spot.obj -o {}",
+                        source_dir(), stack));
+        INFO(made.err);
+        REQUIRE(made.exit_code == 0);
+        const Outcome seen = run_program(
+            "proof --quiet --camera 8.8,-22.4,8.8 --look-at 2.2,4,3.9 --size 400x320 --spp 16 "
+            "--ground 0.18 --light overcast " +
+            stack + " -o " + photograph);
+        INFO(seen.err);
+        REQUIRE(seen.exit_code == 0);
+    }
+};
+const Cow& cow() {
+    static const Cow made;
+    return made;
+}
+
+Outcome compare_cow(const Folder& folder, const std::string& photograph, const std::string& more) {
+    return run_program("compare --quiet --json --overwrite " + photograph + " " + cow().stack + " -o " +
+                       folder / "compared" + " " + more);
+}
+
+optics::Point point_at(const nlohmann::json& list) { return {list[0], list[1], list[2]}; }
+
+}  // namespace
+
+TEST_CASE("a body's camera is found, and how far it differs", "[slow]") {
     const Folder folder("body");
-    folder.write("ball.stl",
-                 "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 4 0 0\nvertex 0 4 0\n"
-                 "endloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 4 0\nvertex 0 0 "
-                 "4\nendloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 0 4\nvertex 4 "
-                 "0 0\nendloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 4 0 0\nvertex 0 0 4\nvertex "
-                 "0 4 0\nendloop\nendfacet\nendsolid a\n");
-    REQUIRE(run_program("slice --quiet --no-report --quality draft --unit mm " + folder / "ball.stl" + " -o " +
-                        folder / "body")
-                .exit_code == 0);
-    const std::string photo = photographed(folder, calibration::testing::discs(), hand_camera());
-    const Outcome outcome = run_program("compare " + photo + " " + folder / "body" + " -o " + folder / "compared");
-    CHECK(outcome.exit_code == 3);
-    CHECK_THAT(outcome.err, Contains("the stack is a body") && Contains("voxtone proof"));
+    const Outcome outcome = compare_cow(folder, cow().photograph, "--view front");
+    INFO(outcome.out << outcome.err);
+    REQUIRE(outcome.exit_code == 0);
+    const std::string text = read_file(folder / "compared/compare.json");
+    CHECK(io::schema_faults("compare", text) == std::vector<std::string>{});
+    const nlohmann::json compared = nlohmann::json::parse(text), &seen = compared["photographs"][0];
+    CHECK(seen["light"] == "body");
+    CHECK(seen["overlap"] > 0.95);
+    const optics::Camera found({.position = point_at(seen["camera"]["position_mm"]),
+                                .target = point_at(seen["camera"]["look_at_mm"]),
+                                .up = point_at(seen["camera"]["up"]),
+                                .focal_mm = seen["camera"]["focal_mm"],
+                                .width_px = 400,
+                                .height_px = 320});
+    double squares = 0;
+    for (int corner = 0; corner < 8; ++corner) {  // of a box in it
+        const optics::Point p{corner & 1 ? 3.5 : 0.8, corner & 2 ? 3 : 0.5, corner & 4 ? 6.5 : 1};
+        const auto a = cow().truth.picture_of(p), b = found.picture_of(p);
+        squares += (std::pow(a[0] - b[0], 2) + std::pow(a[1] - b[1], 2)) / 8;
+    }
+    const double off = std::sqrt(squares) / seen["px_per_cell"].get<double>();
+    CHECK(off < 0.5);
+    WANTED(off < 0.25);
+    CHECK(compared["ciede2000"]["mean"] < 2.5);
+    const std::string page = read_file(folder / "compared/compare.html");
+    CHECK_THAT(page, Contains("the light is found on the body") && !Contains("How far each resin"));
+}
+
+TEST_CASE("a body's photographs that cannot be compared are told in a sentence", "[slow]") {
+    const Folder folder("body-refused");
+    const auto said = [&](const std::string& photograph, const std::string& more) {
+        const Outcome outcome = compare_cow(folder, photograph, more);
+        CHECK(outcome.exit_code != 0);
+        return outcome.out + outcome.err;
+    };
+    CHECK_THAT(said(cow().photograph, "--view back"), Contains("is seen from another side: --view"));
+    CHECK_THAT(said(photographed(folder, calibration::testing::discs(), hand_camera()), "--view front"),
+               Contains("this is no photograph of"));
+    CHECK_THAT(said(cow().photograph, "--refit"), Contains("--refit") && Contains("is a body"));
+    CHECK_THAT(said(cow().photograph, "--corners 1,1,9,1,9,9,1,9"), Contains("--corners") && Contains("is a body"));
 }
