@@ -21,8 +21,8 @@ struct Scene {
     CheckerChart chart = find_checker("colorchecker24");
     PhotoOptions options;
     Scene() {
-        options.width_px = 1200;
-        options.height_px = 800;
+        options.width_px = 900;
+        options.height_px = 600;
         options.rays = 2;
         options.dust = options.scratches = 0;
     }
@@ -40,8 +40,8 @@ std::array<Eigen::Vector2d, 4> four(const std::vector<Eigen::Vector2d>& points) 
 
 TEST_CASE("a photograph without a target is refused") {
     const Scene scene;
-    io::Photograph empty{"empty", 1200, 800, io::SampleCoding::linear, 16, {}};
-    for (std::size_t i = 0; i < 1200 * 800; ++i)
+    io::Photograph empty{"empty", 900, 600, io::SampleCoding::linear, 16, {}};
+    for (std::size_t i = 0; i < 900 * 600; ++i)
         empty.pixels.emplace_back(Eigen::Vector3f::Constant(0.3f + 0.1f * float(i % 7)));
     CHECK_THROWS_WITH(measure_photo(std::move(empty), scene.target, scene.chart, {}),
                       Contains("no target found") && Contains("--corners"));
@@ -49,10 +49,10 @@ TEST_CASE("a photograph without a target is refused") {
 
 TEST_CASE("a blurred photograph is refused") {
     Scene scene;
-    scene.options.blur_px = 7;  // no marker is seen
+    scene.options.blur_px = 5.5;  // no marker is seen
     CHECK_THROWS_WITH(scene.measured(scene.target), Contains("sharp"));
-    scene.options.blur_px =
-        5;  // with corners by hand the markers are still told by their cells, and the blur is measured
+    // With corners by hand the markers are still told by their cells, and the blur is measured.
+    scene.options.blur_px = 3.75;
     const SimulatedPhoto photo = scene.photo();
     PhotoMeasureOptions by_hand;
     by_hand.corners = four(photo.target_corners_px);
