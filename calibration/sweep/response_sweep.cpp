@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -29,10 +31,25 @@ ExposureFile beside(const fs::path& table, const std::string& name) {
     return exposure;
 }
 
-MergedPicture merged_of(const SweepExposures& scene, const CameraNoise& noise, const Progress& progress) {
+/// Most frames of a sweep share their dark frames: as many as one has are kept.
+class DarkFrames {
+public:
+    [[nodiscard]] const Exposure& read(const ExposureFile& file, std::size_t most, const Progress& progress) {
+        const std::pair key(file.file, file.seconds);
+        if (const auto known = kept_.find(key); known != kept_.end()) return known->second;
+        if (kept_.size() >= most) kept_.clear();
+        return kept_.emplace(key, read_exposure(file, &progress)).first->second;
+    }
+
+private:
+    std::map<std::pair<fs::path, double>, Exposure> kept_;
+};
+
+MergedPicture merged_of(const SweepExposures& scene, const CameraNoise& noise, DarkFrames& dark,
+                        const Progress& progress) {
     ExposureMerge merge(noise);
     for (std::size_t i = 0; i < scene.lit.size(); ++i)
-        merge.add(read_exposure(scene.lit[i], &progress), read_exposure(scene.dark[i], &progress));
+        merge.add(read_exposure(scene.lit[i], &progress), dark.read(scene.dark[i], scene.dark.size(), progress));
     MergedPicture picture = merge.merged();
     const auto saturated = std::count(picture.exposures.begin(), picture.exposures.end(), 0);
     if (saturated > 0)
@@ -196,7 +213,8 @@ SweptResponses measure_sweep(const std::vector<SweepExposures>& frames, const Sw
     if (!(card_albedo > 0 && card_albedo <= 1))
         throw UsageError(
             fmt::format("--card-albedo: {:g}; a card reflects more than 0 and at most 1 of the light", card_albedo));
-    const MergedPicture lit_card = merged_of(card, noise, progress);
+    DarkFrames dark;
+    const MergedPicture lit_card = merged_of(card, noise, dark, progress);
     const double px_mm2 = geometry.mm_per_px * geometry.mm_per_px;
     const Eigen::Vector3d light = sum_of(lit_card) * px_mm2 / card_albedo;  // Phi
     if (!(light.minCoeff() > 0))
@@ -211,7 +229,7 @@ SweptResponses measure_sweep(const std::vector<SweepExposures>& frames, const Sw
     for (std::size_t from = 0; from < frames.size(); ++from) {
         progress.check_cancelled();
         const std::string name = frames[from].lit.front().file.string();
-        const MergedPicture picture = merged_of(frames[from], noise, progress);
+        const MergedPicture picture = merged_of(frames[from], noise, dark, progress);
         const std::vector<Eigen::Vector3d> means = cells.of(picture, name);
         const Eigen::Vector3d total = (sum_of(picture) * px_mm2).cwiseQuotient(light);
         for (std::size_t c = 0; c < 3; ++c) {
