@@ -6,8 +6,8 @@
 
 #include "base/contracts.h"
 #include "base/parallel.h"
+#include "optics/grid/lattice.h"
 #include "optics/numerics/parallel_sort.h"
-#include "optics/transport/lattice.h"
 
 namespace voxtone::optics {
 namespace {

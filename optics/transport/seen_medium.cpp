@@ -12,7 +12,7 @@ namespace voxtone::optics {
 namespace {
 
 /// f_r of the header, with w_l = exp(-step l); returns sum_rl s_rl w_l.
-double weigh_layers(const ViewingGrid::Mixture& mixture, double step, std::vector<double>& fractions) {
+double weigh_layers(const Mixture& mixture, double step, std::vector<double>& fractions) {
     std::fill(fractions.begin(), fractions.end(), 0.0);
     double all = 0;
     for (const auto& [material, layer, share] : mixture.holds) {
@@ -34,7 +34,7 @@ double SeenMedium::fall(const Medium& mean, std::size_t axis) const {
     return 2 * strength * kappa * pitch_mm[axis];
 }
 
-Medium SeenMedium::operator()(const ViewingGrid::Mixture& mixture, std::size_t channel) const {
+Medium SeenMedium::operator()(const Mixture& mixture, std::size_t channel) const {
     if (mixture.holds.size() == 1) {
         const auto [material, layer, share] = mixture.holds[0];
         const Medium whole = resins.resins[material - 1u].medium(channel);
@@ -57,8 +57,8 @@ Medium SeenMedium::operator()(const ViewingGrid::Mixture& mixture, std::size_t c
     return {filled * medium.sigma_a, filled * medium.sigma_s};
 }
 
-void SeenMedium::derivatives(const ViewingGrid::Mixture& mixture, std::size_t channel, std::size_t axis,
-                             std::size_t layers, std::span<std::array<double, 2>> out) const {
+void SeenMedium::derivatives(const Mixture& mixture, std::size_t channel, std::size_t axis, std::size_t layers,
+                             std::span<std::array<double, 2>> out) const {
     const std::size_t n = resins.resins.size();
     VOXTONE_EXPECT(out.size() == n * layers);
     std::vector<double> fractions(n), by_absorption(n), by_scattering(n);
@@ -100,7 +100,7 @@ namespace {
 constexpr std::size_t media_per_task = 1 << 8;
 
 std::vector<TransportMedium> media_of_mixtures(const TransportMedia& media_of, const SeenMedium& seen,
-                                               const std::vector<ViewingGrid::Mixture>& mixtures, std::size_t channel) {
+                                               const std::vector<Mixture>& mixtures, std::size_t channel) {
     std::vector<TransportMedium> media(mixtures.size());
     parallel_for(1, mixtures.size(), media_per_task, [&](std::size_t m) {
         media[m] = media_of(seen(mixtures[m], channel));
@@ -109,7 +109,7 @@ std::vector<TransportMedium> media_of_mixtures(const TransportMedia& media_of, c
     return media;
 }
 
-/// By GridBlock::medium.
+/// By GridContents::core_medium.
 std::vector<TransportMedium> media_of_core(const ViewingGrid& grid, const EffectiveMedium& halftone,
                                            const ResinSet& resins, std::size_t channel) {
     const std::size_t halftones = grid.core_shares.size() / grid.resins;
@@ -138,7 +138,7 @@ float sent_back_under(const ViewingGrid& grid, const Place& from, const std::arr
     return static_cast<float>(sum / (samples * samples));
 }
 
-void add_sheet(const ViewingGrid& grid, double eta, std::size_t channel, ViewingTransport::Media& media) {
+void add_sheet(const ViewingGrid& grid, double eta, std::size_t channel, GridMedia& media) {
     const double rho = reflectance_in_air(eta);
     const auto& view = grid.view_voxels;
     media.sheet.assign(grid.open_faces.size(), 0.0f);
@@ -162,10 +162,10 @@ std::shared_ptr<const TransportMedia> media_of_cells(const ViewingGrid& grid) {
     return shared_media(grid.directions, grid.edge_mm(), viewing_theta);
 }
 
-ViewingTransport::Media media_of_grid(const ViewingGrid& grid, const EffectiveMedium& halftone, const ResinSet& resins,
-                                      std::size_t channel) {
+GridMedia media_of_grid(const ViewingGrid& grid, const EffectiveMedium& halftone, const ResinSet& resins,
+                        std::size_t channel) {
     const SeenMedium seen{halftone, resins, grid.pitch_mm};
-    ViewingTransport::Media media;
+    GridMedia media;
     media.cells = media_of_mixtures(*media_of_cells(grid), seen, grid.mixtures, channel);
     media.core = media_of_core(grid, halftone, resins, channel);
     if (grid.backing == Backing::sheet) add_sheet(grid, resins.eta, channel, media);

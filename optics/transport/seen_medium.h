@@ -19,7 +19,7 @@
 #include <span>
 
 #include "optics/media/effective_medium.h"
-#include "optics/transport/viewing_transport.h"
+#include "optics/transport/channel_media.h"
 
 namespace voxtone::optics {
 
@@ -28,11 +28,11 @@ struct SeenMedium {
     const ResinSet& resins;
     std::array<double, 3> pitch_mm{};
 
-    [[nodiscard]] Medium operator()(const ViewingGrid::Mixture& mixture, std::size_t channel) const;
+    [[nodiscard]] Medium operator()(const Mixture& mixture, std::size_t channel) const;
     /// out[layer * resins + resin] = d (sigma_a, sigma_s) / d s_rl, the weights w taken as fixed. A cell of one resin,
     /// whose layers the mixture does not tell apart, has its resin in `layers` equal ones along `axis`; a cell of more
     /// has those of the mixture.
-    void derivatives(const ViewingGrid::Mixture& mixture, std::size_t channel, std::size_t axis, std::size_t layers,
+    void derivatives(const Mixture& mixture, std::size_t channel, std::size_t axis, std::size_t layers,
                      std::span<std::array<double, 2>> out) const;
 
 private:
@@ -40,10 +40,10 @@ private:
     [[nodiscard]] double fall(const Medium& mean, std::size_t axis) const;
 };
 
-/// The media of a grid that was filled (viewing_palette.h): seen media of its cells and parts, with the albedo that
+/// The media of a grid that was filled (homogenisation.h): seen media of its cells and parts, with the albedo that
 /// makes half-spaces exact (transport_medium.h), and what its core is to diffusion.
-[[nodiscard]] ViewingTransport::Media media_of_grid(const ViewingGrid& grid, const EffectiveMedium& halftone,
-                                                    const ResinSet& resins, std::size_t channel);
+[[nodiscard]] GridMedia media_of_grid(const ViewingGrid& grid, const EffectiveMedium& halftone, const ResinSet& resins,
+                                      std::size_t channel);
 
 /// Of its cells, as media_of_grid has them.
 [[nodiscard]] std::shared_ptr<const TransportMedia> media_of_cells(const ViewingGrid& grid);

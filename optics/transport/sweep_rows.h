@@ -13,9 +13,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
-#include "optics/transport/viewing_grid.h"
+#include "base/parallel.h"
+#include "optics/grid/viewing_grid.h"
 
 namespace voxtone::optics {
 
@@ -41,6 +43,16 @@ struct SweepRows {
     /// Tasks divided by those of the longest way through them: how many there are to do at once, on average.
     [[nodiscard]] double at_once() const;
 };
+
+/// body(row, back) of all: one after the other, or at once where there are several fronts.
+template <class Body>
+void cross_rows(const SweepRows& rows, Body&& body) {
+    const auto cross = [&](std::uint32_t task) { body(std::size_t{task / 2}, std::size_t{task % 2}); };
+    if (rows.fronts > 1)
+        parallel_graph(std::span<const RowFollowers>(rows.followers), cross);
+    else
+        for (const std::uint32_t task : rows.serial) cross(task);
+}
 
 /// Of light that runs up, or down. `fronts`: planes that may be crossed at once, at least 1.
 [[nodiscard]] SweepRows sweep_rows(const ViewingGrid& grid, bool down, std::size_t fronts);

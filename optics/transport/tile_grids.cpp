@@ -9,9 +9,9 @@
 #include "base/contracts.h"
 #include "base/parallel.h"
 #include "base/step_part.h"
-#include "optics/transport/refinement.h"
-#include "optics/transport/viewing_grid_builder.h"
-#include "optics/transport/viewing_palette.h"
+#include "optics/grid/homogenisation.h"
+#include "optics/grid/refinement.h"
+#include "optics/grid/viewing_grid_builder.h"
 #include "optics/transport/viewing_transport.h"
 
 namespace voxtone::optics {
@@ -198,7 +198,7 @@ void TileGrids::make_all(const Progress* progress) {
 
 bool TileGrids::fill(Tile& tile, const ResinVolume& volume, const Progress* progress) const {
     std::vector<std::uint8_t> wanted;
-    if (!optics::fill(tile.shape->grid, volume, wanted, progress)) {
+    if (!homogenise(tile.shape->grid, volume, wanted, progress)) {
         tile.also.resize(wanted.size(), 0);
         for (std::size_t i = 0; i < wanted.size(); ++i) tile.also[i] |= wanted[i];
         return false;

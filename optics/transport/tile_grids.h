@@ -19,12 +19,12 @@
 #include <utility>
 #include <vector>
 
+#include "optics/grid/viewing_faces.h"
+#include "optics/grid/viewing_grid.h"
+#include "optics/grid/viewing_tiles.h"
 #include "optics/numerics/list_store.h"
 #include "optics/transport/transport_options.h"
-#include "optics/transport/viewing_faces.h"
 #include "optics/transport/viewing_field.h"
-#include "optics/transport/viewing_grid.h"
-#include "optics/transport/viewing_tiles.h"
 
 namespace voxtone::optics {
 

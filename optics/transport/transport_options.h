@@ -8,16 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "optics/grid/block_contrast.h"
 #include "optics/numerics/scratch_space.h"
 
 namespace voxtone::optics {
-
-/// Which blocks of a viewing grid have cells no larger than voxels (refinement.h).
-enum class Refinement : std::uint8_t {
-    none,
-    contrast,  ///< those that light enters, of several resins or at an edge between two: deeper ones are out of sight
-    all
-};
 
 struct TransportOptions {
     /// >= 1. A prediction that stands alone makes so many, and up to twice as many until one changes less than

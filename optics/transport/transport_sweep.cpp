@@ -494,92 +494,110 @@ struct Front {
     std::vector<std::uint8_t> y_fine, z_fine;
 };
 
-void sweep(const SweepJob& job, int half) {
-    const ViewingGrid& grid = job.grid;
-    const std::array<CellKind, 2> kinds = cell_kinds(job);
-    const std::array<int, 3>&fine = kinds[0].n, &coarse = kinds[1].n;
-    const std::array<int, 3> ratio{fine[0] / coarse[0], fine[1] / coarse[1], fine[2] / coarse[2]};
-    const auto per_x = static_cast<std::size_t>(fine[1] * fine[2]), per_y = static_cast<std::size_t>(fine[0] * fine[2]),
-               per_z = static_cast<std::size_t>(fine[0] * fine[1]);
-    const auto across = static_cast<std::size_t>(grid.lattice[0]), deep = static_cast<std::size_t>(grid.lattice[1]);
-    std::array<Octant, 4> octants;
-    std::array<std::vector<PartPlace>, 4> parts;
-    std::array<Front, 4> fronts;
-    for (int k = 0; k < 4; ++k) {
-        const auto i = static_cast<std::size_t>(k);
-        octants[i] = make_octant(grid, k + 4 * half, kinds);
-        if (!job.parts.light.empty()) parts[i] = parts_in_order(octants[i], grid.fine.split);
-        Front& front = fronts[i];
-        front.y.resize(per_y * across * job.rows.fronts);
-        front.z.resize(per_z * across * deep);
-        front.y_fine.assign(across * job.rows.fronts, 0);
-        front.z_fine.assign(across * deep, 0);
+/// The light of one half on its way: what there is on the faces between blocks, octant by octant.
+class HalfSweep {
+public:
+    HalfSweep(const SweepJob& job, int half) : job_(job), grid_(job.grid), any_fine_(!job.parts.light.empty()) {
+        const std::array<CellKind, 2> kinds = cell_kinds(job);
+        fine_ = kinds[0].n;
+        for (std::size_t a = 0; a < 3; ++a) ratio_[a] = fine_[a] / kinds[1].n[a];
+        const std::size_t across = product({grid_.lattice[0], 1, 1}),
+                          plane = product({grid_.lattice[0], grid_.lattice[1], 1});
+        for (std::size_t k = 0; k < 4; ++k) {
+            octants_[k] = make_octant(grid_, static_cast<int>(k) + 4 * half, kinds);
+            if (any_fine_) parts_[k] = parts_in_order(octants_[k], grid_.fine.split);
+            Front& front = fronts_[k];
+            front.y.resize(cells_across(1) * across * job.rows.fronts);
+            front.z.resize(cells_across(2) * plane);
+            front.y_fine.assign(across * job.rows.fronts, 0);
+            front.z_fine.assign(plane, 0);
+        }
     }
-    const bool any_fine = !job.parts.light.empty();
-    const auto fit = [&](V8* face, auto& is_fine, bool wanted, std::size_t a, std::size_t b) {
-        if (static_cast<bool>(is_fine) == wanted) return;
-        if (wanted)
-            to_fine(face, fine[a], fine[b], ratio[a], ratio[b]);
-        else
-            to_coarse(face, fine[a], fine[b], ratio[a], ratio[b]);
-        is_fine = wanted;
-    };
-    constexpr std::array solid_block{&sweep_solid_block<false, false>, &sweep_solid_block<true, false>,
-                                     &sweep_solid_block<false, true>, &sweep_solid_block<true, true>};
-    const auto cross_blocks = [&](std::size_t row, std::size_t k) {
-        const Octant& o = octants[k];
-        CellFaces on{};
-        Front& front = fronts[k];
-        // On the stack where no cell is cut: whole rows come and go too fast for the heap.
-        std::array<Octet, 16> of_whole_cells{};
-        std::vector<Octet> of_parts(any_fine ? per_x : 0), fitted(parts[k].size()), seen(parts[k].size());
-        Octet* const front_x = any_fine ? of_parts.data() : of_whole_cells.data();
-        bool x_fine = false;
-        const std::size_t begin = grid.transport_rows[row], end = grid.transport_rows[row + 1];
+
+    /// A row of blocks, by octant k of the half.
+    void cross(std::size_t row, std::size_t k) {
+        const Octant& o = octants_[k];
+        Front& front = fronts_[k];
+        RowWork work(any_fine_ ? cells_across(0) : 0, parts_[k].size());
+        std::uint8_t x_fine = 0;
+        const std::size_t begin = grid_.transport_rows[row], end = grid_.transport_rows[row + 1];
         for (std::size_t i = begin; i < end; ++i) {
             const std::size_t t = o.back[0] ? end - 1 - (i - begin) : i;
-            const GridBlock& block = grid.transport_block(t);
+            const GridBlock& block = grid_.transport_block(t);
             const std::size_t next = i + 1 == end ? t : o.back[0] ? t - 1 : t + 1;
-            if (next != t) {
-                const GridBlock& later = grid.transport_block(next);
-                prefetch_light(job, o, later);
-                prefetch(&job.cells.light[later.first_cell], 64 * sizeof(Moments));
-                prefetch(&job.cells.sum[later.first_cell], 64 * sizeof(Moments));
-            }
-            const bool in_parts = any_fine && grid.fine.first[t] != not_fine;
-            const auto bx = static_cast<std::size_t>(block.at[0]);
-            const std::size_t bz = static_cast<std::size_t>(block.at[1]) * across + bx;
-            const std::size_t by = job.rows.front[row] * across + bx;
-            const BlockFaces faces{as_vectors(front_x), as_vectors(front.y.data() + per_y * by),
-                                   as_vectors(front.z.data() + per_z * bz)};
+            if (next != t) prefetch_block(o, grid_.transport_block(next));
+            const bool in_parts = any_fine_ && grid_.fine.first[t] != not_fine;
+            const std::size_t along_y = at3({block.at[0], static_cast<int>(job_.rows.front[row]), 0}, grid_.lattice),
+                              along_z = at3({block.at[0], block.at[1], 0}, grid_.lattice);
+            const BlockFaces faces{as_vectors(work.front()), as_vectors(front.y.data() + cells_across(1) * along_y),
+                                   as_vectors(front.z.data() + cells_across(2) * along_z)};
             fit(faces.x, x_fine, in_parts, 1, 2);
-            fit(faces.y, front.y_fine[by], in_parts, 0, 2);
-            fit(faces.z, front.z_fine[bz], in_parts, 0, 1);
+            fit(faces.y, front.y_fine[along_y], in_parts, 0, 2);
+            fit(faces.z, front.z_fine[along_z], in_parts, 0, 1);
             if (in_parts && o.is_first()) {
-                std::fill_n(&job.cells.sum[block.first_cell], 64, Moments{});
-                std::fill_n(&job.parts.sum[grid.fine.first[t]], 64 * parts[k].size(), Moments{});
+                std::fill_n(&job_.cells.sum[block.first_cell], 64, Moments{});
+                std::fill_n(&job_.parts.sum[grid_.fine.first[t]], 64 * parts_[k].size(), Moments{});
             }
             if (in_parts)
-                sweep_parts(job, o, job.parts.media.data(), t, grid.fine.first[next] != not_fine ? next : t, block,
-                            faces, parts[k], {as_vectors(fitted.data()), as_vectors(seen.data())});
+                sweep_parts(job_, o, job_.parts.media.data(), t, grid_.fine.first[next] != not_fine ? next : t, block,
+                            faces, parts_[k], work.cells());
             else if (block.solid == ~std::uint64_t{0})
-                solid_block[k](job, o, job.cells.media.data(), block, faces);
+                solid_block[k](job_, o, job_.cells.media.data(), block, faces);
             else
-                sweep_surface_block(job, o, job.cells.media.data(), block, faces, on);
+                sweep_surface_block(job_, o, job_.cells.media.data(), block, faces, work.on);
         }
+    }
+
+private:
+    static constexpr std::array solid_block{&sweep_solid_block<false, false>, &sweep_solid_block<true, false>,
+                                            &sweep_solid_block<false, true>, &sweep_solid_block<true, true>};
+
+    /// Where a row is worked at: on the stack where no cell is cut, for whole rows come and go too fast for the heap.
+    struct RowWork {
+        RowWork(std::size_t fine_across, std::size_t parts) : of_parts(fine_across), fitted(parts), seen(parts) {}
+        [[nodiscard]] Octet* front() { return of_parts.empty() ? of_whole_cells.data() : of_parts.data(); }
+        [[nodiscard]] CellLight cells() { return {as_vectors(fitted.data()), as_vectors(seen.data())}; }
+        CellFaces on{};
+        std::array<Octet, 16> of_whole_cells{};
+        std::vector<Octet> of_parts, fitted, seen;
     };
+
+    /// Fine cells on a block's face across an axis.
+    [[nodiscard]] std::size_t cells_across(std::size_t axis) const {
+        return static_cast<std::size_t>(fine_[(axis + 1) % 3] * fine_[(axis + 2) % 3]);
+    }
+
+    void prefetch_block(const Octant& o, const GridBlock& later) const {
+        prefetch_light(job_, o, later);
+        prefetch(&job_.cells.light[later.first_cell], 64 * sizeof(Moments));
+        prefetch(&job_.cells.sum[later.first_cell], 64 * sizeof(Moments));
+    }
+
+    /// Light on a face of cells across a and b, as the block that it comes to has them.
+    void fit(V8* face, std::uint8_t& is_fine, bool wanted, std::size_t a, std::size_t b) const {
+        if (static_cast<bool>(is_fine) == wanted) return;
+        (wanted ? to_fine : to_coarse)(face, fine_[a], fine_[b], ratio_[a], ratio_[b]);
+        is_fine = wanted;
+    }
+
+    const SweepJob& job_;
+    const ViewingGrid& grid_;
+    const bool any_fine_;
+    std::array<int, 3> fine_{}, ratio_{};  ///< fine cells of a block along each axis, and of a cell
+    std::array<Octant, 4> octants_;
+    std::array<std::vector<PartPlace>, 4> parts_;
+    std::array<Front, 4> fronts_;
+};
+
+void sweep(const SweepJob& job, int half) {
+    HalfSweep light(job, half);
     // All four octants of one way along z cross a plane of blocks before the next one, and both ways along x a row,
     // while its cells are in the cache.
-    const auto cross = [&](std::uint32_t task) {
+    cross_rows(job.rows, [&](std::size_t row, std::size_t back) {
         if (job.progress) job.progress->check_cancelled();
-        const std::size_t row = task / 2, back = task % 2;
-        cross_blocks(row, 2 * back);
-        cross_blocks(row, 2 * back + 1);
-    };
-    if (job.rows.fronts > 1)
-        parallel_graph(std::span<const RowFollowers>(job.rows.followers), cross);
-    else
-        for (const std::uint32_t task : job.rows.serial) cross(task);
+        light.cross(row, 2 * back);
+        light.cross(row, 2 * back + 1);
+    });
 }
 
 }  // namespace voxtone::optics::HWY_NAMESPACE

@@ -43,9 +43,9 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "optics/grid/viewing_grid.h"
 #include "optics/transport/sweep_rows.h"
 #include "optics/transport/transport_medium.h"
-#include "optics/transport/viewing_grid.h"
 
 namespace voxtone::optics {
 
@@ -79,7 +79,7 @@ struct alignas(64) SweepMedium {
 [[nodiscard]] std::vector<SweepMedium> sweep_media(const DirectionSet& set, const std::array<double, 3>& edge_mm,
                                                    float theta, std::span<const TransportMedium> media);
 
-/// The cells of one kind of blocks: whole ones, or the parts of those that are cut finer (ViewingGrid::Fine).
+/// The cells of one kind of blocks: whole ones, or the parts of those that are cut finer (FineBlocks).
 struct SweepCells {
     std::span<const SweepMedium> media;  ///< by what the grid says that they hold, of this channel and `theta`
     std::span<const Moments> light;      ///< phi and J of what is scattered

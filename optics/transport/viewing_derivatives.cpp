@@ -3,15 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "base/parallel.h"
+#include "optics/numerics/lanes.h"
 
 namespace voxtone::optics {
 namespace {
 
-// Eight directions side by side. A vector type of the compiler: left to itself it takes them one by one.
-using Eight __attribute__((vector_size(32))) = float;
+using Eight = FloatLanes<8>;  // directions side by side
 
 void load(Eight& to, const Octet& from) { std::memcpy(&to, &from, sizeof to); }
 

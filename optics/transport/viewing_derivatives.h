@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
+#include "optics/grid/viewing_grid.h"
 #include "optics/transport/transport_medium.h"
 #include "optics/transport/viewing_field.h"
-#include "optics/transport/viewing_grid.h"
 
 namespace voxtone::optics {
 

@@ -2,11 +2,11 @@
 #include "optics/transport/viewing_diffusion.h"
 
 #include <algorithm>
-#include <cstring>
 #include <utility>
 
 #include "base/contracts.h"
 #include "base/parallel.h"
+#include "optics/numerics/lanes.h"
 #include "optics/numerics/prefetch.h"
 
 namespace voxtone::optics {
@@ -98,21 +98,6 @@ struct At {
     float operator()(std::size_t i) const { return values[i]; }
 };
 
-// Rows are vector types of the compiler: left to itself it takes their floats one by one.
-template <int n>
-using Floats __attribute__((vector_size(4 * n))) = float;
-using Places4 __attribute__((vector_size(16))) = std::int32_t;
-
-template <int n>
-Floats<n> load(const float* from) {
-    Floats<n> v;
-    std::memcpy(&v, from, sizeof v);
-    return v;
-}
-template <class V>
-void store(float* to, const V& v) {
-    std::memcpy(to, &v, sizeof v);
-}
 /// 1 where it is not above 0.
 template <class V>
 V safe(const V& v) {
@@ -123,34 +108,36 @@ V safe(const V& v) {
 template <int n>
 struct Row {
     static constexpr int m = n + 2;
-    using V = Floats<n>;
+    using V = FloatLanes<n>;
     int at;  ///< its first cell
     V x, y, z, low_x, low_y, low_z, inverse;
     /// The row (j, k).
     template <class Low>
     Row(const BlockStencil<n>& s, const Low& low, int j, int k)
         : at((k * n + j) * n),
-          x(load<n>(s.x + at)),
-          y(load<n>(s.y + at)),
-          z(load<n>(s.z + at)),
+          x(load_lanes<n>(s.x + at)),
+          y(load_lanes<n>(s.y + at)),
+          z(load_lanes<n>(s.z + at)),
           low_x(V{} + low.x[k * n + j]),
-          low_y(load<n>(j > 0 ? s.y + at - n : low.y + k * n)),
-          low_z(load<n>(k > 0 ? s.z + at - n * n : low.z + j * n)),
-          inverse(load<n>(s.inverse + at)) {
+          low_y(load_lanes<n>(j > 0 ? s.y + at - n : low.y + k * n)),
+          low_z(load_lanes<n>(k > 0 ? s.z + at - n * n : low.z + j * n)),
+          inverse(load_lanes<n>(s.inverse + at)) {
         if constexpr (n == 4)
-            low_x = __builtin_shuffle(low_x, x, Places4{0, 4, 5, 6});
+            low_x = __builtin_shuffle(low_x, x, IntLanes<4>{0, 4, 5, 6});
         else
             low_x[1] = x[0];
     }
     /// What flows in from the neighbours along y and z; `here`: the row's values in a patch.
     [[nodiscard]] V across(const float* here) const {
-        return low_y * load<n>(here - m) + y * load<n>(here + m) + low_z * load<n>(here - m * m) +
-               z * load<n>(here + m * m);
+        return low_y * load_lanes<n>(here - m) + y * load_lanes<n>(here + m) + low_z * load_lanes<n>(here - m * m) +
+               z * load_lanes<n>(here + m * m);
     }
-    [[nodiscard]] V along(const float* here) const { return low_x * load<n>(here - 1) + x * load<n>(here + 1); }
+    [[nodiscard]] V along(const float* here) const {
+        return low_x * load_lanes<n>(here - 1) + x * load_lanes<n>(here + 1);
+    }
     /// A x, where there is an equation.
     [[nodiscard]] V apply(const float* here) const {
-        const V value = load<n>(here) / safe(inverse) - (across(here) + along(here));
+        const V value = load_lanes<n>(here) / safe(inverse) - (across(here) + along(here));
         return inverse > 0 ? value : V{};
     }
 };
@@ -162,8 +149,8 @@ float* row_of(Patch<n>& patch, int j, int k) {
 }
 
 /// cell_contact of four cells and those a step further.
-Floats<4> contacts(float k, const float* D, int step) {
-    const Floats<4> D1 = load<4>(D), D2 = load<4>(D + step);
+FloatLanes<4> contacts(float k, const float* D, int step) {
+    const FloatLanes<4> D1 = load_lanes<4>(D), D2 = load_lanes<4>(D + step);
     return k * D1 * D2 / safe(D1 + D2);
 }
 
@@ -172,8 +159,9 @@ void find_diagonal(BlockStencil<n>& block, const Low& low, const float* loss) {
     for (int k = 0; k < n; ++k)
         for (int j = 0; j < n; ++j) {
             const Row<n> row(block, low, j, k);
-            const Floats<n> sum = load<n>(loss + row.at) + row.low_x + row.x + row.low_y + row.y + row.low_z + row.z;
-            store(block.inverse + row.at, sum > 0 ? 1.0f / safe(sum) : Floats<n>{});
+            const FloatLanes<n> sum =
+                load_lanes<n>(loss + row.at) + row.low_x + row.x + row.low_y + row.y + row.low_z + row.z;
+            put(sum > 0 ? 1.0f / safe(sum) : FloatLanes<n>{}, block.inverse + row.at);
         }
 }
 
@@ -260,7 +248,7 @@ void ViewingDiffusion::prepare(std::span<const float> D_of_medium, std::span<con
 void ViewingDiffusion::make_fine(std::span<const float> D_of_medium, std::span<const float> D_of_core,
                                  std::span<const float> cell_loss, std::span<BlockStencil<4>> blocks) {
     const auto D_at = [&](std::size_t cell) { return D_of_medium[grid_.medium[cell]]; };
-    const auto core_D = [&](std::uint32_t core) { return D_of_core[grid_.blocks[grid_.core_block[core]].medium]; };
+    const auto core_D = [&](std::uint32_t core) { return D_of_core[grid_.core_medium[core]]; };
     parallel_for(0, neighbour_.size(), stencils_per_task, [&](std::size_t t) {
         constexpr int m = 6;
         Patch<4> D;
@@ -271,12 +259,12 @@ void ViewingDiffusion::make_fine(std::span<const float> D_of_medium, std::span<c
             for (int j = 0; j < 4; ++j) {
                 const float* const here = row_of(D, j, k);
                 const int row = (k * 4 + j) * 4;
-                store(block.x + row, contacts(k_[0], here, 1));
-                store(block.y + row, contacts(k_[1], here, m));
-                store(block.z + row, contacts(k_[2], here, m * m));
+                put(contacts(k_[0], here, 1), block.x + row);
+                put(contacts(k_[1], here, m), block.y + row);
+                put(contacts(k_[2], here, m * m), block.z + row);
                 low.x[k * 4 + j] = cell_contact(0, here[-1], here[0]);
-                if (j == 0) store(low.y + k * 4, contacts(k_[1], here - m, m));
-                if (k == 0) store(low.z + j * 4, contacts(k_[2], here - m * m, m * m));
+                if (j == 0) put(contacts(k_[1], here - m, m), low.y + k * 4);
+                if (k == 0) put(contacts(k_[2], here - m * m, m * m), low.z + j * 4);
             }
         for (std::size_t f = 0; f < 6; ++f) {
             const std::int32_t s = side_of_[t][f];
@@ -362,7 +350,7 @@ void ViewingDiffusion::close_middle() {
 /// One node a block, and those of the core.
 void ViewingDiffusion::make_coarse(std::span<const float> D_of_core, std::span<const float> core_loss) {
     const std::size_t n = neighbour_.size();
-    const auto core_D = [&](std::uint32_t core) { return D_of_core[grid_.blocks[grid_.core_block[core]].medium]; };
+    const auto core_D = [&](std::uint32_t core) { return D_of_core[grid_.core_medium[core]]; };
     std::vector<float> conductance, loss(n + core_loss.size());
     for (std::size_t t = 0; t < n; ++t) {
         for (std::size_t i = 0; i < 8; ++i) loss[t] += middle_loss_[8 * t + i];
@@ -419,17 +407,18 @@ void ViewingDiffusion::relax(const Level<n>& level, std::span<const float> b, st
                 float* const here = row_of(patch, j, k);
                 // The way along the row, where each cell waits for the one before, is one multiplication and one
                 // addition long.
-                const Floats<n> known = (load<n>(right + row.at) + row.across(here) +
-                                         (back ? row.low_x * load<n>(here - 1) : row.x * load<n>(here + 1))) *
-                                        row.inverse;
-                const Floats<n> pass = (back ? row.x : row.low_x) * row.inverse;
-                Floats<n> now;
+                const FloatLanes<n> known =
+                    (load_lanes<n>(right + row.at) + row.across(here) +
+                     (back ? row.low_x * load_lanes<n>(here - 1) : row.x * load_lanes<n>(here + 1))) *
+                    row.inverse;
+                const FloatLanes<n> pass = (back ? row.x : row.low_x) * row.inverse;
+                FloatLanes<n> now;
                 float last = back ? here[n] : here[-1];
                 if (back)
                     for (int i = n; i-- > 0;) now[i] = last = known[i] + pass[i] * last;
                 else
                     for (int i = 0; i < n; ++i) now[i] = last = known[i] + pass[i] * last;
-                store(here, now);
+                put(now, here);
             };
             if (back) {
                 for (int k = n; k-- > 0;)
@@ -485,7 +474,8 @@ void ViewingDiffusion::restrict_to(const Level<n>& level, std::span<const float>
             for (int j = 0; j < n; ++j) {
                 const Row<n> row(level.block[t], level.low[t], j, k);
                 const float* const here = row_of(patch, j, k);
-                const Floats<n> r = (row.inverse > 0 ? load<n>(right + row.at) : Floats<n>{}) - row.apply(here);
+                const FloatLanes<n> r =
+                    (row.inverse > 0 ? load_lanes<n>(right + row.at) : FloatLanes<n>{}) - row.apply(here);
                 for (int i = 0; i < n; ++i) sum[((k / 2) * half + j / 2) * half + i / 2] += r[i];
             }
         for (int i = 0; i < half * half * half; ++i)
@@ -521,9 +511,9 @@ void ViewingDiffusion::cycle(Vector b, Vector x, const Progress* progress) {
     parallel_for(0, n, stencils_per_task, [&](std::size_t t) {
         for (std::size_t row = 0; row < 16; ++row) {
             const float* const from = x1_.data() + 8 * t + (row / 8 * 2 + row / 2 % 2) * 2;
-            const Floats<4> more{from[0], from[0], from[1], from[1]};
+            const FloatLanes<4> more{from[0], from[0], from[1], from[1]};
             float* const to = x.cells.data() + 64 * t + 4 * row;
-            store(to, load<4>(to) + (load<4>(fine_[t].inverse + 4 * row) > 0 ? more : Floats<4>{}));
+            put(load_lanes<4>(to) + (load_lanes<4>(fine_[t].inverse + 4 * row) > 0 ? more : FloatLanes<4>{}), to);
         }
     });
     relax(fine, b.cells, x.cells, x.core, true);
@@ -540,7 +530,7 @@ void ViewingDiffusion::apply(Vector x, Vector out) const {
             for (int j = 0; j < n; ++j) {
                 const Row<n> row(fine.block[t], fine.low[t], j, k);
                 const float* const here = row_of(patch, j, k);
-                store(to + row.at, row.apply(here));
+                put(row.apply(here), to + row.at);
             }
     });
     for (std::size_t i = 0; i < x.core.size(); ++i) out.core[i] = core_loss_[i] * x.core[i];
@@ -561,16 +551,16 @@ ViewingDiffusion::Flows ViewingDiffusion::flows(std::size_t t, std::span<const f
             const float *const d = row_of(D, j, k), *const v = row_of(value, j, k);
             const int row = (k * 4 + j) * 4;
             const auto flow = [&](std::size_t axis, int step, int from) {
-                return contacts(k_[axis], d + from, step) * (load<4>(v + from) - load<4>(v + from + step));
+                return contacts(k_[axis], d + from, step) * (load_lanes<4>(v + from) - load_lanes<4>(v + from + step));
             };
-            store(sum[0].data() + row, flow(0, 1, -1) + flow(0, 1, 0));
-            store(sum[1].data() + row, flow(1, m, -m) + flow(1, m, 0));
-            store(sum[2].data() + row, flow(2, m * m, -m * m) + flow(2, m * m, 0));
+            put(flow(0, 1, -1) + flow(0, 1, 0), sum[0].data() + row);
+            put(flow(1, m, -m) + flow(1, m, 0), sum[1].data() + row);
+            put(flow(2, m * m, -m * m) + flow(2, m * m, 0), sum[2].data() + row);
         }
     for (std::size_t f = 0; f < 6; ++f) {
         if (side_of_[t][f] < 0) continue;
         const std::uint32_t core = sides_[static_cast<std::size_t>(side_of_[t][f])].core;
-        const float beyond = D_of_core[grid_.blocks[grid_.core_block[core]].medium], sign = f % 2 ? 1.0f : -1.0f;
+        const float beyond = D_of_core[grid_.core_medium[core]], sign = f % 2 ? 1.0f : -1.0f;
         for (int j = 0; j < 4; ++j)
             for (int i = 0; i < 4; ++i) {
                 const auto place = static_cast<std::size_t>(on_side<4>(f, i, j)), cell = 64 * t + place;

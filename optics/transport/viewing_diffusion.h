@@ -25,8 +25,8 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "optics/grid/viewing_grid.h"
 #include "optics/transport/multigrid.h"
-#include "optics/transport/viewing_grid.h"
 
 namespace voxtone::optics {
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "optics/numerics/lanes.h"
+
 namespace voxtone::optics {
 
 ViewingField::BlockCode block_code(const Moments* moments, std::uint64_t solid) {
@@ -30,9 +32,6 @@ ViewingField::BlockCode block_code(const Moments* moments, std::uint64_t solid) 
 }
 
 ViewingField::FaceCode face_code(const Octet* out) {
-    // Vector types of the compiler: left to itself it takes these floats one by one.
-    using Four __attribute__((vector_size(16))) = float;
-    using Four32 __attribute__((vector_size(16))) = std::int32_t;
     constexpr std::size_t fours = 8;
     std::array<Four, fours> v;
     std::memcpy(v.data(), out, sizeof v);
@@ -50,7 +49,7 @@ ViewingField::FaceCode face_code(const Octet* out) {
                 per_unit = high > low ? 255 / (high - low) : 0;
     ViewingField::FaceCode face{phi_code(low), phi_code(high), {}};
     for (std::size_t k = 0; k < fours; ++k) {
-        const Four32 share = __builtin_convertvector((v[k] - low) * per_unit + 0.5f, Four32);
+        const IntLanes<4> share = __builtin_convertvector((v[k] - low) * per_unit + 0.5f, IntLanes<4>);
         for (std::size_t i = 0; i < 4; ++i) face.share[4 * k + i] = static_cast<std::uint8_t>(share[i]);
     }
     return face;

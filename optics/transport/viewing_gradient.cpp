@@ -75,7 +75,7 @@ void ViewingGradient::add(std::size_t channel, const TransportMedia& media_of, c
     parallel_ranges(1, grid_.mixtures.size(), 1 << 8, [&](std::size_t begin, std::size_t end) {
         std::vector<Pair> by_share;
         for (std::size_t m = begin; m < end; ++m) {
-            const ViewingGrid::Mixture& mixture = grid_.mixtures[m];
+            const Mixture& mixture = grid_.mixtures[m];
             const std::array<Pair, 2> by = medium_derivatives(media_of, seen(mixture, channel));
             std::size_t at = (first_row_[m] & ~alone) * resins_ * channels_ + channel;
             const bool one = first_row_[m] & alone;

@@ -35,10 +35,10 @@
 #include <span>
 #include <vector>
 
+#include "optics/grid/viewing_grid.h"
 #include "optics/scene/appearance_model.h"
 #include "optics/transport/seen_medium.h"
 #include "optics/transport/transport_medium.h"
-#include "optics/transport/viewing_grid.h"
 
 namespace voxtone::optics {
 

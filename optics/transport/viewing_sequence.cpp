@@ -10,8 +10,8 @@
 #include "base/parallel.h"
 #include "base/step_part.h"
 #include "base/stopwatch.h"
+#include "optics/grid/refinement.h"
 #include "optics/media/droplet_spread.h"
-#include "optics/transport/refinement.h"
 #include "optics/transport/seen_medium.h"
 #include "optics/transport/viewing_gradient.h"
 
@@ -92,7 +92,7 @@ std::unique_ptr<ViewingSequence> ViewingSequence::within_memory(const Scene& sce
 
 void ViewingSequence::make_live(std::size_t index, const Progress* progress) {
     const Stopwatch watch;
-    ViewingTransport::Room room = transport_ ? transport_->take_room() : ViewingTransport::Room{};
+    ViewingTransport::Workspace room = transport_ ? transport_->take_workspace() : ViewingTransport::Workspace{};
     transport_.reset();
     live_ = index;
     Tile& tile = live();
@@ -107,7 +107,7 @@ void ViewingSequence::make_live(std::size_t index, const Progress* progress) {
     if (options_.memory_bytes > 0 && needed + room.memory_bytes() > options_.memory_bytes) room = {};
     grids_.make_room(needed, tile);
     if (progress) progress->check_cancelled();
-    transport_ = std::make_unique<ViewingTransport>(live_grid(), options_, std::move(room));
+    transport_ = std::make_unique<ViewingTransport>(live_grid(), options_.start_tolerance, std::move(room));
     summary_.grid_s += watch.total();
 }
 
@@ -145,7 +145,7 @@ void ViewingSequence::refine_live(const Progress* progress) {
     summary_.grid_s += watch.total();
 }
 
-ViewingTransport::Media ViewingSequence::media_of_live(std::size_t channel) const {
+GridMedia ViewingSequence::media_of_live(std::size_t channel) const {
     return media_of_grid(live_grid(), halftone_, *scene_.resins, channel);
 }
 
@@ -166,7 +166,7 @@ void ViewingSequence::solve(bool receives, Effort effort, const Progress* progre
     std::vector<float> at_ghosts;
     for (std::size_t c = 0; c < channels(); ++c) {
         if (progress) progress->check_cancelled();
-        const ViewingTransport::Media media = media_of_live(c);
+        const GridMedia media = media_of_live(c);
         at_ghosts.clear();
         if (receives)
             for (const std::uint32_t place : live().shape->received) at_ghosts.push_back(ghosts_[c][place]);
@@ -340,7 +340,7 @@ bool ViewingSequence::gradient(std::span<const float> adjoint_seed, const Gradie
         ViewingGradient gradient(grid, seen, channels());
         std::vector<float> by_sigma_t(grid.cells()), by_sigma_s(grid.cells());
         for (std::size_t c = 0; c < channels(); ++c) {
-            const ViewingTransport::Media media = media_of_live(c);
+            const GridMedia media = media_of_live(c);
             const PartRange part = next_solve(progress);
             transport_->solve_adjoint(media, light_of(adjoint_seed, c), options_.adjoint_sweeps, summary_, progress);
             transport_->derivatives(grids_.bring(tile, c), by_sigma_t, by_sigma_s, progress);

@@ -88,7 +88,7 @@ private:
     void remake_live(const Progress* progress);
     void refine_live(const Progress* progress);
     [[nodiscard]] Appearance predict(const ResinVolume& volume, Effort effort, const Progress* progress);
-    [[nodiscard]] ViewingTransport::Media media_of_live(std::size_t channel) const;
+    [[nodiscard]] GridMedia media_of_live(std::size_t channel) const;
     /// Solves all channels of the live tile, given the light at its ghosts where it `receives` that, and sends its own;
     /// `done` is called after each channel.
     template <class Done>

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "optics/transport/refinement.h"
+#include "optics/grid/block_contrast.h"
 #include "slicer/layers/layer_bytes.h"
 #include "slicer/look/prediction_time.h"
 

@@ -13,7 +13,7 @@
 #include "base/machine_memory.h"
 #include "base/stopwatch.h"
 #include "base/warning.h"
-#include "optics/transport/refinement.h"
+#include "optics/grid/block_contrast.h"
 #include "slicer/look/coarse_cells.h"
 #include "slicer/look/prediction_time.h"
 #include "slicer/part/backing_sheet.h"

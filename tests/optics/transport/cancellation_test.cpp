@@ -9,13 +9,13 @@
 #include <vector>
 
 #include "base/error.h"
+#include "optics/grid/homogenisation.h"
+#include "optics/grid/viewing_faces.h"
+#include "optics/grid/viewing_grid_builder.h"
 #include "optics/monte_carlo/monte_carlo.h"
 #include "optics/transport/transport.h"
 #include "optics/transport/transport_sweep.h"
 #include "optics/transport/viewing_diffusion.h"
-#include "optics/transport/viewing_faces.h"
-#include "optics/transport/viewing_grid_builder.h"
-#include "optics/transport/viewing_palette.h"
 #include "optics/transport/viewing_sequence.h"
 #include "tests/counted_parts.h"
 
@@ -61,7 +61,7 @@ TEST_CASE("Grids are not made any more once that is cancelled", "[cancellation]"
 
     ViewingGrid grid = stopped.grid(nullptr);
     std::vector<std::uint8_t> wanted;
-    CHECK_THROWS_AS((void)fill(grid, stopped.volume, wanted, &stopped.stop), Cancelled);
+    CHECK_THROWS_AS((void)homogenise(grid, stopped.volume, wanted, &stopped.stop), Cancelled);
     CHECK_THROWS_AS((void)find_viewing_faces(grid, stopped.surface, &stopped.stop), Cancelled);
 }
 

@@ -8,8 +8,8 @@
 #include <cmath>
 
 #include "base/random.h"
+#include "optics/grid/transport_directions.h"
 #include "optics/transport/transport.h"
-#include "optics/transport/transport_directions.h"
 #include "optics/transport/viewing_sequence.h"
 #include "tests/optics/transport/slab_scene.h"
 

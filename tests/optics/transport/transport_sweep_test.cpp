@@ -15,8 +15,9 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
-#include "optics/transport/refinement.h"
-#include "optics/transport/viewing_grid_builder.h"
+#include "optics/grid/block_contrast.h"
+#include "optics/grid/refinement.h"
+#include "optics/grid/viewing_grid_builder.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

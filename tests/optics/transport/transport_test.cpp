@@ -7,10 +7,10 @@
 
 #include "base/error.h"
 #include "base/random.h"
+#include "optics/grid/transport_directions.h"
 #include "optics/layered/layered_appearance.h"
 #include "optics/layered/shell_appearance.h"
 #include "optics/transport/transport.h"
-#include "optics/transport/transport_directions.h"
 #include "optics/transport/transport_medium.h"
 #include "tests/same_for_threads.h"
 

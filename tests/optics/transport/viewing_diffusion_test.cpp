@@ -15,9 +15,9 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "optics/grid/viewing_grid_builder.h"
 #include "optics/transport/sweep_scratch.h"
 #include "optics/transport/viewing_field.h"
-#include "optics/transport/viewing_grid_builder.h"
 #include "tests/places.h"
 
 using namespace voxtone;

@@ -7,11 +7,11 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "optics/grid/homogenisation.h"
+#include "optics/grid/viewing_grid_builder.h"
 #include "optics/transport/seen_medium.h"
 #include "optics/transport/transport.h"
 #include "optics/transport/viewing_gradient.h"
-#include "optics/transport/viewing_grid_builder.h"
-#include "optics/transport/viewing_palette.h"
 #include "optics/transport/viewing_sequence.h"
 #include "tests/optics/colour/split_channels.h"
 
@@ -104,7 +104,7 @@ TEST_CASE("The derivatives of a seen medium agree with finite differences") {
     const SeenMedium seen{halftone, resins, j750};
     // The weights of the layers are fixed: layers alike have the same mixture, so that the mean, which decides on them,
     // may move.
-    const ViewingGrid::Mixture mixed{{{1, 0, 0.3f}, {5, 0, 0.2f}, {2, 1, 0.4f}}, 2}, one{{{3, 0, 0.8f}}, 2};
+    const Mixture mixed{{{1, 0, 0.3f}, {5, 0, 0.2f}, {2, 1, 0.4f}}, 2}, one{{{3, 0, 0.8f}}, 2};
     for (std::size_t channel = 0; channel < 3; ++channel) {
         std::vector<std::array<double, 2>> by(15);
         seen.derivatives(one, channel, 0, 3, by);
@@ -116,7 +116,7 @@ TEST_CASE("The derivatives of a seen medium agree with finite differences") {
         // What is nearer to the light counts more; all layers together count as their mean does.
         const auto departure = [&](std::size_t layer) { return by[layer * 5 + 3][0] - by[layer * 5 + 2][0]; };
         CHECK(std::abs(departure(0)) > std::abs(departure(2)));
-        ViewingGrid::Mixture with = one;
+        Mixture with = one;
         const float step = 0.01f;
         with.holds[0].share -= step;
         with.holds.push_back({4, 0, step});
@@ -146,12 +146,12 @@ TEST_CASE("A cell's derivatives are the slopes of its transport medium, white's 
         ViewingGrid grid =
             make_viewing_grid(scene, {2, 1, 3}, {0.8}, {}, {{}, BlockLattice(volume.size(), {2, 1, 3}).blocks, {}});
         std::vector<std::uint8_t> wanted;
-        REQUIRE(fill(grid, volume, wanted));
+        REQUIRE(homogenise(grid, volume, wanted));
         const TransportMedia media_of(grid.directions, grid.edge_mm());
         const Place voxel{5, 3, height};
         const ViewingGrid::Home home = grid.home_of(voxel);
         REQUIRE(home.cell >= 0);
-        const ViewingGrid::Mixture& mixture = grid.mixtures[grid.medium[static_cast<std::size_t>(home.cell)]];
+        const Mixture& mixture = grid.mixtures[grid.medium[static_cast<std::size_t>(home.cell)]];
         const auto layers = static_cast<std::size_t>(grid.view_voxels[home.axis]);
         for (std::size_t channel = 0; channel < 3; ++channel) {
             // Slopes of sigma_t (0) and sigma_s (1) of the transport medium by both of the medium, well within it.

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
+#include "optics/grid/sheet_way.h"
 #include "optics/transport/transport.h"
 #include "optics/transport/transport_medium.h"
 #include "optics/transport/viewing_sequence.h"

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // A print with more different cells than a grid has numbers for: what is lost where layers are forgotten and shares
-// rounded (viewing_palette.h).
+// rounded (homogenisation.h).
 #include <catch2/catch.hpp>
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/random.h"
+#include "optics/grid/viewing_grid_builder.h"
+#include "optics/grid/viewing_tiles.h"
 #include "optics/transport/transport.h"
-#include "optics/transport/viewing_grid_builder.h"
-#include "optics/transport/viewing_tiles.h"
 #include "tests/optics/transport/slab_scene.h"
 #include "tests/outcomes.h"
 
@@ -50,8 +50,8 @@ TEST_CASE("A print of more different cells than have numbers looks as it does wi
         return std::ranges::any_of(grid.mixtures,
                                    [&](const auto& mixture) { return std::ranges::any_of(mixture.holds, is_so); });
     };
-    const auto tells_layer = [](const ViewingGrid::Holding& held) { return held.layer > 0; };
-    const auto is_counted = [](const ViewingGrid::Holding& held) { return std::fmod(8 * held.share, 1.0F) != 0; };
+    const auto tells_layer = [](const Holding& held) { return held.layer > 0; };
+    const auto is_counted = [](const Holding& held) { return std::fmod(8 * held.share, 1.0F) != 0; };
     REQUIRE(any(of_few, plain, tells_layer) == !fine);
     REQUIRE(any(of_few, plain, is_counted));
     REQUIRE_FALSE(any(of_many, many, tells_layer));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "optics/transport/viewing_faces.h"
+#include "optics/grid/viewing_faces.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "optics/transport/lattice.h"
+#include "optics/grid/lattice.h"
 
 namespace voxtone::optics {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "optics/transport/refinement.h"
+#include "optics/grid/refinement.h"
 
 #include <catch2/catch.hpp>
 
@@ -10,11 +10,11 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
-#include "optics/transport/lattice.h"
+#include "optics/grid/homogenisation.h"
+#include "optics/grid/lattice.h"
+#include "optics/grid/viewing_grid_builder.h"
 #include "optics/transport/transport.h"
 #include "optics/transport/transport_sweep.h"
-#include "optics/transport/viewing_grid_builder.h"
-#include "optics/transport/viewing_palette.h"
 #include "optics/transport/viewing_sequence.h"
 
 using namespace voxtone;
@@ -71,7 +71,7 @@ std::array<std::vector<double>, 2> held(const ViewingGrid& viewing) {
     std::array<std::vector<double>, 2> sums{std::vector<double>(6), std::vector<double>(6)};
     for (std::size_t t = 0; t < viewing.fine.first.size(); ++t) {
         if (viewing.fine.first[t] == not_fine) continue;
-        const auto add = [&](const ViewingGrid::Mixture& mixture, double volume, std::vector<double>& to) {
+        const auto add = [&](const Mixture& mixture, double volume, std::vector<double>& to) {
             for (const auto& one : mixture.holds) to[one.material] += volume * double(one.share);
         };
         for (std::size_t k = 0; k < 64; ++k) add(viewing.mixtures[viewing.medium[64 * t + k]], cell, sums[0]);
@@ -130,7 +130,7 @@ TEST_CASE("Each part of a full cell holds the resin of the voxel that is there")
         ViewingGrid grid = make_viewing_grid(scene, viewing_cell, {0.8}, {},
                                              {{}, BlockLattice(volume.size(), viewing_cell).blocks, {}});
         std::vector<std::uint8_t> wanted;
-        REQUIRE(fill(grid, volume, wanted));
+        REQUIRE(homogenise(grid, volume, wanted));
         for (const std::array<int, 3>& split : {viewing_cell, std::array{2, 2, 3}}) {
             refine(grid, volume, blocks_to_refine(grid, volume, Refinement::all), split);
             std::size_t other = 0, parts = 0;
@@ -172,7 +172,7 @@ TEST_CASE("Parts are told apart by how much of other resins lies beside them") {
     ViewingGrid grid =
         make_viewing_grid(scene, viewing_cell, {0.8}, {}, {{}, BlockLattice(volume.size(), viewing_cell).blocks, {}});
     std::vector<std::uint8_t> wanted;
-    REQUIRE(fill(grid, volume, wanted));
+    REQUIRE(homogenise(grid, volume, wanted));
     refine(grid, volume, blocks_to_refine(grid, volume, Refinement::all), viewing_cell);
     std::size_t singles = 0, walls = 0, beside_walls = 0;
     for (std::size_t t = 0; t < grid.fine.first.size(); ++t) {

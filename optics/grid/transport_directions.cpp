@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "optics/transport/transport_directions.h"
+#include "optics/grid/transport_directions.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "optics/transport/viewing_tiles.h"
+#include "optics/grid/viewing_tiles.h"
 
 #include <algorithm>
 #include <cmath>

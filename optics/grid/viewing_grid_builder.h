@@ -7,17 +7,12 @@
 #include <cstdint>
 #include <span>
 
+#include "optics/grid/block_choice.h"
+#include "optics/grid/viewing_grid.h"
 #include "optics/scene/scene.h"
 #include "optics/scene/surface.h"
-#include "optics/transport/viewing_grid.h"
 
 namespace voxtone::optics {
-
-/// How deep below the surface colour is expected, and whether what lies deeper may be in nodes.
-struct ColourDepth {
-    double mm = 0;
-    bool deeper_in_nodes = false;
-};
 
 /// With the contents of the scene's volume. `also`: blocks of the window that get transport cells besides, empty or one
 /// byte per place. `requested`: the surface below which colour is expected to come and go, null: all of it. Throws
@@ -27,7 +22,7 @@ struct ColourDepth {
                                             const ViewingWindow& window, const Surface* requested = nullptr,
                                             const Progress* progress = nullptr);
 
-/// The same without contents: what cells and nodes hold is not known before `fill` (viewing_palette.h).
+/// The same without contents: what cells and nodes hold is not known before `homogenise` (homogenisation.h).
 [[nodiscard]] ViewingGrid make_empty_viewing_grid(const Scene& scene, const std::array<int, 3>& view_voxels,
                                                   const ColourDepth& colour, std::span<const std::uint8_t> also,
                                                   const ViewingWindow& window, const Surface* requested = nullptr,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "optics/transport/refinement.h"
+#include "optics/grid/block_contrast.h"
 
 #include <catch2/catch.hpp>
 
@@ -7,9 +7,9 @@
 #include <cmath>
 #include <vector>
 
+#include "optics/grid/homogenisation.h"
+#include "optics/grid/viewing_grid_builder.h"
 #include "optics/scene/appearance_model.h"
-#include "optics/transport/viewing_grid_builder.h"
-#include "optics/transport/viewing_palette.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;
@@ -27,7 +27,7 @@ struct FilledSlab {
         const BlockLattice lattice(volume.size(), viewing_cell);
         grid = make_viewing_grid(scene, viewing_cell, {0.8}, {}, {{}, lattice.blocks, {}});
         std::vector<std::uint8_t> wanted;
-        REQUIRE(fill(grid, volume, wanted));
+        REQUIRE(homogenise(grid, volume, wanted));
     }
     /// Of the block at a voxel of the uppermost blocks.
     [[nodiscard]] float contrast_at(int x, int y) const {

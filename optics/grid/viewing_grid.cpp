@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "optics/transport/viewing_grid.h"
+#include "optics/grid/viewing_grid.h"
 
 #include <algorithm>
 
@@ -15,10 +15,46 @@ BlockLattice::BlockLattice(const std::array<int, 3>& size, const std::array<int,
     shift_voxels[2] = blocks[2] * block_voxels[2] - size[2];
 }
 
-Place ViewingGrid::corner_of(const Place& block) const {
+GridFrame::GridFrame(const Scene& scene, const Place& cell, const ViewingWindow& part)
+    : view_voxels(cell),
+      size(scene.volume->size()),
+      pitch_mm(scene.volume->pitch_mm()),
+      window(part),
+      directions(make_directions(scene.resins->g, scene.resins->eta)),
+      mirrored(scene.sides == Sides::mirrored),
+      backing(scene.backing),
+      sheet(scene.sheet),
+      spread(scene.spread_mm, scene.volume->pitch_mm()),
+      resins(scene.resins->resins.size()) {
+    const BlockLattice whole(size, cell);
+    for (std::size_t a = 0; a < 3; ++a) {
+        lattice[a] = window.end[a] - window.begin[a];
+        shift_voxels[a] = whole.shift_voxels[a] - window.begin[a] * whole.block_voxels[a];
+    }
+}
+
+Place GridFrame::corner(const Place& at, int cells) const {
     Place corner{};
-    for (std::size_t a = 0; a < 3; ++a) corner[a] = block[a] * 4 * view_voxels[a] - shift_voxels[a];
+    for (std::size_t a = 0; a < 3; ++a) corner[a] = at[a] * cells * view_voxels[a] - shift_voxels[a];
     return corner;
+}
+
+bool GridFrame::is_ghost(const Place& block) const {
+    for (std::size_t a = 0; a < 3; ++a)
+        if ((window.cut[2 * a] && block[a] == 0) || (window.cut[2 * a + 1] && block[a] == lattice[a] - 1)) return true;
+    return false;
+}
+
+FaceKind GridFrame::kind_beyond(const Place& next, std::size_t f) const {
+    const std::size_t a = f / 2;
+    const int low = corner_of_cell(next)[a];
+    if (is_mirrored(a) && (low + view_voxels[a] <= 0 || low >= size[a])) return FaceKind::mirror;
+    if (f != 4 || low >= 0 || backing == Backing::none) return FaceKind::light;
+    return backing == Backing::black ? FaceKind::black_sheet : FaceKind::white_sheet;
+}
+
+std::array<double, 3> GridFrame::edge_mm() const {
+    return {view_voxels[0] * pitch_mm[0], view_voxels[1] * pitch_mm[1], view_voxels[2] * pitch_mm[2]};
 }
 
 void ViewingGrid::shrink() {
@@ -57,11 +93,10 @@ ViewingGrid::Home ViewingGrid::home_of(const Place& voxel) const {
     Place to = at;
     home.cell = cell_of(to);
     for (std::size_t f = 0; f < 6 && home.cell < 0; ++f) {
-        to = {at[0] + step_of[f][0], at[1] + step_of[f][1], at[2] + step_of[f][2]};
+        to = beside(at, f);
         const std::int64_t next = cell_of(to);
         if (next < 0) continue;
-        Place from{};
-        for (std::size_t a = 0; a < 3; ++a) from[a] = at[a] * view[a] - shift_voxels[a];
+        const Place from = corner_of_cell(at);
         for (const Donor& donor : donors_to(static_cast<std::uint32_t>(next)))
             if (donor.from == from) home.cell = next;
     }
@@ -88,11 +123,8 @@ std::size_t ViewingGrid::memory_bytes() const {
 }
 
 std::int64_t ViewingGrid::cell_of(const Place& at) const {
-    Place block{};
-    for (std::size_t a = 0; a < 3; ++a) {
-        if (at[a] < 0 || at[a] >= 4 * lattice[a]) return -1;
-        block[a] = at[a] / 4;
-    }
+    const Place block{at[0] >> 2, at[1] >> 2, at[2] >> 2};
+    if (!lies_in(block, lattice)) return -1;
     const std::int32_t b = block_at[at3(block, lattice)];
     if (b < 0) return -1;
     const GridBlock& home = blocks[static_cast<std::size_t>(b)];

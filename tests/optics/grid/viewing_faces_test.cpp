@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "optics/transport/viewing_faces.h"
+#include "optics/grid/viewing_faces.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <catch2/catch.hpp>
 
+#include "optics/grid/lattice.h"
+#include "optics/grid/viewing_grid_builder.h"
 #include "optics/scene/appearance_model.h"
-#include "optics/transport/lattice.h"
-#include "optics/transport/viewing_grid_builder.h"
 
 using namespace voxtone;
 using namespace voxtone::optics;

@@ -26,6 +26,10 @@ void for_each(const Place& n, Body&& body) {
         for (int y = 0; y < n[1]; ++y)
             for (int x = 0; x < n[0]; ++x) body(Place{x, y, z});
 }
+/// Whether a box of n has this place.
+inline bool lies_in(const Place& i, const Place& n) {
+    return i[0] >= 0 && i[1] >= 0 && i[2] >= 0 && i[0] < n[0] && i[1] < n[1] && i[2] < n[2];
+}
 /// Index of a cell in its block.
 inline std::size_t place_in_block(const Place& at) { return static_cast<std::size_t>((at[2] * 4 + at[1]) * 4 + at[0]); }
 

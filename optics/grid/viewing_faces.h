@@ -10,8 +10,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "optics/grid/viewing_grid.h"
 #include "optics/scene/surface.h"
-#include "optics/transport/viewing_grid.h"
 
 namespace voxtone::optics {
 

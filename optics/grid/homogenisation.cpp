@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "optics/transport/viewing_palette.h"
+#include "optics/grid/homogenisation.h"
 
 #include <algorithm>
 #include <array>
@@ -10,9 +10,10 @@
 #include "base/contracts.h"
 #include "base/parallel.h"
 #include "base/random.h"
+#include "optics/grid/block_voxels.h"
+#include "optics/grid/lattice.h"
 #include "optics/media/mirrored_box.h"
 #include "optics/numerics/share_ladder.h"
-#include "optics/transport/lattice.h"
 
 namespace voxtone::optics {
 namespace {
@@ -120,31 +121,16 @@ private:
 };
 
 /// The voxels that count in a solid cell: its own and those of cells that gave it their resin, with their layers.
-class CellVoxels {
+class CellVoxels : BlockVoxels {
 public:
-    CellVoxels(const ViewingGrid& grid, const ResinVolume& volume)
-        : grid_(grid),
-          volume_(volume),
-          view_(grid.view_voxels),
-          spread_(volume, grid.mirrored, grid.spread, grid.resins),
-          given_(spread_) {
-        for (std::size_t a = 0; a < 3; ++a) extent_[a] = 4 * view_[a];
-    }
-    void enter_block(std::size_t t) {
-        block_ = &grid_.transport_block(t);
-        corner_ = grid_.corner_of(block_->at);
-        axis_ = static_cast<std::size_t>(grid_.towards[t] / 2);
-        plus_ = grid_.towards[t] % 2 == 1;
-        if (grid_.spread.any())
-            spread_.read(corner_, extent_);
-        else
-            read_box(volume_, grid_.mirrored, corner_, extent_, box_);
-    }
+    CellVoxels(const ViewingGrid& grid, const ResinVolume& volume) : BlockVoxels(grid, volume) {}
+
+    using BlockVoxels::enter_block;
     /// The one resin of a whole block that nothing else reaches, 0 where it is not so.
     [[nodiscard]] int only(const GridBlock& block) {
         const Place corner = grid_.corner_of(block.at);
         const int material = std::max(volume_.uniform_material(corner, extent_), 0);
-        return material > 0 && grid_.spread.any() && spread_.only(corner, extent_) != material ? 0 : material;
+        return material > 0 && spreads() && spread_.only(corner, extent_) != material ? 0 : material;
     }
     void enter_cell(const Place& at) {
         at_ = at;
@@ -159,12 +145,9 @@ public:
             for (std::size_t r = 0; r < shares.size(); ++r)
                 shares[r] += static_cast<double>(holds[r]) / static_cast<double>(product(view_));
         };
-        for_each(view_, [&](const Place& in) {
-            add(spread_,
-                at3({at_[0] * view_[0] + in[0], at_[1] * view_[1] + in[1], at_[2] * view_[2] + in[2]}, extent_));
-        });
+        for_each(view_, [&](const Place& in) { add(spread_, index(at_, in)); });
         for (const auto& [to, from] : donors_) {
-            given_.read(from, view_);
+            read_donor(from);
             for (std::size_t voxel = 0; voxel < product(view_); ++voxel) add(given_, voxel);
         }
     }
@@ -172,12 +155,9 @@ public:
     /// body(material or air, layer).
     template <class Body>
     void each(Body&& body) {
-        for_each(view_, [&](const Place& in) {
-            const Place voxel{at_[0] * view_[0] + in[0], at_[1] * view_[1] + in[1], at_[2] * view_[2] + in[2]};
-            body(box_[at3(voxel, extent_)], layer_of(in[axis_]));
-        });
+        for_each(view_, [&](const Place& in) { body(box_[index(at_, in)], layer_of(in[axis_])); });
         for (const auto& [to, from] : donors_) {
-            read_box(volume_, grid_.mirrored, from, view_, donor_);
+            read_donor(from);
             const int before = from[axis_] - corner_[axis_] - at_[axis_] * view_[axis_];
             std::size_t k = 0;
             for_each(view_, [&](const Place& in) { body(donor_[k++], layer_of(before + in[axis_])); });
@@ -190,15 +170,8 @@ private:
         return plus_ ? layers - 1 - layer : layer;
     }
 
-    const ViewingGrid& grid_;
-    const ResinVolume& volume_;
-    Place view_, extent_{}, corner_{}, at_{};
-    const GridBlock* block_ = nullptr;
-    std::size_t axis_ = 2;
-    bool plus_ = true;
+    Place at_{};
     std::span<const ViewingGrid::Donor> donors_;
-    std::vector<Material> box_, donor_;
-    SpreadBox spread_, given_;  ///< in their place where resin runs sideways
 };
 
 /// How closely cells are told apart.
@@ -326,7 +299,7 @@ private:
         const auto whole = static_cast<float>(whole_cell());
         grid_.mixtures.assign(1, {});
         for (const Composition* const one : all.in_order()) {
-            ViewingGrid::Mixture& mixture = grid_.mixtures.emplace_back();
+            Mixture& mixture = grid_.mixtures.emplace_back();
             mixture.axis = one->axis;
             for (const Composition::Part& p : one->parts)
                 mixture.holds.push_back({p.material, p.layer, static_cast<float>(p.count) / whole});
@@ -339,12 +312,6 @@ private:
     const Progress* progress_;
     int in_cell_;
 };
-
-/// The voxels of a block, beyond mirrors too.
-void read_block(const ViewingGrid& grid, const ResinVolume& volume, const GridBlock& block,
-                std::vector<Material>& box) {
-    read_box(volume, grid.mirrored, grid.corner_of(block.at), grid.block_voxels(), box);
-}
 
 /// Materials of the core blocks, -1 for several; of ghosts 0: they stay as they are.
 std::vector<std::int16_t> core_materials(const ViewingGrid& grid, const ResinVolume& volume, const Progress* progress) {
@@ -369,15 +336,14 @@ void mix_core(ViewingGrid& grid, const ResinVolume& volume, const std::vector<st
     std::vector<std::uint32_t> blocks;
     for (std::size_t i = 0; i < materials.size(); ++i) {
         if (materials[i] >= 0) continue;
-        GridBlock& block = grid.blocks[grid.core_block[i]];
-        block.medium = static_cast<std::uint32_t>(1 + grid.resins + blocks.size());
+        grid.core_medium[i] = static_cast<std::uint32_t>(1 + grid.resins + blocks.size());
         blocks.push_back(grid.core_block[i]);
     }
     grid.core_shares.assign(grid.resins * blocks.size(), 0.0f);
     const auto share_out = [&](std::size_t begin, std::size_t end) {
         std::vector<Material> box;
         for (std::size_t i = begin; i < end; ++i) {
-            read_block(grid, volume, grid.blocks[blocks[i]], box);
+            read_box(volume, grid.mirrored, grid.corner_of(grid.blocks[blocks[i]].at), grid.block_voxels(), box);
             const std::span<float> shares = std::span(grid.core_shares).subspan(i * grid.resins, grid.resins);
             for (const Material m : box)
                 if (m != air) ++shares[m - 1u];
@@ -390,16 +356,17 @@ void mix_core(ViewingGrid& grid, const ResinVolume& volume, const std::vector<st
 
 }  // namespace
 
-bool fill(ViewingGrid& grid, const ResinVolume& volume, std::vector<std::uint8_t>& wanted, const Progress* progress) {
+bool homogenise(ViewingGrid& grid, const ResinVolume& volume, std::vector<std::uint8_t>& wanted,
+                const Progress* progress) {
     VOXTONE_EXPECT(volume.pitch_mm() == grid.pitch_mm);
     wanted.assign(grid.block_at.size(), 0);
     bool same = true;
     const std::vector<std::int16_t> materials = core_materials(grid, volume, progress);
     for (std::size_t i = 0; i < materials.size(); ++i) {
-        GridBlock& block = grid.blocks[grid.core_block[i]];
+        const GridBlock& block = grid.blocks[grid.core_block[i]];
         if (grid.is_ghost(block.at) || (grid.mixes_core && materials[i] < 0)) continue;
         if (materials[i] > 0) {
-            block.medium = static_cast<std::uint32_t>(materials[i]);
+            grid.core_medium[i] = static_cast<std::uint32_t>(materials[i]);
         } else {
             same = false;
             wanted[at3(block.at, grid.lattice)] = 1;

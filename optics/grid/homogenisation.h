@@ -13,15 +13,15 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "optics/grid/viewing_grid.h"
 #include "optics/media/resin_volume.h"
-#include "optics/transport/viewing_grid.h"
 
 namespace voxtone::optics {
 
 /// Takes the resins of a volume of the same shape. False, and nothing done, where a block without transport cells has
 /// got other materials; those are marked in `wanted`, one byte per place of the lattice. Throws Cancelled, with the
 /// grid of no use any more.
-[[nodiscard]] bool fill(ViewingGrid& grid, const ResinVolume& volume, std::vector<std::uint8_t>& wanted,
-                        const Progress* progress = nullptr);
+[[nodiscard]] bool homogenise(ViewingGrid& grid, const ResinVolume& volume, std::vector<std::uint8_t>& wanted,
+                              const Progress* progress = nullptr);
 
 }  // namespace voxtone::optics

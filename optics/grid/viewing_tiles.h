@@ -11,8 +11,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "optics/grid/viewing_grid.h"
 #include "optics/scene/appearance_model.h"
-#include "optics/transport/viewing_grid.h"
 
 namespace voxtone::optics {
 
