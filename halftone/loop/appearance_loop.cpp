@@ -16,6 +16,7 @@
 #include "base/stopwatch.h"
 #include "halftone/loop/eye_filter.h"
 #include "halftone/loop/loop_measure.h"
+#include "halftone/loop/loop_policy.h"
 #include "halftone/loop/loop_steps.h"
 #include "halftone/loop/lost_contrast.h"
 #include "halftone/loop/map_targets.h"
@@ -35,10 +36,6 @@ using Colours = std::vector<Eigen::Vector3f>;
 /// tried on two of the fitting set (img_marble, img_hubble: a quarter is better in both; benchmarks/sets.json,
 /// `appearance_loop_benchmark slabs`).
 constexpr float out_of_gamut_weight = 0.25f;
-
-/// CIEDE2000 between two surfaces side by side that half of all people see: Paravina et al. 2015, J. Esthet. Restor.
-/// Dent. 27:S1.
-constexpr double just_noticeable = 0.8;
 
 /// k of the misfit. Chosen on the fitting set by the loop's predictor, pieces of 6 x 4 mm: where it grows with the
 /// contrast that is lost (lost_contrast.h), up to 0.6, type keeps as much of its contrast (0.57) as with 0.4
@@ -127,9 +124,31 @@ std::string report_line(const LoopState& state) {
         state.steps.front().seen.median, step.seconds);
 }
 
-int most_of(const LoopOptions& options) {
-    return options.iterations < 0 ? options.most_without_limit : options.iterations;
+LoopPolicy policy_of(const LoopOptions& options) {
+    return LoopPolicy({options.iterations, options.most_without_limit, feedback_iterations,
+                       options.most_without_limit >= patient_iterations});
 }
+
+std::string_view words_for(LoopPolicy::Ending ending) {
+    switch (ending) {
+        case LoopPolicy::Ending::gains_no_more:
+            return "it stopped gaining";
+        case LoopPolicy::Ending::nothing_visible:
+            return "what was left to gain cannot be seen";
+        case LoopPolicy::Ending::all_made:
+            break;
+    }
+    return all_iterations_made;
+}
+
+/// A print, and what was seen of it.
+struct SeenPrint {
+    optics::ResinVolume volume;  ///< the sequence looks at it again for the gradient
+    Colours rgb;
+    EyeFilter::Views views;                    ///< what the eye makes of them
+    std::vector<Eigen::Matrix3f> corrections;  ///< by cell; empty for a set without a residual
+    std::vector<std::string> remarks;          ///< of the model
+};
 
 /// A loop while it runs: what one task keeps, the print that was predicted last, and the state that grows.
 class LoopRun {
@@ -153,7 +172,6 @@ public:
 
 private:
     [[nodiscard]] PartRange this_part(double to);
-    [[nodiscard]] int iterations_made() const { return static_cast<int>(state_.steps.size()) - 1; }
     [[nodiscard]] bool has_gradient() const { return descent_wanted_ && state_.has_gradient; }
     void notify() {
         if (listener_) settle_ = listener_(state_, *sequence_);
@@ -180,11 +198,7 @@ private:
     void keep_if_best(const SkinMixtures& mixtures);
     void correct_control();
     [[nodiscard]] bool move_downhill();
-    [[nodiscard]] bool by_last_method() const;
-    [[nodiscard]] bool gains_no_more() const;
-    [[nodiscard]] std::size_t predictions_left() const;
-    [[nodiscard]] bool nothing_visible_left() const;
-    [[nodiscard]] bool ends() const;
+    [[nodiscard]] bool ends() const { return policy_.ends(state_.steps, has_gradient()); }
 
     const LoopTask& task_;
     const LoopOptions& options_;
@@ -192,13 +206,12 @@ private:
     const LoopListener& listener_;
     std::function<void()> settle_;
     const MinimalDepthSeparation& recipes_;
-    const int most_;
+    const LoopPolicy policy_;
     std::vector<char> in_gamut_;
     std::optional<EyeFilter> wide_;
     const Colours target_;            ///< as the resins can show it on a thick body
     const RelativeColours relative_;  ///< to the white of the state
     const optics::MixtureCorrection correction_;
-    std::vector<Eigen::Matrix3f> corrections_;  ///< of the last print's cells; empty for a set without a residual
     const LoopMeasure measure_;
     Colours wanted_;                      ///< the target at the level of the print's paper; empty before it is known
     std::vector<RegionLook> open_looks_;  ///< of regions in the open loop
@@ -210,11 +223,9 @@ private:
     double step_part_ = 0;  ///< of the step that the progress counts
 
     LoopState state_;
-    Colours rgb_;                                      ///< of the last print
-    EyeFilter::Views seen_;                            ///< what the eye makes of them
-    Colours near_target_;                              ///< of the target as it can be shown; empty before feedback
-    std::vector<std::string> remarks_, best_remarks_;  ///< of the model, on the last and the best print
-    optics::ResinVolume print_;                        ///< the sequence looks at it again for the gradient
+    SeenPrint last_;
+    Colours near_target_;                    ///< what the eye makes of the wanted colours; empty before feedback
+    std::vector<std::string> best_remarks_;  ///< of the model, on the best print
     bool cancelled_ = false;
     std::string why_stopped_;
     std::size_t predictions_ = 0;  ///< of this run, a resumed one's own
@@ -226,7 +237,7 @@ LoopRun::LoopRun(const LoopTask& task, const LoopOptions& options, Progress& pro
       progress_(progress),
       listener_(listener),
       recipes_(*task.recipes),
-      most_(most_of(options)),
+      policy_(policy_of(options)),
       in_gamut_(cells_in_gamut(recipes_, task.target)),
       target_(mapped_target()),
       relative_(task.scene.resins->channels, state_.white),
@@ -277,9 +288,9 @@ void LoopRun::predict_open_loop() {
     }
     watch_.lap();
     predict(std::move(print), LoopMethod::open_loop);
-    state_.open = state_.shown = rgb_;
+    state_.open = state_.shown = last_.rgb;
     state_.urgency.assign(measure_.regions().size(), 1.0f);
-    best_remarks_ = remarks_;
+    best_remarks_ = last_.remarks;
     state_.control = state_.start_control = target_;
     correct_control();
     notify();
@@ -301,7 +312,6 @@ void LoopRun::know_the_open_loop(const LoopMeasure::Value& open) {
 }
 
 void LoopRun::iterate() {
-    why_stopped_ = all_iterations_made;
     try {
         // A resumed loop may have been at its end already.
         while (!ends()) {
@@ -311,38 +321,34 @@ void LoopRun::iterate() {
                 feedback_step();
             notify();
         }
-        if (gains_no_more())
-            why_stopped_ = "it stopped gaining";
-        else if (iterations_made() < most_)
-            why_stopped_ = "what was left to gain cannot be seen";
+        why_stopped_ = words_for(policy_.why_it_ended(state_.steps, has_gradient()));
     } catch (const Cancelled&) {
         cancelled_ = true;
         why_stopped_ = "it was stopped";
     }
 }
 
-/// Prints the control colours, and decides what comes next: another correction, the target itself, or the descent.
+/// Prints the control colours, and makes ready what comes next.
 void LoopRun::feedback_step() {
-    const double least = least_score(state_.steps), least_by_feedback = least_score(state_.steps, LoopMethod::feedback);
+    const double least_by_feedback = least_score(state_.steps, LoopMethod::feedback);
     // Mixtures take as much memory as light: they are made again of the control colours rather than held.
-    print_ = {};
+    last_.volume = {};
     optics::ResinVolume print = task_.realise(mixtures_of(recipes_, state_.control));
     predict(std::move(print), LoopMethod::feedback);
     keep_if_best({});
     const bool best_by_feedback = last_score() < least_by_feedback;
     if (best_by_feedback) state_.start_control = state_.control;
-    if (has_gradient() && iterations_made() < most_) {
-        const bool no_good = state_.steps[1].score >= worthwhile * state_.steps[0].score;
-        if (no_good && iterations_made() == 1) {
-            // Pages of type are better off without feedback, dark pictures are not: look at both.
+    switch (policy_.after_feedback(state_.steps, has_gradient())) {
+        case LoopPolicy::Next::target:
             state_.control = target_;
             return;
-        }
-        const bool gained = last_score() < worthwhile * least;
-        if (!gained || no_good || iterations_made() >= feedback_iterations)
+        case LoopPolicy::Next::descend:
             begin_descent_from_best_control(best_by_feedback);
+            if (!descending()) correct_control();
+            return;
+        case LoopPolicy::Next::correct:
+            correct_control();
     }
-    if (!descending()) correct_control();
 }
 
 /// The gradient is at hand if the last print was the one to start from.
@@ -358,7 +364,7 @@ void LoopRun::descent_step() {
     SkinMixtures mixtures = printed(state_.descent.mixtures);
     settle();
     follow(state_.recent, mixtures);
-    if (iterations_made() + 1 == most_) mixtures = state_.recent;
+    if (policy_.made(state_.steps) + 1 == policy_.most()) mixtures = state_.recent;
     print_and_predict(mixtures, LoopMethod::descent);
     keep_if_best(mixtures);
     if (ends()) return;  // resumed with more iterations it looks at this print again first
@@ -368,38 +374,38 @@ void LoopRun::descent_step() {
 
 /// The print before is looked at no more: one is held at a time.
 void LoopRun::print_and_predict(const SkinMixtures& mixtures, LoopMethod method) {
-    print_ = {};
+    last_.volume = {};
     predict(task_.realise(mixtures), method);
 }
 
 void LoopRun::predict(optics::ResinVolume volume, LoopMethod method) {
     settle();
-    print_ = std::move(volume);
+    last_.volume = std::move(volume);
     const optics::Appearance seen = [&] {
         const PartRange part = this_part(1);
-        return sequence_->next(print_, &progress_);
+        return sequence_->next(last_.volume, &progress_);
     }();
-    rgb_ = relative_.colours(seen);
+    last_.rgb = relative_.colours(seen);
     if (correction_.any()) {
-        corrections_ = correction_.of_surface(print_, *task_.surface, &progress_);
-        optics::correct_colours(corrections_, rgb_);
+        last_.corrections = correction_.of_surface(last_.volume, *task_.surface, &progress_);
+        optics::correct_colours(last_.corrections, last_.rgb);
     }
-    remarks_ = seen.remarks;
+    last_.remarks = seen.remarks;
     LoopStep step;
     step.iteration = static_cast<int>(state_.steps.size());
     step.method = method;
-    LoopMeasure::Value value = measure_(rgb_, open_looks_);
+    LoopMeasure::Value value = measure_(last_.rgb, open_looks_);
     step.seen = value.seen, step.cells = value.cells, step.score = value.score, step.paper = value.paper;
     if (!open_looks_.empty()) hurry(value.looks);
     if (method == LoopMethod::open_loop) know_the_open_loop(value);
-    seen_ = std::move(value.views);
+    last_.views = std::move(value.views);
     step.saturated_share = state_.saturated_share;
     step.seconds = watch_.lap();
     state_.steps.push_back(step);
     progress_.note(report_line(state_));
     progress_.advance();
     step_part_ = 0;
-    expect_steps(progress_, ++predictions_ + predictions_left());
+    expect_steps(progress_, ++predictions_ + policy_.predictions_left(state_.steps, has_gradient()));
 }
 
 /// Regions that are worse than without a loop count more in the next step, until they are not.
@@ -417,25 +423,25 @@ void LoopRun::keep_if_best(const SkinMixtures& mixtures) {
     if (!(last_score() < state_.steps[state_.best].score)) return;
     state_.best = state_.steps.size() - 1;
     state_.best_mixtures = mixtures;
-    state_.shown = rgb_;
-    best_remarks_ = remarks_;
+    state_.shown = last_.rgb;
+    best_remarks_ = last_.remarks;
 }
 
 void LoopRun::correct_control() {
-    Colours relaxed(rgb_.size());
+    Colours relaxed(last_.rgb.size());
     if (near_target_.empty()) near_target_ = measure_.eye().smoothed(wanted_);
     const std::size_t saturated = feed_back(
-        wanted_, as_wrong_as_seen(wanted_, near_target_, seen_.smoothed),
+        wanted_, as_wrong_as_seen(wanted_, near_target_, last_.views.smoothed),
         [this](const Eigen::Vector3f& rgb) { return into_gamut(rgb); }, {.gain = feedback_gain(state_.steps)},
         state_.control, relaxed);
-    state_.saturated_share = rgb_.empty() ? 0 : double(saturated) / double(rgb_.size());
+    state_.saturated_share = last_.rgb.empty() ? 0 : double(saturated) / double(last_.rgb.size());
 }
 
 /// One step of the descent from the last print. False where the model has no gradient.
 bool LoopRun::move_downhill() {
     if (!misfit_) prepare_misfit();
-    Colours by_colour = (*misfit_)(rgb_, seen_).by_colour;
-    if (correction_.any()) optics::correct_derivatives(corrections_, by_colour);
+    Colours by_colour = (*misfit_)(last_.rgb, last_.views).by_colour;
+    if (correction_.any()) optics::correct_derivatives(last_.corrections, by_colour);
     const std::vector<float> seed = relative_.adjoint(by_colour);
     const PartRange part = this_part(0.5);
     std::vector<float> mixture_gradient = task_.mixture_gradient(
@@ -445,33 +451,6 @@ bool LoopRun::move_downhill() {
         std::move(mixture_gradient), [this](Colours& values) { around_.smooth(values); }, state_.descent,
         part_of_rates(least_score(state_.steps, LoopMethod::feedback)));
     return true;
-}
-
-/// No descent may still follow.
-bool LoopRun::by_last_method() const { return state_.steps.back().method == LoopMethod::descent || !has_gradient(); }
-
-/// Only a loop without a limit stops by itself; one that may take long lets a descent swing.
-bool LoopRun::gains_no_more() const {
-    const bool is_patient = options_.most_without_limit >= patient_iterations;
-    return options_.iterations < 0 && by_last_method() &&
-           (stopped_gaining(state_.steps) || (!is_patient && descent_lost_its_way(state_.steps)));
-}
-
-/// No step follows. A resumed loop may be there at its beginning.
-bool LoopRun::ends() const { return gains_no_more() || iterations_made() >= most_ || nothing_visible_left(); }
-
-/// About: all that may follow while it gains, the fewer the longer it has not.
-std::size_t LoopRun::predictions_left() const {
-    const auto allowed = static_cast<std::size_t>(std::max(0, most_ - iterations_made()));
-    if (options_.iterations >= 0 || !by_last_method()) return allowed;
-    if (gains_no_more()) return 0;
-    return steps_left(state_.steps, allowed);
-}
-
-/// The best print's mean, and all but a twentieth of its surface, are within what can be seen.
-bool LoopRun::nothing_visible_left() const {
-    const LoopStep& best = state_.steps[state_.best];
-    return options_.iterations < 0 && best.score < just_noticeable && best.seen.percentile_95 < just_noticeable;
 }
 
 LoopResult LoopRun::finish() {
@@ -509,7 +488,7 @@ LoopResult run_appearance_loop(const LoopTask& task, const LoopOptions& options,
     expect_finite(task.target);
     // White is predicted first, and belongs to it.
     const int made = resume ? static_cast<int>(resume->state.steps.size()) : 0;
-    progress.begin_stage(loop_stage, static_cast<std::uint64_t>(std::max(0, most_of(options) + 1 - made)),
+    progress.begin_stage(loop_stage, static_cast<std::uint64_t>(std::max(0, policy_of(options).most() + 1 - made)),
                          "predictions");
     LoopRun run(task, options, progress, listener);
     if (resume)
