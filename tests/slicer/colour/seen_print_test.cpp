@@ -304,6 +304,8 @@ TEST_CASE("Of lines that run together the place is of those that keep least") {
 TEST_CASE("How a colour differs is said by what differs most") {
     CHECK(shift_word({50, 0, 0}, {40, 3, 0}) == "darker");
     CHECK(shift_word({50, 0, 0}, {60, 3, -4}) == "lighter");
+    CHECK(shift_word({50, 0, 0}, {50.5, 0.2, 0}) == "lighter");
+    CHECK(shift_word({50, 0, 0}, {49.5, 0.2, 0}) == "darker");
     CHECK(shift_word({50, 30, 40}, {52, 18, 24}) == "greyer");
     CHECK(shift_word({50, 18, 24}, {52, 30, 40}) == "stronger");
     CHECK(shift_word({50, 40, 0}, {48, 38, 14}) == "yellower");

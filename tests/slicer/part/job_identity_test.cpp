@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <vector>
 
 #include <catch2/catch.hpp>
 
@@ -49,6 +51,19 @@ struct Desk {
 };
 
 }  // namespace
+
+TEST_CASE("What a job depends on is listed by its names, each once") {
+    const Desk desk;
+    SliceOptions options = desk.options();
+    options.texture = desk / "skin.png";
+    const std::vector<io::SideFile> files{{"zebra.png", "aa"}, {"ant.png", "bb"}, {"zebra.png", "aa"}};
+    const std::vector<JobInput> inputs = identify(open_job(options), files).inputs;
+    std::vector<std::string> keys;
+    for (const JobInput& input : inputs) keys.push_back(input.key);
+    CHECK(keys.size() >= 4);
+    CHECK(std::is_sorted(keys.begin(), keys.end()));
+    CHECK(std::adjacent_find(keys.begin(), keys.end()) == keys.end());
+}
 
 TEST_CASE("What a texture, a backing and a decal hold makes another job, as the model does") {
     const Desk desk;

@@ -136,6 +136,9 @@ TEST_CASE("A body that is turned is too high for a printer before it is too wide
     }
     CHECK(fitting > 0);
     CHECK(fitting < 12);
+    // One that is longer than the tray is wide fits no way, not even along it.
+    const JobBody beam = body_of(shapes::box(Vector3d::Zero(), Vector3d(tray.x() + 5, 30, 30)), Vector3d::Constant(1));
+    for (const Orientation& orientation : orientations(job, beam, Progress())) CHECK_FALSE(orientation.fits);
 }
 
 TEST_CASE("Each way to turn a body has its picture from the front, as wide and as high as it stands there") {
