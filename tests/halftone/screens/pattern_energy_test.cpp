@@ -24,11 +24,13 @@ namespace {
 constexpr int edge = field_size, voxels = edge * edge * edge;
 constexpr std::int32_t far_weight = 2, offset = 1 << 28;
 
-/// Wider along x than the far term, as on a printer whose columns are narrow, and uneven along y and z.
+/// Wider along x than the far term, as on a printer whose columns are narrow, uneven along y and z, and as high as all
+/// groups of rows.
 std::vector<KernelRow> near_rows() {
     std::vector<KernelRow> rows;
-    for (const auto& [dy, dz, peak] : {std::array{0, 0, 90'000}, std::array{-1, 0, 50'000}, std::array{18, 0, 700},
-                                       std::array{2, -17, 300}, std::array{0, 1, 40'000}}) {
+    for (const auto& [dy, dz, peak] :
+         {std::array{0, 0, 90'000}, std::array{-1, 0, 50'000}, std::array{18, 0, 700}, std::array{2, -17, 300},
+          std::array{0, 1, 40'000}, std::array{-30, 0, 800}, std::array{25, 0, 60'000}}) {
         KernelRow row{dy, dz, {}};
         for (int d = -20; d <= 20; ++d)
             for (int turn = 0; turn < 2; ++turn)
@@ -89,7 +91,9 @@ TEST_CASE("The tightest cluster and the largest void are those of the energies' 
     // At corners and borders of the torus, and anywhere.
     RandomStream random(3, 0);
     std::vector<int> places{0, edge - 1, voxels - 1, 7 + edge * 63, 40 + edge * (31 + edge * 63)};
-    while (places.size() < 14) places.push_back(int(random.uniform() * voxels));
+    // The second lies 25 rows below the first, whose group is the last of all that it reaches.
+    places.insert(places.end(), {20 + edge * (45 + edge * 20), 20 + edge * (20 + edge * 20)});
+    while (places.size() < 16) places.push_back(int(random.uniform() * voxels));
     for (const int voxel : places) change(voxel, true, true);
     // As it is used: the tightest cluster goes into the largest void.
     for (int move = 0; move < 6; ++move) {
