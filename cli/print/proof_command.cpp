@@ -62,7 +62,7 @@ void add_scene_options(Verb& command, slicer::ProofOptions& o) {
                 {.unit = "middle|X,Y,Z"});
     command.add("--light-width", length(o.light_width_mm),
                 "of a slit, or across a spot or a laser, which sends as much light as the usual spot",
-                {.usual = "1mm, spot 2mm, laser 0.5mm"});
+                {.usual = "1mm, spot 2mm"});
     command.add("--turn-light", o.turn_light_deg,
                 "degrees, counter-clockwise from above; a beam's seen from outside, about its place: an edge across "
                 "slabs is lit above, one on a body upright and lit on the left",

@@ -21,7 +21,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double usual_slit_mm = 1, usual_spot_mm = 2, usual_laser_mm = 0.5;
+constexpr double usual_thin_mm = 1, usual_spot_mm = 2;  // a slit, a pointer's laser; a spot
 
 int slab_of(const ProofPrint& print, const optics::Point& place) {
     constexpr double rounding_mm = 0.01;
@@ -144,7 +144,7 @@ optics::Beam make_beam(const ResolvedProof& job, const ProofLamp& lamp, const Pr
     optics::BeamKind kind;
     const bool laser = lamp.kind == ProofLight::laser, spot = laser || lamp.kind == ProofLight::spot;
     if (lamp.kind != ProofLight::edge) {
-        const double usual_mm = laser ? usual_laser_mm : spot ? usual_spot_mm : usual_slit_mm;
+        const double usual_mm = lamp.kind == ProofLight::spot ? usual_spot_mm : usual_thin_mm;
         kind.shape = spot ? optics::BeamShape::spot : optics::BeamShape::slit;
         kind.width_mm = job.requested.light_width_mm.value_or(usual_mm);
     }

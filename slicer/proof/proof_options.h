@@ -57,7 +57,7 @@ struct ProofOptions {
     std::vector<std::string> lights;
     double turn_light_deg = 0;             ///< counter-clockwise from above; of a beam from outside, about its place
     std::string light_at = "middle";       ///< of a beam: of what is seen, or "X,Y,Z" mm in the model's frame
-    std::optional<double> light_width_mm;  ///< of a slit, a spot, a laser; in (0, 1000]; nothing: 1, 2, 0.5
+    std::optional<double> light_width_mm;  ///< of a slit, a spot, a laser; in (0, 1000]; nothing: 1, 2, 1
     std::string finish = "glossy";
     std::array<double, 2> roughness{0, 0.3};  ///< alpha of GGX: of glossy and of matt faces; in [0, 0.9]
     std::string ground = "0.5";               ///< its reflectance, or none

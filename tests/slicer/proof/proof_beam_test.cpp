@@ -86,9 +86,9 @@ TEST_CASE("an edge lies across the slab in the middle, a spot on each, and both 
     CHECK(spots.kind().times == 1);
     const optics::Beam laser = make_beam(job, {"laser", ProofLight::laser}, slabs.scene, slabs.pieces);
     CHECK(laser.planes().size() == 2);
-    CHECK(laser.kind().width_mm == 0.5);
-    CHECK(laser.kind().times == Approx(16));
-    CHECK_THAT(beam_words(laser), Contains("a laser, 0.5 mm wide, at ("));
+    CHECK(laser.kind().width_mm == 1);
+    CHECK(laser.kind().times == Approx(4));
+    CHECK_THAT(beam_words(laser), Contains("a laser, 1 mm wide, at ("));
     CHECK(spots.planes()[0].place[0] == Approx(5).margin(0.06));
     CHECK(spots.planes()[1].place[0] == Approx(17).margin(0.06));
     job.requested.turn_light_deg = 90;
