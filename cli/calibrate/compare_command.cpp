@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "base/error.h"
 #include "base/units.h"
 #include "cli/calibrate/calibrate_commands.h"
 #include "cli/calibrate/photo_options.h"
@@ -82,12 +83,28 @@ calibration::PredictedBody body_before(const CompareArguments& a, slicer::BodyPr
     return body;
 }
 
+void expect_no_camera(const CompareArguments& a) {
+    const slicer::ProofOptions usual;
+    const char* given = a.camera.view != usual.view           ? "--view"
+                        : a.camera.up != usual.up             ? "--up"
+                        : a.camera.turn_deg != usual.turn_deg ? "--turn"
+                        : a.camera.focal_mm != usual.focal_mm ? "--focal"
+                                                              : nullptr;
+    if (given)
+        throw UsageError(fmt::format(
+            "{}: would be ignored: {} is flat, and a flat print's place is found by its corners; leave it out", given,
+            a.job.stack));
+}
+
 std::variant<calibration::PredictedPrint, calibration::PredictedBody> predicted_print(const CompareArguments& a,
                                                                                       Progress& progress) {
     auto print = slicer::predict_photographed(
         a.predict, a.job.refit ? slicer::ResinParts::extinction_and_absorption : slicer::ResinParts::extinction,
         progress);
-    if (auto* top = std::get_if<slicer::TopPrint>(&print)) return flat_print(a, std::move(*top));
+    if (auto* top = std::get_if<slicer::TopPrint>(&print)) {
+        expect_no_camera(a);
+        return flat_print(a, std::move(*top));
+    }
     return body_before(a, std::move(std::get<slicer::BodyPrint>(print)));
 }
 

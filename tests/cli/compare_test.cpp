@@ -317,6 +317,7 @@ TEST_CASE("what cannot be compared is told in a sentence") {
     const std::string photo = photographed(folder, calibration::testing::discs(), hand_camera());
     CHECK_THROWS_WITH(compared_with_foretold(folder, photo), Contains("is no photograph of"));
     CHECK(run_program("compare " + photo + " -o " + folder / "a").exit_code == 2);
+    CHECK_THAT(compare(folder, photo, "--view front").out, Contains("--view: would be ignored") && Contains("is flat"));
     folder.write("no.nef", "MM no picture");
     CHECK_THAT(compare(folder, folder / "no.nef").out, Contains("no.nef"));
     const Outcome none = run_program("compare " + photo + " " + folder / "nothing" + " -o " + folder / "b");
