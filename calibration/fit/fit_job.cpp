@@ -15,6 +15,7 @@
 #include "calibration/fit/ended_fit.h"
 #include "calibration/fit/fit_report.h"
 #include "calibration/fit/fit_text.h"
+#include "calibration/fit/spread_fit.h"
 #include "calibration/layers/layer_text.h"
 #include "calibration/target/target_file.h"
 #include "io/disk/output_files.h"
@@ -71,6 +72,21 @@ EndedFit fit_squares(const FitJob& job, const PatchTable& table, const FitOption
     endless.fit = fit_resins(table, options, &progress);
     endless.table = table;
     return endless;
+}
+
+/// How far resin runs, by checkers of resins that squares have told.
+std::optional<SpreadFit> spread_of(const FitJob& job, PatchTable checkers, const ResinFit& fit,
+                                   const FitOptions& options, Progress& progress) {
+    if (checkers.patches.empty()) return std::nullopt;
+    if (!job.map.target.empty())
+        take_ends_off_checkers(checkers, read_target(job.map.target), fit.set, options.model.under == UnderBase::air);
+    ExtinctionErrors errors;
+    for (const FittedResin& resin : fit.resins) {
+        errors.emplace_back();
+        for (const FittedValue& value : resin.sigma_t)
+            errors.back().push_back(value.value > 0 ? value.standard_error / value.value : 0);
+    }
+    return fit_spread(checkers, fit.set, options.noise, errors, 0, &progress);
 }
 
 /// Layers in the place of patches.
@@ -158,7 +174,8 @@ JobResult run_fit_job(const FitJob& job, Progress& progress) {
         return run_layer_fit(job, *layers, progress);
     const FitOptions options = fit_options(job);
     const MeasuredPatchOptions measured = measured_options(job, options);
-    const PatchTable read = read_measured_patches(job.patches, measured, options.model, progress);
+    PatchTable checkers;
+    const PatchTable read = read_measured_patches(job.patches, measured, options.model, progress, &checkers);
     if (read.is_chart) {
         job.map.validate(job.report);
         return run_chart_fit(job, options, read, progress);
@@ -173,11 +190,14 @@ JobResult run_fit_job(const FitJob& job, Progress& progress) {
     EndedFit ended = fit_squares(job, read, options, progress);
     const PatchTable& table = ended.table;
     ResinFit& fit = ended.fit;
+    FitExtras extras;
+    extras.spread = spread_of(job, std::move(checkers), fit, options, progress);
+    if (extras.spread && extras.spread->is_told())
+        fit.set.dot_spread = fit.dot_spread_error = 0;  // the same, seen twice
     fit.set = io::rounded_set(std::move(fit.set));
     for (const std::string& warning : fit.warnings) progress.warn(warning);
-    FitExtras extras;
     extras.ends = ended.most;
-    std::string text = fit_text(fit, table) + ends_sentence(ended);
+    std::string text = fit_text(fit, table) + ends_sentence(ended) + spread_sentence(extras.spread);
     if (checked) {
         extras.check = check_resins(fit.set, others, options.model);
         extras.checked = &others;
@@ -190,7 +210,7 @@ JobResult run_fit_job(const FitJob& job, Progress& progress) {
         text += sweep_text(extras.sweep);
     }
     const std::string page = job.report.empty() ? std::string() : fit_report_html(fit, table, options, map);
-    write_fit(job, fit.set, fit_json(fit, table), page);
+    write_fit(job, fit.set, fit_json(fit, table, {.spread = extras.spread}), page);
     text += fmt::format("\nWrote {} and {}\n", job.out, side_file(job.out).string());
     return {fit_json(fit, table, extras), text};
 }

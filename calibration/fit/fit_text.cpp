@@ -118,6 +118,18 @@ std::string dot_spread_sentence(const ResinFit& fit) {
                        fit.dot_spread_error);
 }
 
+std::string spread_sentence(const std::optional<SpreadFit>& spread) {
+    if (!spread) return {};
+    if (!spread->is_told())
+        return fmt::format(
+            "Checkers do not tell how far resin runs: {:.3f} +- {:.3f} and {:.3f} +- {:.3f} mm along x and y.\n",
+            spread->mm[0], spread->error[0], spread->mm[1], spread->error[1]);
+    return fmt::format(
+        "Resin runs {0:.3f} +- {1:.3f} mm along x and {2:.3f} +- {3:.3f} mm along y (chi2 {4:.0f} of {5}): put "
+        "\"spread_mm\": [{0:.3f}, {2:.3f}] into the printer's profile. The set's own dot spread is 0 then.\n",
+        spread->mm[0], spread->error[0], spread->mm[1], spread->error[1], spread->chi2, spread->freedom);
+}
+
 std::string fit_text(const ResinFit& fit, const PatchTable& table) {
     std::string text =
         fmt::format("{} resins from {} patches, {} channels, g {}, eta {}, {:.2f} s\n\n", fit.resins.size(),
@@ -169,6 +181,10 @@ std::string fit_json(const ResinFit& fit, const PatchTable& table, const FitExtr
     json.add("warnings", fit.warnings).key("resins").begin_list();
     for (const FittedResin& resin : fit.resins) add_resin(json, resin, table.channels);
     json.end_list();
+    if (extras.spread) {
+        json.key("spread").begin_object().add("mm", extras.spread->mm).add("error", extras.spread->error);
+        json.add("chi2", extras.spread->chi2).add("freedom", extras.spread->freedom).end_object();
+    }
     if (extras.ends) json.add("square_ends", *extras.ends);
     add_patches_of(json, fit.patches, table);
     if (extras.check) {

@@ -4,6 +4,7 @@
 //
 //   {"format": "voxtone-fit", "version": 1, "g", "eta", "seconds", "freedom", "channels": [...], "chi2": [...],
 //    "misfit": [...], "dot_spread": {"value", "error" or 0 where it was not fitted}, "warnings": [...],
+//    "spread": {"mm": [x, y], "error", "chi2", "freedom"} where there were checkers,
 //    "square_ends": the largest that was taken from a value, where the target is known,
 //    "resins": [{"role", "channels": [{"channel", "albedo": VALUE, "sigma_t_per_mm": VALUE, "reduced_per_mm":
 //    VALUE}]}], "patches": PATCHES}, and where asked for "check": a voxtone-check, "g_sweep": [{"g",
@@ -20,22 +21,26 @@
 
 #include "calibration/fit/g_sweep.h"
 #include "calibration/fit/resin_fit.h"
+#include "calibration/fit/spread_fit.h"
 #include "io/files/json_writer.h"
 
 namespace voxtone::calibration {
 
 /// What was asked for beside the fit.
 struct FitExtras {
-    std::optional<PatchCheck> check;
+    std::optional<PatchCheck> check = {};
     const PatchTable* checked = nullptr;  ///< what was checked; nullptr: nothing
-    std::vector<SweepLine> sweep;
-    std::optional<double> ends;  ///< the largest that was taken from a value (ended_fit.h)
+    std::vector<SweepLine> sweep = {};
+    std::optional<SpreadFit> spread = {};  ///< of checkers
+    std::optional<double> ends = {};       ///< the largest that was taken from a value (ended_fit.h)
 };
 
 /// VALUE of above.
 void add_value(io::JsonWriter& json, const char* key, const FittedValue& value);
 /// What the fit found of the dot spread; empty where it was not fitted.
 [[nodiscard]] std::string dot_spread_sentence(const ResinFit& fit);
+/// Empty where there were no checkers.
+[[nodiscard]] std::string spread_sentence(const std::optional<SpreadFit>& spread);
 [[nodiscard]] std::string fit_text(const ResinFit& fit, const PatchTable& table);
 [[nodiscard]] std::string fit_json(const ResinFit& fit, const PatchTable& table, const FitExtras& extras = {});
 [[nodiscard]] std::string check_text(const PatchCheck& check, const PatchTable& table);

@@ -69,7 +69,7 @@ std::uint16_t patch_with(const PatchTable& table, const Target& target, const st
     for (std::size_t p = 0; p < table.patches.size(); ++p) {
         const Patch& patch = table.patches[p];
         const double off = std::abs(patch.thickness_mm - thickness_mm);
-        if (off < nearest && alike(fractions_of(target, patch.top), top) &&
+        if (!patch.lit && off < nearest && alike(fractions_of(target, patch.top), top) &&
             alike(fractions_of(target, {{patch.backing, 1.0}}), below))
             found = p + 1, nearest = off;
     }
@@ -90,7 +90,9 @@ void mark_patches(PatchMap& map, const PatchTable& table, const Target& target) 
         const auto [found, is_new] = known.try_emplace(of[pixel], std::uint16_t{0});
         const TargetBox &top = boxes[of[pixel].first], &below = boxes[of[pixel].second];
         if (is_new)
-            found->second = patch_with(table, target, top.fractions, below.fractions, top.max_mm.z() - top.min_mm.z());
+            found->second = top.cell[0] > 0 ? std::uint16_t{0}
+                                            : patch_with(table, target, top.fractions, below.fractions,
+                                                         top.max_mm.z() - top.min_mm.z());
         map.patch_of[pixel] = found->second;
     }
 }
@@ -162,8 +164,10 @@ PatchMap chart_of_patches(const PatchTable& table) {
 std::vector<std::size_t> patches_of_squares(const PatchTable& table, const Target& target) {
     std::vector<std::size_t> patches;
     for (const TargetSquare& square : target.squares)
-        patches.push_back(patch_with(table, target, fractions_of(target, square.top),
-                                     fractions_of(target, {{square.backing, 1.0}}), target.depth_mm(square)));
+        patches.push_back(square.is_checker()
+                              ? 0
+                              : patch_with(table, target, fractions_of(target, square.top),
+                                           fractions_of(target, {{square.backing, 1.0}}), target.depth_mm(square)));
     return patches;
 }
 

@@ -148,7 +148,7 @@ bool TargetRoles::is_clear(std::size_t role) const { return contains(clear, role
 TargetRoles find_target_roles(const PatchTable& table, std::span<const std::string> expected, double noise) {
     std::vector<std::string> bases, all;
     for (const Patch& patch : table.patches) {
-        if (!contains(bases, patch.backing)) bases.push_back(patch.backing);
+        if (!patch.lit && !contains(bases, patch.backing)) bases.push_back(patch.backing);
         for (const ResinShare& share : patch.top)
             if (!contains(all, share.role)) all.push_back(share.role);
     }
@@ -199,7 +199,8 @@ TargetRoles find_target_roles(const PatchTable& table, std::span<const std::stri
     }
     for (const std::string& base : bases) {
         const bool crossed = std::ranges::any_of(table.patches, [&](const Patch& p) {
-            return p.backing != base && std::ranges::any_of(p.top, [&](const ResinShare& s) { return s.role == base; });
+            return !p.lit && p.backing != base &&
+                   std::ranges::any_of(p.top, [&](const ResinShare& s) { return s.role == base; });
         });
         if (crossed) continue;
         throw InputError(fmt::format(
@@ -281,6 +282,7 @@ Principles::Principles(const PatchTable& table, const TargetRoles& roles, const 
         std::vector<std::size_t> self, cross, rest;
         for (std::size_t p = 0; p < table.patches.size(); ++p) {
             const Patch& patch = table.patches[p];
+            if (patch.lit) continue;
             if (is_pure(patch, role)) (patch.backing == role ? self : cross).push_back(p);
             // Of a resin that is no base: all patches in which only bases and clear resin stand beside it.
             bool has_it = false, known = true;
@@ -302,7 +304,8 @@ Principles::Principles(const PatchTable& table, const TargetRoles& roles, const 
             return roles.is_base(
                 static_cast<std::size_t>(std::ranges::find(roles.roles, share.role) - roles.roles.begin()));
         });
-        if (of_bases && !(patch.top.size() == 1 && patch.top.front().role == patch.backing)) mixed.push_back(p);
+        if (of_bases && !patch.lit && !(patch.top.size() == 1 && patch.top.front().role == patch.backing))
+            mixed.push_back(p);
     }
     mixed_bases_ = group(mixed);
 }

@@ -7,10 +7,10 @@
 //   Principle 2  extinction of each base from its square upon the other (Eq. 5), then of both by their mixtures too
 //   Principle 3  albedo and extinction of any other resin from its squares on both bases, pure and diluted (Eq. 6)
 //
-// Searches run on grids in v and ln sigma_t (resin_coordinates.h), made finer around the least sum of absolute
-// deviations. The deepest local minima of Eq. 6 on its grid, four at most, are handed on: a joint fit can tell which it
-// is. Bases need no names: the lightest and the darkest play white and black, any with contrast will do. Clear resin
-// (role T) neither absorbs nor scatters.
+// Slabs lit from behind are left to the joint fit. Searches run on grids in v and ln sigma_t (resin_coordinates.h),
+// made finer around the least sum of absolute deviations. The deepest local minima of Eq. 6 on its grid, four at most,
+// are handed on: a joint fit can tell which it is. Bases need no names: the lightest and the darkest play white and
+// black, any with contrast will do. Clear resin (role T) neither absorbs nor scatters.
 //
 // Ten directions do for a start: rho within 1e-4, in a third of the time. What it cannot see: that a base has an end;
 // the errors that one step hands to the next. Those are the joint refinement's (resin_fit.h).

@@ -19,9 +19,10 @@ struct MeasuredPatchOptions {
     PatchReading reading = {};      ///< how the file is read
 };
 
-/// Throws InputError, FileError. Warns of what was assumed, and where `model` takes the
-/// mixtures of a target as ideal.
+/// Without a target's checkers, which are `checkers` then: how far resin runs says what they show (fit/spread_fit.h).
+/// Throws InputError, FileError. Warns of what was assumed, and where `model` takes the mixtures of a target as ideal.
 [[nodiscard]] PatchTable read_measured_patches(const std::string& file, const MeasuredPatchOptions& options,
-                                               const PatchModelOptions& model, Progress& progress);
+                                               const PatchModelOptions& model, Progress& progress,
+                                               PatchTable* checkers = nullptr);
 
 }  // namespace voxtone::calibration

@@ -52,6 +52,7 @@ void apply_white_reference(PatchTable& table, double reflectance) {
         throw InputError(fmt::format(
             "The white reference reflects {}; expected a share above 0 and at most 1, such as 0.99.", reflectance));
     for (Patch& patch : table.patches) {
+        if (patch.lit) continue;
         for (double& rho : patch.rho) rho *= reflectance;
         for (double& error : patch.error) error *= reflectance;
     }

@@ -55,9 +55,13 @@ std::string mixture_text(const PatchMixture& mixture) {
     return text;
 }
 
+std::string light_name(optics::LightThrough light) { return light == optics::LightThrough::beam ? "beam" : "light"; }
+
 std::string patch_name(const Patch& patch) {
-    return patch.backing.empty() ? mixture_text(patch.top)
-                                 : fmt::format("{} on {}", mixture_text(patch.top), patch.backing);
+    std::string name = mixture_text(patch.top);
+    if (patch.is_checker()) name += fmt::format(" in cells of {:.3g} x {:.3g} mm", patch.cell_mm[0], patch.cell_mm[1]);
+    if (patch.lit) return fmt::format("{} of {:.3g} mm, {}", name, patch.thickness_mm, light_name(*patch.lit));
+    return patch.backing.empty() ? name : fmt::format("{} on {}", name, patch.backing);
 }
 
 }  // namespace voxtone::calibration

@@ -17,6 +17,9 @@ namespace voxtone::calibration {
 /// "C:10+W:90 on K", or "C:10+W:90" where it is thick, for messages.
 [[nodiscard]] std::string patch_name(const Patch& patch);
 
+/// As tables name it in the place of a base: "light" from all sides, or a "beam".
+[[nodiscard]] std::string light_name(optics::LightThrough light);
+
 /// Throws InputError unless `role` can be one; `whole` is shown.
 void check_role(std::string_view role, std::string_view whole);
 

@@ -55,7 +55,8 @@ PatchModel::PatchModel(std::span<const Patch> patches, std::vector<std::string> 
             layer.resins.push_back(resin(share.role));
             layer.fractions.push_back(share.fraction);
         }
-        patches_.push_back({index_of(layers_, layer), index_of(bases_, Base{resin(patch.backing), patch.base_mm})});
+        patches_.push_back({index_of(layers_, layer),
+                            patch.lit ? 0 : index_of(bases_, Base{resin(patch.backing), patch.base_mm}), patch.lit});
     }
     of_layer_.resize(layers_.size());
     for (std::size_t p = 0; p < patches_.size(); ++p) of_layer_[patches_[p].layer].push_back(p);
@@ -94,9 +95,19 @@ void PatchModel::run(std::span<const Medium> resins, const Bases& laws, std::spa
         by_resin->setZero(static_cast<Eigen::Index>(patches_.size()), static_cast<Eigen::Index>(2 * resins.size() + 1));
     for (std::size_t l = 0; l < layers_.size(); ++l) {
         const Mixed mixed = mix(layers_[l], resins, by_resin != nullptr);
-        const optics::OrdinateLayer layer(*plan_, mixed.medium, layers_[l].thickness_mm, by_resin != nullptr);
+        const double mm = layers_[l].thickness_mm;
+        std::optional<optics::OrdinateLayer> layer;
         for (const std::size_t p : of_layer_[l]) {
-            const optics::LayerReflectance result = layer.upon(laws[patches_[p].base]);
+            optics::LayerReflectance result;
+            if (const auto lit = patches_[p].lit; lit && by_resin) {
+                const auto [value, by] = optics::slab_transmission_slopes(*plan_, mixed.medium, mm, *lit);
+                result = {value, by, {}};
+            } else if (lit) {
+                result.rho = optics::slab_transmission(*plan_, mixed.medium, mm, *lit);
+            } else {
+                if (!layer) layer.emplace(*plan_, mixed.medium, mm, by_resin != nullptr);
+                result = layer->upon(laws[patches_[p].base]);
+            }
             rho[p] = result.rho;
             if (!by_resin) continue;
             auto row = by_resin->row(static_cast<Eigen::Index>(p));
@@ -109,6 +120,7 @@ void PatchModel::run(std::span<const Medium> resins, const Bases& laws, std::spa
                 row[at + 1] += slope(mixed.by.by_scattering[k]) / mixed.parts[k].sigma_s;
             }
             row[row.size() - 1] += slope(mixed.by.by_chord);
+            if (patches_[p].lit) continue;
             const auto base = static_cast<Eigen::Index>(2 * bases_[patches_[p].base].resin);
             row[base] += result.by_base.sigma_a;
             row[base + 1] += result.by_base.sigma_s;

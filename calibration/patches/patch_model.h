@@ -4,7 +4,8 @@
 // by every resin's absorption and scattering.
 //
 // A patch is a layer of a mixture upon a base (optics/layered/layer_on_base.h). Squares of one mixture and thickness
-// share the modes of their layer, squares on one base share its law. Mixtures are ideal (Iser, Rittig, Wilkie 2025, Eq.
+// share the modes of their layer, squares on one base share its law. Of slabs lit from behind: what comes through
+// (optics/layered/slab_transmission.h), slopes by differences. Mixtures are ideal (Iser, Rittig, Wilkie 2025, Eq.
 // 7) or, where the pitch of the voxels is given, halftones (optics/media/effective_medium.h). A base of unknown
 // thickness has no end; one of known thickness ends at what is `under` it.
 //
@@ -14,6 +15,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -88,6 +90,7 @@ private:
     };
     struct Place {
         std::size_t layer, base;
+        std::optional<optics::LightThrough> lit = {};  ///< then there is no base
     };
     /// A mixture and its derivatives by the logarithms of what its resins are.
     struct Mixed {

@@ -8,9 +8,12 @@
 // (optics::colorimetric_channels). Iser, Rittig, Wilkie 2025, Secs. 3.1 and 3.5.
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "optics/layered/slab_transmission.h"
 #include "optics/media/resins.h"
 
 namespace voxtone::calibration {
@@ -27,13 +30,16 @@ using PatchMixture = std::vector<ResinShare>;
 
 struct Patch {
     PatchMixture top;
-    std::string backing;        ///< role of the base's resin; empty where the patch has no end
-    double thickness_mm = 0;    ///< of the square; 0: thick, without end
-    double base_mm = 0;         ///< thickness of the base under it; 0: not known, taken as without end
-    std::vector<double> rho;    ///< per channel
-    std::vector<double> error;  ///< standard error per channel; empty: not known
-    std::string where;          ///< file and line, for messages
-    int row = 0, column = 0;    ///< on a printed chart, from 1 at the upper left; 0: not known
+    std::string backing;              ///< role of the base's resin; empty where the patch has no end
+    double thickness_mm = 0;          ///< of the square; 0: thick, without end
+    double base_mm = 0;               ///< thickness of the base under it; 0: not known, taken as without end
+    std::vector<double> rho;          ///< per channel; of a slab lit from behind what comes through it
+    std::vector<double> error;        ///< standard error per channel; empty: not known
+    std::string where;                ///< file and line, for messages
+    int row = 0, column = 0;          ///< on a printed chart, from 1 at the upper left; 0: not known
+    std::array<double, 2> cell_mm{};  ///< of a checker of the two resins of `top`; 0: they are mixed voxel by voxel
+    std::optional<optics::LightThrough> lit = {};  ///< of a slab in air, on nothing, that is lit from behind
+    [[nodiscard]] bool is_checker() const { return cell_mm[0] > 0; }
 };
 
 struct PatchTable {

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -25,7 +27,7 @@ constexpr std::size_t most_columns = 20000, most_patches = 100000;
 
 // What a column of the table holds.
 struct Column {
-    enum class Kind { top, backing, thickness, base, value, error } kind;
+    enum class Kind { top, backing, thickness, base, cell, value, error } kind;
     std::size_t channel = 0;
 };
 
@@ -57,6 +59,7 @@ public:
 private:
     bool colorimetric() const { return quantity_ == Quantity::lab || quantity_ == Quantity::xyz; }
 
+    static bool is_cell(std::string_view name) { return name == "cell_x_mm" || name == "cell_y_mm"; }
     static bool is_wide(std::string_view name) { return name == "wR" || name == "wG" || name == "wB"; }
     static std::optional<std::pair<Quantity, std::size_t>> letter_channel(std::string_view name) {
         if (is_wide(name)) return letter_channel(name.substr(1));
@@ -77,12 +80,13 @@ private:
         std::map<std::string_view, std::size_t> channels;
         for (std::size_t k = 3; k < names.size(); ++k) {
             const std::string_view name = names[k];
-            if (name == "base_mm" || name.ends_with("_se")) continue;
+            if (name == "base_mm" || is_cell(name) || name.ends_with("_se")) continue;
             const auto nm = number(name);
             const auto letter = nm ? std::nullopt : letter_channel(name);
             if (!nm && !letter) {
-                const std::vector<std::string> known{"base_mm", "R", "G", "B", "R_se", "G_se", "B_se", "L",
-                                                     "a",       "b", "X", "Y", "Z",    "wR",   "wG",   "wB"};
+                const std::vector<std::string> known{"base_mm", "cell_x_mm", "cell_y_mm", "R",  "G",  "B",
+                                                     "R_se",    "G_se",      "B_se",      "L",  "a",  "b",
+                                                     "X",       "Y",         "Z",         "wR", "wG", "wB"};
                 csv_.fail(k, fmt::format("{}; a wavelength is a number in nm",
                                          io::unknown_key_message(printable(name.substr(0, 40)), known)));
             }
@@ -119,6 +123,12 @@ private:
                 columns_.push_back({Column::Kind::base});
                 continue;
             }
+            if (is_cell(name)) {
+                const std::size_t axis = name == "cell_y_mm";
+                if (std::exchange(has_cells_[axis], true)) csv_.fail(fmt::format("column {} is there twice", name));
+                columns_.push_back({Column::Kind::cell, axis});
+                continue;
+            }
             const bool error = name.ends_with("_se");
             if (error) name.remove_suffix(3), ++errors;
             const auto channel = channels.find(name);
@@ -129,6 +139,7 @@ private:
             csv_.fail(fmt::format("{} of {} channels have a standard error; give it for all or for none", errors,
                                   channels.size()));
         has_errors_ = errors != 0;
+        if (has_cells_[0] != has_cells_[1]) csv_.fail("cell_x_mm and cell_y_mm belong together; give both or none");
     }
 
     void row(const std::vector<std::string>& cells) {
@@ -137,14 +148,15 @@ private:
         patch.where = csv_.where();
         try {
             patch.top = parse_mixture(cells[0]);
-            check_role(cells[1], cells[1]);
+            for (const auto light : {optics::LightThrough::diffuse, optics::LightThrough::beam})
+                if (cells[1] == light_name(light)) patch.lit = light;
+            if (!patch.lit) check_role(cells[1], cells[1]);
         } catch (const InputError& error) {
             throw InputError(fmt::format("{}: {}", patch.where, error.what()));
         }
-        patch.backing = cells[1];
+        if (!patch.lit) patch.backing = cells[1];
         patch.rho.resize(table_.channels.size());  // of L, a, b and X, Y, Z the same three, until all rows are known
         if (has_errors_) patch.error.resize(table_.channels.size());
-        const std::string name = patch_name(patch);
         for (std::size_t k = 2; k < cells.size(); ++k) {
             const double value = csv_.number(k);
             const Column& column = columns_[k];
@@ -155,6 +167,9 @@ private:
                 case Column::Kind::base:
                     patch.base_mm = value;
                     break;
+                case Column::Kind::cell:
+                    patch.cell_mm[column.channel] = value;
+                    break;
                 case Column::Kind::error:
                     patch.error[column.channel] = value;
                     break;
@@ -162,6 +177,7 @@ private:
                     patch.rho[column.channel] = value;
             }
         }
+        const std::string name = patch_name(patch);
         check(patch, name);
         if (!known(patch, name)) table_.patches.push_back(std::move(patch));
     }
@@ -174,6 +190,20 @@ private:
             csv_.fail(
                 fmt::format("patch {}: base_mm is {}; expected mm, from 0.001 to 10000, or 0 where it is not known",
                             name, patch.base_mm));
+        if (patch.lit && (patch.base_mm > 0 || patch.cell_mm != std::array<double, 2>{}))
+            csv_.fail(fmt::format(
+                "patch {}: a slab that is lit from behind lies on nothing and is mixed voxel by voxel; give "
+                "0 for base_mm, cell_x_mm and cell_y_mm",
+                name));
+        constexpr double least_cell_mm = 0.001, most_cell_mm = 10, rounding = 1e-3;
+        const auto is_length = [](double mm) { return mm >= least_cell_mm && mm <= most_cell_mm; };
+        if (patch.cell_mm != std::array<double, 2>{} && !(is_length(patch.cell_mm[0]) && is_length(patch.cell_mm[1])))
+            csv_.fail(
+                fmt::format("patch {}: cells of {} x {} mm; expected {} to {} mm, or 0 and 0 where there are none",
+                            name, patch.cell_mm[0], patch.cell_mm[1], least_cell_mm, most_cell_mm));
+        if (patch.is_checker() &&
+            !(patch.top.size() == 2 && std::abs(patch.top[0].fraction - patch.top[1].fraction) < rounding))
+            csv_.fail(fmt::format("patch {}: a checker holds as much of one resin as of another, W:50+K:50", name));
         for (std::size_t c = 0; c < patch.rho.size() && !colorimetric(); ++c) {
             const double rho = patch.rho[c];
             const std::string channel = channel_name(table_.channels, c);
@@ -186,10 +216,10 @@ private:
                     "subtracted, or give standard errors (R_se, ...) if this is noise",
                     name, channel, rho));
             if (rho > 1)
-                csv_.fail(fmt::format(
-                    "patch {}: {} is {}, above 1, more than a perfect diffuser reflects; divide by the white "
-                    "reference's reflectance, and give shares, not percent",
-                    name, channel, rho));
+                csv_.fail(
+                    fmt::format("patch {}: {} is {}, above 1, more than {}; divide by {}, and give shares, not percent",
+                                name, channel, rho, patch.lit ? "all light" : "a perfect diffuser reflects",
+                                patch.lit ? "what comes without the slab" : "the white reference's reflectance"));
         }
     }
 
@@ -222,6 +252,7 @@ private:
     Quantity quantity_ = Quantity::rgb;
     std::vector<Column> columns_;
     bool has_errors_ = false;
+    std::array<bool, 2> has_cells_{};
     std::map<std::string, std::size_t> seen_;
 };
 
@@ -239,6 +270,7 @@ PatchTable read_target_csv(std::string_view text, std::string source, std::optio
 std::string target_csv_text(const PatchTable& table, std::string_view comment) {
     VOXTONE_EXPECT(!table.is_chart);
     const bool base = std::ranges::any_of(table.patches, [](const Patch& p) { return p.base_mm > 0; });
+    const bool cells = std::ranges::any_of(table.patches, &Patch::is_checker);
     const bool errors =
         !table.patches.empty() && std::ranges::all_of(table.patches, [](const Patch& p) { return !p.error.empty(); });
     const std::vector<std::string> names = written_names(table.channels, errors);
@@ -247,13 +279,16 @@ std::string target_csv_text(const PatchTable& table, std::string_view comment) {
     text += "top,backing,thickness_mm";
     for (std::size_t c = 0; c < channels; ++c) text += fmt::format(",{}", names[c]);
     if (base) text += ",base_mm";
+    if (cells) text += ",cell_x_mm,cell_y_mm";
     for (std::size_t c = channels; c < names.size(); ++c) text += fmt::format(",{}", names[c]);
     text += '\n';
     for (const Patch& patch : table.patches) {
         const std::vector<double> values = written_values(table.channels, patch, errors);
-        text += fmt::format("{},{},{}", mixture_text(patch.top), patch.backing, patch.thickness_mm);
+        text += fmt::format("{},{},{}", mixture_text(patch.top), patch.lit ? light_name(*patch.lit) : patch.backing,
+                            patch.thickness_mm);
         for (std::size_t c = 0; c < channels; ++c) text += fmt::format(",{}", values[c]);
         if (base) text += fmt::format(",{}", patch.base_mm);
+        if (cells) text += fmt::format(",{:.6g},{:.6g}", patch.cell_mm[0], patch.cell_mm[1]);
         for (std::size_t c = channels; c < values.size(); ++c) text += fmt::format(",{}", values[c]);
         text += '\n';
     }

@@ -399,6 +399,7 @@ MeasuredTable average_photos(const std::vector<PhotoMeasurement>& photos, const 
         const TargetSquare& square = target.squares[s];
         Patch patch{square.top, square.backing,        target.depth_mm(square), target.under_mm(square), {},
                     {},         square_name(target, s)};
+        patch.cell_mm = target.cell_mm(square);
         if (target.is_chart()) patch.backing.clear(), patch.thickness_mm = patch.base_mm = 0;
         for (int channel = 0; channel < 3; ++channel) {
             const double rho = means[s].rho[channel];

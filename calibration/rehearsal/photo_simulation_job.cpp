@@ -46,6 +46,7 @@ PatchTable true_table(const Target& target, const TargetColours& colours) {
                                  {rho[0], rho[1], rho[2]},
                                  {},
                                  {}});
+        table.patches.back().cell_mm = target.cell_mm(square);
     }
     return table;
 }

@@ -13,7 +13,7 @@ namespace voxtone::calibration {
 
 namespace {
 
-constexpr double largest_mm = 10000;
+constexpr double largest_mm = 10000, most_voxels = 10000;
 
 std::array<double, 4> numbers(const Area& area) {
     return {area.min_mm.x(), area.min_mm.y(), area.max_mm.x(), area.max_mm.y()};
@@ -45,7 +45,7 @@ Target from_json(const io::JsonObject& object, const std::string& source) {
     target.size_mm = {size[0], size[1]};
     target.dark_half = area_of(object, "dark_half_mm");
     for (const io::JsonObject& square : object.objects("squares")) {
-        square.allow_only({"top", "backing", "area_mm", "depth_mm"});
+        square.allow_only({"top", "backing", "area_mm", "depth_mm", "cell"});
         TargetSquare entry;
         try {
             entry.top = parse_mixture(square.text("top"));
@@ -55,6 +55,12 @@ Target from_json(const io::JsonObject& object, const std::string& source) {
         entry.backing = square.text("backing");
         entry.area = area_of(square, "area_mm");
         if (square.has("depth_mm")) entry.depth_mm = square.number("depth_mm", 1e-3, largest_mm);
+        if (square.has("cell")) {
+            const std::vector<double> cell = square.numbers("cell", 2, 1, most_voxels);
+            entry.cell = {static_cast<int>(cell[0]), static_cast<int>(cell[1])};
+            if (entry.cell[0] != cell[0] || entry.cell[1] != cell[1])
+                square.fail("cell", "must be whole columns and rows");
+        }
         target.squares.push_back(std::move(entry));
     }
     const io::JsonObject fiducials = object.object("fiducials");
@@ -85,6 +91,7 @@ std::string target_text(const Target& target) {
         json.line().begin_object().add("top", mixture_text(square.top)).add("backing", square.backing);
         json.add("area_mm", numbers(square.area));
         if (square.depth_mm > 0) json.add("depth_mm", square.depth_mm);
+        if (square.is_checker()) json.add("cell", square.cell);
         json.end_object();
     }
     json.end_list().line().key("fiducials").begin_object().add("dictionary", marker_dictionary);

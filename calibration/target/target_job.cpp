@@ -113,6 +113,26 @@ std::vector<PatchMixture> thin_mixtures(std::vector<std::string> roles, std::siz
     return taken;
 }
 
+/// Three resins beside the light one, those that scatter most unlike it in some channel: the finer their cells are
+/// seen.
+std::vector<std::array<std::string, 2>> pairs_for_strips(const TargetJob& job) {
+    constexpr std::size_t most_pairs = 3;
+    const optics::ResinSet set = expected_resins(job);
+    const optics::Resin& light = set.resins[static_cast<std::size_t>(set.find(job.layout.light))];
+    std::vector<std::pair<double, std::string>> others;
+    for (const optics::Resin& resin : set.resins) {
+        double unlike = 0;
+        for (std::size_t c = 0; c < set.channels.size(); ++c)
+            unlike = std::max(unlike, std::abs(light.medium(c).sigma_s - resin.medium(c).sigma_s));
+        if (resin.role != light.role) others.emplace_back(-unlike, resin.role);
+    }
+    std::ranges::stable_sort(others, {}, &std::pair<double, std::string>::first);
+    std::vector<std::array<std::string, 2>> pairs;
+    for (std::size_t k = 0; k < std::min(most_pairs, others.size()); ++k)
+        pairs.push_back({others[k].second, light.role});
+    return pairs;
+}
+
 std::string chart_form(const Target& target) {
     std::string text = fmt::format(
         "# illuminant: D50\n# Fill in L, a, b (2 degree), row by row from the upper left, markers upright\n"
@@ -207,6 +227,7 @@ JobResult run_target_job(const TargetJob& job, const PrintBoxes& print, Progress
         layout.layout = TargetLayout::mixtures;
         layout.chart = thin_mixtures(layout.roles, job.thin);
     }
+    if (job.strips) layout.strips = pairs_for_strips(job);
     const Target target = lay_out_target(layout);
     const std::optional<optics::ResinSet> set = known_resins(job, target);
     if (!target.is_chart()) warn_of_base(target, set, progress);

@@ -103,6 +103,26 @@ bool has_deep_squares(const TargetOptions& o) {
     return o.layout <= TargetLayout::c && std::ranges::find(o.roles, clear_role) != o.roles.end();
 }
 
+struct Checker {
+    PatchMixture top;
+    std::array<int, 2> cell;
+};
+
+/// Cells that grow along one axis and along the other; the other side is long enough to hide little, and short enough
+/// that a whole number of cells is nearly seen.
+std::vector<Checker> checkers_of(const TargetOptions& o) {
+    // Columns, rows; the long sides are 0.68 mm each of a J750.
+    constexpr std::array<std::array<int, 2>, 9> cells{
+        {{1, 8}, {2, 8}, {4, 8}, {8, 8}, {16, 8}, {16, 1}, {16, 2}, {16, 4}, {16, 16}}};
+    std::vector<Checker> all;
+    for (const auto& [one, other] : o.strips)
+        for (const auto& cell : cells) {
+            Checker& checker = all.emplace_back(Checker{{{one, 0.5}, {other, 0.5}}, cell});
+            std::ranges::sort(checker.top, {}, &ResinShare::role);
+        }
+    return all;
+}
+
 /// Columns of each part, so that the whole is nearest to 3 x 2, as pictures are.
 int columns_of_part(int squares, int parts, double pitch_mm, double frame_mm) {
     int best = 1;
@@ -127,8 +147,9 @@ std::array<int, 4> marker_numbers(const Target& target) {
         for (const unsigned char c : text) hash = (hash ^ c) * 0x100000001b3u;
     };
     for (const TargetSquare& square : target.squares)
-        add(fmt::format("{} on {} at {:.2f},{:.2f};", mixture_text(square.top), square.backing, square.area.min_mm.x(),
-                        square.area.min_mm.y()));
+        add(fmt::format("{} on {} at {:.2f},{:.2f};{}", mixture_text(square.top), square.backing,
+                        square.area.min_mm.x(), square.area.min_mm.y(),
+                        square.is_checker() ? fmt::format(" {}x{};", square.cell[0], square.cell[1]) : ""));
     add(fmt::format("{:.4f} {:.4f}", target.top_mm, target.base_mm));  // which tells deep squares too
     const std::array<std::uint32_t, 4> mixed =
         philox4x32({static_cast<std::uint32_t>(hash), static_cast<std::uint32_t>(hash >> 32), 0, 0}, {0, 0});
@@ -187,8 +208,10 @@ Target lay_out_target(const TargetOptions& o) {
     const std::vector<PatchMixture> tops = mixtures(o);
     const double pitch = o.square_mm + o.gap_mm, frame = o.marker_mm + 2 * o.quiet_mm;
     const int parts = chart ? 1 : 2;
-    const int columns = columns_of_part(static_cast<int>(tops.size()), parts, pitch, 2 * frame + parts * o.gap_mm);
-    const int rows = (static_cast<int>(tops.size()) + columns - 1) / columns;
+    const std::vector<Checker> strips = checkers_of(o);
+    const int squares = static_cast<int>(tops.size() + strips.size());
+    const int columns = columns_of_part(squares, parts, pitch, 2 * frame + parts * o.gap_mm);
+    const int rows = (squares + columns - 1) / columns;
     const Eigen::Vector2d half(columns * pitch + o.gap_mm, rows * pitch + o.gap_mm);
     const double apart = std::max(o.gap_mm, from_halves_mm);
     const double strip = deep ? edge_by_depth * deepest_mm + apart : 0,
@@ -198,13 +221,20 @@ Target lay_out_target(const TargetOptions& o) {
     if (!chart) target.dark_half = {dark_corner, dark_corner + half};
 
     for (const bool on_light : chart ? std::vector{true} : std::vector{true, false})
-        for (std::size_t s = 0; s < tops.size(); ++s) {
-            const int column = static_cast<int>(s) % columns, row = static_cast<int>(s) / columns;
+        for (int s = 0; s < squares; ++s) {
+            const int column = s % columns, row = s / columns;
             const Eigen::Vector2d corner =
                 (on_light ? light_corner : dark_corner) +
                 Eigen::Vector2d(o.gap_mm + column * pitch, o.gap_mm + (rows - 1 - row) * pitch);
-            target.squares.push_back(
-                {tops[s], on_light ? o.light : o.dark, {corner, corner + Eigen::Vector2d::Constant(o.square_mm)}});
+            TargetSquare& square = target.squares.emplace_back();
+            square.backing = on_light ? o.light : o.dark;
+            square.area = {corner, corner + Eigen::Vector2d::Constant(o.square_mm)};
+            if (const auto k = static_cast<std::size_t>(s); k < tops.size()) {
+                square.top = tops[k];
+            } else {
+                const Checker& checker = strips[k - tops.size()];
+                square.top = checker.top, square.cell = checker.cell;
+            }
         }
     if (deep)
         for (TargetSquare& square : deep_squares(o, frame, frame + edge_by_depth * deepest_mm))
@@ -261,6 +291,10 @@ void Target::validate(const std::string& where) const {
             sum += share.fraction;
         }
         rule(std::abs(sum - 1) < 1e-6, name + ": the shares do not sum to 100 %");
+        rule(square.cell == std::array<int, 2>{} ||
+                 (square.cell[0] > 0 && square.cell[1] > 0 && square.top.size() == 2 &&
+                  std::abs(square.top[0].fraction - 0.5) < 1e-6),
+             name + ": a checker is half of one resin and half of another, in cells of one column and row or more");
         for (std::size_t t = 0; t < s; ++t)
             rule(!overlap(square.area, squares[t].area), fmt::format("squares {} and {} overlap", t + 1, s + 1));
     }
@@ -301,8 +335,10 @@ std::vector<TargetBox> target_boxes(const Target& target) {
     std::vector<TargetBox> boxes;
     boxes.push_back(box({Eigen::Vector2d::Zero(), target.size_mm}, 0, top, light));
     if (!target.is_chart()) boxes.push_back(box(target.dark_half, 0, top, dark));
-    for (const TargetSquare& square : target.squares)
+    for (const TargetSquare& square : target.squares) {
         boxes.push_back(box(square.area, target.under_mm(square), top, shares(square.top)));
+        boxes.back().cell = square.cell;
+    }
     for (const TargetMarker& marker : target.markers) {
         const std::vector<bool> cells = marker_pattern(marker.id);
         const double cell = marker.area.size().x() / marker_cells;
@@ -332,7 +368,8 @@ std::vector<std::array<int, 2>> square_places(const Target& target) {
 
 std::string square_name(const Target& target, std::size_t square) {
     const TargetSquare& s = target.squares.at(square);
-    return fmt::format("square {} ({} on {})", square + 1, mixture_text(s.top), s.backing);
+    const std::string cells = s.is_checker() ? fmt::format(" in cells of {} x {}", s.cell[0], s.cell[1]) : "";
+    return fmt::format("square {} ({}{} on {})", square + 1, mixture_text(s.top), cells, s.backing);
 }
 
 }  // namespace voxtone::calibration

@@ -17,10 +17,13 @@
 // that light of 45 degrees (28 within) reaches all of the bottom that is sampled; the base is then as thick as they
 // want.
 //
-// Every square lies once upon each half; the number of squares grows linearly with that of resins, that of layout E
-// doubles with every resin. Squares are let into
-// the slab, so that its top is flat: between them is the resin of the half. The frame is of the light resin from top to
-// bottom and wide enough that its middle sees little of what is around it: photographs measure the light there.
+// Strips of checkers tell how far resin runs before it is cured (calibration/fit/spread_fit.h): half of two resins each
+// in cells of 1, 2, 4, 8 and 16 columns by 8 rows, and of 1 to 16 rows by 16 columns.
+//
+// Every square lies once upon each half; the number of squares grows linearly with that of resins, that of layout
+// E doubles with every resin. Squares are let into the slab, so that its top is flat: between them is the resin of the
+// half. The frame is of the light resin from top to bottom and wide enough that its middle sees little of what is
+// around it: photographs measure the light there.
 //
 // Coordinates: mm, x to the right, y up, seen from above; (0, 0) is the lower left corner. z: 0 is the lower side.
 // The numbers of the four markers are a fingerprint of what the target holds, so that a photograph of another target is
@@ -42,10 +45,11 @@ enum class TargetLayout { a, b, c, e = 4, chart, mixtures };  ///< letters from 
 struct TargetOptions {
     TargetLayout layout = TargetLayout::b;
     std::vector<PatchMixture> chart;  ///< of the layouts chart and mixtures, in the order in which they lie
-    std::vector<std::string> roles;   ///< of the resins, two or more, all different
-    std::string light = "W";          ///< role of the light half and of the frame; one of `roles`
-    std::string dark = "K";           ///< role of the dark half and of the markers; one of `roles`, not the light one
-    std::string printer;              ///< id of its profile
+    std::vector<std::array<std::string, 2>> strips;  ///< pairs of resins with a strip of checkers each
+    std::vector<std::string> roles;                  ///< of the resins, two or more, all different
+    std::string light = "W";                         ///< role of the light half and of the frame; one of `roles`
+    std::string dark = "K";  ///< role of the dark half and of the markers; one of `roles`, not the light one
+    std::string printer;     ///< id of its profile
     std::array<double, 3>
         pitch_um{};  ///< of its voxels; squares get the nearest whole number of layers, the base at least its thickness
     double square_mm = 10;  ///< edge of a square, [1, 100]
@@ -76,6 +80,9 @@ struct TargetSquare {
     std::string backing;  ///< role
     Area area;
     double depth_mm = 0;  ///< of a deep square; 0: as deep as the target's thin ones
+    /// Columns and rows of the cells of a checker of the two resins of `top`; 0: they are mixed voxel by voxel.
+    std::array<int, 2> cell{};
+    [[nodiscard]] bool is_checker() const { return cell[0] > 0; }
 };
 
 struct TargetMarker {
@@ -103,6 +110,10 @@ struct Target {
     }
     /// How thick the base under a square is.
     [[nodiscard]] double under_mm(const TargetSquare& square) const { return height_mm() - depth_mm(square); }
+    /// Of a square's checker.
+    [[nodiscard]] std::array<double, 2> cell_mm(const TargetSquare& square) const {
+        return {square.cell[0] * pitch_um[0] / 1000, square.cell[1] * pitch_um[1] / 1000};
+    }
     /// Throws InputError naming the part and the rule it breaks: outside, overlapping, unknown roles, fractions, ...
     void validate(const std::string& where) const;
 };
@@ -117,6 +128,8 @@ struct Target {
 struct TargetBox {
     Eigen::Vector3d min_mm, max_mm;
     std::vector<double> fractions;
+    /// Where it is not 0: the two resins of `fractions` alternate in cells of so many columns and rows.
+    std::array<int, 2> cell = {};
 };
 
 /// The whole target, markers included, as boxes.

@@ -49,7 +49,8 @@ void set_printer(const slicer::PrinterProfile& printer, calibration::TargetJob& 
 slicer::BoxPrint box_print(const CalibrateTargetArguments& a, const std::vector<calibration::TargetBox>& boxes,
                            const Eigen::Vector3d& size_mm) {
     slicer::BoxPrint print;
-    for (const calibration::TargetBox& box : boxes) print.boxes.push_back({box.min_mm, box.max_mm, box.fractions});
+    for (const calibration::TargetBox& box : boxes)
+        print.boxes.push_back({box.min_mm, box.max_mm, box.fractions, box.cell});
     print.size_mm = size_mm;
     print.roles = a.job.layout.roles;
     print.seed = a.seed;
@@ -72,6 +73,11 @@ int run(CalibrateTargetArguments& a, const CalibrateJobs& jobs) {
     if (a.thin && !thin)
         throw UsageError(fmt::format(
             "--patches with --layout {}: would be ignored; the thin mixtures are --layout chart", a.layout));
+    if (a.job.strips && (thin || a.layout == "E"))
+        throw UsageError(fmt::format(
+            "--strips with --layout {}: `calibrate fit` reads them beside the squares that tell the resins; take A, B "
+            "or C",
+            a.layout));
     if (thin)
         a.job.thin = a.thin.value_or(121);
     else if (a.job.patches == 0)
@@ -122,6 +128,9 @@ Verb calibrate_target_verb(const CalibrateJobs& jobs) {
                 "mixtures for `calibrate check`, which take no part in a fit",
                 {.choices = {"A", "B", "C", "E", "chart"}});
     command.add("--patches", arguments->thin, "mixtures of --layout chart, each on light and on dark; empty: 121");
+    command.add("--strips", arguments->job.strips,
+                "checkers of growing cells besides, of three pairs of resins, from which `calibrate fit` finds how far "
+                "resin runs before it is cured");
     add_target_options(command, *arguments);
     command.run = [arguments, &jobs] { return run(*arguments, jobs); };
     return command;

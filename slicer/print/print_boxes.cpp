@@ -82,6 +82,15 @@ BoxLayers::BoxLayers(std::vector<PrintBox> boxes, const Eigen::Vector3d& size_mm
         }
         if (!(std::abs(sum - 1) < 1e-9) || box.fractions.size() >= io::max_materials)
             throw InputError(fmt::format("the shares of a box sum to {}, not to 1", sum));
+        if (box.cell != std::array<int, 2>{}) {
+            std::vector<io::Material> resins;
+            for (std::size_t m = 0; m < box.fractions.size(); ++m)
+                if (box.fractions[m] > 0) resins.push_back(static_cast<io::Material>(m + 1));
+            if (box.cell[0] < 1 || box.cell[1] < 1 || resins.size() != 2)
+                throw InputError("a checker has two resins, in cells of one column and row or more");
+            span.cell = {static_cast<std::uint32_t>(box.cell[0]), static_cast<std::uint32_t>(box.cell[1])};
+            span.in_cells = {resins[0], resins[1]};
+        }
         if (!((box.max_mm.array() > box.min_mm.array()).all())) throw InputError("a box has no volume");
         for (std::size_t axis = 0; axis < 3; ++axis) {
             span.first[axis] = first_voxel(box.min_mm[Eigen::Index(axis)], pitch_um[Eigen::Index(axis)], size_[axis]);
@@ -92,6 +101,7 @@ BoxLayers::BoxLayers(std::vector<PrintBox> boxes, const Eigen::Vector3d& size_mm
 }
 
 io::Material BoxLayers::draw(const Span& box, std::uint32_t i, std::uint32_t j, std::uint32_t k) const {
+    if (box.cell[0] > 0) return box.in_cells[((i - box.first[0]) / box.cell[0] + (j - box.first[1]) / box.cell[1]) % 2];
     const double random =
         RandomStream(seed_, std::uint64_t{i} | std::uint64_t{j} << 16 | std::uint64_t{k} << 32).uniform();
     std::size_t m = 0;

@@ -5,7 +5,7 @@
 // A voxel belongs to the last box that holds its centre (lower faces included, upper ones not); in none of them it is
 // empty. Where a box mixes resins, every voxel draws its resin by itself with the fractions as probabilities, from a
 // random number that is addressed by the voxel's place: the same bits for any number of threads and any part of the
-// stack.
+// stack. Or its two resins lie as a checker, which begins with the first of them at the lower left.
 #pragma once
 
 #include <array>
@@ -25,6 +25,8 @@ namespace voxtone::slicer {
 struct PrintBox {
     Eigen::Vector3d min_mm = Eigen::Vector3d::Zero(), max_mm = Eigen::Vector3d::Zero();
     std::vector<double> fractions;  ///< of each resin (material m is fractions[m - 1]); they sum to 1
+    /// Where it is not 0, the two resins that there are alternate in cells of so many columns and rows.
+    std::array<int, 2> cell = {};
 };
 
 /// Makes layers of boxes. Memory: one row of box numbers beside the layer's runs.
@@ -46,8 +48,10 @@ public:
 private:
     struct Span {  // voxels [first, last) of each axis
         std::array<std::uint32_t, 3> first{}, last{};
-        std::vector<double> sums;            // of the fractions up to each resin
-        io::Material only = io::background;  // where there is one resin
+        std::vector<double> sums;             // of the fractions up to each resin
+        io::Material only = io::background;   // where there is one resin
+        std::array<std::uint32_t, 2> cell{};  // of a checker
+        std::array<io::Material, 2> in_cells{};
     };
     [[nodiscard]] io::Material draw(const Span& box, std::uint32_t i, std::uint32_t j, std::uint32_t k) const;
 

@@ -31,7 +31,7 @@ class Layers:
         """Reflection and transmission of layers; arrays of one length. Endless: mm = inf."""
         sigma_t, albedo, mm = np.broadcast_arrays(*map(np.atleast_1d, map(np.asarray, (sigma_t, albedo, mm))))
         depth = sigma_t * np.where(np.isinf(mm), 1e4 / np.maximum(sigma_t, 1e-9), mm)
-        doublings = 40
+        doublings = 33  # of fewer grazing light is off, of more (40: 1e-4) rounding adds up
         thin = (depth / 2.0**doublings)[:, None, None]
         single = albedo[:, None, None] * thin / (4 * self.mu[:, None] * self.mu[None, :]) * self.weight
         same = np.eye(len(self.mu))
@@ -50,6 +50,19 @@ class Layers:
 
     def on_air(self, layer):
         return self.upon(layer, np.diag(self.inside)[None])
+
+    def through(self, layer):
+        """Shares of a beam along the normal and of diffuse light, from below, that leave a slab in air upwards."""
+        r, t = layer
+        n, faces = len(self.mu), np.diag(self.inside)
+        same = np.broadcast_to(np.eye(n), r.shape)
+        # Upward at the lower face, downward there, upward at the upper face: u0 = q + B d0, d0 = r u0 + t B u1, u1 = t u0 + r B u1.
+        matrix = np.block([[same, -same * self.inside, 0 * same], [-r, same, -t @ faces], [-t, 0 * same, same - r @ faces]])
+        light = np.concatenate([self.eta**2 * (1 - self.inside), np.zeros(2 * n)])
+        up = np.linalg.solve(matrix, np.broadcast_to(light, (len(r), 3 * n))[..., None])[:, 2 * n:, 0]
+        out = (1 - self.inside) * up / self.eta**2
+        lets = np.where(self.inside < 1 - 1e-12, self.weight, 0)
+        return out[:, -2], out @ lets / lets.sum()
 
     def rho(self, reflection):
         out = np.linalg.solve(np.eye(len(self.mu)) - reflection * self.inside, reflection)

@@ -13,6 +13,8 @@
 //   material of the base everywhere, count, then x0 y0 x1 y1 material of each rectangle in it; later ones replace
 //   the same of the layer on top
 //   windows, then x0 y0 x1 y1 of each
+//   perhaps: checkers, then of each material cell_x cell_y sigma_x sigma_y one other: this material is, from place to
+//   place, the two materials in cells from the origin on, blurred by a Gaussian of these standard deviations
 // To standard output a line a window: rho(45 -> 0) = pi L / E and its standard error of each channel.
 #include <algorithm>
 #include <cmath>
@@ -21,6 +23,7 @@
 #include <iostream>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -52,6 +55,39 @@ struct Rectangle {
 };
 
 /// Which material lies where: a grid of the rectangles' edges.
+/// A square wave of -1 and 1 and half-period `cell`, blurred by a Gaussian: its Fourier series, from a table.
+class Wave {
+public:
+    Wave() = default;
+    Wave(double cell, double sigma) : period_(2 * cell), table_(samples) {
+        for (std::size_t i = 0; i < samples; ++i) {
+            const double x = period_ * (double(i) + 0.5) / double(samples);
+            if (sigma <= 0) {
+                table_[i] = x < cell ? 1 : -1;
+                continue;
+            }
+            for (int k = 1; k < 2000; k += 2) {
+                const double wave = pi * k / cell;
+                table_[i] += 4 / (pi * k) * std::sin(wave * x) * std::exp(-wave * wave * sigma * sigma / 2);
+            }
+        }
+    }
+    [[nodiscard]] double operator()(double x) const {
+        const double turns = x / period_;
+        return table_[std::min(std::size_t((turns - std::floor(turns)) * double(samples)), samples - 1)];
+    }
+
+private:
+    static constexpr std::size_t samples = 4096;
+    double period_ = 1;
+    std::vector<double> table_;
+};
+
+struct Checker {
+    Wave x, y;
+    int one = 0, other = 0;
+};
+
 class Plan {
 public:
     void read(std::istream& in) {
@@ -105,6 +141,21 @@ struct Slab {
     std::size_t channels = 0;
     std::vector<std::vector<Stuff>> stuff;  ///< by material, by channel
     Plan base, top;
+    std::vector<std::pair<int, Checker>> checkers;  ///< by material
+
+    [[nodiscard]] const Checker* checker(int material) const {
+        for (const auto& [of, checker] : checkers)
+            if (of == material) return &checker;
+        return nullptr;
+    }
+    [[nodiscard]] Stuff stuff_at(int material, std::size_t channel, double x, double y) const {
+        const Checker* const found = checker(material);
+        if (!found) return stuff[std::size_t(material)][channel];
+        const Stuff a = stuff[std::size_t(found->one)][channel], b = stuff[std::size_t(found->other)][channel];
+        const double share = 0.5 + 0.5 * found->x(x) * found->y(y);
+        const double extinction = share * a.sigma_t + (1 - share) * b.sigma_t;
+        return {extinction, (share * a.sigma_t * a.albedo + (1 - share) * b.sigma_t * b.albedo) / extinction};
+    }
 
     /// Optical depth from a place upwards, against the light: towards +x by `slope` of each mm up.
     [[nodiscard]] double depth_of(Vector p, std::size_t channel, double cosine, double slope, double most) const {
@@ -115,20 +166,22 @@ struct Slab {
             const std::size_t row = plan->row(p.y);
             std::size_t column = plan->column(p.x);
             while (p.z < ceiling && depth < most) {
-                const double sigma = stuff[std::size_t(plan->at(column, row))][channel].sigma_t;
+                const int material = plan->at(column, row);
+                constexpr double step_mm = 0.008;  // through checkers
                 const double to_edge = (plan->right_of(column) - p.x) / slope;
-                const double up = std::min(ceiling - p.z, to_edge);
+                const double up = std::min({ceiling - p.z, to_edge, checker(material) ? step_mm : 1e300});
+                const double sigma = stuff_at(material, channel, p.x + slope * up / 2, p.y).sigma_t;
                 depth += sigma * up / cosine;
                 p.x += slope * up;
-                p.z = up == to_edge ? p.z + up : ceiling;
+                p.z = up == ceiling - p.z ? ceiling : p.z + up;
                 if (up == to_edge) ++column;
             }
         }
         return depth;
     }
-    [[nodiscard]] const Stuff& at(const Vector& p, std::size_t channel) const {
+    [[nodiscard]] Stuff at(const Vector& p, std::size_t channel) const {
         const Plan& plan = p.z < base_mm ? base : top;
-        return stuff[std::size_t(plan.at(plan.column(p.x), plan.row(p.y)))][channel];
+        return stuff_at(plan.at(plan.column(p.x), plan.row(p.y)), channel, p.x, p.y);
     }
 };
 
@@ -177,7 +230,7 @@ double path_of(const Slab& slab, const Rectangle& window, std::size_t channel, d
             continue;
         }
         p = {p.x + step * w.x, p.y + step * w.y, p.z + step * w.z};
-        const Stuff& here = slab.at(p, channel);
+        const Stuff here = slab.at(p, channel);
         if (draw() * majorant >= here.sigma_t) continue;
         weight *= here.albedo;
         // What comes to the camera goes along -w.
@@ -212,7 +265,15 @@ int main() {
     std::cin >> windows;
     std::vector<Rectangle> where(windows);
     for (Rectangle& r : where) std::cin >> r.x0 >> r.y0 >> r.x1 >> r.y1;
-    if (!std::cin || paths < 2 || threads < 1) {
+    const bool read = bool(std::cin);
+    std::size_t checkers = 0;
+    for (std::cin >> checkers; std::cin && slab.checkers.size() < checkers;) {
+        int material = 0, one = 0, other = 0;
+        double cell_x = 1, cell_y = 1, sigma_x = 0, sigma_y = 0;
+        std::cin >> material >> cell_x >> cell_y >> sigma_x >> sigma_y >> one >> other;
+        slab.checkers.push_back({material, {Wave(cell_x, sigma_x), Wave(cell_y, sigma_y), one, other}});
+    }
+    if (!read || paths < 2 || threads < 1) {
         std::cerr << "square_tracer: see the head of its source for what it reads\n";
         return 2;
     }

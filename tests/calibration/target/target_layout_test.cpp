@@ -151,6 +151,26 @@ TEST_CASE("where clear resin is among the resins two deep squares of it lie in t
     CHECK(target_of(TargetLayout::e, {"T", "K", "W"}).squares.size() == 14);
 }
 
+TEST_CASE("strips are checkers of growing cells, along x and along y, on light and on dark") {
+    TargetOptions options = target_options(TargetLayout::b);
+    options.strips = {{"Y", "W"}, {"K", "W"}};
+    const Target target = lay_out_target(options);
+    CHECK(target.squares.size() == target_of(TargetLayout::b).squares.size() + 36);
+    std::set<std::array<int, 2>> on_light, on_dark;
+    for (const TargetSquare& square : target.squares)
+        if (square.is_checker()) (square.backing == "W" ? on_light : on_dark).insert(square.cell);
+    CHECK(on_light ==
+          std::set<std::array<int, 2>>{{1, 8}, {2, 8}, {4, 8}, {8, 8}, {16, 8}, {16, 1}, {16, 2}, {16, 4}, {16, 16}});
+    CHECK(on_dark == on_light);
+    const std::string text = target_text(target);
+    CHECK(target_text(parse_target(text, "target.json")) == text);
+    CHECK_THROWS_WITH(parse_target(replaced(text, "\"cell\": [1, 8]", "\"cell\": [1.5, 8]"), "t"), Contains("whole"));
+    CHECK_THROWS_WITH(parse_target(replaced(text, "\"cell\": [1, 8]", "\"cell\": [0, 8]"), "t"), Contains("cell"));
+    std::size_t boxes = 0;
+    for (const TargetBox& box : target_boxes(target)) boxes += box.cell[0] > 0;
+    CHECK(boxes == 36);
+}
+
 TEST_CASE("descriptions read back as they were written") {
     for (const TargetLayout layout : {TargetLayout::a, TargetLayout::b, TargetLayout::c}) {
         const Target target = target_of(layout, {"C", "M", "Y", "K", "W", "T"});

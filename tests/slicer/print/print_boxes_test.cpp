@@ -57,6 +57,23 @@ TEST_CASE("a voxel belongs to the last box that holds its centre") {
     }
 }
 
+TEST_CASE("a checker alternates its two resins in cells from its own corner") {
+    const BoxLayers layers(
+        {{Vector3d::Zero(), {1, 1, 0.1}, {1, 0, 0}}, {{0.2, 0.3, 0}, {0.9, 0.9, 0.1}, {0, 0.5, 0.5}, {3, 2}}},
+        {1, 1, 0.1}, pitch_um, 1);
+    const auto rows = voxels(layers.layer(2));
+    for (std::size_t j = 0; j < 10; ++j)
+        for (std::size_t i = 0; i < 20; ++i) {
+            const bool inside = i >= 4 && i < 18 && j >= 3 && j < 9;
+            CHECK(int(rows[j][i]) == (!inside ? 1 : ((i - 4) / 3 + (j - 3) / 2) % 2 == 0 ? 2 : 3));
+        }
+    const auto refused = [](const PrintBox& box) {
+        CHECK_THROWS_WITH(BoxLayers({box}, {1, 1, 0.1}, pitch_um, 1), Contains("two resins"));
+    };
+    refused({Vector3d::Zero(), {1, 1, 0.1}, {1, 0}, {2, 2}});
+    refused({Vector3d::Zero(), {1, 1, 0.1}, {0.5, 0.5}, {2, 0}});
+}
+
 TEST_CASE("dithers have the shares of their mixture, and the test sees one percent too much") {
     // z of 160000 voxels: 4 deviations are 0.3 % of a share of 0.1.
     for (const double p : {0.05, 0.1, 0.5, 0.9}) CHECK(std::abs(share_distance(p, p, 3)) < 4);
