@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <variant>
 
 #include <fmt/format.h>
 #include <jpeglib.h>
@@ -99,8 +100,8 @@ const calibration::PredictedPrint& foretold() {
         slicer::PredictOptions options;
         options.stack = sliced().stack;
         Progress silent;
-        const slicer::TopPrint top =
-            slicer::predict_top_print(options, slicer::ResinParts::extinction_and_absorption, silent);
+        const auto top = std::get<slicer::TopPrint>(
+            slicer::predict_photographed(options, slicer::ResinParts::extinction_and_absorption, silent));
         calibration::PredictedPrint print = print_of(options, top);
         print.model = "transport";
         print.by_paths = top.by_paths;
