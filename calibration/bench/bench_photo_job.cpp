@@ -51,10 +51,17 @@ std::vector<std::string> slab_pictures(const BenchList& list) {
     return names;
 }
 
+std::vector<fs::path> photographs_of(const BenchList& list) {
+    std::vector<fs::path> files{list.checker, list.sheet};
+    if (!list.paper.empty()) files.emplace_back(list.paper);
+    for (const SlabPhotograph& slab : list.slabs) files.emplace_back(slab.file);
+    return files;
+}
+
 class BenchReader {
 public:
     BenchReader(const BenchPhotoJob& job, const BenchList& list, const EdgeSetup& setup, Progress& progress)
-        : job_(job), list_(list), progress_(progress), folder_(overlay_folder(job)) {
+        : job_(job), list_(list), progress_(progress), folder_(overlay_folder(job)), reader_(photographs_of(list)) {
         reading_.setup = setup;
         options_ = {job.square_mm, setup.width_mm, job.length_mm};
         json_.begin_object().add("format", "voxtone-calibrate-edge-photo").add("version", 1);
@@ -88,9 +95,9 @@ private:
 
     void read_light() {
         const CheckerChart chart = find_checker(job_.checker);
-        BenchLightPhotos photos{io::read_photograph(list_.checker, &progress_),
-                                io::read_photograph(list_.sheet, &progress_), std::nullopt};
-        if (!list_.paper.empty()) photos.paper = io::read_photograph(list_.paper, &progress_);
+        BenchLightPhotos photos{reader_.read(list_.checker, &progress_), reader_.read(list_.sheet, &progress_),
+                                std::nullopt};
+        if (!list_.paper.empty()) photos.paper = reader_.read(list_.paper, &progress_);
         exposure_s_ = photos.sheet.exposure_s;
         size_px_ = {photos.sheet.width_px, photos.sheet.height_px};
         BenchLightOptions options = job_.light;
@@ -135,7 +142,7 @@ private:
         for (std::size_t k = 0; k < list_.slabs.size(); ++k) {
             progress_.check_cancelled();
             const SlabPhotograph& slab = list_.slabs[k];
-            io::Photograph photo = io::read_photograph(slab.file, &progress_);
+            io::Photograph photo = reader_.read(slab.file, &progress_);
             if (photo.width_px != size_px_[0] || photo.height_px != size_px_[1])
                 throw InputError(
                     fmt::format("{}: {} x {} pixels, but the bare sheet's photograph has {} x {}; all must "
@@ -194,6 +201,7 @@ private:
     const BenchList& list_;
     Progress& progress_;
     std::string folder_;
+    io::PhotographReader reader_;
     OverlayOptions options_;
     BenchReading reading_;
     BenchLight light_;

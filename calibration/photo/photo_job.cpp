@@ -38,10 +38,11 @@ std::vector<PhotoMeasurement> measure_all(const PhotoJob& job, const Target& tar
     const CheckerChart chart = find_checker(job.checker);
     std::vector<PhotoMeasurement> photos;
     TargetPicture picture(target);
+    io::PhotographReader reader(std::vector<std::filesystem::path>(job.photos.begin(), job.photos.end()));
     progress.begin_stage("photographs", job.photos.size(), "photographs");
     for (std::size_t p = 0; p < job.photos.size(); ++p) {
         progress.check_cancelled();
-        photos.push_back(measure_photo(io::read_photograph(job.photos[p], &progress), target, chart, job.measure));
+        photos.push_back(measure_photo(reader.read(job.photos[p], &progress), target, chart, job.measure));
         PhotoMeasurement& photo = photos.back();
         for (const std::string& warning : photo.warnings) progress.warn(warning);
         io::write_whole_file(overlay_name(job, p), io::png_bytes(photo_overlay(photo, chart)));

@@ -18,7 +18,8 @@ struct LightAndDark {
 };
 
 LightAndDark read_pair(const ExposureFile& lit, const ExposureFile& dark, const Progress* progress) {
-    LightAndDark pair{read_exposure(lit, progress), read_exposure(dark, progress)};
+    io::PhotographReader reader(names_of(std::array{lit, dark}));
+    LightAndDark pair{read_exposure(lit, reader, progress), read_exposure(dark, reader, progress)};
     expect_dark_frame(pair.lit, pair.dark);
     return pair;
 }

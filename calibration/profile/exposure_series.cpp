@@ -47,8 +47,14 @@ std::string seconds_text(double seconds) {
     return fmt::format("{:.4g} s", seconds);
 }
 
-Exposure read_exposure(const ExposureFile& file, const Progress* progress) {
-    Exposure exposure{io::read_photograph(file.file, progress), file.seconds};
+std::vector<std::filesystem::path> names_of(std::span<const ExposureFile> files) {
+    std::vector<std::filesystem::path> names;
+    for (const ExposureFile& file : files) names.push_back(file.file);
+    return names;
+}
+
+Exposure read_exposure(const ExposureFile& file, io::PhotographReader& reader, const Progress* progress) {
+    Exposure exposure{reader.read(file.file, progress), file.seconds};
     if (exposure.photograph.coding == io::SampleCoding::srgb)
         throw InputError(
             fmt::format("{}: holds sRGB codes, of which light cannot be measured over a range this wide; give the "

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,8 +30,12 @@ struct Exposure {
     double seconds = 0;
 };
 
+/// Of all of them.
+[[nodiscard]] std::vector<std::filesystem::path> names_of(std::span<const ExposureFile> files);
+
 /// Reads one, linear. Throws InputError for sRGB codes and where neither user nor file says how long it was; FileError.
-[[nodiscard]] Exposure read_exposure(const ExposureFile& file, const Progress* progress = nullptr);
+[[nodiscard]] Exposure read_exposure(const ExposureFile& file, io::PhotographReader& reader,
+                                     const Progress* progress = nullptr);
 
 /// Throws InputError unless both have one size and, within 1 %, one time.
 void expect_dark_frame(const Exposure& lit, const Exposure& dark);

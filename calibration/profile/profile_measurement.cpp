@@ -164,9 +164,12 @@ MeasuredSide measure_side(const ExposureSeries& series, const ProfileMeasureOpti
     options.validate();
     check(series);
     ExposureMerge merge(options.noise);
+    std::vector<std::filesystem::path> files = names_of(series.lit);
+    for (std::filesystem::path& file : names_of(series.dark)) files.push_back(std::move(file));
+    io::PhotographReader reader(files);
     for (std::size_t k = 0; k < series.lit.size(); ++k) {
         if (progress) progress->check_cancelled();
-        merge.add(read_exposure(series.lit[k], progress), read_exposure(series.dark[k], progress));
+        merge.add(read_exposure(series.lit[k], reader, progress), read_exposure(series.dark[k], reader, progress));
     }
     return measure_merged(merge.merged(), series, options);
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -31,14 +32,26 @@ ExposureFile beside(const fs::path& table, const std::string& name) {
     return exposure;
 }
 
+std::vector<fs::path> all_files(const std::vector<SweepExposures>& frames, const SweepExposures& card) {
+    std::set<fs::path> files;
+    const auto add = [&](const SweepExposures& scene) {
+        for (const auto* series : {&scene.lit, &scene.dark})
+            for (const ExposureFile& exposure : *series) files.insert(exposure.file);
+    };
+    add(card);
+    for (const SweepExposures& frame : frames) add(frame);
+    return {files.begin(), files.end()};
+}
+
 /// Most frames of a sweep share their dark frames: as many as one has are kept.
 class DarkFrames {
 public:
-    [[nodiscard]] const Exposure& read(const ExposureFile& file, std::size_t most, const Progress& progress) {
+    [[nodiscard]] const Exposure& read(const ExposureFile& file, std::size_t most, io::PhotographReader& reader,
+                                       const Progress& progress) {
         const std::pair key(file.file, file.seconds);
         if (const auto known = kept_.find(key); known != kept_.end()) return known->second;
         if (kept_.size() >= most) kept_.clear();
-        return kept_.emplace(key, read_exposure(file, &progress)).first->second;
+        return kept_.emplace(key, read_exposure(file, reader, &progress)).first->second;
     }
 
 private:
@@ -46,10 +59,11 @@ private:
 };
 
 MergedPicture merged_of(const SweepExposures& scene, const CameraNoise& noise, DarkFrames& dark,
-                        const Progress& progress) {
+                        io::PhotographReader& reader, const Progress& progress) {
     ExposureMerge merge(noise);
     for (std::size_t i = 0; i < scene.lit.size(); ++i)
-        merge.add(read_exposure(scene.lit[i], &progress), dark.read(scene.dark[i], scene.dark.size(), progress));
+        merge.add(read_exposure(scene.lit[i], reader, &progress),
+                  dark.read(scene.dark[i], scene.dark.size(), reader, progress));
     MergedPicture picture = merge.merged();
     const auto saturated = std::count(picture.exposures.begin(), picture.exposures.end(), 0);
     if (saturated > 0)
@@ -214,7 +228,8 @@ SweptResponses measure_sweep(const std::vector<SweepExposures>& frames, const Sw
         throw UsageError(
             fmt::format("--card-albedo: {:g}; a card reflects more than 0 and at most 1 of the light", card_albedo));
     DarkFrames dark;
-    const MergedPicture lit_card = merged_of(card, noise, dark, progress);
+    io::PhotographReader reader(all_files(frames, card));
+    const MergedPicture lit_card = merged_of(card, noise, dark, reader, progress);
     const double px_mm2 = geometry.mm_per_px * geometry.mm_per_px;
     const Eigen::Vector3d light = sum_of(lit_card) * px_mm2 / card_albedo;  // Phi
     if (!(light.minCoeff() > 0))
@@ -229,7 +244,7 @@ SweptResponses measure_sweep(const std::vector<SweepExposures>& frames, const Sw
     for (std::size_t from = 0; from < frames.size(); ++from) {
         progress.check_cancelled();
         const std::string name = frames[from].lit.front().file.string();
-        const MergedPicture picture = merged_of(frames[from], noise, dark, progress);
+        const MergedPicture picture = merged_of(frames[from], noise, dark, reader, progress);
         const std::vector<Eigen::Vector3d> means = cells.of(picture, name);
         const Eigen::Vector3d total = (sum_of(picture) * px_mm2).cwiseQuotient(light);
         for (std::size_t c = 0; c < 3; ++c) {

@@ -163,7 +163,6 @@ std::unique_ptr<IsolatedProgram> start_reader(const std::string& what, const Rea
                                               IsolationLimits limits) {
     if (built_with_address_sanitizer()) limits.memory_bytes = 0;
     const PathInZip place = path_in_zip(request.path);
-    limits.readable.clear();
     if (!request.path.empty()) limits.readable.push_back(place.file.string());
     const bool is_model = request.kind == ReadKind::model || request.kind == ReadKind::side_files;
     if (is_model && request.sees_folder && !place.is_zip) {

@@ -59,8 +59,8 @@ struct NeedsFolder {};
 /// Starts the program for a model or picture. Without `sees_folder` its result may be NeedsFolder, thrown.
 [[nodiscard]] std::unique_ptr<IsolatedProgram> start_reader(ReadKind kind, const std::filesystem::path& path,
                                                             const ReadOptions& options, bool sees_folder = true);
-/// Starts the program, which may read the file and, of a model, what lies in its folder and does not begin with a dot.
-/// `what` names the file in messages. Throws FileError (the program is missing), TryAgain.
+/// Starts the program, which may read the file, what `limits` names and, of a model, what lies in its folder and does
+/// not begin with a dot. `what` names the file in messages. Throws FileError (the program is missing), TryAgain.
 [[nodiscard]] std::unique_ptr<IsolatedProgram> start_reader(const std::string& what, const ReadRequest& request,
                                                             IsolationLimits limits);
 

@@ -227,6 +227,11 @@ void IsolatedProgram::post_request(std::span<const std::byte> request) {
     send_request(request);
 }
 
+void IsolatedProgram::post_request(std::span<const std::byte> request, std::string what) {
+    what_ = std::move(what);
+    post_request(request);
+}
+
 void IsolatedProgram::send_request(std::span<const std::byte> request) {
     if (!fill(request_.get(), request))
         throw TryAgain(

@@ -76,6 +76,8 @@ public:
     void answer_by(Answerer answerer) { answerer_ = std::move(answerer); }
     /// The next request, when the last one was answered.
     void post_request(std::span<const std::byte> request);
+    /// The same of another file, which `what` names in messages from here on.
+    void post_request(std::span<const std::byte> request, std::string what);
     /// Seconds of the processor that the request at hand has taken, with those that were counted before.
     [[nodiscard]] double spent_s() const { return processor_s() - began_s_; }
     /// Counts `seconds` that others of its kind took towards the limit of the request at hand.

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/pictures/photograph.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -42,12 +45,31 @@ Photograph unpack_photograph(std::span<const std::byte> bytes) {
 }
 
 Photograph read_photograph(const std::filesystem::path& file, const Progress* progress) {
+    return PhotographReader(std::span<const std::filesystem::path>{}).read(file, progress);
+}
+
+PhotographReader::PhotographReader(std::span<const std::filesystem::path> files) {
+    for (const std::filesystem::path& file : files) files_.push_back(file.string());
+}
+PhotographReader::~PhotographReader() = default;
+
+Photograph PhotographReader::read(const std::filesystem::path& file, const Progress* progress) {
     std::error_code error;
     if (!std::filesystem::is_regular_file(file, error))
         throw FileError(fmt::format("the photograph {} is not there or is no file", file.string()));
-    return unpack_photograph(start_reader(file.string(), {.kind = ReadKind::photograph, .path = file.string()},
-                                          {.memory_bytes = most_bytes, .timeout_s = most_seconds})
-                                 ->result(progress));
+    const ReadRequest request{.kind = ReadKind::photograph, .path = file.string()};
+    std::unique_ptr<IsolatedProgram> program = std::move(program_);  // of no use after most errors
+    if (program) {
+        program->post_request(pack(request), file.string());
+    } else {
+        IsolationLimits limits{.memory_bytes = most_bytes, .timeout_s = most_seconds};
+        std::ranges::copy_if(files_, std::back_inserter(limits.readable),
+                             [](const std::string& name) { return std::filesystem::exists(name); });
+        program = start_reader(file.string(), request, std::move(limits));
+    }
+    Photograph photograph = unpack_photograph(program->result(progress));
+    program_ = std::move(program);
+    return photograph;
 }
 
 void make_linear(Photograph& photograph) {

@@ -64,12 +64,13 @@ TEST_CASE("An exposure's time comes from the user, else from the file, and is as
         return folder.path() / name;
     };
     const auto timed = write("timed.exr", 0.125), silent = write("silent.png", 0), codes = write("codes.png", 0, 8);
-    CHECK(read_exposure({timed, 0}).seconds == 0.125);
-    CHECK(read_exposure({timed, 2}).seconds == 2);
-    CHECK(read_exposure({silent, 3}).photograph.pixels[5][1] == Approx(0.25).margin(1e-4));
-    CHECK_THROWS_WITH(read_exposure({silent, 0}), Contains("silent.png") && Contains("@1/15"));
-    CHECK_THROWS_WITH(read_exposure({codes, 1}), Contains("codes.png") && Contains("sRGB"));
-    CHECK_THROWS_AS(read_exposure({folder.path() / "none.tif", 1}), FileError);
+    io::PhotographReader reader(std::vector{timed, silent, codes, folder.path() / "none.tif"});
+    CHECK(read_exposure({timed, 0}, reader).seconds == 0.125);
+    CHECK(read_exposure({timed, 2}, reader).seconds == 2);
+    CHECK(read_exposure({silent, 3}, reader).photograph.pixels[5][1] == Approx(0.25).margin(1e-4));
+    CHECK_THROWS_WITH(read_exposure({silent, 0}, reader), Contains("silent.png") && Contains("@1/15"));
+    CHECK_THROWS_WITH(read_exposure({codes, 1}, reader), Contains("codes.png") && Contains("sRGB"));
+    CHECK_THROWS_AS(read_exposure({folder.path() / "none.tif", 1}, reader), FileError);
 }
 
 TEST_CASE("Merged light is that of exposures less their dark frames, weighted by their variance") {

@@ -3,6 +3,12 @@
 #include "io/pictures/picture.h"
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <unistd.h>
 
 #include <tiffio.h>
 #include <catch2/catch.hpp>
@@ -131,6 +137,34 @@ TEST_CASE("what is no photograph is refused", "[slow]") {
         write_whole_file(folder.path() / "cut.png", std::span(whole).first(cut));
         CHECK_THROWS_AS(read_photograph(folder.path() / "cut.png"), InputError);
     }
+}
+
+TEST_CASE("many photographs are read by one program, and by another after one that was refused") {
+    const TemporaryFolder folder;
+    std::vector<std::filesystem::path> files;
+    for (const char* name : {"a.png", "b.tif", "bad.tif", "c.exr"}) {
+        files.push_back(folder.path() / name);
+        write_whole_file(files.back(), photograph_bytes(smooth(30 + std::uint32_t(files.size()), 20), name));
+    }
+    write_whole_file(files[2], "no picture");
+    // Of this thread, as the system knows them.
+    const auto children = [] {
+        std::ifstream in("/proc/self/task/" + std::to_string(::gettid()) + "/children");
+        std::string pids;
+        std::getline(in, pids);
+        return pids;
+    };
+    PhotographReader reader(files);
+    CHECK(reader.read(files[0]).width_px == 31);
+    const std::string first = children();
+    CHECK_FALSE(first.empty());
+    CHECK(reader.read(files[1]).width_px == 32);
+    CHECK(reader.read(files[0]).pixels == read_photograph(files[0]).pixels);
+    CHECK(children() == first);
+    CHECK_THROWS_WITH(reader.read(files[2]), Catch::Matchers::Contains("bad.tif"));
+    CHECK_THROWS_AS(reader.read(folder.path() / "nothing.png"), FileError);
+    CHECK(reader.read(files[3]).width_px == 34);
+    CHECK(children() != first);
 }
 
 TEST_CASE("a TIFF that was cut short or damaged is refused, and not black where its rows are missing", "[slow]") {
