@@ -148,12 +148,16 @@ std::uint64_t bytes_of_voxels(const OpenedJob& job, const JobBody& body, const L
     return static_cast<std::uint64_t>(std::min(amounts.voxels, blocks_of_shell * amounts.shell_voxels));
 }
 
+std::uint64_t disk_bytes_of_copy(const OpenedJob& job, const JobBody& body, const LayerRange& range) {
+    return layer_bytes(body.grid, {coloured_area_mm2(*body.surface), job.options.shell_mm(), range.layers(),
+                                   job.outputs(), job.resins.entries.size()});
+}
+
 std::uint64_t disk_bytes(const OpenedJob& job, const JobBody& body, const LayerRange& range, const LoopPlan& loop) {
     constexpr double page_bytes = 6e6, bytes_per_cell = 50;  // pictures, and meshes of what will be seen
     const ResolvedJob& options = job.options;
     const double area_mm2 = coloured_area_mm2(*body.surface), cell_mm = options.prediction.cell_mm;
-    const std::uint64_t layers = layer_bytes(
-        body.grid, {area_mm2, options.shell_mm(), range.layers(), job.outputs(), job.resins.entries.size()});
+    const std::uint64_t layers = disk_bytes_of_copy(job, body, range);
     const double report = options.report ? page_bytes + bytes_per_cell * area_mm2 / (cell_mm * cell_mm) : 0;
     // What the loop puts there is gone before the layers come.
     const double looping =

@@ -46,5 +46,7 @@ struct PlannedWork {
 /// Most that these layers of the stack and its report, or before them the loop, take on disk.
 [[nodiscard]] std::uint64_t disk_bytes(const OpenedJob& job, const JobBody& body, const LayerRange& range,
                                        const LoopPlan& loop);
+/// Most that one more copy of it on its plate takes, of which nothing is told besides.
+[[nodiscard]] std::uint64_t disk_bytes_of_copy(const OpenedJob& job, const JobBody& body, const LayerRange& range);
 
 }  // namespace voxtone::slicer

@@ -15,6 +15,7 @@
 #include "io/layers/stack_folder.h"
 #include "slicer/options/mark_options.h"
 #include "slicer/part/loop_checkpoint.h"
+#include "slicer/part/phase_estimates.h"
 #include "slicer/plans/part_about.h"
 #include "slicer/plate/arrangement.h"
 #include "slicer/plate/component.h"
@@ -282,7 +283,10 @@ std::optional<OpenedJob> common_job(const TrayPlan& plan, const std::vector<std:
 }
 
 std::uint64_t ReadyPart::disk_bytes(const OpenedJob& common) const {
-    return ready ? ready->plan.disk_bytes : component_disk_bytes(*component, part.cuts, common);
+    if (alone.empty()) return 0;
+    if (!ready) return alone.size() * component_disk_bytes(*component, part.cuts, common);
+    return ready->plan.disk_bytes +
+           (alone.size() - 1) * disk_bytes_of_copy(ready->job, ready->body, ready->plan.layers);
 }
 
 const OpenedJob& TrayParts::any_job() const {

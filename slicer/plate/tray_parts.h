@@ -33,7 +33,7 @@ struct ReadyPart {
     std::optional<ReadyComponent> component{};
 
     [[nodiscard]] const VoxelGrid& grid() const { return ready ? ready->body.grid : component->layers->grid(); }
-    /// Most that the layers and the report of one copy take; `common`: what all parts have.
+    /// Most that layers of all copies that stand alone take, and its report; `common`: what all parts have.
     [[nodiscard]] std::uint64_t disk_bytes(const OpenedJob& common) const;
     /// As it is to be printed.
     [[nodiscard]] std::shared_ptr<const LayerSource> layers() const {

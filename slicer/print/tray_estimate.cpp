@@ -39,6 +39,7 @@ struct EstimatedPart {
     std::optional<ReadyComponent> component{};
     JobEstimate estimate = {};
     std::uint64_t resident_bytes = 0;  ///< when it was estimated
+    std::uint64_t copy_bytes = 0;      ///< on disk, of each further copy
 };
 
 /// Nothing is looped or predicted. A stack's layers take what reading it has taken now.
@@ -56,7 +57,7 @@ EstimatedPart estimate_component(const TrayPart& part, const OpenedJob& common, 
     for (const std::uint64_t count : made.component->voxels)
         volumes.ml.push_back(part.cuts ? 0 : double(count) * voxel_ml), volumes.body_ml += volumes.ml.back();
     add_amounts(common, volumes, estimate);
-    estimate.disk_bytes = component_disk_bytes(*made.component, part.cuts, common);
+    estimate.disk_bytes = made.copy_bytes = component_disk_bytes(*made.component, part.cuts, common);
     PhaseEstimate read{Phase::read, cpu_seconds() - cpu_began_s, watch.total(), peak_memory_bytes(), true};
     PhaseEstimate layers{Phase::layers, read.cpu_s + voxels * cpu_s_of_voxel, 0, resident_bytes(), false};
     layers.seconds = seconds_on_threads(layers.cpu_s, thread_count());
@@ -77,6 +78,8 @@ EstimatedPart estimate_part(const TrayPart& part, const EstimateScope& scope, co
     made.printer = job.printer;
     made.measured.emplace(read_measured(job, progress));
     made.resident_bytes = resident_bytes();
+    const JobBody& body = made.measured->body;
+    made.copy_bytes = disk_bytes_of_copy(job, body, range_within(job.options.layers, body.grid.size[2]));
     made.estimate = estimate_body(job, made.measured->body, made.measured->read, scope, progress);
     return made;
 }
@@ -194,7 +197,7 @@ JobEstimate estimate_tray(const SliceOptions& asked, const TrayModels& models, P
         add_resins(part.estimate, part.part->copies, sum);
         add_phases(part, resident, sum);
         sum.surface_mm2 += part.part->copies * part.estimate.surface_mm2;
-        sum.disk_bytes += std::uint64_t(part.part->copies) * part.estimate.disk_bytes;
+        sum.disk_bytes += part.estimate.disk_bytes + std::uint64_t(part.part->copies - 1) * part.copy_bytes;
         weighed = weighed && part.estimate.g, priced = priced && part.estimate.price;
         g += part.part->copies * part.estimate.g.value_or(0);
         price += part.part->copies * part.estimate.price.value_or(0);

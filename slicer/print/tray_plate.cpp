@@ -214,7 +214,7 @@ std::vector<double> slab_work_of(const PreparedTray& prepared, int slab_layers) 
 /// Without hard links OUT/printer is a copy.
 std::uint64_t disk_bytes_of(const PreparedTray& prepared, const fs::path& out) {
     std::uint64_t bytes = 0;
-    for (const ReadyPart& part : prepared.parts.ready) bytes += part.alone.size() * part.disk_bytes(prepared.any_job());
+    for (const ReadyPart& part : prepared.parts.ready) bytes += part.disk_bytes(prepared.any_job());
     return bytes * (io::has_hard_links(out) ? 1 : 2);
 }
 

@@ -257,6 +257,10 @@ TEST_CASE("A tray says what it takes of the disk before its layers are made, and
         const std::vector<std::string> models{desk.path("box.obj").string()};
         const JobEstimate estimate = estimate_print({options, {models, 3}, true}, desk.said);
         CHECK_THAT(desk.said.said(), !Contains("has free"));
+        // Its report is of a part, and not of each copy.
+        const std::uint64_t one = estimate_print({options, {models, 1}, true}, desk.said).disk_bytes;
+        CHECK((estimate.disk_bytes > one && estimate.disk_bytes - one < 1'000'000));
+        CHECK(one > 6'000'000);
         options.shard = shard;
         (void)desk.tray(options, {"box.obj"}, 3);
         // Beside OUT/printer there are no copies, for the folder's disk has hard links.
