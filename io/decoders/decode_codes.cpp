@@ -17,6 +17,12 @@ namespace voxtone::io {
 
 namespace {
 
+#if __has_include(<ZXing/ReaderOptions.h>)
+using CodeOptions = ZXing::ReaderOptions;  // its name since ZXing-C++ 2.2
+#else
+using CodeOptions = ZXing::DecodeHints;
+#endif
+
 using ZXing::BarcodeFormat;
 
 constexpr int most_codes = 64;
@@ -160,7 +166,7 @@ Box bars_at(const LuminanceRaster& picture, const Box& lines, bool upright) {
 
 /// One by one, each painted over once it is read: asked for several at once, or at scales of its own, ZXing 1.4.0
 /// aborts over some pages.
-void add_bars(std::vector<CodeInPicture>& codes, LuminanceRaster picture, int times, ZXing::DecodeHints hints) {
+void add_bars(std::vector<CodeInPicture>& codes, LuminanceRaster picture, int times, CodeOptions hints) {
     hints.setTryDownscale(false).setMaxNumberOfSymbols(1);
     for (int n = 0; n < most_codes; ++n) {
         const ZXing::Results found =
@@ -183,7 +189,7 @@ void add_bars(std::vector<CodeInPicture>& codes, LuminanceRaster picture, int ti
 /// (findings/zxing-data-matrix-place.sh): it is shown strips of the picture, one below the other.
 void add_from_strips(std::vector<CodeInPicture>& codes, const LuminanceRaster& picture) {
     constexpr int least_rows = 24, in_a_strip = 4;
-    ZXing::DecodeHints hints;
+    CodeOptions hints;
     hints.setFormats(BarcodeFormat::DataMatrix).setTryHarder(true).setMaxNumberOfSymbols(most_codes);
     for (int part = 1; part <= 8 && picture.rows / part >= least_rows; part *= 2) {
         const int rows = picture.rows / part, step = std::max(1, rows / in_a_strip);
@@ -202,7 +208,7 @@ std::vector<CodeInPicture> decode_codes(const LuminanceRaster& picture, int most
     if (picture.columns < 1 || picture.rows < 1 || double(picture.columns) * picture.rows > 1e9 ||
         picture.grey.size() != std::size_t(picture.columns) * std::size_t(picture.rows))
         throw InputError("a picture whose codes are to be read is not of its size");
-    ZXing::DecodeHints areas, bars;
+    CodeOptions areas, bars;
     areas.setFormats(BarcodeFormat::QRCode | BarcodeFormat::DataMatrix | BarcodeFormat::PDF417);
     bars.setFormats(BarcodeFormat::Code128 | BarcodeFormat::Code39 | BarcodeFormat::EAN13 | BarcodeFormat::EAN8 |
                     BarcodeFormat::UPCA);

@@ -66,7 +66,11 @@ GreyPicture seen_from(const Body& body, const Eigen::Vector3d& out, double pixel
 }
 
 std::string code_in(const GreyPicture& picture) {
+#if __has_include(<ZXing/ReaderOptions.h>)
+    ZXing::ReaderOptions hints;  // its name since ZXing-C++ 2.2
+#else
     ZXing::DecodeHints hints;
+#endif
     hints.setFormats(ZXing::BarcodeFormat::QRCode | ZXing::BarcodeFormat::DataMatrix | ZXing::BarcodeFormat::Code128)
         .setTryHarder(true);
     for (const ZXing::Binarizer how : {ZXing::Binarizer::LocalAverage, ZXing::Binarizer::GlobalHistogram}) {
