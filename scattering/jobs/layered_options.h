@@ -46,16 +46,16 @@ struct ClearTop {
 struct LayeredOptions final : slicer::OtherOptions {
     std::string profiles;  ///< file of the map
     ProfilePlacement placement = ProfilePlacement::uv;
-    std::string base = "K";  ///< role of the resin below the laminates
-    double thickness_mm = 5;
-    std::uint32_t steps = 64, blocks = 6;
+    std::string base = "K";                       ///< role of the resin below the laminates
+    double thickness_mm = 5;                      ///< most, of a laminate; in (0, 50]
+    std::uint32_t steps = 64, blocks = 6;         ///< of the search; 1 to 4096, 1 to 16
     std::optional<int> rounds;                    ///< of corrected searches; nothing: by the number of clusters
     std::vector<LaminateMaterialFile> materials;  ///< measured; empty: resins are computed
-    double dc_weight = 1;
+    double dc_weight = 1;                         ///< of the total reflectance against the profile's shape; in (0, 1e6]
     std::vector<ClearTop> clear_top;
-    double smoothing_mm = 0;
+    double smoothing_mm = 0;  ///< standard deviation, along the surface; 0 to 100
     bool surfaces = false;
-    double surface_cell_mm = 0.1;
+    double surface_cell_mm = 0.1;  ///< of the meshes of `surfaces`; 0.01 to 5
 
     [[nodiscard]] double depth_mm() const override { return thickness_mm; }
     [[nodiscard]] const std::string& core() const override { return base; }
