@@ -166,7 +166,7 @@ function(voxtone_add_test name)
   target_precompile_headers(${name} REUSE_FROM voxtone_test_headers)
   target_compile_options(${name} PRIVATE -pthread $<$<CONFIG:Release>:-O1>)  # -pthread: some of Debian 13's libraries bring it
   if(ARG_LIBRARIES MATCHES "voxtone::(io|calibration|slicer|scattering|farm)")
-    voxtone_want(${name} voxtone-read voxtone-read-pictures voxtone-read-drawings voxtone-read-stack voxtone-photographs voxtone-vdb voxtone-layer-surfaces)
+    voxtone_want(${name} voxtone-read voxtone-read-pictures voxtone-read-drawings voxtone-photographs voxtone-vdb voxtone-layer-surfaces)
   endif()
   # CTest starts the most costly first; what it measures itself it forgets of names with spaces.
   set(cost 20)

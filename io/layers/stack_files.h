@@ -2,7 +2,7 @@
 //
 // A layer stack as it lies on the disk: a folder of ours (with manifest.json), anybody's folder of numbered PNG files
 // (io/pictures/picture_series.h), a GCVF container, or the ZIP that was packed for a printer. All is parsed in this
-// process: what voxtone-read-stack does for io/layers/stack_reader.h behind its walls.
+// process: what voxtone-read does for io/layers/stack_reader.h behind its walls.
 #pragma once
 
 #include <array>

@@ -14,7 +14,8 @@ namespace voxtone::io {
 
 namespace {
 
-const std::string stack_protocol = "voxtone-read-stack 6, voxtone " + build_identity();
+constexpr std::string_view kind_of_stack = "layer stack ";
+const std::string stack_protocol = std::string(kind_of_stack) + "7, voxtone " + build_identity();
 
 template <class Value, class Plain>
 concept is_a = std::is_same_v<std::remove_const_t<Value>, Plain>;
@@ -240,6 +241,13 @@ LayerInspection unpack_inspection(std::span<const std::byte> bytes, std::size_t 
 
 ZbufferInspection unpack_zbuffer(std::span<const std::byte> bytes) { return unpacked<ZbufferInspection>(bytes); }
 
+bool StackService::serves(std::span<const std::byte> request) const {
+    if (stack_) return true;
+    std::string asked;
+    PackedReader{request}(asked);
+    return asked.starts_with(kind_of_stack);
+}
+
 std::vector<std::byte> StackService::answer(std::span<const std::byte> request) {
     if (!stack_) {
         PackedReader reader(request);
@@ -247,7 +255,7 @@ std::vector<std::byte> StackService::answer(std::span<const std::byte> request) 
         reader(asked, path);
         if (asked != stack_protocol)
             throw ResourceError(fmt::format(
-                "voxtone-read-stack is of another version ({}) than the program that asks it ({}); install voxtone "
+                "voxtone-read is of another version ({}) than the program that asks it ({}); install voxtone "
                 "again",
                 stack_protocol, asked));
         stack_ = std::make_unique<const StackFiles>(path);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What crosses the wall between the program that reads a layer stack (voxtone-read-stack) and the one that asks it
+// What crosses the wall between the program that reads a layer stack (voxtone-read) and the one that asks it
 // (io/layers/stack_reader.h): first a listing, then layer after layer. Nothing that comes back is believed: unpacking
 // throws InputError where its parts do not fit together.
 #pragma once
@@ -50,6 +50,8 @@ struct LayerRequest {
 /// what is wrong with one layer's file is in its inspection.
 class StackService {
 public:
+    /// Whether the request is one of these: voxtone-read has requests of other kinds (io/files/file_reader.h).
+    [[nodiscard]] bool serves(std::span<const std::byte> request) const;
     [[nodiscard]] std::vector<std::byte> answer(std::span<const std::byte> request);
 
 private:
