@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// voxtone-read: parses one model, picture or layer stack for another program, which started it under limits of memory and
-// time.
-// Pictures that are not PNG, JPEG or WebP it has decoded by that program's leave.
+// voxtone-read: parses one model, picture or layer stack for another program, which started it under limits of memory
+// and time. Pictures that are not PNG, JPEG or WebP it has decoded by that program's leave.
 #include <cstdio>
 
 #include "io/codecs/read_here.h"
@@ -14,6 +13,8 @@ int main() {
     voxtone::io::serve_isolated([&](std::span<const std::byte> request) {
         return stack.serves(request) ? voxtone::io::packing_of(stack.answer(request)) : voxtone::io::answer(request);
     });
-    std::fputs("voxtone-read reads models, pictures and layer stacks for voxtone, which starts it; it has no use by hand\n", stderr);
+    std::fputs(
+        "voxtone-read reads models, pictures and layer stacks for voxtone, which starts it; it has no use by hand\n",
+        stderr);
     return 2;
 }

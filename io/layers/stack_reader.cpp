@@ -43,8 +43,8 @@ struct StackReader::State {
     [[nodiscard]] std::unique_ptr<IsolatedProgram> start() const {
         IsolationLimits limits{.readable = {place_of(path)}};
         if (built_with_address_sanitizer()) limits.memory_bytes = 0;
-        return std::make_unique<IsolatedProgram>(path.string(), find_helper("voxtone-read"),
-                                                 pack_stack_request(path), limits);
+        return std::make_unique<IsolatedProgram>(path.string(), find_helper("voxtone-read"), pack_stack_request(path),
+                                                 limits);
     }
     /// A program that has the stack open and nothing to do.
     std::unique_ptr<IsolatedProgram> borrow() {
