@@ -73,6 +73,11 @@ io::ReportSection shards_section(const io::ShardSet& shards) {
     return section;
 }
 
+/// Of their job: another's may have the same layers, and be told of otherwise.
+bool holds_merged(const fs::path& out, const io::ShardSet& shards) {
+    return io::is_merged(out, shards) && recorded_identity(out) == shards.job();
+}
+
 /// Of a stack that may be there already: its own, or one that may be replaced.
 void expect_replaceable(const MergeOptions& options, const io::StackFolder& folder, const io::ShardSet& shards) {
     if (options.overwrite || !folder.holds_stack()) return;
@@ -124,7 +129,7 @@ void make_up_for_printer_folder(const MergeOptions& options, const io::ShardSet&
 }
 
 void lay_together(const MergeOptions& options, const io::ShardSet& shards, Progress& progress) {
-    if (io::is_merged(options.out, shards)) return make_up_for_printer_folder(options, shards, progress);
+    if (holds_merged(options.out, shards)) return make_up_for_printer_folder(options, shards, progress);
     if (recorded_identity(io::shards_folder(options.out)) != shards.job())
         throw InputError(
             fmt::format("{}: is not of the job that the shards are of; make one of them again, with "
@@ -234,7 +239,7 @@ JobResult run_merge_job(const MergeOptions& options, const MergedTelling& tellin
         throw FileError(fmt::format("{}: is no folder; name the output folder of the shards", options.out.string()));
     const io::ShardSet shards = io::read_shards(options.out, {std::uint32_t(options.shards)}, &progress);
     io::sweep_shards(options.out);
-    const bool was_merged = io::is_merged(options.out, shards);
+    const bool was_merged = holds_merged(options.out, shards);
     if (!options.for_printer.empty()) io::expect_printer_target(options.out, options.for_printer, options.overwrite);
     lay_together(options, shards, progress);
     hand_over(options.out, options.for_printer, options.overwrite, progress);

@@ -78,6 +78,53 @@ TEST_CASE("Thin walls are told with their thickness and place, the first four by
     CHECK_THAT(desk.warnings(), !Contains("[fragile]"));
 }
 
+TEST_CASE("Where a thin wall is, is said in words by the thirds of the body's box, and in figures") {
+    BodyDesk desk;
+    // Beside a block of 12 x 9 x 3 mm: upright in front on the left, and in the middle behind.
+    desk.boxes({{0, 0, 0, 12, 9, 3}, {0.5, 0.5, 2, 0.8, 3.5, 8}});
+    CHECK_THAT(desk.warnings(), Contains("left, front, above (0.7, 2.0, 5."));
+    desk.boxes({{0, 0, 0, 12, 9, 3}, {5, 8.2, 2, 7, 8.5, 8}});
+    CHECK_THAT(desk.warnings(), Contains("back, above (6.0, 8.3, 5.") && !Contains("left") && !Contains("right"));
+    CHECK_THAT(desk.warnings(), Contains("2 times as large, or "));
+    desk.options.printer = "generic";  // which says nothing of walls
+    CHECK_THAT(desk.warnings(), !Contains("[fragile]"));
+}
+
+TEST_CASE("Pieces that meet in an edge alone are said to come apart, and where") {
+    BodyDesk desk;
+    desk.boxes({{0, 0, 0, 4, 4, 4}, {4, 4, 0, 8, 8, 4}});
+    CHECK_THAT(desk.warnings(), Contains("[fragile]") && Contains("two pieces meet in a point or an edge alone, in the "
+                                                                  "middle (4.0, 4.0, 2.0 mm)"));
+    desk.boxes({{0, 0, 0, 4, 4, 4}, {4, 4, 0, 8, 8, 4}, {8, 8, 0, 12, 12, 4}});
+    CHECK_THAT(desk.warnings(), Contains("2 pairs of pieces meet"));
+    desk.boxes({{0, 0, 0, 4, 4, 4}, {3, 3, 0, 8, 8, 4}});
+    CHECK_THAT(desk.warnings(), !Contains("pieces meet"));
+}
+
+TEST_CASE("A void within a body is told of, kept or filled as is asked for") {
+    BodyDesk desk;
+    {
+        // A block of 12 mm whose inside, of 6 mm, is turned outside in.
+        std::ofstream out(desk.options.model);
+        for (const auto& [low, high] : {std::pair(0.0, 12.0), {3.0, 9.0}})
+            for (int c = 0; c < 8; ++c)
+                out << fmt::format("v {} {} {} 0.5 0.1 0.1\n", c & 1 ? high : low, c & 2 ? high : low,
+                                   c & 4 ? high : low);
+        for (const auto& [a, b, c, d] :
+             {std::array{1, 3, 4, 2}, {5, 6, 8, 7}, {1, 2, 6, 5}, {3, 7, 8, 4}, {1, 5, 7, 3}, {2, 4, 8, 6}})
+            out << fmt::format("f {} {} {} {}\nf {} {} {} {}\n", a, b, c, d, d + 8, c + 8, b + 8, a + 8);
+    }
+    for (const bool filled : {false, true}) {
+        desk.options.cavities = filled ? "fill" : "keep";
+        const JobBody body = desk.body();
+        REQUIRE(body.repair.voids.size() == 1);
+        CHECK(body.repair.voids[0].filled == filled);
+        CHECK(body.repair.voids[0].volume_mm3 == Approx(216).epsilon(0.05));
+        CHECK_THAT(desk.warnings(), Contains("[cavity]"));
+        CHECK(body.solid->triangles.size() == (filled ? 12 : 24));
+    }
+}
+
 TEST_CASE("Models that are tiny, without colour or coated through are told or refused") {
     BodyDesk desk;
     desk.boxes({{0, 0, 0, 1.9, 1.9, 1.9}});

@@ -105,6 +105,11 @@ TEST_CASE("What a printer loads by default is loaded, of a set of its own roles 
     CHECK(roles_of(two) == Roles{"W", "K"});
     CHECK((two.core == 0 && two.set.resins.size() == 2));
     CHECK(two.entries[1].rgb == usual.entries[3].rgb);
+    CHECK((two.entries[1].name == usual.entries[3].name && two.entries[0].name != two.entries[1].name));
+    // However it is written, it is called as the set calls it.
+    job.load = {"w", "k"};
+    CHECK(roles_of(load_resins(job, printer_of(6))) == Roles{"W", "K"});
+    CHECK(load_resins(job, printer_of(6)).entries[0].name == two.entries[0].name);
     // Roles that no printer loads by default: the first that there is room for.
     optics::ResinSet own = optics::vero_opaque();
     job.load.clear(), job.colour.core = "a";

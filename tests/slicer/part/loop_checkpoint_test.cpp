@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <string>
 
 #include "base/error.h"
@@ -182,6 +183,51 @@ TEST_CASE("A state of another job or a broken file is refused", "[loop]") {
     write(older);
     CHECK_THROWS_WITH(LoopCheckpoint(folder.path(), opened_job, a_job, target).read(quiet),
                       Catch::Contains("another version of this program"));
+}
+
+TEST_CASE("A state whose lists do not fit its cells or each other is broken, though its sum is right", "[loop]") {
+    const io::TemporaryFolder folder;
+    constexpr std::size_t cells = 6;
+    const std::vector<Eigen::Vector3f> target(cells, Eigen::Vector3f::Constant(0.5f));
+    const LoopCheckpoint checkpoint(folder.path(), opened_job, a_job, target);
+    const auto is_read = [&](const std::function<void(halftone::LoopState&)>& change) {
+        halftone::LoopState state = some_state(cells);
+        change(state);
+        save(checkpoint, state);
+        Progress quiet;
+        try {
+            return checkpoint.read(quiet).has_value();
+        } catch (const FileError&) {
+            return false;
+        }
+    };
+    using State = halftone::LoopState;
+    CHECK(is_read([](State&) {}));
+    CHECK_FALSE(is_read([](State& s) { s.best = 3; }));
+    CHECK_FALSE(is_read([](State& s) { s.control.pop_back(); }));
+    CHECK_FALSE(is_read([](State& s) { s.open.emplace_back(); }));
+    CHECK_FALSE(is_read([](State& s) { s.shown.pop_back(); }));
+    CHECK_FALSE(is_read([](State& s) { s.start_control.pop_back(); }));
+    CHECK(is_read([](State& s) { s.start_control.clear(); }));
+    CHECK_FALSE(is_read([](State& s) { s.descent.momentum.pop_back(); }));
+    CHECK_FALSE(is_read([](State& s) { s.descent.shared.pop_back(); }));
+    CHECK_FALSE(is_read([](State& s) { s.descent.scale.pop_back(); }));
+    CHECK_FALSE(is_read([](State& s) { s.descent.rate.pop_back(); }));
+    CHECK_FALSE(is_read([](State& s) { s.descent.divisor.pop_back(); }));
+    CHECK_FALSE(is_read([](State& s) { s.descent.decrease.pop_back(); }));
+    CHECK_FALSE(is_read([](State& s) { s.descent.shared.clear(); }));  // which the divisors go with
+    CHECK(is_read([](State& s) { s.descent.shared.clear(), s.descent.divisor.clear(), s.descent.decrease.clear(); }));
+    CHECK_FALSE(
+        is_read([](State& s) { s.descent = halftone::begin_descent(halftone::SkinMixtures(cells - 1, 4, 5), {}); }));
+    CHECK_FALSE(is_read([](State& s) { s.recent = halftone::SkinMixtures(cells + 1, 4, 5); }));
+    CHECK(is_read([](State& s) { s.recent = {}; }));
+    // The best print is there, however it was made.
+    CHECK_FALSE(is_read([](State& s) { s.best_mixtures = {}; }));
+    CHECK(is_read([](State& s) { s.best_mixtures = {}, s.best = 0; }));
+    const auto by_feedback = [](State& s) { s.best_mixtures = {}, s.steps[1].method = halftone::LoopMethod::feedback; };
+    CHECK(is_read(by_feedback));
+    CHECK_FALSE(is_read([&](State& s) { by_feedback(s), s.start_control.clear(); }));
+    CHECK_FALSE(is_read([](State& s) { s.steps[1].method = halftone::LoopMethod::open_loop; }));
 }
 
 TEST_CASE("Whose state it is can be told before the model is read", "[loop]") {

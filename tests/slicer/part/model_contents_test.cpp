@@ -84,6 +84,15 @@ TEST_CASE("What is in a model: its pieces, corners, materials, pictures, unit an
                          Contains("leaf #") && !Contains("unused") && !Contains("not there") && !Contains("refused"));
     CHECK(io::schema_faults("contents", contents_json(std::array{two})) == std::vector<std::string>{});
 
+    SliceOptions viewed;
+    viewed.model = shelf.path("two.obj"), viewed.out = "unused";
+    std::size_t seen = 0;
+    (void)shelf.read_contents(viewed, [&](const io::TexturedMesh& mesh, bool is_picture) {
+        seen += mesh.triangles.size();
+        CHECK_FALSE(is_picture);
+    });
+    CHECK(seen == 8);
+
     const ModelContents inches = shelf.read("two.obj", "inch");
     CHECK(inches.unit_is == "asked");
     CHECK(inches.mm_per_unit == Approx(25.4));

@@ -67,6 +67,8 @@ TEST_CASE("a checker alternates its two resins in cells from its own corner") {
             const bool inside = i >= 4 && i < 18 && j >= 3 && j < 9;
             CHECK(int(rows[j][i]) == (!inside ? 1 : ((i - 4) / 3 + (j - 3) / 2) % 2 == 0 ? 2 : 3));
         }
+    const BoxLayers finest({{Vector3d::Zero(), {1, 1, 0.1}, {0.5, 0.5}, {1, 1}}}, {1, 1, 0.1}, pitch_um, 1);
+    for (std::size_t i = 0; i < 20; ++i) CHECK(int(voxels(finest.layer(0))[3][i]) == (i % 2 == 1 ? 1 : 2));
     const auto refused = [](const PrintBox& box) {
         CHECK_THROWS_WITH(BoxLayers({box}, {1, 1, 0.1}, pitch_um, 1), Contains("two resins"));
     };

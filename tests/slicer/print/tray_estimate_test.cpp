@@ -110,6 +110,108 @@ TEST_CASE("estimate refuses what slice refuses: too little memory for the loop, 
     CHECK_THAT(said.warnings(), Contains("[tiny]"));
 }
 
+TEST_CASE("An estimate's sums are of its phases and of its parts, and the loop's share is told") {
+    const TrayDesk desk;
+    desk.write("box.obj", soft_box({0, 0, 0}, {6, 5, 4}));
+    SliceOptions options = desk.options("box.obj");
+    options.iterations = "2", options.predict = "transport", options.report = true;
+    Progress progress;
+    const JobEstimate one = estimate_job(options, progress, {.resins = false});
+    const JobEstimate two = estimated(options, {{options.model, options.model}, 1});
+    for (const JobEstimate* of : {&one, &two}) {
+        double cpu_s = 0, seconds = 0;
+        std::uint64_t memory = 0;
+        for (const PhaseEstimate& phase : of->phases) {
+            cpu_s += phase.cpu_s, seconds += phase.seconds;
+            memory = std::max(memory, phase.memory_bytes);
+            CHECK((phase.cpu_s >= 0 && phase.seconds >= 0));
+        }
+        CHECK(of->cpu_s == Approx(cpu_s));
+        CHECK(of->seconds == Approx(seconds));
+        CHECK(of->memory_bytes == memory);
+        CHECK((of->loop && of->prediction && of->threads >= 1));
+        CHECK((of->loop_s > 0 && of->loop_s < of->seconds));
+        CHECK(of->free_disk_bytes);
+    }
+    const auto seconds_of = [](const JobEstimate& of, Phase wanted) {
+        const auto found = std::ranges::find(of.phases, wanted, &PhaseEstimate::phase);
+        return found == of.phases.end() ? -1 : found->seconds;
+    };
+    for (const Phase phase : {Phase::separate, Phase::prepare_loop, Phase::loop, Phase::predict})
+        CHECK(seconds_of(two, phase) == Approx(2 * seconds_of(one, phase)));
+    CHECK(one.loop_s == Approx(seconds_of(one, Phase::prepare_loop) + seconds_of(one, Phase::loop)));
+    CHECK(two.loop_s == Approx(2 * one.loop_s));
+    CHECK(two.surface_mm2 == Approx(2 * one.surface_mm2));
+    CHECK(one.surface_mm2 == Approx(2 * (30 + 24 + 20)));
+    // Of what the body is, where resins were not asked for: as large as its box.
+    CHECK(one.body_ml == Approx(0.12).epsilon(0.02));
+    CHECK_THAT(one.why_no_resins, Contains("--quick"));
+    CHECK(two.why_no_resins == one.why_no_resins);
+    CHECK((one.resins.empty() && two.resins.empty() && !one.g));
+    // A copy is no part: its layers alone are made, and they are quicker than the first one's.
+    const JobEstimate copies = estimated(options, {{options.model}, 5});
+    CHECK(seconds_of(copies, Phase::loop) == Approx(seconds_of(one, Phase::loop)));
+    CHECK(seconds_of(copies, Phase::layers) == Approx(2 * seconds_of(one, Phase::layers)));
+    CHECK(copies.disk_bytes > one.disk_bytes);
+    CHECK(two.disk_bytes == Approx(2.0 * double(one.disk_bytes)));
+}
+
+TEST_CASE("What is thinner than a voxel counts where it is kept, and only there") {
+    const TrayDesk desk;
+    // A sheet of a tenth of a voxel on a block.
+    desk.write("thin.obj", soft_box({0, 0, 0}, {6, 5, 1}) + soft_box({3, 0, 1}, {3.004, 5, 6}, 9));
+    SliceOptions options = desk.options("thin.obj");
+    Progress progress;
+    const double kept = estimate_job(options, progress, {.resins = false}).body_ml;
+    options.keep_thin = false;
+    const double lost = estimate_job(options, progress, {.resins = false}).body_ml;
+    CHECK(lost == Approx(0.030).epsilon(0.03));
+    CHECK(kept > lost + 0.0005);
+}
+
+TEST_CASE("Weights and prices of a tray are those of its resins, of all copies") {
+    const TrayDesk desk;
+    desk.write("box.obj", soft_box({0, 0, 0}, {3, 2, 1.5}));
+    const SliceOptions options = desk.options("box.obj");
+    const JobEstimate one = estimated(options, {{options.model}, 1}, true),
+                      three = estimated(options, {{options.model}, 3}, true);
+    REQUIRE(three.resins.size() == one.resins.size());
+    double ml = 0, g = 0;
+    for (std::size_t r = 0; r < one.resins.size(); ++r) {
+        CHECK(three.resins[r].role == one.resins[r].role);
+        CHECK(three.resins[r].ml == Approx(3 * one.resins[r].ml));
+        REQUIRE(one.resins[r].g.has_value() == three.resins[r].g.has_value());
+        if (one.resins[r].g) CHECK(*three.resins[r].g == Approx(3 * *one.resins[r].g));
+        ml += one.resins[r].ml, g += one.resins[r].g.value_or(0);
+    }
+    CHECK(ml == Approx(one.body_ml));
+    CHECK(one.body_ml == Approx(0.009).epsilon(0.03));
+    if (one.g) {
+        CHECK(*one.g == Approx(g));
+        CHECK(*three.g == Approx(3 * *one.g));
+    }
+}
+
+TEST_CASE("Trays that are filled are counted together, and told where they are more than one") {
+    const TrayDesk desk;
+    desk.write("box.obj", soft_box({0, 0, 0}, {3, 2, 1.5}));
+    SliceOptions options = desk.options("box.obj");
+    options.trays = 3;
+    const JobEstimate one = estimated(options, {{options.model}, 4});
+    CHECK_THAT(fmt::format("{}", fmt::join(one.notes, "\n")), !Contains("are filled"));
+    desk.write("plate.json", R"({"format": "voxtone-printer", "version": 1, "name": "small", "tray_mm": [9, 7, 20],
+        "pitch_um": [42.333, 84.667, 27], "max_resins": 6, "max_colours": 6, "min_layers": 30, "formats": ["png"],
+        "background_rgb": [0, 0, 0], "default_roles": ["C", "M", "Y", "K", "W"]})");
+    options.printer = desk / "plate.json";
+    options.resins = "vero-opaque";
+    const JobEstimate two = estimated(options, {{options.model}, 5});
+    CHECK_THAT(fmt::format("{}", fmt::join(two.notes, "\n")), Contains("2 trays are filled"));
+    CHECK(two.layers == 2 * one.layers);
+    CHECK(two.size_px[2] == one.layers);
+    CHECK(two.size_mm[2] == Approx(one.layers * 0.027));
+    CHECK(two.layer_um == Approx(27));
+}
+
 TEST_CASE("A model of one resin is counted as that, and stands in its place") {
     const TrayDesk desk;
     desk.write("block.obj", soft_box({0, 0, 0}, {8, 6, 4}));

@@ -214,6 +214,46 @@ TEST_CASE("Square wires thinner than a voxel's diagonal stay whole, wider than i
     CHECK(pieces_without > 40);
 }
 
+TEST_CASE("Needles of four corners stay whole, whose opposite faces share corners with their edges") {
+    RandomStream random(25, 0);
+    int pieces_without = 0;
+    for (int n = 0; n < 40; ++n) {
+        const double width = n % 2 ? 0.7 : 1.1;
+        SolidMesh needle;
+        needle.positions_mm = {{0, 0, 0}, {width, 0, 0}, {width / 2, -width / 2, 22}, {width / 2, width / 2, 22}};
+        needle.triangles = {{0, 3, 1}, {0, 1, 2}, {0, 2, 3}, {1, 3, 2}};
+        const Eigen::Affine3d by = turn(random);
+        const Thin thin(shapes::moved(shapes::with_sources(needle), by));
+        CAPTURE(n);
+        CHECK(parts(voxels_of(thin.kept)) == 1);
+        CHECK(thin.reaches(by * Vector3d(width / 2, 0, 11)));
+        pieces_without += parts(voxels_of(thin.base)) != 1;
+    }
+    CHECK(pieces_without > 20);
+}
+
+TEST_CASE("Rows of more than 64 voxels are looked at like short ones") {
+    for (const double lean_x : {0.0, 0.13, -0.21})
+        for (const double lean_y : {0.07, -0.18}) {
+            CAPTURE(lean_x, lean_y);
+            const Thin chain(leaning_wire(lean_x, lean_y, 140, 0));
+            REQUIRE(voxels_of(chain.base).size() == 140);
+            CHECK(chain.added == 0);
+        }
+    CHECK(Thin(shapes::box({0.3, 0.4, 0.2}, {139.8, 6.1, 5.3})).added == 0);
+    // A fine wire on a block, in front of and behind each border of 64.
+    for (const double x : {62.1, 63.4, 64.2, 127.3, 128.8}) {
+        CAPTURE(x);
+        const Thin thin(shapes::joined(shapes::box({0, 0, 0}, {140, 4, 3}),
+                                       shapes::moved(shapes::box({0, 0, 0}, {0.2, 0.2, 9}), Vector3d(x, 1.1, 2.5))));
+        CHECK(parts(voxels_of(thin.kept)) == 1);
+        CHECK((thin.added >= 8 && thin.added <= 18));
+        CHECK(thin.reaches({x, 1.2, 11}));
+        for (const auto& voxel : voxels_of(thin.kept))
+            if (voxel[2] >= 4) CHECK(std::abs(voxel[0] + 0.5 - x) < 1.6);
+    }
+}
+
 TEST_CASE("A plate along the grid gets one voxel for each line through it, and no more") {
     // Between the centres of voxel 2 and 3 of its axis, 5 x 7 voxels, a little off their borders.
     for (int axis = 0; axis < 3; ++axis) {
