@@ -110,7 +110,9 @@ Translucency::Translucency(const optics::ShellAppearance& appearance, const Sepa
     const optics::TranslucencyScale scale(appearance.set().eta, slab_mm(appearance.geometry()));
     constexpr std::size_t colours = edge * edge * edge;
     const SlabReader reader(appearance, clear);
-    std::vector<std::array<double, ladder.size()>> root_eta(colours);
+    static_assert(ladder.size() == steps);
+    std::vector<std::array<double, steps>>& root_eta = root_eta_of_;
+    root_eta.resize(colours);
     parallel_for(0, colours * ladder.size(), 1, [&](std::size_t i) {
         const std::size_t colour = i / ladder.size();
         const auto at = [](std::size_t n) { return float(std::pow(double(n) / (edge - 1), 3)); };
@@ -123,7 +125,6 @@ Translucency::Translucency(const optics::ShellAppearance& appearance, const Sepa
             if (rising[i] == 0) rising[i] = rising[i - 1] * std::sqrt(ladder[i] / ladder[i - 1]);
             rising[i] = std::max(rising[i], rising[i - 1] + 1e-9);
         }
-        most_alpha_.push_back(float(optics::translucency_alpha(rising.back() * rising.back())));
         most_root_eta_ = std::max(most_root_eta_, rising.back());
     }
     for (const auto& rising : root_eta)
@@ -152,10 +153,18 @@ float Translucency::kept(const Eigen::Vector3f& rgb, float alpha) const {
     return std::min(sum * sum, 1.0f);
 }
 
-double Translucency::most_alpha(const Eigen::Vector3f& rgb) const {
-    std::size_t colour = 0;
-    for (int c = 0; c < 3; ++c) colour = colour * edge + std::size_t(std::lround(cube_root_place(rgb[c], edge)));
-    return double(most_alpha_[colour]);
+double Translucency::shown_alpha(const Eigen::Vector3f& rgb, float k) const {
+    if (!(k > 0)) return 0;
+    const std::size_t step =
+        std::min(std::size_t(std::ranges::lower_bound(ladder, double(k)) - ladder.begin()), steps - 1);
+    const double from = step == 0 ? 0 : std::sqrt(ladder[step - 1]), to = std::sqrt(ladder[step]),
+                 past = (std::sqrt(double(k)) - from) / (to - from);
+    double root = 0;
+    for_nodes_around(rgb, edge, [&](std::size_t colour, float weight) {
+        const double before = step == 0 ? 0 : root_eta_of_[colour][step - 1];
+        root += double(weight) * (before + past * (root_eta_of_[colour][step] - before));
+    });
+    return optics::translucency_alpha(root * root);
 }
 
 CumulativeMixture Translucency::diluted(const CumulativeMixture& mixture, float k) const {

@@ -37,8 +37,8 @@ public:
 
     /// k of a colour in linear sRGB; in [0, 1], 1 for an alpha of 1.
     [[nodiscard]] float kept(const Eigen::Vector3f& rgb, float alpha) const;
-    /// The alpha that its resins show undiluted, the lattice's nearest colour's.
-    [[nodiscard]] double most_alpha(const Eigen::Vector3f& rgb) const;
+    /// The alpha that its resins show where so much of them is kept; k in [0, 1].
+    [[nodiscard]] double shown_alpha(const Eigen::Vector3f& rgb, float k) const;
     [[nodiscard]] int clear() const { return clear_; }
     /// So much of the mixture, the rest clear; k = 1 changes nothing.
     [[nodiscard]] CumulativeMixture diluted(const CumulativeMixture& mixture, float k) const;
@@ -49,14 +49,14 @@ public:
     [[nodiscard]] optics::SlabReading reading(const Eigen::Vector3f& rgb, double k) const;
 
 private:
-    static constexpr std::size_t edge = 6, etas = 48, alphas = 1025;
+    static constexpr std::size_t edge = 6, steps = 15, etas = 48, alphas = 1025;
     const optics::ShellAppearance& appearance_;
     const Separation& separation_;
     int clear_;
     double most_root_eta_ = 0;
-    std::vector<float> root_kept_;   ///< [colour * etas + root of eta]
-    std::vector<float> root_eta_;    ///< [alpha], over most_root_eta_
-    std::vector<float> most_alpha_;  ///< [colour]
+    std::vector<float> root_kept_;                        ///< [colour * etas + root of eta]
+    std::vector<float> root_eta_;                         ///< [alpha], over most_root_eta_
+    std::vector<std::array<double, steps>> root_eta_of_;  ///< [colour][step of the ladder]
 };
 
 }  // namespace voxtone::halftone

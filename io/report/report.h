@@ -141,6 +141,13 @@ struct ReportGamut {
     double mean_de2000 = 0, p95_de2000 = 0, max_de2000 = 0;  ///< over the whole coloured surface: asked for - mapped
 };
 
+/// What of the translucency alpha that was asked for the resins show, over the coloured surface.
+struct ReportTranslucency {
+    double asked_mean = 0, shown_mean = 0;
+    double given_up_mean = 0, given_up_max = 0;
+    double given_up_share = 0;  ///< of the surface, in [0, 1]: more is given up than an eye may tell
+};
+
 /// What an appearance model says of the print, against what was asked for; figures weigh the surface by area.
 struct ReportPrediction {
     std::string model;
@@ -226,6 +233,7 @@ struct Report {
     std::uint64_t output_bytes = 0;
     std::optional<ReportVerdict> verdict;  ///< of a print that shows colours
     std::optional<ReportGamut> gamut;
+    std::optional<ReportTranslucency> translucency;  ///< where alpha asks for it
     std::optional<ReportPrediction> prediction;
     std::optional<ReportLoop> loop;
     std::string prediction_note;    ///< what the prediction is and what it leaves out; one paragraph

@@ -104,6 +104,12 @@ void write_table(JsonWriter& json, const ReportTable& table) {
     json.end_list().end_object();
 }
 
+void write_translucency(JsonWriter& json, const ReportTranslucency& alpha) {
+    json.line().key("translucency").begin_object().add("asked_mean", alpha.asked_mean);
+    json.add("shown_mean", alpha.shown_mean).key("given_up").begin_object().add("mean", alpha.given_up_mean);
+    json.add("max", alpha.given_up_max).add("share", alpha.given_up_share).end_object().end_object();
+}
+
 void write_section(JsonWriter& json, const ReportSection& section) {
     json.line().begin_object().add("title", section.title).add("text", section.paragraphs);
     json.key("tables").begin_list();
@@ -134,6 +140,7 @@ std::string report_json(const Report& report) {
     write_printing(json, report.printing);
     if (report.verdict) write_verdict(json, *report.verdict);
     if (report.gamut) write_gamut(json, *report.gamut);
+    if (report.translucency) write_translucency(json, *report.translucency);
     if (report.prediction) write_prediction(json, *report.prediction);
     if (report.loop) write_loop(json, *report.loop);
     json.line().add("warnings", report.warnings).line().key("stages").begin_list();

@@ -105,7 +105,7 @@ JobResult ColourPrint::keep_loop() const {
 
 void ColourPrint::prepare(Progress& progress) {
     if (const auto* translucency = parts_.translucency())
-        alpha_warning_ = alpha_out_of_reach(*body_.surface, parts_.surface_colour(), *translucency);
+        alpha_warning_ = PrintedAlpha(*body_.surface, parts_.surface_colour(), *translucency).warning();
     if (!alpha_warning_.empty()) progress.warn(alpha_warning_);
     if (may_loop()) {
         const Stopwatch watch;
@@ -225,7 +225,8 @@ std::vector<io::ReportStage> ColourPrint::stages_after_layers() const {
 }
 
 void ColourPrint::add_to(io::Report& report) const {
-    add_colour_report({job_, body_, *colour_, parts_.surface_colour(), prediction_}, prediction_plan_.why_not, report);
+    add_colour_report({job_, body_, *colour_, parts_.surface_colour(), prediction_, {}, parts_.translucency()},
+                      prediction_plan_.why_not, report);
     if (loop_) report.loop = loop_report(*loop_, body_, prediction_ ? &prediction_->volume : nullptr, job_.palette());
     report.verdict =
         judge({job_, body_, *colour_, prediction_, prediction_plan_.why_not, *report.gamut, loop_, plan_.all_white});
@@ -236,7 +237,7 @@ void ColourPrint::add_to(io::Report& report) const {
 }
 
 ColourReport ColourPrint::drawn() const {
-    ColourReport sources{job_, body_, *colour_, parts_.surface_colour(), prediction_};
+    ColourReport sources{job_, body_, *colour_, parts_.surface_colour(), prediction_, {}, parts_.translucency()};
     if (prediction_ && !body_.is_picture)
         sources.cell_triangles = cell_triangles(prediction_->volume, prediction_->predicted.surface);
     return sources;

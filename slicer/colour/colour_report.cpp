@@ -15,6 +15,7 @@
 #include "io/pictures/picture_writer.h"
 #include "io/report/report_picture.h"
 #include "optics/colour/colour.h"
+#include "slicer/colour/asked_alpha.h"
 #include "slicer/look/prediction_files.h"
 #include "slicer/look/preview.h"
 #include "slicer/look/report_views.h"
@@ -140,7 +141,8 @@ io::LinearPicture smaller_picture(const io::LinearPicture& large, std::uint32_t 
 }
 
 /// Pictures of a slab from above, one pixel per cell.
-void draw_predicted_picture(const JobPrediction& p, io::Report& report, const std::filesystem::path& folder) {
+void draw_predicted_picture(const ColourReport& s, const JobPrediction& p, io::Report& report,
+                            const std::filesystem::path& folder) {
     const auto px_per_mm = picture_px_per_mm(p.volume, p.predicted.surface.cell_voxels);
     struct Drawn {
         const char* caption;
@@ -154,6 +156,11 @@ void draw_predicted_picture(const JobPrediction& p, io::Report& report, const st
         drawn.push_back({"open loop: without the appearance loop", report_file::open_loop_png, p.open_loop});
         drawn.push_back(
             {"difference of the open loop", "", difference_colours(colour_differences(p.target, p.open_loop))});
+    }
+    if (s.translucency) {
+        auto maps = alpha_of_cells(p.predicted.surface, p.volume.pitch_mm(), s.body, *s.translucency);
+        for (std::size_t map = 0; map < maps.size(); ++map)
+            drawn.push_back({alpha_maps()[map].caption, "", std::move(maps[map])});
     }
     std::vector<io::ReportPicture> pictures(drawn.size());
     parallel_for(0, drawn.size(), 1, [&](std::size_t i) {
@@ -191,12 +198,30 @@ ReportViews views_of(const ColouredSurface& target, const ColourReport& s, io::R
     return {target, s.body.is_picture, s.body.grid.pitch_mm.y(), report, progress};
 }
 
+void add_alpha_maps(const ColourReport& s, ReportViews& views) {
+    if (!s.translucency) return;
+    std::vector<std::string> captions;
+    for (const AlphaMap& map : alpha_maps()) captions.emplace_back(map.caption);
+    views.add(captions, PrintedAlpha(*s.body.surface, s.surface_colour, *s.translucency).maps());
+}
+
+io::ReportSection translucency_section(const io::ReportTranslucency& alpha) {
+    io::ReportSection section;
+    section.title = "Translucency";
+    section.paragraphs.push_back(fmt::format(
+        "Alpha {:.2f} is asked for on average over the coloured surface, of which the resins show {:.2f} in a wide "
+        "slab. {:.0f} % of the surface gives up more than 0.05, at the most {:.2f}; the maps of alpha say where.",
+        alpha.asked_mean, alpha.shown_mean, 100 * alpha.given_up_share, alpha.given_up_max));
+    return section;
+}
+
 /// Without a prediction: what the separation says.
 void draw_separated(const ColourReport& s, io::Report& report, const std::filesystem::path& folder,
                     const Progress& progress) {
     const ColouredSurface target = target_surface(s), predicted = separated_surface(s);
     ReportViews views = views_of(target, s, report, progress);
     const io::Picture8 requested = views.add("target", target), shown = views.add("predicted", predicted);
+    add_alpha_maps(s, views);
     if (s.body.is_picture) {
         const std::array<double, 2> px_per_mm{views.px_per_mm(), views.px_per_mm()};
         io::write_whole_file(folder / report_file::target_png, io::png_bytes(requested, px_per_mm));
@@ -229,6 +254,7 @@ void draw_predicted_body(const ColourReport& s, const JobPrediction& p, io::Repo
         ReportViews views = views_of(target, s, report, progress);
         views.add("target", target);
         views.add(captions, surfaces);
+        add_alpha_maps(s, views);
     };
     // Meshes are written by one thread each.
     parallel_for(0, 3, 1, [&](std::size_t task) {
@@ -275,6 +301,9 @@ void add_colour_report(const ColourReport& s, const std::string& why_not_predict
         if (!why_not_predicted.empty()) report.prediction_note += " " + why_not_predicted;
     }
     report.sections.push_back(mixtures_section(s));
+    if (!s.translucency) return;
+    report.translucency = PrintedAlpha(*s.body.surface, s.surface_colour, *s.translucency).figures();
+    report.sections.push_back(translucency_section(*report.translucency));
 }
 
 void add_remarks(const std::optional<JobLoop>& loop, const std::optional<JobPrediction>& prediction,
@@ -291,7 +320,7 @@ void draw_colour_report(const ColourReport& s, io::Report& report, const std::fi
     if (!s.prediction)
         draw_separated(s, report, folder, progress);
     else if (s.body.is_picture)
-        draw_predicted_picture(*s.prediction, report, folder);
+        draw_predicted_picture(s, *s.prediction, report, folder);
     else
         draw_predicted_body(s, *s.prediction, report, folder, progress);
 }

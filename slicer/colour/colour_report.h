@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "halftone/separation/translucency.h"
 #include "io/report/report.h"
 #include "slicer/colour/job_prediction.h"
 #include "slicer/part/job_body.h"
@@ -33,6 +34,7 @@ struct ColourReport {
     const std::optional<JobPrediction>& prediction;
     /// Of the prediction's surface (cell_mesh.h), where it is a body's; for what draws it.
     std::vector<std::array<std::uint32_t, 3>> cell_triangles = {};
+    const halftone::Translucency* translucency = nullptr;  ///< where alpha asks for it
 };
 
 /// The visible surface as it was asked for, and as the separation's own model says it will be.
@@ -46,8 +48,8 @@ void add_colour_report(const ColourReport& sources, const std::string& why_not_p
 void add_remarks(const std::optional<JobLoop>& loop, const std::optional<JobPrediction>& prediction,
                  io::Report& report);
 
-/// Draws the target, the prediction and, with a model, their difference into the report and writes target.* and
-/// predicted.* into the folder: PNG and EXR for a picture, GLB for a body.
+/// Draws the target, the prediction, with a model their difference, and maps of alpha into the report and writes
+/// target.* and predicted.* into the folder: PNG and EXR for a picture, GLB for a body.
 void draw_colour_report(const ColourReport& sources, io::Report& report, const std::filesystem::path& folder,
                         Progress& progress);
 

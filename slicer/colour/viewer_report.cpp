@@ -9,6 +9,7 @@
 #include <fmt/core.h>
 
 #include "io/pictures/srgb_code.h"
+#include "slicer/colour/asked_alpha.h"
 #include "slicer/colour/place_words.h"
 #include "slicer/colour/verdict.h"
 #include "slicer/look/prediction_files.h"
@@ -35,12 +36,17 @@ SurfaceLook support_look(const JobPrediction& p) {
     return look;
 }
 
-SurfaceLooks predicted_looks(const JobPrediction& p) {
+SurfaceLooks predicted_looks(const ColourReport& s, const JobPrediction& p) {
     SurfaceLooks looks;
     looks.looks.push_back({"target", "what was asked for", p.target});
     if (!p.open_loop.empty())
         looks.looks.push_back({"open loop", "what would be seen without the appearance loop", p.open_loop});
     looks.looks.push_back({"print", fmt::format("what will be seen, by the model {}", p.model), p.predicted.rgb});
+    if (s.translucency) {
+        auto maps = alpha_of_cells(p.predicted.surface, p.volume.pitch_mm(), s.body, *s.translucency);
+        for (std::size_t map = 0; map < maps.size(); ++map)
+            looks.looks.push_back({alpha_maps()[map].name, alpha_maps()[map].caption, std::move(maps[map])});
+    }
     looks.seen = p.seen.difference;
     looks.single = p.difference;
     return looks;
@@ -71,11 +77,11 @@ io::ViewerPlace place_of(const ColourReport& s, const JobPrediction& p, std::siz
 }
 
 std::optional<io::ViewerSurface> predicted_surface(const ColourReport& s, const JobPrediction& p, std::size_t bytes) {
-    if (s.body.is_picture) return viewer_picture(p.volume, p.predicted.surface, predicted_looks(p), bytes);
+    if (s.body.is_picture) return viewer_picture(p.volume, p.predicted.surface, predicted_looks(s, p), bytes);
     if (s.cell_triangles.empty()) return std::nullopt;
     const io::ColouredMesh mesh = body_mesh(s.cell_triangles, {0, 0, 0}, p.predicted);
     const double grain_mm = *std::max_element(p.cell_um.begin(), p.cell_um.end()) * 1e-3;
-    SurfaceLooks looks = predicted_looks(p);
+    SurfaceLooks looks = predicted_looks(s, p);
     looks.looks.push_back(support_look(p));
     return viewer_body(mesh, looks, grain_mm, bytes);
 }
@@ -111,14 +117,19 @@ std::vector<io::ViewerPlace> worst_places(const ColourReport& s, const JobPredic
 
 std::optional<io::ViewerSurface> viewer_surface(const ColourReport& s, std::size_t bytes, const Progress& progress) {
     if (s.prediction) return predicted_surface(s, *s.prediction, bytes);
-    const std::array painted{
-        PaintedSurface{"target", "what was asked for", target_surface(s)},
+    std::vector<PaintedSurface> painted{
+        {"target", "what was asked for", target_surface(s)},
         prints_all_white(s.surface_colour, s.job.resins)
             ? PaintedSurface{"print", "all of white resin", separated_surface(s)}
             : PaintedSurface{"colours in reach",
                              "what the resins can reach on a thick body, by the separation's own model: no prediction "
                              "of the print",
                              separated_surface(s)}};
+    if (s.translucency) {
+        const auto maps = PrintedAlpha(*s.body.surface, s.surface_colour, *s.translucency).maps();
+        for (std::size_t map = 0; map < maps.size(); ++map)
+            painted.push_back({alpha_maps()[map].name, alpha_maps()[map].caption, maps[map]});
+    }
     io::ViewerSurface surface =
         viewer_painted(painted, s.body.grid.origin_mm, s.body.is_picture, true, bytes, &progress);
     surface.expected = painted[1].name;

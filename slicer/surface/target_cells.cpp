@@ -17,11 +17,11 @@ namespace {
 /// Samples per cell, about.
 constexpr int samples_per_cell = 8;
 
-/// Colours of the surface points nearest to places.
-class NearestColour {
+/// Values of the surface points nearest to places.
+class NearestValue {
 public:
-    NearestColour(const SurfaceIndex& surface, const io::TexturedMesh& mesh, double sample_spacing_mm)
-        : surface_(*surface), tree_(surface.tree()), colour_(mesh, sample_spacing_mm) {}
+    NearestValue(const SurfaceIndex& surface, const ValueOfPoint& value)
+        : surface_(*surface), tree_(surface.tree()), value_(value) {}
 
     /// `guess`: the triangle of a place near by; updated.
     [[nodiscard]] Eigen::Vector3f at(const Eigen::Vector3d& place, std::uint32_t& guess) const {
@@ -31,13 +31,13 @@ public:
         const Eigen::Vector3f weight = nearest_weights(nearest.point, a, b, c).cast<float>();
         const auto& uv = surface_.source_uv[nearest.triangle];
         const Eigen::Vector2f at = weight[0] * uv[0] + weight[1] * uv[1] + weight[2] * uv[2];
-        return colour_.at(surface_.source_triangle[nearest.triangle], at.x(), at.y());
+        return value_(surface_.source_triangle[nearest.triangle], at.x(), at.y());
     }
 
 private:
     const VisibleSurface& surface_;
     const TriangleTree& tree_;
-    SurfaceColour colour_;
+    const ValueOfPoint& value_;
 };
 
 /// Calls visit(place) for s x s points spread evenly over a face; mm from the volume's corner.
@@ -60,10 +60,23 @@ void for_each_point(const optics::SurfaceFace& face, const std::array<double, 3>
 std::vector<Eigen::Vector3f> target_of_cells(const optics::Surface& cells, const std::array<double, 3>& pitch_mm,
                                              const Eigen::Vector3d& corner_mm, const SurfaceIndex& surface,
                                              const io::TexturedMesh& mesh, const Progress* progress) {
-    VOXTONE_EXPECT(!surface->triangles.empty());
+    const SurfaceColour colour(mesh, sample_spacing_mm(cells, pitch_mm));
+    return mean_of_cells(
+        cells, pitch_mm, corner_mm, surface,
+        [&colour](std::uint32_t triangle, float u, float v) { return colour.at(triangle, u, v); }, progress);
+}
+
+double sample_spacing_mm(const optics::Surface& cells, const std::array<double, 3>& pitch_mm) {
     const double cell_mm = std::cbrt(cells.cell_voxels[0] * pitch_mm[0] * cells.cell_voxels[1] * pitch_mm[1] *
                                      cells.cell_voxels[2] * pitch_mm[2]);
-    const NearestColour colour(surface, mesh, cell_mm / std::sqrt(samples_per_cell));
+    return cell_mm / std::sqrt(samples_per_cell);
+}
+
+std::vector<Eigen::Vector3f> mean_of_cells(const optics::Surface& cells, const std::array<double, 3>& pitch_mm,
+                                           const Eigen::Vector3d& corner_mm, const SurfaceIndex& surface,
+                                           const ValueOfPoint& value, const Progress* progress) {
+    VOXTONE_EXPECT(!surface->triangles.empty());
+    const NearestValue nearest(surface, value);
     std::vector<Eigen::Vector3f> target(cells.cells.size());
     parallel_ranges(
         0, target.size(), 512,
@@ -80,7 +93,7 @@ std::vector<Eigen::Vector3f> target_of_cells(const optics::Surface& cells, const
                 int count = 0;
                 for (std::uint32_t f = 0; f < cell.faces; f += step)
                     for_each_point(cells.faces[cell.first_face + f], pitch_mm, s, [&](const Eigen::Vector3d& place) {
-                        sum += colour.at(corner_mm + place, guess).cast<double>();
+                        sum += nearest.at(corner_mm + place, guess).cast<double>();
                         ++count;
                     });
                 target[c] = (sum / count).cast<float>();

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -27,6 +28,18 @@ namespace voxtone::slicer {
                                                            const Eigen::Vector3d& corner_mm,
                                                            const SurfaceIndex& surface, const io::TexturedMesh& mesh,
                                                            const Progress* progress);
+
+/// Of a point of the mesh: corner0 + u (corner1 - corner0) + v (corner2 - corner0) of a triangle.
+using ValueOfPoint = std::function<Eigen::Vector3f(std::uint32_t triangle, float u, float v)>;
+
+/// As far apart as its points are taken in a cell.
+[[nodiscard]] double sample_spacing_mm(const optics::Surface& cells, const std::array<double, 3>& pitch_mm);
+
+/// The same mean of any three values; called from any thread.
+[[nodiscard]] std::vector<Eigen::Vector3f> mean_of_cells(const optics::Surface& cells,
+                                                         const std::array<double, 3>& pitch_mm,
+                                                         const Eigen::Vector3d& corner_mm, const SurfaceIndex& surface,
+                                                         const ValueOfPoint& value, const Progress* progress);
 
 /// CIEDE2000 per cell.
 [[nodiscard]] std::vector<double> colour_differences(const std::vector<Eigen::Vector3f>& target,

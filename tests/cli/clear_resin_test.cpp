@@ -169,6 +169,14 @@ TEST_CASE("An estimate counts the clear resin that alpha asks for") {
     REQUIRE(estimate.exit_code == 0);
     REQUIRE(run_program(fmt::format("slice {} --quiet -o {}", words, folder / "out")).exit_code == 0);
     const nlohmann::json report = json_of(folder / "out/report.json");
+    CHECK(report.at("translucency").at("asked_mean").get<double>() == Approx((1 + 90 / 255.0) / 3).margin(0.02));
+    CHECK(report.at("translucency").at("given_up").at("share") < 0.03);  // pixels between opaque and not
+    const std::string page = read_file(folder.path() / "out/report.html");
+    for (const char* map : {"alpha asked for:", "alpha that the resins show", "alpha given up:"}) {
+        const auto picture = page.find(map);  // beside the others, and a look of the viewer
+        REQUIRE(picture != std::string::npos);
+        CHECK(page.find(map, picture + 1) != std::string::npos);
+    }
     const nlohmann::json estimated = nlohmann::json::parse(estimate.out).at("result");
     double clear = 0;
     for (const auto& resin : estimated.at("resins")) {
@@ -261,4 +269,5 @@ TEST_CASE("Alpha is how clear a print is: in shell and core, and nothing else wh
     CHECK_THAT(sliced(picture("times.png", 120, 0, true) + " --alpha translucency", "out"),
                Contains("[premultiplied]"));
     CHECK_THAT(sliced(picture("much.png", 245, 0, false) + " --alpha translucency", "out"), Contains("[alpha-range]"));
+    CHECK(json_of(folder / "out/report.json").at("translucency").at("given_up").at("max") > 0.05);
 }

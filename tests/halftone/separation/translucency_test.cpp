@@ -59,6 +59,7 @@ TEST_CASE("A print of any colour is thinned to where it reads as the alpha that 
             CHECK(k >= before);
             before = k;
             const double off = std::abs(shown(k) - std::min<double>(alpha, most));
+            CHECK(print().translucency.shown_alpha(rgb, k) == Approx(shown(k)).margin(0.03));
             worst = std::max(worst, off);
             CHECK(off < 0.05);
         }
@@ -72,7 +73,8 @@ TEST_CASE("Clear at 0, and at 1 what is printed without alpha, to the bit", "[sl
     const Vector3f rgb(0.7f, 0.1f, 0.1f);
     CHECK(translucency.kept(rgb, 0) == 0);
     CHECK(translucency.kept(rgb, 1) == 1);
-    CHECK(translucency.most_alpha(rgb) < 1);
+    CHECK(translucency.shown_alpha(rgb, 1) < 1);
+    CHECK(translucency.shown_alpha(rgb, 0) == 0);
     CHECK(translucency.kept(rgb, 0.9999f) == 1);
     CumulativeMixture mixture;
     print().separation.mixtures(&rgb.x(), &rgb.y(), &rgb.z(), 1, &mixture);

@@ -44,6 +44,7 @@ Report report() {
     report.stages = {{"Layers", 37.5}};
     report.warnings = {"one"};
     report.gamut = ReportGamut{0.125, 0.84, 3.21, 9.87};
+    report.translucency = ReportTranslucency{0.6, 0.5, 0.1, 0.3, 0.25};
     report.prediction.emplace().histogram = {{0, 0.75}, {1, 0.25}};
     report.loop.emplace().iterations.resize(2);
     report.loop->best = 1;

@@ -14,6 +14,7 @@
 #include "optics/media/effective_medium.h"
 #include "optics/media/resin_volume.h"
 #include "optics/monte_carlo/monte_carlo.h"
+#include "slicer/colour/asked_alpha.h"
 #include "tests/slicer/layers/made_voxels.h"
 #include "tests/slicer/mesh/shapes.h"
 
@@ -232,6 +233,43 @@ TEST_CASE("Ramps of alpha by light paths: slabs of 0.5, 2 and 4 mm", "[.ramps]")
         }
     }
     std::printf("ramps of A by light paths, slabs of 0.54, 2.05, 4.00 mm: worst %.3f of A\n", worst);
+}
+
+TEST_CASE("Maps of alpha say what was asked for, what the printed slab reads, and what is given up", "[slow]") {
+    io::TexturedMesh mesh;
+    mesh.positions = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}};
+    mesh.triangles = {{0, 1, 2}};
+    mesh.material_of_triangle = {0};
+    mesh.materials.emplace_back().rgb = {0.7f, 0.1f, 0.1f};
+    VisibleSurface surface;
+    surface.positions_mm = mesh.positions;
+    surface.triangles = mesh.triangles;
+    surface.source_triangle = {0};
+    surface.source_uv.assign(1, {Eigen::Vector2f(0, 0), Eigen::Vector2f(1, 0), Eigen::Vector2f(0, 1)});
+    for (const float asked : {0.2f, 0.97f, 0.995f}) {
+        mesh.materials[0].alpha = asked;
+        const SurfaceColour colour(mesh, 0.1);
+        const PrintedAlpha alpha(surface, colour, colours().translucency);
+        const double shown = seen(printed(mesh.materials[0].rgb, asked)).alpha;
+        const Vector3f at = alpha.at(0, 0.2f, 0.3f);
+        CAPTURE(asked, shown, at.transpose());
+        CHECK(at[0] == asked);
+        CHECK(at[1] == Approx(shown).margin(0.02));
+        const bool gives_up = asked == 0.97f;
+        CHECK(at[2] == Approx(gives_up ? asked - at[1] : 0).margin(1e-6 + (asked == 0.2f ? 0.02 : 0)));
+        CHECK((at[2] > 0.05f) == gives_up);
+        const io::ReportTranslucency figures = alpha.figures();
+        CHECK(figures.asked_mean == Approx(asked));
+        CHECK(figures.given_up_mean == Approx(at[2]));
+        CHECK(figures.given_up_max == Approx(at[2]));
+        CHECK(figures.given_up_share == (gives_up ? 1 : 0));
+        CHECK((alpha.warning().find("[alpha-range]") != std::string::npos) == gives_up);
+        const auto maps = alpha.maps();
+        REQUIRE(maps.size() == 3);
+        for (const std::size_t map : {std::size_t{0}, std::size_t{1}})
+            CHECK(maps[map].colour(0, 0.2f, 0.3f)[1] == Approx(optics::srgb_decode(double(at[Eigen::Index(map)]))));
+        CHECK((maps[2].colour(0, 0.2f, 0.3f)[2] < 0.1f) == gives_up);  // yellow or darker
+    }
 }
 
 TEST_CASE("Alpha of 1 prints the same voxels, of 0 clear resin alone", "[slow]") {
