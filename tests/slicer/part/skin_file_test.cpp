@@ -2,6 +2,7 @@
 #include "slicer/part/skin_file.h"
 
 #include <fstream>
+#include <functional>
 
 #include <catch2/catch.hpp>
 
@@ -101,6 +102,39 @@ TEST_CASE("A loop that settled is that of auto and of long, one that had to end 
         for (const int limit : {halftone::most_iterations - 1, halftone::most_iterations})
             CHECK_FALSE(is_of(until(limit)));
     }
+}
+
+TEST_CASE("What a loop came to whose lists do not fit each other is broken, though its sum is right", "[loop]") {
+    const io::TemporaryFolder folder;
+    const SkinFile file(folder.path() / "skin.mixtures", "opened", "job", until(8));
+    const auto is_read = [&](const std::function<void(SavedSkin&)>& change) {
+        SavedSkin skin = some_skin(5);
+        change(skin);
+        file.write(skin);
+        try {
+            (void)file.read(layers);
+            return true;
+        } catch (const FileError&) {
+            return false;
+        }
+    };
+    CHECK(is_read([](SavedSkin&) {}));
+    CHECK(is_read([](SavedSkin& s) { s.mixtures.clear(); }));
+    CHECK_FALSE(is_read([](SavedSkin& s) { s.mixtures.pop_back(); }));
+    CHECK_FALSE(is_read([](SavedSkin& s) { s.target.pop_back(); }));
+    CHECK_FALSE(is_read([](SavedSkin& s) { s.result.state.open.pop_back(); }));
+    CHECK_FALSE(is_read([](SavedSkin& s) { s.result.state.shown.pop_back(); }));
+    CHECK_FALSE(is_read([](SavedSkin& s) { s.result.in_gamut.push_back(1); }));
+    CHECK_FALSE(is_read([](SavedSkin& s) { s.result.state.steps.clear(); }));
+    CHECK_FALSE(is_read([](SavedSkin& s) { s.result.state.best = 3; }));
+    CHECK_FALSE(is_read([](SavedSkin& s) { s.surface.cell_voxels[1] = 0; }));
+    CHECK_FALSE(is_read([](SavedSkin& s) { s.surface.cells[2].cell[1] = -1; }));
+    CHECK_FALSE(is_read([](SavedSkin& s) { s.surface.cells[2].cell[1] = 1 << 24; }));
+    CHECK(is_read([](SavedSkin& s) { s.surface.cells[2].cell[1] = (1 << 24) - 1; }));
+    CHECK_FALSE(is_read([](SavedSkin& s) { s = some_skin(0); }));
+    // Of a loop that was left out there are neither cells nor mixtures.
+    CHECK_FALSE(is_read([](SavedSkin& s) { s.left_out = "too little memory"; }));
+    CHECK_FALSE(is_read([](SavedSkin& s) { s = {}, s.left_out = "too little memory", s.mixtures.resize(1); }));
 }
 
 TEST_CASE("A skin file that was cut or changed anywhere is refused", "[loop]") {

@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "io/layers/stack_reader.h"
 #include "io/layers/verify.h"
+#include "marker_picture.h"
 #include "tests/io/files/temporary_folder.h"
 
 using namespace voxtone;
@@ -93,7 +94,54 @@ Look signs_of(const Look& look, io::Material plate) {
     return signs;
 }
 
+/// What is seen of the boxes in cells of half a millimetre, the back first: a letter for each resin but the plate's,
+/// a space where there is nothing. Of the voxels from `low_mm` to `high_mm`, those on top.
+std::string drawn(const BoxPrint& print, double low_mm, double high_mm) {
+    std::string text;
+    for (int y = int(std::lround(print.size_mm.y() * 2)) - 1; y >= 0; --y) {
+        std::string row;
+        for (int x = 0; x < int(std::lround(print.size_mm.x() * 2)); ++x) {
+            double top = 0;
+            char seen = ' ';
+            for (const PrintBox& box : print.boxes) {
+                const double at_x = x / 2.0 + 0.25, at_y = y / 2.0 + 0.25;
+                if (at_x < box.min_mm.x() || at_x > box.max_mm.x() || at_y < box.min_mm.y() || at_y > box.max_mm.y() ||
+                    box.min_mm.z() > high_mm || box.max_mm.z() < low_mm || std::min(box.max_mm.z(), high_mm) < top)
+                    continue;
+                top = std::min(box.max_mm.z(), high_mm);
+                const auto resin = std::size_t(std::ranges::max_element(box.fractions) - box.fractions.begin());
+                seen = print.roles[resin] == "W" ? '.' : print.roles[resin][0];
+            }
+            row += seen;
+        }
+        text += row.substr(0, row.find_last_not_of(' ') + 1) + "\n";
+    }
+    return text;
+}
+
 }  // namespace
+
+TEST_CASE("The marker's picture, from above and in its lowest layers") {
+    const BoxPrint print = marker_boxes({"C", "M", "Y", "K", "W"}, find_printer("stratasys-j750-hm"));
+    CHECK((drawn(print, 0, 99) == test::marker_from_above));
+    const std::string lowest = drawn(print, 0, 0.3), bare(104, '.');
+    std::string wanted;
+    for (int row = 0; row < 64; ++row)
+        wanted += row == 30 ? test::marker_from_below : row > 30 && row < 44 ? "" : bare + "\n";
+    CHECK((lowest == wanted));
+    CHECK(print.size_mm == Eigen::Vector3d(52, 32, 4.5));
+    // A printer that loads neither white nor black takes its lightest and its darkest.
+    const BoxPrint others = marker_boxes({"M", "Y", "C"}, find_printer("stratasys-j750-hm"));
+    CHECK(others.boxes[0].fractions == std::vector<double>{0, 1, 0});  // the plate, of yellow
+    CHECK(others.boxes[1].fractions[1] == 0);
+    // What is higher than the plate, and how deep squares and letters go.
+    for (const PrintBox& box : print.boxes) {
+        const double low = box.min_mm.z(), high = box.max_mm.z();
+        const bool known = (low == 0 && (high == 3 || high == 0.6)) || (low == 3 && (high == 3.5 || high == 4.5)) ||
+                           (low == 1.5 && high == 3.5) || (low == 3.5 - 0.6 && high == 3.5);
+        CHECK(known);
+    }
+}
 
 TEST_CASE("The marker is whole for every printer, and each resin lies raised in its square", "[slow]") {
     TemporaryFolder folder;
