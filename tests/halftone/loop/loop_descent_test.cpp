@@ -3,8 +3,11 @@
 // What the loop does where the model has a gradient: from which print it starts downhill, and what it prints last.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "base/error.h"
 #include "blurring_model.h"
 
 using namespace voxtone;
@@ -87,6 +90,8 @@ private:
 /// A loop over a chequered slab, and all that it printed.
 struct Run {
     explicit Run(float spread, int iterations)
+        : Run(spread, LoopOptions{.iterations = iterations, .viewing_distance_mm = 50}) {}
+    Run(float spread, const LoopOptions& options, std::optional<ResumedLoop> resume = {}, Progress&& progress = {})
         : slab(n, optics::vero_opaque().subset(std::vector<std::string>{"K", "W"})), model(slab.white, spread) {
         for (int y = 0; y < n; ++y)
             for (int x = 0; x < n; ++x) target.push_back(Eigen::Vector3f::Constant((x + y) % 2 ? 0.25f : 0.55f));
@@ -100,12 +105,20 @@ struct Run {
             if (!visit_all([](const optics::ResinGradient&, const optics::VoxelBox&) {})) return std::vector<float>{};
             return model.mixture_gradient(printed.back(), static_cast<std::size_t>(slab.white));
         };
-        Progress quiet;
-        result = run_appearance_loop(task, {.iterations = iterations, .viewing_distance_mm = 50}, quiet,
-                                     [&](const LoopState& state, const auto&) {
-                                         states.push_back(state);
-                                         return nullptr;
-                                     });
+        result = run_appearance_loop(
+            task, options, progress,
+            [&](const LoopState& state, const auto&) {
+                states.push_back(state);
+                // What was handed over is as it was until this is called.
+                return [this, &state, then = states.size() - 1] {
+                    ++looked;
+                    is_as_it_was =
+                        is_as_it_was && state.steps.size() == states[then].steps.size() &&
+                        state.control == states[then].control && state.shown == states[then].shown &&
+                        std::ranges::equal(state.descent.mixtures.all(), states[then].descent.mixtures.all());
+                };
+            },
+            std::move(resume));
     }
     [[nodiscard]] std::string methods() const {
         std::string all;
@@ -118,6 +131,8 @@ struct Run {
     std::vector<Eigen::Vector3f> target;
     std::vector<SkinMixtures> printed;
     std::vector<LoopState> states;
+    std::size_t looked = 0;
+    bool is_as_it_was = true;
     LoopResult result;
 };
 
@@ -169,4 +184,96 @@ TEST_CASE("The last iteration prints the running mean of the descent, those befo
     CHECK(std::ranges::equal(run.printed[6].all(), printed(run.states[6].descent.mixtures).all()));
     CHECK(std::ranges::equal(run.printed[7].all(), mean_of(run.states[7]).all()));
     CHECK_FALSE(std::ranges::equal(run.printed[7].all(), printed(run.states[7].descent.mixtures).all()));
+}
+
+namespace {
+
+constexpr LoopOptions six{.iterations = 6, .viewing_distance_mm = 50};
+
+/// Ends the work after some predictions.
+class Ends final : public Progress {
+public:
+    explicit Ends(std::uint64_t after) : after_(after) {}
+
+private:
+    void on_advance(std::uint64_t done) override {
+        if (done >= after_) cancel();
+    }
+    std::uint64_t after_;
+};
+
+}  // namespace
+
+TEST_CASE("A loop that goes downhill is the same resumed at any of its steps, and tells who looks on before it changes",
+          "[loop]") {
+    const Run whole(0.9f, six);
+    REQUIRE(whole.states.size() == 7);
+    REQUIRE(whole.result.best);
+    CHECK(whole.looked == whole.states.size());
+    CHECK(whole.is_as_it_was);
+    CHECK(whole.result.why_stopped == all_iterations_made);
+    CHECK_FALSE(whole.result.cancelled);
+    for (const std::size_t at : {std::size_t{1}, std::size_t{4}}) {
+        CAPTURE(at);
+        const Run rest(0.9f, six, ResumedLoop{whole.states[at], {}});
+        CHECK(rest.states.size() == 6 - at);
+        REQUIRE(rest.result.best);
+        CHECK(std::ranges::equal(rest.result.best->all(), whole.result.best->all()));
+        CHECK(rest.result.state.best == whole.result.state.best);
+        CHECK(rest.result.state.shown == whole.result.state.shown);
+        CHECK(rest.result.state.urgency == whole.result.state.urgency);
+        REQUIRE(rest.result.state.steps.size() == 7);
+        for (std::size_t k = 0; k < 7; ++k)
+            CHECK(rest.result.state.steps[k].score == whole.result.state.steps[k].score);
+    }
+    // What has made them all makes none.
+    const Run done(0.9f, six, ResumedLoop{whole.states[6], {}});
+    CHECK((done.printed.empty() && done.states.empty()));
+    CHECK(std::ranges::equal(done.result.best->all(), whole.result.best->all()));
+    // Of another number of values, or of a loop that looks at no white, it is refused.
+    LoopState other = whole.states[4];
+    other.white.pop_back();
+    CHECK_THROWS_AS(Run(0.9f, six, ResumedLoop{other, {}}), InputError);
+    LoopOptions absolute = six;
+    absolute.intent = Intent::absolute;
+    CHECK_THROWS_AS(Run(0.9f, absolute, ResumedLoop{whole.states[4], {}}), InputError);
+}
+
+TEST_CASE("A loop that is stopped on its way downhill has the best print so far, and what it knows of each", "[loop]") {
+    const Run stopped(0.9f, six, {}, Ends(6));
+    const LoopState& state = stopped.result.state;
+    CHECK(stopped.result.cancelled);
+    CHECK(stopped.result.why_stopped == "it was stopped");
+    CHECK(state.steps.size() == 6);
+    CHECK(stopped.looked == stopped.states.size());
+    CHECK(state.best > 0);
+    for (std::size_t k = 0; k < state.steps.size(); ++k) {
+        CHECK(state.steps[k].iteration == int(k));
+        CHECK(state.steps[state.best].score <= state.steps[k].score);
+    }
+    REQUIRE(stopped.result.best);
+    CHECK(std::ranges::equal(stopped.result.best->all(), stopped.printed[state.best - 1].all()));
+    CHECK(stopped.result.seen_target);
+    CHECK(stopped.result.in_gamut.size() == stopped.target.size());
+}
+
+TEST_CASE("Without a descent feedback alone goes on, and an absolute target is of no white twin", "[loop]") {
+    LoopOptions options{.iterations = 5, .viewing_distance_mm = 50};
+    options.descent = false;
+    options.intent = Intent::absolute;
+    const Run run(0.3f, options);
+    CHECK(run.methods() == "offfff");
+    CHECK(run.model.gradients == 0);
+    CHECK(run.result.state.white.empty());
+    const auto& steps = run.result.state.steps;
+    CHECK(steps[run.result.state.best].score < steps[0].score);
+    for (const LoopStep& step : steps) CHECK((step.saturated_share >= 0 && step.saturated_share <= 1));
+    REQUIRE(run.result.best);
+    CHECK(std::ranges::equal(run.result.best->all(),
+                             mixtures_of(*run.slab.recipes, run.result.state.start_control).all()));
+    // Where contrast is asked for, the same goes downhill to another print.
+    options = six;
+    options.intent = Intent::contrast;
+    const Run contrast(0.9f, options), relative(0.9f, six);
+    CHECK_FALSE(std::ranges::equal(contrast.printed.back().all(), relative.printed.back().all()));
 }
